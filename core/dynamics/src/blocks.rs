@@ -1,0 +1,78 @@
+//! Dense blocks that go to fixed places of a sparse matrix.
+
+/// Marks an entry whose row or column is held fixed.
+const SKIPPED: u32 = u32::MAX;
+
+/// Where contributions put dense blocks: the first pass records which entries exist, later passes add values in the same
+/// order without any search.
+pub struct Blocks<'a> {
+    target: Target<'a>,
+}
+
+enum Target<'a> {
+    Record(&'a mut Vec<(u32, u32)>),
+    Add {
+        places: &'a [u32],
+        cursor: usize,
+        values: &'a mut [f64],
+    },
+}
+
+impl<'a> Blocks<'a> {
+    /// Records the places of all blocks as (row, column), in call order.
+    pub fn record(places: &'a mut Vec<(u32, u32)>) -> Self {
+        Self {
+            target: Target::Record(places),
+        }
+    }
+
+    /// Adds to `values`; `places[i]` is the position of the i-th recorded entry, see [`Blocks::skipped`].
+    pub fn add_to(places: &'a [u32], values: &'a mut [f64]) -> Self {
+        Self {
+            target: Target::Add {
+                places,
+                cursor: 0,
+                values,
+            },
+        }
+    }
+
+    /// The place of an entry that is dropped.
+    #[must_use]
+    pub const fn skipped() -> u32 {
+        SKIPPED
+    }
+
+    /// Number of entries added so far, to compare with the number recorded.
+    #[must_use]
+    pub fn entries(&self) -> usize {
+        match &self.target {
+            Target::Record(places) => places.len(),
+            Target::Add { cursor, .. } => *cursor,
+        }
+    }
+
+    /// Adds a dense block: `values` row by row, `rows.len() × columns.len()` entries.
+    pub fn add(&mut self, rows: &[usize], columns: &[usize], values: &[f64]) {
+        debug_assert_eq!(rows.len() * columns.len(), values.len());
+        match &mut self.target {
+            Target::Record(places) => {
+                for &row in rows {
+                    places.extend(columns.iter().map(|&column| (row as u32, column as u32)));
+                }
+            }
+            Target::Add {
+                places,
+                cursor,
+                values: target,
+            } => {
+                for (value, &place) in values.iter().zip(&places[*cursor..]) {
+                    if place != SKIPPED {
+                        target[place as usize] += value;
+                    }
+                }
+                *cursor += values.len();
+            }
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! The trait of everything that adds algebraic constraints.
+use crate::Motion;
+
+/// A contribution of holonomic constraints `g(t, q) = 0`.
+pub trait Constraint: Send {
+    /// Number of equations.
+    fn dimension(&self) -> usize;
+
+    /// Writes the residuals `g` (m or –), one entry per equation.
+    fn residual(&self, motion: &Motion<'_>, g: &mut [f64]);
+
+    /// Adds the Jacobian `g_q` with respect to the generalised velocities (`ġ = g_q v`) as dense blocks, in the same order
+    /// and with the same indices in every call.
+    fn jacobian(&self, motion: &Motion<'_>, rows: &mut JacobianRows<'_>);
+}
+
+/// Where a [`Constraint`] puts the blocks of its Jacobian.
+pub struct JacobianRows<'a> {
+    sink: &'a mut dyn FnMut(usize, &[usize], &[f64]),
+}
+
+impl<'a> JacobianRows<'a> {
+    /// Blocks go to `sink(row, columns, values)`, one call per row.
+    pub fn new(sink: &'a mut dyn FnMut(usize, &[usize], &[f64])) -> Self {
+        Self { sink }
+    }
+
+    /// Adds `values` (one per entry of `columns`) to equation `row`, counted within the constraint.
+    pub fn add(&mut self, row: usize, columns: &[usize], values: &[f64]) {
+        debug_assert_eq!(columns.len(), values.len());
+        (self.sink)(row, columns, values);
+    }
+}

@@ -1,0 +1,62 @@
+//! The trait of everything that adds a generalised force.
+use crate::{Blocks, Motion, Updates};
+
+/// Weights of the two parts of a tangent: `S = q K + v D` with `K = −∂Q/∂q` and `D = −∂Q/∂v`.
+///
+/// Statics use `q = 1, v = 0`; generalized-α uses `q = 1, v = γ/(β h)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Weight of the stiffness, –.
+    pub q: f64,
+    /// Weight of the damping, 1/s.
+    pub v: f64,
+}
+
+/// A contribution that adds a generalised force, its tangent, and its (constant) inertia.
+///
+/// Sign: `Q` acts *on* the coordinates, so a spring adds `−k q` and its tangent block is `+k`.
+pub trait Force: Send {
+    /// Adds `Q(t, q, v, u)` to `force` (one entry per generalised velocity; N, N·m).
+    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]);
+
+    /// Adds the dense blocks of `S` that belong into the factored matrix.
+    ///
+    /// The blocks must come in the same order and with the same indices in every call: the pattern is analysed once.
+    /// A term that switches (a dropper) adds its present tangent here and corrects it in [`Force::push_updates`].
+    fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+        let _ = (motion, weights, blocks);
+    }
+
+    /// Adds what the tangent now has beyond the blocks of the last [`Force::add_tangent`], as low-rank terms: moving contact,
+    /// a dropper that has switched since. Called in each Newton iteration.
+    fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
+        let _ = (motion, weights, updates);
+    }
+
+    /// Adds the constant mass matrix of this contribution as dense blocks (kg, kg·m, kg·m²).
+    fn add_mass(&self, blocks: &mut Blocks<'_>) {
+        let _ = blocks;
+    }
+
+    /// Potential energy, J; zero for forces without one.
+    fn energy(&self, motion: &Motion<'_>) -> f64 {
+        let _ = motion;
+        0.0
+    }
+
+    /// Called once per step with the predicted motion, before the first force of the step: contact search and the like.
+    fn begin_step(&mut self, motion: &Motion<'_>) {
+        let _ = motion;
+    }
+
+    /// Appends the history this contribution carries beyond `q, v` (start values of searches, directions frozen in the
+    /// factored matrix), so that a restored state continues bit for bit.
+    fn save(&self, out: &mut Vec<f64>) {
+        let _ = out;
+    }
+
+    /// Takes back what [`Force::save`] appended, in the same order.
+    fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
+        let _ = values;
+    }
+}

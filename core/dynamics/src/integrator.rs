@@ -1,0 +1,412 @@
+//! Generalized-α time integration of constrained systems.
+use crate::newton::{Jacobian, Workspace, name};
+use crate::{Counters, Motion, NewtonOptions, State, StepError, System, Weights};
+use nalgebra::{UnitQuaternion, Vector3};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// Coefficients of generalized-α for a spectral radius at infinite frequency `rho_inf` in 0…1
+/// [Chung & Hulbert 1993; Arnold & Brüls 2007, Eq. (8)].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scheme {
+    /// Weight of the old auxiliary acceleration, –.
+    pub alpha_m: f64,
+    /// Weight of the old acceleration, –.
+    pub alpha_f: f64,
+    /// Newmark's β, –.
+    pub beta: f64,
+    /// Newmark's γ, –.
+    pub gamma: f64,
+}
+
+impl Scheme {
+    /// The second-order coefficients for `rho_inf`: 1 keeps energy (trapezoid), 0 annihilates the highest frequencies.
+    ///
+    /// # Panics
+    /// When `rho_inf` is outside 0…1.
+    #[must_use]
+    pub fn new(rho_inf: f64) -> Self {
+        assert!((0.0..=1.0).contains(&rho_inf), "rho_inf = {rho_inf} is outside 0…1");
+        let alpha_m = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0);
+        let alpha_f = rho_inf / (rho_inf + 1.0);
+        let gamma = 0.5 + alpha_f - alpha_m;
+        Self {
+            alpha_m,
+            alpha_f,
+            beta: 0.25 * (gamma + 0.5) * (gamma + 0.5),
+            gamma,
+        }
+    }
+
+    /// `(β', γ')`: change of acceleration and velocity per change of the coordinates at the end of a step of `h` s.
+    fn rates(&self, h: f64) -> (f64, f64) {
+        (
+            (1.0 - self.alpha_m) / (h * h * self.beta * (1.0 - self.alpha_f)),
+            self.gamma / (h * self.beta),
+        )
+    }
+}
+
+/// The state that a kept factorisation was made at: with it a restored run repeats bit for bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Linearisation {
+    h: f64,
+    t: f64,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    rotation: Vec<UnitQuaternion<f64>>,
+    u: Vec<f64>,
+    history: Vec<f64>,
+}
+
+/// What a [`GeneralizedAlpha`] must remember beside the [`State`]; cheap to clone.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    linearisation: Option<Arc<Linearisation>>,
+    history: Vec<f64>,
+    last_h: Option<f64>,
+}
+
+/// Generalized-α for index-3 systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012]:
+///
+/// ```text
+/// M v̇ₙ₊₁ = Q(tₙ₊₁, qₙ₊₁, vₙ₊₁) − g_qᵀ λₙ₊₁,   g(qₙ₊₁) = 0
+/// qₙ₊₁ = qₙ ∘ exp(h vₙ + h² (½ − β) aₙ + h² β aₙ₊₁)
+/// vₙ₊₁ = vₙ + h (1 − γ) aₙ + h γ aₙ₊₁
+/// (1 − α_m) aₙ₊₁ + α_m aₙ = (1 − α_f) v̇ₙ₊₁ + α_f v̇ₙ
+/// ```
+///
+/// The iteration matrix `β' M + γ' D + K` treats the derivative of the exponential map as the identity: its error is of the
+/// order of the rotation within one step and costs at most iterations.
+pub struct GeneralizedAlpha {
+    scheme: Scheme,
+    options: NewtonOptions,
+    workspace: Option<Workspace>,
+    memory: Memory,
+    /// Rotation vectors of the present step, one per rotation.
+    increments: Vec<Vector3<f64>>,
+    start: State,
+    start_history: Vec<f64>,
+    counters: Counters,
+}
+
+/// Contraction of the residual per iteration beyond which a kept factorisation is replaced.
+const SLOW: f64 = 0.3;
+
+impl GeneralizedAlpha {
+    /// An integrator for one system.
+    #[must_use]
+    pub fn new(rho_inf: f64, options: NewtonOptions) -> Self {
+        Self {
+            scheme: Scheme::new(rho_inf),
+            options,
+            workspace: None,
+            memory: Memory::default(),
+            increments: Vec::new(),
+            start: State::default(),
+            start_history: Vec::new(),
+            counters: Counters::default(),
+        }
+    }
+
+    /// Work done so far.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        self.counters
+    }
+
+    /// Advances `state` by `h` s; `u` are the inputs at the end of the step.
+    ///
+    /// # Errors
+    /// See [`StepError`]; the state and the contributions are then as before the step.
+    pub fn step(
+        &mut self,
+        system: &mut dyn System,
+        state: &mut State,
+        u: &[f64],
+        t_end: f64,
+        h: f64,
+    ) -> Result<(), StepError> {
+        self.start.copy_from(state);
+        self.start_history.clear();
+        system.forces(&mut |force| force.save(&mut self.start_history));
+        let result = self.attempt(system, state, u, t_end, h);
+        match &result {
+            Ok(()) => self.memory.last_h = Some(h),
+            Err(_) => {
+                state.copy_from(&self.start);
+                restore_history(system, &self.start_history);
+            }
+        }
+        result
+    }
+
+    fn attempt(
+        &mut self,
+        system: &mut dyn System,
+        state: &mut State,
+        u: &[f64],
+        t_end: f64,
+        h: f64,
+    ) -> Result<(), StepError> {
+        let mut workspace = match self.workspace.take() {
+            Some(workspace) => workspace,
+            None => Workspace::new(system, &state.motion(u)),
+        };
+        let before = workspace.counters;
+        let result = self.iterate(&mut workspace, system, state, u, t_end, h);
+        self.counters.micro_steps += 1;
+        self.counters.newton_iterations += workspace.counters.newton_iterations - before.newton_iterations;
+        self.counters.factorizations += workspace.counters.factorizations - before.factorizations;
+        self.counters.solves += workspace.counters.solves - before.solves;
+        self.workspace = Some(workspace);
+        result
+    }
+
+    fn iterate(
+        &mut self,
+        workspace: &mut Workspace,
+        system: &mut dyn System,
+        state: &mut State,
+        u: &[f64],
+        t_end: f64,
+        h: f64,
+    ) -> Result<(), StepError> {
+        let (mass_rate, velocity_rate) = self.scheme.rates(h);
+        let weights = Weights {
+            q: 1.0,
+            v: velocity_rate,
+        };
+        self.ensure_factor(workspace, system, state, u, h)?;
+        self.predict(system, state, t_end, h);
+        system.forces(&mut |force| force.begin_step(&state.motion(u)));
+        let n = state.q.len();
+        let options = self.options;
+        let mut last_ratio = f64::INFINITY;
+        let mut fresh = 0;
+        for iteration in 0..=options.max_iterations {
+            let motion = state.motion(u);
+            let residual = workspace.residual(system, &motion, Some(&state.v_dot), &state.lambda, &options);
+            if !residual.ratio.is_finite() {
+                return Err(StepError::NotFinite {
+                    t: t_end,
+                    coordinate: name(system, residual.worst),
+                });
+            }
+            if residual.ratio <= 1.0 {
+                return Ok(());
+            }
+            if iteration == options.max_iterations {
+                return Err(StepError::NotConverged {
+                    t: t_end,
+                    h,
+                    iterations: iteration,
+                    residual: residual.value,
+                    tolerance: if residual.worst < n {
+                        options.tolerance
+                    } else {
+                        options.constraint_tolerance
+                    },
+                    coordinate: name(system, residual.worst),
+                });
+            }
+            let slow = iteration >= 3 && residual.ratio > SLOW * last_ratio && residual.ratio > 10.0;
+            if options.jacobian == Jacobian::Full || (slow && fresh < 2) {
+                self.linearise(workspace, system, &motion, h)?;
+                fresh += 1;
+            }
+            // A term that switches to and fro makes full corrections cycle: half of the one that leads back ends that.
+            let damping = if iteration >= 3 && residual.ratio > last_ratio { 0.5 } else { 1.0 };
+            last_ratio = residual.ratio;
+            workspace.correct(system, &motion, weights)?;
+            self.apply(&workspace.correction, damping, (mass_rate, velocity_rate), system, state);
+        }
+        unreachable!("the last pass returns")
+    }
+
+    /// Makes sure there is a factorisation for this step size.
+    fn ensure_factor(
+        &mut self,
+        workspace: &mut Workspace,
+        system: &mut dyn System,
+        state: &State,
+        u: &[f64],
+        h: f64,
+    ) -> Result<(), StepError> {
+        // Masters pass 0.0010000000000000009 for 1 ms: the same factors serve.
+        let serves = |linearisation: &Linearisation| (linearisation.h - h).abs() <= 1e-9 * h;
+        match &self.memory.linearisation {
+            Some(linearisation) if serves(linearisation) => Ok(()),
+            _ => self.linearise(workspace, system, &state.motion(u), h),
+        }
+    }
+
+    fn linearise(
+        &mut self,
+        workspace: &mut Workspace,
+        system: &mut dyn System,
+        motion: &Motion<'_>,
+        h: f64,
+    ) -> Result<(), StepError> {
+        let mut history = Vec::new();
+        system.forces(&mut |force| force.save(&mut history));
+        let linearisation = Linearisation {
+            h,
+            t: motion.t,
+            q: motion.q.to_vec(),
+            v: motion.v.to_vec(),
+            rotation: motion.rotation.to_vec(),
+            u: motion.u.to_vec(),
+            history,
+        };
+        self.factor(workspace, system, &linearisation)?;
+        self.memory.linearisation = Some(Arc::new(linearisation));
+        Ok(())
+    }
+
+    fn factor(
+        &self,
+        workspace: &mut Workspace,
+        system: &mut dyn System,
+        linearisation: &Linearisation,
+    ) -> Result<(), StepError> {
+        let (mass_rate, velocity_rate) = self.scheme.rates(linearisation.h);
+        let motion = Motion {
+            t: linearisation.t,
+            q: &linearisation.q,
+            v: &linearisation.v,
+            rotation: &linearisation.rotation,
+            u: &linearisation.u,
+        };
+        let weights = Weights {
+            q: 1.0,
+            v: velocity_rate,
+        };
+        workspace.factor(system, &motion, mass_rate, weights)
+    }
+
+    /// Predicts the end of the step with the auxiliary acceleration kept.
+    fn predict(&mut self, system: &dyn System, state: &mut State, t_end: f64, h: f64) {
+        let Scheme { alpha_m, alpha_f, .. } = self.scheme;
+        if let Some(last_h) = self.memory.last_h
+            && (last_h - h).abs() > 1e-9 * h
+        {
+            // a approximates v̇ at t + (α_m − α_f) h, so its distance from v̇ goes with the step.
+            for (a, v_dot) in state.a.iter_mut().zip(&state.v_dot) {
+                *a = v_dot + (*a - v_dot) * (h / last_h);
+            }
+        }
+        state.t = t_end;
+        for i in 0..state.q.len() {
+            let a = state.a[i];
+            state.q[i] += h * (state.v[i] + 0.5 * h * a);
+            state.v[i] += h * a;
+            state.v_dot[i] = (a - alpha_f * state.v_dot[i]) / (1.0 - alpha_f);
+        }
+        debug_assert!(alpha_m < 1.0);
+        for &index in system.layout().fixed() {
+            state.q[index] = self.start.q[index];
+            state.v[index] = 0.0;
+            state.v_dot[index] = 0.0;
+            state.a[index] = 0.0;
+        }
+        self.increments.clear();
+        for (k, &first) in system.layout().rotations().iter().enumerate() {
+            let step = Vector3::new(state.q[first], state.q[first + 1], state.q[first + 2]);
+            self.increments.push(step);
+            state.rotation[k] = self.start.rotation[k] * UnitQuaternion::from_scaled_axis(step);
+            state.q[first..first + 3].fill(0.0);
+        }
+    }
+
+    /// Applies a Newton correction to the end of the step.
+    fn apply(
+        &mut self,
+        correction: &[f64],
+        damping: f64,
+        (mass_rate, velocity_rate): (f64, f64),
+        system: &dyn System,
+        state: &mut State,
+    ) {
+        let n = state.q.len();
+        let Scheme { alpha_m, alpha_f, .. } = self.scheme;
+        let a_per_v_dot = (1.0 - alpha_f) / (1.0 - alpha_m);
+        for (i, &correction) in correction[..n].iter().enumerate() {
+            let change = damping * correction;
+            state.q[i] += change;
+            state.v[i] += velocity_rate * change;
+            state.v_dot[i] += mass_rate * change;
+            state.a[i] += a_per_v_dot * mass_rate * change;
+        }
+        for (lambda, change) in state.lambda.iter_mut().zip(&correction[n..]) {
+            *lambda += damping * change;
+        }
+        for (k, &first) in system.layout().rotations().iter().enumerate() {
+            self.increments[k] += Vector3::new(state.q[first], state.q[first + 1], state.q[first + 2]);
+            state.q[first..first + 3].fill(0.0);
+            state.rotation[k] = self.start.rotation[k] * UnitQuaternion::from_scaled_axis(self.increments[k]);
+        }
+    }
+
+    /// Solves `M v̇ = Q − g_qᵀ λ` together with `g̈ = 0` approximately for the start of a motion: for a state in static
+    /// equilibrium the accelerations are zero, so only states that start with velocities or loads need this.
+    ///
+    /// The second derivative of the constraints at `v` is taken from a difference of `g_q v` over 1e-6 s.
+    ///
+    /// # Errors
+    /// [`StepError::Singular`] where mass matrix and constraints do not determine the accelerations.
+    pub fn start_accelerations(
+        &mut self,
+        system: &mut dyn System,
+        state: &mut State,
+        u: &[f64],
+    ) -> Result<(), StepError> {
+        crate::start::accelerations(system, state, u)?;
+        state.a.clone_from(&state.v_dot);
+        Ok(())
+    }
+
+    /// What must be kept with the [`State`] so that a restored run repeats bit for bit.
+    pub fn save(&self, system: &mut dyn System, memory: &mut Memory) {
+        memory.linearisation.clone_from(&self.memory.linearisation);
+        memory.last_h = self.memory.last_h;
+        memory.history.clear();
+        system.forces(&mut |force| force.save(&mut memory.history));
+    }
+
+    /// Takes back what [`GeneralizedAlpha::save`] stored.
+    ///
+    /// # Errors
+    /// When the matrix of the saved state cannot be factored again.
+    pub fn restore(&mut self, system: &mut dyn System, state: &State, u: &[f64], memory: &Memory) -> Result<(), StepError> {
+        let same = match (&self.memory.linearisation, &memory.linearisation) {
+            (Some(mine), Some(saved)) => Arc::ptr_eq(mine, saved),
+            (None, None) => true,
+            _ => false,
+        };
+        self.memory.linearisation.clone_from(&memory.linearisation);
+        self.memory.last_h = memory.last_h;
+        if let Some(mut workspace) = self.workspace.take() {
+            workspace.forget();
+            self.workspace = Some(workspace);
+        }
+        if !same && let Some(linearisation) = memory.linearisation.clone() {
+            restore_history(system, &linearisation.history);
+            let mut workspace = match self.workspace.take() {
+                Some(workspace) => workspace,
+                None => Workspace::new(system, &state.motion(u)),
+            };
+            let result = self.factor(&mut workspace, system, &linearisation);
+            self.workspace = Some(workspace);
+            result?;
+        }
+        restore_history(system, &memory.history);
+        Ok(())
+    }
+}
+
+fn restore_history(system: &mut dyn System, history: &[f64]) {
+    let mut values = history.iter();
+    system.forces(&mut |force| force.restore(&mut values));
+    debug_assert!(values.next().is_none(), "a contribution saved more than it restored");
+}

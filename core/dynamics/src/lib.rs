@@ -1,0 +1,54 @@
+//! Multibody kernel shared by the overhead line and the rigid side.
+//!
+//! World frame: x along the track in the direction of travel, y lateral (left), z up. SI units throughout.
+//! A mechanical system is a list of contributions: each [`Force`] adds a generalised force, its tangent and its
+//! inertia, each [`Constraint`] adds algebraic equations and their Jacobian. Contact, droppers, joints and loads
+//! see bodies only through a [`Marker`]. The equations are
+//!
+//! ```text
+//! M v̇ = Q(t, q, v, u) − g_qᵀ λ,    g(t, q) = 0
+//! ```
+//!
+//! with constant `M`; `u` are the inputs of the system followed in time (see [`Motion`]).
+//!
+//! # Sources
+//! - `[Arnold & Brüls 2007]` M. Arnold, O. Brüls, Convergence of the generalized-α scheme for constrained
+//!   mechanical systems, Multibody System Dynamics 18, doi 10.1007/s11044-007-9084-0.
+//! - `[Brüls, Cardona & Arnold 2012]` Lie group generalized-α time integration of constrained flexible multibody
+//!   systems, Mechanism and Machine Theory 48, doi 10.1016/j.mechmachtheory.2011.07.017.
+//! - `[Chung & Hulbert 1993]` A time integration algorithm for structural dynamics with improved numerical
+//!   dissipation, Journal of Applied Mechanics 60, doi 10.1115/1.2900803.
+#![forbid(unsafe_code)]
+
+mod blocks;
+mod constraint;
+mod factor;
+mod force;
+mod input;
+mod integrator;
+mod marker;
+mod matrix;
+mod motion;
+mod newton;
+mod simulator;
+pub mod rotation;
+mod sparse;
+mod start;
+mod statics;
+mod system;
+mod updates;
+mod woodbury;
+
+pub use blocks::Blocks;
+pub use constraint::{Constraint, JacobianRows};
+pub use force::{Force, Weights};
+pub use input::{FollowedInput, MAX_ORDER};
+pub use integrator::{GeneralizedAlpha, Memory, Scheme};
+pub use marker::{Column, Columns, Frame, Marker};
+pub use newton::{Counters, Jacobian, NewtonOptions, StepError};
+pub use simulator::{Checkpoint, Simulator};
+pub use sparse::SparseMatrix;
+pub use motion::{Motion, State};
+pub use statics::{StaticOptions, StaticReport, solve_static};
+pub use system::{Layout, System};
+pub use updates::Updates;

@@ -1,0 +1,141 @@
+//! A system in time: sub-steps inside a communication step, with its state saved and restored as a whole.
+use crate::matrix::mass_matrix;
+use crate::{
+    Counters, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions, StaticReport, StepError, System,
+    solve_static,
+};
+use serde::{Deserialize, Serialize};
+
+/// Everything a [`Simulator`] must keep to continue bit for bit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    state: State,
+    memory: Memory,
+    u: Vec<f64>,
+}
+
+/// A system, its state and its integrator.
+pub struct Simulator<S> {
+    /// The model.
+    pub system: S,
+    state: State,
+    integrator: GeneralizedAlpha,
+    micro_step: f64,
+    u: Vec<f64>,
+    mass: Option<SparseMatrix>,
+}
+
+impl<S: System> Simulator<S> {
+    /// A simulator at `state`, with inputs `u` there; no internal step is longer than `micro_step` s.
+    pub fn new(system: S, state: State, u: Vec<f64>, micro_step: f64, rho_inf: f64, options: NewtonOptions) -> Self {
+        Self {
+            system,
+            state,
+            integrator: GeneralizedAlpha::new(rho_inf, options),
+            micro_step,
+            u,
+            mass: None,
+        }
+    }
+
+    /// The present state.
+    #[must_use]
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The inputs at the present state.
+    #[must_use]
+    pub fn inputs(&self) -> &[f64] {
+        &self.u
+    }
+
+    /// Puts other inputs in place of the present ones, for outputs that depend on them directly.
+    pub fn set_inputs(&mut self, u: &[f64]) {
+        self.u.copy_from_slice(u);
+    }
+
+    /// The model and its present motion.
+    pub fn parts(&mut self) -> (&mut S, crate::Motion<'_>) {
+        (&mut self.system, self.state.motion(&self.u))
+    }
+
+    /// Goes to the static equilibrium with the present inputs.
+    ///
+    /// # Errors
+    /// See [`crate::solve_static`].
+    pub fn settle(&mut self, options: &StaticOptions) -> Result<StaticReport, StepError> {
+        solve_static(&mut self.system, &mut self.state, &self.u, options)
+    }
+
+    /// Kinetic energy `½ vᵀ M v`, J.
+    pub fn kinetic_energy(&mut self) -> f64 {
+        let mass = self.mass.get_or_insert_with(|| mass_matrix(&mut self.system));
+        0.5 * mass.quadratic_form(&self.state.v)
+    }
+
+    /// Replaces the present state, for starts that are found elsewhere.
+    pub fn set_state(&mut self, state: State) {
+        self.state = state;
+    }
+
+    /// Consistent accelerations for a start that is not an equilibrium.
+    ///
+    /// # Errors
+    /// See [`GeneralizedAlpha::start_accelerations`].
+    pub fn start_accelerations(&mut self) -> Result<(), StepError> {
+        self.integrator.start_accelerations(&mut self.system, &mut self.state, &self.u)
+    }
+
+    /// Number of equal internal steps within a communication step of `h` s: a rest of rounding makes no extra step.
+    #[must_use]
+    pub fn micro_steps(&self, h: f64) -> usize {
+        ((h / self.micro_step - 1e-9).ceil() as usize).max(1)
+    }
+
+    /// Advances from `t` to `t + h`; `inputs_at(τ, u)` writes the inputs at `t + τ`, `after(system, motion, dt)` sees each
+    /// internal step of `dt` s at its end.
+    ///
+    /// # Errors
+    /// See [`StepError`]; the caller restores the state it saved before.
+    pub fn advance(
+        &mut self,
+        t: f64,
+        h: f64,
+        inputs_at: &mut dyn FnMut(f64, &mut [f64]),
+        after: &mut dyn FnMut(&mut S, crate::Motion<'_>, f64),
+    ) -> Result<(), StepError> {
+        let count = self.micro_steps(h);
+        let dt = h / count as f64;
+        for step in 1..=count {
+            let tau = if step == count { h } else { step as f64 * dt };
+            inputs_at(tau, &mut self.u);
+            self.integrator.step(&mut self.system, &mut self.state, &self.u, t + tau, dt)?;
+            after(&mut self.system, self.state.motion(&self.u), dt);
+        }
+        Ok(())
+    }
+
+    /// Work done so far.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        self.integrator.counters()
+    }
+
+    /// Stores everything into `checkpoint`, reusing its memory.
+    pub fn save(&mut self, checkpoint: &mut Checkpoint) {
+        checkpoint.state.copy_from(&self.state);
+        checkpoint.u.clone_from(&self.u);
+        self.integrator.save(&mut self.system, &mut checkpoint.memory);
+    }
+
+    /// Goes back to a checkpoint.
+    ///
+    /// # Errors
+    /// When the matrix of the saved state cannot be factored again.
+    pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), StepError> {
+        self.state.copy_from(&checkpoint.state);
+        self.u.clone_from(&checkpoint.u);
+        self.integrator.restore(&mut self.system, &self.state, &self.u, &checkpoint.memory)
+    }
+}

@@ -1,0 +1,122 @@
+//! Static equilibrium by Newton's method.
+use crate::newton::{Workspace, name};
+use crate::{NewtonOptions, State, StepError, System, Weights};
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Options of the static solution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StaticOptions {
+    /// Tolerances and iteration limit.
+    pub newton: NewtonOptions,
+    /// `μ M` is added to the stiffness matrix, 1/s²: it holds coordinates without stiffness where they are (bars that may spin
+    /// about their own axis) and costs iterations where it is not small against the squares of the eigenfrequencies.
+    pub mass_shift: f64,
+    /// Largest change of a coordinate in one correction, m or rad; a longer correction is shortened as a whole.
+    pub largest_change: f64,
+}
+
+impl Default for StaticOptions {
+    fn default() -> Self {
+        Self {
+            newton: NewtonOptions {
+                max_iterations: 200,
+                ..NewtonOptions::default()
+            },
+            mass_shift: 0.0,
+            largest_change: 0.5,
+        }
+    }
+}
+
+/// How a static solution went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StaticReport {
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Largest residual left, N.
+    pub residual: f64,
+}
+
+/// Moves `state` to the static equilibrium with inputs `u`: velocities and accelerations become zero, multipliers follow.
+///
+/// The exact tangent is factored in every iteration.
+///
+/// # Errors
+/// See [`StepError`]; `state` is then unchanged.
+pub fn solve_static(
+    system: &mut dyn System,
+    state: &mut State,
+    u: &[f64],
+    options: &StaticOptions,
+) -> Result<StaticReport, StepError> {
+    let start = state.clone();
+    let result = solve(system, state, u, options);
+    if result.is_err() {
+        *state = start;
+    }
+    result
+}
+
+fn solve(
+    system: &mut dyn System,
+    state: &mut State,
+    u: &[f64],
+    options: &StaticOptions,
+) -> Result<StaticReport, StepError> {
+    for vector in [&mut state.v, &mut state.v_dot, &mut state.a] {
+        vector.fill(0.0);
+    }
+    let mut workspace = Workspace::new(system, &state.motion(u));
+    let weights = Weights { q: 1.0, v: 0.0 };
+    let newton = &options.newton;
+    system.forces(&mut |force| force.begin_step(&state.motion(u)));
+    let mut best = f64::INFINITY;
+    let mut stagnant = 0;
+    for iteration in 0..=newton.max_iterations {
+        let motion = state.motion(u);
+        let residual = workspace.residual(system, &motion, None, &state.lambda, newton);
+        if !residual.ratio.is_finite() {
+            return Err(StepError::NotFinite {
+                t: state.t,
+                coordinate: name(system, residual.worst),
+            });
+        }
+        if residual.ratio <= 1.0 {
+            return Ok(StaticReport {
+                iterations: iteration,
+                residual: residual.value,
+            });
+        }
+        if iteration == newton.max_iterations {
+            return Err(StepError::NotConverged {
+                t: state.t,
+                h: 0.0,
+                iterations: iteration,
+                residual: residual.value,
+                tolerance: newton.tolerance,
+                coordinate: name(system, residual.worst),
+            });
+        }
+        stagnant = if residual.ratio < 0.9 * best { 0 } else { stagnant + 1 };
+        best = best.min(residual.ratio);
+        workspace.factor(system, &motion, options.mass_shift, weights)?;
+        workspace.correct(system, &motion, weights)?;
+        let n = state.q.len();
+        let largest = workspace.correction[..n].iter().fold(0.0_f64, |max, x| max.max(x.abs()));
+        // Droppers that switch to and fro make full corrections cycle: shorter ones end that.
+        let patience = if stagnant > 5 { 0.5 } else { 1.0 };
+        let damping = patience * (options.largest_change / largest).min(1.0);
+        for (q, change) in state.q.iter_mut().zip(&workspace.correction) {
+            *q += damping * change;
+        }
+        for (lambda, change) in state.lambda.iter_mut().zip(&workspace.correction[n..]) {
+            *lambda += damping * change;
+        }
+        for (k, &first) in system.layout().rotations().iter().enumerate() {
+            let turn = Vector3::new(state.q[first], state.q[first + 1], state.q[first + 2]);
+            state.q[first..first + 3].fill(0.0);
+            state.rotation[k] *= UnitQuaternion::from_scaled_axis(turn);
+        }
+    }
+    unreachable!("the last pass returns")
+}

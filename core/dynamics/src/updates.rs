@@ -1,0 +1,124 @@
+//! Low-rank terms on top of a factored matrix.
+
+/// One row `u` of a low-rank term.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row {
+    /// Who pushed it; with `version` the identity of the row's values.
+    pub key: u64,
+    /// Changes when the values of the row with this key change.
+    pub version: u64,
+    pub start: usize,
+    pub end: usize,
+}
+
+/// A small dense matrix `C` that couples consecutive rows: the term is `U C Uᵀ`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Core {
+    pub first_row: usize,
+    pub size: usize,
+    pub start: usize,
+}
+
+/// Collects the terms `U C Uᵀ` that are added to the factored matrix: moving contact, switched droppers.
+///
+/// A term is recognised by its `key` (unique within the system: see [`Updates::set_owner`]) and `version`: as long as both stay
+/// the same, the solver keeps `A₀⁻¹ u` and does not solve again.
+#[derive(Debug, Default)]
+pub struct Updates {
+    owner: u64,
+    pub(crate) rows: Vec<Row>,
+    pub(crate) indices: Vec<usize>,
+    pub(crate) values: Vec<f64>,
+    pub(crate) cores: Vec<Core>,
+    pub(crate) core_values: Vec<f64>,
+}
+
+impl Updates {
+    /// Forgets all terms, keeping the memory.
+    pub fn clear(&mut self) {
+        self.rows.clear();
+        self.indices.clear();
+        self.values.clear();
+        self.cores.clear();
+        self.core_values.clear();
+    }
+
+    /// Sets which contribution pushes next; the system calls it.
+    pub fn set_owner(&mut self, owner: usize) {
+        self.owner = (owner as u64) << 32;
+    }
+
+    /// Number of rows, the rank of all terms together.
+    #[must_use]
+    pub fn rank(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Adds `coefficient · u uᵀ`; `entries` are the non-zero entries (index, value) of `u`, `slot` numbers the
+    /// contribution's own rows.
+    pub fn rank_one(
+        &mut self,
+        slot: u32,
+        version: u64,
+        coefficient: f64,
+        entries: impl Iterator<Item = (usize, f64)>,
+    ) {
+        let first_row = self.rows.len();
+        self.row(slot, version, entries);
+        self.core(first_row, 1, &[coefficient]);
+    }
+
+    /// Adds the dense matrix `matrix` (row by row) on the coordinates `indices`.
+    pub fn dense(&mut self, first_slot: u32, indices: &[usize], matrix: &[f64]) {
+        let first_row = self.rows.len();
+        for (i, &index) in indices.iter().enumerate() {
+            // The row is a unit vector: its index is its version.
+            self.row(first_slot + i as u32, index as u64, std::iter::once((index, 1.0)));
+        }
+        self.core(first_row, indices.len(), matrix);
+    }
+
+    /// Adds all terms to a dense matrix of `size` rows (row by row); for tests of contributions.
+    pub fn add_to_dense(&self, size: usize, matrix: &mut [f64]) {
+        let entries = |row: usize| {
+            let Row { start, end, .. } = self.rows[row];
+            (start..end).map(|i| (self.indices[i], self.values[i]))
+        };
+        for core in &self.cores {
+            for a in 0..core.size {
+                for b in 0..core.size {
+                    let coefficient = self.core_values[core.start + a * core.size + b];
+                    for (i, left) in entries(core.first_row + a) {
+                        for (j, right) in entries(core.first_row + b) {
+                            matrix[i * size + j] += coefficient * left * right;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn row(&mut self, slot: u32, version: u64, entries: impl Iterator<Item = (usize, f64)>) {
+        let start = self.indices.len();
+        for (index, value) in entries {
+            self.indices.push(index);
+            self.values.push(value);
+        }
+        self.rows.push(Row {
+            key: self.owner | u64::from(slot),
+            version,
+            start,
+            end: self.indices.len(),
+        });
+    }
+
+    fn core(&mut self, first_row: usize, size: usize, values: &[f64]) {
+        debug_assert_eq!(size * size, values.len());
+        self.cores.push(Core {
+            first_row,
+            size,
+            start: self.core_values.len(),
+        });
+        self.core_values.extend_from_slice(values);
+    }
+}
