@@ -1,0 +1,414 @@
+//! `[catenary]`: the overhead line.
+
+use crate::choice::choice;
+use crate::keys::{Entry, Keys, Length, Number};
+
+/// `[catenary]`, the line as this program models it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Catenary {
+    /// Length of each span, m; `spans` and `span_length` in the file.
+    pub span_lengths: Vec<f64>,
+    /// Height of the contact wire at the supports above the top of rail, m.
+    pub contact_wire_height: f64,
+    /// Height of the messenger wire above the contact wire at the supports, m.
+    pub encumbrance: f64,
+    /// Lowering of the contact wire at mid-span, m.
+    pub presag: f64,
+    /// Lateral position y of the contact wire at the supports in turn, m; repeated cyclically, never empty.
+    pub stagger: Vec<f64>,
+    /// How the wires end.
+    pub wire_ends: WireEnds,
+    /// How the static state is found.
+    pub statics: Statics,
+    /// Acceleration of gravity, m/s².
+    pub gravity: f64,
+    /// `[catenary.contact_wire]`.
+    pub contact_wire: Wire,
+    /// `[catenary.messenger_wire]`.
+    pub messenger_wire: Wire,
+    /// `[catenary.droppers]`.
+    pub droppers: Droppers,
+    /// `[catenary.supports]`.
+    pub supports: Supports,
+    /// `[catenary.registration_arms]`.
+    pub registration_arms: RegistrationArms,
+    /// `[catenary.damping]`.
+    pub damping: Damping,
+    /// `[catenary.mesh]`.
+    pub mesh: Mesh,
+}
+
+/// `[catenary.contact_wire]` or `[catenary.messenger_wire]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wire {
+    /// kg/m.
+    pub mass_per_length: f64,
+    /// Horizontal tension in the static state, N.
+    pub tension: f64,
+    /// `EA`, N.
+    pub axial_stiffness: f64,
+    /// `EI`, N·m²; 0 is a string.
+    pub bending_stiffness: f64,
+    /// Tension above which the scene is refused, N.
+    pub breaking_force: Option<f64>,
+}
+
+/// `[catenary.droppers]`: the same in every span.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Droppers {
+    /// Distances from the left support of each span, m, strictly increasing, inside every span.
+    pub positions: Vec<f64>,
+    /// N/m in tension; none in compression.
+    pub stiffness: f64,
+    /// N·s/m.
+    pub damping: f64,
+    /// kg per dropper, half of it at each end.
+    pub mass: f64,
+    /// Unstressed lengths, m, one per position; only with [`Statics::NodalDisplacement`].
+    pub lengths: Option<Vec<f64>>,
+}
+
+/// `[catenary.supports]`: the springs that hold the messenger wire.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Supports {
+    /// N/m.
+    pub messenger_vertical_stiffness: f64,
+    /// N/m.
+    pub messenger_lateral_stiffness: f64,
+    /// N/m; 0 lets the messenger wire slide freely.
+    pub messenger_longitudinal_stiffness: f64,
+}
+
+/// `[catenary.registration_arms]`: what holds the contact wire at the supports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegistrationArms {
+    /// N/m about the static height; the static reaction is carried on.
+    pub vertical_stiffness: f64,
+    /// N/m about the stagger.
+    pub lateral_stiffness: f64,
+    /// kg, lumped on the contact wire.
+    pub mass: f64,
+}
+
+/// `[catenary.damping]`: Rayleigh damping of the wires.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Damping {
+    /// On the mass, 1/s.
+    pub alpha: f64,
+    /// On the stiffness, s.
+    pub beta: f64,
+}
+
+/// `[catenary.mesh]`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mesh {
+    /// Element of both wires.
+    pub element: Element,
+    /// Elements between neighbouring droppers or supports, at least 1.
+    pub elements_per_interval: usize,
+    /// Axial strain measure.
+    pub axial_strain: AxialStrain,
+}
+
+choice! {
+    /// `catenary.wire_ends`.
+    pub enum WireEnds {
+        /// Tensioning weights: the ends slide under a constant horizontal force.
+        ConstantTension = "constant_tension",
+        /// The ends do not move.
+        Fixed = "fixed",
+    }
+    unavailable: []
+}
+
+choice! {
+    /// `catenary.statics`: how the static state is found.
+    pub enum Statics {
+        /// The contact wire is held at its heights, and dropper lengths follow.
+        FormFinding = "form_finding",
+        /// Dropper lengths are given, and the ends are displaced until the wires are tensioned.
+        NodalDisplacement = "nodal_displacement",
+    }
+    unavailable: []
+}
+
+choice! {
+    /// `catenary.mesh.element`.
+    pub enum Element {
+        /// ANCF cable element: position and one gradient per node.
+        Cable = "cable",
+    }
+    unavailable: ["beam"]
+}
+
+choice! {
+    /// `catenary.mesh.axial_strain`.
+    pub enum AxialStrain {
+        /// Element mean of the Green-Lagrange strain.
+        Mean = "mean",
+        /// The strain at five Gauss points.
+        Full = "full",
+    }
+    unavailable: []
+}
+
+impl Catenary {
+    /// Number of spans.
+    #[must_use]
+    pub fn spans(&self) -> usize {
+        self.span_lengths.len()
+    }
+
+    /// Length of the line from the first support to the last, m.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.support_x(self.spans())
+    }
+
+    /// x of support `index`, m; counted from 0, at most [`Catenary::spans`].
+    ///
+    /// Where all spans are equally long this is a product, not a sum, so that nothing accumulates.
+    #[must_use]
+    pub fn support_x(&self, index: usize) -> f64 {
+        let first = self.span_lengths[0];
+        if self.span_lengths.iter().all(|length| *length == first) {
+            index as f64 * first
+        } else {
+            self.span_lengths[..index].iter().sum()
+        }
+    }
+
+    /// x of all supports, m; one more than there are spans.
+    #[must_use]
+    pub fn supports_x(&self) -> Vec<f64> {
+        (0..=self.spans())
+            .map(|index| self.support_x(index))
+            .collect()
+    }
+
+    /// Lateral position y of the contact wire at support `index` (from 0), m.
+    #[must_use]
+    pub fn stagger_at(&self, index: usize) -> f64 {
+        self.stagger[index % self.stagger.len()]
+    }
+
+    /// x of all droppers, m, span after span.
+    #[must_use]
+    pub fn droppers_x(&self) -> Vec<f64> {
+        (0..self.spans())
+            .flat_map(|span| {
+                let left = self.support_x(span);
+                self.droppers
+                    .positions
+                    .iter()
+                    .map(move |position| left + position)
+            })
+            .collect()
+    }
+}
+
+impl Wire {
+    /// Speed of transverse waves `√(T/m)`, m/s, bending neglected.
+    #[must_use]
+    pub fn wave_speed(&self) -> f64 {
+        (self.tension / self.mass_per_length).sqrt()
+    }
+}
+
+/// More spans than any tensioning section has, and few enough to be numbered and stored.
+pub(crate) const MAX_SPANS: usize = 1000;
+/// Far beyond any converged mesh.
+const MAX_ELEMENTS_PER_INTERVAL: usize = 200;
+
+impl Entry for Catenary {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let spans = keys.count("spans", was.map(Self::spans), 1..=MAX_SPANS, None);
+        Self {
+            span_lengths: keys.number_or_numbers(
+                "span_length",
+                was.map(|line| line.span_lengths.as_slice()),
+                Number::positive("m"),
+                spans,
+            ),
+            contact_wire_height: keys.number(
+                "contact_wire_height",
+                was.map(|line| line.contact_wire_height),
+                Number::positive("m"),
+            ),
+            encumbrance: keys.number(
+                "encumbrance",
+                was.map(|line| line.encumbrance),
+                Number::positive("m"),
+            ),
+            presag: keys.number("presag", was.map(|line| line.presag), Number::any("m")),
+            stagger: keys.numbers(
+                "stagger",
+                was.map(|line| line.stagger.as_slice()),
+                Number::any("m"),
+                Length::NotEmpty,
+            ),
+            wire_ends: keys.word("wire_ends", was.map(|line| line.wire_ends), None),
+            statics: keys.word("statics", was.map(|line| line.statics), None),
+            gravity: keys.number(
+                "gravity",
+                was.map(|line| line.gravity),
+                Number::positive("m/s²"),
+            ),
+            contact_wire: keys.table("contact_wire", was.map(|line| &line.contact_wire)),
+            messenger_wire: keys.table("messenger_wire", was.map(|line| &line.messenger_wire)),
+            droppers: keys.table("droppers", was.map(|line| &line.droppers)),
+            supports: keys.table("supports", was.map(|line| &line.supports)),
+            registration_arms: keys
+                .table("registration_arms", was.map(|line| &line.registration_arms)),
+            damping: keys.table("damping", was.map(|line| &line.damping)),
+            mesh: keys.table("mesh", was.map(|line| &line.mesh)),
+        }
+    }
+}
+
+impl Entry for Wire {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            mass_per_length: keys.number(
+                "mass_per_length",
+                was.map(|wire| wire.mass_per_length),
+                Number::positive("kg/m"),
+            ),
+            tension: keys.number(
+                "tension",
+                was.map(|wire| wire.tension),
+                Number::positive("N"),
+            ),
+            axial_stiffness: keys.number(
+                "axial_stiffness",
+                was.map(|wire| wire.axial_stiffness),
+                Number::positive("N"),
+            ),
+            bending_stiffness: keys.number(
+                "bending_stiffness",
+                was.map(|wire| wire.bending_stiffness),
+                Number::not_negative("N m²"),
+            ),
+            breaking_force: keys.optional_number(
+                "breaking_force",
+                was.map(|wire| wire.breaking_force),
+                Number::positive("N"),
+            ),
+        }
+    }
+}
+
+impl Entry for Droppers {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let lengths = was.map(|droppers| droppers.lengths.as_deref());
+        Self {
+            positions: keys.numbers(
+                "positions",
+                was.map(|droppers| droppers.positions.as_slice()),
+                Number::any("m"),
+                Length::NotEmpty,
+            ),
+            stiffness: keys.number(
+                "stiffness",
+                was.map(|droppers| droppers.stiffness),
+                Number::positive("N/m"),
+            ),
+            damping: keys.number(
+                "damping",
+                was.map(|droppers| droppers.damping),
+                Number::not_negative("N s/m"),
+            ),
+            mass: keys.number(
+                "mass",
+                was.map(|droppers| droppers.mass),
+                Number::not_negative("kg"),
+            ),
+            lengths: keys.has("lengths", lengths.flatten().is_some()).then(|| {
+                keys.numbers(
+                    "lengths",
+                    lengths.flatten(),
+                    Number::positive("m"),
+                    Length::Any,
+                )
+            }),
+        }
+    }
+}
+
+impl Entry for Supports {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            messenger_vertical_stiffness: keys.number(
+                "messenger_vertical_stiffness",
+                was.map(|supports| supports.messenger_vertical_stiffness),
+                Number::positive("N/m"),
+            ),
+            messenger_lateral_stiffness: keys.number(
+                "messenger_lateral_stiffness",
+                was.map(|supports| supports.messenger_lateral_stiffness),
+                Number::not_negative("N/m"),
+            ),
+            messenger_longitudinal_stiffness: keys.number(
+                "messenger_longitudinal_stiffness",
+                was.map(|supports| supports.messenger_longitudinal_stiffness),
+                Number::not_negative("N/m"),
+            ),
+        }
+    }
+}
+
+impl Entry for RegistrationArms {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            vertical_stiffness: keys.number(
+                "vertical_stiffness",
+                was.map(|arms| arms.vertical_stiffness),
+                Number::not_negative("N/m"),
+            ),
+            lateral_stiffness: keys.number(
+                "lateral_stiffness",
+                was.map(|arms| arms.lateral_stiffness),
+                Number::not_negative("N/m"),
+            ),
+            mass: keys.number(
+                "mass",
+                was.map(|arms| arms.mass),
+                Number::not_negative("kg"),
+            ),
+        }
+    }
+}
+
+impl Entry for Damping {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            alpha: keys.number(
+                "alpha",
+                was.map(|damping| damping.alpha),
+                Number::not_negative("1/s"),
+            ),
+            beta: keys.number(
+                "beta",
+                was.map(|damping| damping.beta),
+                Number::not_negative("s"),
+            ),
+        }
+    }
+}
+
+impl Entry for Mesh {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        keys.unavailable("cures");
+        keys.unavailable("error_percent");
+        Self {
+            element: keys.word("element", was.map(|mesh| mesh.element), None),
+            elements_per_interval: keys.count(
+                "elements_per_interval",
+                was.map(|mesh| mesh.elements_per_interval),
+                1..=MAX_ELEMENTS_PER_INTERVAL,
+                None,
+            ),
+            axial_strain: keys.word("axial_strain", was.map(|mesh| mesh.axial_strain), None),
+        }
+    }
+}

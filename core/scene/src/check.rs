@@ -1,0 +1,374 @@
+//! Values that are possible alone but not together, or not in this world.
+
+use crate::error::What;
+use crate::write::{shown_key, shown_number};
+use crate::{
+    Catenary, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics,
+    ThirdParty, Wire,
+};
+
+/// Contradictions found so far: the key and what is wrong with it.
+pub(crate) type Found = Vec<(String, What)>;
+
+/// Room for rounding where a time or a place may lie on the edge of its range, in s and m.
+const ROUNDING: f64 = 1e-9;
+/// A run of more steps or rows than this is a mistake in a key.
+const MAX_STEPS: f64 = 1e8;
+
+pub(crate) fn refuse(
+    found: &mut Found,
+    key: impl Into<String>,
+    value: impl Into<String>,
+    expected: impl Into<String>,
+) {
+    found.push((
+        key.into(),
+        What::Refused {
+            value: value.into(),
+            expected: expected.into(),
+        },
+    ));
+}
+
+impl Scene {
+    /// Everything that contradicts something else.
+    pub(crate) fn contradictions(&self) -> Found {
+        let mut found = Found::new();
+        match &self.catenary {
+            Line::Modelled(catenary) => catenary.check(&mut found),
+            Line::ThirdParty(side) => side.check_alignment("catenary", None, &mut found),
+        }
+        for (i, pantograph) in self.pantographs.iter().enumerate() {
+            pantograph.check(&format!("pantograph[{}]", i + 1), &mut found);
+        }
+        self.check_order_of_strips(&mut found);
+        self.check_steps(&mut found);
+        // What follows multiplies lengths, speeds and times, which must themselves be right.
+        if found.is_empty() {
+            self.check_speed(&mut found);
+            self.check_strips_on_the_line(&mut found);
+            self.check_evaluation(&mut found);
+        }
+        found
+    }
+
+    fn check_order_of_strips(&self, found: &mut Found) {
+        for (i, behind) in self.pantographs.iter().enumerate().skip(1) {
+            let ahead = self.pantographs[i - 1].offset_x;
+            if behind.offset_x >= ahead {
+                refuse(
+                    found,
+                    format!("pantograph[{}].offset_x", i + 1),
+                    shown_number(behind.offset_x, "m"),
+                    format!(
+                        "must be less than {ahead} m, the offset of the pantograph before it: the first one leads"
+                    ),
+                );
+            }
+        }
+    }
+
+    fn check_steps(&self, found: &mut Found) {
+        let duration = self.run.duration;
+        for (key, step) in [
+            ("run.output_step", self.run.output_step),
+            ("coupling.macro_step", self.coupling.macro_step),
+            ("solver.micro_step", self.solver.micro_step),
+        ] {
+            if step > duration {
+                let expected = format!("must be at most run.duration = {duration} s");
+                refuse(found, key, shown_number(step, "s"), expected);
+            } else if duration / step > MAX_STEPS {
+                let expected = format!(
+                    "must be at least {} s: run.duration = {duration} s in {MAX_STEPS:e} steps",
+                    duration / MAX_STEPS
+                );
+                refuse(found, key, shown_number(step, "s"), expected);
+            }
+        }
+        let nyquist = 0.5 / self.run.output_step;
+        if self.run.low_pass_hz >= nyquist {
+            refuse(
+                found,
+                "run.low_pass_hz",
+                shown_number(self.run.low_pass_hz, "Hz"),
+                format!(
+                    "must be below {nyquist} Hz, half the rate of run.output_step = {} s",
+                    self.run.output_step
+                ),
+            );
+        }
+    }
+
+    fn check_speed(&self, found: &mut Found) {
+        let Line::Modelled(catenary) = &self.catenary else {
+            return;
+        };
+        let wave_speed = catenary.contact_wire.wave_speed();
+        if self.run.speed >= wave_speed && !self.run.allow_supercritical {
+            refuse(
+                found,
+                "run.speed_kmh",
+                shown_number(crate::run::kmh(self.run.speed), "km/h"),
+                format!(
+                    "must be below {:.1} km/h: {:.2} m/s is not below the contact wire's wave speed √(tension / mass_per_length) \
+                     = {wave_speed:.2} m/s; or set run.allow_supercritical = true",
+                    crate::run::kmh(wave_speed),
+                    self.run.speed,
+                ),
+            );
+        }
+    }
+
+    fn check_strips_on_the_line(&self, found: &mut Found) {
+        let Line::Modelled(catenary) = &self.catenary else {
+            return;
+        };
+        let length = catenary.length();
+        for (i, pantograph) in self.pantographs.iter().enumerate() {
+            let (start, end) = (self.strip_start_x(i), self.strip_x(i, self.run.duration));
+            let strip = format!("the strip of pantograph[{}]", i + 1);
+            if start < -ROUNDING || start > length {
+                refuse(
+                    found,
+                    "run.start_x",
+                    shown_number(self.run.start_x, "m"),
+                    format!(
+                        "{strip} starts at x = {start} m, must be on the line, from 0 to {length} m"
+                    ),
+                );
+            } else if end > length + ROUNDING {
+                refuse(
+                    found,
+                    "run.duration",
+                    shown_number(self.run.duration, "s"),
+                    format!(
+                        "must be at most {:.3} s: {strip} would leave the line, which ends at {length} m, for x = {end:.3} m",
+                        (length - start) / self.run.speed
+                    ),
+                );
+            }
+            let outermost = catenary
+                .stagger
+                .iter()
+                .enumerate()
+                .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+            if let (Some(width), Some((k, stagger))) = (pantograph.strip_width(), outermost)
+                && stagger.abs() > width / 2.0
+            {
+                refuse(
+                    found,
+                    format!("catenary.stagger[{}]", k + 1),
+                    shown_number(*stagger, "m"),
+                    format!(
+                        "must be within ±{} m, half the width of {strip}",
+                        width / 2.0
+                    ),
+                );
+            }
+        }
+    }
+
+    fn check_evaluation(&self, found: &mut Found) {
+        let duration = self.run.duration;
+        match (self.run.evaluate, &self.catenary) {
+            (Evaluate::Time { from, to }, _) => {
+                if from >= to || to > duration + ROUNDING {
+                    refuse(
+                        found,
+                        "run.evaluate.time",
+                        format!("[{from}, {to}] s"),
+                        format!(
+                            "must be two times, the first one earlier, up to run.duration = {duration} s"
+                        ),
+                    );
+                }
+            }
+            (Evaluate::Spans { first, last }, Line::ThirdParty(_)) => refuse(
+                found,
+                "run.evaluate.spans",
+                format!("[{first}, {last}]"),
+                "must be time = [from, to] instead: the spans of an FMU given as catenary are not known",
+            ),
+            (Evaluate::Spans { first, last }, Line::Modelled(catenary)) => {
+                let value = format!("[{first}, {last}]");
+                if first > last || last > catenary.spans() {
+                    let expected = format!(
+                        "must be two spans from 1 to {}, the first one not after the last",
+                        catenary.spans()
+                    );
+                    refuse(found, "run.evaluate.spans", value, expected);
+                    return;
+                }
+                for i in 0..self.pantographs.len() {
+                    let (from, to) = self.evaluation_time(i);
+                    if from < -ROUNDING || to > duration + ROUNDING {
+                        let (x_from, x_to) = self.evaluation_x(i);
+                        let expected = format!(
+                            "must lie within the run: these spans reach from {x_from} m to {x_to} m, and the strip of pantograph[{}] \
+                             runs from {:.3} m to {:.3} m",
+                            i + 1,
+                            self.strip_start_x(i),
+                            self.strip_x(i, duration),
+                        );
+                        refuse(found, "run.evaluate.spans", value.clone(), expected);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Catenary {
+    fn check(&self, found: &mut Found) {
+        self.contact_wire.check("catenary.contact_wire", found);
+        self.messenger_wire.check("catenary.messenger_wire", found);
+        if self.presag >= self.contact_wire_height {
+            let expected = format!(
+                "must be less than contact_wire_height = {} m",
+                self.contact_wire_height
+            );
+            refuse(
+                found,
+                "catenary.presag",
+                shown_number(self.presag, "m"),
+                expected,
+            );
+        }
+        let shortest = self
+            .span_lengths
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        let positions = &self.droppers.positions;
+        for (i, position) in positions.iter().enumerate() {
+            let key = format!("catenary.droppers.positions[{}]", i + 1);
+            if *position <= 0.0 || *position >= shortest {
+                let expected = format!("must be inside its span, between 0 and {shortest} m");
+                refuse(found, key, shown_number(*position, "m"), expected);
+            } else if i > 0 && *position <= positions[i - 1] {
+                let expected = format!(
+                    "must be greater than the position before it, {} m",
+                    positions[i - 1]
+                );
+                refuse(found, key, shown_number(*position, "m"), expected);
+            }
+        }
+        if let Some(lengths) = &self.droppers.lengths {
+            let key = "catenary.droppers.lengths";
+            if self.statics == Statics::FormFinding {
+                let expected = "must be left out with catenary.statics = \"form_finding\", which finds the lengths itself";
+                refuse(found, key, format!("{lengths:?} m"), expected);
+            } else if lengths.len() != positions.len() {
+                let expected = format!(
+                    "has {} entries, must have {}, one per position",
+                    lengths.len(),
+                    positions.len()
+                );
+                refuse(found, key, format!("{lengths:?} m"), expected);
+            }
+        }
+    }
+}
+
+impl Wire {
+    fn check(&self, path: &str, found: &mut Found) {
+        if let Some(breaking_force) = self.breaking_force
+            && self.tension >= breaking_force
+        {
+            let expected = format!("must be below breaking_force = {breaking_force} N");
+            refuse(
+                found,
+                format!("{path}.tension"),
+                shown_number(self.tension, "N"),
+                expected,
+            );
+        }
+        if self.tension >= self.axial_stiffness {
+            let expected = format!(
+                "must be far below axial_stiffness = {} N",
+                self.axial_stiffness
+            );
+            refuse(
+                found,
+                format!("{path}.tension"),
+                shown_number(self.tension, "N"),
+                expected,
+            );
+        }
+    }
+}
+
+impl Pantograph {
+    fn check(&self, path: &str, found: &mut Found) {
+        match &self.model {
+            PantographModel::Lumped(lumped) => lumped.check(path, found),
+            PantographModel::Linkage(linkage) => linkage.check(path, found),
+            PantographModel::ThirdParty(side) => side.check(path, found),
+        }
+    }
+}
+
+impl Lumped {
+    fn check(&self, path: &str, found: &mut Found) {
+        let n = self.masses.len();
+        for (name, entries) in [
+            ("stiffnesses", self.stiffnesses.len()),
+            ("dampings", self.dampings.len()),
+            ("unilateral", self.unilateral.len()),
+            ("friction", self.friction.len()),
+        ] {
+            if entries != n {
+                let expected = format!("must have {n}, one per mass");
+                refuse(
+                    found,
+                    format!("{path}.{name}"),
+                    format!("{entries} entries"),
+                    expected,
+                );
+            }
+        }
+        for (i, stiffness) in self
+            .stiffnesses
+            .iter()
+            .enumerate()
+            .take(n.saturating_sub(1))
+        {
+            if *stiffness == 0.0 {
+                let expected = "must be positive: only the last one, to the base, may be 0, or the mass above it would fall";
+                refuse(
+                    found,
+                    format!("{path}.stiffnesses[{}]", i + 1),
+                    shown_number(*stiffness, "N/m"),
+                    expected,
+                );
+            }
+        }
+    }
+}
+
+impl ThirdParty {
+    fn check(&self, path: &str, found: &mut Found) {
+        if !self.outputs.is_empty() && !self.outputs.contains_key("height") {
+            let named: Vec<&str> = self.outputs.keys().map(String::as_str).collect();
+            let expected = "must name height, the strip's height above the top of rail";
+            refuse(found, format!("{path}.outputs"), named.join(", "), expected);
+        }
+        self.check_alignment(path, Some("height"), found);
+    }
+
+    /// Refuses `"align"` everywhere but on the output `aligned`.
+    fn check_alignment(&self, path: &str, aligned: Option<&str>, found: &mut Found) {
+        for (direction, connections) in [("inputs", &self.inputs), ("outputs", &self.outputs)] {
+            for (name, connection) in connections {
+                let allowed = direction == "outputs" && aligned == Some(name.as_str());
+                if connection.offset == Offset::Align && !allowed {
+                    let key = format!("{path}.{direction}.{}.offset", shown_key(name));
+                    let expected =
+                        "must be a number: only a pantograph's output height can be aligned";
+                    refuse(found, key, "\"align\"", expected);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! Numbers, lists of numbers and vectors.
+
+use super::Keys;
+use crate::error::What;
+use crate::tree::{Node, Value};
+use crate::write::{shown, shown_number};
+
+/// What a number must be.
+#[derive(Clone, Copy)]
+pub(crate) struct Number {
+    unit: &'static str,
+    range: Range,
+    default: Option<f64>,
+}
+
+#[derive(Clone, Copy)]
+enum Range {
+    Any,
+    Positive,
+    NotNegative,
+    NotZero,
+    Between(f64, f64),
+}
+
+impl Number {
+    const fn new(unit: &'static str, range: Range) -> Self {
+        Self {
+            unit,
+            range,
+            default: None,
+        }
+    }
+
+    pub(crate) const fn any(unit: &'static str) -> Self {
+        Self::new(unit, Range::Any)
+    }
+
+    pub(crate) const fn positive(unit: &'static str) -> Self {
+        Self::new(unit, Range::Positive)
+    }
+
+    pub(crate) const fn not_negative(unit: &'static str) -> Self {
+        Self::new(unit, Range::NotNegative)
+    }
+
+    pub(crate) const fn not_zero() -> Self {
+        Self::new("", Range::NotZero)
+    }
+
+    pub(crate) const fn between(from: f64, to: f64) -> Self {
+        Self::new("", Range::Between(from, to))
+    }
+
+    pub(crate) const fn default(mut self, value: f64) -> Self {
+        self.default = Some(value);
+        self
+    }
+
+    /// `a positive number in km/h`, after "must be".
+    fn described(&self) -> String {
+        let unit = if self.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" in {}", self.unit)
+        };
+        match self.range {
+            Range::Any => format!("a number{unit}"),
+            Range::Positive => format!("a positive number{unit}"),
+            Range::NotNegative => format!("a number{unit}, not negative"),
+            Range::NotZero => format!("a number{unit}, not zero"),
+            Range::Between(from, to) => format!("a number{unit} from {from} to {to}"),
+        }
+    }
+
+    /// What is wrong with a value, if anything.
+    fn complaint(&self, value: f64) -> Option<String> {
+        let (holds, expected) = match self.range {
+            Range::Any => (true, "must be finite".to_string()),
+            Range::Positive => (value > 0.0, "must be positive and finite".to_string()),
+            Range::NotNegative => (
+                value >= 0.0,
+                "must be zero or positive, and finite".to_string(),
+            ),
+            Range::NotZero => (value != 0.0, "must be finite and not zero".to_string()),
+            Range::Between(from, to) => (
+                (from..=to).contains(&value),
+                format!("must be from {from} to {to}"),
+            ),
+        };
+        (!(holds && value.is_finite())).then_some(expected)
+    }
+}
+
+/// How many entries a list must have.
+#[derive(Clone, Copy)]
+pub(crate) enum Length {
+    /// Checked elsewhere, against other keys.
+    Any,
+    /// At least one.
+    NotEmpty,
+    Exactly(usize),
+}
+
+impl Length {
+    fn described(self) -> String {
+        match self {
+            Self::Any => String::new(),
+            Self::NotEmpty => ", at least one".to_string(),
+            Self::Exactly(n) => format!(", {n} of them"),
+        }
+    }
+
+    fn holds(self, n: usize) -> bool {
+        match self {
+            Self::Any => true,
+            Self::NotEmpty => n > 0,
+            Self::Exactly(expected) => n == expected,
+        }
+    }
+}
+
+impl Keys<'_> {
+    /// A number.
+    pub(crate) fn number(&mut self, name: &str, was: Option<f64>, number: Number) -> f64 {
+        if let Some(value) = was {
+            self.push(name, Value::Float(value));
+            return value;
+        }
+        match self.node(name).cloned() {
+            Some(node) => self.checked(self.key(name), &node, number),
+            None => number.default.unwrap_or_else(|| {
+                self.missing(name, number.described());
+                f64::NAN
+            }),
+        }
+    }
+
+    /// A number that may be left out.
+    pub(crate) fn optional_number(
+        &mut self,
+        name: &str,
+        was: Option<Option<f64>>,
+        number: Number,
+    ) -> Option<f64> {
+        self.has(name, was.flatten().is_some())
+            .then(|| self.number(name, was.flatten(), number))
+    }
+
+    /// A number found in a value, which may be entry `index` (from 0) of a list.
+    /// A number found at `node`, whose full path is `key`.
+    fn checked(&mut self, key: String, node: &Node, number: Number) -> f64 {
+        let found = match &node.value {
+            Value::Float(found) => *found,
+            Value::Integer(found) => *found as f64,
+            other => {
+                let what = What::WrongType {
+                    value: shown(other),
+                    expected: number.described(),
+                };
+                self.problem(node.at, key, what);
+                return f64::NAN;
+            }
+        };
+        if let Some(expected) = number.complaint(found) {
+            let what = What::Refused {
+                value: shown_number(found, number.unit),
+                expected,
+            };
+            self.problem(node.at, key, what);
+        }
+        found
+    }
+
+    /// A list of numbers.
+    pub(crate) fn numbers(
+        &mut self,
+        name: &str,
+        was: Option<&[f64]>,
+        number: Number,
+        length: Length,
+    ) -> Vec<f64> {
+        let expected = || {
+            let unit = if number.unit.is_empty() {
+                String::new()
+            } else {
+                format!(" in {}", number.unit)
+            };
+            format!("a list of numbers{unit}{}", length.described())
+        };
+        if let Some(values) = was {
+            self.push(
+                name,
+                Value::List(
+                    values
+                        .iter()
+                        .map(|value| Value::Float(*value).into())
+                        .collect(),
+                ),
+            );
+            return values.to_vec();
+        }
+        match self.node(name).cloned() {
+            Some(Node {
+                value: Value::List(list),
+                ..
+            }) => {
+                if !length.holds(list.len()) {
+                    self.refuse(
+                        name,
+                        format!("has {} entries, must be {}", list.len(), expected()),
+                    );
+                }
+                list.iter()
+                    .enumerate()
+                    .map(|(i, node)| self.checked(self.entry_key(name, i), node, number))
+                    .collect()
+            }
+            Some(node) => {
+                self.wrong_type(name, &node.value, expected());
+                Vec::new()
+            }
+            None => {
+                self.missing(name, expected());
+                Vec::new()
+            }
+        }
+    }
+
+    /// One number for all of `n`, or a list of `n` numbers.
+    pub(crate) fn number_or_numbers(
+        &mut self,
+        name: &str,
+        was: Option<&[f64]>,
+        number: Number,
+        n: usize,
+    ) -> Vec<f64> {
+        match was {
+            Some(values) if values.iter().all(|value| *value == values[0]) => {
+                vec![self.number(name, Some(values[0]), number); n]
+            }
+            Some(values) => self.numbers(name, Some(values), number, Length::Exactly(n)),
+            None if matches!(
+                self.node(name),
+                Some(Node {
+                    value: Value::List(_),
+                    ..
+                })
+            ) =>
+            {
+                self.numbers(name, None, number, Length::Exactly(n))
+            }
+            None => vec![self.number(name, None, number); n],
+        }
+    }
+
+    /// A vector of three numbers.
+    pub(crate) fn vector(&mut self, name: &str, was: Option<[f64; 3]>, number: Number) -> [f64; 3] {
+        let values = self.numbers(
+            name,
+            was.as_ref().map(|values| values.as_slice()),
+            number,
+            Length::Exactly(3),
+        );
+        values.try_into().unwrap_or([f64::NAN; 3])
+    }
+
+    /// A list of two numbers.
+    pub(crate) fn pair(&mut self, name: &str, was: Option<[f64; 2]>, number: Number) -> [f64; 2] {
+        let values = self.numbers(
+            name,
+            was.as_ref().map(|values| values.as_slice()),
+            number,
+            Length::Exactly(2),
+        );
+        values.try_into().unwrap_or([f64::NAN; 2])
+    }
+}

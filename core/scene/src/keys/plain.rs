@@ -1,0 +1,183 @@
+//! Whole numbers, flags and strings.
+
+use std::ops::RangeInclusive;
+
+use super::Keys;
+use crate::error::What;
+use crate::tree::{Node, Value};
+use crate::write::shown;
+
+impl Keys<'_> {
+    /// A whole number within a range.
+    pub(crate) fn count(
+        &mut self,
+        name: &str,
+        was: Option<usize>,
+        range: RangeInclusive<usize>,
+        default: Option<usize>,
+    ) -> usize {
+        if let Some(value) = was {
+            self.push(name, Value::Integer(value as i64));
+            return value;
+        }
+        match self.node(name).cloned() {
+            Some(node) => self.checked_count(self.key(name), &node, &range),
+            None => default.unwrap_or_else(|| {
+                self.missing(name, described(&range));
+                *range.start()
+            }),
+        }
+    }
+
+    /// A whole number found at `node`, whose full path is `key`.
+    fn checked_count(&mut self, key: String, node: &Node, range: &RangeInclusive<usize>) -> usize {
+        let found = match node.value {
+            Value::Integer(found) => usize::try_from(found).ok(),
+            _ => None,
+        };
+        if let Some(found) = found.filter(|found| range.contains(found)) {
+            return found;
+        }
+        let what = match &node.value {
+            Value::Integer(_) | Value::Float(_) => What::Refused {
+                value: shown(&node.value),
+                expected: format!("must be {}", described(range)),
+            },
+            other => What::WrongType {
+                value: shown(other),
+                expected: described(range),
+            },
+        };
+        self.problem(node.at, key, what);
+        *range.start()
+    }
+
+    /// A list of two whole numbers.
+    pub(crate) fn pair_of_counts(
+        &mut self,
+        name: &str,
+        was: Option<[usize; 2]>,
+        range: RangeInclusive<usize>,
+    ) -> [usize; 2] {
+        let expected = "a list of 2 whole numbers";
+        if let Some(pair) = was {
+            self.push(
+                name,
+                Value::List(
+                    pair.iter()
+                        .map(|value| Value::Integer(*value as i64).into())
+                        .collect(),
+                ),
+            );
+            return pair;
+        }
+        match self.node(name).cloned() {
+            Some(Node {
+                value: Value::List(list),
+                ..
+            }) if list.len() == 2 => {
+                [0, 1].map(|i| self.checked_count(self.entry_key(name, i), &list[i], &range))
+            }
+            Some(node) => {
+                self.wrong_type(name, &node.value, expected.to_string());
+                [*range.start(); 2]
+            }
+            None => {
+                self.missing(name, expected);
+                [*range.start(); 2]
+            }
+        }
+    }
+
+    /// True or false.
+    pub(crate) fn flag(&mut self, name: &str, was: Option<bool>, default: bool) -> bool {
+        if let Some(flag) = was {
+            self.push(name, Value::Boolean(flag));
+            return flag;
+        }
+        match self.node(name).cloned() {
+            Some(Node {
+                value: Value::Boolean(flag),
+                ..
+            }) => flag,
+            Some(node) => {
+                self.wrong_type(name, &node.value, "true or false".to_string());
+                default
+            }
+            None => default,
+        }
+    }
+
+    /// A list of true and false; `None` where it is left out.
+    pub(crate) fn optional_flags(&mut self, name: &str, was: Option<&[bool]>) -> Option<Vec<bool>> {
+        if let Some(flags) = was {
+            self.push(
+                name,
+                Value::List(
+                    flags
+                        .iter()
+                        .map(|flag| Value::Boolean(*flag).into())
+                        .collect(),
+                ),
+            );
+            return Some(flags.to_vec());
+        }
+        let node = self.node(name).cloned()?;
+        let flags = match &node.value {
+            Value::List(list) => list
+                .iter()
+                .map(|entry| match entry.value {
+                    Value::Boolean(flag) => Some(flag),
+                    _ => None,
+                })
+                .collect(),
+            _ => None,
+        };
+        if flags.is_none() {
+            self.wrong_type(name, &node.value, "a list of true and false".to_string());
+        }
+        flags
+    }
+
+    /// A string that is not empty.
+    pub(crate) fn text(&mut self, name: &str, was: Option<&str>, expected: &str) -> String {
+        if let Some(text) = was {
+            self.push(name, Value::String(text.to_string()));
+            return text.to_string();
+        }
+        match self.node(name).cloned() {
+            Some(Node {
+                value: Value::String(text),
+                ..
+            }) => {
+                if text.is_empty() {
+                    self.refuse(name, format!("must be {expected}, not empty"));
+                }
+                text
+            }
+            Some(node) => {
+                self.wrong_type(name, &node.value, expected.to_string());
+                String::new()
+            }
+            None => {
+                self.missing(name, expected);
+                String::new()
+            }
+        }
+    }
+
+    /// A string that may be left out.
+    pub(crate) fn optional_text(
+        &mut self,
+        name: &str,
+        was: Option<Option<&str>>,
+        expected: &str,
+    ) -> Option<String> {
+        self.has(name, was.flatten().is_some())
+            .then(|| self.text(name, was.flatten(), expected))
+    }
+}
+
+fn described(range: &RangeInclusive<usize>) -> String {
+    format!("a whole number from {} to {}", range.start(), range.end())
+}

@@ -1,0 +1,176 @@
+//! Words.
+
+use super::Keys;
+use crate::choice::Choice;
+use crate::error::What;
+use crate::tree::{Node, Value};
+use crate::write::shown;
+
+impl Keys<'_> {
+    /// One of a few words.
+    pub(crate) fn word<T: Choice>(&mut self, name: &str, was: Option<T>, default: Option<T>) -> T {
+        let found = self.word_among(name, was, T::NAMES, T::UNAVAILABLE, default);
+        found.unwrap_or(T::NAMES[0].1)
+    }
+
+    /// One of the words in `names`; `None` where the word is missing or wrong, which is then reported.
+    pub(crate) fn word_among<T: Copy + PartialEq>(
+        &mut self,
+        name: &str,
+        was: Option<T>,
+        names: &[(&'static str, T)],
+        unavailable: &[&'static str],
+        default: Option<T>,
+    ) -> Option<T> {
+        let available = |names: &[(&'static str, T)]| -> Vec<&'static str> {
+            names.iter().map(|(word, _)| *word).collect()
+        };
+        if let Some(value) = was {
+            if let Some((word, _)) = names.iter().find(|(_, meaning)| *meaning == value) {
+                self.push(name, Value::String((*word).to_string()));
+            }
+            return was;
+        }
+        match self.node(name).cloned() {
+            Some(Node {
+                value: Value::String(typed),
+                ..
+            }) => {
+                let found = names
+                    .iter()
+                    .find(|(word, _)| *word == typed)
+                    .map(|(_, meaning)| *meaning);
+                if found.is_none() {
+                    let what = wrong_word(&typed, &available(names), unavailable);
+                    self.report(name, what);
+                }
+                found
+            }
+            Some(node) => {
+                self.wrong_type(name, &node.value, quoted(&available(names)));
+                None
+            }
+            None => {
+                if default.is_none() {
+                    self.missing(name, quoted(&available(names)));
+                }
+                default
+            }
+        }
+    }
+
+    /// `"auto"`, `"none"` or a list of words without repetition; both words stand for the empty list.
+    pub(crate) fn words<T: Choice>(&mut self, name: &str, was: Option<&[T]>) -> Vec<T> {
+        let word_of = |value: &T| {
+            T::NAMES
+                .iter()
+                .find(|(_, meaning)| meaning == value)
+                .map_or("", |(word, _)| *word)
+        };
+        if let Some(values) = was {
+            let list = values
+                .iter()
+                .map(|value| Value::String(word_of(value).to_string()).into())
+                .collect();
+            self.push(
+                name,
+                if values.is_empty() {
+                    Value::String("none".into())
+                } else {
+                    Value::List(list)
+                },
+            );
+            return values.to_vec();
+        }
+        let available: Vec<&'static str> = T::NAMES
+            .iter()
+            .map(|(word, _)| *word)
+            .filter(|word| !T::UNAVAILABLE.contains(word))
+            .collect();
+        let expected = if available.is_empty() {
+            "\"auto\", \"none\" or an empty list".to_string()
+        } else {
+            format!("\"auto\", \"none\" or a list of {}", available.join(", "))
+        };
+        let mut found = Vec::new();
+        match self.node(name).cloned().map(|node| node.value) {
+            None => {}
+            Some(Value::String(word)) if word == "auto" || word == "none" => {}
+            Some(Value::String(typed)) => {
+                let known: Vec<&'static str> = ["auto", "none"]
+                    .into_iter()
+                    .chain(available.iter().copied())
+                    .collect();
+                self.report(name, wrong_word(&typed, &known, T::UNAVAILABLE));
+            }
+            Some(Value::List(list)) => {
+                for (i, node) in list.iter().enumerate() {
+                    let key = self.entry_key(name, i);
+                    let Value::String(typed) = &node.value else {
+                        let expected = "a word in quotes".to_string();
+                        let what = What::WrongType {
+                            value: shown(&node.value),
+                            expected,
+                        };
+                        self.problem(node.at, key, what);
+                        continue;
+                    };
+                    let meaning = T::NAMES
+                        .iter()
+                        .find(|(word, _)| word == typed && available.contains(word));
+                    match meaning {
+                        Some((_, meaning)) if found.contains(meaning) => {
+                            self.refuse(name, format!("must name \"{typed}\" once"));
+                        }
+                        Some((_, meaning)) => found.push(*meaning),
+                        None => self.problem(
+                            node.at,
+                            key,
+                            wrong_word(typed, &available, T::UNAVAILABLE),
+                        ),
+                    }
+                }
+            }
+            Some(other) => self.wrong_type(name, &other, expected),
+        }
+        found
+    }
+}
+
+fn quoted(words: &[&str]) -> String {
+    let quoted: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
+    if quoted.len() == 1 {
+        quoted[0].clone()
+    } else {
+        format!("one of {}", quoted.join(", "))
+    }
+}
+
+fn wrong_word(typed: &str, available: &[&'static str], unavailable: &[&'static str]) -> What {
+    let owned = |words: &[&str]| words.iter().map(|word| (*word).to_string()).collect();
+    if unavailable.contains(&typed) {
+        return What::NotAvailable {
+            value: Some(typed.to_string()),
+            available: owned(available),
+        };
+    }
+    let nearest = nearest(typed, available.iter().chain(unavailable).copied());
+    What::UnknownWord {
+        value: typed.to_string(),
+        nearest,
+        allowed: owned(available),
+    }
+}
+
+/// The candidate nearest in spelling, where one is near at all.
+pub(crate) fn nearest<'a>(
+    typed: &str,
+    candidates: impl Iterator<Item = &'a str>,
+) -> Option<String> {
+    const NEAR: f64 = 0.7; // Jaro-Winkler similarity; unrelated key names of the format stay below
+    candidates
+        .map(|candidate| (strsim::jaro_winkler(typed, candidate), candidate))
+        .filter(|(similarity, _)| *similarity >= NEAR)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate.to_string())
+}

@@ -1,0 +1,65 @@
+//! The scene: one self-contained TOML file that says everything a run needs, typed and checked.
+//!
+//! [`Scene::from_toml`] turns the text of a file, and the `--set key.path=value` overrides given on the
+//! command line, into a [`Scene`] whose every value is present, finite and physically possible, or into a
+//! [`SceneError`] that lists every problem found with its file, line, key, value, unit and remedy.
+//! [`Scene::to_toml`] writes the resolved scene with every default written out; reading that text again
+//! gives an equal scene, every number bit for bit.
+//!
+//! Each key is declared once: the function that reads a table also writes it (`keys::Keys`).
+//! Everything inside is SI: m, kg, s, N, rad. A key that is not carries its unit in its name
+//! (`run.speed_kmh`) and is converted in that one function. x runs along the track from the first
+//! support, y to the left, z up from the top of rail. Spans are numbered from 1 in the file.
+//!
+//! ```
+//! let text = include_str!("../../../scenes/en50318-250.toml");
+//! let scene = scene::Scene::from_toml(text, "en50318-250.toml", &["run.speed_kmh=200".into()])?;
+//! assert_eq!(scene.run.speed, 200.0 / 3.6);
+//! assert_eq!(scene::Scene::from_toml(&scene.to_toml(), "again", &[])?, scene);
+//!
+//! let error = scene::Scene::from_toml(text, "x.toml", &["run.speed_kmh=-250".into()]).unwrap_err();
+//! assert_eq!(
+//!     error.to_string(),
+//!     "x.toml: --set run.speed_kmh=-250: run.speed_kmh = -250 km/h: must be positive and finite"
+//! );
+//! # Ok::<(), scene::SceneError>(())
+//! ```
+//!
+//! # Sources
+//!
+//! - `Thesis`: S. Kulkarni, *ANCF Analysis of Multibody Pantograph/Catenary Systems*, MSc thesis,
+//!   University of Illinois at Chicago, 2016.
+#![forbid(unsafe_code)]
+
+mod catenary;
+mod check;
+mod check_linkage;
+mod choice;
+mod contact;
+mod coupling;
+mod error;
+mod keys;
+mod linkage;
+mod model;
+mod pantograph;
+mod run;
+mod scene;
+mod solver;
+mod third_party;
+mod tree;
+mod write;
+
+pub use catenary::{
+    AxialStrain, Catenary, Damping, Droppers, Element, Mesh, RegistrationArms, Statics, Supports,
+    Wire, WireEnds,
+};
+pub use contact::{Contact, ContactLaw};
+pub use coupling::{Algorithm, Coupling, Force, Order};
+pub use error::{Place, Problem, SceneError, What};
+pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageStrip, Uplift};
+pub use model::{Model, Reduction};
+pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
+pub use run::{Evaluate, Initialise, Run};
+pub use scene::{Line, Scene};
+pub use solver::{Formulation, Jacobian, Solver};
+pub use third_party::{Connection, Offset, ParameterValue, ThirdParty};

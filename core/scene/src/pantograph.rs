@@ -1,0 +1,221 @@
+//! `[[pantograph]]`: one table per pantograph, the first one leads.
+
+use crate::error::What;
+use crate::keys::{Entry, Keys, Length, Number, placeholder};
+use crate::{Linkage, ThirdParty};
+
+/// `[[pantograph]]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pantograph {
+    /// x of its strip relative to `run.start_x`, m; negative behind.
+    pub offset_x: f64,
+    /// What it is made of.
+    pub model: PantographModel,
+    /// The state at t = 0 where it is already known; the program writes it into the resolved scene.
+    pub start: Option<Start>,
+}
+
+/// `pantograph.model`, or `pantograph.fmu`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PantographModel {
+    /// `model = "lumped"`: masses one above the other.
+    Lumped(Lumped),
+    /// `model = "linkage"`: a mechanism of rigid bodies.
+    Linkage(Linkage),
+    /// `fmu = "…"`: somebody else's model.
+    ThirdParty(ThirdParty),
+}
+
+/// `pantograph.start`: height and force at t = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// Height of the strip above the top of rail, m.
+    pub height: f64,
+    /// Contact force, N, not negative.
+    pub force: f64,
+}
+
+/// `pantograph.strip` of a lumped pantograph.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strip {
+    /// Lateral width of the strip, m, centred on the track.
+    pub width: f64,
+}
+
+/// `model = "lumped"`: n masses in a vertical chain, collector head first.
+///
+/// Element i (spring, damper, friction) joins mass i to mass i + 1, the last one joins the last mass to the base.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lumped {
+    /// The collector strip, on the first mass.
+    pub strip: Strip,
+    /// Upward force that the raised pantograph exerts at rest, N.
+    pub static_force: f64,
+    /// kg, positive, n entries.
+    pub masses: Vec<f64>,
+    /// N/m, not negative, n entries.
+    pub stiffnesses: Vec<f64>,
+    /// N·s/m, not negative, n entries.
+    pub dampings: Vec<f64>,
+    /// Height of the strip at which the last, grounded spring is unstretched, m; `None` stands for the static
+    /// height of the contact wire over the strip's start.
+    pub reference_height: Option<f64>,
+    /// Whether element i pushes only, n entries; all false by default.
+    pub unilateral: Vec<bool>,
+    /// Coulomb friction force of element i, N, not negative, n entries; all 0 by default.
+    pub friction: Vec<f64>,
+}
+
+impl Pantograph {
+    /// Lateral width of the strip, m, where the scene says it.
+    #[must_use]
+    pub fn strip_width(&self) -> Option<f64> {
+        match &self.model {
+            PantographModel::Lumped(lumped) => Some(lumped.strip.width),
+            PantographModel::Linkage(linkage) => Some(linkage.strip.width),
+            PantographModel::ThirdParty(_) => None,
+        }
+    }
+}
+
+/// The words of `model`.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Lumped,
+    Linkage,
+}
+
+const KINDS: [(&str, Kind); 2] = [("lumped", Kind::Lumped), ("linkage", Kind::Linkage)];
+
+impl Entry for Pantograph {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let offset_x = keys.number(
+            "offset_x",
+            was.map(|pantograph| pantograph.offset_x),
+            Number::any("m").default(0.0),
+        );
+        // `model` or `fmu` says which other keys there are.
+        let model = was.map(|pantograph| &pantograph.model);
+        let third_party = model.and_then(|model| match model {
+            PantographModel::ThirdParty(side) => Some(side),
+            _ => None,
+        });
+        let model = if keys.has("fmu", third_party.is_some()) {
+            let side = ThirdParty::pantograph(keys, third_party);
+            if was.is_none() {
+                let because = "fmu is given, which describes the whole pantograph";
+                if keys.has("model", false) {
+                    let because = because.to_string();
+                    keys.report("model", What::LeaveOut { because });
+                }
+                keys.leave_out::<Lumped>(because);
+                keys.leave_out::<Linkage>(because);
+            }
+            Some(PantographModel::ThirdParty(side))
+        } else if was.is_none() && !keys.has("model", false) {
+            let expected =
+                "\"lumped\" or \"linkage\", or else fmu = \"path\" for somebody else's model"
+                    .to_string();
+            keys.report("model", What::Missing { expected });
+            None
+        } else {
+            let kind = model.map(|model| match model {
+                PantographModel::Linkage(_) => Kind::Linkage,
+                _ => Kind::Lumped,
+            });
+            keys.word_among("model", kind, &KINDS, &[], None)
+                .map(|kind| match (kind, model) {
+                    (Kind::Lumped, Some(PantographModel::Lumped(lumped))) => {
+                        PantographModel::Lumped(Lumped::entry(keys, Some(lumped)))
+                    }
+                    (Kind::Lumped, _) => PantographModel::Lumped(Lumped::entry(keys, None)),
+                    (Kind::Linkage, Some(PantographModel::Linkage(linkage))) => {
+                        PantographModel::Linkage(Linkage::entry(keys, Some(linkage)))
+                    }
+                    (Kind::Linkage, _) => PantographModel::Linkage(Linkage::entry(keys, None)),
+                })
+        };
+        let model = model.unwrap_or_else(|| {
+            keys.abandon();
+            PantographModel::Lumped(placeholder())
+        });
+        Self {
+            offset_x,
+            model,
+            start: keys
+                .optional_inline_table("start", was.map(|pantograph| pantograph.start.as_ref())),
+        }
+    }
+}
+
+impl Entry for Start {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            height: keys.number(
+                "height",
+                was.map(|start| start.height),
+                Number::positive("m"),
+            ),
+            force: keys.number(
+                "force",
+                was.map(|start| start.force),
+                Number::not_negative("N"),
+            ),
+        }
+    }
+}
+
+impl Entry for Strip {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            width: keys.number("width", was.map(|strip| strip.width), Number::positive("m")),
+        }
+    }
+}
+
+impl Entry for Lumped {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let masses = keys.numbers(
+            "masses",
+            was.map(|lumped| lumped.masses.as_slice()),
+            Number::positive("kg"),
+            Length::NotEmpty,
+        );
+        let n = masses.len();
+        let friction = was.map(|lumped| lumped.friction.as_slice());
+        Self {
+            strip: keys.inline_table("strip", was.map(|lumped| &lumped.strip)),
+            static_force: keys.number(
+                "static_force",
+                was.map(|lumped| lumped.static_force),
+                Number::positive("N"),
+            ),
+            masses,
+            stiffnesses: keys.numbers(
+                "stiffnesses",
+                was.map(|lumped| lumped.stiffnesses.as_slice()),
+                Number::not_negative("N/m"),
+                Length::Any,
+            ),
+            dampings: keys.numbers(
+                "dampings",
+                was.map(|lumped| lumped.dampings.as_slice()),
+                Number::not_negative("N s/m"),
+                Length::Any,
+            ),
+            reference_height: keys.optional_number(
+                "reference_height",
+                was.map(|lumped| lumped.reference_height),
+                Number::positive("m"),
+            ),
+            unilateral: keys
+                .optional_flags("unilateral", was.map(|lumped| lumped.unilateral.as_slice()))
+                .unwrap_or_else(|| vec![false; n]),
+            friction: if keys.has("friction", friction.is_some()) {
+                keys.numbers("friction", friction, Number::not_negative("N"), Length::Any)
+            } else {
+                vec![0.0; n]
+            },
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! `[run]`: what is driven, for how long, and what is evaluated.
+
+use crate::catenary::MAX_SPANS;
+use crate::choice::choice;
+use crate::error::What;
+use crate::keys::{Entry, Keys, Number};
+
+/// `[run]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Speed of the train, m/s; `speed_kmh` in the file.
+    pub speed: f64,
+    /// Simulated time, s; the run starts at t = 0.
+    pub duration: f64,
+    /// x of a strip with `offset_x` = 0 at t = 0, m.
+    pub start_x: f64,
+    /// What statistics are taken over.
+    pub evaluate: Evaluate,
+    /// Cut-off frequency of the zero-phase low-pass filter of the contact force, Hz; 20 Hz by default, as in
+    /// EN 50317.
+    pub low_pass_hz: f64,
+    /// Time between two rows of the time series, s; 1 ms by default, which resolves 20 Hz fifty-fold.
+    pub output_step: f64,
+    /// State at t = 0.
+    pub initialise: Initialise,
+    /// Whether a speed above the contact wire's transverse wave speed is accepted.
+    pub allow_supercritical: bool,
+}
+
+/// `run.evaluate`: the range that statistics are taken over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Evaluate {
+    /// `{ spans = [first, last] }`: both included, numbered from 1; for each pantograph the time that its own
+    /// strip spends there.
+    Spans {
+        /// First span, from 1.
+        first: usize,
+        /// Last span, from 1, at least `first`.
+        last: usize,
+    },
+    /// `{ time = [from, to] }`, the same for every pantograph.
+    Time {
+        /// s.
+        from: f64,
+        /// s.
+        to: f64,
+    },
+}
+
+choice! {
+    /// `run.initialise`: the state at t = 0.
+    pub enum Initialise {
+        /// Both sides at rest in static balance under the contact force.
+        Equilibrium = "equilibrium",
+        /// Each side in the state that its own tables describe.
+        AsGiven = "as_given",
+    }
+    unavailable: []
+}
+
+impl Entry for Run {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            speed: keys.number(
+                "speed_kmh",
+                was.map(|run| kmh(run.speed)),
+                Number::positive("km/h"),
+            ) / KMH,
+            duration: keys.number(
+                "duration",
+                was.map(|run| run.duration),
+                Number::positive("s"),
+            ),
+            start_x: keys.number("start_x", was.map(|run| run.start_x), Number::any("m")),
+            evaluate: keys.inline_table("evaluate", was.map(|run| &run.evaluate)),
+            low_pass_hz: keys.number(
+                "low_pass_hz",
+                was.map(|run| run.low_pass_hz),
+                Number::positive("Hz").default(20.0),
+            ),
+            output_step: keys.number(
+                "output_step",
+                was.map(|run| run.output_step),
+                Number::positive("s").default(1e-3),
+            ),
+            initialise: keys.word(
+                "initialise",
+                was.map(|run| run.initialise),
+                Some(Initialise::Equilibrium),
+            ),
+            allow_supercritical: keys.flag(
+                "allow_supercritical",
+                was.map(|run| run.allow_supercritical),
+                false,
+            ),
+        }
+    }
+}
+
+/// km/h in one m/s.
+const KMH: f64 = 3.6;
+
+/// The value of `speed_kmh` that is read as exactly `speed` in m/s: of the candidates within rounding, the first
+/// one that is, with a short decimal number tried before all others.
+pub(crate) fn kmh(speed: f64) -> f64 {
+    let near = speed * KMH;
+    let short = (near * 1e6).round() / 1e6;
+    [
+        short,
+        near,
+        near.next_up(),
+        near.next_down(),
+        near.next_up().next_up(),
+        near.next_down().next_down(),
+    ]
+    .into_iter()
+    .find(|candidate| candidate / KMH == speed)
+    .unwrap_or(near)
+}
+
+impl Entry for Evaluate {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let spans = was.and_then(|evaluate| match evaluate {
+            Self::Spans { first, last } => Some([*first, *last]),
+            Self::Time { .. } => None,
+        });
+        let time = was.and_then(|evaluate| match evaluate {
+            Self::Spans { .. } => None,
+            Self::Time { from, to } => Some([*from, *to]),
+        });
+        let (by_spans, by_time) = (
+            keys.has("spans", spans.is_some()),
+            keys.has("time", time.is_some()),
+        );
+        if by_spans && by_time {
+            keys.refuse(
+                "spans",
+                "must stand alone: evaluate either spans or time, not both",
+            );
+        } else if !by_spans && !by_time {
+            let expected = "a list of the first and the last span, such as [5, 6], or else time = [from, to] in s";
+            keys.report(
+                "spans",
+                What::Missing {
+                    expected: expected.to_string(),
+                },
+            );
+        }
+        if by_time {
+            let [from, to] = keys.pair("time", time, Number::not_negative("s"));
+            Self::Time { from, to }
+        } else {
+            let [first, last] = if by_spans {
+                keys.pair_of_counts("spans", spans, 1..=MAX_SPANS)
+            } else {
+                [1, 1]
+            };
+            Self::Spans { first, last }
+        }
+    }
+}

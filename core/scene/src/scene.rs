@@ -1,0 +1,208 @@
+//! The whole scene.
+
+use crate::error::{SceneError, What};
+use crate::keys::{Entry, Keys, read, write};
+use crate::tree::{Sources, parse};
+use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, ThirdParty};
+
+/// A scene: every value present, checked and in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// What it is, one line.
+    pub title: String,
+    /// Where its values come from.
+    pub source: Option<String>,
+    /// `[run]`.
+    pub run: Run,
+    /// `[catenary]`.
+    pub catenary: Line,
+    /// `[contact]`; absent only where somebody else's line computes the contact force itself.
+    pub contact: Option<Contact>,
+    /// `[[pantograph]]`, at least one, the first one leads.
+    pub pantographs: Vec<Pantograph>,
+    /// `[model]`.
+    pub model: Model,
+    /// `[coupling]`.
+    pub coupling: Coupling,
+    /// `[solver]`.
+    pub solver: Solver,
+}
+
+/// `[catenary]`: this program's line, or somebody else's.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "one per scene")]
+pub enum Line {
+    /// Described by the scene.
+    Modelled(Catenary),
+    /// `fmu = "…"`.
+    ThirdParty(ThirdParty),
+}
+
+impl Scene {
+    /// Reads a scene from the text of a file, with overrides in the form `key.path=value` applied in turn.
+    ///
+    /// `origin` is the name of the file in messages. A path is written `coupling.macro_step`,
+    /// `pantograph[1].static_force` (counted from 1) or `pantograph.0.static_force` (counted from 0); a value is any TOML
+    /// value, or a bare word as a string.
+    ///
+    /// # Errors
+    ///
+    /// Every problem found: text that is not TOML; keys that are unknown, missing, of the wrong type or out of range; and,
+    /// where there is none of these, values that contradict each other ([`Scene::check`]).
+    pub fn from_toml(text: &str, origin: &str, overrides: &[String]) -> Result<Self, SceneError> {
+        let sources = Sources { origin, overrides };
+        let root = parse(text, sources).map_err(|problems| SceneError { problems })?;
+        let scene: Self = read(&root, sources)?;
+        let mut found: Vec<_> = scene
+            .contradictions()
+            .into_iter()
+            .map(|(key, what)| (root.place_of(&key), key, what))
+            .collect();
+        found.sort_by_key(|(at, _, _)| *at);
+        if found.is_empty() {
+            return Ok(scene);
+        }
+        let problems = found
+            .into_iter()
+            .map(|(at, key, what)| sources.problem(at, key, what))
+            .collect();
+        Err(SceneError { problems })
+    }
+
+    /// The scene as TOML text with every default written out.
+    ///
+    /// Reading it again gives an equal scene, every number bit for bit.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        crate::write::file(&write(self))
+    }
+
+    /// Checks that the values are physically possible together, as [`Scene::from_toml`] has done; `origin` is the name of the
+    /// scene in messages. For a scene that was changed since.
+    ///
+    /// # Errors
+    ///
+    /// Every contradiction found.
+    pub fn check(&self, origin: &str) -> Result<(), SceneError> {
+        let sources = Sources {
+            origin,
+            overrides: &[],
+        };
+        let found = self.contradictions();
+        if found.is_empty() {
+            return Ok(());
+        }
+        let problems = found
+            .into_iter()
+            .map(|(key, what)| sources.problem(crate::tree::At::File, key, what))
+            .collect();
+        Err(SceneError { problems })
+    }
+
+    /// The line and the contact law that this program models, unless the line is an FMU of somebody else.
+    #[must_use]
+    pub fn modelled_line(&self) -> Option<(&Catenary, &Contact)> {
+        match (&self.catenary, &self.contact) {
+            (Line::Modelled(catenary), Some(contact)) => Some((catenary, contact)),
+            _ => None,
+        }
+    }
+
+    /// x of the strip of pantograph `index` (from 0) at t = 0, m.
+    #[must_use]
+    pub fn strip_start_x(&self, index: usize) -> f64 {
+        self.run.start_x + self.pantographs[index].offset_x
+    }
+
+    /// x of the strip of pantograph `index` (from 0) at `time` in s, m, as the train moves.
+    #[must_use]
+    pub fn strip_x(&self, index: usize, time: f64) -> f64 {
+        self.strip_start_x(index) + self.run.speed * time
+    }
+
+    /// Evaluation range in time of pantograph `index` (from 0), (from, to) in s.
+    #[must_use]
+    pub fn evaluation_time(&self, index: usize) -> (f64, f64) {
+        match (self.run.evaluate, &self.catenary) {
+            (Evaluate::Spans { first, last }, Line::Modelled(catenary)) => {
+                let time = |x: f64| (x - self.strip_start_x(index)) / self.run.speed;
+                (
+                    time(catenary.support_x(first - 1)),
+                    time(catenary.support_x(last)),
+                )
+            }
+            (Evaluate::Time { from, to }, _) => (from, to),
+            // Refused by `from_toml`: the spans of somebody else's line are not known.
+            (Evaluate::Spans { .. }, Line::ThirdParty(_)) => (0.0, self.run.duration),
+        }
+    }
+
+    /// Evaluation range in x of pantograph `index` (from 0), (from, to) in m.
+    #[must_use]
+    pub fn evaluation_x(&self, index: usize) -> (f64, f64) {
+        match (self.run.evaluate, &self.catenary) {
+            (Evaluate::Spans { first, last }, Line::Modelled(catenary)) => {
+                (catenary.support_x(first - 1), catenary.support_x(last))
+            }
+            _ => {
+                let (from, to) = self.evaluation_time(index);
+                (self.strip_x(index, from), self.strip_x(index, to))
+            }
+        }
+    }
+}
+
+impl Entry for Scene {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        for name in ["vehicle", "track", "wind"] {
+            keys.unavailable(name);
+        }
+        let title = keys.text(
+            "title",
+            was.map(|scene| scene.title.as_str()),
+            "one line that says what the scene is",
+        );
+        let source = keys.optional_text(
+            "source",
+            was.map(|scene| scene.source.as_deref()),
+            "one line that says where the values come from",
+        );
+        let run = keys.table("run", was.map(|scene| &scene.run));
+        let catenary = keys.table("catenary", was.map(|scene| &scene.catenary));
+        let modelled = matches!(catenary, Line::Modelled(_));
+        let contact = was.map(|scene| scene.contact.as_ref());
+        let contact_is_there = keys.has("contact", contact.flatten().is_some());
+        if contact_is_there && !modelled {
+            let because = "an FMU given as catenary has its own contact law".to_string();
+            keys.report("contact", What::LeaveOut { because });
+        }
+        let contact_is_needed = contact_is_there || (modelled && was.is_none());
+        let contact = contact_is_needed.then(|| keys.table("contact", contact.flatten()));
+        Self {
+            title,
+            source,
+            run,
+            catenary,
+            contact,
+            pantographs: keys.tables("pantograph", was.map(|scene| scene.pantographs.as_slice())),
+            model: keys.table_or_empty("model", was.map(|scene| &scene.model)),
+            coupling: keys.table_or_empty("coupling", was.map(|scene| &scene.coupling)),
+            solver: keys.table_or_empty("solver", was.map(|scene| &scene.solver)),
+        }
+    }
+}
+
+impl Entry for Line {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        match was {
+            Some(Self::Modelled(catenary)) => Self::Modelled(Catenary::entry(keys, Some(catenary))),
+            Some(Self::ThirdParty(side)) => Self::ThirdParty(ThirdParty::line(keys, Some(side))),
+            None if keys.has("fmu", false) => {
+                let side = ThirdParty::line(keys, None);
+                keys.leave_out::<Catenary>("fmu is given, which describes the whole line");
+                Self::ThirdParty(side)
+            }
+            None => Self::Modelled(Catenary::entry(keys, None)),
+        }
+    }
+}

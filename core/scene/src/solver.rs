@@ -1,0 +1,96 @@
+//! `[solver]`: time integration of each side.
+
+use crate::choice::choice;
+use crate::keys::{Entry, Keys, Number};
+
+/// `[solver]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solver {
+    /// Longest time step of both sides, s; divides the macro step evenly where that is longer. 1 ms by default.
+    pub micro_step: f64,
+    /// Spectral radius of generalised-α at infinite frequency (–), 0 to 1; 0.9 by default, which costs no accuracy below
+    /// 20 Hz.
+    pub rho_inf: f64,
+    /// How constraints are treated.
+    pub formulation: Formulation,
+    /// Residual that ends Newton's method, N; 1e-6 by default, far below what statistics print.
+    pub newton_tolerance: f64,
+    /// Most Newton iterations per step; 30 by default: switching droppers need a few, more is divergence.
+    pub max_iterations: usize,
+    /// When the iteration matrix is factorised.
+    pub jacobian: Jacobian,
+}
+
+choice! {
+    /// `solver.formulation`.
+    pub enum Formulation {
+        /// Index-3 constraints with multipliers inside generalised-α.
+        Default = "default",
+    }
+    unavailable: ["augmented_lagrangian"]
+}
+
+choice! {
+    /// `solver.jacobian`.
+    pub enum Jacobian {
+        /// Kept over iterations and steps until convergence slows down.
+        Modified = "modified",
+        /// In every iteration.
+        Full = "full",
+    }
+    unavailable: []
+}
+
+impl Entry for Solver {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            micro_step: keys.number(
+                "micro_step",
+                was.map(|solver| solver.micro_step),
+                Number::positive("s").default(1e-3),
+            ),
+            rho_inf: keys.number(
+                "rho_inf",
+                was.map(|solver| solver.rho_inf),
+                Number::between(0.0, 1.0).default(0.9),
+            ),
+            formulation: keys.word(
+                "formulation",
+                was.map(|solver| solver.formulation),
+                Some(Formulation::Default),
+            ),
+            newton_tolerance: keys.number(
+                "newton_tolerance",
+                was.map(|solver| solver.newton_tolerance),
+                Number::positive("N").default(1e-6),
+            ),
+            max_iterations: keys.count(
+                "max_iterations",
+                was.map(|solver| solver.max_iterations),
+                1..=1000,
+                Some(30),
+            ),
+            jacobian: keys.word(
+                "jacobian",
+                was.map(|solver| solver.jacobian),
+                Some(Jacobian::Modified),
+            ),
+        }
+    }
+}
+
+impl Solver {
+    /// Options of Newton's method.
+    #[must_use]
+    pub fn newton_options(&self) -> dynamics::NewtonOptions {
+        dynamics::NewtonOptions {
+            tolerance: self.newton_tolerance,
+            max_iterations: self.max_iterations,
+            jacobian: match self.jacobian {
+                Jacobian::Modified => dynamics::Jacobian::Modified,
+                Jacobian::Full => dynamics::Jacobian::Full,
+            },
+            ..dynamics::NewtonOptions::default()
+        }
+    }
+}

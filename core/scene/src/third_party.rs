@@ -1,0 +1,201 @@
+//! `fmu = "…"`: a subsystem that somebody else modelled.
+
+use std::collections::BTreeMap;
+
+use crate::keys::{Entry, Keys, Number};
+use crate::tree::Value;
+
+/// An FMU with its wiring, in `[catenary]` or `[[pantograph]]`.
+///
+/// Inputs and outputs are keyed by this program's names. A pantograph's inputs are `force`, `force_x`, `force_y`,
+/// `force_z`, `time`, `x`, its outputs `height`, `velocity`, `x`, `y`, `vx`, `vy`, `roll`, `roll_rate`. A line's are
+/// those of `Catenary.fmu`: `strip[i].…`, `contact[i].…`, `support[k].uplift`, and `time`. Empty maps leave the wiring
+/// to be guessed from the FMU's variable names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ThirdParty {
+    /// Path of the archive, relative to the scene file.
+    pub fmu: String,
+    /// Whether it runs in a child process.
+    pub isolate: bool,
+    /// Wall time after which an isolated step is given up, s; 60 by default: no step of a working FMU takes that long.
+    pub step_timeout: f64,
+    /// Values set before initialisation, by the FMU's variable names.
+    pub parameters: BTreeMap<String, ParameterValue>,
+    /// What the FMU is given, by this program's names.
+    pub inputs: BTreeMap<String, Connection>,
+    /// What is read from the FMU, by this program's names.
+    pub outputs: BTreeMap<String, Connection>,
+}
+
+/// The value of an FMU parameter as typed in the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ParameterValue {
+    /// A real or integer variable, in the FMU's own unit.
+    Number(f64),
+    /// A Boolean variable.
+    Boolean(bool),
+    /// A string variable.
+    String(String),
+}
+
+/// A variable of the FMU and the linear map between its value and ours.
+///
+/// ```text
+/// our value = factor · FMU value + offset        on outputs
+/// FMU value = factor · our value + offset        on inputs
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Connection {
+    /// Name in the FMU.
+    pub variable: String,
+    /// Units as the two sides' units demand; 1 by default, not zero.
+    pub factor: f64,
+    /// 0 by default.
+    pub offset: Offset,
+}
+
+/// `offset` of a connection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Offset {
+    /// In the unit of the side that the map leads to.
+    Value(f64),
+    /// Chosen so that the FMU's start height is the static height of the wire over its strip under its start force; only on
+    /// the output `height`.
+    Align,
+}
+
+/// A pantograph's inputs and outputs, by this program's names.
+pub(crate) const PANTOGRAPH: [&[&str]; 2] = [
+    &["force", "force_x", "force_y", "force_z", "time", "x"],
+    &[
+        "height",
+        "velocity",
+        "x",
+        "y",
+        "vx",
+        "vy",
+        "roll",
+        "roll_rate",
+    ],
+];
+
+/// The names of a line's inputs and outputs, for as many strips and supports as a scene may have.
+fn line_names() -> [Vec<String>; 2] {
+    const MAX_STRIPS: usize = 16;
+    let strips = ["x", "y", "z", "vx", "vy", "vz", "roll"];
+    let contacts = [
+        "force",
+        "fx",
+        "fy",
+        "fz",
+        "mean_force",
+        "mean_fx",
+        "mean_fy",
+        "mean_fz",
+        "work",
+        "x",
+        "y",
+        "wire.z",
+        "wire.vz",
+        "gap",
+        "closed",
+    ];
+    let inputs = std::iter::once("time".to_string())
+        .chain((1..=MAX_STRIPS).flat_map(|i| strips.map(|name| format!("strip[{i}].{name}"))));
+    let outputs = (1..=MAX_STRIPS)
+        .flat_map(|i| contacts.map(|name| format!("contact[{i}].{name}")))
+        .chain((1..=crate::catenary::MAX_SPANS + 1).map(|k| format!("support[{k}].uplift")));
+    [inputs.collect(), outputs.collect()]
+}
+
+impl ThirdParty {
+    /// `[[pantograph]]` with `fmu`.
+    pub(crate) fn pantograph(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self::wired(
+            keys,
+            was,
+            &PANTOGRAPH.map(|names| names.iter().map(|name| (*name).to_string()).collect()),
+        )
+    }
+
+    /// `[catenary]` with `fmu`.
+    pub(crate) fn line(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self::wired(keys, was, &line_names())
+    }
+
+    fn wired(keys: &mut Keys, was: Option<&Self>, [inputs, outputs]: &[Vec<String>; 2]) -> Self {
+        Self {
+            fmu: keys.text(
+                "fmu",
+                was.map(|side| side.fmu.as_str()),
+                "the path of an FMU, relative to the scene file",
+            ),
+            isolate: keys.flag("isolate", was.map(|side| side.isolate), false),
+            step_timeout: keys.number(
+                "step_timeout",
+                was.map(|side| side.step_timeout),
+                Number::positive("s").default(60.0),
+            ),
+            parameters: keys.plain_map(
+                "parameters",
+                was.map(|side| &side.parameters),
+                ParameterValue::to_toml,
+                ParameterValue::from_toml,
+            ),
+            inputs: keys.map("inputs", was.map(|side| &side.inputs), inputs),
+            outputs: keys.map("outputs", was.map(|side| &side.outputs), outputs),
+        }
+    }
+}
+
+impl ParameterValue {
+    fn to_toml(&self) -> Value {
+        match self {
+            Self::Number(number) => Value::Float(*number),
+            Self::Boolean(flag) => Value::Boolean(*flag),
+            Self::String(text) => Value::String(text.clone()),
+        }
+    }
+
+    fn from_toml(value: &Value) -> Result<Self, String> {
+        match value {
+            Value::Float(number) if number.is_finite() => Ok(Self::Number(*number)),
+            Value::Integer(number) => Ok(Self::Number(*number as f64)),
+            Value::Boolean(flag) => Ok(Self::Boolean(*flag)),
+            Value::String(text) => Ok(Self::String(text.clone())),
+            _ => Err("a finite number, true, false or a string".to_string()),
+        }
+    }
+}
+
+impl Entry for Connection {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let offset = was.map(|connection| connection.offset);
+        Self {
+            variable: keys.text(
+                "variable",
+                was.map(|connection| connection.variable.as_str()),
+                "the name of a variable of the FMU",
+            ),
+            factor: keys.number(
+                "factor",
+                was.map(|connection| connection.factor),
+                Number::not_zero().default(1.0),
+            ),
+            offset: match offset {
+                Some(Offset::Align) => align(keys, Some(Offset::Align)),
+                Some(Offset::Value(value)) => {
+                    Offset::Value(keys.number("offset", Some(value), Number::any("")))
+                }
+                None if keys.holds_text("offset") => align(keys, None),
+                None => Offset::Value(keys.number("offset", None, Number::any("").default(0.0))),
+            },
+        }
+    }
+}
+
+/// `offset = "align"`.
+fn align(keys: &mut Keys, was: Option<Offset>) -> Offset {
+    keys.word_among("offset", was, &[("align", Offset::Align)], &[], None)
+        .unwrap_or(Offset::Align)
+}

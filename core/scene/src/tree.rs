@@ -1,0 +1,381 @@
+//! The file as parsed: values with the place where each was typed, and overrides applied to them.
+
+use toml::de::{DeTable, DeValue};
+
+use crate::error::{Place, Problem, What};
+use crate::write::{shown, shown_key};
+
+/// Where something was typed; indices into the text and the overrides that a [`Sources`] holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum At {
+    /// Nowhere in particular.
+    File,
+    /// Line, from 1.
+    Line(usize),
+    /// Override, from 0.
+    Override(usize),
+}
+
+/// A value and where its key, or for an entry of a list itself, was typed.
+#[derive(Clone, Debug)]
+pub(crate) struct Node {
+    pub(crate) at: At,
+    pub(crate) value: Value,
+}
+
+/// A TOML value.
+#[derive(Clone, Debug)]
+pub(crate) enum Value {
+    String(String),
+    Integer(i64),
+    Float(f64),
+    Boolean(bool),
+    Datetime(String),
+    List(Vec<Node>),
+    Table(Table),
+}
+
+/// A table; entries in the order of their keys' spelling when parsed, in the order of writing when written.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Table {
+    /// Whether it is written as `{ … }` instead of under a header of its own.
+    pub(crate) inline: bool,
+    pub(crate) entries: Vec<(String, Node)>,
+}
+
+impl From<Value> for Node {
+    fn from(value: Value) -> Self {
+        Self {
+            at: At::File,
+            value,
+        }
+    }
+}
+
+impl Table {
+    pub(crate) fn node(&self, key: &str) -> Option<&Node> {
+        self.entries
+            .iter()
+            .find(|(name, _)| name == key)
+            .map(|(_, node)| node)
+    }
+
+    /// Where the key with a path such as `pantograph[1].masses[2]` was typed, or else the nearest table above it.
+    pub(crate) fn place_of(&self, path: &str) -> At {
+        let mut at = At::File;
+        let mut table = Some(self);
+        let mut list: Option<&[Node]> = None;
+        for step in steps(path).unwrap_or_default() {
+            let node = match step {
+                Step::Key(key) => table.and_then(|table| table.node(&key)),
+                Step::Entry(number) => list.and_then(|list| list.get(number.wrapping_sub(1))),
+            };
+            let Some(node) = node else { return at };
+            at = node.at;
+            table = if let Value::Table(inner) = &node.value {
+                Some(inner)
+            } else {
+                None
+            };
+            list = if let Value::List(inner) = &node.value {
+                Some(inner)
+            } else {
+                None
+            };
+        }
+        at
+    }
+}
+
+/// What a scene is read from: the names that messages give to places.
+#[derive(Clone, Copy)]
+pub(crate) struct Sources<'a> {
+    pub(crate) origin: &'a str,
+    pub(crate) overrides: &'a [String],
+}
+
+impl Sources<'_> {
+    pub(crate) fn place(&self, at: At) -> Place {
+        let file = self.origin.to_string();
+        match at {
+            At::File => Place::File(file),
+            At::Line(line) => Place::Line(file, line),
+            At::Override(i) => Place::Override(file, self.overrides[i].clone()),
+        }
+    }
+
+    pub(crate) fn problem(&self, at: At, key: impl Into<String>, what: What) -> Problem {
+        Problem {
+            place: self.place(at),
+            key: key.into(),
+            what,
+        }
+    }
+}
+
+/// Parses `text` and applies the overrides in turn.
+pub(crate) fn parse(text: &str, sources: Sources) -> Result<Table, Vec<Problem>> {
+    let lines = Lines::of(text);
+    let parsed = DeTable::parse(text).map_err(|error| {
+        let at = error
+            .span()
+            .map_or(At::File, |span| At::Line(lines.line(span.start)));
+        let message = error.message().trim().replace('\n', ", ");
+        vec![sources.problem(
+            at,
+            "",
+            What::Syntax {
+                message: format!("not valid TOML: {message}"),
+            },
+        )]
+    })?;
+    let place = |offset: usize| At::Line(lines.line(offset));
+    let mut root = table(parsed.get_ref(), &place);
+    let problems: Vec<Problem> = (0..sources.overrides.len())
+        .filter_map(|i| {
+            let (key, what) = apply(&mut root, &sources.overrides[i], At::Override(i)).err()?;
+            Some(sources.problem(At::Override(i), key, what))
+        })
+        .collect();
+    if problems.is_empty() {
+        Ok(root)
+    } else {
+        Err(problems)
+    }
+}
+
+/// Offsets at which the lines of a text begin.
+struct Lines(Vec<usize>);
+
+impl Lines {
+    fn of(text: &str) -> Self {
+        let ends = text
+            .bytes()
+            .enumerate()
+            .filter(|(_, byte)| *byte == b'\n')
+            .map(|(i, _)| i + 1);
+        Self(std::iter::once(0).chain(ends).collect())
+    }
+
+    /// Line of a byte offset, from 1.
+    fn line(&self, offset: usize) -> usize {
+        self.0.partition_point(|start| *start <= offset)
+    }
+}
+
+fn table(parsed: &DeTable, place: &dyn Fn(usize) -> At) -> Table {
+    let entries = parsed
+        .iter()
+        .map(|(key, entry)| {
+            let node = Node {
+                at: place(key.span().start),
+                value: value(entry.get_ref(), place),
+            };
+            (key.get_ref().to_string(), node)
+        })
+        .collect();
+    Table {
+        inline: false,
+        entries,
+    }
+}
+
+fn value(parsed: &DeValue, place: &dyn Fn(usize) -> At) -> Value {
+    match parsed {
+        DeValue::String(text) => Value::String(text.to_string()),
+        DeValue::Integer(digits) => match i64::from_str_radix(digits.as_str(), digits.radix()) {
+            Ok(integer) => Value::Integer(integer),
+            // Beyond i64: a number all the same.
+            Err(_) => Value::Float(digits.as_str().parse().unwrap_or(f64::INFINITY)),
+        },
+        DeValue::Float(digits) => Value::Float(digits.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Boolean(flag) => Value::Boolean(*flag),
+        DeValue::Datetime(datetime) => Value::Datetime(datetime.to_string()),
+        DeValue::Array(list) => Value::List(
+            list.iter()
+                .map(|entry| Node {
+                    at: place(entry.span().start),
+                    value: value(entry.get_ref(), place),
+                })
+                .collect(),
+        ),
+        DeValue::Table(inner) => Value::Table(table(inner, place)),
+    }
+}
+
+/// One step of an override's path.
+#[derive(Debug, PartialEq)]
+enum Step {
+    /// A key; all digits mean an entry from 0 where the path has reached a list.
+    Key(String),
+    /// `[n]`, an entry of a list, from 1.
+    Entry(usize),
+}
+
+const FORM: &str = "an override must have the form key.path=value, such as run.speed_kmh=250, \
+                    coupling.algorithm=jacobi or pantograph[1].static_force=100";
+
+/// Sets one value; the error is the key and what is wrong with it.
+fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
+    let syntax = |message: &str| {
+        (
+            String::new(),
+            What::Syntax {
+                message: message.to_string(),
+            },
+        )
+    };
+    let (path, typed) = split(text).ok_or_else(|| syntax(FORM))?;
+    let steps = steps(path).ok_or_else(|| syntax(FORM))?;
+    let new = Node {
+        at,
+        value: typed_value(typed.trim(), at)
+            .map_err(|message| (path.trim().to_string(), What::Syntax { message }))?,
+    };
+
+    let mut walked = String::new();
+    let mut steps = steps.into_iter().peekable();
+    let Some(Step::Key(first)) = steps.next() else {
+        return Err(syntax(FORM));
+    };
+    walked.push_str(&shown_key(&first));
+    let mut node = entry(root, first, at);
+    for step in steps {
+        let refused = |value: &Value, expected: String| {
+            (
+                walked.clone(),
+                What::Refused {
+                    value: shown(value),
+                    expected,
+                },
+            )
+        };
+        node = match (&mut node.value, step) {
+            (Value::Table(table), Step::Key(key)) => {
+                walked.push('.');
+                walked.push_str(&shown_key(&key));
+                entry(table, key, at)
+            }
+            (Value::List(list), step) => {
+                let index = match &step {
+                    Step::Entry(number) => number.checked_sub(1),
+                    Step::Key(digits) => digits.parse().ok(),
+                };
+                let count = list.len();
+                match index.filter(|index| *index < count) {
+                    Some(index) => {
+                        walked.push_str(&format!("[{}]", index + 1));
+                        &mut list[index]
+                    }
+                    None => {
+                        let asked = match step {
+                            Step::Entry(number) => format!("[{number}]"),
+                            Step::Key(key) => format!(".{key}"),
+                        };
+                        let expected =
+                            format!("has {count} entries, [1] to [{count}], and no {asked}");
+                        return Err((
+                            walked.clone(),
+                            What::Refused {
+                                value: "list".into(),
+                                expected,
+                            },
+                        ));
+                    }
+                }
+            }
+            (value, Step::Key(key)) => {
+                return Err(refused(
+                    value,
+                    format!("is not a table, so there is no key {key} in it"),
+                ));
+            }
+            (value, Step::Entry(number)) => {
+                return Err(refused(
+                    value,
+                    format!("is not a list, so there is no entry [{number}] in it"),
+                ));
+            }
+        };
+    }
+    *node = new;
+    Ok(())
+}
+
+/// The entry `key` of a table; an empty table where there is none yet.
+fn entry(table: &mut Table, key: String, at: At) -> &mut Node {
+    let index = table
+        .entries
+        .iter()
+        .position(|(name, _)| *name == key)
+        .unwrap_or_else(|| {
+            table.entries.push((
+                key,
+                Node {
+                    at,
+                    value: Value::Table(Table::default()),
+                },
+            ));
+            table.entries.len() - 1
+        });
+    &mut table.entries[index].1
+}
+
+/// Splits at the first `=` outside quotes.
+fn split(text: &str) -> Option<(&str, &str)> {
+    let mut quote = None;
+    let at = text.char_indices().find_map(|(i, c)| {
+        match (quote, c) {
+            (Some(open), c) if c == open => quote = None,
+            (None, '"' | '\'') => quote = Some(c),
+            (None, '=') => return Some(i),
+            _ => {}
+        }
+        None
+    })?;
+    Some((&text[..at], &text[at + 1..]))
+}
+
+/// Steps of a path such as `pantograph[1].parameters."static.force"`.
+fn steps(path: &str) -> Option<Vec<Step>> {
+    let mut rest = path.trim();
+    let mut steps = Vec::new();
+    loop {
+        if let Some(open) = rest.chars().next().filter(|c| matches!(c, '"' | '\'')) {
+            let end = rest[1..].find(open)? + 1;
+            steps.push(Step::Key(rest[1..end].to_string()));
+            rest = &rest[end + 1..];
+        } else {
+            let end = rest.find(['.', '[']).unwrap_or(rest.len());
+            let key = rest[..end].trim();
+            if key.is_empty() || key.contains(char::is_whitespace) {
+                return None;
+            }
+            steps.push(Step::Key(key.to_string()));
+            rest = &rest[end..];
+        }
+        while let Some(inner) = rest.strip_prefix('[') {
+            let end = inner.find(']')?;
+            steps.push(Step::Entry(inner[..end].trim().parse().ok()?));
+            rest = &inner[end + 1..];
+        }
+        if rest.is_empty() {
+            return Some(steps);
+        }
+        rest = rest.strip_prefix('.')?;
+    }
+}
+
+/// The value of an override: a TOML value, or a bare word as a string.
+fn typed_value(typed: &str, at: At) -> Result<Value, String> {
+    match DeValue::parse(typed) {
+        Ok(parsed) => Ok(value(parsed.get_ref(), &|_| at)),
+        Err(_) if !typed.is_empty() && !typed.starts_with(['"', '\'', '[', '{']) => {
+            Ok(Value::String(typed.to_string()))
+        }
+        Err(error) => Err(format!(
+            "{typed:?} is not a TOML value: {}",
+            error.message().trim().replace('\n', ", ")
+        )),
+    }
+}

@@ -1,0 +1,411 @@
+//! Every refusal names file, line, key, value, unit and what would be right.
+
+use scene::Scene;
+
+const EN: &str = include_str!("../../../scenes/en50318-250.toml");
+const THESIS: &str = include_str!("../../../scenes/thesis.toml");
+
+fn message(text: &str, overrides: &[&str]) -> String {
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_string()).collect();
+    match Scene::from_toml(text, "x.toml", &overrides) {
+        Ok(_) => "accepted".to_string(),
+        Err(error) => error.to_string(),
+    }
+}
+
+fn edited(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "the scene does not contain {from:?}");
+    text.replacen(from, to, 1)
+}
+
+fn holds(message: &str, fragments: &[&str]) {
+    for fragment in fragments {
+        assert!(
+            message.contains(fragment),
+            "{fragment:?} is not in:\n{message}"
+        );
+    }
+}
+
+/// Line of the first occurrence of `what` in the file, as messages begin.
+fn at(text: &str, what: &str) -> String {
+    let offset = text.find(what).expect("the scene contains it");
+    format!(
+        "x.toml:{}: ",
+        text[..offset].lines().count() + usize::from(text[..offset].ends_with('\n'))
+    )
+}
+
+/// (what is replaced, by what, fragments of the message), on the EN 50318 scene.
+#[rustfmt::skip]
+const EDITS: &[(&str, &str, &[&str])] = &[
+    // Unknown keys and tables.
+    ("[catenary]\n", "[catenery]\n", &["catenery: unknown key, did you mean \"catenary\"?", "known keys here: ", "run"]),
+    ("[run]\n", "[run]\nspede_kmh = 3\n", &["run.spede_kmh: unknown key, did you mean \"speed_kmh\"?", "low_pass_hz"]),
+    ("[solver]", "[sovler]", &["sovler: unknown key, did you mean \"solver\"?"]),
+    ("axial_stiffness", "axial_stifness", &["catenary.contact_wire.axial_stifness: unknown key", "\"axial_stiffness\"", "bending_stiffness"]),
+    ("static_force", "force", &["pantograph[1].force: unknown key", "static_force"]),
+    ("strip = { width", "strip = { breadth", &["pantograph[1].strip.breadth: unknown key", "width"]),
+    ("spans = [5, 6]", "span = [5, 6]", &["run.evaluate.span: unknown key, did you mean \"spans\"?"]),
+    ("title", "titel", &["titel: unknown key, did you mean \"title\"?"]),
+    // Missing keys and tables.
+    ("duration = 8.0", "", &["run.duration is missing: must be a positive number in s"]),
+    ("tension = 20000.0", "", &["catenary.contact_wire.tension is missing: must be a positive number in N"]),
+    ("statics = \"form_finding\"", "", &["catenary.statics is missing: must be one of \"form_finding\", \"nodal_displacement\""]),
+    ("model = \"lumped\"", "", &["pantograph[1].model is missing: must be \"lumped\" or \"linkage\""]),
+    ("evaluate = { spans = [5, 6] }", "evaluate = {}", &["run.evaluate.spans is missing", "time = [from, to]"]),
+    ("[contact]\nlaw = \"penalty\"\nstiffness = 50000.0                     # N/m\ndamping = 0.0", "", &["contact is missing: must be a table"]),
+    // Wrong types.
+    ("duration = 8.0", "duration = \"8 s\"", &["run.duration = \"8 s\": must be a positive number in s"]),
+    ("allow_supercritical = false", "allow_supercritical = 0", &["run.allow_supercritical = 0: must be true or false"]),
+    ("positions = [5.0, 10.5,", "positions = [5.0, true,", &["catenary.droppers.positions[2] = true: must be a number in m"]),
+    ("masses = [7.2, 15.0]", "masses = 7.2", &["pantograph[1].masses = 7.2: must be a list of numbers in kg, at least one"]),
+    ("[[pantograph]]", "[pantograph]", &["pantograph = ", "must be at least one table under the header [[pantograph]]"]),
+    ("law = \"penalty\"", "law = 3", &["contact.law = 3: must be \"penalty\""]),
+    ("elements_per_interval = 6", "elements_per_interval = 2.5", &["catenary.mesh.elements_per_interval = 2.5: must be a whole number from 1"]),
+    ("[solver]\nmicro_step = 0.001                      # s\nrho_inf = 0.9", "", &["accepted"]),
+    // Out of range, NaN, infinite.
+    ("duration = 8.0", "duration = nan", &["run.duration = NaN s: must be positive and finite"]),
+    ("start_x = 20.0", "start_x = inf", &["run.start_x = inf m: must be finite"]),
+    ("mass_per_length = 1.35", "mass_per_length = -1.35", &["catenary.contact_wire.mass_per_length = -1.35 kg/m: must be positive and finite"]),
+    ("span_length = 60.0", "span_length = 0.0", &["catenary.span_length = 0 m: must be positive and finite"]),
+    ("span_length = 60.0", "span_length = [60.0, 60.0]", &["catenary.span_length", "has 2 entries, must be a list of numbers in m, 10 of them"]),
+    ("stagger = [0.0]", "stagger = []", &["catenary.stagger", "has 0 entries, must be a list of numbers in m, at least one"]),
+    ("spans = 10", "spans = 0", &["catenary.spans = 0: must be a whole number from 1 to 1000"]),
+    ("alpha = 0.0125", "alpha = -0.0125", &["catenary.damping.alpha = -0.0125 1/s: must be zero or positive, and finite"]),
+    ("rho_inf = 0.9", "rho_inf = 1.1", &["solver.rho_inf = 1.1: must be from 0 to 1"]),
+    ("extrapolation = 1", "extrapolation = 3", &["coupling.extrapolation = 3: must be a whole number from 0 to 2"]),
+    ("masses = [7.2, 15.0]", "masses = [7.2, 0.0]", &["pantograph[1].masses[2] = 0 kg: must be positive and finite"]),
+    ("tension = 20000.0", "tension = 1e999", &["catenary.contact_wire.tension = inf N: must be positive and finite"]),
+    ("title = \"EN 50318:2002 reference model, 250 km/h\"", "title = \"\"", &["title = \"\": must be one line that says what the scene is, not empty"]),
+    // Words.
+    ("\"gauss_seidel\"", "\"jacobbi\"", &["coupling.algorithm = \"jacobbi\": unknown word, did you mean \"jacobi\"?", "must be one of \"auto\", \"jacobi\", \"gauss_seidel\", \"iterated\""]),
+    ("\"constant_tension\"", "\"free\"", &["catenary.wire_ends = \"free\": unknown word", "must be \"constant_tension\" or \"fixed\""]),
+    ("model = \"lumped\"", "model = \"lumpd\"", &["pantograph[1].model = \"lumpd\": unknown word, did you mean \"lumped\"?"]),
+    // Known, but not available.
+    ("\"penalty\"", "\"sliding_joint\"", &["contact.law = \"sliding_joint\": not modelled yet by this version; must be \"penalty\""]),
+    ("element = \"cable\"", "element = \"beam\"", &["catenary.mesh.element = \"beam\": not modelled yet by this version; must be \"cable\""]),
+    ("\"gauss_seidel\"", "\"interface_jacobian\"", &["coupling.algorithm = \"interface_jacobian\": not modelled yet by this version"]),
+    ("macro_step = 0.001", "macro_step = { tolerance = 1.0, min = 1e-4, max = 1e-2 }", &["coupling.macro_step = {", "not available in this version: must be a number in s"]),
+    ("rho_inf = 0.9", "formulation = \"augmented_lagrangian\"", &["solver.formulation = \"augmented_lagrangian\": not modelled yet by this version"]),
+    ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle: known, but not modelled yet by this version: leave it out"]),
+    ("[coupling]", "[track]\n[coupling]", &["track: known, but not modelled yet"]),
+    ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind: known, but not modelled yet"]),
+    ("[coupling]", "[model]\nreduce = [\"planar\"]\n[coupling]", &["model.reduce[1] = \"planar\": not modelled yet by this version"]),
+    ("[coupling]", "[model]\nreduce = [\"plannar\"]\n[coupling]", &["model.reduce[1] = \"plannar\": unknown word, did you mean \"planar\"?"]),
+    ("[coupling]", "[model]\nreduce = \"all\"\n[coupling]", &["model.reduce = \"all\": unknown word", "\"auto\" or \"none\""]),
+    ("element = \"cable\"", "element = \"cable\"\ncures = [\"kinks\"]", &["catenary.mesh.cures: known, but not modelled yet"]),
+    ("[catenary]\n", "[catenary]\nfmu = \"line.fmu\"\n", &["catenary.spans: must be left out: fmu is given", "catenary.droppers: must be left out", "contact: must be left out: an FMU given as catenary has its own contact law"]),
+    // Contradictions.
+    ("duration = 8.0", "duration = 80.0", &["run.duration = 80 s: must be at most 8.352 s", "pantograph[1] would leave the line, which ends at 600 m"]),
+    ("start_x = 20.0", "start_x = -1.0", &["run.start_x = -1 m: the strip of pantograph[1] starts at x = -1 m, must be on the line, from 0 to 600 m"]),
+    ("speed_kmh = 250.0 ", "speed_kmh = 500.0 ", &["run.speed_kmh = 500 km/h: must be below 438.2 km/h", "121.72 m/s", "allow_supercritical"]),
+    ("spans = [5, 6]", "spans = [6, 5]", &["run.evaluate.spans = [6, 5]: must be two spans from 1 to 10"]),
+    ("spans = [5, 6]", "spans = [5, 11]", &["run.evaluate.spans = [5, 11]: must be two spans from 1 to 10"]),
+    ("spans = [5, 6]", "spans = [1, 2]", &["run.evaluate.spans = [1, 2]: must lie within the run", "from 0 m to 120 m", "from 20.000 m to 575.556 m"]),
+    ("{ spans = [5, 6] }", "{ time = [2.0, 9.0] }", &["run.evaluate.time = [2, 9] s", "up to run.duration = 8 s"]),
+    ("{ spans = [5, 6] }", "{ spans = [5, 6], time = [2.0, 3.0] }", &["run.evaluate.spans", "either spans or time, not both"]),
+    ("tension = 20000.0", "tension = 20000.0\nbreaking_force = 15000.0", &["catenary.contact_wire.tension = 20000 N: must be below breaking_force = 15000 N"]),
+    ("49.5, 55.0]", "49.5, 60.0]", &["catenary.droppers.positions[9] = 60 m: must be inside its span, between 0 and 60 m"]),
+    ("23.5, 30.0", "23.5, 20.0", &["catenary.droppers.positions[5] = 20 m: must be greater than the position before it, 23.5 m"]),
+    ("mass = 0.0 ", "lengths = [1.0]\nmass = 0.0 ", &["catenary.droppers.lengths = [1.0] m: must be left out with catenary.statics = \"form_finding\""]),
+    ("dampings = [10.0, 90.0]", "dampings = [10.0]", &["pantograph[1].dampings = 1 entries: must have 2, one per mass"]),
+    ("stiffnesses = [4200.0,", "stiffnesses = [0.0,", &["pantograph[1].stiffnesses[1] = 0 N/m: must be positive"]),
+    ("stagger = [0.0]", "stagger = [0.2, -0.7]", &["catenary.stagger[2] = -0.7 m: must be within ±0.6 m, half the width of the strip of pantograph[1]"]),
+    ("macro_step = 0.001", "macro_step = 9.0", &["coupling.macro_step = 9 s: must be at most run.duration = 8 s"]),
+    ("macro_step = 0.001", "macro_step = 1e-12", &["coupling.macro_step = 0.000000000001 s: must be at least 0.00000008 s"]),
+    ("output_step = 0.001", "output_step = 0.05", &["run.low_pass_hz = 20 Hz: must be below 10 Hz"]),
+    ("model = \"lumped\"", "fmu = \"vendor/panto.fmu\"\nmodel = \"lumped\"", &["pantograph[1].model: must be left out: fmu is given", "pantograph[1].static_force: must be left out", "pantograph[1].masses: must be left out"]),
+];
+
+#[test]
+fn every_wrong_edit_is_refused_with_key_value_unit_and_remedy() {
+    for (from, to, fragments) in EDITS {
+        holds(&message(&edited(EN, from, to), &[]), fragments);
+    }
+}
+
+#[test]
+fn every_refusal_names_the_line_of_the_key() {
+    for (from, to, key) in [
+        ("duration = 8.0", "duration = -8.0", "duration = -8.0"),
+        ("[run]\n", "[run]\nspede_kmh = 3\n", "spede_kmh"),
+        ("rho_inf = 0.9", "rho_inf = 2.0", "rho_inf = 2.0"),
+        ("49.5, 55.0]", "49.5, 60.0]", "positions"),
+        ("law = \"penalty\"", "", "[contact]"),
+        ("[coupling]", "[wind]\n[coupling]", "[wind]"),
+        ("masses = [7.2, 15.0]", "masses = [7.2, -15.0]", "masses"),
+        ("spans = [5, 6]", "spans = [5, 11]", "evaluate"),
+    ] {
+        let text = edited(EN, from, to);
+        let message = message(&text, &[]);
+        assert!(
+            message.starts_with(&at(&text, key)),
+            "{} is not the beginning of {message}",
+            at(&text, key)
+        );
+    }
+}
+
+#[test]
+fn a_line_counts_the_same_with_carriage_returns() {
+    let text = edited(EN, "duration = 8.0", "duration = -8.0").replace('\n', "\r\n");
+    assert_eq!(
+        message(&text, &[]),
+        "x.toml:6: run.duration = -8 s: must be positive and finite"
+    );
+}
+
+#[test]
+fn a_wrong_linkage_is_refused() {
+    #[rustfmt::skip]
+    let edits: &[(&str, &str, &[&str])] = &[
+        ("second = \"lower_arm\"", "second = \"lower_harm\"", &["pantograph[1].joints[1].second = \"lower_harm\": no such body", "\"upper_arm\"", "\"base\""]),
+        ("body = \"pan_head\"", "body = \"head\"", &["pantograph[1].strip.body = \"head\": no such body"]),
+        ("inertia = [0.31, 10.43, 10.65]", "inertia = [0.31, 10.43, 20.0]", &["pantograph[1].bodies[1].inertia = [0.31, 10.43, 20.0] kg m²", "20 kg m² is more than the other two together"]),
+        ("inertia = [0.31, 10.43, 10.65]", "inertia = [0.31, 10.43, -1.0]", &["pantograph[1].bodies[1].inertia[3] = -1 kg m²: must be positive and finite"]),
+        ("inertia = [0.31, 10.43, 10.65]", "inertia = [0.31, 10.43]", &["pantograph[1].bodies[1].inertia", "3 of them"]),
+        ("mass = 32.18", "mass = -32.18", &["pantograph[1].bodies[1].mass = -32.18 kg: must be positive and finite"]),
+        ("name = \"upper_arm\"", "name = \"lower_arm\"", &["pantograph[1].bodies[2].name = \"lower_arm\": must be unique"]),
+        ("name = \"upper_arm\"", "name = \"base\"", &["pantograph[1].bodies[2].name = \"base\": is taken"]),
+        ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 0.0, 0.0]", &["pantograph[1].joints[1].axis = [0.0, 0.0, 0.0]: must have a direction"]),
+        ("kind = \"revolute\"", "kind = \"revolt\"", &["pantograph[1].joints[1].kind = \"revolt\": unknown word, did you mean \"revolute\"?", "\"spherical\""]),
+        ("kind = \"prismatic\"", "kind = \"revolute\"", &["pantograph[1].strip.body = \"pan_head\": must have exactly one prismatic joint", "has 0"]),
+        ("body = \"lower_arm\", distance", "body = \"plunger\", distance", &["pantograph[1].uplift.body = \"plunger\": must have a joint with the base"]),
+        ("distance = 0.9557", "distance = 1.9557", &["pantograph[1].uplift.distance = 1.9557 m: must be at most 1.6"]),
+        ("first = \"plunger\"\nsecond = \"pan_head\"", "first = \"pan_head\"\nsecond = \"pan_head\"", &["pantograph[1].joints[8].second = \"pan_head\": must differ from first"]),
+        ("base = [11.95005378, 0.0, 3.425]", "", &["pantograph[1].base is missing: must be a list of numbers in m, 3 of them"]),
+    ];
+    for (from, to, fragments) in edits {
+        holds(&message(&edited(THESIS, from, to), &[]), fragments);
+    }
+    let apart = edited(
+        THESIS,
+        "first = \"base\"\nsecond = \"lower_link\"",
+        "first = \"upper_link\"\nsecond = \"lower_link\"",
+    );
+    assert_eq!(
+        message(&apart, &[]),
+        "accepted",
+        "still joined to the base by the lower arm"
+    );
+    let stiff = format!("{THESIS}\n").replace(
+        "kind = \"spherical\" ",
+        "axis = [0.0, 1.0, 0.0]\nkind = \"revolute\" ",
+    );
+    holds(
+        &message(&stiff, &[]),
+        &["pantograph[1].joints = 8 joints: hold 40 of the bodies' 36 motions"],
+    );
+}
+
+#[test]
+fn a_wrong_third_party_pantograph_is_refused() {
+    let third_party = |keys: &str| {
+        let (before, rest) = EN.split_once("[[pantograph]]").expect("one pantograph");
+        let after = rest.split_once("[coupling]").expect("coupling follows").1;
+        format!("{before}[[pantograph]]\n{keys}\n[coupling]{after}")
+    };
+    assert_eq!(message(&third_party("fmu = \"p.fmu\""), &[]), "accepted");
+    #[rustfmt::skip]
+    let cases: &[(&str, &[&str])] = &[
+        ("", &["pantograph[1].model is missing", "fmu = \"path\""]),
+        ("fmu = \"\"", &["pantograph[1].fmu = \"\": must be the path of an FMU", "not empty"]),
+        ("fmu = \"p.fmu\"\nmodel = \"lumped\"", &["pantograph[1].model: must be left out: fmu is given"]),
+        ("fmu = \"p.fmu\"\noutputs = { hight = { variable = \"z\" } }", &["pantograph[1].outputs.hight: unknown key, did you mean \"height\"?", "roll_rate"]),
+        ("fmu = \"p.fmu\"\noutputs = { velocity = { variable = \"v\" } }", &["pantograph[1].outputs = velocity: must name height"]),
+        ("fmu = \"p.fmu\"\noutputs = { height = { factor = 2.0 } }", &["pantograph[1].outputs.height.variable is missing"]),
+        ("fmu = \"p.fmu\"\noutputs = { height = \"z\" }", &["pantograph[1].outputs.height = \"z\": must be a table such as { variable"]),
+        ("fmu = \"p.fmu\"\ninputs = { force = { variable = \"f\", factor = 0.0 } }", &["pantograph[1].inputs.force.factor = 0: must be finite and not zero"]),
+        ("fmu = \"p.fmu\"\ninputs = { force = { variable = \"f\", offset = \"align\" } }", &["pantograph[1].inputs.force.offset = \"align\": must be a number"]),
+        ("fmu = \"p.fmu\"\nparameters = { m = [1.0] }", &["pantograph[1].parameters.m = [1.0]: must be a finite number, true, false or a string"]),
+        ("fmu = \"p.fmu\"\nstep_timeout = 0", &["pantograph[1].step_timeout = 0 s: must be positive and finite"]),
+    ];
+    for (keys, fragments) in cases {
+        holds(&message(&third_party(keys), &[]), fragments);
+    }
+}
+
+#[test]
+fn a_third_party_line_is_not_aligned_and_has_no_numbered_spans() {
+    let (before, rest) = EN.split_once("[catenary]").unwrap();
+    let after = &rest[rest.find("[[pantograph]]").unwrap()..];
+    let line = |keys: &str| format!("{before}[catenary]\nfmu = \"line.fmu\"\n{keys}\n{after}");
+    let timed = ["run.evaluate={ time = [2, 3] }"];
+    assert_eq!(message(&line(""), &timed), "accepted");
+    holds(
+        &message(&line(""), &[]),
+        &["run.evaluate.spans = [5, 6]: must be time = [from, to] instead"],
+    );
+    let aligned = "outputs = { \"contact[1].force\" = { variable = \"F\", offset = \"align\" } }";
+    let told = message(&line(aligned), &timed);
+    holds(
+        &told,
+        &["x.toml:16: catenary.outputs.\"contact[1].force\".offset = \"align\": must be a number"],
+    );
+    let misspelt = "outputs = { \"contact[1].forze\" = { variable = \"F\" } }";
+    holds(
+        &message(&line(misspelt), &timed),
+        &["did you mean \"contact[1].force\"?"],
+    );
+}
+
+#[test]
+fn pantographs_follow_the_first_one_and_each_must_stay_on_the_line() {
+    let pantograph = &EN[EN.find("[[pantograph]]").unwrap()..EN.find("[coupling]").unwrap()];
+    let two = |offset: &str| {
+        let second = pantograph.replace("offset_x = 0.0", &format!("offset_x = {offset}"));
+        EN.replace("[coupling]", &format!("{second}[coupling]"))
+    };
+    assert_eq!(message(&two("-15.0"), &[]), "accepted");
+    holds(
+        &message(&two("10.0"), &[]),
+        &["pantograph[2].offset_x = 10 m: must be less than 0 m"],
+    );
+    holds(
+        &message(&two("0.0"), &[]),
+        &["pantograph[2].offset_x = 0 m: must be less than 0 m"],
+    );
+    holds(
+        &message(&two("-25.0"), &[]),
+        &["the strip of pantograph[2] starts at x = -5 m"],
+    );
+}
+
+#[test]
+fn an_empty_file_names_the_missing_tables() {
+    let message = message("", &[]);
+    holds(
+        &message,
+        &[
+            "x.toml: run is missing: must be a table",
+            "catenary is missing",
+            "[[pantograph]]",
+            "title is missing",
+        ],
+    );
+}
+
+#[test]
+fn text_that_is_not_toml_names_the_line() {
+    holds(
+        &message("title = \"x\"\n[run\n", &[]),
+        &["x.toml:2: not valid TOML: "],
+    );
+    holds(
+        &message("title = \"x\"\ntitle = \"y\"\n", &[]),
+        &["x.toml:2: not valid TOML: duplicate key"],
+    );
+    holds(&message("\u{0}\u{1}", &[]), &["x.toml:1: not valid TOML: "]);
+}
+
+#[test]
+fn all_problems_are_reported_at_once_in_the_order_of_the_file() {
+    let text = edited(
+        &edited(EN, "rho_inf = 0.9", "rho_inf = 9"),
+        "duration = 8.0",
+        "duration = 0",
+    );
+    let message = message(&text, &["contact.law=bolted"]);
+    let keys: Vec<&str> = message
+        .lines()
+        .map(|line| line.split(' ').nth(1).unwrap_or(""))
+        .collect();
+    assert_eq!(keys.len(), 3, "{message}");
+    assert!(
+        message
+            .lines()
+            .next()
+            .is_some_and(|line| line.contains("run.duration")),
+        "{message}"
+    );
+    assert!(
+        message
+            .lines()
+            .nth(1)
+            .is_some_and(|line| line.contains("solver.rho_inf")),
+        "{message}"
+    );
+    assert!(
+        message
+            .lines()
+            .nth(2)
+            .is_some_and(|line| line.contains("--set contact.law=bolted: contact.law")),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_wrong_override_is_refused_with_its_own_text() {
+    #[rustfmt::skip]
+    let cases: &[(&str, &[&str])] = &[
+        ("run.speed_kmh=-250", &["x.toml: --set run.speed_kmh=-250: run.speed_kmh = -250 km/h: must be positive and finite"]),
+        ("run.duration=nan", &["run.duration = NaN s: must be positive"]),
+        ("coupling.macro_step=0.0", &["coupling.macro_step = 0 s: must be positive"]),
+        ("coupling.algorithm=\"jacobbi\"", &["\"jacobbi\": unknown word, did you mean \"jacobi\"?"]),
+        ("coupling.algorithm=jacobbi", &["\"jacobbi\": unknown word, did you mean \"jacobi\"?"]),
+        ("run.spede_kmh=3", &["run.spede_kmh: unknown key, did you mean \"speed_kmh\"?"]),
+        ("rum.speed_kmh=3", &["rum: unknown key, did you mean \"run\"?"]),
+        ("run.speed_kmh", &["must have the form key.path=value"]),
+        ("=3", &["must have the form key.path=value"]),
+        ("run..speed_kmh=3", &["must have the form key.path=value"]),
+        ("run.speed_kmh=", &["run.speed_kmh: \"\" is not a TOML value"]),
+        ("catenary.stagger=[0.2, ", &["catenary.stagger: \"[0.2,\" is not a TOML value"]),
+        ("run.speed_kmh.value=3", &["run.speed_kmh = 250.0: is not a table, so there is no key value in it"]),
+        ("run.speed_kmh[1]=3", &["run.speed_kmh = 250.0: is not a list"]),
+        ("pantograph[2].static_force=3", &["pantograph = list: has 1 entries, [1] to [1], and no [2]"]),
+        ("pantograph[0].static_force=3", &["and no [0]"]),
+        ("pantograph.1.static_force=3", &["and no .1"]),
+        ("run=3", &["run = 3: must be a table"]),
+        ("pantograph[1].masses[2]=-1", &["--set pantograph[1].masses[2]=-1: pantograph[1].masses[2] = -1 kg: must be positive and finite"]),
+        ("run.duration=80", &["--set run.duration=80: run.duration = 80 s: must be at most"]),
+    ];
+    for (text, fragments) in cases {
+        let message = message(EN, &[text]);
+        assert!(
+            message.starts_with("x.toml: --set ") || message.starts_with("x.toml:"),
+            "{message}"
+        );
+        holds(&message, fragments);
+    }
+}
+
+#[test]
+fn no_line_left_out_and_no_value_replaced_makes_the_reader_panic() {
+    let begins = |message: &str| {
+        message == "accepted" || message.lines().all(|line| line.starts_with("x.toml"))
+    };
+    for scene in [EN, THESIS] {
+        let lines: Vec<&str> = scene.lines().collect();
+        for i in 0..lines.len() {
+            let without = [&lines[..i], &lines[i + 1..]].concat().join("\n");
+            let told = message(&without, &[]);
+            assert!(begins(&told), "without {:?}: {told}", lines[i]);
+            let Some((key, _)) = lines[i].split_once('=') else {
+                continue;
+            };
+            for value in [
+                "-1",
+                "0",
+                "nan",
+                "1e308",
+                "9223372036854775807",
+                "\"x\"",
+                "\"\"",
+                "[]",
+                "[[]]",
+                "{}",
+                "[{}]",
+                "true",
+                "1979-05-27",
+            ] {
+                let replaced = format!("{key}= {value}");
+                let with = [&lines[..i], &[replaced.as_str()], &lines[i + 1..]]
+                    .concat()
+                    .join("\n");
+                let told = message(&with, &[]);
+                assert!(begins(&told), "with {replaced:?}: {told}");
+            }
+        }
+    }
+}
