@@ -1,0 +1,78 @@
+//! Force and tangent of a wire of 360 elements, the size of a contact wire of forty short spans.
+use catenary::{AxialLaw, BendingLaw, NodeMap, Rayleigh, Wire, WireGeometry, WireSection};
+use criterion::{Criterion, criterion_group, criterion_main};
+use dynamics::{Blocks, Force, Motion, Weights};
+use nalgebra::Vector3;
+use std::hint::black_box;
+use std::sync::Arc;
+
+const ELEMENTS: usize = 360;
+
+fn wire(laws: (AxialLaw, BendingLaw), planar: bool) -> Wire {
+    let geometry = WireGeometry::straight(Vector3::z(), Vector3::x(), &[1.0; ELEMENTS], |node| {
+        if planar {
+            NodeMap::planar(4 * node)
+        } else {
+            NodeMap::spatial(6 * node)
+        }
+    });
+    let section = WireSection {
+        axial_stiffness: 1.7e7,
+        bending_stiffness: 195.0,
+        mass_per_length: 1.35,
+        tension: 2e4,
+    };
+    let damping = Rayleigh {
+        alpha: 0.0125,
+        beta: 1e-4,
+    };
+    Wire::new(section, damping, laws, 9.81, Arc::new(geometry))
+}
+
+fn element(criterion: &mut Criterion) {
+    let default = (AxialLaw::Mean, BendingLaw::Constant);
+    for (name, laws, planar) in [
+        ("mean, constant", default, false),
+        ("mean, constant, planar", default, true),
+        (
+            "full, constant",
+            (AxialLaw::Full, BendingLaw::Constant),
+            false,
+        ),
+        (
+            "engineering, exact",
+            (AxialLaw::Engineering, BendingLaw::Exact),
+            false,
+        ),
+    ] {
+        let mut wire = wire(laws, planar);
+        let n = 6 * (ELEMENTS + 1);
+        let q: Vec<f64> = (0..n).map(|i| 1e-3 * (i as f64).sin()).collect();
+        let v: Vec<f64> = (0..n).map(|i| 1e-2 * (i as f64).cos()).collect();
+        let motion = Motion {
+            t: 0.0,
+            q: &q,
+            v: &v,
+            rotation: &[],
+            u: &[],
+        };
+        let mut force = vec![0.0; n];
+        criterion.bench_function(&format!("force of 360 elements: {name}"), |bencher| {
+            bencher.iter(|| wire.add_force(black_box(&motion), black_box(&mut force)));
+        });
+        let mut places = Vec::new();
+        let weights = Weights { q: 1.0, v: 1e3 };
+        wire.add_tangent(&motion, weights, &mut Blocks::record(&mut places));
+        let positions: Vec<u32> = (0..places.len() as u32).collect();
+        let mut values = vec![0.0; places.len()];
+        criterion.bench_function(&format!("tangent of 360 elements: {name}"), |bencher| {
+            bencher.iter(|| {
+                let mut blocks = Blocks::add_to(&positions, &mut values);
+                wire.add_tangent(black_box(&motion), weights, &mut blocks);
+            });
+        });
+    }
+}
+
+criterion_group!(benches, element);
+criterion_main!(benches);

@@ -1,0 +1,171 @@
+//! Axial laws.
+//!
+//! `X` is the arc length of the unstressed wire, `x = λ X` that at nominal tension: `r,_X = λ r,ₓ`.
+use super::slopes::{SlopeTangent, Slopes, TENSION, add_block, add_identity_blocks, weights};
+use nalgebra::{Matrix3, SVector, Vector3};
+
+/// Five Gauss points on `0 ≤ ξ ≤ 1` with their weights: exact to degree nine.
+pub(crate) const FIVE_POINTS: [(f64, f64); 5] = [
+    (0.046_910_077_030_668_0, 0.118_463_442_528_094_54),
+    (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
+    (0.5, 0.284_444_444_444_444_44),
+    (0.769_234_655_052_841_5, 0.239_314_335_249_683_24),
+    (0.953_089_922_969_332, 0.118_463_442_528_094_54),
+];
+
+/// How the axial strain is measured.
+///
+/// ```text
+/// Mean         U = ½ EA (L/λ) ε²,      ε = ½ (λ² (1/L) ∫ |r,ₓ|² dx − 1)
+/// Full         U = ½ EA ∫ ε² dx/λ,     ε = ½ (λ² |r,ₓ|² − 1)           [Gerstmayr & Shabana 2006]
+/// Engineering  U = ½ EA ∫ ε² dx/λ,     ε = λ |r,ₓ| − 1
+/// ```
+///
+/// `ε` is zero in the unstressed wire, whatever the reference is. The mean lets an element of a sagging wire bend without
+/// stretching, which the cubic field of the full strain cannot. It leaves the size of the end slopes to tension and to
+/// [`crate::BendingLaw::Constant`]: a slack wire with the mean strain and exact curvature has a singular tangent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxialLaw {
+    /// Element mean of the Green–Lagrange strain, closed form.
+    Mean,
+    /// Green–Lagrange strain at five Gauss points.
+    Full,
+    /// Change of length per unstressed length, at five Gauss points.
+    Engineering,
+}
+
+/// Stretch `λ` (–) at which a wire of `axial_stiffness` (N) that follows `law` carries `tension` (N, not negative).
+///
+/// ```text
+/// Mean, Full   EA ½ (λ² − 1) λ = T
+/// Engineering  EA (λ − 1) = T
+/// ```
+#[must_use]
+pub fn nominal_stretch(law: AxialLaw, tension: f64, axial_stiffness: f64) -> f64 {
+    let strain = tension / axial_stiffness;
+    match law {
+        AxialLaw::Engineering => 1.0 + strain,
+        AxialLaw::Mean | AxialLaw::Full => {
+            // λ³ − λ = 2 T/EA is convex for λ ≥ 1 and 1 + T/EA lies above the root: Newton's method descends to it.
+            let mut stretch = 1.0 + strain;
+            for _ in 0..60 {
+                let change = (stretch * (stretch * stretch - 1.0) - 2.0 * strain)
+                    / (3.0 * stretch * stretch - 1.0);
+                stretch -= change;
+                if change.abs() <= f64::EPSILON {
+                    break;
+                }
+            }
+            stretch
+        }
+    }
+}
+
+/// An axial law with its parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Axial {
+    pub law: AxialLaw,
+    /// `EA`, N.
+    pub stiffness: f64,
+    /// `λ`, –.
+    pub stretch: f64,
+}
+
+impl Axial {
+    /// `τ`, N: force per stretch of the parameter, `EA λ ε` for the mean strain.
+    #[inline(always)]
+    pub(super) fn mean_tau(&self, mean_square: f64) -> f64 {
+        0.5 * self.stiffness * self.stretch * (self.stretch * self.stretch * mean_square - 1.0)
+    }
+
+    /// At a point with `b = r,ₓ`: energy per `x` (N), `τ` with gradient `τ b` (N), and `∂τ/∂(|b|²)` (N).
+    #[inline(always)]
+    fn at(&self, b: &Vector3<f64>) -> (f64, f64, f64) {
+        let (ea, stretch) = (self.stiffness, self.stretch);
+        let square = b.norm_squared();
+        if self.law == AxialLaw::Engineering {
+            let norm = square.sqrt();
+            let strain = stretch * norm - 1.0;
+            let energy = 0.5 * ea / stretch * strain * strain;
+            // ∂U/∂b = EA ε b/|b| = EA (λ − 1/|b|) b
+            (energy, ea * strain / norm, 0.5 * ea / (square * norm))
+        } else {
+            let strain = 0.5 * (stretch * stretch * square - 1.0);
+            let energy = 0.5 * ea / stretch * strain * strain;
+            (energy, ea * stretch * strain, 0.5 * ea * stretch.powi(3))
+        }
+    }
+
+    /// Strain energy, J, of an element of `length` in m.
+    pub fn energy(&self, length: f64, slopes: &Slopes) -> f64 {
+        if self.law == AxialLaw::Mean {
+            let strain = 0.5 * (self.stretch * self.stretch * slopes.mean_square() - 1.0);
+            return 0.5 * self.stiffness / self.stretch * length * strain * strain;
+        }
+        FIVE_POINTS
+            .iter()
+            .map(|&(xi, w)| w * length * self.at(&slopes.r_x(&weights(xi).0)).0)
+            .sum()
+    }
+
+    /// Gradient of the energy, J per unit slope.
+    #[inline(always)]
+    pub fn force(&self, length: f64, slopes: &Slopes) -> Slopes {
+        if self.law == AxialLaw::Mean {
+            let tau = self.mean_tau(slopes.mean_square());
+            return Slopes::zeros().plus(tau * length, &slopes.tension_gradient());
+        }
+        let mut force = Slopes::zeros();
+        for (xi, w) in FIVE_POINTS {
+            let (at, _) = weights(xi);
+            let b = slopes.r_x(&at);
+            let (_, tau, _) = self.at(&b);
+            force.add_r_x(&at, &(b * (tau * w * length)));
+        }
+        force
+    }
+
+    /// Second derivatives of the energy.
+    pub fn tangent(&self, length: f64, slopes: &Slopes) -> SlopeTangent {
+        let mut tangent = SlopeTangent::zeros();
+        if self.law == AxialLaw::Mean {
+            let tau = self.mean_tau(slopes.mean_square());
+            add_identity_blocks(&mut tangent, tau * length, &TENSION);
+            // ∂τ = EA λ³ · (half gradient of the mean square)
+            let half = slopes.tension_gradient();
+            let mut g = SVector::<f64, 9>::zeros();
+            for (i, part) in [half.chord, half.start, half.end].iter().enumerate() {
+                g.fixed_rows_mut::<3>(3 * i).copy_from(part);
+            }
+            return tangent + g * g.transpose() * (self.stiffness * self.stretch.powi(3) * length);
+        }
+        for (xi, w) in FIVE_POINTS {
+            let (at, _) = weights(xi);
+            let b = slopes.r_x(&at);
+            let (_, tau, tau_square) = self.at(&b);
+            let block =
+                (Matrix3::identity() * tau + b * b.transpose() * (2.0 * tau_square)) * (w * length);
+            for i in 0..3 {
+                for j in 0..3 {
+                    add_block(&mut tangent, i, j, &(block * (at[i] * at[j])));
+                }
+            }
+        }
+        tangent
+    }
+
+    /// Axial force, N, the mean over the element.
+    pub fn tension(&self, slopes: &Slopes) -> f64 {
+        if self.law == AxialLaw::Mean {
+            let square = slopes.mean_square();
+            return self.mean_tau(square) * square.sqrt();
+        }
+        FIVE_POINTS
+            .iter()
+            .map(|&(xi, w)| {
+                let b = slopes.r_x(&weights(xi).0);
+                w * self.at(&b).1 * b.norm()
+            })
+            .sum()
+    }
+}

@@ -1,0 +1,156 @@
+//! One cable element.
+use super::axial::{Axial, AxialLaw, nominal_stretch};
+use super::bending::{Bending, BendingLaw};
+use super::shape::{bending_matrix, tension_matrix};
+use super::slopes::{SlopeTangent, Slopes};
+use nalgebra::{SMatrix, Vector3};
+
+/// The twelve coordinates as columns `r₁, r₁,ₓ, r₂, r₂,ₓ` [Thesis, Eq. (1)]; also a force on them (N, N·m, N, N·m).
+pub type Coordinates = SMatrix<f64, 3, 4>;
+
+/// Second derivatives of an energy with respect to the twelve coordinates, 12 × 12, symmetric.
+pub type Tangent = SMatrix<f64, 12, 12>;
+
+/// Stiffness of a wire and the tension its element lengths belong to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CableSection {
+    pub(crate) axial: Axial,
+    pub(crate) bending: Bending,
+}
+
+impl CableSection {
+    /// A section with `EA` (N), `EI` (N·m²) that carries `tension` (N) where `|r,ₓ| = 1`.
+    ///
+    /// # Panics
+    /// When the axial stiffness is not positive, or another value negative.
+    #[must_use]
+    pub fn new(
+        axial_stiffness: f64,
+        bending_stiffness: f64,
+        tension: f64,
+        laws: (AxialLaw, BendingLaw),
+    ) -> Self {
+        assert!(axial_stiffness > 0.0, "axial stiffness {axial_stiffness} N");
+        assert!(
+            bending_stiffness >= 0.0,
+            "bending stiffness {bending_stiffness} N·m²"
+        );
+        assert!(tension >= 0.0, "tension {tension} N");
+        Self {
+            axial: Axial {
+                law: laws.0,
+                stiffness: axial_stiffness,
+                stretch: nominal_stretch(laws.0, tension, axial_stiffness),
+            },
+            bending: Bending {
+                law: laws.1,
+                stiffness: bending_stiffness,
+            },
+        }
+    }
+
+    /// Gradient of the strain energy of an element of `length` in m.
+    #[inline(always)]
+    pub(crate) fn slope_force(&self, length: f64, slopes: &Slopes) -> Slopes {
+        let force = self.axial.force(length, slopes);
+        force.plus(1.0, &self.bending.force(length, slopes))
+    }
+
+    /// Second derivatives of the strain energy with respect to the node coordinates.
+    pub(crate) fn node_tangent(&self, length: f64, slopes: &Slopes) -> Tangent {
+        let (axial, bending) = (&self.axial, &self.bending);
+        if (axial.law, bending.law) != (AxialLaw::Mean, BendingLaw::Constant) {
+            return to_nodes(&self.slope_tangent(length, slopes), length);
+        }
+        // Constant matrices on each axis, and the change of the one axial force along its gradient.
+        let tau = axial.mean_tau(slopes.mean_square());
+        let matrix = tension_matrix(length) * tau + bending_matrix(length) * bending.stiffness;
+        let gradient = Coordinates::from_columns(&slopes.tension_gradient().on_nodes(length));
+        let rate = axial.stiffness * axial.stretch.powi(3) * length;
+        let mut tangent = Tangent::zeros();
+        for (j, mut column) in tangent.column_iter_mut().enumerate() {
+            let factor = rate * gradient[j];
+            for i in 0..12 {
+                column[i] = factor * gradient[i];
+            }
+            let axis = j % 3;
+            for i in 0..4 {
+                column[3 * i + axis] += matrix[(i, j / 3)];
+            }
+        }
+        tangent
+    }
+
+    /// Second derivatives of the strain energy with respect to the slopes.
+    fn slope_tangent(&self, length: f64, slopes: &Slopes) -> SlopeTangent {
+        self.axial.tangent(length, slopes) + self.bending.tangent(length, slopes)
+    }
+
+    /// Strain energy, J.
+    pub(crate) fn slope_energy(&self, length: f64, slopes: &Slopes) -> f64 {
+        self.axial.energy(length, slopes) + self.bending.energy(length, slopes)
+    }
+}
+
+/// A cable element: section and length at nominal tension.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cable {
+    /// Stiffness and laws.
+    pub section: CableSection,
+    /// Length `L` at nominal tension, m.
+    pub length: f64,
+}
+
+impl Cable {
+    fn slopes(&self, e: &Coordinates) -> Slopes {
+        let column = |i: usize| Vector3::new(e[(0, i)], e[(1, i)], e[(2, i)]);
+        Slopes::new(&column(0), &column(1), &column(2), &column(3), self.length)
+    }
+
+    /// Strain energy, J.
+    #[must_use]
+    pub fn energy(&self, e: &Coordinates) -> f64 {
+        self.section.slope_energy(self.length, &self.slopes(e))
+    }
+
+    /// `∂U/∂e`, the force of the element's strain (the wire feels its negative).
+    #[must_use]
+    pub fn force(&self, e: &Coordinates) -> Coordinates {
+        let force = self.section.slope_force(self.length, &self.slopes(e));
+        Coordinates::from_columns(&force.on_nodes(self.length))
+    }
+
+    /// `∂²U/∂e²`.
+    #[must_use]
+    pub fn tangent(&self, e: &Coordinates) -> Tangent {
+        self.section.node_tangent(self.length, &self.slopes(e))
+    }
+
+    /// Axial force, N, the mean over the element.
+    #[must_use]
+    pub fn tension(&self, e: &Coordinates) -> f64 {
+        self.section.axial.tension(&self.slopes(e))
+    }
+}
+
+/// Takes a tangent from the slopes to the node coordinates.
+fn to_nodes(tangent: &SlopeTangent, length: f64) -> Tangent {
+    let i = 1.0 / length;
+    // ∂(p, a₁, a₂)/∂(r₁, r₁,ₓ, r₂, r₂,ₓ), each entry times the identity.
+    let b = [[-i, 0.0, i, 0.0], [i, 1.0, -i, 0.0], [i, 0.0, -i, 1.0]];
+    let mut half = SMatrix::<f64, 9, 12>::zeros();
+    for (k, row) in b.iter().enumerate() {
+        for (j, &factor) in row.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+            let mut target = half.fixed_columns_mut::<3>(3 * j);
+            target += tangent.fixed_columns::<3>(3 * k) * factor;
+        }
+    }
+    let mut result = Tangent::zeros();
+    for (k, row) in b.iter().enumerate() {
+        for (j, &factor) in row.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+            let mut target = result.fixed_rows_mut::<3>(3 * j);
+            target += half.fixed_rows::<3>(3 * k) * factor;
+        }
+    }
+    result
+}

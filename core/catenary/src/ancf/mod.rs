@@ -1,0 +1,28 @@
+//! The gradient-deficient cable element of the absolute nodal coordinate formulation.
+//!
+//! Position and one gradient at each of two nodes, `e = (r₁, r₁,ₓ, r₂, r₂,ₓ)` [Thesis, Eq. (1)], cubic Hermite polynomials
+//! between them [Thesis, Eq. (2)], a constant mass matrix [Thesis, Eq. (3)]. `x` is the arc length at the nominal tension,
+//! so that `|r,ₓ| = 1` there.
+//!
+//! ```text
+//! file       subject
+//! shape      the four polynomials and their constant 4 × 4 matrices
+//! slopes     what strain depends on: chord slope and deviations of the end slopes from it
+//! axial      axial laws (element mean, Green–Lagrange, engineering strain)
+//! bending    bending laws (|r,ₓₓ|², exact curvature)
+//! cable      one element: its laws together, energy, force and tangent in the twelve coordinates
+//! ```
+mod axial;
+mod bending;
+mod cable;
+mod shape;
+mod slopes;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use axial::FIVE_POINTS;
+pub use axial::{AxialLaw, nominal_stretch};
+pub use bending::BendingLaw;
+pub use cable::{Cable, CableSection, Coordinates, Tangent};
+pub use shape::{ShapeFunctions, bending_matrix, mass_matrix, tension_matrix};
+pub(crate) use slopes::Slopes;

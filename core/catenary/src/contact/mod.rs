@@ -1,0 +1,10 @@
+//! Contact between the contact wire and collector strips.
+mod geometry;
+mod law;
+mod pair;
+mod strip;
+
+pub use geometry::{ContactGeometry, Search};
+pub use law::PenaltyContact;
+pub use pair::{ContactPair, ContactState, ContactTangent, Sensitivity};
+pub use strip::{PrescribedStrip, STRIP_INPUTS};

@@ -1,0 +1,255 @@
+use super::*;
+use dynamics::State;
+
+const LAW: DropperLaw = DropperLaw {
+    stiffness: 1.0e5,
+    damping: 300.0,
+};
+
+fn batch(mass: f64) -> Droppers {
+    let upper = Attachment::new(Vector3::new(10.0, 0.3, 6.5), [Some(0), Some(1), Some(2)]);
+    let lower = Attachment::new(Vector3::new(10.1, -0.1, 5.3), [Some(3), Some(4), Some(5)]);
+    let length = (upper.reference - lower.reference).norm();
+    let dropper = Dropper {
+        upper,
+        lower,
+        unstressed_length: length - 1e-3,
+        mass,
+    };
+    Droppers::new(LAW, vec![dropper], 9.81)
+}
+
+fn state(q: [f64; 6], v: [f64; 6]) -> State {
+    let mut state = State::at_rest(6, 0, Vec::new());
+    state.q.copy_from_slice(&q);
+    state.v.copy_from_slice(&v);
+    state
+}
+
+const TAUT: [f64; 6] = [0.02, -0.01, 0.03, -0.01, 0.005, 0.01];
+const SLACK: [f64; 6] = [0.0, 0.0, -0.01, 0.0, 0.0, 0.02];
+const MOVING: [f64; 6] = [0.3, -0.2, 0.1, -0.4, 0.6, -0.2];
+
+fn force(droppers: &mut Droppers, state: &State) -> [f64; 6] {
+    let mut out = [0.0; 6];
+    droppers.add_force(&state.motion(&[]), &mut out);
+    out
+}
+
+fn tangent(droppers: &mut Droppers, state: &State, weights: Weights) -> [f64; 36] {
+    let places: Vec<u32> = (0..36).collect();
+    let mut values = [0.0; 36];
+    droppers.add_tangent(
+        &state.motion(&[]),
+        weights,
+        &mut Blocks::add_to(&places, &mut values),
+    );
+    values
+}
+
+#[test]
+fn the_force_is_the_gradient_of_the_energy() {
+    let mut droppers = batch(0.4);
+    let at = state(TAUT, [0.0; 6]);
+    let analytic = force(&mut droppers, &at);
+    for (i, analytic) in analytic.into_iter().enumerate() {
+        let h = 1e-6;
+        let energy = |sign: f64| {
+            let mut moved = at.clone();
+            moved.q[i] += sign * h;
+            droppers.energy(&moved.motion(&[]))
+        };
+        let difference = -(energy(1.0) - energy(-1.0)) / (2.0 * h);
+        assert!(
+            (difference - analytic).abs() < 1e-6 * 4e3,
+            "{i}: {difference} {analytic}"
+        );
+    }
+}
+
+#[test]
+fn the_tangent_is_the_jacobian_of_the_force_in_position_and_velocity() {
+    let mut droppers = batch(0.4);
+    let at = state(TAUT, MOVING);
+    let weights = Weights { q: 1.0, v: 700.0 };
+    let analytic = tangent(&mut droppers, &at, weights);
+    let scale = analytic.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    for j in 0..6 {
+        let h = 1e-6;
+        let mut sides = [[0.0; 6]; 4];
+        for (side, (dq, dv)) in sides
+            .iter_mut()
+            .zip([(h, 0.0), (-h, 0.0), (0.0, h), (0.0, -h)])
+        {
+            let mut moved = at.clone();
+            moved.q[j] += dq;
+            moved.v[j] += dv;
+            *side = force(&mut droppers, &moved);
+        }
+        for i in 0..6 {
+            let k = -(sides[0][i] - sides[1][i]) / (2.0 * h);
+            let d = -(sides[2][i] - sides[3][i]) / (2.0 * h);
+            let difference = weights.q * k + weights.v * d;
+            assert!(
+                (difference - analytic[6 * i + j]).abs() < 1e-6 * scale,
+                "{i} {j}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_slack_dropper_exerts_no_force_whatever_its_rate() {
+    let mut droppers = batch(0.0);
+    let at = state(SLACK, [0.0, 0.0, 5.0, 0.0, 0.0, -5.0]);
+    assert_eq!(force(&mut droppers, &at), [0.0; 6]);
+    assert_eq!(
+        tangent(&mut droppers, &at, Weights { q: 1.0, v: 1.0 }),
+        [0.0; 36]
+    );
+    assert_eq!(droppers.slack_count(&at.motion(&[])), 1);
+    assert_eq!(droppers.slack_count(&state(TAUT, [0.0; 6]).motion(&[])), 0);
+}
+
+#[test]
+fn a_taut_dropper_never_pushes() {
+    assert_eq!(LAW.force(1e-4, -10.0), 0.0);
+    assert_eq!(LAW.force(0.0, 10.0), 0.0);
+    assert_eq!(LAW.force(1e-3, 0.1), 130.0);
+}
+
+#[test]
+fn its_pull_is_equal_and_opposite_and_its_weight_is_shared() {
+    let mut droppers = batch(0.4);
+    let f = force(&mut droppers, &state(TAUT, MOVING));
+    for (i, sum) in [0.0, 0.0, -0.4 * 9.81].into_iter().enumerate() {
+        assert!((f[i] + f[i + 3] - sum).abs() < 1e-9); // rounding of 4 kN
+    }
+    let half = force(&mut droppers, &state(SLACK, [0.0; 6]));
+    assert!((half[2] + 0.2 * 9.81).abs() < 1e-12 && (half[5] + 0.2 * 9.81).abs() < 1e-12);
+}
+
+/// The whole matrix that the solver sees: blocks of the factorisation and pushed corrections.
+fn corrected(
+    droppers: &mut Droppers,
+    factored: &State,
+    now: &State,
+    weights: Weights,
+) -> ([f64; 36], usize) {
+    let mut matrix = tangent(droppers, factored, weights);
+    let mut updates = Updates::default();
+    droppers.push_updates(&now.motion(&[]), weights, &mut updates);
+    updates.add_to_dense(6, &mut matrix);
+    (matrix, updates.rank())
+}
+
+#[test]
+fn a_dropper_that_tautens_after_the_factorisation_is_a_rank_one_correction() {
+    let weights = Weights { q: 1.0, v: 700.0 };
+    let (slack, taut) = (state(SLACK, [0.0; 6]), state(TAUT, MOVING));
+    let (matrix, rank) = corrected(&mut batch(0.0), &slack, &taut, weights);
+    let exact = tangent(&mut batch(0.0), &taut, weights);
+    assert_eq!(rank, 1);
+    let scale = weights.q * LAW.stiffness + weights.v * LAW.damping;
+    for (approximate, exact) in matrix.iter().zip(&exact) {
+        // The direction is that of the slack dropper, 3 cm of 1.27 m away.
+        assert!(
+            (approximate - exact).abs() < 0.06 * scale,
+            "{approximate} {exact}"
+        );
+    }
+}
+
+#[test]
+fn a_dropper_that_slackens_after_the_factorisation_is_taken_out_but_for_its_transverse_part() {
+    let weights = Weights { q: 1.0, v: 700.0 };
+    let (slack, taut) = (state(SLACK, [0.0; 6]), state(TAUT, [0.0; 6]));
+    let (matrix, rank) = corrected(&mut batch(0.0), &taut, &slack, weights);
+    assert_eq!(rank, 1);
+    let pull = 2.0
+        * force(&mut batch(0.0), &taut)
+            .iter()
+            .fold(0.0_f64, |a, b| a.max(b.abs()));
+    assert!(
+        matrix.iter().all(|value| value.abs() < pull),
+        "only F/length may stay"
+    );
+}
+
+#[test]
+fn an_unchanged_dropper_pushes_no_correction() {
+    let weights = Weights { q: 1.0, v: 700.0 };
+    for at in [state(SLACK, MOVING), state(TAUT, MOVING)] {
+        assert_eq!(corrected(&mut batch(0.0), &at, &at, weights).1, 0);
+    }
+}
+
+#[test]
+fn a_restored_batch_pushes_the_same_correction() {
+    let weights = Weights { q: 1.0, v: 700.0 };
+    let (slack, taut) = (state(SLACK, [0.0; 6]), state(TAUT, MOVING));
+    let pushed = |droppers: &mut Droppers| {
+        let mut updates = Updates::default();
+        droppers.push_updates(&slack.motion(&[]), weights, &mut updates);
+        let mut sum = [0.0; 36];
+        updates.add_to_dense(6, &mut sum);
+        sum
+    };
+    let mut droppers = batch(0.0);
+    tangent(&mut droppers, &taut, weights);
+    let (mut memory, before) = (Vec::new(), pushed(&mut droppers));
+    droppers.save(&mut memory);
+    tangent(&mut droppers, &slack, weights);
+    assert_ne!(pushed(&mut droppers), before);
+    let mut values = memory.iter();
+    droppers.restore(&mut values);
+    assert_eq!(values.len(), 0);
+    assert_eq!(pushed(&mut droppers), before);
+}
+
+#[test]
+fn a_planar_dropper_has_four_coordinates_and_the_same_force() {
+    let (mut spatial, at) = (batch(0.2), state(TAUT, [0.0; 6]));
+    let dropper = spatial.as_slice()[0];
+    let mut planar = dropper;
+    planar.upper = Attachment::new(dropper.upper.reference, [Some(0), None, Some(1)]);
+    planar.lower = Attachment::new(dropper.lower.reference, [Some(2), None, Some(3)]);
+    let mut planar = Droppers::new(LAW, vec![planar], 9.81);
+    let mut flat = State::at_rest(4, 0, Vec::new());
+    flat.q = vec![TAUT[0], TAUT[2], TAUT[3], TAUT[5]];
+    let mut lateral_free = at.clone();
+    (lateral_free.q[1], lateral_free.q[4]) = (0.0, 0.0);
+    let expected = force(&mut spatial, &lateral_free);
+    let mut out = [0.0; 4];
+    planar.add_force(&flat.motion(&[]), &mut out);
+    assert_eq!(out, [expected[0], expected[2], expected[3], expected[5]]);
+    let mut places = Vec::new();
+    planar.add_tangent(
+        &flat.motion(&[]),
+        Weights { q: 1.0, v: 0.0 },
+        &mut Blocks::record(&mut places),
+    );
+    assert_eq!(places.len(), 16);
+}
+
+#[test]
+fn the_damper_sets_in_without_a_jump_and_is_there_beyond_the_onset() {
+    let rate = 0.3;
+    assert!(LAW.force(1e-12, rate) < 1e-3 * LAW.damping * rate);
+    let beyond = 2.0 * DAMPING_ONSET;
+    assert_eq!(LAW.force(beyond, rate), LAW.stiffness * beyond + LAW.damping * rate);
+}
+
+#[test]
+fn the_derivatives_of_the_law_are_its_difference_quotients() {
+    for (elongation, rate) in [(0.4 * DAMPING_ONSET, 0.3), (3.0 * DAMPING_ONSET, 0.3), (-1e-6, 0.3), (1e-4, -9.0)] {
+        let h = 1e-9;
+        let (by_elongation, by_rate) = LAW.derivatives(elongation, rate);
+        let difference = |de: f64, dr: f64| {
+            (LAW.force(elongation + de, rate + dr) - LAW.force(elongation - de, rate - dr)) / (2.0 * h)
+        };
+        let scale = LAW.stiffness + LAW.damping * rate.abs() / DAMPING_ONSET;
+        assert!((difference(h, 0.0) - by_elongation).abs() < 1e-6 * scale);
+        assert!((difference(0.0, h) - by_rate).abs() < 1e-6 * LAW.damping.max(1.0));
+    }
+}

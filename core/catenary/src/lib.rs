@@ -1,0 +1,56 @@
+//! The overhead line: ANCF wires, droppers, supports, registration arms, statics, and the contact with collector strips.
+//!
+//! # Sources
+//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
+//!   Chicago, 2016.
+//! - `[Gerstmayr & Shabana 2006]` Analysis of thin beams and cables using the absolute nodal co-ordinate formulation,
+//!   Nonlinear Dynamics 45, doi 10.1007/s11071-006-1856-1.
+#![forbid(unsafe_code)]
+
+mod ancf;
+mod anchor;
+mod attachment;
+mod contact;
+mod curve;
+mod dropper;
+mod exchange;
+mod line;
+mod line_end;
+mod linear_line;
+mod model;
+mod registration_arm;
+mod signals;
+mod statics;
+mod subsystem;
+mod support;
+mod topology;
+mod wire;
+
+pub use ancf::{
+    AxialLaw, BendingLaw, Cable, CableSection, Coordinates, ShapeFunctions, Tangent,
+    bending_matrix, mass_matrix, nominal_stretch, tension_matrix,
+};
+pub use anchor::Anchor;
+pub use attachment::Attachment;
+pub use contact::{
+    ContactGeometry, ContactPair, ContactState, ContactTangent, PenaltyContact, PrescribedStrip,
+    STRIP_INPUTS, Search, Sensitivity,
+};
+pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
+pub use dropper::{Dropper, DropperLaw, Droppers};
+pub use line::{DropperSample, Line};
+pub use line_end::{LineEnd, LineEnds};
+pub use model::{CatenaryError, Model, contact_pair, static_line};
+pub use linear_line::{LinearDropper, LinearDroppers, LinearForce, LinearLine};
+pub use registration_arm::RegistrationArms;
+pub use statics::{
+    DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport,
+    SupportReport, TensionReport,
+};
+pub use exchange::SAMPLES;
+pub use subsystem::{Checkpoint, ContactOutputs, StripStart, Subsystem};
+pub use support::Supports;
+pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, Topology, WireName};
+pub use wire::{
+    Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WirePoint, WireSection,
+};

@@ -1,0 +1,371 @@
+//! The overhead line as a list of contributions.
+use crate::topology::WireCoordinates;
+use crate::{
+    Anchor, Attachment, AxialLaw, BendingLaw, Curve, Dropper, DropperLaw, Droppers, Enrichment,
+    LineEnd, LineEnds, NodeMap, Rayleigh, RegistrationArms, Supports, Topology, Wire, WireGeometry,
+    WireName, WireNode, WireSection,
+};
+use dynamics::{Force, Motion};
+use nalgebra::Vector3;
+use scene::{AxialStrain, Catenary, WireEnds};
+use std::sync::Arc;
+
+/// The static state of a line: everything that the scene leaves to statics.
+#[derive(Clone, Debug)]
+pub(crate) struct Equilibrium {
+    pub contact_wire: WireGeometry,
+    pub messenger_wire: WireGeometry,
+    /// Unstressed length of each dropper, m.
+    pub dropper_lengths: Vec<f64>,
+    /// Force of each inner support on the messenger wire, N.
+    pub support_reactions: Vec<Vector3<f64>>,
+    /// Force of each inner registration arm on the contact wire, its own weight not deducted, N.
+    pub arm_reactions: Vec<Vector3<f64>>,
+}
+
+impl Equilibrium {
+    /// The same state with all coordinates numbered from `first` on.
+    fn shifted(&self, first: usize) -> Self {
+        Self {
+            contact_wire: shifted(&self.contact_wire, first),
+            messenger_wire: shifted(&self.messenger_wire, first),
+            ..self.clone()
+        }
+    }
+}
+
+fn shifted(geometry: &WireGeometry, first: usize) -> WireGeometry {
+    let shift = |index: Option<usize>| index.map(|index| index + first);
+    let nodes = geometry.nodes().iter().map(|node| WireNode {
+        map: NodeMap::new(std::array::from_fn(|i| {
+            shift(if i < 3 {
+                node.map.position(i)
+            } else {
+                node.map.slope(i - 3)
+            })
+        })),
+        ..*node
+    });
+    let enrichments = geometry.enrichments().iter().map(|enrichment| Enrichment {
+        index: enrichment.index + first,
+        ..*enrichment
+    });
+    WireGeometry::new(
+        nodes.collect(),
+        geometry.lengths().to_vec(),
+        enrichments.collect(),
+    )
+}
+
+/// A dropper in a picture of the line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DropperSample {
+    /// Position on the messenger wire, m.
+    pub top: Vector3<f64>,
+    /// Position on the contact wire, m.
+    pub bottom: Vector3<f64>,
+    /// Tension, N.
+    pub force: f64,
+}
+
+/// Both wires, droppers, supports, registration arms and sliding ends: an overhead line whose reference (all coordinates zero)
+/// is its static state.
+///
+/// The messenger wire hangs vertically above the contact wire, with the same stagger.
+#[derive(Clone, Debug)]
+pub struct Line {
+    topology: Arc<Topology>,
+    contact_wire: Wire,
+    messenger_wire: Wire,
+    droppers: Droppers,
+    supports: Supports,
+    arms: RegistrationArms,
+    ends: LineEnds,
+    /// Height of the contact wire at each support that uplift is counted from, m above the static height.
+    uplift_reference: Vec<f64>,
+}
+
+impl Line {
+    /// A line in the coordinates of `equilibrium`, moved on by `first`.
+    pub(crate) fn new(
+        catenary: &Catenary,
+        topology: &Arc<Topology>,
+        equilibrium: &Equilibrium,
+        first: usize,
+    ) -> Self {
+        let equilibrium = equilibrium.shifted(first);
+        let [contact_wire, messenger_wire] = [
+            (equilibrium.contact_wire, WireName::ContactWire),
+            (equilibrium.messenger_wire, WireName::MessengerWire),
+        ]
+        .map(|(geometry, name)| wire(catenary, name, Arc::new(geometry)));
+        let upper = |node: usize| Attachment::node(&messenger_wire.geometry().nodes()[node]);
+        let lower = |node: usize| Attachment::node(&contact_wire.geometry().nodes()[node]);
+
+        let droppers = topology.droppers().iter().zip(&equilibrium.dropper_lengths);
+        let droppers = droppers.map(|(place, &unstressed_length)| Dropper {
+            upper: upper(place.node),
+            lower: lower(place.node),
+            unstressed_length,
+            mass: catenary.droppers.mass,
+        });
+        let law = DropperLaw {
+            stiffness: catenary.droppers.stiffness,
+            damping: catenary.droppers.damping,
+        };
+        let springs = &catenary.supports;
+        let supports = topology
+            .inner_supports()
+            .zip(&equilibrium.support_reactions);
+        let supports = supports.map(|((_, node), &reaction)| Anchor {
+            node: upper(node),
+            reaction,
+            stiffness: Vector3::new(
+                springs.messenger_longitudinal_stiffness,
+                springs.messenger_lateral_stiffness,
+                springs.messenger_vertical_stiffness,
+            ),
+        });
+        let arm = &catenary.registration_arms;
+        let arms = topology.inner_supports().zip(&equilibrium.arm_reactions);
+        let arms = arms.map(|((_, node), &reaction)| Anchor {
+            node: lower(node),
+            reaction,
+            stiffness: Vector3::new(0.0, arm.lateral_stiffness, arm.vertical_stiffness),
+        });
+        let ends = [
+            (lower(0), -catenary.contact_wire.tension),
+            (upper(0), -catenary.messenger_wire.tension),
+            (lower(topology.last()), catenary.contact_wire.tension),
+            (upper(topology.last()), catenary.messenger_wire.tension),
+        ];
+        let sliding = catenary.wire_ends == WireEnds::ConstantTension;
+        let ends = ends
+            .iter()
+            .filter(|_| sliding)
+            .filter_map(|&(node, force)| {
+                let index = node.coordinate(0)?;
+                Some(LineEnd { index, force })
+            });
+        Self {
+            droppers: Droppers::new(law, droppers.collect(), catenary.gravity),
+            supports: Supports::new(supports.collect()),
+            arms: RegistrationArms::new(arms.collect(), arm.mass, catenary.gravity),
+            ends: LineEnds::new(ends.collect()),
+            uplift_reference: vec![0.0; topology.supports().len()],
+            topology: Arc::clone(topology),
+            contact_wire,
+            messenger_wire,
+        }
+    }
+
+    /// Uses the mass matrix that cancels the leading dispersion error of steps of `step` s, see [`Wire::with_mass_correction`].
+    #[must_use]
+    pub fn with_mass_correction(mut self, step: f64) -> Self {
+        self.contact_wire = self.contact_wire.with_mass_correction(step);
+        self.messenger_wire = self.messenger_wire.with_mass_correction(step);
+        self
+    }
+
+    /// Visits every contribution, always in the same order.
+    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        visit(&mut self.contact_wire);
+        visit(&mut self.messenger_wire);
+        visit(&mut self.droppers);
+        visit(&mut self.supports);
+        visit(&mut self.arms);
+        visit(&mut self.ends);
+    }
+
+    /// The contact wire as contact sees it.
+    #[must_use]
+    pub fn contact_curve(&self) -> Arc<dyn Curve> {
+        Arc::clone(self.contact_wire.geometry()) as Arc<dyn Curve>
+    }
+
+    /// One of the wires.
+    #[must_use]
+    pub fn wire(&self, name: WireName) -> &Wire {
+        match name {
+            WireName::ContactWire => &self.contact_wire,
+            WireName::MessengerWire => &self.messenger_wire,
+        }
+    }
+
+    /// Nodes, supports and droppers.
+    #[must_use]
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// The droppers.
+    #[must_use]
+    pub fn droppers(&self) -> &Droppers {
+        &self.droppers
+    }
+
+    /// The inner supports, from the second support to the last but one.
+    #[must_use]
+    pub fn supports(&self) -> &Supports {
+        &self.supports
+    }
+
+    /// The inner registration arms, as [`Line::supports`].
+    #[must_use]
+    pub fn registration_arms(&self) -> &RegistrationArms {
+        &self.arms
+    }
+
+    /// Number of supports, the ends included.
+    #[must_use]
+    pub fn support_count(&self) -> usize {
+        self.topology.supports().len()
+    }
+
+    /// Height of the contact wire at support `support` (from 0), m above the static height.
+    fn rise(&self, support: usize, q: &[f64]) -> f64 {
+        let node = &self.contact_wire.geometry().nodes()[self.topology.supports()[support]];
+        node.map.position(2).map_or(0.0, |index| q[index])
+    }
+
+    /// Counts uplift from the state `q` on.
+    pub fn set_uplift_reference(&mut self, q: &[f64]) {
+        for support in 0..self.uplift_reference.len() {
+            self.uplift_reference[support] = self.rise(support, q);
+        }
+    }
+
+    /// Rise of the contact wire at support `support` (from 0) above its height in the reference state, m.
+    #[must_use]
+    pub fn uplift(&self, support: usize, q: &[f64]) -> f64 {
+        self.rise(support, q) - self.uplift_reference[support]
+    }
+
+    /// Rate of [`Line::uplift`], m/s.
+    #[must_use]
+    pub fn uplift_rate(&self, support: usize, v: &[f64]) -> f64 {
+        self.rise(support, v)
+    }
+
+    /// Number of droppers without tension.
+    #[must_use]
+    pub fn slack_count(&self, motion: &Motion<'_>) -> usize {
+        self.droppers.slack_count(motion)
+    }
+
+    /// Potential energy, J, of strain, weight and preloads.
+    #[must_use]
+    pub fn energy(&self, motion: &Motion<'_>) -> f64 {
+        let parts: [&dyn Force; 6] = [
+            &self.contact_wire,
+            &self.messenger_wire,
+            &self.droppers,
+            &self.supports,
+            &self.arms,
+            &self.ends,
+        ];
+        parts.iter().map(|part| part.energy(motion)).sum()
+    }
+
+    /// Positions of the nodes of a wire, m: the polyline that a picture shows.
+    pub fn polyline<'a>(
+        &'a self,
+        name: WireName,
+        q: &'a [f64],
+    ) -> impl Iterator<Item = Vector3<f64>> + 'a {
+        self.wire(name)
+            .geometry()
+            .nodes()
+            .iter()
+            .map(move |node| node.at(q).0)
+    }
+
+    /// Both ends and the tension of every dropper.
+    pub fn dropper_samples<'a>(
+        &'a self,
+        motion: &'a Motion<'a>,
+    ) -> impl Iterator<Item = DropperSample> + 'a {
+        self.droppers
+            .as_slice()
+            .iter()
+            .enumerate()
+            .map(move |(index, dropper)| DropperSample {
+                top: dropper.upper.position(motion),
+                bottom: dropper.lower.position(motion),
+                force: self.droppers.tension(index, motion),
+            })
+    }
+
+    /// Parameter `s` of the contact wire at the position `x` along the track, m, for coordinates `q`; at the ends of the wire
+    /// where `x` is beyond them.
+    #[must_use]
+    pub fn contact_wire_s(&self, x: f64, q: &[f64]) -> f64 {
+        let geometry = self.contact_wire.geometry();
+        let v = vec![0.0; q.len()];
+        let at = |s: f64| geometry.point(s, q, &v);
+        let (mut low, mut high) = (0.0, geometry.length());
+        let mut s = x.clamp(low, high);
+        // Newton's method inside a shrinking bracket; x grows with s.
+        for _ in 0..100 {
+            let point = at(s);
+            let error = point.r.x - x;
+            if error > 0.0 {
+                high = s;
+            } else {
+                low = s;
+            }
+            let next = s - error / point.r_s.x;
+            let next = if next > low && next < high {
+                next
+            } else {
+                0.5 * (low + high)
+            };
+            if (next - s).abs() <= 1e-13 * geometry.length() {
+                return next;
+            }
+            s = next;
+        }
+        s
+    }
+}
+
+/// One wire of the scene along `geometry`.
+pub(crate) fn wire(catenary: &Catenary, name: WireName, geometry: Arc<WireGeometry>) -> Wire {
+    let parameters = match name {
+        WireName::ContactWire => &catenary.contact_wire,
+        WireName::MessengerWire => &catenary.messenger_wire,
+    };
+    let section = WireSection {
+        axial_stiffness: parameters.axial_stiffness,
+        bending_stiffness: parameters.bending_stiffness,
+        mass_per_length: parameters.mass_per_length,
+        tension: parameters.tension,
+    };
+    let damping = Rayleigh {
+        alpha: catenary.damping.alpha,
+        beta: catenary.damping.beta,
+    };
+    let axial = match catenary.mesh.axial_strain {
+        AxialStrain::Mean => AxialLaw::Mean,
+        AxialStrain::Full => AxialLaw::Full,
+    };
+    Wire::new(
+        section,
+        damping,
+        (axial, BendingLaw::Constant),
+        catenary.gravity,
+        geometry,
+    )
+}
+
+/// The bending layers of one wire, at rest; none in a string.
+pub(crate) fn layers(parameters: &scene::Wire, coordinates: &WireCoordinates) -> Vec<Enrichment> {
+    let layers = coordinates.layers.iter().map(|layer| Enrichment {
+        node: layer.node,
+        index: layer.index,
+        direction: layer.direction,
+        bending_length: (parameters.bending_stiffness / parameters.tension).sqrt(),
+        reference: 0.0,
+    });
+    layers.collect()
+}

@@ -1,0 +1,276 @@
+//! A line with constant matrices and unilateral droppers.
+use crate::{Attachment, Curve, DropperLaw, Line};
+use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
+use std::sync::Arc;
+
+/// A force linear in coordinates and velocities.
+///
+/// ```text
+/// Q = Q₀ − K q − D v
+/// ```
+#[derive(Clone, Debug)]
+pub struct LinearForce {
+    /// `Q₀`, N.
+    pub load: Vec<f64>,
+    /// `K`, N/m.
+    pub stiffness: SparseMatrix,
+    /// `D`, N·s/m.
+    pub damping: SparseMatrix,
+    /// `M`, kg.
+    pub mass: SparseMatrix,
+}
+
+impl LinearForce {
+    fn add_rows(matrix: &SparseMatrix, weight: f64, blocks: &mut Blocks<'_>) {
+        for row in 0..matrix.size() {
+            for (column, value) in matrix.row(row) {
+                blocks.add(&[row], &[column], &[weight * value]);
+            }
+        }
+    }
+}
+
+impl Force for LinearForce {
+    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        for (row, value) in force.iter_mut().enumerate().take(self.load.len()) {
+            let pull: f64 = self.stiffness.row(row).map(|(column, k)| k * motion.q[column]).sum();
+            let drag: f64 = self.damping.row(row).map(|(column, d)| d * motion.v[column]).sum();
+            *value += self.load[row] - pull - drag;
+        }
+    }
+
+    fn add_tangent(&mut self, _motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+        Self::add_rows(&self.stiffness, weights.q, blocks);
+        Self::add_rows(&self.damping, weights.v, blocks);
+    }
+
+    fn add_mass(&self, blocks: &mut Blocks<'_>) {
+        Self::add_rows(&self.mass, 1.0, blocks);
+    }
+
+    fn energy(&self, motion: &Motion<'_>) -> f64 {
+        let work: f64 = self.load.iter().zip(motion.q).map(|(load, q)| load * q).sum();
+        0.5 * self.stiffness.quadratic_form(motion.q) - work
+    }
+}
+
+/// A dropper whose elongation is linear in the coordinates: `δ = δ₀ + g·q`, and whose force acts along `g`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearDropper {
+    /// `δ₀`, m: the elongation at `q = 0`; negative when slack there.
+    pub elongation: f64,
+    /// The non-zero entries of `g` (–), each with its coordinate.
+    pub gradient: Vec<(usize, f64)>,
+}
+
+impl LinearDropper {
+    fn along(&self, values: &[f64]) -> f64 {
+        self.gradient.iter().map(|&(index, g)| g * values[index]).sum()
+    }
+}
+
+/// Unilateral droppers of fixed direction, with the law of [`crate::Droppers`].
+#[derive(Clone, Debug)]
+pub struct LinearDroppers {
+    law: DropperLaw,
+    droppers: Vec<LinearDropper>,
+    /// Slope in the assembled tangent, N/m; zero for a dropper that was slack.
+    assembled: Vec<f64>,
+}
+
+impl LinearDroppers {
+    /// A batch of droppers with one law.
+    #[must_use]
+    pub fn new(law: DropperLaw, droppers: Vec<LinearDropper>) -> Self {
+        Self {
+            law,
+            assembled: vec![0.0; droppers.len()],
+            droppers,
+        }
+    }
+
+    /// Tension of dropper `index`, N.
+    #[must_use]
+    pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
+        let dropper = &self.droppers[index];
+        self.law.force(dropper.elongation + dropper.along(motion.q), dropper.along(motion.v))
+    }
+
+    fn slope(&self, index: usize, motion: &Motion<'_>, weights: Weights) -> f64 {
+        let dropper = &self.droppers[index];
+        self.law.slope(dropper.elongation + dropper.along(motion.q), dropper.along(motion.v), weights)
+    }
+
+    /// Number of droppers that exert no force.
+    #[must_use]
+    pub fn slack_count(&self, motion: &Motion<'_>) -> usize {
+        (0..self.droppers.len()).filter(|&index| self.tension(index, motion) == 0.0).count()
+    }
+}
+
+impl Force for LinearDroppers {
+    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        for (index, dropper) in self.droppers.iter().enumerate() {
+            let tension = self.tension(index, motion);
+            for &(coordinate, g) in &dropper.gradient {
+                force[coordinate] -= tension * g;
+            }
+        }
+    }
+
+    fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+        for index in 0..self.droppers.len() {
+            let slope = self.slope(index, motion, weights);
+            self.assembled[index] = slope;
+            let gradient = &self.droppers[index].gradient;
+            for &(row, g_row) in gradient {
+                for &(column, g_column) in gradient {
+                    blocks.add(&[row], &[column], &[slope * g_row * g_column]);
+                }
+            }
+        }
+    }
+
+    fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
+        for (index, dropper) in self.droppers.iter().enumerate() {
+            let coefficient = self.slope(index, motion, weights) - self.assembled[index];
+            if coefficient == 0.0 {
+                continue;
+            }
+            // The direction never changes, so one version serves for ever.
+            updates.rank_one(index as u32, 0, coefficient, dropper.gradient.iter().copied());
+        }
+    }
+
+    fn energy(&self, motion: &Motion<'_>) -> f64 {
+        let energy = |dropper: &LinearDropper| self.law.energy(dropper.elongation + dropper.along(motion.q));
+        self.droppers.iter().map(energy).sum()
+    }
+
+    fn save(&self, out: &mut Vec<f64>) {
+        out.extend_from_slice(&self.assembled);
+    }
+
+    fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
+        for assembled in &mut self.assembled {
+            *assembled = *values.next().expect("a saved state holds one number per dropper");
+        }
+    }
+}
+
+/// A line with constant matrices, unilateral droppers of fixed direction, and a contact wire linear in its coordinates.
+///
+/// It stands in the same places as a [`Line`]: integrator, contact and coupling do not know the difference. A line in operation
+/// moves by centimetres about its static state, so that [`LinearLine::about`] is a good approximation of it; matrices of other
+/// origin make other linear lines.
+#[derive(Clone)]
+pub struct LinearLine {
+    force: LinearForce,
+    droppers: LinearDroppers,
+    contact_wire: Arc<dyn Curve>,
+}
+
+impl LinearLine {
+    /// A line of given matrices.
+    #[must_use]
+    pub fn new(force: LinearForce, droppers: LinearDroppers, contact_wire: Arc<dyn Curve>) -> Self {
+        Self {
+            force,
+            droppers,
+            contact_wire,
+        }
+    }
+
+    /// The linearisation of `line` about its static state, sag and longitudinal coordinates included, in the same coordinates of
+    /// `layout`.
+    ///
+    /// The spring of a dropper stays unilateral along its static direction; the transverse stiffness `F/length` of a taut
+    /// dropper is part of `K`.
+    #[must_use]
+    pub fn about(line: &mut Line, layout: &Layout) -> Self {
+        let size = layout.coordinates();
+        let rest = layout.state_at_rest();
+        let motion = rest.motion(&[]);
+        let stiffness = Weights { q: 1.0, v: 0.0 };
+        let mut k = assembled(|blocks| line.forces(&mut |part| part.add_tangent(&motion, stiffness, blocks)));
+        let mut d = assembled(|blocks| {
+            line.forces(&mut |part| part.add_tangent(&motion, Weights { q: 0.0, v: 1.0 }, blocks));
+        });
+        let m = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
+        let mut load = vec![0.0; size];
+        line.forces(&mut |part| part.add_force(&motion, &mut load));
+
+        // Spring and damper of the taut droppers are taken out again: they are unilateral.
+        let law = line.droppers().law();
+        let mut droppers = Vec::new();
+        for (index, dropper) in line.droppers().as_slice().iter().enumerate() {
+            let length = dropper.length(&motion);
+            let direction = (dropper.upper.reference - dropper.lower.reference) / length;
+            let end = |node: &Attachment, sign: f64| -> Vec<(usize, f64)> {
+                node.columns().map(|(coordinate, axis)| (coordinate, sign * direction[axis])).collect()
+            };
+            let gradient = [end(&dropper.upper, 1.0), end(&dropper.lower, -1.0)].concat();
+            let tension = line.droppers().tension(index, &motion);
+            if tension > 0.0 {
+                for &(row, g_row) in &gradient {
+                    load[row] += tension * g_row;
+                    for &(column, g_column) in &gradient {
+                        k.push((row as u32, column as u32, -law.stiffness * g_row * g_column));
+                        d.push((row as u32, column as u32, -law.damping * g_row * g_column));
+                    }
+                }
+            }
+            droppers.push(LinearDropper {
+                elongation: length - dropper.unstressed_length,
+                gradient,
+            });
+        }
+        let force = LinearForce {
+            load,
+            stiffness: SparseMatrix::from_entries(size, k),
+            damping: SparseMatrix::from_entries(size, d),
+            mass: SparseMatrix::from_entries(size, m),
+        };
+        Self::new(force, LinearDroppers::new(law, droppers), line.contact_curve())
+    }
+
+    /// Visits every contribution, always in the same order.
+    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        visit(&mut self.force);
+        visit(&mut self.droppers);
+    }
+
+    /// The contact wire as contact sees it.
+    #[must_use]
+    pub fn contact_curve(&self) -> Arc<dyn Curve> {
+        Arc::clone(&self.contact_wire)
+    }
+
+    /// The linear part.
+    #[must_use]
+    pub fn linear_force(&self) -> &LinearForce {
+        &self.force
+    }
+
+    /// The droppers.
+    #[must_use]
+    pub fn droppers(&self) -> &LinearDroppers {
+        &self.droppers
+    }
+
+    /// Potential energy, J; zero at rest but for the droppers' strain.
+    #[must_use]
+    pub fn energy(&self, motion: &Motion<'_>) -> f64 {
+        self.force.energy(motion) + self.droppers.energy(motion)
+    }
+}
+
+/// Collects blocks as entries (row, column, value); `add` is called twice.
+fn assembled(mut add: impl FnMut(&mut Blocks<'_>)) -> Vec<(u32, u32, f64)> {
+    let mut places = Vec::new();
+    add(&mut Blocks::record(&mut places));
+    let order: Vec<u32> = (0..places.len() as u32).collect();
+    let mut values = vec![0.0; places.len()];
+    add(&mut Blocks::add_to(&order, &mut values));
+    places.iter().zip(&values).map(|(&(row, column), &value)| (row, column, value)).collect()
+}

@@ -1,0 +1,93 @@
+//! The line of a scene together with the strips on it.
+use crate::contact::STRIP_INPUTS;
+use crate::{
+    ContactPair, ContactTangent, Line, LineOptions, PenaltyContact, PrescribedStrip, StaticLine, StaticsError,
+};
+use dynamics::{Force, Layout, Marker, StepError, System};
+use scene::Scene;
+
+/// Why a line could not be modelled or started.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CatenaryError {
+    /// The scene names a third-party line.
+    #[error("the scene's line is a third-party FMU: there is nothing to model")]
+    ThirdPartyLine,
+    /// The static state was not found.
+    #[error(transparent)]
+    Statics(#[from] StaticsError),
+    /// The line does not settle under its strips.
+    #[error("the line does not settle under its strips: {0}")]
+    Settling(#[from] StepError),
+}
+
+/// A line with strips that follow the system's inputs, [`STRIP_INPUTS`] per strip.
+pub struct Model {
+    layout: Layout,
+    /// The line.
+    pub line: Line,
+    /// One contact per strip.
+    pub contacts: Vec<ContactPair>,
+}
+
+impl Model {
+    /// The line of a solved static state under prescribed strips, one per pantograph of the scene.
+    ///
+    /// # Errors
+    /// See [`CatenaryError::ThirdPartyLine`].
+    pub fn with_prescribed_strips(scene: &Scene, statics: &StaticLine) -> Result<Self, CatenaryError> {
+        let mut layout = Layout::new();
+        let line = statics.line_in(&mut layout);
+        let contacts = (0..scene.pantographs.len()).map(|strip| {
+            let first = strip * STRIP_INPUTS;
+            contact_pair(scene, &line, strip, Box::new(PrescribedStrip { first }))
+        });
+        let contacts = contacts.collect::<Result<_, _>>()?;
+        Ok(Self { layout, line, contacts })
+    }
+}
+
+impl System for Model {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.line.forces(visit);
+        for contact in &mut self.contacts {
+            visit(contact);
+        }
+    }
+}
+
+/// The static state of a scene's line.
+///
+/// # Errors
+/// See [`CatenaryError`].
+pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
+    let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
+    Ok(StaticLine::solve(catenary, LineOptions::default())?)
+}
+
+/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's law.
+///
+/// # Errors
+/// See [`CatenaryError::ThirdPartyLine`].
+pub fn contact_pair(
+    scene: &Scene,
+    line: &Line,
+    index: usize,
+    strip: Box<dyn Marker>,
+) -> Result<ContactPair, CatenaryError> {
+    let (_, contact) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
+    let law = PenaltyContact {
+        stiffness: contact.stiffness,
+        damping: contact.damping,
+    };
+    // A third-party strip tells no width: it is taken as wide enough.
+    let width = scene.pantographs[index].strip_width().unwrap_or(f64::INFINITY);
+    let tangent = match scene.solver.jacobian {
+        scene::Jacobian::Modified => ContactTangent::RankOne,
+        scene::Jacobian::Full => ContactTangent::Exact,
+    };
+    Ok(ContactPair::new(law, line.contact_curve(), strip, width, tangent))
+}

@@ -1,0 +1,74 @@
+//! Why a line has no static state.
+use dynamics::StepError;
+
+/// Why a line has no static state.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StaticsError {
+    /// The equations of equilibrium could not be solved.
+    #[error("the line has no static equilibrium: {0}")]
+    NoEquilibrium(#[from] StepError),
+    /// Element lengths did not settle.
+    #[error(
+        "form finding: after {iterations} rounds nodes are still {distance:.3e} m from their nominal x, tolerance {tolerance:.1e} m"
+    )]
+    FormNotFound {
+        /// Rounds used.
+        iterations: usize,
+        /// Largest distance left, m.
+        distance: f64,
+        /// What was asked for, m.
+        tolerance: f64,
+    },
+    /// The prescribed heights make the contact wire press a dropper upwards.
+    #[error(
+        "dropper {dropper} of span {span} at x = {x} m would have to push with {force:.3} N to hold the contact wire at its \
+         height: droppers only pull; less presag, or other dropper positions"
+    )]
+    DropperPushes {
+        /// Span, from 1.
+        span: usize,
+        /// Number within the span, from 1.
+        dropper: usize,
+        /// Position along the track, m.
+        x: f64,
+        /// Force it would push with, N.
+        force: f64,
+    },
+    /// The messenger wire sags to the contact wire or below it.
+    #[error(
+        "dropper {dropper} of span {span} at x = {x} m would be {length:.4} m long: the messenger wire sags too low; more \
+         encumbrance or messenger tension"
+    )]
+    NoRoomForDropper {
+        /// Span, from 1.
+        span: usize,
+        /// Number within the span, from 1.
+        dropper: usize,
+        /// Position along the track, m.
+        x: f64,
+        /// Length that is left for it, m.
+        length: f64,
+    },
+    /// A wire would break under its static tension.
+    #[error(
+        "{wire} breaks: static tension {tension:.1} N at x = {x:.2} m, breaking force {limit} N"
+    )]
+    WireBreaks {
+        /// `contact_wire` or `messenger_wire`.
+        wire: &'static str,
+        /// Largest static tension, N.
+        tension: f64,
+        /// Where, m.
+        x: f64,
+        /// `breaking_force` of the scene, N.
+        limit: f64,
+    },
+    /// A point asked for is not on the line.
+    #[error("x = {x} m is not on the line, which reaches from 0 to {length} m")]
+    BesideTheLine {
+        /// Position asked for, m.
+        x: f64,
+        /// Length of the line, m.
+        length: f64,
+    },
+}

@@ -1,0 +1,318 @@
+//! The static state of a line, and its static answers to forces.
+//!
+//! ```text
+//! file                subject
+//! form_finding        contact wire held at its heights; lengths follow
+//! nodal_displacement  lengths given; shape follows
+//! report              what was found, with the names of the result files
+//! error               why a line has no static state
+//! ```
+mod error;
+mod form_finding;
+mod load;
+mod nodal_displacement;
+mod report;
+
+pub use error::StaticsError;
+pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, TensionReport};
+
+use crate::line::Equilibrium;
+use crate::{Curve, CurveColumns, Line, LineOptions, Topology, WireName};
+use dynamics::{Force, Layout, State, StaticOptions, System, solve_static};
+use load::DeadLoad;
+use scene::Catenary;
+use std::sync::Arc;
+
+/// Force under which elasticity is measured, N.
+const ELASTICITY_FORCE: f64 = 100.0;
+
+/// A line alone in its own layout, possibly under a dead load.
+#[derive(Clone, Debug)]
+struct Standalone {
+    layout: Layout,
+    line: Line,
+    load: DeadLoad,
+}
+
+impl System for Standalone {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.line.forces(visit);
+        visit(&mut self.load);
+    }
+}
+
+/// A line whose static state is known.
+#[derive(Clone, Debug)]
+pub struct StaticLine {
+    catenary: Catenary,
+    topology: Arc<Topology>,
+    equilibrium: Equilibrium,
+    system: Standalone,
+    report: StaticsReport,
+}
+
+/// The line's answer to a force.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StaticAnswer {
+    /// Height of the contact wire where the force acts, m.
+    pub height: f64,
+    /// Displacements of the line, in the order of its coordinates; m, –.
+    pub state: State,
+}
+
+impl StaticLine {
+    /// Finds the static state of the line of a scene.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn solve(catenary: &Catenary, options: LineOptions) -> Result<Self, StaticsError> {
+        let topology = Arc::new(Topology::new(catenary, options));
+        let (equilibrium, iterations) = match catenary.statics {
+            scene::Statics::FormFinding => form_finding::find_form(catenary, &topology)?,
+            scene::Statics::NodalDisplacement => {
+                nodal_displacement::displace_ends(catenary, &topology)?
+            }
+        };
+        let mut layout = Layout::new();
+        let coordinates = topology.register(&mut layout);
+        topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);
+        let mut line = Self {
+            system: Standalone {
+                line: Line::new(catenary, &topology, &equilibrium, 0),
+                layout,
+                load: DeadLoad::default(),
+            },
+            catenary: catenary.clone(),
+            topology,
+            equilibrium,
+            report: StaticsReport::default(),
+        };
+        line.report = line.found(iterations);
+        line.check_strength()?;
+        Ok(line)
+    }
+
+    /// What was found; without elasticity, see [`StaticLine::elasticity`].
+    #[must_use]
+    pub fn report(&self) -> &StaticsReport {
+        &self.report
+    }
+
+    /// The line in its own layout, coordinates numbered from 0.
+    #[must_use]
+    pub fn line(&self) -> &Line {
+        &self.system.line
+    }
+
+    /// Number of coordinates, fixed ones included.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        self.system.layout.coordinates()
+    }
+
+    /// The line with its coordinates added to a shared layout; all zero is the static state.
+    #[must_use]
+    pub fn line_in(&self, layout: &mut Layout) -> Line {
+        let first = layout.coordinates();
+        let coordinates = self.topology.register(layout);
+        self.topology
+            .fix_ends(&coordinates, self.catenary.wire_ends, layout);
+        Line::new(&self.catenary, &self.topology, &self.equilibrium, first)
+    }
+
+    /// Static state with an upward force (N) on the contact wire at `x` (m).
+    ///
+    /// The force is held at the place along the track, not on a point of the wire.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn wire_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {
+        self.answer(x, force, self.system.layout.state_at_rest())
+    }
+
+    /// Elasticity of the contact wire at each `x` (m): its rise under an upward force of 100 N, per newton. Slack droppers
+    /// are followed.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn elasticity(&self, x: &[f64]) -> Result<Vec<ElasticityReport>, StaticsError> {
+        let mut sorted = x.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        sorted.dedup();
+        let mut start = self.system.layout.state_at_rest();
+        let rest = start.clone();
+        let mut reports = Vec::with_capacity(sorted.len());
+        for x in sorted {
+            let answer = self.answer(x, ELASTICITY_FORCE, start)?;
+            let rise = answer.height - self.height(x, &rest.q);
+            reports.push(ElasticityReport {
+                x,
+                elasticity: rise / ELASTICITY_FORCE,
+            });
+            start = answer.state;
+        }
+        Ok(reports)
+    }
+
+    /// Where elasticity is asked for in spans `first` to `last` (from 1): supports, quarter points, mid-spans, droppers; m.
+    #[must_use]
+    pub fn elasticity_points(&self, first: usize, last: usize) -> Vec<f64> {
+        let mut points = Vec::new();
+        for span in first..=last {
+            let (left, right) = (
+                self.catenary.support_x(span - 1),
+                self.catenary.support_x(span),
+            );
+            points.extend([0.0, 0.25, 0.5, 0.75, 1.0].map(|xi| left + (right - left) * xi));
+            points.extend(
+                self.catenary
+                    .droppers
+                    .positions
+                    .iter()
+                    .map(|position| left + position),
+            );
+        }
+        points.sort_by(f64::total_cmp);
+        // A dropper at mid-span may differ from the quarter point by rounding.
+        points.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        points
+    }
+
+    /// Height of the contact wire at `x` (m) for coordinates `q`, m.
+    fn height(&self, x: f64, q: &[f64]) -> f64 {
+        let s = self.system.line.contact_wire_s(x, q);
+        let v = vec![0.0; q.len()];
+        self.system.line.contact_curve().point(s, q, &v).r.z
+    }
+
+    fn answer(&self, x: f64, force: f64, mut state: State) -> Result<StaticAnswer, StaticsError> {
+        let length = self.catenary.length();
+        if !(0.0..=length).contains(&x) {
+            return Err(StaticsError::BesideTheLine { x, length });
+        }
+        let mut system = self.system.clone();
+        let curve: Arc<dyn Curve> = system.line.contact_curve();
+        let options = StaticOptions::default();
+        let mut s = system.line.contact_wire_s(x, &state.q);
+        // The wire slides past x by fractions of a millimetre: the second or third pass finds the same point again.
+        for _ in 0..10 {
+            let mut columns = CurveColumns::default();
+            curve.columns(s, &mut columns);
+            system.load.entries = columns
+                .as_slice()
+                .iter()
+                .map(|column| (column.index, force * column.n.z))
+                .collect();
+            solve_static(&mut system, &mut state, &[], &options)?;
+            let next = system.line.contact_wire_s(x, &state.q);
+            let moved = (next - s).abs();
+            s = next;
+            if moved < 1e-6 {
+                break;
+            }
+        }
+        Ok(StaticAnswer {
+            height: self.height(x, &state.q),
+            state,
+        })
+    }
+
+    fn found(&mut self, iterations: usize) -> StaticsReport {
+        let state = self.system.layout.state_at_rest();
+        let motion = state.motion(&[]);
+        let mut force = vec![0.0; state.q.len()];
+        self.system
+            .forces(&mut |part| part.add_force(&motion, &mut force));
+        let fixed = self.system.layout.fixed();
+        let free = (0..force.len()).filter(|index| !fixed.contains(index));
+        let residual = free.map(|index| force[index].abs()).fold(0.0, f64::max);
+        let line = &self.system.line;
+        let at = |name: WireName, node: usize, axis: usize| {
+            let index = line.wire(name).geometry().nodes()[node].map.position(axis);
+            index.expect("x and z exist in every node")
+        };
+        let droppers = self
+            .topology
+            .droppers()
+            .iter()
+            .enumerate()
+            .map(|(index, place)| DropperReport {
+                span: place.span,
+                x: self.topology.x()[place.node],
+                length: line.droppers().as_slice()[index].unstressed_length,
+                force: line.droppers().tension(index, &motion),
+            });
+        let last = self.topology.supports().len() - 1;
+        let supports = self
+            .topology
+            .supports()
+            .iter()
+            .enumerate()
+            .map(|(number, &node)| {
+                let (messenger_reaction, arm_force) = if number == 0 || number == last {
+                    (
+                        -force[at(WireName::MessengerWire, node, 2)],
+                        -force[at(WireName::ContactWire, node, 2)],
+                    )
+                } else {
+                    (
+                        line.supports().as_slice()[number - 1].reaction.z,
+                        line.registration_arms().as_slice()[number - 1].reaction.z,
+                    )
+                };
+                SupportReport {
+                    x: self.topology.x()[node],
+                    messenger_reaction,
+                    arm_force,
+                    contact_wire_z: line.wire(WireName::ContactWire).geometry().nodes()[node]
+                        .position
+                        .z,
+                }
+            });
+        let horizontal = |name: WireName| {
+            let mut wire = line.wire(name).clone();
+            let mut own = vec![0.0; state.q.len()];
+            wire.add_force(&motion, &mut own);
+            -own[at(name, self.topology.last(), 0)]
+        };
+        StaticsReport {
+            iterations,
+            residual,
+            droppers: droppers.collect(),
+            supports: supports.collect(),
+            elasticity: Vec::new(),
+            tension: TensionReport {
+                contact_wire: horizontal(WireName::ContactWire),
+                messenger_wire: horizontal(WireName::MessengerWire),
+            },
+        }
+    }
+
+    /// Refuses a line one of whose wires breaks under its own weight and tension.
+    fn check_strength(&self) -> Result<(), StaticsError> {
+        let rest = self.system.layout.state_at_rest();
+        for name in WireName::BOTH {
+            let limit = match name {
+                WireName::ContactWire => self.catenary.contact_wire.breaking_force,
+                WireName::MessengerWire => self.catenary.messenger_wire.breaking_force,
+            };
+            let Some(limit) = limit else { continue };
+            for element in 0..self.topology.last() {
+                let tension = self.line().wire(name).tension(element, &rest.q);
+                if tension > limit {
+                    return Err(StaticsError::WireBreaks {
+                        wire: name.name(),
+                        tension,
+                        x: self.topology.x()[element],
+                        limit,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,115 @@
+//! Tension by nodal displacement [Thesis, 3.2]: straight wires, stretched, and what gravity makes of them.
+use super::form_finding::guess;
+use super::{Standalone, StaticsError};
+use crate::line::Equilibrium;
+use crate::{Line, Topology, WireGeometry};
+use dynamics::{Layout, NewtonOptions, StaticOptions, solve_static};
+use nalgebra::Vector3;
+use scene::Catenary;
+use std::sync::Arc;
+
+/// Stretches straight wires and lets them sag.
+///
+/// Element lengths are such that the straight wire between its fixed ends has its nominal tension: its ends have been moved
+/// apart from the natural length. Supports and arms stand at the straight wires, unloaded but for the arms' own weight; droppers
+/// have their given unstressed lengths, else the distance of the straight wires. Then gravity is turned on.
+///
+/// Returns the static state and the number of Newton iterations.
+pub(super) fn displace_ends(
+    catenary: &Catenary,
+    topology: &Arc<Topology>,
+) -> Result<(Equilibrium, usize), StaticsError> {
+    let mut layout = Layout::new();
+    let coordinates = topology.register(&mut layout);
+    topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);
+    let [contact, messenger] = &coordinates;
+    let straight = |z: f64| vec![z; topology.x().len()];
+    let low = catenary.contact_wire_height;
+    let arm_weight = Vector3::z() * (catenary.registration_arms.mass * catenary.gravity);
+    let start = Equilibrium {
+        contact_wire: guess(
+            catenary,
+            topology,
+            contact,
+            &catenary.contact_wire,
+            straight(low),
+        ),
+        messenger_wire: guess(
+            catenary,
+            topology,
+            messenger,
+            &catenary.messenger_wire,
+            straight(low + catenary.encumbrance),
+        ),
+        dropper_lengths: topology
+            .droppers()
+            .iter()
+            .map(|place| match &catenary.droppers.lengths {
+                Some(lengths) => lengths[place.position],
+                None => catenary.encumbrance,
+            })
+            .collect(),
+        support_reactions: topology
+            .inner_supports()
+            .map(|_| Vector3::zeros())
+            .collect(),
+        arm_reactions: topology.inner_supports().map(|_| arm_weight).collect(),
+    };
+    let mut system = Standalone {
+        line: Line::new(catenary, topology, &start, 0),
+        layout,
+        load: Default::default(),
+    };
+    let mut state = system.layout.state_at_rest();
+    let options = StaticOptions {
+        newton: NewtonOptions {
+            tolerance: 1e-7,
+            max_iterations: 500,
+            ..NewtonOptions::default()
+        },
+        ..StaticOptions::default()
+    };
+    // Start from the parabola of both wires together: the messenger wire is held at every support.
+    let weight = (catenary.contact_wire.mass_per_length + catenary.messenger_wire.mass_per_length)
+        * catenary.gravity;
+    let tension = catenary.contact_wire.tension + catenary.messenger_wire.tension;
+    for wire in &coordinates {
+        for (map, &x) in wire.nodes.iter().zip(topology.x()) {
+            let right = topology
+                .supports()
+                .partition_point(|&node| topology.x()[node] < x)
+                .max(1);
+            let a = topology.x()[topology.supports()[right - 1]];
+            let b = topology.x()[topology.supports()[right]];
+            if let (Some(z), Some(z_s)) = (map.position(2), map.slope(2)) {
+                state.q[z] = -weight * (x - a) * (b - x) / (2.0 * tension);
+                state.q[z_s] = -weight * (a + b - 2.0 * x) / (2.0 * tension);
+            }
+        }
+    }
+    let iterations = solve_static(&mut system, &mut state, &[], &options)?.iterations;
+    let motion = state.motion(&[]);
+    let found = |geometry: &WireGeometry| geometry.with_reference(&state.q);
+    Ok((
+        Equilibrium {
+            contact_wire: found(&start.contact_wire),
+            messenger_wire: found(&start.messenger_wire),
+            dropper_lengths: start.dropper_lengths,
+            support_reactions: system
+                .line
+                .supports()
+                .as_slice()
+                .iter()
+                .map(|support| support.force(&motion))
+                .collect(),
+            arm_reactions: system
+                .line
+                .registration_arms()
+                .as_slice()
+                .iter()
+                .map(|arm| arm.force(&motion))
+                .collect(),
+        },
+        iterations,
+    ))
+}

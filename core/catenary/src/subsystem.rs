@@ -1,0 +1,342 @@
+//! The line as one simulation unit: strips come in, contact forces go out.
+use crate::contact::{ContactState, STRIP_INPUTS};
+use crate::signals::input_direction;
+use crate::exchange::{Exchange, SAMPLES, Tally};
+use crate::{CatenaryError, Model, StaticLine};
+use dynamics::{Counters, FollowedInput, Simulator, StaticOptions, StepError, System};
+use nalgebra::Vector3;
+use scene::Scene;
+use serde::{Deserialize, Serialize};
+
+/// Where a strip is at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StripStart {
+    /// Position along the track, m.
+    pub x: f64,
+    /// Lateral position, m.
+    pub y: f64,
+    /// Height above rail, m.
+    pub height: f64,
+    /// Speed along the track, m/s.
+    pub speed: f64,
+}
+
+/// Contact quantities at the communication point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactOutputs {
+    /// Contact force, N.
+    pub force: f64,
+    /// Force on the strip, N.
+    pub on_strip: Vector3<f64>,
+    /// Mean of [`ContactOutputs::force`] over the last communication step, N.
+    pub mean_force: f64,
+    /// Mean of [`ContactOutputs::on_strip`] over the last communication step, N.
+    pub mean_on_strip: Vector3<f64>,
+    /// Contact force at j/10 of the last communication step, j = 1…10, N.
+    pub samples: [f64; SAMPLES],
+    /// Work done by the strip on the line since the start, J.
+    pub work: f64,
+    /// Contact point on the wire, m; the strip's own position where it is beyond the wire.
+    pub position: Vector3<f64>,
+    /// Vertical velocity of the wire there, m/s.
+    pub wire_vz: f64,
+    /// Gap, m, positive when open.
+    pub gap: f64,
+    /// Whether they touch.
+    pub closed: bool,
+}
+
+/// Everything a [`Subsystem`] must keep to continue bit for bit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    simulator: dynamics::Checkpoint,
+    inputs: Vec<FollowedInput>,
+    follow_velocity: bool,
+    exchanges: Vec<Exchange>,
+}
+
+/// The line of a scene with prescribed strips.
+pub struct Subsystem {
+    simulator: Simulator<Model>,
+    inputs: Vec<FollowedInput>,
+    follow_velocity: bool,
+    exchanges: Vec<Exchange>,
+    before: Checkpoint,
+    tally: Tally,
+    u: Vec<f64>,
+    /// Contact quantities already evaluated since the last change.
+    outputs: Vec<Option<ContactOutputs>>,
+    static_energy: f64,
+}
+
+impl Subsystem {
+    /// The line of a solved static state with one strip per pantograph of the scene; [`Subsystem::start`] must follow.
+    ///
+    /// # Errors
+    /// See [`CatenaryError`].
+    pub fn new(scene: &Scene, statics: &StaticLine) -> Result<Self, CatenaryError> {
+        let model = Model::with_prescribed_strips(scene, statics)?;
+        let strips = scene.pantographs.len();
+        let solver = &scene.solver;
+        let u = vec![0.0; strips * STRIP_INPUTS];
+        let state = model.layout().state_at_rest();
+        let options = solver.newton_options();
+        let mut simulator = Simulator::new(model, state, u.clone(), solver.micro_step, solver.rho_inf, options);
+        Ok(Self {
+            static_energy: {
+                let (model, motion) = simulator.parts();
+                model.line.energy(&motion)
+            },
+            simulator,
+            inputs: vec![FollowedInput::default(); u.len()],
+            follow_velocity: true,
+            exchanges: vec![Exchange::default(); strips],
+            before: Checkpoint::default(),
+            tally: Tally::new(strips),
+            outputs: vec![None; strips],
+            u,
+        })
+    }
+
+    /// The line and its present motion, for drawing.
+    pub fn line(&mut self) -> (&crate::Line, dynamics::Motion<'_>) {
+        let (model, motion) = self.simulator.parts();
+        (&model.line, motion)
+    }
+
+    /// Number of generalised coordinates.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        self.simulator.system.layout().coordinates()
+    }
+
+    /// Starts at rest in equilibrium with strips at these places.
+    ///
+    /// # Errors
+    /// When there is no static equilibrium.
+    pub fn start(&mut self, strips: &[StripStart]) -> Result<(), CatenaryError> {
+        for (inputs, start) in self.inputs.chunks_exact_mut(STRIP_INPUTS).zip(strips) {
+            let values = [start.x, start.y, start.height, start.speed, 0.0, 0.0, 0.0];
+            for (input, value) in inputs.iter_mut().zip(values) {
+                input.set(value);
+            }
+        }
+        self.refresh_inputs();
+        self.simulator.settle(&StaticOptions::default())?;
+        let q = self.simulator.state().q.clone();
+        self.simulator.system.line.set_uplift_reference(&q);
+        self.outputs.fill(None);
+        for strip in 0..self.exchanges.len() {
+            let contact = self.evaluate(strip);
+            let force = contact.map_or(0.0, |contact| contact.force);
+            self.exchanges[strip] = Exchange {
+                mean_force: force,
+                mean_on_strip: contact.map_or_else(Vector3::zeros, |contact| contact.force_on_strip()),
+                samples: [force; SAMPLES],
+                work: 0.0,
+            };
+        }
+        Ok(())
+    }
+
+    /// Sets input `input` (0…6: x, y, z, vx, vy, vz, roll) of a strip.
+    pub fn set_strip_input(&mut self, strip: usize, input: usize, value: f64) {
+        self.inputs[strip * STRIP_INPUTS + input].set(value);
+        self.refresh_inputs();
+    }
+
+    /// The present value of an input.
+    #[must_use]
+    pub fn strip_input(&self, strip: usize, input: usize) -> f64 {
+        self.inputs[strip * STRIP_INPUTS + input].value()
+    }
+
+    /// Sets the derivative of `order` 1…3 of an input at the start of the next step.
+    pub fn set_strip_input_derivative(&mut self, strip: usize, input: usize, order: usize, value: f64) {
+        self.inputs[strip * STRIP_INPUTS + input].set_derivative(order, value);
+    }
+
+    /// Whether a strip without input derivatives moves on with its velocity inside a step.
+    pub fn set_follow_velocity(&mut self, follow: bool) {
+        self.follow_velocity = follow;
+    }
+
+    /// See [`Subsystem::set_follow_velocity`].
+    #[must_use]
+    pub fn follows_velocity(&self) -> bool {
+        self.follow_velocity
+    }
+
+    /// Advances from `t` to `t + h`, s.
+    ///
+    /// # Errors
+    /// See [`StepError`]; the state is then as before.
+    pub fn advance_to(&mut self, t: f64, h: f64) -> Result<(), StepError> {
+        let mut before = std::mem::take(&mut self.before);
+        self.save_to(&mut before);
+        let result = self.advance(t, h);
+        self.outputs.fill(None);
+        let result = match result {
+            Ok(()) => Ok(()),
+            Err(error) => self.restore_from(&before).and(Err(error)),
+        };
+        self.before = before;
+        result
+    }
+
+    fn advance(&mut self, t: f64, h: f64) -> Result<(), StepError> {
+        let mut tally = std::mem::take(&mut self.tally);
+        let (model, motion) = self.simulator.parts();
+        tally.begin(model, &motion);
+        let (inputs, follow) = (&self.inputs, self.follow_velocity);
+        let result = self.simulator.advance(
+            t,
+            h,
+            &mut |tau, u| follow_inputs(inputs, follow, tau, u),
+            &mut |model, motion, dt| tally.add(model, &motion, dt),
+        );
+        if result.is_ok() {
+            tally.finish(&mut self.exchanges);
+            follow_inputs(&self.inputs, self.follow_velocity, h, &mut self.u);
+            for (input, value) in self.inputs.iter_mut().zip(&self.u) {
+                input.finish(*value);
+            }
+        }
+        self.tally = tally;
+        result
+    }
+
+    /// Contact quantities of a strip, with the inputs set since the last step.
+    pub fn contact(&mut self, strip: usize) -> ContactOutputs {
+        if let Some(outputs) = self.outputs[strip] {
+            return outputs;
+        }
+        let outputs = self.evaluate_outputs(strip);
+        self.outputs[strip] = Some(outputs);
+        outputs
+    }
+
+    fn evaluate_outputs(&mut self, strip: usize) -> ContactOutputs {
+        let exchange = self.exchanges[strip];
+        let place = |k: usize| self.inputs[strip * STRIP_INPUTS + k].value();
+        let beyond = Vector3::new(place(0), place(1), place(2));
+        let contact = self.evaluate(strip);
+        ContactOutputs {
+            force: contact.map_or(0.0, |c| c.force),
+            on_strip: contact.map_or_else(Vector3::zeros, |c| c.force_on_strip()),
+            mean_force: exchange.mean_force,
+            mean_on_strip: exchange.mean_on_strip,
+            samples: exchange.samples,
+            work: exchange.work,
+            position: contact.map_or(beyond, |c| c.geometry.position()),
+            wire_vz: contact.map_or(0.0, |c| c.geometry.wire.velocity.z),
+            gap: contact.map_or(f64::MAX, |c| c.geometry.gap),
+            closed: contact.is_some_and(|c| c.closed()),
+        }
+    }
+
+    /// Derivative of the contact outputs with respect to input `input` of a strip, states frozen.
+    pub fn contact_sensitivity(&mut self, strip: usize, input: usize) -> Option<crate::Sensitivity> {
+        let contact = self.evaluate(strip)?;
+        let (model, motion) = self.simulator.parts();
+        Some(model.contacts[strip].sensitivity(&contact, &motion, input_direction(input)))
+    }
+
+    /// Rates of the contact outputs along the present motion, per second.
+    pub fn contact_rates(&mut self, strip: usize) -> Option<crate::Sensitivity> {
+        let contact = self.evaluate(strip)?;
+        let (model, motion) = self.simulator.parts();
+        Some(model.contacts[strip].rates(&contact, &motion))
+    }
+
+    fn evaluate(&mut self, strip: usize) -> Option<ContactState> {
+        let (model, motion) = self.simulator.parts();
+        model.contacts[strip].state(&motion)
+    }
+
+    fn refresh_inputs(&mut self) {
+        for (value, input) in self.u.iter_mut().zip(&self.inputs) {
+            *value = input.value();
+        }
+        self.outputs.fill(None);
+        self.simulator.set_inputs(&self.u);
+    }
+
+    /// Rise of the contact wire at support `k` (from 0) above its height at the start, m.
+    pub fn support_uplift(&mut self, k: usize) -> f64 {
+        let (model, motion) = self.simulator.parts();
+        model.line.uplift(k, motion.q)
+    }
+
+    /// Rate of [`Subsystem::support_uplift`], m/s.
+    pub fn support_uplift_rate(&mut self, k: usize) -> f64 {
+        let (model, motion) = self.simulator.parts();
+        model.line.uplift_rate(k, motion.v)
+    }
+
+    /// Number of strips.
+    #[must_use]
+    pub fn strips(&self) -> usize {
+        self.exchanges.len()
+    }
+
+    /// Number of supports.
+    #[must_use]
+    pub fn supports(&self) -> usize {
+        self.simulator.system.line.support_count()
+    }
+
+    /// Number of droppers without force.
+    pub fn slack_droppers(&mut self) -> usize {
+        let (model, motion) = self.simulator.parts();
+        model.line.slack_count(&motion)
+    }
+
+    /// Kinetic and potential energy of the line above its static state without strips, J.
+    pub fn energy(&mut self) -> f64 {
+        let kinetic = self.simulator.kinetic_energy();
+        let (model, motion) = self.simulator.parts();
+        kinetic + model.line.energy(&motion) - self.static_energy
+    }
+
+    /// Work done by the solver.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        self.simulator.counters()
+    }
+
+    /// Stores everything into `checkpoint`, reusing its memory.
+    pub fn save_to(&mut self, checkpoint: &mut Checkpoint) {
+        self.simulator.save(&mut checkpoint.simulator);
+        checkpoint.inputs.clone_from(&self.inputs);
+        checkpoint.follow_velocity = self.follow_velocity;
+        checkpoint.exchanges.clone_from(&self.exchanges);
+    }
+
+    /// Goes back to a checkpoint.
+    ///
+    /// # Errors
+    /// When the matrix of the saved state cannot be factored again.
+    pub fn restore_from(&mut self, checkpoint: &Checkpoint) -> Result<(), StepError> {
+        self.outputs.fill(None);
+        self.simulator.restore(&checkpoint.simulator)?;
+        self.inputs.clone_from(&checkpoint.inputs);
+        self.follow_velocity = checkpoint.follow_velocity;
+        self.exchanges.clone_from(&checkpoint.exchanges);
+        Ok(())
+    }
+}
+
+/// Inputs of all strips `tau` s after the start of the step: a position with derivatives follows them, else its velocity if
+/// `follow`, else it is held.
+fn follow_inputs(inputs: &[FollowedInput], follow: bool, tau: f64, u: &mut [f64]) {
+    for (inputs, u) in inputs.chunks_exact(STRIP_INPUTS).zip(u.chunks_exact_mut(STRIP_INPUTS)) {
+        for (k, value) in u.iter_mut().enumerate() {
+            *value = if k < 3 && follow && !inputs[k].has_derivatives() {
+                inputs[k].value() + inputs[k + 3].integral(tau)
+            } else {
+                inputs[k].at(tau)
+            };
+        }
+    }
+}

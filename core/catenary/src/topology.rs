@@ -1,0 +1,286 @@
+//! Which nodes a line has, where they stand, and what is attached to them.
+use crate::NodeMap;
+use dynamics::Layout;
+use nalgebra::Vector3;
+use scene::{Catenary, WireEnds};
+
+/// Which coordinates the nodes of a line have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dimension {
+    /// Six per node.
+    #[default]
+    Spatial,
+    /// No lateral ones, four per node: the same line where nothing moves sideways.
+    Planar,
+}
+
+/// Whether the wires have an unknown for the bending layer at each attachment, see [`crate::Enrichment`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BendingLayers {
+    /// Cubic elements only.
+    #[default]
+    Absent,
+    /// One vertical layer per attachment and wire, and a lateral one at the supports of a staggered line.
+    AtAttachments,
+}
+
+/// How a line is discretised, beyond the mesh of the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LineOptions {
+    /// Coordinates per node.
+    pub dimension: Dimension,
+    /// Extra unknowns at attachments.
+    pub layers: BendingLayers,
+}
+
+/// One of the two wires.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WireName {
+    /// The lower wire, that collector strips touch.
+    ContactWire,
+    /// The upper wire, that carries it.
+    MessengerWire,
+}
+
+impl WireName {
+    /// Both, in the order in which coordinates are numbered.
+    pub const BOTH: [Self; 2] = [Self::ContactWire, Self::MessengerWire];
+
+    /// The word for it in messages.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ContactWire => "contact_wire",
+            Self::MessengerWire => "messenger_wire",
+        }
+    }
+}
+
+/// Where a dropper hangs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DropperPlace {
+    /// Span, counted from 1.
+    pub span: usize,
+    /// Number within the span, counted from 0.
+    pub position: usize,
+    /// Node of both wires.
+    pub node: usize,
+}
+
+/// Nodes of both wires, which stand at the same x: supports, droppers, and equal divisions between them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Topology {
+    x: Vec<f64>,
+    span: Vec<usize>,
+    supports: Vec<usize>,
+    droppers: Vec<DropperPlace>,
+    options: LineOptions,
+    staggered: bool,
+}
+
+/// The unknowns of one bending layer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LayerCoordinate {
+    pub node: usize,
+    pub index: usize,
+    pub direction: Vector3<f64>,
+}
+
+/// Coordinates of one wire.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct WireCoordinates {
+    pub nodes: Vec<NodeMap>,
+    pub layers: Vec<LayerCoordinate>,
+}
+
+impl Topology {
+    /// Divides the line of a scene.
+    ///
+    /// # Panics
+    /// When a staggered line is to be planar.
+    #[must_use]
+    pub fn new(catenary: &Catenary, options: LineOptions) -> Self {
+        let staggered = catenary.stagger.iter().any(|y| *y != catenary.stagger[0]);
+        assert!(
+            options.dimension == Dimension::Spatial || !staggered,
+            "a staggered line has lateral coordinates"
+        );
+        let per_interval = catenary.mesh.elements_per_interval;
+        let (mut x, mut span, mut droppers) = (vec![0.0], vec![1], Vec::new());
+        let mut supports = vec![0];
+        for number in 1..=catenary.spans() {
+            let (left, right) = (catenary.support_x(number - 1), catenary.support_x(number));
+            let attachments = catenary
+                .droppers
+                .positions
+                .iter()
+                .map(|position| left + position);
+            let mut start = left;
+            for (position, end) in attachments.chain([right]).enumerate() {
+                for i in 1..=per_interval {
+                    let xi = i as f64 / per_interval as f64;
+                    x.push(if i == per_interval {
+                        end
+                    } else {
+                        start + (end - start) * xi
+                    });
+                    span.push(number);
+                }
+                if position < catenary.droppers.positions.len() {
+                    droppers.push(DropperPlace {
+                        span: number,
+                        position,
+                        node: x.len() - 1,
+                    });
+                }
+                start = end;
+            }
+            supports.push(x.len() - 1);
+        }
+        Self {
+            x,
+            span,
+            supports,
+            droppers,
+            options,
+            staggered,
+        }
+    }
+
+    /// Nominal x of the nodes, m.
+    #[must_use]
+    pub fn x(&self) -> &[f64] {
+        &self.x
+    }
+
+    /// Nodes at the supports, from the first to the last.
+    #[must_use]
+    pub fn supports(&self) -> &[usize] {
+        &self.supports
+    }
+
+    /// The droppers, span after span.
+    #[must_use]
+    pub fn droppers(&self) -> &[DropperPlace] {
+        &self.droppers
+    }
+
+    /// Elements of both wires together.
+    #[must_use]
+    pub fn elements(&self) -> usize {
+        2 * (self.x.len() - 1)
+    }
+
+    /// The last node.
+    #[must_use]
+    pub fn last(&self) -> usize {
+        self.x.len() - 1
+    }
+
+    /// Supports that are not ends, with their number from 0.
+    pub(crate) fn inner_supports(&self) -> impl Iterator<Item = (usize, usize)> {
+        let count = self.supports.len();
+        self.supports
+            .iter()
+            .copied()
+            .enumerate()
+            .skip(1)
+            .take(count - 2)
+    }
+
+    /// Adds the coordinates of both wires, node after node (contact wire first), so that neighbours are close in the
+    /// numbering.
+    pub(crate) fn register(&self, layout: &mut Layout) -> [WireCoordinates; 2] {
+        let mut wires = [WireCoordinates::default(), WireCoordinates::default()];
+        let mut within = 0;
+        for (node, &span) in self.span.iter().enumerate() {
+            within = if node > 0 && self.span[node - 1] == span {
+                within + 1
+            } else {
+                1
+            };
+            for (wire, name) in wires.iter_mut().zip(WireName::BOTH) {
+                let name = format!("{}, span {span}, node {within}", name.name());
+                wire.nodes.push(match self.options.dimension {
+                    Dimension::Spatial => NodeMap::spatial(layout.add_coordinates(6, name.clone())),
+                    Dimension::Planar => NodeMap::planar(layout.add_coordinates(4, name.clone())),
+                });
+                for direction in self.layer_directions(node) {
+                    let index = layout.add_coordinates(1, format!("{name}, bending layer"));
+                    wire.layers.push(LayerCoordinate {
+                        node,
+                        index,
+                        direction,
+                    });
+                }
+            }
+        }
+        wires
+    }
+
+    fn layer_directions(&self, node: usize) -> Vec<Vector3<f64>> {
+        let support = self.supports.binary_search(&node).is_ok();
+        let dropper = self
+            .droppers
+            .binary_search_by_key(&node, |place| place.node)
+            .is_ok();
+        let inner = node > 0 && node < self.last();
+        if self.options.layers == BendingLayers::Absent || !inner || !(support || dropper) {
+            return Vec::new();
+        }
+        let mut directions = vec![Vector3::z()];
+        if support && self.staggered {
+            directions.push(Vector3::y());
+        }
+        directions
+    }
+
+    /// Holds the ends of both wires: y and z always, x where the ends are fixed.
+    pub(crate) fn fix_ends(
+        &self,
+        wires: &[WireCoordinates; 2],
+        ends: WireEnds,
+        layout: &mut Layout,
+    ) {
+        for wire in wires {
+            for map in [wire.nodes[0], wire.nodes[self.last()]] {
+                for axis in 0..3 {
+                    if let Some(index) = map.position(axis)
+                        && (axis > 0 || ends == WireEnds::Fixed)
+                    {
+                        layout.fix(index);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Lateral position of both wires at a node, m: straight between the stagger of neighbouring supports.
+    #[must_use]
+    pub fn lateral(&self, catenary: &Catenary, node: usize) -> f64 {
+        let number = self.span[node];
+        let (left, right) = (
+            self.x[self.supports[number - 1]],
+            self.x[self.supports[number]],
+        );
+        let xi = (self.x[node] - left) / (right - left);
+        let (a, b) = (catenary.stagger_at(number - 1), catenary.stagger_at(number));
+        a + (b - a) * xi
+    }
+
+    /// Height of the contact wire that form finding prescribes at a node, m.
+    ///
+    /// ```text
+    /// z = h − presag · 4 ξ (1 − ξ)        ξ position within the span, 0…1
+    /// ```
+    #[must_use]
+    pub fn prescribed_height(&self, catenary: &Catenary, node: usize) -> f64 {
+        let number = self.span[node];
+        let (left, right) = (
+            self.x[self.supports[number - 1]],
+            self.x[self.supports[number]],
+        );
+        let xi = (self.x[node] - left) / (right - left);
+        catenary.contact_wire_height - catenary.presag * 4.0 * xi * (1.0 - xi)
+    }
+}

@@ -1,0 +1,170 @@
+//! One more unknown at a point of attachment, for the bending layer that cubic elements of metres cannot follow.
+use super::geometry::Location;
+use crate::ancf::ShapeFunctions;
+use nalgebra::{Vector3, Vector4};
+
+/// An unknown `a` (–) at a node where something pulls at the wire:
+///
+/// ```text
+/// r(x) = S(x) e + a ψ(x) d,    ψ(x) = λ exp(−|x − xⱼ|/λ) − (its cubic Hermite interpolant),    λ = √(EI/T)
+/// ```
+///
+/// `ψ` lives on the two neighbouring elements; it and its slope vanish at the nodes, so that nodal coordinates keep their
+/// meaning. A tensioned beam under a point force bends within `λ` (decimetres): the exponential is that layer, derived from
+/// `EI w⁗ = T w″`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Enrichment {
+    /// The node the layer is centred at.
+    pub node: usize,
+    /// Index of `a` among the coordinates of the system, a change from `reference`.
+    pub index: usize,
+    /// `d`, a unit vector.
+    pub direction: Vector3<f64>,
+    /// `λ`, m.
+    pub bending_length: f64,
+    /// Reference value of `a`, –.
+    pub reference: f64,
+}
+
+/// Which end of an element a layer is centred at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    Start,
+    Finish,
+}
+
+/// Value, first and second derivative of `ψ` at a point (m, –, 1/m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layer {
+    pub psi: f64,
+    pub psi_x: f64,
+    pub psi_xx: f64,
+}
+
+impl Layer {
+    /// `ψ` at a location within an element of `length` in m; the layer is centred at `end`. It continues as zero outside.
+    pub fn at(location: &Location, end: End, bending_length: f64, length: f64) -> Self {
+        if !(0.0..=length).contains(&location.x) {
+            return Self {
+                psi: 0.0,
+                psi_x: 0.0,
+                psi_xx: 0.0,
+            };
+        }
+        let (distance, sign) = match end {
+            End::Start => (location.x, -1.0),
+            End::Finish => (length - location.x, 1.0),
+        };
+        let exponential = (-distance / bending_length).exp();
+        let h = interpolant(end, bending_length, length);
+        let shape = &location.shape;
+        Self {
+            psi: bending_length * exponential - shape.s.dot(&h),
+            psi_x: sign * exponential - shape.s_x.dot(&h),
+            psi_xx: exponential / bending_length - shape.s_xx.dot(&h),
+        }
+    }
+}
+
+/// Value and slope at start and finish (m, –, m, –) of the exponential centred at `end`.
+fn interpolant(end: End, bending_length: f64, length: f64) -> Vector4<f64> {
+    let far = (-length / bending_length).exp();
+    match end {
+        End::Start => Vector4::new(bending_length, -1.0, bending_length * far, -far),
+        End::Finish => Vector4::new(bending_length * far, far, bending_length, 1.0),
+    }
+}
+
+/// Integrals of products `f g`, `f,ₓ g,ₓ`, `f,ₓₓ g,ₓₓ` over an element.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Products<T> {
+    pub mass: T,
+    pub tension: T,
+    pub bending: T,
+}
+
+impl Products<f64> {
+    /// `weights.mass · ∫ f g + …`.
+    pub fn weighted(&self, weights: &Products<f64>) -> f64 {
+        weights.mass * self.mass + weights.tension * self.tension + weights.bending * self.bending
+    }
+}
+
+impl Products<Vector4<f64>> {
+    /// `weights.mass · ∫ f g + …`.
+    pub fn weighted(&self, weights: &Products<f64>) -> Vector4<f64> {
+        self.mass * weights.mass + self.tension * weights.tension + self.bending * weights.bending
+    }
+}
+
+/// Integrals of one layer on one element, with the four polynomials and with itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct LayerIntegrals {
+    /// With the four polynomials.
+    pub shape: Products<Vector4<f64>>,
+    /// With itself.
+    pub own: Products<f64>,
+    /// `∫ ψ dx`, m².
+    pub area: f64,
+}
+
+impl LayerIntegrals {
+    /// Integrates over an element of `length` in m.
+    pub fn new(end: End, bending_length: f64, length: f64) -> Self {
+        let mut sum = Self::default();
+        quadrature(bending_length, length, |at, w| {
+            let Layer { psi, psi_x, psi_xx } = Layer::at(at, end, bending_length, length);
+            sum.shape.mass += at.shape.s * (psi * w);
+            sum.shape.tension += at.shape.s_x * (psi_x * w);
+            sum.shape.bending += at.shape.s_xx * (psi_xx * w);
+            sum.own.mass += psi * psi * w;
+            sum.own.tension += psi_x * psi_x * w;
+            sum.own.bending += psi_xx * psi_xx * w;
+            sum.area += psi * w;
+        });
+        sum
+    }
+}
+
+/// Integrals of the product of the layers at both ends of one element.
+pub(super) fn pair_integrals(
+    ends: (End, End),
+    bending_lengths: (f64, f64),
+    length: f64,
+) -> Products<f64> {
+    let mut sum = Products::default();
+    quadrature(bending_lengths.0.min(bending_lengths.1), length, |at, w| {
+        let a = Layer::at(at, ends.0, bending_lengths.0, length);
+        let b = Layer::at(at, ends.1, bending_lengths.1, length);
+        sum.mass += a.psi * b.psi * w;
+        sum.tension += a.psi_x * b.psi_x * w;
+        sum.bending += a.psi_xx * b.psi_xx * w;
+    });
+    sum
+}
+
+/// Five Gauss points per panel; panels of half a bending length within forty of them from either end (beyond, the exponential
+/// is below the last digit), and one panel between, where only cubics are left.
+fn quadrature(bending_length: f64, length: f64, mut add: impl FnMut(&Location, f64)) {
+    let panel = 0.5 * bending_length;
+    let layer = (80.0 * panel).min(0.5 * length);
+    let count = (layer / panel).ceil().max(1.0) as usize;
+    let width = layer / count as f64;
+    let mut borders: Vec<f64> = (0..=count).map(|i| width * i as f64).collect();
+    borders.extend((0..=count).rev().map(|i| length - width * i as f64));
+    for border in borders.windows(2) {
+        let width = border[1] - border[0];
+        if width <= 0.0 {
+            continue;
+        }
+        for (xi, weight) in crate::ancf::FIVE_POINTS {
+            let x = border[0] + xi * width;
+            let location = Location {
+                element: 0,
+                shape: ShapeFunctions::at(x / length, length),
+                x,
+            };
+            add(&location, weight * width);
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! A wire: a chain of cable elements in the coordinates of a system.
+mod enrichment;
+mod force;
+mod geometry;
+mod layer;
+mod node;
+mod point;
+#[cfg(test)]
+mod tests;
+
+pub use enrichment::Enrichment;
+pub use force::{Rayleigh, Wire, WireSection};
+pub use geometry::WireGeometry;
+pub use node::{NodeMap, WireNode};
+pub use point::WirePoint;
