@@ -1,0 +1,82 @@
+//! What can be wrong with a pantograph.
+
+/// Why a pantograph could not be built, or has no equilibrium.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum VehicleError {
+    /// The scene hands the pantograph to somebody else's model.
+    #[error("the pantograph is the FMU {fmu}: it has no equations here")]
+    ThirdParty {
+        /// The FMU's path as written in the scene.
+        fmu: String,
+    },
+    /// The height at which the grounded spring is unstretched is not known.
+    #[error(
+        "pantograph.reference_height is not set: give the height (m) of the strip at which the last spring is unstretched"
+    )]
+    NoReferenceHeight,
+    /// A name that no body of the linkage has.
+    #[error("pantograph.{key} = \"{name}\": the linkage has no body of this name")]
+    UnknownBody {
+        /// Key in the scene.
+        key: &'static str,
+        /// The name found there.
+        name: String,
+    },
+    /// The body that the uplift acts on does not stand on the base.
+    #[error(
+        "pantograph.uplift.body = \"{name}\" has no joint with the base to measure the distance from"
+    )]
+    NoBaseJoint {
+        /// The body.
+        name: String,
+    },
+    /// The strip's body is not guided by exactly one prismatic joint.
+    #[error(
+        "pantograph.strip.body = \"{name}\" has {count} prismatic joints: the collector suspension needs exactly one"
+    )]
+    NoSuspension {
+        /// The body.
+        name: String,
+        /// Number of its prismatic joints.
+        count: usize,
+    },
+    /// The suspension's preload and the contact force cannot balance the tabulated position.
+    #[error(
+        "the linkage is not in balance in its tabulated position: {residual:.3e} N remain in {coordinate} whatever the contact \
+         force and the preload of the collector suspension"
+    )]
+    NotBalanced {
+        /// Largest force left, N or N·m.
+        residual: f64,
+        /// Where.
+        coordinate: String,
+    },
+    /// A chain element that only pushes would have to pull, or nothing carries the difference to the static force.
+    #[error(
+        "no equilibrium under a contact force of {force:.3} N: the raised pantograph exerts {static_force:.3} N at rest"
+    )]
+    OutOfReach {
+        /// Contact force, N.
+        force: f64,
+        /// Force at the reference height, N.
+        static_force: f64,
+    },
+    /// Newton's method did not find an equilibrium of the linkage.
+    #[error(
+        "no equilibrium of the linkage at {target}: {residual:.3e} N or m remain after {iterations} iterations, tolerance \
+         {tolerance:.1e}"
+    )]
+    NotConverged {
+        /// What was asked for ("strip height 5.3 m").
+        target: String,
+        /// Newton iterations done.
+        iterations: usize,
+        /// Largest residual left, N, N·m or m.
+        residual: f64,
+        /// Where it would have been accepted.
+        tolerance: f64,
+    },
+    /// The accelerations at the start are not determined.
+    #[error("the pantograph cannot start: {0}")]
+    Start(#[from] dynamics::StepError),
+}

@@ -1,0 +1,31 @@
+//! The rigid side: pantographs on a base that travels along the track.
+//!
+//! Coordinates describe a pantograph in the frame of its base. The base moves on a straight line at constant speed, so that
+//! this frame is inertial; only the markers that the outside sees ([`Travelling`]) add the travel. Statics are rest in this
+//! frame, and no digits are lost to the distance covered.
+//!
+//! [`PantographModel`] builds either kind of pantograph from its scene entry into a shared [`dynamics::Layout`]:
+//! [`pantograph::Lumped`], masses one above the other, or [`pantograph::Linkage`], rigid bodies and joints.
+//!
+//! # Sources
+//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
+//!   Chicago, 2016.
+//! - `[Haug 1989]` E. J. Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, Allyn and Bacon.
+#![forbid(unsafe_code)]
+
+mod base;
+#[cfg(test)]
+mod check;
+mod error;
+mod model;
+pub mod multibody;
+pub mod pantograph;
+mod signals;
+mod subsystem;
+
+pub use base::{Base, Travelling};
+pub use error::VehicleError;
+pub use model::{PantographModel, Placement};
+pub use multibody::AppliedForce;
+pub use pantograph::Equilibrium;
+pub use subsystem::{Checkpoint, INPUTS, Model, StripMotion, Subsystem, placement};

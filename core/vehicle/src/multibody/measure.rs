@@ -1,0 +1,202 @@
+//! Scalar functions of the relative position of two anchors, with first and second derivatives.
+//!
+//! Every joint equation and the length of every guided spring is one of these. Derivatives are those in the directions of
+//! the generalised velocities: with the column (translation `t`, rotation `c`) of velocity k, a point moves by `t_k`, a
+//! direction `a` by `c_k × a`. A column itself changes with a rotation l of the same body by `c_l × t_k`, `c_l × c_k`,
+//! where k is a rotation too; displacements have constant columns. [Haug 1989, chapters 9 and 11]
+use super::Anchor;
+use dynamics::{Blocks, Column, Columns, Frame, Marker, Motion};
+use nalgebra::{SMatrix, SVector, Vector3};
+
+/// Largest number of generalised velocities that two rigid bodies have.
+pub(crate) const WIDTH: usize = 12;
+
+/// Two anchors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// Its axes carry the directions that positions are measured along.
+    pub first: Anchor,
+    /// The other one.
+    pub second: Anchor,
+}
+
+/// A scalar function of a [`Pair`]; directions are numbered columns of the anchors' axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// `e_i · (r_B − r_A)`, m: distance along a world axis.
+    Point(usize),
+    /// `a · (r_B − r_A)`, m: distance along an axis of the first anchor.
+    Along(usize),
+    /// `a · b`, –: cosine between an axis of the first and one of the second anchor.
+    Direction(usize, usize),
+}
+
+/// A pair at one instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairView {
+    first: Frame,
+    second: Frame,
+    distance: Vector3<f64>,
+    columns: [Column; WIDTH],
+    indices: [usize; WIDTH],
+    first_count: usize,
+    count: usize,
+}
+
+impl Pair {
+    /// Frames and columns of both anchors.
+    pub(crate) fn view(&self, motion: &Motion<'_>) -> PairView {
+        let mut all = Columns::default();
+        self.first.columns(motion, &mut all);
+        let first_count = all.as_slice().len();
+        self.second.columns(motion, &mut all);
+        let empty = Column {
+            index: 0,
+            translation: Vector3::zeros(),
+            rotation: Vector3::zeros(),
+        };
+        let (mut columns, mut indices) = ([empty; WIDTH], [0; WIDTH]);
+        let count = all.as_slice().len();
+        columns[..count].copy_from_slice(all.as_slice());
+        for (index, column) in indices.iter_mut().zip(all.as_slice()) {
+            *index = column.index;
+        }
+        let (first, second) = (self.first.frame(motion), self.second.frame(motion));
+        PairView {
+            distance: second.position - first.position,
+            first,
+            second,
+            columns,
+            indices,
+            first_count,
+            count,
+        }
+    }
+}
+
+impl PairView {
+    /// Indices of the generalised velocities, those of the first anchor before those of the second.
+    pub(crate) fn indices(&self) -> &[usize] {
+        &self.indices[..self.count]
+    }
+
+    fn axis(frame: &Frame, number: usize) -> Vector3<f64> {
+        frame.axes.column(number).into_owned()
+    }
+
+    fn is_first(&self, k: usize) -> bool {
+        k < self.first_count
+    }
+
+    /// `c_k`, `t_k` with the sign with which it enters `r_B − r_A`.
+    fn column(&self, k: usize) -> (Vector3<f64>, Vector3<f64>) {
+        let column = &self.columns[k];
+        let sign = if self.is_first(k) { -1.0 } else { 1.0 };
+        (column.rotation, column.translation * sign)
+    }
+
+    /// Value of a measure.
+    pub(crate) fn value(&self, measure: Measure) -> f64 {
+        match measure {
+            Measure::Point(axis) => self.distance[axis],
+            Measure::Along(axis) => Self::axis(&self.first, axis).dot(&self.distance),
+            Measure::Direction(a, b) => {
+                Self::axis(&self.first, a).dot(&Self::axis(&self.second, b))
+            }
+        }
+    }
+
+    /// Derivatives of a measure, one per entry of [`PairView::indices`], zero behind.
+    pub(crate) fn gradient(&self, measure: Measure) -> SVector<f64, WIDTH> {
+        let mut gradient = SVector::zeros();
+        for k in 0..self.count {
+            let (c, t) = self.column(k);
+            gradient[k] = match measure {
+                Measure::Point(axis) => t[axis],
+                Measure::Along(axis) => {
+                    let a = Self::axis(&self.first, axis);
+                    let turn = if self.is_first(k) {
+                        c.cross(&a).dot(&self.distance)
+                    } else {
+                        0.0
+                    };
+                    a.dot(&t) + turn
+                }
+                Measure::Direction(a, b) => {
+                    let normal = Self::axis(&self.first, a).cross(&Self::axis(&self.second, b));
+                    let sign = if self.is_first(k) { 1.0 } else { -1.0 };
+                    sign * c.dot(&normal)
+                }
+            };
+        }
+        gradient
+    }
+
+    /// Derivative of entry k (row) of the gradient in the direction of velocity l (column).
+    ///
+    /// Not symmetric: rotations do not commute.
+    pub(crate) fn hessian(&self, measure: Measure) -> SMatrix<f64, WIDTH, WIDTH> {
+        SMatrix::from_fn(|k, l| {
+            if k < self.count && l < self.count {
+                self.second_derivative(measure, k, l)
+            } else {
+                0.0
+            }
+        })
+    }
+
+    fn second_derivative(&self, measure: Measure, k: usize, l: usize) -> f64 {
+        let ((c_k, t_k), (c_l, t_l)) = (self.column(k), self.column(l));
+        let same_body = self.is_first(k) == self.is_first(l);
+        let turns = same_body && c_k != Vector3::zeros();
+        // Changes of the column k itself.
+        let (c_kl, t_kl) = if turns {
+            (c_l.cross(&c_k), c_l.cross(&t_k))
+        } else {
+            (Vector3::zeros(), Vector3::zeros())
+        };
+        match measure {
+            Measure::Point(axis) => t_kl[axis],
+            Measure::Along(axis) => {
+                let a = Self::axis(&self.first, axis);
+                let a_l = if self.is_first(l) {
+                    c_l.cross(&a)
+                } else {
+                    Vector3::zeros()
+                };
+                let mut sum = a_l.dot(&t_k) + a.dot(&t_kl);
+                if self.is_first(k) {
+                    sum += (c_kl.cross(&a) + c_k.cross(&a_l)).dot(&self.distance)
+                        + c_k.cross(&a).dot(&t_l);
+                }
+                sum
+            }
+            Measure::Direction(a, b) => {
+                let (a, b) = (Self::axis(&self.first, a), Self::axis(&self.second, b));
+                let normal_l = if self.is_first(l) {
+                    c_l.cross(&a).cross(&b)
+                } else {
+                    a.cross(&c_l.cross(&b))
+                };
+                let sign = if self.is_first(k) { 1.0 } else { -1.0 };
+                sign * (c_kl.dot(&a.cross(&b)) + c_k.dot(&normal_l))
+            }
+        }
+    }
+}
+
+/// Adds the leading part of `matrix` on the coordinates `indices`.
+pub(super) fn add_square(
+    blocks: &mut Blocks<'_>,
+    indices: &[usize],
+    matrix: &SMatrix<f64, WIDTH, WIDTH>,
+) {
+    let n = indices.len();
+    let mut values = [0.0; WIDTH * WIDTH];
+    for row in 0..n {
+        for column in 0..n {
+            values[row * n + column] = matrix[(row, column)];
+        }
+    }
+    blocks.add(indices, indices, &values[..n * n]);
+}

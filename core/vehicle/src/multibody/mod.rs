@@ -1,0 +1,18 @@
+//! Rigid bodies, what joins them and what acts on them, in the frame of the base.
+mod anchor;
+mod applied_force;
+mod axial_spring;
+mod body;
+mod dead_force;
+mod joint;
+mod measure;
+#[cfg(test)]
+mod tests;
+
+pub use anchor::{Anchor, BaseMarker};
+pub use applied_force::AppliedForce;
+pub use axial_spring::AxialSpring;
+pub use body::{BodyMarker, Pose, RigidBody};
+pub use dead_force::DeadForce;
+pub use joint::Joint;
+pub(crate) use measure::{Measure, Pair};

@@ -1,0 +1,40 @@
+//! A pantograph at rest under a contact force.
+use dynamics::State;
+use nalgebra::UnitQuaternion;
+
+/// Where a pantograph's coordinates start in a layout that it may share.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Offsets {
+    pub coordinate: usize,
+    pub constraint: usize,
+    pub orientation: usize,
+}
+
+/// A pantograph at rest in the frame of its base.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equilibrium {
+    /// Height of the middle of the strip above the top of rail, m.
+    pub height: f64,
+    /// Contact force, N, positive in compression: it presses the strip down.
+    pub force: f64,
+    /// The pantograph's own coordinates, in the order of the layout.
+    pub q: Vec<f64>,
+    /// The orientations of its bodies, body to world.
+    pub rotation: Vec<UnitQuaternion<f64>>,
+    /// The multipliers of its joints, N or N·m.
+    pub lambda: Vec<f64>,
+}
+
+impl Equilibrium {
+    /// Writes the pantograph's part of a state at rest.
+    pub(crate) fn write(&self, offsets: Offsets, state: &mut State) {
+        let range = offsets.coordinate..offsets.coordinate + self.q.len();
+        state.q[range.clone()].copy_from_slice(&self.q);
+        for rates in [&mut state.v, &mut state.v_dot, &mut state.a] {
+            rates[range.clone()].fill(0.0);
+        }
+        state.rotation[offsets.orientation..][..self.rotation.len()]
+            .copy_from_slice(&self.rotation);
+        state.lambda[offsets.constraint..][..self.lambda.len()].copy_from_slice(&self.lambda);
+    }
+}

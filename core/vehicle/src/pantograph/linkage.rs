@@ -1,0 +1,264 @@
+//! The linkage: a pantograph of rigid bodies and joints.
+use super::builder::Builder;
+use super::equilibrium::{Equilibrium, Offsets};
+use super::statics::{self, Target};
+use crate::VehicleError;
+use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, RigidBody};
+#[cfg(test)]
+use dynamics::State;
+use dynamics::{Constraint, Force, Layout, Marker, Motion};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use scene::Linkage as Entry;
+
+/// Any tree or loop of rigid bodies on a base, a collector head on its suspension, and an uplift force.
+///
+/// In the frame of the base the base's reference point has x = y = 0 and its height above the top of rail. The tabulated
+/// position is the reference position: all displacements zero, and an equilibrium. The preload of the collector suspension
+/// sees to the latter: there it carries the head's weight and the contact force that the rest of the mechanism can bear.
+#[derive(Clone, Debug)]
+pub struct Linkage {
+    entry: Entry,
+    gravity: f64,
+    offsets: Offsets,
+    bodies: Vec<RigidBody>,
+    joints: Vec<Joint>,
+    suspension: AxialSpring,
+    uplift: DeadForce,
+    strip: BodyMarker,
+    strip_orientation: UnitQuaternion<f64>,
+    static_force: f64,
+}
+
+impl Linkage {
+    /// Builds the mechanism into `layout`; `name` begins the names of its coordinates. `gravity` in m/s².
+    ///
+    /// # Errors
+    /// Names that do not fit together; [`VehicleError::NotBalanced`] where the tabulated position cannot be at rest.
+    pub fn new(
+        entry: &Entry,
+        gravity: f64,
+        name: &str,
+        layout: &mut Layout,
+    ) -> Result<Self, VehicleError> {
+        let mut linkage = Self::without_preload(entry, gravity, name, layout)?;
+        let mut local = linkage.local()?;
+        let balance = statics::balance(&mut local.0, &local.1)?;
+        linkage.suspension.preload = balance.preload;
+        linkage.static_force = balance.force;
+        Ok(linkage)
+    }
+
+    /// The same mechanism alone in a layout.
+    pub(crate) fn local(&self) -> Result<(Self, Layout), VehicleError> {
+        let mut layout = Layout::new();
+        let mut linkage = Self::without_preload(&self.entry, self.gravity, "linkage", &mut layout)?;
+        linkage.suspension.preload = self.suspension.preload;
+        linkage.static_force = self.static_force;
+        Ok((linkage, layout))
+    }
+
+    fn without_preload(
+        entry: &Entry,
+        gravity: f64,
+        name: &str,
+        layout: &mut Layout,
+    ) -> Result<Self, VehicleError> {
+        let offsets = Offsets {
+            coordinate: layout.coordinates(),
+            constraint: layout.constraints(),
+            orientation: layout.rotations().len(),
+        };
+        let builder = Builder::new(entry, gravity, name, layout);
+        let joints = builder.joints()?;
+        layout.add_constraints(joints.iter().map(Constraint::dimension).sum());
+        Ok(Self {
+            suspension: builder.suspension()?,
+            uplift: builder.uplift()?,
+            strip: builder.strip()?,
+            strip_orientation: builder.orientations
+                [builder.number("strip.body", &entry.strip.body)?],
+            joints,
+            bodies: builder.bodies,
+            entry: entry.clone(),
+            gravity,
+            offsets,
+            static_force: 0.0,
+        })
+    }
+
+    /// The strip in the frame of the base; its axes are those of the body.
+    #[must_use]
+    pub fn strip(&self) -> BodyMarker {
+        self.strip
+    }
+
+    /// The centre of mass of the body called `name`, in the frame of the base.
+    #[must_use]
+    pub fn body_marker(&self, name: &str) -> Option<BodyMarker> {
+        let number = self
+            .entry
+            .bodies
+            .iter()
+            .position(|body| body.name == name)?;
+        Some(BodyMarker {
+            pose: self.bodies[number].pose,
+            offset: Vector3::zeros(),
+            axes: Matrix3::identity(),
+        })
+    }
+
+    /// The bodies, in the order of the scene.
+    #[must_use]
+    pub fn bodies(&self) -> &[RigidBody] {
+        &self.bodies
+    }
+
+    /// The joints, in the order of the scene.
+    #[must_use]
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// The spring–damper under the collector head.
+    #[must_use]
+    pub fn suspension(&self) -> &AxialSpring {
+        &self.suspension
+    }
+
+    /// Contact force that keeps the tabulated position, N.
+    #[must_use]
+    pub fn static_force(&self) -> f64 {
+        self.static_force
+    }
+
+    /// The force that raises the mechanism, N.
+    #[must_use]
+    pub fn uplift_force(&self) -> f64 {
+        self.uplift.force.z
+    }
+
+    /// Height of the base above the top of rail, m.
+    #[must_use]
+    pub fn base_z(&self) -> f64 {
+        self.entry.base[2]
+    }
+
+    /// Height of the middle of the strip in the reference position, m above the top of rail.
+    #[must_use]
+    pub fn reference_height(&self) -> f64 {
+        self.reference_strip_position().z
+    }
+
+    /// Middle of the strip in the reference position, in the frame of the base, m.
+    pub(crate) fn reference_strip_position(&self) -> Vector3<f64> {
+        self.strip.pose.reference + self.strip_orientation * self.strip.offset
+    }
+
+    /// A constant vertical force (N, upward) in the middle of the strip.
+    pub(crate) fn vertical_force_on_strip(&self, force: f64) -> DeadForce {
+        DeadForce {
+            marker: self.strip,
+            force: Vector3::new(0.0, 0.0, force),
+        }
+    }
+
+    pub(crate) fn offsets(&self) -> Offsets {
+        self.offsets
+    }
+
+    /// Number of generalised velocities.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        6 * self.bodies.len()
+    }
+
+    /// Number of constraint equations.
+    #[must_use]
+    pub fn constraint_count(&self) -> usize {
+        self.joints.iter().map(Constraint::dimension).sum()
+    }
+
+    /// The bodies as lines through their joints (and the strip), in the frame of the base, m: a drawing.
+    #[must_use]
+    pub fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
+        let line = |body: &RigidBody| {
+            let on_body = |anchor: &Anchor| match anchor {
+                Anchor::Body(marker) if marker.pose == body.pose => Some(*marker),
+                _ => None,
+            };
+            let joints = self.joints.iter().flat_map(Joint::anchors);
+            let mut markers: Vec<_> = joints.filter_map(|anchor| on_body(&anchor)).collect();
+            markers.extend(on_body(&Anchor::Body(self.strip)));
+            // Bars are long along their first principal axis.
+            markers.sort_by(|a, b| a.offset.x.total_cmp(&b.offset.x));
+            markers
+                .iter()
+                .map(|marker| marker.frame(motion).position)
+                .collect()
+        };
+        self.bodies.iter().map(line).collect()
+    }
+
+    /// Visits every force in a fixed order.
+    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        for body in &mut self.bodies {
+            visit(body);
+        }
+        visit(&mut self.suspension);
+        visit(&mut self.uplift);
+    }
+
+    /// Visits every joint in a fixed order.
+    pub fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        for joint in &mut self.joints {
+            visit(joint);
+        }
+    }
+
+    /// The state of rest under a vertical contact force (N) in the middle of the strip.
+    ///
+    /// The force that a linkage bears has a maximum over its working range; on both sides of it heights share a force. This
+    /// is the one that Newton's method reaches from the tabulated position.
+    ///
+    /// # Errors
+    /// [`VehicleError::NotConverged`] where the mechanism cannot bear that force.
+    pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
+        self.equilibrium(Target::Force(force))
+    }
+
+    /// The state of rest with the middle of the strip at `height` (m) above the top of rail.
+    ///
+    /// # Errors
+    /// [`VehicleError::NotConverged`] where the mechanism does not reach that height.
+    pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
+        self.equilibrium(Target::Height(height))
+    }
+
+    fn equilibrium(&self, target: Target) -> Result<Equilibrium, VehicleError> {
+        let (mut linkage, layout) = self.local()?;
+        let start = layout.state_at_rest();
+        statics::solve(&mut linkage, start, self.static_force, target)
+    }
+
+    /// Middle of the strip in the frame of the base, m, in an equilibrium of this linkage.
+    pub(crate) fn strip_position(&self, equilibrium: &Equilibrium) -> Vector3<f64> {
+        let pose = self.strip.pose;
+        let first = pose.translation - self.offsets.coordinate;
+        let rotation = equilibrium.rotation[pose.orientation - self.offsets.orientation];
+        pose.reference
+            + Vector3::from_column_slice(&equilibrium.q[first..first + 3])
+            + rotation * self.strip.offset
+    }
+
+    /// The state of the mechanism alone, from an equilibrium.
+    #[cfg(test)]
+    pub(crate) fn local_state(&self, equilibrium: &Equilibrium) -> State {
+        let mut state = State::at_rest(
+            self.coordinates(),
+            self.constraint_count(),
+            equilibrium.rotation.clone(),
+        );
+        equilibrium.write(Offsets::default(), &mut state);
+        state
+    }
+}

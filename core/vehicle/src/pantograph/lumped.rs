@@ -1,0 +1,206 @@
+//! The lumped pantograph: any number of masses one above the other.
+use super::equilibrium::{Equilibrium, Offsets};
+use super::{ChainElement, ChainMasses, HeadMarker};
+use crate::VehicleError;
+use dynamics::{Force, Layout};
+
+/// A vertical chain of masses, collector head first, each on a spring–damper, the last one on the base.
+///
+/// All springs of the chain are unstretched where its strip, without any force, is at `reference_height`: that is how EN 50318
+/// counts the grounded spring. The coordinates are the rises of the masses from the state of rest with the strip held at that
+/// height, where the static force `S` on the last mass has shortened the springs above it:
+///
+/// ```text
+/// F₀ = S / (1 + kₙ Σ 1/kᵢ),  i < n                                         derived here: Fₙ = F₀ − S = −kₙ Σ F₀/kᵢ
+/// ```
+#[derive(Clone, Debug)]
+pub struct Lumped {
+    offsets: Offsets,
+    masses: ChainMasses,
+    elements: Vec<ChainElement>,
+    head: HeadMarker,
+    /// Contact force at rest at the reference height, N.
+    reference_force: f64,
+}
+
+impl Lumped {
+    /// Builds the chain into `layout`; `name` begins the names of its coordinates.
+    ///
+    /// # Errors
+    /// [`VehicleError::NoReferenceHeight`].
+    pub fn new(
+        entry: &scene::Lumped,
+        name: &str,
+        layout: &mut Layout,
+    ) -> Result<Self, VehicleError> {
+        let reference_height = entry
+            .reference_height
+            .ok_or(VehicleError::NoReferenceHeight)?;
+        let n = entry.masses.len();
+        let offsets = Offsets {
+            coordinate: layout.add_coordinates(n, format!("{name}, mass")),
+            constraint: layout.constraints(),
+            orientation: layout.rotations().len(),
+        };
+        let first = offsets.coordinate;
+        let reference_force = reference_force(entry);
+        let elements = (0..n)
+            .map(|i| {
+                let grounded = i + 1 == n;
+                let (below, preload) = if grounded {
+                    (None, reference_force - entry.static_force)
+                } else {
+                    (Some(first + i + 1), reference_force)
+                };
+                let mut element = ChainElement::new(
+                    first + i,
+                    below,
+                    entry.stiffnesses[i],
+                    entry.dampings[i],
+                    preload,
+                );
+                element.unilateral = entry.unilateral[i];
+                element.friction = entry.friction[i];
+                element
+            })
+            .collect();
+        Ok(Self {
+            offsets,
+            masses: ChainMasses {
+                first,
+                masses: entry.masses.clone(),
+                static_force: entry.static_force,
+            },
+            elements,
+            head: HeadMarker {
+                coordinate: first,
+                reference_height,
+            },
+            reference_force,
+        })
+    }
+
+    /// The strip in the frame of the base.
+    #[must_use]
+    pub fn strip(&self) -> HeadMarker {
+        self.head
+    }
+
+    /// Upward force on the last mass, N.
+    #[must_use]
+    pub fn static_force(&self) -> f64 {
+        self.masses.static_force
+    }
+
+    /// Contact force at rest with the strip at the reference height, N.
+    #[must_use]
+    pub fn reference_force(&self) -> f64 {
+        self.reference_force
+    }
+
+    /// Height of the strip in the reference state, m.
+    #[must_use]
+    pub fn reference_height(&self) -> f64 {
+        self.head.reference_height
+    }
+
+    /// Visits every force in a fixed order.
+    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        visit(&mut self.masses);
+        for element in &mut self.elements {
+            visit(element);
+        }
+    }
+
+    pub(crate) fn offsets(&self) -> Offsets {
+        self.offsets
+    }
+
+    /// Number of masses.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        self.masses.masses.len()
+    }
+
+    /// The state of rest under a contact force (N).
+    ///
+    /// Every element carries the difference to the reference state: `s_i = (f − F₀)/k_i`.
+    ///
+    /// # Errors
+    /// [`VehicleError::OutOfReach`] where an element that pushes only would have to pull, or an element without stiffness
+    /// to carry a force.
+    pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
+        let excess = force - self.reference_force;
+        let compressions = self.elements.iter().map(|element| {
+            let carried = element.preload + excess;
+            if excess == 0.0 {
+                return Ok(0.0);
+            }
+            if element.stiffness == 0.0 || (element.unilateral && carried < 0.0) {
+                return Err(self.out_of_reach(force));
+            }
+            Ok(excess / element.stiffness)
+        });
+        let compressions = compressions.collect::<Result<Vec<_>, _>>()?;
+        Ok(self.state(force, &compressions))
+    }
+
+    /// The state of rest with the strip at `height` (m); the force may come out negative: then the strip hangs.
+    ///
+    /// # Errors
+    /// [`VehicleError::OutOfReach`] where an element that pushes only would have to pull.
+    pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
+        let rise = height - self.reference_height();
+        let soft = self
+            .elements
+            .iter()
+            .rposition(|element| element.stiffness == 0.0);
+        if let Some(soft) = soft {
+            // It gives way at no force; the others stay as they are.
+            let mut compressions = vec![0.0; self.elements.len()];
+            compressions[soft] = -rise;
+            return Ok(self.state(self.reference_force, &compressions));
+        }
+        let compliance: f64 = self
+            .elements
+            .iter()
+            .map(|element| 1.0 / element.stiffness)
+            .sum();
+        let mut equilibrium = self.equilibrium_at_force(self.reference_force - rise / compliance)?;
+        equilibrium.height = height;
+        Ok(equilibrium)
+    }
+
+    fn state(&self, force: f64, compressions: &[f64]) -> Equilibrium {
+        let mut q = vec![0.0; compressions.len()];
+        let mut below = 0.0;
+        for (q, s) in q.iter_mut().zip(compressions).rev() {
+            below -= s;
+            *q = below;
+        }
+        Equilibrium {
+            height: self.reference_height() + q[0],
+            force,
+            q,
+            rotation: Vec::new(),
+            lambda: Vec::new(),
+        }
+    }
+
+    fn out_of_reach(&self, force: f64) -> VehicleError {
+        VehicleError::OutOfReach {
+            force,
+            static_force: self.static_force(),
+        }
+    }
+}
+
+/// See [`Lumped`]; a chain with a spring of no stiffness above the grounded one presses with nothing.
+fn reference_force(entry: &scene::Lumped) -> f64 {
+    let (grounded, upper) = match entry.stiffnesses.split_last() {
+        Some((grounded, upper)) if *grounded > 0.0 => (*grounded, upper),
+        _ => return entry.static_force,
+    };
+    let compliance: f64 = upper.iter().map(|stiffness| 1.0 / stiffness).sum();
+    entry.static_force / (1.0 + grounded * compliance)
+}

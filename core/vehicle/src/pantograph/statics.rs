@@ -1,0 +1,286 @@
+//! Quasi-static equilibrium of a linkage.
+//!
+//! ```text
+//! Q(q) − f ∂z_s/∂q − g_qᵀ λ = 0,    g(q) = 0,    z_s(q) = h  or  f given
+//! ```
+//!
+//! `z_s` is the height of the strip, `f` the contact force that presses it down. The Jacobian includes the geometric
+//! stiffness of the joints: nearly all the stiffness that a linkage has against being lowered comes from there. Bars
+//! between two spherical joints may spin freely; a stiffness far below any other holds them where they are.
+use super::{Equilibrium, Linkage};
+use crate::VehicleError;
+use crate::multibody::{AxialSpring, Pose};
+use dynamics::{Blocks, Constraint, Force, JacobianRows, Layout, Marker, State, Weights, rotation};
+use nalgebra::{DMatrix, DVector, Vector3};
+
+/// Accepted residual relative to the largest force on the mechanism; rounding is four orders below.
+const TOLERANCE: f64 = 1e-10;
+
+/// Accepted gap of a joint or of the strip's height, m or –; rounding at the size of a pantograph is below 1e-14.
+const CLOSURE: f64 = 1e-13;
+
+/// Stiffness against free spinning relative to the largest stiffness.
+const REGULARISATION: f64 = 1e-8;
+
+/// Longest rotation step of an iteration, rad.
+const LONGEST_TURN: f64 = 0.1;
+
+const ITERATIONS: usize = 60;
+
+/// What an equilibrium is asked for at.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Target {
+    /// Contact force, N.
+    Force(f64),
+    /// Height of the strip, m.
+    Height(f64),
+}
+
+impl std::fmt::Display for Target {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Force(force) => write!(formatter, "contact force {force} N"),
+            Self::Height(height) => write!(formatter, "strip height {height} m"),
+        }
+    }
+}
+
+/// What balances the tabulated position.
+pub(super) struct Balance {
+    /// Of the collector suspension, N.
+    pub preload: f64,
+    /// Contact force, N.
+    pub force: f64,
+}
+
+/// Forces, Jacobian and residuals of a linkage alone, in one configuration.
+struct Terms {
+    /// `Q` without the contact force.
+    force: DVector<f64>,
+    /// `∂z_s/∂q`.
+    strip: DVector<f64>,
+    /// `g_q`.
+    g_q: DMatrix<f64>,
+    g: DVector<f64>,
+}
+
+fn terms(linkage: &mut Linkage, state: &State) -> Terms {
+    let (n, m) = (state.q.len(), state.lambda.len());
+    let motion = state.motion(&[]);
+    let mut force = DVector::zeros(n);
+    linkage.forces(&mut |contribution| contribution.add_force(&motion, force.as_mut_slice()));
+    let mut strip = DVector::zeros(n);
+    linkage
+        .vertical_force_on_strip(1.0)
+        .add_force(&motion, strip.as_mut_slice());
+    let mut g = DVector::zeros(m);
+    let mut g_q = DMatrix::zeros(m, n);
+    let mut first = 0;
+    linkage.constraints(&mut |joint| {
+        let count = joint.dimension();
+        joint.residual(&motion, &mut g.as_mut_slice()[first..first + count]);
+        let mut sink = |row: usize, columns: &[usize], values: &[f64]| {
+            for (&column, value) in columns.iter().zip(values) {
+                g_q[(first + row, column)] += value;
+            }
+        };
+        joint.jacobian(&motion, &mut JacobianRows::new(&mut sink));
+        first += count;
+    });
+    Terms {
+        force,
+        strip,
+        g_q,
+        g,
+    }
+}
+
+/// `∂/∂q` of `−Q + f ∂z_s/∂q + g_qᵀ λ`.
+fn stiffness(linkage: &mut Linkage, state: &State, contact_force: f64) -> DMatrix<f64> {
+    let n = state.q.len();
+    let motion = state.motion(&[]);
+    let weights = Weights { q: 1.0, v: 0.0 };
+    let mut add = |blocks: &mut Blocks<'_>| {
+        linkage.forces(&mut |force| force.add_tangent(&motion, weights, blocks));
+        let mut first = 0;
+        for joint in linkage.joints() {
+            joint.add_geometric_stiffness(&motion, &state.lambda[first..], blocks);
+            first += joint.dimension();
+        }
+        // The contact force is a dead force on the strip.
+        let mut load = linkage.vertical_force_on_strip(-contact_force);
+        load.add_tangent(&motion, weights, blocks);
+    };
+    let mut places = Vec::new();
+    add(&mut Blocks::record(&mut places));
+    let places: Vec<u32> = places
+        .iter()
+        .map(|(row, column)| row + column * n as u32)
+        .collect();
+    let mut matrix = DMatrix::zeros(n, n);
+    add(&mut Blocks::add_to(&places, matrix.as_mut_slice()));
+    matrix
+}
+
+/// Contact force and preload of the collector suspension under which the reference position is at rest.
+pub(super) fn balance(linkage: &mut Linkage, layout: &Layout) -> Result<Balance, VehicleError> {
+    let state = layout.state_at_rest();
+    let (n, m) = (state.q.len(), state.lambda.len());
+    let Terms {
+        force, strip, g_q, ..
+    } = terms(linkage, &state);
+    let mut preload = DVector::zeros(n);
+    let mut unit = AxialSpring {
+        stiffness: 0.0,
+        damping: 0.0,
+        preload: 1.0,
+        ..*linkage.suspension()
+    };
+    unit.add_force(&state.motion(&[]), preload.as_mut_slice());
+    // Q + P s_q − f z_q − g_qᵀ λ = 0, unknown (λ, P, f).
+    let mut matrix = DMatrix::zeros(n, m + 2);
+    matrix.columns_mut(0, m).copy_from(&g_q.transpose());
+    matrix.column_mut(m).copy_from(&-preload);
+    matrix.column_mut(m + 1).copy_from(&strip);
+    let scale = force.amax();
+    let unknown = matrix
+        .clone()
+        .svd(true, true)
+        .solve(&force, 1e-12)
+        .unwrap_or_else(|_| DVector::zeros(m + 2));
+    let residual = &force - matrix * &unknown;
+    if residual.amax() > 1e-6 * scale {
+        return Err(VehicleError::NotBalanced {
+            residual: residual.amax(),
+            coordinate: layout.name(residual.iamax()),
+        });
+    }
+    Ok(Balance {
+        preload: unknown[m],
+        force: unknown[m + 1],
+    })
+}
+
+/// Newton's method from `start`.
+pub(super) fn solve(
+    linkage: &mut Linkage,
+    start: State,
+    start_force: f64,
+    target: Target,
+) -> Result<Equilibrium, VehicleError> {
+    let mut state = start;
+    let (n, m) = (state.q.len(), state.lambda.len());
+    let mut contact_force = match target {
+        Target::Force(force) => force,
+        Target::Height(_) => start_force,
+    };
+    let mut residual = f64::INFINITY;
+    let mut tolerance = 0.0;
+    for iteration in 0..ITERATIONS {
+        let Terms {
+            force,
+            strip,
+            g_q,
+            g,
+        } = terms(linkage, &state);
+        let scale = force.amax().max(contact_force.abs());
+        tolerance = TOLERANCE * scale;
+        if iteration == 0 {
+            // Multipliers that carry the forces of the start as well as can be.
+            let lambda = g_q
+                .transpose()
+                .svd(true, true)
+                .solve(&(&force - &strip * contact_force), 1e-12);
+            if let Ok(lambda) = lambda {
+                state.lambda.copy_from_slice(lambda.as_slice());
+            }
+        }
+        let lambda = DVector::from_column_slice(&state.lambda);
+        let unbalanced = force - &strip * contact_force - g_q.transpose() * lambda;
+        let height = linkage.strip().frame(&state.motion(&[])).position.z;
+        let missing = match target {
+            Target::Force(force) => force - contact_force,
+            Target::Height(target) => target - height,
+        };
+        // Gaps count in units of the force tolerance.
+        residual = unbalanced
+            .amax()
+            .max(g.amax().max(missing.abs()) * tolerance / CLOSURE);
+        if residual <= tolerance {
+            return Ok(Equilibrium {
+                height,
+                force: contact_force,
+                q: state.q,
+                rotation: state.rotation,
+                lambda: state.lambda,
+            });
+        }
+
+        let mut matrix = DMatrix::zeros(n + m + 1, n + m + 1);
+        let stiffness = stiffness(linkage, &state, contact_force);
+        matrix.view_mut((0, 0), (n, n)).copy_from(&stiffness);
+        let soft = REGULARISATION * stiffness.amax();
+        for diagonal in 0..n {
+            matrix[(diagonal, diagonal)] += soft;
+        }
+        matrix.view_mut((n, 0), (m, n)).copy_from(&g_q);
+        matrix.view_mut((0, n), (n, m)).copy_from(&g_q.transpose());
+        matrix.view_mut((0, n + m), (n, 1)).copy_from(&strip);
+        match target {
+            Target::Force(_) => matrix[(n + m, n + m)] = 1.0,
+            Target::Height(_) => matrix
+                .view_mut((n + m, 0), (1, n))
+                .copy_from(&strip.transpose()),
+        }
+        let mut right = DVector::zeros(n + m + 1);
+        right.rows_mut(0, n).copy_from(&unbalanced);
+        right.rows_mut(n, m).copy_from(&-g);
+        right[n + m] = missing;
+        let Some(step) = matrix.lu().solve(&right) else {
+            break;
+        };
+        if !step.iter().all(|entry| entry.is_finite()) {
+            break;
+        }
+        contact_force += advance(linkage, &mut state, &step);
+    }
+    Err(VehicleError::NotConverged {
+        target: target.to_string(),
+        iterations: ITERATIONS,
+        residual,
+        tolerance,
+    })
+}
+
+/// Moves the state along a Newton step (displacements, rotations, multipliers, force), shortened where it turns a body
+/// too far; returns the change of the contact force.
+fn advance(linkage: &Linkage, state: &mut State, step: &DVector<f64>) -> f64 {
+    let (n, m) = (state.q.len(), state.lambda.len());
+    let turn = |pose: Pose| {
+        Vector3::new(
+            step[pose.rotation],
+            step[pose.rotation + 1],
+            step[pose.rotation + 2],
+        )
+    };
+    let longest = linkage
+        .bodies()
+        .iter()
+        .map(|body| turn(body.pose).norm())
+        .fold(0.0, f64::max);
+    let fraction = (LONGEST_TURN / longest).min(1.0);
+    for body in linkage.bodies() {
+        let pose = body.pose;
+        for axis in 0..3 {
+            state.q[pose.translation + axis] += fraction * step[pose.translation + axis];
+        }
+        let orientation = &mut state.rotation[pose.orientation];
+        *orientation *= rotation::exp(&(turn(pose) * fraction));
+        orientation.renormalize();
+    }
+    // Multipliers and force are those of the full step: they enter linearly.
+    for (lambda, change) in state.lambda.iter_mut().zip(step.rows(n, m).iter()) {
+        *lambda += change;
+    }
+    step[n + m]
+}

@@ -1,0 +1,33 @@
+mod four_bar;
+mod linkage;
+mod lumped;
+mod thesis;
+
+use crate::PantographModel;
+use dynamics::{Constraint, Force, Layout, System};
+
+const GRAVITY: f64 = 9.81;
+
+/// A pantograph alone, with other forces on it.
+struct Alone {
+    layout: Layout,
+    model: PantographModel,
+    loads: Vec<Box<dyn Force>>,
+}
+
+impl System for Alone {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.model.forces(visit);
+        for load in &mut self.loads {
+            visit(load.as_mut());
+        }
+    }
+
+    fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        self.model.constraints(visit);
+    }
+}

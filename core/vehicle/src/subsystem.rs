@@ -1,0 +1,284 @@
+//! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
+use crate::{AppliedForce, PantographModel, Placement, VehicleError};
+use dynamics::{
+    Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator,
+    StepError, System,
+};
+use nalgebra::Vector3;
+use scene::Scene;
+use serde::{Deserialize, Serialize};
+
+/// Inputs: force on the strip in x, y, z (N), lateral position of the contact (m), wind in x, y, z (m/s).
+pub const INPUTS: usize = AppliedForce::INPUTS + 3;
+
+/// Difference between the force the scene gives for the start and the one of rest at its height below which the start counts as
+/// rest, N.
+const AT_REST: f64 = 1e-3;
+
+/// A pantograph under a contact force from outside.
+pub struct Model {
+    layout: Layout,
+    pantograph: PantographModel,
+    contact: AppliedForce,
+}
+
+impl System for Model {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.pantograph.forces(visit);
+        visit(&mut self.contact);
+    }
+
+    fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        self.pantograph.constraints(visit);
+    }
+}
+
+/// Where and how fast a pantograph of a scene travels.
+#[must_use]
+pub fn placement(scene: &Scene, index: usize) -> Placement {
+    /// Where no line says it, m/s².
+    const GRAVITY: f64 = 9.81;
+    Placement {
+        start_x: scene.strip_start_x(index),
+        speed: scene.run.speed,
+        gravity: scene
+            .modelled_line()
+            .map_or(GRAVITY, |(line, _)| line.gravity),
+    }
+}
+
+/// The strip's motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StripMotion {
+    /// Position of its middle, m.
+    pub position: Vector3<f64>,
+    /// Velocity, m/s.
+    pub velocity: Vector3<f64>,
+    /// Roll angle about the direction of travel, rad.
+    pub roll: f64,
+}
+
+/// Everything a [`Subsystem`] must keep to continue bit for bit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    simulator: dynamics::Checkpoint,
+    inputs: Vec<FollowedInput>,
+    work: f64,
+}
+
+/// One pantograph of a scene.
+pub struct Subsystem {
+    simulator: Simulator<Model>,
+    inputs: [FollowedInput; INPUTS],
+    /// Work done by the contact on the strip since the start, J.
+    work: f64,
+    before: Checkpoint,
+}
+
+impl Subsystem {
+    /// Pantograph `index` (from 0) of a scene in its start state: at rest at the height the scene gives, or at its reference
+    /// height; under another force than that of rest there, it starts with the acceleration this causes.
+    ///
+    /// # Errors
+    /// See [`VehicleError`].
+    pub fn new(scene: &Scene, index: usize) -> Result<Self, VehicleError> {
+        let mut layout = Layout::new();
+        let entry = &scene.pantographs[index];
+        let name = format!("pantograph {}", index + 1);
+        let mut pantograph =
+            PantographModel::new(&entry.model, placement(scene, index), &name, &mut layout)?;
+        let height = entry
+            .start
+            .map_or_else(|| pantograph.reference_height(), |start| start.height);
+        let equilibrium = pantograph.equilibrium_at_height(height)?;
+        let mut state = layout.state_at_rest();
+        pantograph.set_initial(&equilibrium, &mut state);
+        let contact = pantograph.applied_force(0);
+        let force = entry.start.map_or(equilibrium.force, |start| start.force);
+        let solver = &scene.solver;
+        let mut inputs = [FollowedInput::default(); INPUTS];
+        inputs[2].set(-force);
+        let u = inputs.map(|input| input.value()).to_vec();
+        let model = Model {
+            layout,
+            pantograph,
+            contact,
+        };
+        let mut simulator = Simulator::new(
+            model,
+            state,
+            u,
+            solver.micro_step,
+            solver.rho_inf,
+            solver.newton_options(),
+        );
+        if (force - equilibrium.force).abs() > AT_REST {
+            simulator.start_accelerations()?;
+        }
+        Ok(Self {
+            simulator,
+            inputs,
+            work: 0.0,
+            before: Checkpoint::default(),
+        })
+    }
+
+    /// The pantograph and its present motion, for drawing.
+    pub fn pantograph(&mut self) -> (&PantographModel, Motion<'_>) {
+        let (model, motion) = self.simulator.parts();
+        (&model.pantograph, motion)
+    }
+
+    /// Sets input 0…6, see [`INPUTS`].
+    pub fn set_contact_input(&mut self, input: usize, value: f64) {
+        self.inputs[input].set(value);
+        self.refresh_inputs();
+    }
+
+    /// The present value of an input.
+    #[must_use]
+    pub fn contact_input(&self, input: usize) -> f64 {
+        self.inputs[input].value()
+    }
+
+    /// Sets the derivative of `order` 1…3 of an input at the start of the next step.
+    pub fn set_contact_input_derivative(&mut self, input: usize, order: usize, value: f64) {
+        self.inputs[input].set_derivative(order, value);
+    }
+
+    fn refresh_inputs(&mut self) {
+        let u = self.inputs.map(|input| input.value());
+        self.simulator.set_inputs(&u);
+    }
+
+    /// Advances from `t` to `t + h`, s.
+    ///
+    /// # Errors
+    /// See [`StepError`]; the state is then as before.
+    pub fn advance_to(&mut self, t: f64, h: f64) -> Result<(), StepError> {
+        let mut before = std::mem::take(&mut self.before);
+        self.save_to(&mut before);
+        let result = match self.advance(t, h) {
+            Ok(()) => Ok(()),
+            Err(error) => self.restore_from(&before).and(Err(error)),
+        };
+        self.before = before;
+        result
+    }
+
+    fn advance(&mut self, t: f64, h: f64) -> Result<(), StepError> {
+        let (model, motion) = self.simulator.parts();
+        let mut last = power(model, &motion);
+        let mut work = 0.0;
+        let inputs = &self.inputs;
+        self.simulator.advance(
+            t,
+            h,
+            &mut |tau, u| {
+                for (value, input) in u.iter_mut().zip(inputs) {
+                    *value = input.at(tau);
+                }
+            },
+            &mut |model, motion, dt| {
+                let now = power(model, &motion);
+                work += 0.5 * dt * (last + now);
+                last = now;
+            },
+        )?;
+        self.work += work;
+        for input in &mut self.inputs {
+            input.finish(input.at(h));
+        }
+        Ok(())
+    }
+
+    fn frame(&mut self) -> Frame {
+        let (model, motion) = self.simulator.parts();
+        model.contact.marker.frame(&motion)
+    }
+
+    /// The strip's motion now.
+    pub fn strip(&mut self) -> StripMotion {
+        let frame = self.frame();
+        StripMotion {
+            position: frame.position,
+            velocity: frame.velocity,
+            roll: frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]),
+        }
+    }
+
+    /// Acceleration of the strip's middle from the accelerations of the coordinates, m/s²; what a turning body adds by its
+    /// angular velocity is left out.
+    pub fn strip_acceleration(&mut self) -> Vector3<f64> {
+        let mut columns = Columns::default();
+        let (model, motion) = self.simulator.parts();
+        model.contact.marker.columns(&motion, &mut columns);
+        let v_dot = &self.simulator.state().v_dot;
+        columns
+            .as_slice()
+            .iter()
+            .map(|column| column.translation * v_dot[column.index])
+            .sum()
+    }
+
+    /// Angular velocity of the strip, rad/s, world axes.
+    pub fn strip_angular_velocity(&mut self) -> Vector3<f64> {
+        self.frame().angular_velocity
+    }
+
+    /// Work done by the contact on the strip since the start, J.
+    #[must_use]
+    pub fn work(&self) -> f64 {
+        self.work
+    }
+
+    /// Number of generalised coordinates.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        self.simulator.system.layout.coordinates()
+    }
+
+    /// Number of constraint equations.
+    #[must_use]
+    pub fn constraints(&self) -> usize {
+        self.simulator.system.layout.constraints()
+    }
+
+    /// Work done by the solver.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        self.simulator.counters()
+    }
+
+    /// Stores everything into `checkpoint`, reusing its memory.
+    pub fn save_to(&mut self, checkpoint: &mut Checkpoint) {
+        self.simulator.save(&mut checkpoint.simulator);
+        checkpoint.inputs.clear();
+        checkpoint.inputs.extend_from_slice(&self.inputs);
+        checkpoint.work = self.work;
+    }
+
+    /// Goes back to a checkpoint.
+    ///
+    /// # Errors
+    /// When the matrix of the saved state cannot be factored again.
+    pub fn restore_from(&mut self, checkpoint: &Checkpoint) -> Result<(), StepError> {
+        self.simulator.restore(&checkpoint.simulator)?;
+        self.inputs.copy_from_slice(&checkpoint.inputs);
+        self.work = checkpoint.work;
+        Ok(())
+    }
+}
+
+/// Power of the contact on the strip, W.
+fn power(model: &Model, motion: &Motion<'_>) -> f64 {
+    let frame = model.contact.marker.frame(motion);
+    let lateral: Vector3<f64> = frame.axes.column(1).into();
+    let lever = lateral * ((motion.u[3] - frame.position.y) / lateral.y);
+    let velocity = frame.velocity + frame.angular_velocity.cross(&lever);
+    Vector3::new(motion.u[0], motion.u[1], motion.u[2]).dot(&velocity)
+}
