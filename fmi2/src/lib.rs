@@ -1,0 +1,39 @@
+//! FMI 2.0 for co-simulation, both sides of the C interface.
+//!
+//! - [`slave`]: export. A [`slave::Model`] knows variables, steps and states and nothing of C; [`export_fmu!`] makes
+//!   the shared library of it.
+//! - [`model_description`]: `modelDescription.xml`, read and written.
+//! - [`archive`]: the `.fmu` archive, written reproducibly and extracted with bounds.
+//! - [`import`]: any FMU, loaded through its C interface.
+//! - [`abi`]: the C types.
+//!
+//! This is the only crate of the workspace with hand-written `unsafe`; every block says why it is sound.
+//!
+//! # Sources
+//! - `[FMI 2.0, n]`: section n of Functional Mock-up Interface for Model Exchange and Co-Simulation, version 2.0.5,
+//!   Modelica Association, 2024, <https://fmi-standard.org>.
+//!
+//! ```no_run
+//! use fmi2::import::{Fmu, StepOutcome};
+//!
+//! # fn main() -> Result<(), fmi2::Error> {
+//! let fmu = Fmu::open("Pantograph.fmu")?;
+//! let mut pantograph = fmu.instantiate("pantograph 1", false, false)?;
+//! pantograph.setup_experiment(0.0, Some(1.0), None)?;
+//! pantograph.enter_initialization_mode()?;
+//! pantograph.exit_initialization_mode()?;
+//! let outcome = pantograph.do_step(0.0, 0.001)?;
+//! assert_eq!(outcome, StepOutcome::Ok);
+//! # Ok(())
+//! # }
+//! ```
+
+pub mod abi;
+pub mod archive;
+mod error;
+pub mod import;
+mod location;
+pub mod model_description;
+pub mod slave;
+
+pub use error::{Error, Log};
