@@ -1,0 +1,287 @@
+//! The slave behind an FMU: parameters and inputs as the importer sets them, the component built when it is needed.
+use crate::table::variables;
+use component::{Component, Parameter, Role, Signal};
+use fmi2::model_description::Variable;
+use fmi2::slave::{Model, ModelError, ModelResult};
+use scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// File among the resources that holds the packaged scene.
+pub const SCENE_RESOURCE: &str = "scene.toml";
+
+/// What the importer has chosen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Choices {
+    /// Path of another scene, empty for the packaged one.
+    scene_path: String,
+    /// Text of the scene in use.
+    scene_text: String,
+    /// Values of all parameters.
+    parameters: Vec<f64>,
+    /// Settings by signal position; unused entries are zero.
+    settings: Vec<f64>,
+    /// Inputs set before the component was built, by signal position.
+    early_inputs: Vec<Option<f64>>,
+}
+
+/// Everything that decides how a slave goes on.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SlaveState<K> {
+    choices: Choices,
+    component: Option<K>,
+}
+
+/// A component driven by an FMI importer.
+pub struct SceneSlave<C: Component> {
+    packaged: Scene,
+    packaged_text: String,
+    signals: Vec<Signal>,
+    parameters: Vec<Parameter>,
+    choices: Choices,
+    component: Option<C>,
+}
+
+impl<C: Component> SceneSlave<C> {
+    fn with_scene(text: String, origin: &str) -> ModelResult<Self> {
+        let packaged = Scene::from_toml(&text, origin, &[]).map_err(ModelError::unusable)?;
+        let mut slave = Self {
+            signals: C::signals(&packaged),
+            parameters: C::parameters(&packaged),
+            packaged_text: text,
+            packaged,
+            choices: Choices::default(),
+            component: None,
+        };
+        slave.choices = slave.first_choices();
+        Ok(slave)
+    }
+
+    fn first_choices(&self) -> Choices {
+        Choices {
+            scene_path: String::new(),
+            scene_text: self.packaged_text.clone(),
+            parameters: self.parameters.iter().map(|p| p.value(&self.packaged)).collect(),
+            settings: self.signals.iter().map(|signal| signal.start).collect(),
+            early_inputs: vec![None; self.signals.len()],
+        }
+    }
+
+    /// The scene in use with the parameters that differ from their start values.
+    fn scene(&self) -> ModelResult<Scene> {
+        let origin = match self.choices.scene_path.as_str() {
+            "" => SCENE_RESOURCE,
+            path => path,
+        };
+        let mut scene = Scene::from_toml(&self.choices.scene_text, origin, &[]).map_err(ModelError::unusable)?;
+        for (parameter, &value) in self.parameters.iter().zip(&self.choices.parameters) {
+            if value != parameter.value(&self.packaged) {
+                parameter.set(&mut scene, value);
+            }
+        }
+        scene.check("parameters of the FMU").map_err(ModelError::unusable)?;
+        Ok(scene)
+    }
+
+    /// The component, built from what was chosen so far.
+    fn built(&mut self) -> ModelResult<&mut C> {
+        if self.component.is_none() {
+            let mut component = C::build(&self.scene()?).map_err(ModelError::unusable)?;
+            for (position, signal) in self.signals.iter().enumerate() {
+                match (signal.role, self.choices.early_inputs[position]) {
+                    (Role::Setting, _) => component.set_input(position, self.choices.settings[position]),
+                    (Role::Input, Some(value)) => component.set_input(position, value),
+                    _ => {}
+                }
+            }
+            self.component = Some(component);
+        }
+        Ok(self.component.as_mut().expect("built above"))
+    }
+
+    /// Something changed that the component was built from.
+    fn rebuild(&mut self) {
+        self.component = None;
+    }
+
+    fn value(&mut self, position: usize) -> ModelResult<f64> {
+        let count = self.signals.len();
+        if position >= count {
+            return Ok(self.choices.parameters[position - count]);
+        }
+        match self.signals[position].role {
+            Role::Setting => Ok(self.choices.settings[position]),
+            Role::Input => Ok(self.built()?.input(position)),
+            Role::Output => Ok(self.built()?.output(position)),
+        }
+    }
+
+    fn read_scene(&mut self, path: &str) -> ModelResult<()> {
+        let text = if path.is_empty() {
+            self.packaged_text.clone()
+        } else {
+            if !Path::new(path).is_absolute() {
+                return Err(ModelError::unusable(format!("scene = {path:?}: must be an absolute path")));
+            }
+            std::fs::read_to_string(path).map_err(|error| ModelError::unusable(format!("scene = {path:?}: {error}")))?
+        };
+        let scene = Scene::from_toml(&text, path, &[]).map_err(ModelError::unusable)?;
+        let (mine, other) = (size(&self.packaged), size(&scene));
+        if mine != other {
+            return Err(ModelError::unusable(format!(
+                "scene = {path:?}: has {} strips and {} supports, this FMU was packaged for {} and {}",
+                other.0, other.1, mine.0, mine.1
+            )));
+        }
+        self.choices.scene_path = path.into();
+        self.choices.scene_text = text;
+        self.rebuild();
+        Ok(())
+    }
+}
+
+/// Number of strips and of supports.
+fn size(scene: &Scene) -> (usize, usize) {
+    let supports = scene.modelled_line().map_or(0, |(line, _)| line.spans() + 1);
+    (scene.pantographs.len(), supports)
+}
+
+impl<C: Component> Model for SceneSlave<C> {
+    type State = SlaveState<C::Checkpoint>;
+
+    fn instantiate(resources: Option<&Path>) -> ModelResult<Self> {
+        let folder = resources.ok_or_else(|| ModelError::unusable("no resource folder with the scene was given"))?;
+        let path: PathBuf = folder.join(SCENE_RESOURCE);
+        let text = std::fs::read_to_string(&path)
+            .map_err(|error| ModelError::unusable(format!("{}: {error}", path.display())))?;
+        Self::with_scene(text, SCENE_RESOURCE)
+    }
+
+    fn variables(&self) -> Vec<Variable> {
+        variables::<C>(&self.packaged)
+    }
+
+    fn reset(&mut self) -> ModelResult<()> {
+        self.choices = self.first_choices();
+        self.rebuild();
+        Ok(())
+    }
+
+    fn exit_initialization(&mut self) -> ModelResult<()> {
+        self.built().map(|_| ())
+    }
+
+    fn real(&mut self, position: usize) -> ModelResult<f64> {
+        self.value(position)
+    }
+
+    fn integer(&mut self, position: usize) -> ModelResult<i32> {
+        Ok(self.value(position)? as i32)
+    }
+
+    fn boolean(&mut self, position: usize) -> ModelResult<bool> {
+        Ok(self.value(position)? != 0.0)
+    }
+
+    fn string(&mut self, _position: usize) -> ModelResult<String> {
+        Ok(self.choices.scene_path.clone())
+    }
+
+    fn set_real(&mut self, position: usize, value: f64) -> ModelResult<()> {
+        let count = self.signals.len();
+        if position >= count {
+            self.choices.parameters[position - count] = value;
+            self.rebuild();
+            return Ok(());
+        }
+        self.choices.early_inputs[position] = Some(value);
+        if let Some(component) = &mut self.component {
+            component.set_input(position, value);
+        }
+        Ok(())
+    }
+
+    fn set_boolean(&mut self, position: usize, value: bool) -> ModelResult<()> {
+        let value = f64::from(u8::from(value));
+        self.choices.settings[position] = value;
+        if let Some(component) = &mut self.component {
+            component.set_input(position, value);
+        }
+        Ok(())
+    }
+
+    fn set_string(&mut self, _position: usize, value: &str) -> ModelResult<()> {
+        self.read_scene(value)
+    }
+
+    fn set_input_derivative(&mut self, position: usize, order: u32, value: f64) -> ModelResult<()> {
+        let order = order as usize;
+        // Orders beyond the third are more than any follower uses: the standard lets a slave ignore them.
+        if order <= 3 {
+            self.built()?.set_input_derivative(position, order, value);
+        }
+        Ok(())
+    }
+
+    fn output_derivative(&mut self, position: usize, order: u32) -> ModelResult<f64> {
+        match order {
+            1 => Ok(self.built()?.output_rate(position)),
+            _ => Ok(0.0),
+        }
+    }
+
+    fn directional_derivative(&mut self, output: usize, input: usize) -> ModelResult<f64> {
+        Ok(self.built()?.sensitivity(output, input))
+    }
+
+    fn do_step(&mut self, time: f64, step: f64) -> ModelResult<()> {
+        self.built()?.do_step(time, step).map_err(|failure| {
+            if failure.retryable {
+                ModelError::retryable(failure)
+            } else {
+                ModelError::unusable(failure)
+            }
+        })
+    }
+
+    fn save(&mut self) -> SlaveState<C::Checkpoint> {
+        let mut state = SlaveState {
+            choices: Choices::default(),
+            component: None,
+        };
+        self.save_into(&mut state);
+        state
+    }
+
+    fn save_into(&mut self, state: &mut SlaveState<C::Checkpoint>) {
+        state.choices.clone_from(&self.choices);
+        match &mut self.component {
+            Some(component) => component.save(state.component.get_or_insert_with(C::Checkpoint::default)),
+            None => state.component = None,
+        }
+    }
+
+    fn restore(&mut self, state: &SlaveState<C::Checkpoint>) -> ModelResult<()> {
+        let same = self.choices.scene_text == state.choices.scene_text
+            && self.choices.parameters == state.choices.parameters;
+        self.choices.clone_from(&state.choices);
+        if !same {
+            self.rebuild();
+        }
+        match &state.component {
+            Some(checkpoint) => self.built()?.restore(checkpoint).map_err(ModelError::unusable),
+            None => {
+                self.rebuild();
+                Ok(())
+            }
+        }
+    }
+
+    fn serialize(state: &SlaveState<C::Checkpoint>) -> ModelResult<Vec<u8>> {
+        postcard::to_stdvec(state).map_err(ModelError::unusable)
+    }
+
+    fn deserialize(bytes: &[u8]) -> ModelResult<SlaveState<C::Checkpoint>> {
+        postcard::from_bytes(bytes).map_err(ModelError::unusable)
+    }
+}

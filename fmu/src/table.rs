@@ -1,0 +1,52 @@
+//! Signals and parameters of a component as the variables of an FMU.
+use component::{Component, Kind, Role, Signal};
+use fmi2::model_description::{DefaultExperiment, ModelDescription, Variable};
+use scene::Scene;
+
+/// Name of the text parameter with the path of another scene.
+const SCENE_PARAMETER: &str = "scene";
+
+/// The variables of a component for a scene: signals first, then parameters, then the path of another scene.
+pub(crate) fn variables<C: Component>(scene: &Scene) -> Vec<Variable> {
+    let signals = C::signals(scene);
+    let mut variables: Vec<Variable> = signals.iter().map(variable).collect();
+    variables.extend(
+        C::parameters(scene)
+            .iter()
+            .map(|p| Variable::parameter(&p.name, p.unit, p.value(scene), &p.description)),
+    );
+    variables.push(Variable::string_parameter(
+        SCENE_PARAMETER,
+        "",
+        "Absolute path of a scene that replaces the packaged one; it must have as many strips and supports",
+    ));
+    variables
+}
+
+fn variable(signal: &Signal) -> Variable {
+    let (name, text) = (signal.name.as_str(), signal.description.as_str());
+    match (signal.role, signal.kind) {
+        (Role::Input, Kind::Real(unit)) => Variable::input(name, unit, signal.start, text),
+        (Role::Output, Kind::Real(unit)) => Variable::output(name, unit, text).depends_on(&signal.feedthrough),
+        (Role::Output, Kind::Integer) => Variable::integer_output(name, text).depends_on(&signal.feedthrough),
+        (Role::Output, Kind::Boolean) => Variable::boolean_output(name, text).depends_on(&signal.feedthrough),
+        (Role::Setting, Kind::Boolean) => Variable::boolean_parameter(name, signal.start != 0.0, text),
+        (role, kind) => unreachable!("no component has a {kind:?} {role:?}: {name}"),
+    }
+}
+
+/// The model description of the FMU of a component for a scene, with a placeholder for the GUID.
+#[must_use]
+pub fn description<C: Component>(scene: &Scene) -> ModelDescription {
+    let mut description = ModelDescription::of_slave(C::IDENTIFIER, variables::<C>(scene));
+    description.description = Some(format!("{} {}", C::DESCRIPTION, scene.title));
+    description.version = Some(env!("CARGO_PKG_VERSION").into());
+    description.generation_tool = Some(format!("master {}", env!("CARGO_PKG_VERSION")));
+    description.default_experiment = Some(DefaultExperiment {
+        start_time: Some(0.0),
+        stop_time: Some(scene.run.duration),
+        tolerance: None,
+        step_size: Some(scene.coupling.macro_step),
+    });
+    description
+}
