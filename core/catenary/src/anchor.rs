@@ -24,10 +24,7 @@ impl Anchor {
     /// Force on the wire, N.
     #[must_use]
     pub fn force(&self, motion: &Motion<'_>) -> Vector3<f64> {
-        self.reaction
-            - self
-                .stiffness
-                .component_mul(&self.node.displacement(motion))
+        self.reaction - self.stiffness.component_mul(&self.node.displacement(motion))
     }
 
     /// Potential energy, J; zero in the static state.

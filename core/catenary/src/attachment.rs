@@ -16,10 +16,7 @@ impl Attachment {
     /// A node at `reference` (m) whose displacements along x, y, z are these coordinates.
     #[must_use]
     pub fn new(reference: Vector3<f64>, coordinates: [Option<usize>; 3]) -> Self {
-        Self {
-            reference,
-            coordinates,
-        }
+        Self { reference, coordinates }
     }
 
     /// A node of a wire.
@@ -39,10 +36,7 @@ impl Attachment {
     }
 
     fn gather(&self, values: &[f64]) -> Vector3<f64> {
-        Vector3::from(
-            self.coordinates
-                .map(|index| index.map_or(0.0, |index| values[index])),
-        )
+        Vector3::from(self.coordinates.map(|index| index.map_or(0.0, |index| values[index])))
     }
 
     /// Displacement from the reference position, m.
@@ -89,11 +83,7 @@ impl Attachment {
     }
 }
 
-fn add_block<const N: usize>(
-    nodes: [(&Attachment, f64); N],
-    matrix: &Matrix3<f64>,
-    blocks: &mut Blocks<'_>,
-) {
+fn add_block<const N: usize>(nodes: [(&Attachment, f64); N], matrix: &Matrix3<f64>, blocks: &mut Blocks<'_>) {
     let (mut indices, mut axes, mut count) = ([0; 6], [(0, 0.0); 6], 0);
     for (node, sign) in nodes {
         for (index, axis) in node.columns() {
@@ -108,9 +98,5 @@ fn add_block<const N: usize>(
             values[i * count + j] = row_sign * column_sign * matrix[(*row, *column)];
         }
     }
-    blocks.add(
-        &indices[..count],
-        &indices[..count],
-        &values[..count * count],
-    );
+    blocks.add(&indices[..count], &indices[..count], &values[..count * count]);
 }

@@ -94,11 +94,7 @@ impl Dropper {
         let between = (self.upper.reference - self.lower.reference)
             + (self.upper.displacement(motion) - self.lower.displacement(motion));
         let length = between.norm();
-        let direction = if length > 0.0 {
-            between / length
-        } else {
-            Vector3::z()
-        };
+        let direction = if length > 0.0 { between / length } else { Vector3::z() };
         let velocity = self.upper.velocity(motion) - self.lower.velocity(motion);
         Pose {
             direction,
@@ -214,12 +210,9 @@ impl Force for Droppers {
                 let turning = (Matrix3::identity() - outer) / pose.length;
                 // ∂F/∂r = (∂F/∂δ) d + (∂F/∂δ̇) ∂δ̇/∂r with ∂δ̇/∂r = turning · velocity.
                 let swing = pose.direction * (turning * pose.velocity).transpose();
-                block = assembled.slope * outer
-                    + weights.q * (damping * swing + force * turning);
+                block = assembled.slope * outer + weights.q * (damping * swing + force * turning);
             }
-            dropper
-                .upper
-                .add_relative_block(&dropper.lower, &block, blocks);
+            dropper.upper.add_relative_block(&dropper.lower, &block, blocks);
         }
     }
 
@@ -231,14 +224,8 @@ impl Force for Droppers {
                 continue;
             }
             let d = assembled.direction;
-            let upper = dropper
-                .upper
-                .columns()
-                .map(|(index, axis)| (index, d[axis]));
-            let lower = dropper
-                .lower
-                .columns()
-                .map(|(index, axis)| (index, -d[axis]));
+            let upper = dropper.upper.columns().map(|(index, axis)| (index, d[axis]));
+            let lower = dropper.lower.columns().map(|(index, axis)| (index, -d[axis]));
             updates.rank_one(slot as u32, self.version, coefficient, upper.chain(lower));
         }
     }
@@ -256,10 +243,8 @@ impl Force for Droppers {
         self.droppers
             .iter()
             .map(|dropper| {
-                let rise =
-                    dropper.upper.displacement(motion).z + dropper.lower.displacement(motion).z;
-                self.law
-                    .energy(dropper.length(motion) - dropper.unstressed_length)
+                let rise = dropper.upper.displacement(motion).z + dropper.lower.displacement(motion).z;
+                self.law.energy(dropper.length(motion) - dropper.unstressed_length)
                     + 0.5 * dropper.mass * self.gravity * rise
             })
             .sum()
@@ -275,11 +260,7 @@ impl Force for Droppers {
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         let mut changed = false;
         for assembled in &mut self.assembled {
-            let mut next = || {
-                *values
-                    .next()
-                    .expect("a saved state holds four numbers per dropper")
-            };
+            let mut next = || *values.next().expect("a saved state holds four numbers per dropper");
             let saved = Assembled {
                 slope: next(),
                 direction: Vector3::new(next(), next(), next()),

@@ -37,7 +37,7 @@ pub use contact::{
     STRIP_INPUTS, Search, Sensitivity,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
-pub use dropper::{Dropper, DropperLaw, Droppers};
+pub use dropper::{DAMPING_ONSET, Dropper, DropperLaw, Droppers};
 pub use line::{DropperSample, Line};
 pub use line_end::{LineEnd, LineEnds};
 pub use model::{CatenaryError, Model, contact_pair, static_line};

@@ -1,9 +1,8 @@
 //! The overhead line as a list of contributions.
 use crate::topology::WireCoordinates;
 use crate::{
-    Anchor, Attachment, AxialLaw, BendingLaw, Curve, Dropper, DropperLaw, Droppers, Enrichment,
-    LineEnd, LineEnds, NodeMap, Rayleigh, RegistrationArms, Supports, Topology, Wire, WireGeometry,
-    WireName, WireNode, WireSection,
+    Anchor, Attachment, AxialLaw, BendingLaw, Curve, Dropper, DropperLaw, Droppers, Enrichment, LineEnd, LineEnds,
+    NodeMap, Rayleigh, RegistrationArms, Supports, Topology, Wire, WireGeometry, WireName, WireNode, WireSection,
 };
 use dynamics::{Force, Motion};
 use nalgebra::Vector3;
@@ -50,11 +49,7 @@ fn shifted(geometry: &WireGeometry, first: usize) -> WireGeometry {
         index: enrichment.index + first,
         ..*enrichment
     });
-    WireGeometry::new(
-        nodes.collect(),
-        geometry.lengths().to_vec(),
-        enrichments.collect(),
-    )
+    WireGeometry::new(nodes.collect(), geometry.lengths().to_vec(), enrichments.collect())
 }
 
 /// A dropper in a picture of the line.
@@ -87,12 +82,7 @@ pub struct Line {
 
 impl Line {
     /// A line in the coordinates of `equilibrium`, moved on by `first`.
-    pub(crate) fn new(
-        catenary: &Catenary,
-        topology: &Arc<Topology>,
-        equilibrium: &Equilibrium,
-        first: usize,
-    ) -> Self {
+    pub(crate) fn new(catenary: &Catenary, topology: &Arc<Topology>, equilibrium: &Equilibrium, first: usize) -> Self {
         let equilibrium = equilibrium.shifted(first);
         let [contact_wire, messenger_wire] = [
             (equilibrium.contact_wire, WireName::ContactWire),
@@ -114,9 +104,7 @@ impl Line {
             damping: catenary.droppers.damping,
         };
         let springs = &catenary.supports;
-        let supports = topology
-            .inner_supports()
-            .zip(&equilibrium.support_reactions);
+        let supports = topology.inner_supports().zip(&equilibrium.support_reactions);
         let supports = supports.map(|((_, node), &reaction)| Anchor {
             node: upper(node),
             reaction,
@@ -140,13 +128,10 @@ impl Line {
             (upper(topology.last()), catenary.messenger_wire.tension),
         ];
         let sliding = catenary.wire_ends == WireEnds::ConstantTension;
-        let ends = ends
-            .iter()
-            .filter(|_| sliding)
-            .filter_map(|&(node, force)| {
-                let index = node.coordinate(0)?;
-                Some(LineEnd { index, force })
-            });
+        let ends = ends.iter().filter(|_| sliding).filter_map(|&(node, force)| {
+            let index = node.coordinate(0)?;
+            Some(LineEnd { index, force })
+        });
         Self {
             droppers: Droppers::new(law, droppers.collect(), catenary.gravity),
             supports: Supports::new(supports.collect()),
@@ -268,23 +253,12 @@ impl Line {
     }
 
     /// Positions of the nodes of a wire, m: the polyline that a picture shows.
-    pub fn polyline<'a>(
-        &'a self,
-        name: WireName,
-        q: &'a [f64],
-    ) -> impl Iterator<Item = Vector3<f64>> + 'a {
-        self.wire(name)
-            .geometry()
-            .nodes()
-            .iter()
-            .map(move |node| node.at(q).0)
+    pub fn polyline<'a>(&'a self, name: WireName, q: &'a [f64]) -> impl Iterator<Item = Vector3<f64>> + 'a {
+        self.wire(name).geometry().nodes().iter().map(move |node| node.at(q).0)
     }
 
     /// Both ends and the tension of every dropper.
-    pub fn dropper_samples<'a>(
-        &'a self,
-        motion: &'a Motion<'a>,
-    ) -> impl Iterator<Item = DropperSample> + 'a {
+    pub fn dropper_samples<'a>(&'a self, motion: &'a Motion<'a>) -> impl Iterator<Item = DropperSample> + 'a {
         self.droppers
             .as_slice()
             .iter()

@@ -77,9 +77,7 @@ mod tests {
         };
         let (mut force, h) = ([0.0; 2], 1e-2); // a quadratic energy: no truncation error
         ends.add_force(&state(0.3).motion(&[]), &mut force);
-        let slope = (ends.energy(&state(0.3 + h).motion(&[]))
-            - ends.energy(&state(0.3 - h).motion(&[])))
-            / (2.0 * h);
+        let slope = (ends.energy(&state(0.3 + h).motion(&[])) - ends.energy(&state(0.3 - h).motion(&[]))) / (2.0 * h);
         assert!((force[1] + slope).abs() < 1e-6 * 2e4 && force[0] == 0.0);
         let mut tangent = [0.0];
         ends.add_tangent(

@@ -93,18 +93,25 @@ impl LinearDroppers {
     #[must_use]
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
         let dropper = &self.droppers[index];
-        self.law.force(dropper.elongation + dropper.along(motion.q), dropper.along(motion.v))
+        self.law
+            .force(dropper.elongation + dropper.along(motion.q), dropper.along(motion.v))
     }
 
     fn slope(&self, index: usize, motion: &Motion<'_>, weights: Weights) -> f64 {
         let dropper = &self.droppers[index];
-        self.law.slope(dropper.elongation + dropper.along(motion.q), dropper.along(motion.v), weights)
+        self.law.slope(
+            dropper.elongation + dropper.along(motion.q),
+            dropper.along(motion.v),
+            weights,
+        )
     }
 
     /// Number of droppers that exert no force.
     #[must_use]
     pub fn slack_count(&self, motion: &Motion<'_>) -> usize {
-        (0..self.droppers.len()).filter(|&index| self.tension(index, motion) == 0.0).count()
+        (0..self.droppers.len())
+            .filter(|&index| self.tension(index, motion) == 0.0)
+            .count()
     }
 }
 
@@ -207,7 +214,9 @@ impl LinearLine {
             let length = dropper.length(&motion);
             let direction = (dropper.upper.reference - dropper.lower.reference) / length;
             let end = |node: &Attachment, sign: f64| -> Vec<(usize, f64)> {
-                node.columns().map(|(coordinate, axis)| (coordinate, sign * direction[axis])).collect()
+                node.columns()
+                    .map(|(coordinate, axis)| (coordinate, sign * direction[axis]))
+                    .collect()
             };
             let gradient = [end(&dropper.upper, 1.0), end(&dropper.lower, -1.0)].concat();
             let tension = line.droppers().tension(index, &motion);
@@ -272,5 +281,9 @@ fn assembled(mut add: impl FnMut(&mut Blocks<'_>)) -> Vec<(u32, u32, f64)> {
     let order: Vec<u32> = (0..places.len() as u32).collect();
     let mut values = vec![0.0; places.len()];
     add(&mut Blocks::add_to(&order, &mut values));
-    places.iter().zip(&values).map(|(&(row, column), &value)| (row, column, value)).collect()
+    places
+        .iter()
+        .zip(&values)
+        .map(|(&(row, column), &value)| (row, column, value))
+        .collect()
 }

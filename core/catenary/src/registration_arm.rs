@@ -24,11 +24,7 @@ impl RegistrationArms {
     /// The reaction of an arm includes what carries its own weight.
     #[must_use]
     pub fn new(arms: Vec<Anchor>, mass: f64, gravity: f64) -> Self {
-        Self {
-            arms,
-            mass,
-            gravity,
-        }
+        Self { arms, mass, gravity }
     }
 
     /// The arms in their order.
@@ -65,9 +61,7 @@ impl Force for RegistrationArms {
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         self.arms
             .iter()
-            .map(|arm| {
-                arm.energy(motion) + self.mass * self.gravity * arm.node.displacement(motion).z
-            })
+            .map(|arm| arm.energy(motion) + self.mass * self.gravity * arm.node.displacement(motion).z)
             .sum()
     }
 }
@@ -105,18 +99,13 @@ mod tests {
         let mut tangent = [0.0; 9];
         let places: Vec<u32> = (0..9).collect();
         let weights = Weights { q: 1.0, v: 0.0 };
-        arms.add_tangent(
-            &state.motion(&[]),
-            weights,
-            &mut Blocks::add_to(&places, &mut tangent),
-        );
+        arms.add_tangent(&state.motion(&[]), weights, &mut Blocks::add_to(&places, &mut tangent));
         let h = 1e-4; // a quadratic energy: no truncation error
         for i in 0..3 {
             let (mut plus, mut minus) = (state.clone(), state.clone());
             plus.q[i] += h;
             minus.q[i] -= h;
-            let slope =
-                (arms.energy(&plus.motion(&[])) - arms.energy(&minus.motion(&[]))) / (2.0 * h);
+            let slope = (arms.energy(&plus.motion(&[])) - arms.energy(&minus.motion(&[]))) / (2.0 * h);
             assert!((slope + force[i]).abs() < 1e-6 * 600.0);
             let (mut high, mut low) = ([0.0; 3], [0.0; 3]);
             arms.add_force(&plus.motion(&[]), &mut high);

@@ -37,10 +37,7 @@ impl Force for Supports {
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
-        self.supports
-            .iter()
-            .map(|support| support.energy(motion))
-            .sum()
+        self.supports.iter().map(|support| support.energy(motion)).sum()
     }
 }
 
@@ -91,8 +88,7 @@ mod tests {
             let (mut plus, mut minus) = (state(), state());
             plus.q[i] += h;
             minus.q[i] -= h;
-            let slope = (supports.energy(&plus.motion(&[])) - supports.energy(&minus.motion(&[])))
-                / (2.0 * h);
+            let slope = (supports.energy(&plus.motion(&[])) - supports.energy(&minus.motion(&[]))) / (2.0 * h);
             assert!((slope + force[i]).abs() < 1e-6 * 1.7e4);
             let (mut high, mut low) = ([0.0; 4], [0.0; 4]);
             supports.add_force(&plus.motion(&[]), &mut high);

@@ -110,11 +110,7 @@ impl Topology {
         let mut supports = vec![0];
         for number in 1..=catenary.spans() {
             let (left, right) = (catenary.support_x(number - 1), catenary.support_x(number));
-            let attachments = catenary
-                .droppers
-                .positions
-                .iter()
-                .map(|position| left + position);
+            let attachments = catenary.droppers.positions.iter().map(|position| left + position);
             let mut start = left;
             for (position, end) in attachments.chain([right]).enumerate() {
                 for i in 1..=per_interval {
@@ -180,12 +176,7 @@ impl Topology {
     /// Supports that are not ends, with their number from 0.
     pub(crate) fn inner_supports(&self) -> impl Iterator<Item = (usize, usize)> {
         let count = self.supports.len();
-        self.supports
-            .iter()
-            .copied()
-            .enumerate()
-            .skip(1)
-            .take(count - 2)
+        self.supports.iter().copied().enumerate().skip(1).take(count - 2)
     }
 
     /// Adds the coordinates of both wires, node after node (contact wire first), so that neighbours are close in the
@@ -207,11 +198,7 @@ impl Topology {
                 });
                 for direction in self.layer_directions(node) {
                     let index = layout.add_coordinates(1, format!("{name}, bending layer"));
-                    wire.layers.push(LayerCoordinate {
-                        node,
-                        index,
-                        direction,
-                    });
+                    wire.layers.push(LayerCoordinate { node, index, direction });
                 }
             }
         }
@@ -220,10 +207,7 @@ impl Topology {
 
     fn layer_directions(&self, node: usize) -> Vec<Vector3<f64>> {
         let support = self.supports.binary_search(&node).is_ok();
-        let dropper = self
-            .droppers
-            .binary_search_by_key(&node, |place| place.node)
-            .is_ok();
+        let dropper = self.droppers.binary_search_by_key(&node, |place| place.node).is_ok();
         let inner = node > 0 && node < self.last();
         if self.options.layers == BendingLayers::Absent || !inner || !(support || dropper) {
             return Vec::new();
@@ -236,12 +220,7 @@ impl Topology {
     }
 
     /// Holds the ends of both wires: y and z always, x where the ends are fixed.
-    pub(crate) fn fix_ends(
-        &self,
-        wires: &[WireCoordinates; 2],
-        ends: WireEnds,
-        layout: &mut Layout,
-    ) {
+    pub(crate) fn fix_ends(&self, wires: &[WireCoordinates; 2], ends: WireEnds, layout: &mut Layout) {
         for wire in wires {
             for map in [wire.nodes[0], wire.nodes[self.last()]] {
                 for axis in 0..3 {
@@ -259,10 +238,7 @@ impl Topology {
     #[must_use]
     pub fn lateral(&self, catenary: &Catenary, node: usize) -> f64 {
         let number = self.span[node];
-        let (left, right) = (
-            self.x[self.supports[number - 1]],
-            self.x[self.supports[number]],
-        );
+        let (left, right) = (self.x[self.supports[number - 1]], self.x[self.supports[number]]);
         let xi = (self.x[node] - left) / (right - left);
         let (a, b) = (catenary.stagger_at(number - 1), catenary.stagger_at(number));
         a + (b - a) * xi
@@ -276,10 +252,7 @@ impl Topology {
     #[must_use]
     pub fn prescribed_height(&self, catenary: &Catenary, node: usize) -> f64 {
         let number = self.span[node];
-        let (left, right) = (
-            self.x[self.supports[number - 1]],
-            self.x[self.supports[number]],
-        );
+        let (left, right) = (self.x[self.supports[number - 1]], self.x[self.supports[number]]);
         let xi = (self.x[node] - left) / (right - left);
         catenary.contact_wire_height - catenary.presag * 4.0 * xi * (1.0 - xi)
     }

@@ -1,5 +1,5 @@
 //! The iteration matrix of a system: assembled into a pattern that is analysed once, factored part by part.
-use crate::factor::SparseLu;
+use crate::factor::{Shape, SparseFactor};
 use crate::{Blocks, JacobianRows, Motion, SparseMatrix, System, Weights};
 
 /// Unknowns that no contribution couples are factored separately: a line and a pantograph are two such parts, since contact
@@ -10,9 +10,12 @@ struct Part {
     /// Where its values start in the common array.
     first_value: usize,
     values: usize,
-    lu: SparseLu,
+    factors: SparseFactor,
     right_side: Vec<f64>,
 }
+
+/// Parts up to this size are factored by LU whatever they are: it costs nothing there.
+const SMALL: usize = 64;
 
 /// `[w_m M + w_q K + w_v D, s g_qᵀ; s g_q, 0]`, without the rows and columns of fixed coordinates.
 pub(crate) struct IterationMatrix {
@@ -82,7 +85,7 @@ impl IterationMatrix {
         while start < all.len() {
             let root = links.root(all[start].1 as usize);
             let end = start + all[start..].partition_point(|&(_, column)| links.root(column as usize) <= root);
-            parts.push(Part::new(&all[start..end], start, size));
+            parts.push(Part::new(&all[start..end], start, (coordinates, size)));
             start = end;
         }
         let place = |row: u32, column: u32| {
@@ -160,7 +163,7 @@ impl IterationMatrix {
 }
 
 impl Part {
-    fn new(entries: &[(u32, u32)], first_value: usize, size: usize) -> Self {
+    fn new(entries: &[(u32, u32)], first_value: usize, (coordinates, size): (usize, usize)) -> Self {
         let mut unknowns: Vec<usize> = entries.iter().map(|&(_, column)| column as usize).collect();
         unknowns.dedup();
         let mut local = vec![usize::MAX; size];
@@ -174,9 +177,12 @@ impl Part {
         for i in 0..unknowns.len() {
             starts[i + 1] += starts[i];
         }
+        // Multipliers make a matrix indefinite, turning bodies make it unsymmetric; structures are neither.
+        let bare = unknowns.iter().all(|&unknown| unknown < coordinates);
+        let shape = if bare && unknowns.len() > SMALL { Shape::Definite } else { Shape::General };
         let rows = entries.iter().map(|&(row, _)| local[row as usize]).collect();
         Self {
-            lu: SparseLu::analyse(unknowns.len(), starts, rows),
+            factors: SparseFactor::analyse(unknowns.len(), starts, rows, shape),
             right_side: vec![0.0; unknowns.len()],
             first_value,
             values: entries.len(),
@@ -185,7 +191,7 @@ impl Part {
     }
 
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
-        if !self.lu.factor(&values[self.first_value..self.first_value + self.values]) {
+        if !self.factors.factor(&values[self.first_value..self.first_value + self.values]) {
             return Err(Singular {
                 unknown: self.unknowns[0],
             });
@@ -194,7 +200,7 @@ impl Part {
         for (i, value) in self.right_side.iter_mut().enumerate() {
             *value = 1.0 + 0.1 * ((i * 7 % 11) as f64);
         }
-        self.lu.solve(&mut self.right_side);
+        self.factors.solve(&mut self.right_side);
         let worst = (0..self.unknowns.len())
             .max_by(|&i, &j| {
                 let size = |k: usize| {
@@ -217,7 +223,7 @@ impl Part {
         for (value, &unknown) in self.right_side.iter_mut().zip(&self.unknowns) {
             *value = right_side[unknown];
         }
-        self.lu.solve(&mut self.right_side);
+        self.factors.solve(&mut self.right_side);
         for (value, &unknown) in self.right_side.iter().zip(&self.unknowns) {
             solution[unknown] = *value;
         }

@@ -39,11 +39,7 @@ fn force(droppers: &mut Droppers, state: &State) -> [f64; 6] {
 fn tangent(droppers: &mut Droppers, state: &State, weights: Weights) -> [f64; 36] {
     let places: Vec<u32> = (0..36).collect();
     let mut values = [0.0; 36];
-    droppers.add_tangent(
-        &state.motion(&[]),
-        weights,
-        &mut Blocks::add_to(&places, &mut values),
-    );
+    droppers.add_tangent(&state.motion(&[]), weights, &mut Blocks::add_to(&places, &mut values));
     values
 }
 
@@ -77,10 +73,7 @@ fn the_tangent_is_the_jacobian_of_the_force_in_position_and_velocity() {
     for j in 0..6 {
         let h = 1e-6;
         let mut sides = [[0.0; 6]; 4];
-        for (side, (dq, dv)) in sides
-            .iter_mut()
-            .zip([(h, 0.0), (-h, 0.0), (0.0, h), (0.0, -h)])
-        {
+        for (side, (dq, dv)) in sides.iter_mut().zip([(h, 0.0), (-h, 0.0), (0.0, h), (0.0, -h)]) {
             let mut moved = at.clone();
             moved.q[j] += dq;
             moved.v[j] += dv;
@@ -90,10 +83,7 @@ fn the_tangent_is_the_jacobian_of_the_force_in_position_and_velocity() {
             let k = -(sides[0][i] - sides[1][i]) / (2.0 * h);
             let d = -(sides[2][i] - sides[3][i]) / (2.0 * h);
             let difference = weights.q * k + weights.v * d;
-            assert!(
-                (difference - analytic[6 * i + j]).abs() < 1e-6 * scale,
-                "{i} {j}"
-            );
+            assert!((difference - analytic[6 * i + j]).abs() < 1e-6 * scale, "{i} {j}");
         }
     }
 }
@@ -103,10 +93,7 @@ fn a_slack_dropper_exerts_no_force_whatever_its_rate() {
     let mut droppers = batch(0.0);
     let at = state(SLACK, [0.0, 0.0, 5.0, 0.0, 0.0, -5.0]);
     assert_eq!(force(&mut droppers, &at), [0.0; 6]);
-    assert_eq!(
-        tangent(&mut droppers, &at, Weights { q: 1.0, v: 1.0 }),
-        [0.0; 36]
-    );
+    assert_eq!(tangent(&mut droppers, &at, Weights { q: 1.0, v: 1.0 }), [0.0; 36]);
     assert_eq!(droppers.slack_count(&at.motion(&[])), 1);
     assert_eq!(droppers.slack_count(&state(TAUT, [0.0; 6]).motion(&[])), 0);
 }
@@ -130,12 +117,7 @@ fn its_pull_is_equal_and_opposite_and_its_weight_is_shared() {
 }
 
 /// The whole matrix that the solver sees: blocks of the factorisation and pushed corrections.
-fn corrected(
-    droppers: &mut Droppers,
-    factored: &State,
-    now: &State,
-    weights: Weights,
-) -> ([f64; 36], usize) {
+fn corrected(droppers: &mut Droppers, factored: &State, now: &State, weights: Weights) -> ([f64; 36], usize) {
     let mut matrix = tangent(droppers, factored, weights);
     let mut updates = Updates::default();
     droppers.push_updates(&now.motion(&[]), weights, &mut updates);
@@ -153,10 +135,7 @@ fn a_dropper_that_tautens_after_the_factorisation_is_a_rank_one_correction() {
     let scale = weights.q * LAW.stiffness + weights.v * LAW.damping;
     for (approximate, exact) in matrix.iter().zip(&exact) {
         // The direction is that of the slack dropper, 3 cm of 1.27 m away.
-        assert!(
-            (approximate - exact).abs() < 0.06 * scale,
-            "{approximate} {exact}"
-        );
+        assert!((approximate - exact).abs() < 0.06 * scale, "{approximate} {exact}");
     }
 }
 
@@ -170,10 +149,7 @@ fn a_dropper_that_slackens_after_the_factorisation_is_taken_out_but_for_its_tran
         * force(&mut batch(0.0), &taut)
             .iter()
             .fold(0.0_f64, |a, b| a.max(b.abs()));
-    assert!(
-        matrix.iter().all(|value| value.abs() < pull),
-        "only F/length may stay"
-    );
+    assert!(matrix.iter().all(|value| value.abs() < pull), "only F/length may stay");
 }
 
 #[test]
@@ -242,7 +218,12 @@ fn the_damper_sets_in_without_a_jump_and_is_there_beyond_the_onset() {
 
 #[test]
 fn the_derivatives_of_the_law_are_its_difference_quotients() {
-    for (elongation, rate) in [(0.4 * DAMPING_ONSET, 0.3), (3.0 * DAMPING_ONSET, 0.3), (-1e-6, 0.3), (1e-4, -9.0)] {
+    for (elongation, rate) in [
+        (0.4 * DAMPING_ONSET, 0.3),
+        (3.0 * DAMPING_ONSET, 0.3),
+        (-1e-6, 0.3),
+        (1e-4, -9.0),
+    ] {
         let h = 1e-9;
         let (by_elongation, by_rate) = LAW.derivatives(elongation, rate);
         let difference = |de: f64, dr: f64| {

@@ -50,9 +50,7 @@ pub enum StaticsError {
         length: f64,
     },
     /// A wire would break under its static tension.
-    #[error(
-        "{wire} breaks: static tension {tension:.1} N at x = {x:.2} m, breaking force {limit} N"
-    )]
+    #[error("{wire} breaks: static tension {tension:.1} N at x = {x:.2} m, breaking force {limit} N")]
     WireBreaks {
         /// `contact_wire` or `messenger_wire`.
         wire: &'static str,

@@ -1,9 +1,9 @@
 //! Form finding: the shape and the lengths of a line whose contact wire is held at its heights.
 use super::StaticsError;
-use super::load::DeadLoad;
+use super::load::{DeadLoad, LateralPull};
 use crate::line::{Equilibrium, layers, wire};
 use crate::topology::WireCoordinates;
-use crate::{Topology, Wire, WireGeometry, WireName, WireNode};
+use crate::{Attachment, Topology, Wire, WireGeometry, WireName, WireNode};
 use dynamics::{Force, Layout, NewtonOptions, StaticOptions, System, solve_static};
 use nalgebra::Vector3;
 use scene::Catenary;
@@ -19,6 +19,7 @@ struct Wires {
     layout: Layout,
     wires: [Wire; 2],
     loads: DeadLoad,
+    lateral: LateralPull,
 }
 
 impl System for Wires {
@@ -31,6 +32,7 @@ impl System for Wires {
             visit(wire);
         }
         visit(&mut self.loads);
+        visit(&mut self.lateral);
     }
 }
 
@@ -43,10 +45,7 @@ impl System for Wires {
 /// - a dropper's unstressed length is its length less `F/k`; the forces at supports and arms become their preloads.
 ///
 /// Returns the state and the number of Newton iterations.
-pub(super) fn find_form(
-    catenary: &Catenary,
-    topology: &Topology,
-) -> Result<(Equilibrium, usize), StaticsError> {
+pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equilibrium, usize), StaticsError> {
     let mut layout = Layout::new();
     let coordinates = topology.register(&mut layout);
     hold(topology, &coordinates, &mut layout);
@@ -65,6 +64,7 @@ pub(super) fn find_form(
             ),
         ],
         loads: DeadLoad::default(),
+        lateral: LateralPull::default(),
         layout,
     };
     let options = StaticOptions {
@@ -78,35 +78,22 @@ pub(super) fn find_form(
     };
     let half_weight = 0.5 * catenary.droppers.mass * catenary.gravity;
     let tension_load = [
-        (
-            position(contact, topology.last(), 0),
-            catenary.contact_wire.tension,
-        ),
-        (
-            position(messenger, topology.last(), 0),
-            catenary.messenger_wire.tension,
-        ),
+        (position(contact, topology.last(), 0), catenary.contact_wire.tension),
+        (position(messenger, topology.last(), 0), catenary.messenger_wire.tension),
     ];
-    let mut pulls = vec![Vector3::zeros(); topology.droppers().len()];
+    let mut pulls = vec![Vector3::<f64>::zeros(); topology.droppers().len()];
     let mut iterations = 0;
     let mut distance = f64::INFINITY;
     for _ in 0..MOST_ROUNDS {
         wires.loads.entries = tension_load.to_vec();
+        wires.lateral.ties.clear();
         for (place, pull) in topology.droppers().iter().zip(&pulls) {
             // Along the track the pull is zero once both ends are at the same x; before, it would only slow things down.
-            for (axis, sign, wire) in [
-                (1, 1.0, contact),
-                (1, -1.0, messenger),
-                (2, -1.0, messenger),
-            ] {
-                if let Some(index) = wire.nodes[place.node].position(axis) {
-                    let weight = if axis == 2 { half_weight } else { 0.0 };
-                    wires
-                        .loads
-                        .entries
-                        .push((index, sign * pull[axis] - weight));
-                }
-            }
+            let hanging = position(messenger, place.node, 2);
+            wires.loads.entries.push((hanging, -pull.z - half_weight));
+            let [lower, upper] = [0, 1].map(|wire| Attachment::node(&wires.wires[wire].geometry().nodes()[place.node]));
+            let height = upper.reference.z - lower.reference.z;
+            wires.lateral.ties.push((upper, lower, pull.z / height));
         }
         let mut state = wires.layout.state_at_rest();
         iterations += solve_static(&mut wires, &mut state, &[], &options)?.iterations;
@@ -116,8 +103,8 @@ pub(super) fn find_form(
         // The force that a dropper must bring for the height of its node, along the line to its upper end.
         let mut change = 0.0_f64;
         for (place, pull) in topology.droppers().iter().zip(&mut pulls) {
-            let ends = [&wires.wires[1], &wires.wires[0]]
-                .map(|wire| wire.geometry().nodes()[place.node].at(&state.q).0);
+            let ends =
+                [&wires.wires[1], &wires.wires[0]].map(|wire| wire.geometry().nodes()[place.node].at(&state.q).0);
             let between = ends[0] - ends[1];
             let vertical = half_weight - force[position(contact, place.node, 2)];
             let next = Vector3::new(0.0, between.y, between.z) * (vertical / between.z);
@@ -150,8 +137,7 @@ pub(super) fn find_form(
                     .map(|(_, node)| reaction(contact, node) + arm_weight)
                     .collect(),
             };
-            equilibrium.dropper_lengths =
-                dropper_lengths(catenary, topology, &equilibrium, &pulls)?;
+            equilibrium.dropper_lengths = dropper_lengths(catenary, topology, &equilibrium, &pulls)?;
             return Ok((equilibrium, iterations));
         }
     }
@@ -163,9 +149,7 @@ pub(super) fn find_form(
 }
 
 fn position(wire: &WireCoordinates, node: usize, axis: usize) -> usize {
-    wire.nodes[node]
-        .position(axis)
-        .expect("x and z exist in every node")
+    wire.nodes[node].position(axis).expect("x and z exist in every node")
 }
 
 /// Holds the coordinates that form finding prescribes.
@@ -197,26 +181,18 @@ fn adjust(wire: &mut Wire, topology: &Topology, q: &[f64]) -> f64 {
         .zip(topology.x())
         .fold(0.0_f64, |max, (x, nominal)| max.max((x - nominal).abs()));
     let steps = found.windows(2).zip(topology.x().windows(2));
-    let lengths = geometry
-        .lengths()
-        .iter()
-        .zip(steps)
-        .map(|(length, (found, nominal))| {
-            if distance <= TOLERANCE {
-                return *length;
-            }
-            length * (nominal[1] - nominal[0]) / (found[1] - found[0])
-        });
+    let lengths = geometry.lengths().iter().zip(steps).map(|(length, (found, nominal))| {
+        if distance <= TOLERANCE {
+            return *length;
+        }
+        length * (nominal[1] - nominal[0]) / (found[1] - found[0])
+    });
     let lengths = lengths.collect();
     *wire = wire.with_geometry(Arc::new(geometry.with_reference(q).with_lengths(lengths)));
     distance
 }
 
-fn contact_wire_guess(
-    catenary: &Catenary,
-    topology: &Topology,
-    wire: &WireCoordinates,
-) -> WireGeometry {
+fn contact_wire_guess(catenary: &Catenary, topology: &Topology, wire: &WireCoordinates) -> WireGeometry {
     // Straight from attachment to attachment.
     let attached: Vec<usize> = {
         let mut nodes: Vec<usize> = topology.supports().to_vec();
@@ -231,25 +207,13 @@ fn contact_wire_guess(
             topology.prescribed_height(catenary, a),
             topology.prescribed_height(catenary, b),
         );
-        z_a + (z_b - z_a) * (topology.x()[node] - topology.x()[a])
-            / (topology.x()[b] - topology.x()[a])
+        z_a + (z_b - z_a) * (topology.x()[node] - topology.x()[a]) / (topology.x()[b] - topology.x()[a])
     });
-    guess(
-        catenary,
-        topology,
-        wire,
-        &catenary.contact_wire,
-        z.collect(),
-    )
+    guess(catenary, topology, wire, &catenary.contact_wire, z.collect())
 }
 
-fn messenger_wire_guess(
-    catenary: &Catenary,
-    topology: &Topology,
-    wire: &WireCoordinates,
-) -> WireGeometry {
-    let weight = (catenary.contact_wire.mass_per_length + catenary.messenger_wire.mass_per_length)
-        * catenary.gravity;
+fn messenger_wire_guess(catenary: &Catenary, topology: &Topology, wire: &WireCoordinates) -> WireGeometry {
+    let weight = (catenary.contact_wire.mass_per_length + catenary.messenger_wire.mass_per_length) * catenary.gravity;
     let top = catenary.contact_wire_height + catenary.encumbrance;
     let z = topology.x().iter().map(|&x| {
         let right = topology
@@ -262,13 +226,7 @@ fn messenger_wire_guess(
         );
         top - weight * (x - a) * (b - x) / (2.0 * catenary.messenger_wire.tension)
     });
-    guess(
-        catenary,
-        topology,
-        wire,
-        &catenary.messenger_wire,
-        z.collect(),
-    )
+    guess(catenary, topology, wire, &catenary.messenger_wire, z.collect())
 }
 
 /// A wire through the nodes at heights `z`, with chords as element lengths and chord directions as slopes.

@@ -73,9 +73,7 @@ impl StaticLine {
         let topology = Arc::new(Topology::new(catenary, options));
         let (equilibrium, iterations) = match catenary.statics {
             scene::Statics::FormFinding => form_finding::find_form(catenary, &topology)?,
-            scene::Statics::NodalDisplacement => {
-                nodal_displacement::displace_ends(catenary, &topology)?
-            }
+            scene::Statics::NodalDisplacement => nodal_displacement::displace_ends(catenary, &topology)?,
         };
         let mut layout = Layout::new();
         let coordinates = topology.register(&mut layout);
@@ -119,8 +117,7 @@ impl StaticLine {
     pub fn line_in(&self, layout: &mut Layout) -> Line {
         let first = layout.coordinates();
         let coordinates = self.topology.register(layout);
-        self.topology
-            .fix_ends(&coordinates, self.catenary.wire_ends, layout);
+        self.topology.fix_ends(&coordinates, self.catenary.wire_ends, layout);
         Line::new(&self.catenary, &self.topology, &self.equilibrium, first)
     }
 
@@ -163,18 +160,9 @@ impl StaticLine {
     pub fn elasticity_points(&self, first: usize, last: usize) -> Vec<f64> {
         let mut points = Vec::new();
         for span in first..=last {
-            let (left, right) = (
-                self.catenary.support_x(span - 1),
-                self.catenary.support_x(span),
-            );
+            let (left, right) = (self.catenary.support_x(span - 1), self.catenary.support_x(span));
             points.extend([0.0, 0.25, 0.5, 0.75, 1.0].map(|xi| left + (right - left) * xi));
-            points.extend(
-                self.catenary
-                    .droppers
-                    .positions
-                    .iter()
-                    .map(|position| left + position),
-            );
+            points.extend(self.catenary.droppers.positions.iter().map(|position| left + position));
         }
         points.sort_by(f64::total_cmp);
         // A dropper at mid-span may differ from the quarter point by rounding.
@@ -225,8 +213,7 @@ impl StaticLine {
         let state = self.system.layout.state_at_rest();
         let motion = state.motion(&[]);
         let mut force = vec![0.0; state.q.len()];
-        self.system
-            .forces(&mut |part| part.add_force(&motion, &mut force));
+        self.system.forces(&mut |part| part.add_force(&motion, &mut force));
         let fixed = self.system.layout.fixed();
         let free = (0..force.len()).filter(|index| !fixed.contains(index));
         let residual = free.map(|index| force[index].abs()).fold(0.0, f64::max);
@@ -247,32 +234,25 @@ impl StaticLine {
                 force: line.droppers().tension(index, &motion),
             });
         let last = self.topology.supports().len() - 1;
-        let supports = self
-            .topology
-            .supports()
-            .iter()
-            .enumerate()
-            .map(|(number, &node)| {
-                let (messenger_reaction, arm_force) = if number == 0 || number == last {
-                    (
-                        -force[at(WireName::MessengerWire, node, 2)],
-                        -force[at(WireName::ContactWire, node, 2)],
-                    )
-                } else {
-                    (
-                        line.supports().as_slice()[number - 1].reaction.z,
-                        line.registration_arms().as_slice()[number - 1].reaction.z,
-                    )
-                };
-                SupportReport {
-                    x: self.topology.x()[node],
-                    messenger_reaction,
-                    arm_force,
-                    contact_wire_z: line.wire(WireName::ContactWire).geometry().nodes()[node]
-                        .position
-                        .z,
-                }
-            });
+        let supports = self.topology.supports().iter().enumerate().map(|(number, &node)| {
+            let (messenger_reaction, arm_force) = if number == 0 || number == last {
+                (
+                    -force[at(WireName::MessengerWire, node, 2)],
+                    -force[at(WireName::ContactWire, node, 2)],
+                )
+            } else {
+                (
+                    line.supports().as_slice()[number - 1].reaction.z,
+                    line.registration_arms().as_slice()[number - 1].reaction.z,
+                )
+            };
+            SupportReport {
+                x: self.topology.x()[node],
+                messenger_reaction,
+                arm_force,
+                contact_wire_z: line.wire(WireName::ContactWire).geometry().nodes()[node].position.z,
+            }
+        });
         let horizontal = |name: WireName| {
             let mut wire = line.wire(name).clone();
             let mut own = vec![0.0; state.q.len()];

@@ -2,8 +2,8 @@
 use super::form_finding::guess;
 use super::{Standalone, StaticsError};
 use crate::line::Equilibrium;
-use crate::{Line, Topology, WireGeometry};
-use dynamics::{Layout, NewtonOptions, StaticOptions, solve_static};
+use crate::{Anchor, Line, Topology};
+use dynamics::{Layout, NewtonOptions, State, StaticOptions, solve_static};
 use nalgebra::Vector3;
 use scene::Catenary;
 use std::sync::Arc;
@@ -27,13 +27,7 @@ pub(super) fn displace_ends(
     let low = catenary.contact_wire_height;
     let arm_weight = Vector3::z() * (catenary.registration_arms.mass * catenary.gravity);
     let start = Equilibrium {
-        contact_wire: guess(
-            catenary,
-            topology,
-            contact,
-            &catenary.contact_wire,
-            straight(low),
-        ),
+        contact_wire: guess(catenary, topology, contact, &catenary.contact_wire, straight(low)),
         messenger_wire: guess(
             catenary,
             topology,
@@ -49,10 +43,7 @@ pub(super) fn displace_ends(
                 None => catenary.encumbrance,
             })
             .collect(),
-        support_reactions: topology
-            .inner_supports()
-            .map(|_| Vector3::zeros())
-            .collect(),
+        support_reactions: topology.inner_supports().map(|_| Vector3::zeros()).collect(),
         arm_reactions: topology.inner_supports().map(|_| arm_weight).collect(),
     };
     let mut system = Standalone {
@@ -70,8 +61,7 @@ pub(super) fn displace_ends(
         ..StaticOptions::default()
     };
     // Start from the parabola of both wires together: the messenger wire is held at every support.
-    let weight = (catenary.contact_wire.mass_per_length + catenary.messenger_wire.mass_per_length)
-        * catenary.gravity;
+    let weight = (catenary.contact_wire.mass_per_length + catenary.messenger_wire.mass_per_length) * catenary.gravity;
     let tension = catenary.contact_wire.tension + catenary.messenger_wire.tension;
     for wire in &coordinates {
         for (map, &x) in wire.nodes.iter().zip(topology.x()) {
@@ -87,29 +77,37 @@ pub(super) fn displace_ends(
             }
         }
     }
-    let iterations = solve_static(&mut system, &mut state, &[], &options)?.iterations;
+    let mut equilibrium = start;
+    let mut iterations = 0;
+    // The first round finds the state; as the reference of the next ones it loses the small forces that the springs at sliding
+    // ends had in it.
+    for _ in 0..MOST_ROUNDS {
+        iterations += solve_static(&mut system, &mut state, &[], &options)?.iterations;
+        let moved = state.q.iter().fold(0.0_f64, |max, q| max.max(q.abs()));
+        equilibrium = taken_as_reference(&equilibrium, &system.line, &state);
+        system.line = Line::new(catenary, topology, &equilibrium, 0);
+        state = system.layout.state_at_rest();
+        if moved < SETTLED {
+            break;
+        }
+    }
+    Ok((equilibrium, iterations))
+}
+
+/// Rounds after which the springs at sliding ends are taken as unloaded; each leaves a thousandth of their force.
+const MOST_ROUNDS: usize = 8;
+/// Motion between two rounds that ends them, m.
+const SETTLED: f64 = 1e-9;
+
+/// The state of a line as its reference.
+fn taken_as_reference(before: &Equilibrium, line: &Line, state: &State) -> Equilibrium {
     let motion = state.motion(&[]);
-    let found = |geometry: &WireGeometry| geometry.with_reference(&state.q);
-    Ok((
-        Equilibrium {
-            contact_wire: found(&start.contact_wire),
-            messenger_wire: found(&start.messenger_wire),
-            dropper_lengths: start.dropper_lengths,
-            support_reactions: system
-                .line
-                .supports()
-                .as_slice()
-                .iter()
-                .map(|support| support.force(&motion))
-                .collect(),
-            arm_reactions: system
-                .line
-                .registration_arms()
-                .as_slice()
-                .iter()
-                .map(|arm| arm.force(&motion))
-                .collect(),
-        },
-        iterations,
-    ))
+    let forces = |anchors: &[Anchor]| anchors.iter().map(|anchor| anchor.force(&motion)).collect();
+    Equilibrium {
+        contact_wire: before.contact_wire.with_reference(&state.q),
+        messenger_wire: before.messenger_wire.with_reference(&state.q),
+        dropper_lengths: before.dropper_lengths.clone(),
+        support_reactions: forces(line.supports().as_slice()),
+        arm_reactions: forces(line.registration_arms().as_slice()),
+    }
 }
