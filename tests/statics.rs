@@ -1,63 +1,7 @@
 //! The static state of a line, against closed forms and against itself.
-use catenary::{
-    BendingLayers, ContactPair, ContactTangent, Dimension, Line, LineOptions, LinearLine, PenaltyContact, PrescribedStrip,
-    StaticLine, StaticsError, WireName,
-};
-use dynamics::{Force, GeneralizedAlpha, Layout, NewtonOptions, State, System};
-use scene::{Catenary, Scene};
-
-const EN: &str = include_str!("../scenes/en50318-300.toml");
-const THESIS: &str = include_str!("../scenes/thesis.toml");
-
-/// The line of a scene with other values.
-fn scene_line(text: &str, overrides: &[&str]) -> Catenary {
-    let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
-    let scene = Scene::from_toml(text, "scene.toml", &overrides).unwrap();
-    scene.modelled_line().unwrap().0.clone()
-}
-
-fn solve(catenary: &Catenary) -> StaticLine {
-    StaticLine::solve(catenary, LineOptions::default()).unwrap()
-}
-
-/// The reference model with few spans; the evaluated range of the scene is not used here.
-fn short_line(spans: usize) -> Catenary {
-    let mut catenary = scene_line(EN, &[]);
-    catenary.span_lengths.truncate(spans);
-    catenary
-}
-
-/// A line as a system of its own.
-struct Alone<L> {
-    layout: Layout,
-    line: L,
-}
-
-impl System for Alone<Line> {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.line.forces(visit);
-    }
-}
-
-impl System for Alone<LinearLine> {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.line.forces(visit);
-    }
-}
-
-fn alone(line: &StaticLine) -> Alone<Line> {
-    let mut layout = Layout::new();
-    let line = line.line_in(&mut layout);
-    Alone { layout, line }
-}
+use catenary::{BendingLayers, Dimension, LineOptions, StaticLine, StaticsError, WireName};
+use integration_tests::lines::{EN, THESIS, scene_line, short_line, solve};
+use scene::Catenary;
 
 fn weight(catenary: &Catenary, line: &StaticLine) -> f64 {
     let wires = [
@@ -74,7 +18,11 @@ fn weight(catenary: &Catenary, line: &StaticLine) -> f64 {
 }
 
 fn vertical_reactions(line: &StaticLine) -> f64 {
-    line.report().supports.iter().map(|support| support.messenger_reaction + support.arm_force).sum()
+    line.report()
+        .supports
+        .iter()
+        .map(|support| support.messenger_reaction + support.arm_force)
+        .sum()
 }
 
 #[test]
@@ -105,15 +53,32 @@ fn form_finding_puts_every_node_at_its_x_and_the_contact_wire_at_its_heights() {
 fn the_found_state_balances_the_whole_line_and_has_the_nominal_tension_at_its_ends() {
     for (text, overrides) in [
         (EN, vec![]),
-        (EN, vec!["catenary.stagger=[0.2, -0.2]", "catenary.presag=0.03", "catenary.wire_ends=\"fixed\""]),
+        (
+            EN,
+            vec![
+                "catenary.stagger=[0.2, -0.2]",
+                "catenary.presag=0.03",
+                "catenary.wire_ends=\"fixed\"",
+            ],
+        ),
         (THESIS, vec![]),
-        (EN, vec!["catenary.contact_wire.bending_stiffness=0.0", "catenary.messenger_wire.bending_stiffness=0.0"]),
+        (
+            EN,
+            vec![
+                "catenary.contact_wire.bending_stiffness=0.0",
+                "catenary.messenger_wire.bending_stiffness=0.0",
+            ],
+        ),
     ] {
         let catenary = scene_line(text, &overrides);
         let line = solve(&catenary);
         let report = line.report();
         // The reference is rounded to 1e-13 m at 600 m; elements have 1e7 N/m.
-        assert!(report.residual < 1e-9 * catenary.contact_wire.tension, "{:e} N", report.residual);
+        assert!(
+            report.residual < 1e-9 * catenary.contact_wire.tension,
+            "{:e} N",
+            report.residual
+        );
         assert!((report.tension.contact_wire - catenary.contact_wire.tension).abs() < 1e-4);
         assert!((report.tension.messenger_wire - catenary.messenger_wire.tension).abs() < 1e-4);
         assert!(report.iterations > 0 && report.iterations < 100);
@@ -122,8 +87,16 @@ fn the_found_state_balances_the_whole_line_and_has_the_nominal_tension_at_its_en
 
 #[test]
 fn reactions_carry_the_weight_of_wires_droppers_and_arms() {
-    let set = ["catenary.droppers.mass=0.3", "catenary.registration_arms.mass=1.5", "catenary.presag=0.02"];
-    for extra in [vec![], vec!["catenary.statics=\"nodal_displacement\""], vec!["catenary.stagger=[0.2, -0.2]"]] {
+    let set = [
+        "catenary.droppers.mass=0.3",
+        "catenary.registration_arms.mass=1.5",
+        "catenary.presag=0.02",
+    ];
+    for extra in [
+        vec![],
+        vec!["catenary.statics=\"nodal_displacement\""],
+        vec!["catenary.stagger=[0.2, -0.2]"],
+    ] {
         let catenary = scene_line(EN, &[&set[..], &extra[..]].concat());
         let line = solve(&catenary);
         let (sum, weight) = (vertical_reactions(&line), weight(&catenary, &line));
@@ -154,13 +127,33 @@ fn the_reference_model_agrees_with_an_independent_program() {
             assert!((a - b).abs() <= tolerance * b, "{what} {i}: {a} {b}");
         }
     };
-    compare("dropper x", report.droppers.iter().map(|d| d.x).collect(), ("droppers", "x"), 1e-12);
-    compare("dropper force", report.droppers.iter().map(|d| d.force).collect(), ("droppers", "force_N"), 2e-3);
-    compare("dropper length", report.droppers.iter().map(|d| d.length).collect(), ("droppers", "length_m"), 2e-3);
+    compare(
+        "dropper x",
+        report.droppers.iter().map(|d| d.x).collect(),
+        ("droppers", "x"),
+        1e-12,
+    );
+    compare(
+        "dropper force",
+        report.droppers.iter().map(|d| d.force).collect(),
+        ("droppers", "force_N"),
+        2e-3,
+    );
+    compare(
+        "dropper length",
+        report.droppers.iter().map(|d| d.length).collect(),
+        ("droppers", "length_m"),
+        2e-3,
+    );
     let supports = &report.supports;
     let reactions = supports.iter().map(|s| s.messenger_reaction).collect();
     compare("support", reactions, ("supports", "messenger_reaction_N"), 2e-3);
-    compare("arm", supports.iter().map(|s| s.arm_force).collect(), ("supports", "arm_force_N"), 1e-2);
+    compare(
+        "arm",
+        supports.iter().map(|s| s.arm_force).collect(),
+        ("supports", "arm_force_N"),
+        1e-2,
+    );
     let elasticity = line.elasticity(&column(&reference, "elasticity", "x")).unwrap();
     let elasticity = elasticity.iter().map(|e| e.elasticity).collect();
     compare("elasticity", elasticity, ("elasticity", "m_per_N"), 1e-2);
@@ -225,7 +218,10 @@ fn dropper_forces_are_the_reactions_of_a_beam_under_tension() {
         forces.extend(line.report().supports.iter().map(|s| (s.x, s.arm_force)));
         forces.sort_by(|a, b| a.0.total_cmp(&b.0));
         for ((x, force), expected) in forces.iter().zip(&expected) {
-            assert!((force - expected).abs() < tolerance * expected, "{x}: {force} {expected}");
+            assert!(
+                (force - expected).abs() < tolerance * expected,
+                "{x}: {force} {expected}"
+            );
         }
     }
 }
@@ -236,16 +232,31 @@ fn presag_takes_the_curvature_of_its_parabola_off_the_droppers() {
     let line = solve(&catenary);
     let wire = &catenary.contact_wire;
     let load = wire.mass_per_length * catenary.gravity - 8.0 * 0.05 * wire.tension / 3600.0;
-    let middle = line.report().droppers.iter().find(|dropper| dropper.x == 270.0).unwrap();
+    let middle = line
+        .report()
+        .droppers
+        .iter()
+        .find(|dropper| dropper.x == 270.0)
+        .unwrap();
     // Field of 6.5 m on both sides; the parabola is followed at the droppers only.
-    assert!((middle.force - 6.5 * load).abs() < 2e-3 * middle.force, "{} {}", middle.force, 6.5 * load);
+    assert!(
+        (middle.force - 6.5 * load).abs() < 2e-3 * middle.force,
+        "{} {}",
+        middle.force,
+        6.5 * load
+    );
 }
 
 #[test]
 fn too_much_presag_is_refused_with_span_dropper_and_force() {
     let catenary = scene_line(EN, &["catenary.presag=0.4"]);
     match StaticLine::solve(&catenary, LineOptions::default()).unwrap_err() {
-        StaticsError::DropperPushes { span: 1, dropper, x, force } => {
+        StaticsError::DropperPushes {
+            span: 1,
+            dropper,
+            x,
+            force,
+        } => {
             assert!(dropper >= 1 && x > 0.0 && x < 60.0 && force > 0.0);
         }
         other => panic!("{other}"),
@@ -256,7 +267,10 @@ fn too_much_presag_is_refused_with_span_dropper_and_force() {
 fn a_messenger_wire_that_sags_to_the_contact_wire_is_refused() {
     let catenary = scene_line(EN, &["catenary.encumbrance=0.5"]);
     let error = StaticLine::solve(&catenary, LineOptions::default()).unwrap_err();
-    assert!(matches!(error, StaticsError::NoRoomForDropper { span: 1, .. }), "{error}");
+    assert!(
+        matches!(error, StaticsError::NoRoomForDropper { span: 1, .. }),
+        "{error}"
+    );
 }
 
 #[test]
@@ -264,7 +278,10 @@ fn a_wire_above_its_breaking_force_is_refused_with_both_numbers() {
     let mut catenary = short_line(2);
     catenary.messenger_wire.breaking_force = Some(16_010.0);
     let error = StaticLine::solve(&catenary, LineOptions::default()).unwrap_err();
-    assert!(error.to_string().contains("messenger_wire") && error.to_string().contains("16010"), "{error}");
+    assert!(
+        error.to_string().contains("messenger_wire") && error.to_string().contains("16010"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -277,17 +294,31 @@ fn stagger_loads_arms_and_supports_with_tension_times_change_of_direction() {
         // The second support stands at y = −0.2 m: the wire pulls to the left (+y), the arm to the right.
         let sign = if number % 2 == 0 { -1.0 } else { 1.0 };
         let expected = sign * kink * 20_000.0;
-        assert!((arm.reaction.y - expected).abs() < 5e-3 * expected.abs(), "{} {expected}", arm.reaction.y);
+        assert!(
+            (arm.reaction.y - expected).abs() < 5e-3 * expected.abs(),
+            "{} {expected}",
+            arm.reaction.y
+        );
         let support = line.line().supports().as_slice()[number].reaction;
         let expected = sign * kink * 16_000.0;
-        assert!((support.y - expected).abs() < 5e-3 * expected.abs(), "{} {expected}", support.y);
+        assert!(
+            (support.y - expected).abs() < 5e-3 * expected.abs(),
+            "{} {expected}",
+            support.y
+        );
         assert_eq!((arm.reaction.x, support.x), (0.0, 0.0));
     }
     // Straight between the arms, and the droppers vertical.
     for dropper in line.line().droppers().as_slice() {
         assert!((dropper.upper.reference.y - dropper.lower.reference.y).abs() < 1e-4);
     }
-    let middle = line.line().topology().droppers().iter().find(|place| place.span == 5 && place.position == 4).unwrap();
+    let middle = line
+        .line()
+        .topology()
+        .droppers()
+        .iter()
+        .find(|place| place.span == 5 && place.position == 4)
+        .unwrap();
     let nodes = line.line().wire(WireName::ContactWire).geometry().nodes();
     assert!(nodes[middle.node].position.y.abs() < 1e-6);
 }
@@ -307,7 +338,12 @@ fn a_finer_mesh_gives_the_same_droppers() {
     let (a, b) = (coarse.elasticity(&x).unwrap(), fine.elasticity(&x).unwrap());
     for (a, b) in a.iter().zip(&b) {
         // The force itself makes a kink that elements of 1 m round off.
-        assert!((a.elasticity - b.elasticity).abs() < 0.02 * b.elasticity, "{} {}", a.elasticity, b.elasticity);
+        assert!(
+            (a.elasticity - b.elasticity).abs() < 0.02 * b.elasticity,
+            "{} {}",
+            a.elasticity,
+            b.elasticity
+        );
     }
 }
 
@@ -324,7 +360,10 @@ fn the_planar_line_is_the_spatial_one() {
     for (a, b) in planar.report().droppers.iter().zip(&spatial.report().droppers) {
         assert!((a.length - b.length).abs() < 1e-9 && (a.force - b.force).abs() < 1e-4);
     }
-    let (a, b) = (planar.elasticity(&[75.0]).unwrap(), spatial.elasticity(&[75.0]).unwrap());
+    let (a, b) = (
+        planar.elasticity(&[75.0]).unwrap(),
+        spatial.elasticity(&[75.0]).unwrap(),
+    );
     assert!((a[0].elasticity - b[0].elasticity).abs() < 1e-6 * b[0].elasticity);
 }
 
@@ -387,15 +426,37 @@ fn a_force_lifts_the_wire_where_it_acts_and_nowhere_else_much() {
 }
 
 #[test]
-fn uplift_counts_from_its_reference() {
-    let line = solve(&short_line(2));
-    let mut system = alone(&line);
-    let lifted = line.wire_height_under(55.0, 150.0).unwrap().state.q;
-    let rise = system.line.uplift(1, &lifted);
-    assert!(rise > 0.0);
-    system.line.set_uplift_reference(&lifted);
-    assert_eq!(system.line.uplift(1, &lifted), 0.0);
-    assert_eq!(system.line.uplift(1, &vec![0.0; lifted.len()]), -rise);
+fn sliding_ends_leave_no_residual_after_nodal_displacement() {
+    let mut catenary = scene_line(
+        EN,
+        &[
+            "catenary.stagger=[0.3, -0.3]",
+            "catenary.statics=\"nodal_displacement\"",
+        ],
+    );
+    catenary.registration_arms.vertical_stiffness = 1e5;
+    let line = solve(&catenary);
+    // The springs at the sliding ends carry nothing in the static state.
+    assert!(line.report().residual < 1e-9 * 20_000.0, "{:e}", line.report().residual);
+    assert!((line.report().tension.contact_wire - 20_000.0).abs() < 1e-4);
+}
+
+#[test]
+fn bending_layers_give_the_form_of_a_fine_mesh_on_a_coarse_one() {
+    let enriched = LineOptions {
+        layers: BendingLayers::AtAttachments,
+        ..LineOptions::default()
+    };
+    let mut catenary = scene_line(EN, &["catenary.stagger=[0.3, -0.3]"]);
+    catenary.span_lengths.truncate(4);
+    catenary.mesh.elements_per_interval = 2;
+    let coarse = StaticLine::solve(&catenary, enriched).unwrap();
+    catenary.mesh.elements_per_interval = 32;
+    let fine = solve(&catenary);
+    for (a, b) in coarse.report().droppers.iter().zip(&fine.report().droppers) {
+        assert!((a.length - b.length).abs() < 2e-4, "{} {}", a.length, b.length);
+        assert!((a.force - b.force).abs() < 1e-3 * b.force, "{} {}", a.force, b.force);
+    }
 }
 
 #[test]
@@ -410,15 +471,32 @@ fn wires_stretched_between_fixed_ends_sag_under_their_own_weight() {
     let line = solve(&catenary);
     let report = line.report();
     assert!(report.residual < 1e-9 * 20_000.0, "{:e}", report.residual);
-    assert!(report.droppers.iter().all(|dropper| dropper.force == 0.0 && dropper.length == 3.0));
+    assert!(
+        report
+            .droppers
+            .iter()
+            .all(|dropper| dropper.force == 0.0 && dropper.length == 3.0)
+    );
     for (name, parameters, h) in [
-        (WireName::ContactWire, catenary.contact_wire, report.tension.contact_wire),
-        (WireName::MessengerWire, catenary.messenger_wire, report.tension.messenger_wire),
+        (
+            WireName::ContactWire,
+            catenary.contact_wire,
+            report.tension.contact_wire,
+        ),
+        (
+            WireName::MessengerWire,
+            catenary.messenger_wire,
+            report.tension.messenger_wire,
+        ),
     ] {
         let q = parameters.mass_per_length * catenary.gravity;
         let nodes = line.line().wire(name).geometry().nodes();
         let topology = line.line().topology();
-        let middle = topology.droppers().iter().find(|place| place.span == 2 && place.position == 4).unwrap();
+        let middle = topology
+            .droppers()
+            .iter()
+            .find(|place| place.span == 2 && place.position == 4)
+            .unwrap();
         let top = nodes[topology.supports()[2]].position.z;
         let sag = top - nodes[middle.node].position.z;
         // Clamped by symmetry at inner supports.
@@ -427,7 +505,10 @@ fn wires_stretched_between_fixed_ends_sag_under_their_own_weight() {
         assert!((sag - expected).abs() < 5e-3 * expected, "{sag} {expected}");
         // Elongation by sag, ε = q²L²/24H², raises the tension of fixed ends; the weight is small against it.
         let raised = parameters.tension + parameters.axial_stiffness * (q * 60.0 / h).powi(2) / 24.0;
-        assert!((h - raised).abs() < 2e-2 * (raised - parameters.tension), "{h} {raised}");
+        assert!(
+            (h - raised).abs() < 2e-2 * (raised - parameters.tension),
+            "{h} {raised}"
+        );
     }
 }
 
@@ -449,168 +530,12 @@ fn droppers_as_long_as_found_hold_the_contact_wire_where_it_was_found() {
     assert!((again.report().tension.messenger_wire - 16_000.0).abs() < 5.0);
 }
 
-/// Runs a line freely from a state for `steps` steps of 1 ms; calls `watch` after each.
-fn run<L>(system: &mut Alone<L>, state: &mut State, steps: usize, mut watch: impl FnMut(&Alone<L>, &State))
-where
-    Alone<L>: System,
-{
-    let mut integrator = GeneralizedAlpha::new(0.9, NewtonOptions::default());
-    for step in 1..=steps {
-        integrator.step(system, state, &[], step as f64 * 1e-3, 1e-3).unwrap();
-        watch(system, state);
-    }
-}
-
-/// Gives the contact wire an upward velocity that vanishes at the supports, m/s.
-fn gust(system: &Alone<Line>, peak: f64) -> State {
-    let mut state = system.layout.state_at_rest();
-    for node in system.line.wire(WireName::ContactWire).geometry().nodes() {
-        let phase = std::f64::consts::PI * node.position.x / 60.0;
-        state.v[node.map.position(2).unwrap()] = peak * phase.sin().powi(2);
-        state.v[node.map.slope(2).unwrap()] = peak * std::f64::consts::PI / 60.0 * (2.0 * phase).sin();
-    }
-    state
-}
-
-#[test]
-fn a_line_at_rest_stays_at_rest() {
-    let mut system = alone(&solve(&short_line(2)));
-    let mut state = system.layout.state_at_rest();
-    run(&mut system, &mut state, 100, |_, _| {});
-    assert!(state.q.iter().all(|q| q.abs() < 1e-8), "{:e}", state.q.iter().fold(0.0_f64, |a, b| a.max(b.abs())));
-}
-
-#[test]
-fn a_gust_that_slackens_every_dropper_is_survived_and_loses_energy() {
-    let mut system = alone(&solve(&short_line(2)));
-    let mut state = gust(&system, 4.0);
-    let speed = state.v.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    let start = system.line.energy(&system.layout.state_at_rest().motion(&[]));
-    let (mut slackest, mut highest) = (0, f64::NEG_INFINITY);
-    run(&mut system, &mut state, 1000, |system, state| {
-        let motion = state.motion(&[]);
-        slackest = slackest.max(system.line.slack_count(&motion));
-        highest = highest.max(system.line.energy(&motion) - start);
-    });
-    assert_eq!(slackest, 18);
-    assert!(state.q.iter().all(|q| q.is_finite() && q.abs() < 1.0));
-    // Potential energy never exceeds the kinetic energy of the gust: two spans, ∫ sin⁴ = 3/8.
-    let kinetic = 0.5 * 1.35 * 120.0 * 0.375 * speed * speed;
-    assert!(highest > 0.05 * kinetic && highest < kinetic, "{highest} {kinetic}");
-}
-
-#[test]
-fn the_linear_line_answers_small_forces_as_the_line_does() {
-    let mut system = alone(&solve(&short_line(3)));
-    let linear = LinearLine::about(&mut system.line, &system.layout);
-    let mut linear = Alone {
-        layout: system.layout.clone(),
-        line: linear,
-    };
-    let difference = |size: f64, linear: &mut Alone<LinearLine>| {
-        let mut exact = alone(&solve(&short_line(3)));
-        let (mut a, mut b) = (gust(&exact, size), gust(&exact, size));
-        run(&mut exact, &mut a, 100, |_, _| {});
-        run(linear, &mut b, 100, |_, _| {});
-        let largest = a.q.iter().fold(0.0_f64, |max, q| max.max(q.abs()));
-        let error = a.q.iter().zip(&b.q).fold(0.0_f64, |max, (a, b)| max.max((a - b).abs()));
-        error / largest
-    };
-    // The error of a linearisation is proportional to the motion: millimetres, then centimetres.
-    let (small, large) = (difference(0.01, &mut linear), difference(0.5, &mut linear));
-    assert!(small < 1e-3, "{small}");
-    assert!(large < 0.1 && large > small, "{large}");
-}
-
-/// A line with a strip that inputs move.
-struct Touched<L> {
-    alone: Alone<L>,
-    contact: ContactPair,
-}
-
-impl<L> System for Touched<L>
-where
-    Alone<L>: System,
-{
-    fn layout(&self) -> &Layout {
-        self.alone.layout()
-    }
-
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.alone.forces(visit);
-        visit(&mut self.contact);
-    }
-}
-
-/// Contact force, N, in every millisecond of half a second under a strip that runs through the second span at 60 m/s.
-fn contact_force<L>(alone: Alone<L>, curve: std::sync::Arc<dyn catenary::Curve>) -> Vec<f64>
-where
-    Alone<L>: System,
-{
-    let law = PenaltyContact {
-        stiffness: 5e4,
-        damping: 0.0,
-    };
-    let strip = Box::new(PrescribedStrip { first: 0 });
-    let contact = ContactPair::new(law, curve, strip, 1.6, ContactTangent::RankOne);
-    let mut system = Touched { alone, contact };
-    let mut state = system.layout().state_at_rest();
-    let mut integrator = GeneralizedAlpha::new(0.9, NewtonOptions::default());
-    let mut forces = Vec::new();
-    for step in 1..=500 {
-        let t = f64::from(step) * 1e-3;
-        // The strip rises by 20 mm in the first tenth of a second.
-        let u = [65.0 + 60.0 * t, 0.0, 5.28 + 0.2 * t.min(0.2), 60.0, 0.0, if t < 0.2 { 0.2 } else { 0.0 }, 0.0];
-        integrator.step(&mut system, &mut state, &u, t, 1e-3).unwrap();
-        forces.push(system.contact.state(&state.motion(&u)).map_or(0.0, |contact| contact.force));
-    }
-    forces
-}
-
-#[test]
-fn the_same_contact_runs_along_the_line_and_its_linearisation() {
-    let mut exact = alone(&solve(&short_line(3)));
-    let curve = exact.line.contact_curve();
-    let linear = Alone {
-        layout: exact.layout.clone(),
-        line: LinearLine::about(&mut exact.line, &exact.layout),
-    };
-    let b = contact_force(linear, curve.clone());
-    let a = contact_force(exact, curve);
-    let norm = |values: &mut dyn Iterator<Item = f64>| (values.map(|x| x * x).sum::<f64>() / 500.0).sqrt();
-    let (size, error) = (norm(&mut a.iter().copied()), norm(&mut a.iter().zip(&b).map(|(a, b)| a - b)));
-    assert!(size > 20.0, "{size}");
-    assert!(error < 0.02 * size && error > 0.0, "{error} {size}");
-}
-
-#[test]
-fn the_linear_line_has_the_static_residual_and_tangent_of_the_line() {
-    let mut system = alone(&solve(&short_line(3)));
-    let linear = LinearLine::about(&mut system.line, &system.layout);
-    let mut linear = Alone {
-        layout: system.layout.clone(),
-        line: linear,
-    };
-    let mut state = gust(&system, 1.0);
-    let v = state.v.clone();
-    for scale in [0.0, 1e-6] {
-        for (q, v) in state.q.iter_mut().zip(&v) {
-            *q = scale * v;
-        }
-        let (mut a, mut b) = (vec![0.0; v.len()], vec![0.0; v.len()]);
-        system.forces(&mut |part| part.add_force(&state.motion(&[]), &mut a));
-        linear.forces(&mut |part| part.add_force(&state.motion(&[]), &mut b));
-        let largest = a.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
-        for (i, (a, b)) in a.iter().zip(&b).enumerate() {
-            assert!((a - b).abs() < 1e-5 * largest, "{}: {a} {b}", system.layout.name(i));
-        }
-    }
-    assert_eq!(linear.line.droppers().slack_count(&state.motion(&[])), 0);
-}
-
 #[test]
 fn the_position_along_the_track_is_found_again_on_the_wire() {
-    let line = solve(&scene_line(EN, &["catenary.presag=0.05", "catenary.stagger=[0.2, -0.2]"]));
+    let line = solve(&scene_line(
+        EN,
+        &["catenary.presag=0.05", "catenary.stagger=[0.2, -0.2]"],
+    ));
     let answer = line.wire_height_under(270.0, 200.0).unwrap();
     let (curve, q) = (line.line().contact_curve(), &answer.state.q);
     for x in [0.1, 59.9, 60.0, 123.4, 270.0, 599.9] {

@@ -1,3 +1,4 @@
 //! Support for the integration tests.
 
+pub mod lines;
 pub mod single_wire;

@@ -18,6 +18,7 @@ mod line;
 mod line_end;
 mod linear_line;
 mod model;
+mod overhead_line;
 mod registration_arm;
 mod signals;
 mod statics;
@@ -42,6 +43,7 @@ pub use line::{DropperSample, Line};
 pub use line_end::{LineEnd, LineEnds};
 pub use model::{CatenaryError, Model, contact_pair, static_line};
 pub use linear_line::{LinearDropper, LinearDroppers, LinearForce, LinearLine};
+pub use overhead_line::OverheadLine;
 pub use registration_arm::RegistrationArms;
 pub use statics::{
     DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport,

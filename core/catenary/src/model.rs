@@ -1,7 +1,7 @@
 //! The line of a scene together with the strips on it.
 use crate::contact::STRIP_INPUTS;
 use crate::{
-    ContactPair, ContactTangent, Line, LineOptions, PenaltyContact, PrescribedStrip, StaticLine, StaticsError,
+    ContactPair, ContactTangent, LineOptions, OverheadLine, PenaltyContact, PrescribedStrip, StaticLine, StaticsError,
 };
 use dynamics::{Force, Layout, Marker, StepError, System};
 use scene::Scene;
@@ -24,22 +24,24 @@ pub enum CatenaryError {
 pub struct Model {
     layout: Layout,
     /// The line.
-    pub line: Line,
+    pub line: Box<dyn OverheadLine>,
     /// One contact per strip.
     pub contacts: Vec<ContactPair>,
 }
 
 impl Model {
-    /// The line of a solved static state under prescribed strips, one per pantograph of the scene.
+    /// A line of any kind in its layout under prescribed strips, one per pantograph of the scene.
     ///
     /// # Errors
     /// See [`CatenaryError::ThirdPartyLine`].
-    pub fn with_prescribed_strips(scene: &Scene, statics: &StaticLine) -> Result<Self, CatenaryError> {
-        let mut layout = Layout::new();
-        let line = statics.line_in(&mut layout);
+    pub fn with_prescribed_strips(
+        scene: &Scene,
+        layout: Layout,
+        line: Box<dyn OverheadLine>,
+    ) -> Result<Self, CatenaryError> {
         let contacts = (0..scene.pantographs.len()).map(|strip| {
             let first = strip * STRIP_INPUTS;
-            contact_pair(scene, &line, strip, Box::new(PrescribedStrip { first }))
+            contact_pair(scene, &*line, strip, Box::new(PrescribedStrip { first }))
         });
         let contacts = contacts.collect::<Result<_, _>>()?;
         Ok(Self { layout, line, contacts })
@@ -74,7 +76,7 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
 /// See [`CatenaryError::ThirdPartyLine`].
 pub fn contact_pair(
     scene: &Scene,
-    line: &Line,
+    line: &dyn OverheadLine,
     index: usize,
     strip: Box<dyn Marker>,
 ) -> Result<ContactPair, CatenaryError> {

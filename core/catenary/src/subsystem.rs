@@ -2,8 +2,8 @@
 use crate::contact::{ContactState, STRIP_INPUTS};
 use crate::signals::input_direction;
 use crate::exchange::{Exchange, SAMPLES, Tally};
-use crate::{CatenaryError, Model, StaticLine};
-use dynamics::{Counters, FollowedInput, Simulator, StaticOptions, StepError, System};
+use crate::{CatenaryError, Model, OverheadLine, StaticLine};
+use dynamics::{Counters, FollowedInput, Layout, Simulator, StaticOptions, StepError, System};
 use nalgebra::Vector3;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -75,7 +75,17 @@ impl Subsystem {
     /// # Errors
     /// See [`CatenaryError`].
     pub fn new(scene: &Scene, statics: &StaticLine) -> Result<Self, CatenaryError> {
-        let model = Model::with_prescribed_strips(scene, statics)?;
+        let mut layout = Layout::new();
+        let line = statics.line_in(&mut layout);
+        Self::with_line(scene, layout, Box::new(line))
+    }
+
+    /// The same with a line of any kind in its own layout, at rest where all coordinates are zero.
+    ///
+    /// # Errors
+    /// See [`CatenaryError`].
+    pub fn with_line(scene: &Scene, layout: Layout, line: Box<dyn OverheadLine>) -> Result<Self, CatenaryError> {
+        let model = Model::with_prescribed_strips(scene, layout, line)?;
         let strips = scene.pantographs.len();
         let solver = &scene.solver;
         let u = vec![0.0; strips * STRIP_INPUTS];
@@ -99,9 +109,9 @@ impl Subsystem {
     }
 
     /// The line and its present motion, for drawing.
-    pub fn line(&mut self) -> (&crate::Line, dynamics::Motion<'_>) {
+    pub fn line(&mut self) -> (&dyn OverheadLine, dynamics::Motion<'_>) {
         let (model, motion) = self.simulator.parts();
-        (&model.line, motion)
+        (&*model.line, motion)
     }
 
     /// Number of generalised coordinates.
@@ -124,7 +134,9 @@ impl Subsystem {
         self.refresh_inputs();
         self.simulator.settle(&StaticOptions::default())?;
         let q = self.simulator.state().q.clone();
-        self.simulator.system.line.set_uplift_reference(&q);
+        if let Some(shape) = self.simulator.system.line.shape_mut() {
+            shape.set_uplift_reference(&q);
+        }
         self.outputs.fill(None);
         for strip in 0..self.exchanges.len() {
             let contact = self.evaluate(strip);
@@ -262,16 +274,17 @@ impl Subsystem {
         self.simulator.set_inputs(&self.u);
     }
 
-    /// Rise of the contact wire at support `k` (from 0) above its height at the start, m.
+    /// Rise of the contact wire at support `k` (from 0) above its height at the start, m; 0 for a line without supports of its
+    /// own.
     pub fn support_uplift(&mut self, k: usize) -> f64 {
         let (model, motion) = self.simulator.parts();
-        model.line.uplift(k, motion.q)
+        model.line.shape().map_or(0.0, |shape| shape.uplift(k, motion.q))
     }
 
     /// Rate of [`Subsystem::support_uplift`], m/s.
     pub fn support_uplift_rate(&mut self, k: usize) -> f64 {
         let (model, motion) = self.simulator.parts();
-        model.line.uplift_rate(k, motion.v)
+        model.line.shape().map_or(0.0, |shape| shape.uplift_rate(k, motion.v))
     }
 
     /// Number of strips.
@@ -283,7 +296,7 @@ impl Subsystem {
     /// Number of supports.
     #[must_use]
     pub fn supports(&self) -> usize {
-        self.simulator.system.line.support_count()
+        self.simulator.system.line.shape().map_or(0, crate::Line::support_count)
     }
 
     /// Number of droppers without force.

@@ -25,6 +25,17 @@ pub struct StepFailure {
     pub retryable: bool,
 }
 
+/// Work done by the solver of a component since it was built; going back to a checkpoint takes none of it back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Internal time steps.
+    pub micro_steps: u64,
+    /// Newton iterations.
+    pub newton_iterations: u64,
+    /// Factorisations of an iteration matrix.
+    pub factorizations: u64,
+}
+
 /// A simulation unit made from a scene.
 ///
 /// Signals are addressed by their position in [`Component::signals`]. Booleans and whole numbers travel as `f64`.
@@ -83,4 +94,7 @@ pub trait Component: Sized + Send + 'static {
     /// # Errors
     /// A checkpoint that does not fit.
     fn restore(&mut self, checkpoint: &Self::Checkpoint) -> Result<(), StepFailure>;
+
+    /// What the solver has done so far.
+    fn work(&self) -> Work;
 }

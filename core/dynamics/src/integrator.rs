@@ -88,6 +88,7 @@ pub struct GeneralizedAlpha {
     start: State,
     start_history: Vec<f64>,
     counters: Counters,
+    residuals: Vec<f64>,
 }
 
 /// Contraction of the residual per iteration beyond which a kept factorisation is replaced.
@@ -106,7 +107,14 @@ impl GeneralizedAlpha {
             start: State::default(),
             start_history: Vec::new(),
             counters: Counters::default(),
+            residuals: Vec::with_capacity(options.max_iterations + 1),
         }
+    }
+
+    /// Largest residual before each Newton iteration of the last step, N or m; the last one is what was left.
+    #[must_use]
+    pub fn residuals(&self) -> &[f64] {
+        &self.residuals
     }
 
     /// Work done so far.
@@ -184,9 +192,11 @@ impl GeneralizedAlpha {
         let options = self.options;
         let mut last_ratio = f64::INFINITY;
         let mut fresh = 0;
+        self.residuals.clear();
         for iteration in 0..=options.max_iterations {
             let motion = state.motion(u);
             let residual = workspace.residual(system, &motion, Some(&state.v_dot), &state.lambda, &options);
+            self.residuals.push(residual.value);
             if !residual.ratio.is_finite() {
                 return Err(StepError::NotFinite {
                     t: t_end,

@@ -155,6 +155,15 @@ impl Component for Subsystem {
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), StepFailure> {
         self.restore_from(checkpoint).map_err(failure)
     }
+
+    fn work(&self) -> component::Work {
+        let counters = self.counters();
+        component::Work {
+            micro_steps: counters.micro_steps,
+            newton_iterations: counters.newton_iterations,
+            factorizations: counters.factorizations,
+        }
+    }
 }
 
 fn failure(error: StepError) -> StepFailure {
