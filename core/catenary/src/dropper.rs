@@ -3,16 +3,41 @@ use crate::Attachment;
 use dynamics::{Blocks, Force, Motion, Updates, Weights};
 use nalgebra::{Matrix3, Vector3};
 
+/// What a dropper was at the beginning of a time step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tautness {
+    /// Longer than its unstressed length.
+    Taut,
+    /// Not.
+    Slack,
+}
+
+impl Tautness {
+    /// That of an `elongation` in m.
+    #[must_use]
+    pub fn of(elongation: f64) -> Self {
+        if elongation > 0.0 { Self::Taut } else { Self::Slack }
+    }
+
+    /// As a number that [`Tautness::of`] takes back.
+    pub(crate) fn saved(self) -> f64 {
+        match self {
+            Self::Taut => 1.0,
+            Self::Slack => 0.0,
+        }
+    }
+}
+
 /// Force of a dropper: a spring and a damper that pull and never push.
 ///
 /// ```text
-/// F = max(0, k δ + c min(1, δ/δ_r) δ̇)    δ > 0
-/// F = 0                                   δ ≤ 0         δ = length − unstressed length
+/// F = max(0, k δ + c δ̇)    in a step that begins taut,  δ > 0
+/// F = max(0, k δ)           in a step that begins slack, δ ≤ 0       δ = length − unstressed length
 /// ```
 ///
-/// A slack dropper exerts no force at all, so its damping part is cut as well. The damper sets in over the elongation
-/// `δ_r` = [`DAMPING_ONSET`]: with a damper that is there at once the force of a closing dropper jumps from 0 to `c δ̇`, and an
-/// implicit step may then have no solution, neither slack nor taut.
+/// A slack dropper exerts no force at all, so its damping part is cut as well. Which of the two acts is decided from step to step,
+/// as in [Thesis, section 3.2]. Decided within the step the force of a closing dropper would jump from 0 to `c δ̇`, and an implicit
+/// step may then have no solution, neither slack nor taut; as it is, the force is continuous and monotone in each step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DropperLaw {
     /// `k`, N/m.
@@ -21,30 +46,26 @@ pub struct DropperLaw {
     pub damping: f64,
 }
 
-/// Elongation over which the damper sets in, m: a fiftieth of what 100 N stretch the stiffest droppers in use.
-pub const DAMPING_ONSET: f64 = 1e-5;
-
 impl DropperLaw {
     /// Tension in N, never negative, for an `elongation` in m that changes with `rate` in m/s.
     #[must_use]
-    pub fn force(&self, elongation: f64, rate: f64) -> f64 {
-        if elongation <= 0.0 {
-            return 0.0;
-        }
-        let onset = (elongation / DAMPING_ONSET).min(1.0);
-        (self.stiffness * elongation + self.damping * onset * rate).max(0.0)
+    pub fn force(&self, at_start: Tautness, elongation: f64, rate: f64) -> f64 {
+        let damping = match at_start {
+            Tautness::Taut => self.damping * rate,
+            Tautness::Slack => 0.0,
+        };
+        (self.stiffness * elongation + damping).max(0.0)
     }
 
     /// `(∂F/∂δ, ∂F/∂δ̇)`, N/m and N·s/m; zero without force.
     #[must_use]
-    pub fn derivatives(&self, elongation: f64, rate: f64) -> (f64, f64) {
-        if self.force(elongation, rate) <= 0.0 {
-            (0.0, 0.0)
-        } else if elongation < DAMPING_ONSET {
-            let rising = self.damping * rate / DAMPING_ONSET;
-            (self.stiffness + rising, self.damping * elongation / DAMPING_ONSET)
-        } else {
-            (self.stiffness, self.damping)
+    pub fn derivatives(&self, at_start: Tautness, elongation: f64, rate: f64) -> (f64, f64) {
+        if self.force(at_start, elongation, rate) <= 0.0 {
+            return (0.0, 0.0);
+        }
+        match at_start {
+            Tautness::Taut => (self.stiffness, self.damping),
+            Tautness::Slack => (self.stiffness, 0.0),
         }
     }
 
@@ -56,8 +77,8 @@ impl DropperLaw {
 
     /// Slope of the force in the weighted tangent, N/m.
     #[must_use]
-    pub fn slope(&self, elongation: f64, rate: f64, weights: Weights) -> f64 {
-        let (by_elongation, by_rate) = self.derivatives(elongation, rate);
+    pub fn slope(&self, at_start: Tautness, elongation: f64, rate: f64, weights: Weights) -> f64 {
+        let (by_elongation, by_rate) = self.derivatives(at_start, elongation, rate);
         weights.q * by_elongation + weights.v * by_rate
     }
 }
@@ -124,13 +145,15 @@ struct Assembled {
 ///
 /// The force acts along the line between the two nodes, in three dimensions. A dropper that was taut when the matrix was
 /// factored and is slack now (or the other way round) is a rank-one correction `∓ κ u uᵀ` with the direction `u` of that
-/// factorisation, and so is one whose damper is setting in; the transverse part `F/length`, smaller by five orders of magnitude, stays as it was assembled.
+/// factorisation; the transverse part `F/length`, smaller by five orders of magnitude, stays as it was assembled.
 #[derive(Clone, Debug)]
 pub struct Droppers {
     law: DropperLaw,
     gravity: f64,
     droppers: Vec<Dropper>,
     assembled: Vec<Assembled>,
+    /// What each dropper was at the beginning of the present step.
+    at_start: Vec<Tautness>,
     /// Increases with every assembled tangent.
     version: u64,
 }
@@ -147,6 +170,7 @@ impl Droppers {
             law,
             gravity,
             assembled: vec![slack; droppers.len()],
+            at_start: vec![Tautness::Taut; droppers.len()],
             droppers,
             version: 0,
         }
@@ -167,7 +191,8 @@ impl Droppers {
     /// Tension of dropper `index`, N.
     #[must_use]
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
-        self.pull(&self.droppers[index].pose(motion))
+        let pose = self.droppers[index].pose(motion);
+        self.law.force(self.at_start[index], pose.elongation, pose.rate)
     }
 
     /// Number of droppers that exert no force.
@@ -177,17 +202,13 @@ impl Droppers {
             .filter(|&index| self.tension(index, motion) == 0.0)
             .count()
     }
-
-    fn pull(&self, pose: &Pose) -> f64 {
-        self.law.force(pose.elongation, pose.rate)
-    }
 }
 
 impl Force for Droppers {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        for dropper in &self.droppers {
+        for (index, dropper) in self.droppers.iter().enumerate() {
             let pose = dropper.pose(motion);
-            let pull = self.pull(&pose) * pose.direction;
+            let pull = self.law.force(self.at_start[index], pose.elongation, pose.rate) * pose.direction;
             let weight = Vector3::new(0.0, 0.0, 0.5 * dropper.mass * self.gravity);
             dropper.upper.add_force(&(-pull - weight), force);
             dropper.lower.add_force(&(pull - weight), force);
@@ -196,15 +217,17 @@ impl Force for Droppers {
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         self.version += 1;
-        for (dropper, assembled) in self.droppers.iter().zip(&mut self.assembled) {
+        for (index, dropper) in self.droppers.iter().enumerate() {
+            let at_start = self.at_start[index];
+            let assembled = &mut self.assembled[index];
             let pose = dropper.pose(motion);
-            let force = self.law.force(pose.elongation, pose.rate);
-            let (_, damping) = self.law.derivatives(pose.elongation, pose.rate);
+            let force = self.law.force(at_start, pose.elongation, pose.rate);
+            let (_, damping) = self.law.derivatives(at_start, pose.elongation, pose.rate);
             let mut block = Matrix3::zeros();
             assembled.direction = pose.direction;
             assembled.slope = 0.0;
             if force > 0.0 {
-                assembled.slope = self.law.slope(pose.elongation, pose.rate, weights);
+                assembled.slope = self.law.slope(at_start, pose.elongation, pose.rate, weights);
                 let outer = pose.direction * pose.direction.transpose();
                 // ∂²length/∂r², the change of the direction with the position of the upper end.
                 let turning = (Matrix3::identity() - outer) / pose.length;
@@ -219,7 +242,7 @@ impl Force for Droppers {
     fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         for (slot, (dropper, assembled)) in self.droppers.iter().zip(&self.assembled).enumerate() {
             let pose = dropper.pose(motion);
-            let coefficient = self.law.slope(pose.elongation, pose.rate, weights) - assembled.slope;
+            let coefficient = self.law.slope(self.at_start[slot], pose.elongation, pose.rate, weights) - assembled.slope;
             if coefficient == 0.0 {
                 continue;
             }
@@ -250,8 +273,15 @@ impl Force for Droppers {
             .sum()
     }
 
+    fn end_step(&mut self, motion: &Motion<'_>) {
+        for (at_start, dropper) in self.at_start.iter_mut().zip(&self.droppers) {
+            *at_start = Tautness::of(dropper.pose(motion).elongation);
+        }
+    }
+
     fn save(&self, out: &mut Vec<f64>) {
-        for assembled in &self.assembled {
+        for (assembled, at_start) in self.assembled.iter().zip(&self.at_start) {
+            out.push(at_start.saved());
             out.push(assembled.slope);
             out.extend_from_slice(assembled.direction.as_slice());
         }
@@ -259,8 +289,9 @@ impl Force for Droppers {
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         let mut changed = false;
-        for assembled in &mut self.assembled {
-            let mut next = || *values.next().expect("a saved state holds four numbers per dropper");
+        for (assembled, at_start) in self.assembled.iter_mut().zip(&mut self.at_start) {
+            let mut next = || *values.next().expect("a saved state holds five numbers per dropper");
+            *at_start = Tautness::of(next());
             let saved = Assembled {
                 slope: next(),
                 direction: Vector3::new(next(), next(), next()),

@@ -38,7 +38,7 @@ pub use contact::{
     STRIP_INPUTS, Search, Sensitivity,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
-pub use dropper::{DAMPING_ONSET, Dropper, DropperLaw, Droppers};
+pub use dropper::{Dropper, DropperLaw, Droppers, Tautness};
 pub use line::{DropperSample, Line};
 pub use line_end::{LineEnd, LineEnds};
 pub use model::{CatenaryError, Model, contact_pair, static_line};

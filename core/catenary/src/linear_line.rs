@@ -1,5 +1,5 @@
 //! A line with constant matrices and unilateral droppers.
-use crate::{Attachment, Curve, DropperLaw, Line};
+use crate::{Attachment, Curve, DropperLaw, Line, Tautness};
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
 use std::sync::Arc;
 
@@ -76,6 +76,8 @@ pub struct LinearDroppers {
     droppers: Vec<LinearDropper>,
     /// Slope in the assembled tangent, N/m; zero for a dropper that was slack.
     assembled: Vec<f64>,
+    /// What each dropper was at the beginning of the present step.
+    at_start: Vec<Tautness>,
 }
 
 impl LinearDroppers {
@@ -85,6 +87,7 @@ impl LinearDroppers {
         Self {
             law,
             assembled: vec![0.0; droppers.len()],
+            at_start: vec![Tautness::Taut; droppers.len()],
             droppers,
         }
     }
@@ -93,13 +96,17 @@ impl LinearDroppers {
     #[must_use]
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
         let dropper = &self.droppers[index];
-        self.law
-            .force(dropper.elongation + dropper.along(motion.q), dropper.along(motion.v))
+        self.law.force(
+            self.at_start[index],
+            dropper.elongation + dropper.along(motion.q),
+            dropper.along(motion.v),
+        )
     }
 
     fn slope(&self, index: usize, motion: &Motion<'_>, weights: Weights) -> f64 {
         let dropper = &self.droppers[index];
         self.law.slope(
+            self.at_start[index],
             dropper.elongation + dropper.along(motion.q),
             dropper.along(motion.v),
             weights,
@@ -154,13 +161,24 @@ impl Force for LinearDroppers {
         self.droppers.iter().map(energy).sum()
     }
 
+    fn end_step(&mut self, motion: &Motion<'_>) {
+        for (at_start, dropper) in self.at_start.iter_mut().zip(&self.droppers) {
+            *at_start = Tautness::of(dropper.elongation + dropper.along(motion.q));
+        }
+    }
+
     fn save(&self, out: &mut Vec<f64>) {
         out.extend_from_slice(&self.assembled);
+        out.extend(self.at_start.iter().map(|at_start| at_start.saved()));
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
+        let mut next = || *values.next().expect("a saved state holds two numbers per dropper");
         for assembled in &mut self.assembled {
-            *assembled = *values.next().expect("a saved state holds one number per dropper");
+            *assembled = next();
+        }
+        for at_start in &mut self.at_start {
+            *at_start = Tautness::of(next());
         }
     }
 }

@@ -49,6 +49,12 @@ pub trait Force: Send {
         let _ = motion;
     }
 
+    /// Called once at the end of each completed step, and after a static solution: what a contribution decides from one step to
+    /// the next.
+    fn end_step(&mut self, motion: &Motion<'_>) {
+        let _ = motion;
+    }
+
     /// Appends the history this contribution carries beyond `q, v` (start values of searches, directions frozen in the
     /// factored matrix), so that a restored state continues bit for bit.
     fn save(&self, out: &mut Vec<f64>) {

@@ -192,6 +192,7 @@ impl GeneralizedAlpha {
         let options = self.options;
         let mut last_ratio = f64::INFINITY;
         let mut fresh = 0;
+        let mut damping = 1.0;
         self.residuals.clear();
         for iteration in 0..=options.max_iterations {
             let motion = state.motion(u);
@@ -204,6 +205,7 @@ impl GeneralizedAlpha {
                 });
             }
             if residual.ratio <= 1.0 {
+                system.forces(&mut |force| force.end_step(&motion));
                 return Ok(());
             }
             if iteration == options.max_iterations {
@@ -225,8 +227,12 @@ impl GeneralizedAlpha {
                 self.linearise(workspace, system, &motion, h)?;
                 fresh += 1;
             }
-            // A term that switches to and fro makes full corrections cycle: half of the one that leads back ends that.
-            let damping = if iteration >= 3 && residual.ratio > last_ratio { 0.5 } else { 1.0 };
+            // A term that switches to and fro makes full corrections cycle: they become shorter with every growth of the residual
+            // and recover while it falls.
+            if iteration >= 3 {
+                let growth = residual.ratio > last_ratio;
+                damping = if growth { 0.5 * damping } else { (1.5_f64 * damping).min(1.0) };
+            }
             last_ratio = residual.ratio;
             workspace.correct(system, &motion, weights)?;
             self.apply(&workspace.correction, damping, (mass_rate, velocity_rate), system, state);
@@ -374,6 +380,52 @@ impl GeneralizedAlpha {
         crate::start::accelerations(system, state, u)?;
         state.a.clone_from(&state.v_dot);
         Ok(())
+    }
+
+    /// Takes a jump of the inputs at the present state, from `before` to `u`, into accelerations and multipliers before a step of
+    /// `h` s.
+    ///
+    /// Without it the step would weigh the old inputs with the new ones, so that inputs held over steps would act half a step
+    /// late. The jump of the forces is solved with the iteration matrix `β' M + γ' D + K` in place of `β' M`: the difference is of
+    /// the order of `h`, and so is the jump where the inputs are samples of something smooth.
+    ///
+    /// # Errors
+    /// [`StepError::Singular`].
+    pub fn jump(
+        &mut self,
+        system: &mut dyn System,
+        state: &mut State,
+        before: &[f64],
+        u: &[f64],
+        h: f64,
+    ) -> Result<(), StepError> {
+        if before == u {
+            return Ok(());
+        }
+        let mut workspace = match self.workspace.take() {
+            Some(workspace) => workspace,
+            None => Workspace::new(system, &state.motion(u)),
+        };
+        let (mass_rate, velocity_rate) = self.scheme.rates(h);
+        let weights = Weights {
+            q: 1.0,
+            v: velocity_rate,
+        };
+        let result = self
+            .ensure_factor(&mut workspace, system, state, u, h)
+            .and_then(|()| workspace.jump(system, &state.motion(before), &state.motion(u), weights));
+        if result.is_ok() {
+            let (change, of_multipliers) = workspace.correction.split_at(state.q.len());
+            for ((v_dot, a), change) in state.v_dot.iter_mut().zip(&mut state.a).zip(change) {
+                *v_dot += mass_rate * change;
+                *a += mass_rate * change;
+            }
+            for (lambda, change) in state.lambda.iter_mut().zip(of_multipliers) {
+                *lambda += change;
+            }
+        }
+        self.workspace = Some(workspace);
+        result
     }
 
     /// What must be kept with the [`State`] so that a restored run repeats bit for bit.

@@ -250,6 +250,27 @@ impl Workspace {
         }
     }
 
+    /// Solves for what the change of the forces from motion `before` to motion `after` does at constraints that stay closed.
+    pub fn jump(
+        &mut self,
+        system: &mut dyn System,
+        before: &Motion<'_>,
+        after: &Motion<'_>,
+        weights: Weights,
+    ) -> Result<(), StepError> {
+        self.residual.fill(0.0);
+        let force = &mut self.residual[..self.coordinates];
+        system.forces(&mut |contribution| contribution.add_force(after, force));
+        for value in force.iter_mut() {
+            *value = -*value;
+        }
+        system.forces(&mut |contribution| contribution.add_force(before, force));
+        for &index in &self.fixed {
+            self.residual[index] = 0.0;
+        }
+        self.correct(system, after, weights)
+    }
+
     /// Forgets what depends on the course so far, so that a restored state repeats bit for bit.
     pub fn forget(&mut self) {
         self.woodbury.clear();

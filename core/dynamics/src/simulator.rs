@@ -87,6 +87,16 @@ impl<S: System> Simulator<S> {
         self.integrator.start_accelerations(&mut self.system, &mut self.state, &self.u)
     }
 
+    /// Takes a jump of the inputs from `before` to the present ones into the accelerations, at the start of a communication step of
+    /// `h` s.
+    ///
+    /// # Errors
+    /// See [`GeneralizedAlpha::jump`].
+    pub fn jump(&mut self, before: &[f64], h: f64) -> Result<(), StepError> {
+        let dt = h / self.micro_steps(h) as f64;
+        self.integrator.jump(&mut self.system, &mut self.state, before, &self.u, dt)
+    }
+
     /// Number of equal internal steps within a communication step of `h` s: a rest of rounding makes no extra step.
     #[must_use]
     pub fn micro_steps(&self, h: f64) -> usize {

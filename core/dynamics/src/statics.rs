@@ -82,6 +82,7 @@ fn solve(
             });
         }
         if residual.ratio <= 1.0 {
+            system.forces(&mut |force| force.end_step(&motion));
             return Ok(StaticReport {
                 iterations: iteration,
                 residual: residual.value,

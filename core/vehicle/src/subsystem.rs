@@ -67,6 +67,7 @@ pub struct StripMotion {
 pub struct Checkpoint {
     simulator: dynamics::Checkpoint,
     inputs: Vec<FollowedInput>,
+    reached: Vec<f64>,
     work: f64,
 }
 
@@ -74,6 +75,8 @@ pub struct Checkpoint {
 pub struct Subsystem {
     simulator: Simulator<Model>,
     inputs: [FollowedInput; INPUTS],
+    /// Inputs at the end of the last step; those set since then jump.
+    reached: Vec<f64>,
     /// Work done by the contact on the strip since the start, J.
     work: f64,
     before: Checkpoint,
@@ -108,6 +111,7 @@ impl Subsystem {
             pantograph,
             contact,
         };
+        let reached = u.clone();
         let mut simulator = Simulator::new(
             model,
             state,
@@ -122,6 +126,7 @@ impl Subsystem {
         Ok(Self {
             simulator,
             inputs,
+            reached,
             work: 0.0,
             before: Checkpoint::default(),
         })
@@ -171,6 +176,7 @@ impl Subsystem {
     }
 
     fn advance(&mut self, t: f64, h: f64) -> Result<(), StepError> {
+        self.simulator.jump(&self.reached, h)?;
         let (model, motion) = self.simulator.parts();
         let mut last = power(model, &motion);
         let mut work = 0.0;
@@ -190,6 +196,7 @@ impl Subsystem {
             },
         )?;
         self.work += work;
+        self.reached.copy_from_slice(self.simulator.inputs());
         for input in &mut self.inputs {
             input.finish(input.at(h));
         }
@@ -259,6 +266,7 @@ impl Subsystem {
         self.simulator.save(&mut checkpoint.simulator);
         checkpoint.inputs.clear();
         checkpoint.inputs.extend_from_slice(&self.inputs);
+        checkpoint.reached.clone_from(&self.reached);
         checkpoint.work = self.work;
     }
 
@@ -269,6 +277,7 @@ impl Subsystem {
     pub fn restore_from(&mut self, checkpoint: &Checkpoint) -> Result<(), StepError> {
         self.simulator.restore(&checkpoint.simulator)?;
         self.inputs.copy_from_slice(&checkpoint.inputs);
+        self.reached.clone_from(&checkpoint.reached);
         self.work = checkpoint.work;
         Ok(())
     }

@@ -92,6 +92,7 @@ fn the_tangent_is_the_jacobian_of_the_force_in_position_and_velocity() {
 fn a_slack_dropper_exerts_no_force_whatever_its_rate() {
     let mut droppers = batch(0.0);
     let at = state(SLACK, [0.0, 0.0, 5.0, 0.0, 0.0, -5.0]);
+    droppers.end_step(&at.motion(&[]));
     assert_eq!(force(&mut droppers, &at), [0.0; 6]);
     assert_eq!(tangent(&mut droppers, &at, Weights { q: 1.0, v: 1.0 }), [0.0; 36]);
     assert_eq!(droppers.slack_count(&at.motion(&[])), 1);
@@ -100,9 +101,10 @@ fn a_slack_dropper_exerts_no_force_whatever_its_rate() {
 
 #[test]
 fn a_taut_dropper_never_pushes() {
-    assert_eq!(LAW.force(1e-4, -10.0), 0.0);
-    assert_eq!(LAW.force(0.0, 10.0), 0.0);
-    assert_eq!(LAW.force(1e-3, 0.1), 130.0);
+    assert_eq!(LAW.force(Tautness::Taut, 1e-4, -10.0), 0.0);
+    assert_eq!(LAW.force(Tautness::Slack, 0.0, 10.0), 0.0);
+    assert_eq!(LAW.force(Tautness::Slack, 1e-3, 10.0), 100.0);
+    assert_eq!(LAW.force(Tautness::Taut, 1e-3, 0.1), 130.0);
 }
 
 #[test]
@@ -209,28 +211,15 @@ fn a_planar_dropper_has_four_coordinates_and_the_same_force() {
 }
 
 #[test]
-fn the_damper_sets_in_without_a_jump_and_is_there_beyond_the_onset() {
-    let rate = 0.3;
-    assert!(LAW.force(1e-12, rate) < 1e-3 * LAW.damping * rate);
-    let beyond = 2.0 * DAMPING_ONSET;
-    assert_eq!(LAW.force(beyond, rate), LAW.stiffness * beyond + LAW.damping * rate);
-}
-
-#[test]
-fn the_derivatives_of_the_law_are_its_difference_quotients() {
-    for (elongation, rate) in [
-        (0.4 * DAMPING_ONSET, 0.3),
-        (3.0 * DAMPING_ONSET, 0.3),
-        (-1e-6, 0.3),
-        (1e-4, -9.0),
-    ] {
-        let h = 1e-9;
-        let (by_elongation, by_rate) = LAW.derivatives(elongation, rate);
-        let difference = |de: f64, dr: f64| {
-            (LAW.force(elongation + de, rate + dr) - LAW.force(elongation - de, rate - dr)) / (2.0 * h)
-        };
-        let scale = LAW.stiffness + LAW.damping * rate.abs() / DAMPING_ONSET;
-        assert!((difference(h, 0.0) - by_elongation).abs() < 1e-6 * scale);
-        assert!((difference(0.0, h) - by_rate).abs() < 1e-6 * LAW.damping.max(1.0));
-    }
+fn a_damper_acts_only_in_steps_that_its_dropper_begins_taut() {
+    let mut droppers = batch(0.0);
+    let (slack, taut) = (state(SLACK, [0.0; 6]), state(TAUT, MOVING));
+    droppers.end_step(&slack.motion(&[]));
+    let closing = droppers.tension(0, &taut.motion(&[]));
+    droppers.end_step(&taut.motion(&[]));
+    let closed = droppers.tension(0, &taut.motion(&[]));
+    let pose = droppers.as_slice()[0].pose(&taut.motion(&[]));
+    assert_eq!(closing, LAW.stiffness * pose.elongation);
+    assert_eq!(closed, LAW.stiffness * pose.elongation + LAW.damping * pose.rate);
+    assert!(pose.elongation > 0.0 && closed != closing);
 }
