@@ -1,0 +1,222 @@
+//! What `master check` says about a scene.
+
+use std::fmt::Write as _;
+
+use catenary::StaticsReport;
+use scene::{PantographModel, ThirdParty};
+use serde::Serialize;
+
+use crate::results::Model;
+use crate::simulation::{Prepared, SetupError, evaluated_spans};
+
+/// Statics, model and waves of a scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// What the statics found, elasticity of the evaluated spans included.
+    pub statics: StaticsReport,
+    /// What is modelled.
+    pub model: Model,
+    /// Waves on the contact wire.
+    pub waves: Waves,
+    /// Start of each pantograph.
+    pub start: Vec<StartReport>,
+    /// Remarks.
+    pub notes: Vec<String>,
+}
+
+/// Waves on the contact wire.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Waves {
+    /// Transverse wave speed, m/s.
+    #[serde(rename = "contact_wire_m_per_s")]
+    pub contact_wire: f64,
+    /// Running speed / wave speed, –.
+    pub speed_ratio: f64,
+}
+
+/// State of a pantograph at t = 0.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct StartReport {
+    /// m.
+    #[serde(rename = "x_m")]
+    pub x: f64,
+    /// m.
+    #[serde(rename = "height_m")]
+    pub height: f64,
+    /// N.
+    #[serde(rename = "force_N")]
+    pub force: f64,
+}
+
+impl Report {
+    /// Collects it.
+    ///
+    /// # Errors
+    /// The elasticity cannot be solved.
+    pub fn of(prepared: &Prepared) -> Result<Self, SetupError> {
+        let scene = &prepared.scene;
+        let (first, last) = evaluated_spans(scene);
+        let mut statics = prepared.statics.report().clone();
+        let points = prepared.statics.elasticity_points(first, last);
+        statics.elasticity = prepared
+            .statics
+            .elasticity(&points)
+            .map_err(catenary::CatenaryError::from)?;
+        let contact_wire = scene
+            .modelled_line()
+            .map_or(0.0, |(catenary, _)| catenary.contact_wire.wave_speed());
+        let starts = scene.pantographs.iter().enumerate().filter_map(|(index, pantograph)| {
+            let start = pantograph.start?;
+            Some(StartReport {
+                x: scene.strip_start_x(index),
+                height: start.height,
+                force: start.force,
+            })
+        });
+        Ok(Self {
+            statics,
+            model: prepared.model(),
+            waves: Waves {
+                contact_wire,
+                speed_ratio: scene.run.speed / contact_wire,
+            },
+            start: starts.collect(),
+            notes: prepared.notes(),
+        })
+    }
+
+    /// The report as text.
+    #[must_use]
+    pub fn text(&self, prepared: &Prepared) -> String {
+        let mut text = String::new();
+        // Writing into a String does not fail.
+        let _ = self.write(prepared, &mut text);
+        text
+    }
+
+    fn write(&self, prepared: &Prepared, out: &mut String) -> std::fmt::Result {
+        let scene = &prepared.scene;
+        let (first, last) = evaluated_spans(scene);
+        writeln!(out, "{}: {}", prepared.name, scene.title)?;
+        let statics = &self.statics;
+        writeln!(
+            out,
+            "\nstatics: {} iterations, residual {:.1e} N",
+            statics.iterations, statics.residual
+        )?;
+        let tension = &statics.tension;
+        writeln!(
+            out,
+            "  tension: contact wire {:.1} N, messenger wire {:.1} N",
+            tension.contact_wire, tension.messenger_wire
+        )?;
+        writeln!(
+            out,
+            "  waves: {:.1} m/s on the contact wire, the train runs at {:.2} of that",
+            self.waves.contact_wire, self.waves.speed_ratio
+        )?;
+        writeln!(
+            out,
+            "\ndroppers of spans {first} to {last}\n  span        x [m]   length [m]    force [N]"
+        )?;
+        for dropper in statics
+            .droppers
+            .iter()
+            .filter(|dropper| (first..=last).contains(&dropper.span))
+        {
+            writeln!(
+                out,
+                "  {:4} {:12.3} {:12.6} {:12.3}",
+                dropper.span, dropper.x, dropper.length, dropper.force
+            )?;
+        }
+        writeln!(
+            out,
+            "\nsupports\n     x [m]   messenger [N]     arm [N]   contact wire z [m]"
+        )?;
+        for support in &statics.supports {
+            writeln!(
+                out,
+                "{:10.3} {:15.3} {:11.3} {:20.6}",
+                support.x, support.messenger_reaction, support.arm_force, support.contact_wire_z
+            )?;
+        }
+        writeln!(out, "\nelasticity under 100 N\n     x [m]   rise [mm/N]")?;
+        for point in &statics.elasticity {
+            writeln!(out, "{:10.3} {:13.4}", point.x, 1e3 * point.elasticity)?;
+        }
+        writeln!(out, "\nstart")?;
+        for (index, start) in self.start.iter().enumerate() {
+            writeln!(
+                out,
+                "  pantograph {}: x = {:.3} m, height {:.6} m, force {:.3} N",
+                index + 1,
+                start.x,
+                start.height,
+                start.force
+            )?;
+        }
+        let model = &self.model;
+        writeln!(
+            out,
+            "\nmodelled: {} coordinates, {} constraints, {} elements, reductions: {}",
+            model.coordinates,
+            model.constraints,
+            model.elements,
+            if model.reductions.is_empty() {
+                "none".to_owned()
+            } else {
+                model.reductions.join(", ")
+            }
+        )?;
+        for part in &model.parts {
+            writeln!(
+                out,
+                "  {} {:16} {}",
+                if part.modelled { "+" } else { "-" },
+                part.part,
+                part.reason
+            )?;
+        }
+        for (index, pantograph) in scene.pantographs.iter().enumerate() {
+            if let PantographModel::ThirdParty(entry) = &pantograph.model {
+                wiring(index, entry, out)?;
+            }
+        }
+        for note in &self.notes {
+            writeln!(out, "note: {note}")?;
+        }
+        Ok(())
+    }
+}
+
+/// How a third-party pantograph is wired.
+fn wiring(index: usize, entry: &ThirdParty, out: &mut String) -> std::fmt::Result {
+    writeln!(out, "\npantograph {}: {}", index + 1, entry.fmu)?;
+    if entry.inputs.is_empty() && entry.outputs.is_empty() {
+        return writeln!(out, "  wiring guessed from the variable names, see `master inspect`");
+    }
+    let offset = |offset: scene::Offset| match offset {
+        scene::Offset::Value(value) => value.to_string(),
+        scene::Offset::Align => "align".to_owned(),
+    };
+    for (name, connection) in &entry.inputs {
+        writeln!(
+            out,
+            "  {} = {} × {name} + {}",
+            connection.variable,
+            connection.factor,
+            offset(connection.offset)
+        )?;
+    }
+    for (name, connection) in &entry.outputs {
+        writeln!(
+            out,
+            "  {name} = {} × {} + {}",
+            connection.factor,
+            connection.variable,
+            offset(connection.offset)
+        )?;
+    }
+    Ok(())
+}

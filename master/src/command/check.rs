@@ -1,0 +1,24 @@
+//! `master check`.
+
+use std::path::Path;
+
+use super::{CommandError, SceneFile, print, print_json};
+use crate::check::Report;
+use crate::cli::Common;
+use crate::simulation::prepare;
+
+/// Solves the statics of a scene and prints what will be modelled; no time integration.
+///
+/// # Errors
+/// See [`CommandError`].
+pub fn check(path: &Path, common: &Common) -> Result<(), CommandError> {
+    let file = SceneFile::read(path, common)?;
+    let prepared = prepare(file.scene, &file.name, &file.base, false)?;
+    let report = Report::of(&prepared)?;
+    if common.json {
+        print_json(&report)?;
+    } else if !common.quiet {
+        print(&report.text(&prepared))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,183 @@
+//! One file per subcommand.
+
+pub mod check;
+pub mod inspect;
+pub mod package;
+pub mod report;
+pub mod run;
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use scene::Scene;
+
+use crate::cli::Common;
+use crate::package::PackageError;
+use crate::results::ResultsError;
+use crate::simulation::SetupError;
+
+/// Why a command ended without success.
+#[derive(Debug, thiserror::Error)]
+pub enum CommandError {
+    /// A file named on the command line.
+    #[error("{}: cannot be read", path.display())]
+    Read {
+        /// File.
+        path: PathBuf,
+        /// Reason of the operating system.
+        #[source]
+        source: std::io::Error,
+    },
+    /// The run cannot begin.
+    #[error(transparent)]
+    Setup(Box<SetupError>),
+    /// An FMU named on the command line.
+    #[error(transparent)]
+    FmuFile(Box<fmi2::Error>),
+    /// FMUs cannot be made.
+    #[error(transparent)]
+    Package(Box<PackageError>),
+    /// The directory given for results, or read from.
+    #[error(transparent)]
+    Directory(ResultsError),
+    /// Results cannot be written.
+    #[error(transparent)]
+    Results(ResultsError),
+    /// A result cannot be turned into JSON.
+    #[error("the result is no JSON")]
+    Json(#[from] serde_json::Error),
+    /// Standard output does not take the result.
+    #[error("cannot write to standard output")]
+    Output(#[source] std::io::Error),
+    /// The run ended early.
+    #[error("the run is incomplete, its results are in {}: {reason}", directory.display())]
+    Incomplete {
+        /// Where the results are.
+        directory: PathBuf,
+        /// Why.
+        reason: String,
+    },
+}
+
+impl CommandError {
+    /// 1 where the simulation could not be completed, 2 where usage, scene or FMU are wrong.
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Setup(error) if !error.is_input() => 1,
+            Self::Incomplete { .. } | Self::Results(_) | Self::Output(_) | Self::Package(_) | Self::Json(_) => 1,
+            _ => 2,
+        }
+    }
+}
+
+impl From<SetupError> for CommandError {
+    fn from(error: SetupError) -> Self {
+        Self::Setup(Box::new(error))
+    }
+}
+
+impl From<PackageError> for CommandError {
+    fn from(error: PackageError) -> Self {
+        Self::Package(Box::new(error))
+    }
+}
+
+/// A scene file as the command line names it.
+pub struct SceneFile {
+    /// The scene, overrides included.
+    pub scene: Scene,
+    /// Name: that of the file, or of its directory for the `scene.toml` of results.
+    pub name: String,
+    /// Folder that paths in it are relative to.
+    pub base: PathBuf,
+}
+
+impl SceneFile {
+    /// Reads a scene; one of the source tree is found from anywhere.
+    ///
+    /// # Errors
+    /// [`CommandError::Read`], [`SetupError::Scene`].
+    pub fn read(path: &Path, common: &Common) -> Result<Self, CommandError> {
+        let in_tree = || {
+            crate::package::source_tree()
+                .map(|tree| tree.join(path))
+                .filter(|path| path.exists())
+        };
+        let found = if path.exists() {
+            path.to_owned()
+        } else {
+            in_tree().unwrap_or_else(|| path.to_owned())
+        };
+        let text = std::fs::read_to_string(&found).map_err(|source| CommandError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        let scene =
+            Scene::from_toml(&text, &path.display().to_string(), &common.overrides).map_err(SetupError::from)?;
+        let base = found.parent().unwrap_or(Path::new("")).to_owned();
+        Ok(Self {
+            scene,
+            name: scene_name(&found),
+            base,
+        })
+    }
+
+    /// Directory for results.
+    #[must_use]
+    pub fn output(&self, common: &Common) -> PathBuf {
+        common
+            .out
+            .clone()
+            .unwrap_or_else(|| Path::new("results").join(&self.name))
+    }
+}
+
+/// Name of a scene: the file's without extension; the folder's for `scene.toml`, which every result directory has.
+fn scene_name(path: &Path) -> String {
+    let stem = path
+        .file_stem()
+        .map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
+    if stem == "scene" {
+        let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        if let Some(folder) = absolute.parent().and_then(Path::file_name) {
+            return folder.to_string_lossy().into_owned();
+        }
+    }
+    stem.into_owned()
+}
+
+/// Prints `text` on stdout; a reader that has gone away is no error.
+fn print(text: &str) -> Result<(), CommandError> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(CommandError::Output(error)),
+        _ => Ok(()),
+    }
+}
+
+/// Prints `value` as JSON on stdout.
+fn print_json(value: &impl serde::Serialize) -> Result<(), CommandError> {
+    print(&format!("{}\n", serde_json::to_string_pretty(value)?))
+}
+
+/// Prints a line on stderr unless quiet was asked for.
+fn say(common: &Common) -> impl Fn(&str) {
+    let quiet = common.quiet;
+    move |text| {
+        if !quiet {
+            eprintln!("{text}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_is_named_after_its_file_or_its_result_directory() {
+        assert_eq!(scene_name(Path::new("scenes/en50318-250.toml")), "en50318-250");
+        assert_eq!(scene_name(Path::new("results/thesis/scene.toml")), "thesis");
+    }
+}

@@ -1,0 +1,44 @@
+//! `master package`.
+
+use std::path::Path;
+
+use super::{CommandError, SceneFile, print, print_json, say};
+use crate::cli::Common;
+use crate::package::{Libraries, archives, folder};
+use crate::results::ResultsError;
+use crate::simulation::{SetupError, prepare};
+
+/// Writes the FMUs of a scene.
+///
+/// # Errors
+/// See [`CommandError`].
+pub fn package(path: &Path, descriptions: Option<&Path>, common: &Common) -> Result<(), CommandError> {
+    let file = SceneFile::read(path, common)?;
+    let prepared = prepare(file.scene, &file.name, &file.base, false)?;
+    let libraries = Libraries::find(&say(common))?;
+    let target = common.out.clone().unwrap_or_else(|| folder(&file.name));
+    let mut written = Vec::new();
+    for (name, archive) in archives(&prepared.scene, &libraries)? {
+        if let Some(descriptions) = descriptions {
+            let path = descriptions.join(Path::new(&name).with_extension("xml"));
+            std::fs::write(&path, &archive.description).map_err(|source| {
+                CommandError::Directory(ResultsError::Io {
+                    path,
+                    action: "write",
+                    source,
+                })
+            })?;
+        }
+        let path = target.join(name);
+        archive.write(&path).map_err(SetupError::FmuFile)?;
+        written.push(path);
+    }
+    if common.json {
+        let paths: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
+        print_json(&serde_json::json!({ "scene": prepared.name, "fmus": paths }))?;
+    } else if !common.quiet {
+        let lines: String = written.iter().map(|path| format!("{}\n", path.display())).collect();
+        print(&lines)?;
+    }
+    Ok(())
+}

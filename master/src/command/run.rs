@@ -1,0 +1,115 @@
+//! `master run`.
+
+use std::path::{Component, Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use scene::{PantographModel, Scene};
+
+use super::{CommandError, SceneFile, print, print_json, say};
+use crate::cli::Common;
+use crate::package;
+use crate::report::{self, Progress, Show};
+use crate::results::OutputDirectory;
+use crate::run::Watch;
+use crate::simulation::{FmuSource, Mode, prepare};
+
+/// Set by Ctrl-C.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Runs a scene and writes its results.
+///
+/// # Errors
+/// See [`CommandError`].
+pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError> {
+    let file = SceneFile::read(path, common)?;
+    let directory = file.output(common);
+    // A second Ctrl-C ends the program at once: the first asks for an end in order.
+    let handler = || {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    };
+    if ctrlc::set_handler(handler).is_err() && common.verbose > 0 {
+        eprintln!("Ctrl-C is handled by somebody else");
+    }
+    let say = say(common);
+    let logging = common.verbose > 1;
+    let prepared = prepare(file.scene, &file.name, &file.base, logging)?;
+    let show = if common.quiet { Show::Never } else { Show::OnTerminal };
+    let progress = Progress::simulated(&file.name, prepared.scene.run.duration, show);
+    let watch = Watch {
+        interrupted: &INTERRUPTED,
+        progress: &progress,
+    };
+    let source = FmuSource {
+        folder: package::folder(&file.name),
+        say: &say,
+        logging,
+    };
+
+    let mut output = None;
+    let finished = prepared.run(mode, &source, &watch, |scene| {
+        let text = relative_to(scene, &directory).to_toml();
+        let opened = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
+        opened.begin(&text).map_err(CommandError::Directory)?;
+        output = Some((opened, text));
+        Ok::<(), CommandError>(())
+    })?;
+    progress.finish();
+    let (output, text) = output.expect("a run that ended has begun");
+    let reason = finished.info.incomplete_reason.clone();
+    let bundle = output
+        .finish(&finished.info, finished.record, &text)
+        .map_err(CommandError::Results)?;
+    if common.json {
+        print_json(&bundle.summary)?;
+    } else if !common.quiet {
+        print(&format!(
+            "{}results in {}\n",
+            report::table(&bundle.summary),
+            directory.display()
+        ))?;
+    }
+    match finished.failure {
+        None => Ok(()),
+        Some(_) => Err(CommandError::Incomplete { directory, reason }),
+    }
+}
+
+/// The scene with the paths of its FMUs relative to `directory`.
+fn relative_to(scene: &Scene, directory: &Path) -> Scene {
+    let mut scene = scene.clone();
+    for pantograph in &mut scene.pantographs {
+        if let PantographModel::ThirdParty(entry) = &mut pantograph.model {
+            entry.fmu = relative(Path::new(&entry.fmu), directory).display().to_string();
+        }
+    }
+    scene
+}
+
+/// `path` seen from `folder`; as it is where the two have no common root.
+fn relative(path: &Path, folder: &Path) -> PathBuf {
+    let (Ok(path), Ok(folder)) = (std::path::absolute(path), std::path::absolute(folder)) else {
+        return path.to_owned();
+    };
+    let (to, from): (Vec<Component<'_>>, Vec<Component<'_>>) =
+        (path.components().collect(), folder.components().collect());
+    let shared = to.iter().zip(&from).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return path;
+    }
+    let up = std::iter::repeat_n(Component::ParentDir, from.len() - shared);
+    up.chain(to[shared..].iter().copied()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_seen_from_the_output_directory() {
+        let seen = |path: &str, folder: &str| relative(Path::new(path), Path::new(folder));
+        assert_eq!(seen("/a/vendor/x.fmu", "/a/results/s"), Path::new("../../vendor/x.fmu"));
+        assert_eq!(seen("/a/results/s/x.fmu", "/a/results/s"), Path::new("x.fmu"));
+    }
+}

@@ -1,0 +1,423 @@
+//! Slaves made of FMUs.
+
+use component::Component;
+use fmi2::import::{Fmu, Instance, StateHandle, StepOutcome};
+use fmi2::model_description::{BaseType, Causality, ModelDescription, Variable};
+use scene::{ParameterValue, Scene};
+
+use crate::results::Frame;
+use crate::slave::{Abilities, Slave, SlaveError, Work, finite};
+
+/// Why an FMU cannot take part.
+#[derive(Debug, thiserror::Error)]
+pub enum CosimulationError {
+    /// The FMU itself reports it.
+    #[error(transparent)]
+    Fmi(#[from] fmi2::Error),
+    /// It gives no usable outputs at the start.
+    #[error(transparent)]
+    Slave(#[from] SlaveError),
+    /// A variable that the wiring names.
+    #[error("{fmu}: there is no {role} \"{variable}\"{nearest}")]
+    NoVariable {
+        /// Name of the model.
+        fmu: String,
+        /// `real input`, `real output` or `parameter`.
+        role: &'static str,
+        /// Name asked for.
+        variable: String,
+        /// `, did you mean …`, or nothing.
+        nearest: String,
+    },
+    /// A parameter's value has another type.
+    #[error("{fmu}: the parameter \"{variable}\" = {value:?} must be {expected}")]
+    WrongType {
+        /// Name of the model.
+        fmu: String,
+        /// Name of the parameter.
+        variable: String,
+        /// Value of the scene.
+        value: ParameterValue,
+        /// What it should be.
+        expected: &'static str,
+    },
+}
+
+/// What an FMU is to do in a run.
+#[derive(Clone, Debug, Default)]
+pub struct Role {
+    /// Name of the instance and of the slave.
+    pub name: String,
+    /// Names of the real inputs, in the order of the slices.
+    pub inputs: Vec<String>,
+    /// Names of the real outputs, in the order of the slices.
+    pub outputs: Vec<String>,
+    /// Values set before the initialisation.
+    pub parameters: Vec<(String, ParameterValue)>,
+    /// Stop time, s.
+    pub duration: f64,
+    /// Highest order of input derivatives that the FMU is known to follow; the standard has no word for it.
+    pub input_derivatives: usize,
+    /// Whether the FMU's debug messages are asked for.
+    pub logging: bool,
+}
+
+/// An initialised instance of an FMU as a slave.
+pub struct FmuSlave {
+    name: String,
+    instance: Instance,
+    abilities: Abilities,
+    inputs: Vec<u32>,
+    outputs: Vec<u32>,
+    output_names: Vec<String>,
+    orders: Vec<i32>,
+    work: Option<[u32; 3]>,
+    state: Option<StateHandle>,
+    t: f64,
+    drawing: Option<Box<dyn Drawing>>,
+}
+
+/// Draws pictures from states that an FMU has serialised.
+trait Drawing {
+    /// Keeps a serialised state, and a place in the picture that it belongs to.
+    fn keep(&mut self, bytes: Vec<u8>, frame: &mut Frame);
+
+    /// Draws all states kept.
+    fn finish(&mut self, frames: &mut [Frame]);
+}
+
+/// A component like the one inside the FMU, which goes to the FMU's states when the run is over.
+struct CoreDrawing<C: Component> {
+    scene: Scene,
+    draw: fn(&mut C, &mut Frame),
+    /// Serialised states, each with the place of its pantograph in the picture.
+    kept: Vec<(Vec<u8>, usize)>,
+}
+
+impl<C: Component> Drawing for CoreDrawing<C> {
+    fn keep(&mut self, bytes: Vec<u8>, frame: &mut Frame) {
+        self.kept.push((bytes, frame.pantographs.len()));
+        if C::IDENTIFIER == vehicle::Subsystem::IDENTIFIER {
+            frame.pantographs.push(Vec::new());
+        }
+    }
+
+    fn finish(&mut self, frames: &mut [Frame]) {
+        let Ok(mut component) = C::build(&self.scene) else {
+            return;
+        };
+        for ((bytes, place), frame) in self.kept.drain(..).zip(frames) {
+            let Some(checkpoint) = fmu::checkpoint::<C>(&bytes) else {
+                continue;
+            };
+            if component.restore(&checkpoint).is_err() {
+                continue;
+            }
+            let mut own = Frame::default();
+            (self.draw)(&mut component, &mut own);
+            match own.pantographs.pop() {
+                Some(outline) => frame.pantographs[place] = outline,
+                None => {
+                    frame.contact_wire = own.contact_wire;
+                    frame.messenger_wire = own.messenger_wire;
+                    frame.droppers = own.droppers;
+                }
+            }
+        }
+    }
+}
+
+/// A step of which an FMU has completed a part only.
+#[derive(Debug, thiserror::Error)]
+#[error("fmi2DoStep returned fmi2Discard{0}")]
+struct Discarded(String);
+
+/// Finds a variable by name among those with the right type and causality.
+fn find<'a>(
+    description: &'a ModelDescription,
+    name: &str,
+    role: &'static str,
+    fits: impl Fn(&Variable) -> bool,
+) -> Result<&'a Variable, CosimulationError> {
+    let candidates = || description.variables.iter().filter(|variable| fits(variable));
+    candidates().find(|variable| variable.name == name).ok_or_else(|| {
+        let near = candidates()
+            .map(|variable| (strsim::jaro_winkler(&variable.name, name), &variable.name))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        CosimulationError::NoVariable {
+            fmu: description.model_name.clone(),
+            role,
+            variable: name.to_owned(),
+            nearest: match near {
+                Some((likeness, name)) if likeness > 0.7 => format!(", did you mean \"{name}\"?"),
+                _ => String::new(),
+            },
+        }
+    })
+}
+
+/// Value references of real inputs or outputs.
+fn references(
+    description: &ModelDescription,
+    names: &[String],
+    causality: Causality,
+) -> Result<Vec<u32>, CosimulationError> {
+    let role = if causality == Causality::Input {
+        "real input"
+    } else {
+        "real output"
+    };
+    let fits = |variable: &Variable| {
+        variable.base_type() == BaseType::Real
+            && (variable.causality == causality
+                || (causality == Causality::Output && variable.causality == Causality::Local))
+    };
+    names
+        .iter()
+        .map(|name| find(description, name, role, fits).map(|variable| variable.value_reference))
+        .collect()
+}
+
+/// Sets a parameter of any type.
+fn set_parameter(
+    instance: &mut Instance,
+    description: &ModelDescription,
+    name: &str,
+    value: &ParameterValue,
+) -> Result<(), CosimulationError> {
+    let fits = |variable: &Variable| {
+        matches!(
+            variable.causality,
+            Causality::Parameter | Causality::Input | Causality::Local
+        )
+    };
+    let variable = find(description, name, "parameter", fits)?;
+    let reference = [variable.value_reference];
+    let wrong = |expected| {
+        let (fmu, variable) = (description.model_name.clone(), name.to_owned());
+        CosimulationError::WrongType {
+            fmu,
+            variable,
+            value: value.clone(),
+            expected,
+        }
+    };
+    match (variable.base_type(), value) {
+        (BaseType::Real, ParameterValue::Number(number)) => instance.set_real(&reference, &[*number])?,
+        (BaseType::Real, _) => return Err(wrong("a number")),
+        (BaseType::Integer, ParameterValue::Number(number))
+            if number.fract() == 0.0 && number.abs() < f64::from(i32::MAX) =>
+        {
+            instance.set_integer(&reference, &[*number as i32])?;
+        }
+        (BaseType::Integer, _) => return Err(wrong("a whole number")),
+        (BaseType::Boolean, ParameterValue::Boolean(flag)) => instance.set_boolean(&reference, &[*flag])?,
+        (BaseType::Boolean, _) => return Err(wrong("true or false")),
+        (BaseType::String, ParameterValue::String(text)) => instance.set_string(&reference, &[text])?,
+        (BaseType::String, _) => return Err(wrong("a text")),
+    }
+    Ok(())
+}
+
+impl FmuSlave {
+    /// Makes an instance, sets its parameters and initialises it at t = 0.
+    ///
+    /// # Errors
+    /// A variable that does not exist, and whatever the FMU reports.
+    pub fn start(fmu: &Fmu, role: Role) -> Result<Self, CosimulationError> {
+        let description = fmu.description();
+        let inputs = references(description, &role.inputs, Causality::Input)?;
+        let outputs = references(description, &role.outputs, Causality::Output)?;
+        let work = fmu::WORK.map(|(name, _)| {
+            let fits = |variable: &Variable| variable.base_type() == BaseType::Integer;
+            find(description, name, "integer output", fits).map(|variable| variable.value_reference)
+        });
+        let capabilities = &description.co_simulation;
+        let abilities = Abilities {
+            rollback: capabilities.can_get_and_set_fmu_state,
+            input_derivatives: if capabilities.can_interpolate_inputs {
+                role.input_derivatives
+            } else {
+                0
+            },
+            variable_step: capabilities.can_handle_variable_communication_step_size,
+        };
+        let mut instance = fmu.instantiate(&role.name, false, role.logging)?;
+        for (name, value) in &role.parameters {
+            set_parameter(&mut instance, description, name, value)?;
+        }
+        instance.setup_experiment(0.0, Some(role.duration), None)?;
+        instance.enter_initialization_mode()?;
+        instance.exit_initialization_mode()?;
+        let count = inputs.len();
+        Ok(Self {
+            name: role.name,
+            instance,
+            abilities,
+            inputs,
+            outputs,
+            output_names: role.outputs,
+            orders: vec![0; count],
+            work: match work {
+                [Ok(micro_steps), Ok(iterations), Ok(factorizations)] => {
+                    Some([micro_steps, iterations, factorizations])
+                }
+                _ => None,
+            },
+            state: None,
+            t: 0.0,
+            drawing: None,
+        })
+    }
+
+    /// Makes it draw itself with a component of the core, built from `scene`, that takes over the FMU's states; for FMUs
+    /// packaged from that scene only.
+    #[must_use]
+    pub fn drawn_by<C: Component>(mut self, scene: Scene, draw: fn(&mut C, &mut Frame)) -> Self {
+        self.drawing = Some(Box::new(CoreDrawing {
+            scene,
+            draw,
+            kept: Vec::new(),
+        }));
+        self
+    }
+
+    /// The instance, for what a slave does not offer.
+    pub fn instance(&mut self) -> &mut Instance {
+        &mut self.instance
+    }
+
+    fn failed(&self, action: &'static str) -> impl FnOnce(fmi2::Error) -> SlaveError {
+        let slave = self.name.clone();
+        move |error| SlaveError::Call {
+            slave,
+            action,
+            source: Box::new(error),
+        }
+    }
+
+    fn step_failed(
+        &self,
+        t: f64,
+        h: f64,
+        retryable: bool,
+        source: impl std::error::Error + Send + Sync + 'static,
+    ) -> SlaveError {
+        SlaveError::Step {
+            slave: self.name.clone(),
+            t,
+            h,
+            retryable,
+            source: Box::new(source),
+        }
+    }
+}
+
+impl Slave for FmuSlave {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn abilities(&self) -> Abilities {
+        self.abilities
+    }
+
+    fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError> {
+        if values.is_empty() {
+            return Ok(());
+        }
+        let result = self.instance.set_real(&self.inputs, values);
+        result.map_err(self.failed("take its inputs"))
+    }
+
+    fn set_input_derivatives(&mut self, order: usize, values: &[f64]) -> Result<(), SlaveError> {
+        if values.is_empty() {
+            return Ok(());
+        }
+        self.orders.fill(order as i32);
+        let result = self
+            .instance
+            .set_real_input_derivatives(&self.inputs, &self.orders, values);
+        result.map_err(self.failed("take input derivatives"))
+    }
+
+    fn do_step(&mut self, t: f64, h: f64) -> Result<(), SlaveError> {
+        match self.instance.do_step(t, h) {
+            Ok(StepOutcome::Ok) => {
+                self.t = t + h;
+                Ok(())
+            }
+            Ok(StepOutcome::Discard) => {
+                let log: Vec<String> = self
+                    .instance
+                    .take_log()
+                    .into_iter()
+                    .map(|message| message.text)
+                    .collect();
+                let log = if log.is_empty() {
+                    String::new()
+                } else {
+                    format!(": {}", log.join("; "))
+                };
+                Err(self.step_failed(t, h, true, Discarded(log)))
+            }
+            Err(error) => Err(self.step_failed(t, h, false, error)),
+        }
+    }
+
+    fn outputs(&mut self, values: &mut [f64]) -> Result<(), SlaveError> {
+        let result = self.instance.get_real(&self.outputs, values);
+        result.map_err(self.failed("give its outputs"))?;
+        finite(&self.name, &self.output_names, values, self.t)
+    }
+
+    fn save(&mut self) -> Result<(), SlaveError> {
+        let result = match &self.state {
+            Some(state) => self.instance.save_state_again(state),
+            None => self.instance.save_state().map(|state| self.state = Some(state)),
+        };
+        result.map_err(self.failed("save its state"))
+    }
+
+    fn restore(&mut self) -> Result<(), SlaveError> {
+        let state = self
+            .state
+            .as_ref()
+            .expect("the contract of Slave: save comes before restore");
+        let result = self.instance.restore_state(state);
+        result.map_err(self.failed("go back to its saved state"))
+    }
+
+    fn work(&mut self) -> Work {
+        let mut counts = [0; 3];
+        if let Some(references) = self.work
+            && self.instance.get_integer(&references, &mut counts).is_ok()
+        {
+            let [micro_steps, newton_iterations, factorizations] =
+                counts.map(|count| u64::try_from(count).unwrap_or(0));
+            return Work {
+                micro_steps,
+                newton_iterations,
+                factorizations,
+            };
+        }
+        Work::default()
+    }
+
+    fn draw(&mut self, frame: &mut Frame) {
+        let Some(drawing) = &mut self.drawing else { return };
+        // A state that cannot be had leaves an empty picture: drawing never ends a run.
+        let bytes = self.instance.save_state().and_then(|state| {
+            let bytes = self.instance.serialize_state(&state);
+            self.instance.free_state(state)?;
+            bytes
+        });
+        drawing.keep(bytes.unwrap_or_default(), frame);
+    }
+
+    fn finish_drawing(&mut self, frames: &mut [Frame]) {
+        if let Some(drawing) = &mut self.drawing {
+            drawing.finish(frames);
+        }
+    }
+}

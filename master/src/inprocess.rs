@@ -1,0 +1,215 @@
+//! Slaves made of the core components, in this process and without any protocol.
+
+use catenary::{Line, WireName};
+use component::{Component, Role};
+use dynamics::{Counters, Motion};
+use scene::Scene;
+
+use crate::interface;
+use crate::results::{DropperLine, Frame};
+use crate::slave::{Abilities, Slave, SlaveError, Work, finite};
+
+/// Points that a drawn wire has at most: about two per metre of a screen's width.
+const WIRE_POINTS: usize = 240;
+
+/// A component as a slave.
+pub struct InProcess<C: Component> {
+    name: String,
+    component: C,
+    /// Positions of the exchanged values among the component's signals.
+    inputs: Vec<usize>,
+    outputs: Vec<usize>,
+    output_names: Vec<String>,
+    kept: C::Checkpoint,
+    t: f64,
+    draw: fn(&mut C, &mut Frame),
+}
+
+impl InProcess<catenary::Subsystem> {
+    /// The line of a scene, with the supports of these numbers (from 1) recorded.
+    ///
+    /// # Errors
+    /// A line without static equilibrium.
+    pub fn line(scene: &Scene, supports: &[usize]) -> Result<Self, catenary::CatenaryError> {
+        let component = catenary::Subsystem::build(scene)?;
+        let strips = scene.pantographs.len();
+        let names = (
+            interface::line_inputs(strips),
+            interface::line_outputs(strips, supports),
+        );
+        Ok(Self::new("line", component, scene, names, draw_line))
+    }
+}
+
+impl InProcess<vehicle::Subsystem> {
+    /// Pantograph `index` (from 0) of a scene.
+    ///
+    /// # Errors
+    /// A pantograph without equilibrium at its start.
+    pub fn pantograph(scene: &Scene, index: usize) -> Result<Self, vehicle::VehicleError> {
+        let own = of_pantograph(scene, index);
+        let component = vehicle::Subsystem::build(&own)?;
+        let names = (interface::pantograph_inputs(), interface::pantograph_outputs());
+        let name = format!("pantograph {}", index + 1);
+        Ok(Self::new(&name, component, &own, names, draw_pantograph))
+    }
+}
+
+/// The scene with pantograph `index` (from 0) alone: what a pantograph component is made from.
+#[must_use]
+pub fn of_pantograph(scene: &Scene, index: usize) -> Scene {
+    let mut own = scene.clone();
+    own.pantographs = vec![scene.pantographs[index].clone()];
+    own
+}
+
+impl<C: Component> InProcess<C> {
+    fn new(
+        name: &str,
+        component: C,
+        scene: &Scene,
+        (inputs, outputs): (Vec<String>, Vec<String>),
+        draw: fn(&mut C, &mut Frame),
+    ) -> Self {
+        let signals = C::signals(scene);
+        let place = |name: &String, role: Role| {
+            let found = signals
+                .iter()
+                .position(|signal| signal.name == *name && signal.role == role);
+            found.unwrap_or_else(|| panic!("{} has no {role:?} {name}", C::IDENTIFIER))
+        };
+        Self {
+            name: name.to_owned(),
+            component,
+            inputs: inputs.iter().map(|name| place(name, Role::Input)).collect(),
+            outputs: outputs.iter().map(|name| place(name, Role::Output)).collect(),
+            output_names: outputs,
+            kept: C::Checkpoint::default(),
+            t: 0.0,
+            draw,
+        }
+    }
+}
+
+impl<C: Component> Slave for InProcess<C> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn abilities(&self) -> Abilities {
+        Abilities {
+            rollback: true,
+            input_derivatives: dynamics::MAX_ORDER,
+            variable_step: true,
+        }
+    }
+
+    fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError> {
+        for (&signal, &value) in self.inputs.iter().zip(values) {
+            self.component.set_input(signal, value);
+        }
+        Ok(())
+    }
+
+    fn set_input_derivatives(&mut self, order: usize, values: &[f64]) -> Result<(), SlaveError> {
+        for (&signal, &value) in self.inputs.iter().zip(values) {
+            self.component.set_input_derivative(signal, order, value);
+        }
+        Ok(())
+    }
+
+    fn do_step(&mut self, t: f64, h: f64) -> Result<(), SlaveError> {
+        self.component.do_step(t, h).map_err(|failure| SlaveError::Step {
+            slave: self.name.clone(),
+            t,
+            h,
+            retryable: failure.retryable,
+            source: Box::new(failure),
+        })?;
+        self.t = t + h;
+        Ok(())
+    }
+
+    fn outputs(&mut self, values: &mut [f64]) -> Result<(), SlaveError> {
+        for (&signal, value) in self.outputs.iter().zip(values.iter_mut()) {
+            *value = self.component.output(signal);
+        }
+        finite(&self.name, &self.output_names, values, self.t)
+    }
+
+    fn save(&mut self) -> Result<(), SlaveError> {
+        self.component.save(&mut self.kept);
+        Ok(())
+    }
+
+    fn restore(&mut self) -> Result<(), SlaveError> {
+        self.component.restore(&self.kept).map_err(|failure| SlaveError::Call {
+            slave: self.name.clone(),
+            action: "go back to its saved state",
+            source: Box::new(failure),
+        })
+    }
+
+    fn work(&mut self) -> Work {
+        self.component.work()
+    }
+
+    fn draw(&mut self, frame: &mut Frame) {
+        (self.draw)(&mut self.component, frame);
+    }
+}
+
+/// Solver counts in the words of the results.
+pub(crate) fn work(counters: Counters) -> Work {
+    Work {
+        micro_steps: counters.micro_steps,
+        newton_iterations: counters.newton_iterations,
+        factorizations: counters.factorizations,
+    }
+}
+
+pub(crate) fn draw_line(line: &mut catenary::Subsystem, frame: &mut Frame) {
+    let (line, motion) = line.line();
+    if let Some(shape) = line.shape() {
+        draw_wires(shape, &motion, frame);
+    }
+}
+
+pub(crate) fn draw_pantograph(pantograph: &mut vehicle::Subsystem, frame: &mut Frame) {
+    let (pantograph, motion) = pantograph.pantograph();
+    draw_outline(pantograph, &motion, frame);
+}
+
+/// Adds wires and droppers to a picture.
+pub(crate) fn draw_wires(line: &Line, motion: &Motion<'_>, frame: &mut Frame) {
+    let wire = |name: WireName| {
+        let count = line.wire(name).geometry().nodes().len();
+        let stride = count.div_ceil(WIRE_POINTS);
+        let points = line.polyline(name, motion.q).enumerate();
+        points
+            .filter(|(i, _)| i % stride == 0 || i + 1 == count)
+            .map(|(_, r)| (r.x, r.z))
+            .collect()
+    };
+    frame.contact_wire = wire(WireName::ContactWire);
+    frame.messenger_wire = wire(WireName::MessengerWire);
+    frame.droppers = line
+        .dropper_samples(motion)
+        .map(|dropper| DropperLine {
+            top: (dropper.top.x, dropper.top.z),
+            bottom: (dropper.bottom.x, dropper.bottom.z),
+            slack: dropper.force <= 0.0,
+        })
+        .collect();
+}
+
+/// Adds a pantograph to a picture.
+pub(crate) fn draw_outline(pantograph: &vehicle::PantographModel, motion: &Motion<'_>, frame: &mut Frame) {
+    let outline = pantograph.outline(motion);
+    frame.pantographs.push(
+        outline
+            .iter()
+            .map(|line| line.iter().map(|r| (r.x, r.z)).collect())
+            .collect(),
+    );
+}

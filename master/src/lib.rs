@@ -1,0 +1,42 @@
+//! The co-simulation master: slaves, coupling algorithms, recording, results and reports.
+//!
+//! ```text
+//! module        subject
+//! slave         what an algorithm sees of a subsystem
+//! interface     names and order of the values that are exchanged
+//! algorithm     who steps when, and from which values
+//! run           the time loop
+//! recorder      communication points to series
+//! inprocess     slaves made of the core components
+//! cosimulation  slaves made of FMUs
+//! third_party   somebody else's pantograph behind the scene's wiring
+//! monolithic    line and pantographs as one system
+//! equilibrium   the state at t = 0
+//! package       FMUs made from a scene
+//! simulation    a scene in a mode, from statics to a record
+//! results       files of a run; statistics, standards and report make them
+//! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
+//! ```
+#![forbid(unsafe_code)]
+
+pub mod algorithm;
+pub mod check;
+pub mod cli;
+pub mod command;
+pub mod cosimulation;
+pub mod equilibrium;
+pub mod inprocess;
+pub mod inspect;
+pub mod interface;
+mod modelled;
+pub mod monolithic;
+pub mod package;
+pub mod recorder;
+pub mod report;
+pub mod results;
+pub mod run;
+pub mod simulation;
+pub mod slave;
+pub mod standards;
+pub mod statistics;
+pub mod third_party;

@@ -1,0 +1,8 @@
+//! The command line program.
+#![forbid(unsafe_code)]
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    master::cli::main()
+}

@@ -1,0 +1,262 @@
+//! Line and pantographs as one system: no coupling, one integrator.
+
+use catenary::{CatenaryError, ContactPair, Line, StaticLine, StripStart, contact_pair};
+use dynamics::{Constraint, Counters, Force, Layout, Motion, Simulator, StepError, System};
+use scene::{PantographModel as Entry, Scene};
+use vehicle::{PantographModel, VehicleError};
+
+use crate::algorithm::Point;
+use crate::interface::{contact, line_output_count, strip};
+use crate::results::Frame;
+
+/// Difference of forces below which the start counts as rest, N.
+const AT_REST: f64 = 1e-3;
+
+/// Why there is no single system.
+#[derive(Debug, thiserror::Error)]
+pub enum MonolithicError {
+    /// The line.
+    #[error(transparent)]
+    Line(#[from] CatenaryError),
+    /// A pantograph.
+    #[error("pantograph[{pantograph}]")]
+    Pantograph {
+        /// From 1.
+        pantograph: usize,
+        /// Reason.
+        #[source]
+        source: VehicleError,
+    },
+    /// The start.
+    #[error("the accelerations at the start")]
+    Start(#[source] StepError),
+}
+
+/// Line, pantographs and the contacts between them.
+struct Whole {
+    layout: Layout,
+    line: Line,
+    pantographs: Vec<PantographModel>,
+    contacts: Vec<ContactPair>,
+}
+
+impl System for Whole {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.line.forces(visit);
+        for pantograph in &mut self.pantographs {
+            pantograph.forces(visit);
+        }
+        for contact in &mut self.contacts {
+            visit(contact);
+        }
+    }
+
+    fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        for pantograph in &mut self.pantographs {
+            pantograph.constraints(visit);
+        }
+    }
+}
+
+/// A scene as one system in time.
+pub struct Monolithic {
+    simulator: Simulator<Whole>,
+    supports: Vec<usize>,
+}
+
+impl Monolithic {
+    /// A resolved scene at its start; the supports of these numbers (from 1) are read out.
+    ///
+    /// # Errors
+    /// See [`MonolithicError`].
+    pub fn new(scene: &Scene, statics: &StaticLine, supports: &[usize]) -> Result<Self, MonolithicError> {
+        let mut layout = Layout::new();
+        let line = statics.line_in(&mut layout);
+        let mut pantographs = Vec::new();
+        let mut starts = Vec::new();
+        for (index, entry) in scene.pantographs.iter().enumerate() {
+            let refused = |source| MonolithicError::Pantograph {
+                pantograph: index + 1,
+                source,
+            };
+            let name = format!("pantograph {}", index + 1);
+            let placement = vehicle::placement(scene, index);
+            let pantograph = PantographModel::new(&entry.model, placement, &name, &mut layout).map_err(refused)?;
+            let height = entry
+                .start
+                .map_or_else(|| pantograph.reference_height(), |start| start.height);
+            starts.push(pantograph.equilibrium_at_height(height).map_err(refused)?);
+            pantographs.push(pantograph);
+        }
+
+        // The line settles under the strips as it does alone; a linkage has its own statics.
+        let mut alone = catenary::Subsystem::new(scene, statics)?;
+        let strips: Vec<StripStart> = (0..starts.len())
+            .map(|index| StripStart {
+                x: scene.strip_start_x(index),
+                y: 0.0,
+                height: starts[index].height,
+                speed: scene.run.speed,
+            })
+            .collect();
+        alone.start(&strips)?;
+        let mut state = layout.state_at_rest();
+        let (_, settled) = alone.line();
+        state.q[..settled.q.len()].copy_from_slice(settled.q);
+        let mut balanced = true;
+        for (index, (pantograph, start)) in pantographs.iter_mut().zip(&starts).enumerate() {
+            pantograph.set_initial(start, &mut state);
+            balanced &= (alone.contact(index).force - start.force).abs() < AT_REST;
+        }
+        let mut line = line;
+        line.set_uplift_reference(&state.q);
+        let contacts = pantographs
+            .iter()
+            .enumerate()
+            .map(|(index, pantograph)| contact_pair(scene, &line, index, pantograph.strip()));
+        let contacts = contacts.collect::<Result<_, _>>()?;
+        let whole = Whole {
+            layout,
+            line,
+            pantographs,
+            contacts,
+        };
+        let solver = &scene.solver;
+        let mut simulator = Simulator::new(
+            whole,
+            state,
+            Vec::new(),
+            solver.micro_step,
+            solver.rho_inf,
+            solver.newton_options(),
+        );
+        if !balanced {
+            simulator.start_accelerations().map_err(MonolithicError::Start)?;
+        }
+        Ok(Self {
+            simulator,
+            supports: supports.to_vec(),
+        })
+    }
+
+    /// Whether every pantograph of a scene is modelled here.
+    #[must_use]
+    pub fn can(scene: &Scene) -> bool {
+        scene
+            .pantographs
+            .iter()
+            .all(|pantograph| !matches!(pantograph.model, Entry::ThirdParty(_)))
+    }
+
+    /// Number of generalised coordinates and of constraints.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        let layout = self.simulator.system.layout();
+        (layout.coordinates(), layout.constraints())
+    }
+
+    /// What is exchanged between the two sides, as a communication point at `t` in s.
+    #[must_use]
+    pub fn point(&mut self, t: f64) -> Point {
+        let strips = self.simulator.system.contacts.len();
+        let mut point = Point {
+            t,
+            from: t,
+            line: vec![0.0; line_output_count(strips, self.supports.len())],
+            strips: vec![0.0; strips * strip::OUTPUTS],
+        };
+        let supports = &self.supports;
+        let (whole, motion) = self.simulator.parts();
+        read(whole, &motion, supports, &mut point);
+        point
+    }
+
+    /// Advances from `t` to `t + h`; `see(previous, present)` is given the two ends of every internal step.
+    ///
+    /// # Errors
+    /// See [`StepError`].
+    pub fn advance(
+        &mut self,
+        t: f64,
+        h: f64,
+        points: &mut [Point; 2],
+        see: &mut dyn FnMut(&Point, &Point),
+    ) -> Result<(), StepError> {
+        let supports = &self.supports;
+        let mut steps = 0.0;
+        let count = self.simulator.micro_steps(h) as f64;
+        self.simulator.advance(t, h, &mut |_, _| {}, &mut |whole, motion, dt| {
+            steps += 1.0;
+            let [previous, present] = points;
+            present.from = previous.t;
+            present.t = if steps == count { t + h } else { t + steps * dt };
+            read(whole, &motion, supports, present);
+            straighten(previous, present);
+            see(previous, present);
+            points.swap(0, 1);
+        })
+    }
+
+    /// Work done by the solver.
+    #[must_use]
+    pub fn counters(&self) -> Counters {
+        self.simulator.counters()
+    }
+
+    /// Adds line and pantographs to a picture.
+    pub fn draw(&mut self, frame: &mut Frame) {
+        let (whole, motion) = self.simulator.parts();
+        crate::inprocess::draw_wires(&whole.line, &motion, frame);
+        for pantograph in &whole.pantographs {
+            crate::inprocess::draw_outline(pantograph, &motion, frame);
+        }
+    }
+}
+
+fn read(whole: &Whole, motion: &Motion<'_>, supports: &[usize], point: &mut Point) {
+    for (i, pair) in whole.contacts.iter().enumerate() {
+        let frame = pair.strip(motion);
+        let values = &mut point.strips[i * strip::OUTPUTS..(i + 1) * strip::OUTPUTS];
+        for axis in 0..3 {
+            values[strip::X + axis] = frame.position[axis];
+            values[strip::VX + axis] = frame.velocity[axis];
+        }
+        values[strip::ROLL] = frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]);
+        let state = pair.state(motion);
+        let on_strip = state.map(|state| state.force_on_strip());
+        let position = state.map_or(frame.position, |state| state.geometry.position());
+        let force = state.map_or(0.0, |state| state.force);
+        let values = &mut point.line[i * contact::COUNT..(i + 1) * contact::COUNT];
+        for axis in 0..3 {
+            values[contact::FX + axis] = on_strip.map_or(0.0, |force| force[axis]);
+            values[contact::MEAN_FX + axis] = values[contact::FX + axis];
+        }
+        values[contact::FORCE] = force;
+        values[contact::X] = position.x;
+        values[contact::Y] = position.y;
+        values[contact::WIRE_Z] = position.z;
+        values[contact::GAP] = state.map_or(f64::MAX, |state| state.geometry.gap);
+    }
+    let first = whole.contacts.len() * contact::COUNT;
+    for (k, &support) in supports.iter().enumerate() {
+        point.line[first + k] = whole.line.uplift(support - 1, motion.q);
+    }
+}
+
+/// Fills the samples of a step with the straight line between its end forces.
+fn straighten(start: &Point, end: &mut Point) {
+    let strips = end.strip_count();
+    for (i, values) in end.line.chunks_exact_mut(contact::COUNT).take(strips).enumerate() {
+        let (from, to) = (start.contact(i)[contact::FORCE], values[contact::FORCE]);
+        for (j, sample) in values[contact::SAMPLES..contact::SAMPLES + contact::SAMPLE_COUNT]
+            .iter_mut()
+            .enumerate()
+        {
+            *sample = from + (to - from) * (j + 1) as f64 / contact::SAMPLE_COUNT as f64;
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! A self-contained page.
+
+use std::sync::LazyLock;
+
+/// Style of all pages.
+const STYLE: &str = include_str!("style.css");
+
+/// plotly.js as a script element.
+///
+/// The plotly crate hands it out together with MathJax, which no page uses and which would add
+/// 2 MB; only the first script element, plotly.js itself, is kept.
+static PLOTLY: LazyLock<String> = LazyLock::new(|| {
+    const END: &str = "</script>";
+    let mut sources = plotly::Plot::offline_js_sources();
+    if let Some(end) = sources.find(END) {
+        sources.truncate(end + END.len());
+    }
+    sources
+});
+
+/// Replaces the characters that have a meaning in HTML.
+#[must_use]
+pub fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+/// A plot as a piece of a [`Page`], in a box of `height` (CSS pixels). `id` must be unique in the
+/// page and made of letters, digits and `-`.
+#[must_use]
+pub fn plot_html(plot: &plotly::Plot, id: &str, height: u32) -> String {
+    format!(
+        "<div class=\"plot\" style=\"height:{height}px\">{}</div>\n",
+        plot.to_inline_html(Some(id))
+    )
+}
+
+/// A page that works offline: style, and plotly.js where a plot needs it, are inside.
+#[derive(Clone, Debug)]
+pub struct Page {
+    title: String,
+    body: String,
+}
+
+impl Page {
+    /// An empty page. `title` is plain text.
+    #[must_use]
+    pub fn new(title: &str) -> Self {
+        let title = escape(title);
+        Self {
+            body: format!("<header><h1>{title}</h1>\n"),
+            title,
+        }
+    }
+
+    /// Closes the head of the page with `html` below the title.
+    pub fn lead(&mut self, html: &str) {
+        self.body.push_str(html);
+        self.body.push_str("</header>\n");
+    }
+
+    /// Appends a section; `heading` is plain text and may be empty, `html` is inserted as it is.
+    /// An empty `html` adds nothing.
+    pub fn section(&mut self, heading: &str, html: &str) {
+        if html.is_empty() {
+            return;
+        }
+        self.body.push_str("<section>\n");
+        if !heading.is_empty() {
+            self.body.push_str(&format!("<h2>{}</h2>\n", escape(heading)));
+        }
+        self.body.push_str(html);
+        self.body.push_str("</section>\n");
+    }
+
+    /// The whole page.
+    #[must_use]
+    pub fn finish(self) -> String {
+        let plotly = if self.body.contains("plotly-graph-div") {
+            PLOTLY.as_str()
+        } else {
+            ""
+        };
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <title>{}</title>\n<style>\n{STYLE}</style>\n{plotly}\n</head>\n<body>\n<main>\n{}\
+             </main>\n</body>\n</html>\n",
+            self.title, self.body
+        )
+    }
+}

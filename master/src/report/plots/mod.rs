@@ -1,0 +1,193 @@
+//! The plots of the report.
+
+mod distribution;
+mod series;
+
+use plotly::color::NamedColor;
+use plotly::common::{Anchor, DashType, Font, Line, Mode, Orientation, Title};
+use plotly::configuration::DisplayModeBar;
+use plotly::layout::{Annotation, Axis, HoverMode, Legend, Margin, Shape, ShapeLayer, ShapeLine, ShapeType};
+use plotly::{Configuration, Layout, Plot, Scatter};
+
+use super::{escape, plot_html};
+use crate::results::{RunBundle, StripRecord};
+
+/// Colours of the curves, told apart with colour-blind eyes too; repeated when used up.
+pub(super) const COLOURS: [&str; 7] = [
+    "#1f5fa8", "#d1661b", "#1d7a46", "#a0338a", "#8a6d00", "#3aa0c4", "#b3261e",
+];
+
+/// Colours of the raw force behind the filtered one of the same run.
+const PALE: [&str; 7] = [
+    "#b5cbe4", "#f0cbae", "#b3d6c1", "#e0bcd9", "#dcd09f", "#bfe1ed", "#e6b8b5",
+];
+
+const GRID: &str = "#e6eaee";
+const MARK: &str = "#aeb7c2";
+const TEXT: &str = "#5b6675";
+const SHADE: &str = "#eef4fa";
+
+/// One contact of one run.
+struct Curve<'a> {
+    label: String,
+    strip: &'a StripRecord,
+    /// Number among the pantographs of its run, from 0.
+    pantograph: usize,
+    run: &'a RunBundle,
+}
+
+/// The contacts of all runs.
+fn curves(runs: &[RunBundle]) -> Vec<Curve<'_>> {
+    let mut curves = Vec::new();
+    for run in runs {
+        let several = run.record.pantographs.len() > 1;
+        for (pantograph, strip) in run.record.pantographs.iter().enumerate() {
+            let mut parts = Vec::new();
+            if runs.len() > 1 {
+                parts.push(escape(&run.summary.label()));
+            }
+            if several {
+                parts.push(format!("pantograph {}", pantograph + 1));
+            }
+            curves.push(Curve {
+                label: parts.join(", "),
+                strip,
+                pantograph,
+                run,
+            });
+        }
+    }
+    curves
+}
+
+/// Joins what is drawn and the label of a curve.
+fn name(what: &str, label: &str) -> String {
+    if label.is_empty() {
+        what.to_owned()
+    } else {
+        format!("{what}, {label}")
+    }
+}
+
+/// Rounds for drawing, which keeps the page small: `per` steps per unit.
+fn rounded(values: &[f64], per: f64) -> Vec<f64> {
+    values.iter().map(|v| (v * per).round() / per).collect()
+}
+
+fn axis(title: &str) -> Axis {
+    Axis::new()
+        .title(Title::with_text(title))
+        .grid_color(GRID)
+        .zero_line_color(MARK)
+        .line_color(MARK)
+        .show_line(true)
+        .auto_margin(true)
+}
+
+fn layout(x: Axis, y: Axis) -> Layout {
+    Layout::new()
+        .x_axis(x)
+        .y_axis(y)
+        .auto_size(true)
+        .margin(Margin::new().left(56).right(12).top(30).bottom(46))
+        .font(
+            Font::new()
+                .family("system-ui, -apple-system, Segoe UI, Roboto, sans-serif")
+                .size(13),
+        )
+        .hover_mode(HoverMode::X)
+        .plot_background_color(NamedColor::White)
+        .legend(
+            Legend::new()
+                .orientation(Orientation::Horizontal)
+                .x(0.0)
+                .y(1.06)
+                .y_anchor(Anchor::Bottom),
+        )
+        .show_legend(true)
+}
+
+fn finished(traces: impl IntoIterator<Item = Box<Scatter<f64, f64>>>, layout: Layout, id: &str, height: u32) -> String {
+    let mut plot = Plot::new();
+    for trace in traces {
+        plot.add_trace(trace);
+    }
+    plot.set_layout(layout);
+    plot.set_configuration(
+        Configuration::new()
+            .responsive(true)
+            .display_logo(false)
+            .display_mode_bar(DisplayModeBar::False),
+    );
+    plot_html(&plot, id, height)
+}
+
+fn curve(x: Vec<f64>, y: Vec<f64>, name: &str, colour: &'static str, width: f64) -> Box<Scatter<f64, f64>> {
+    Scatter::new(x, y)
+        .mode(Mode::Lines)
+        .name(name)
+        .line(Line::new().color(colour).width(width))
+}
+
+/// A vertical line over the whole height, or over the lowest `share` of it.
+fn vertical(x: f64, share: f64, colour: &'static str, dash: DashType) -> Shape {
+    Shape::new()
+        .shape_type(ShapeType::Line)
+        .layer(ShapeLayer::Below)
+        .x_ref("x")
+        .y_ref("paper")
+        .x0(x)
+        .x1(x)
+        .y0(0.0)
+        .y1(share)
+        .line(ShapeLine::new().color(colour).width(1.0).dash(dash))
+}
+
+/// A shaded band from `a` to `b` on the x axis.
+fn band(a: f64, b: f64) -> Shape {
+    Shape::new()
+        .shape_type(ShapeType::Rect)
+        .layer(ShapeLayer::Below)
+        .x_ref("x")
+        .y_ref("paper")
+        .x0(a)
+        .x1(b)
+        .y0(0.0)
+        .y1(1.0)
+        .fill_color(SHADE)
+        .line(ShapeLine::new().width(0.0))
+}
+
+/// A small text above the plot area at `x`, in the coordinates of the axis.
+fn mark(x: f64, text: &str) -> Annotation {
+    Annotation::new()
+        .x_ref("x")
+        .y_ref("paper")
+        .x(x)
+        .y(1.0)
+        .y_anchor(Anchor::Bottom)
+        .text(text)
+        .show_arrow(false)
+        .font(Font::new().size(11).color(TEXT))
+}
+
+/// Sections of all plots, each with its heading; those without data are left out.
+pub(super) fn sections(runs: &[RunBundle]) -> Vec<(&'static str, String)> {
+    let curves = curves(runs);
+    let spectrum = distribution::spectrum(&curves);
+    let histogram = distribution::histogram_plot(&curves);
+    let pair = if spectrum.is_empty() && histogram.is_empty() {
+        String::new()
+    } else {
+        format!(
+            "<div class=\"pair\"><div><h3>Power spectral density of the raw force</h3>{spectrum}</div>\n\
+             <div><h3>Histogram</h3>{histogram}</div></div>\n\
+             <p class=\"caption\">Both over the evaluation range. Spectrum: mean removed, Hann window.</p>\n"
+        )
+    };
+    vec![
+        ("Contact force", series::force(&curves)),
+        ("Uplift at the supports", series::uplift(runs)),
+        ("Spectrum and histogram", pair),
+    ]
+}

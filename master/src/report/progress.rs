@@ -1,0 +1,118 @@
+//! The progress bar of a run.
+
+use std::io::IsTerminal;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Whether progress may be shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Show {
+    /// On stderr, if that is a terminal.
+    OnTerminal,
+    /// Never.
+    Never,
+}
+
+/// A progress bar on stderr, drawn only where stderr is a terminal; otherwise it does nothing.
+#[derive(Debug)]
+pub struct Progress {
+    bar: ProgressBar,
+    /// Value of a full bar.
+    total: f64,
+}
+
+/// Steps of a full bar.
+const STEPS: u64 = 1000;
+
+impl Progress {
+    /// A bar for the simulated time from 0 to `duration` s.
+    #[must_use]
+    pub fn simulated(label: &str, duration: f64, show: Show) -> Self {
+        Self::new(
+            label,
+            duration,
+            STEPS,
+            "{prefix}  {wide_bar} {percent} %  {msg}  {eta} left",
+            show,
+        )
+    }
+
+    /// A bar for `count` runs.
+    #[must_use]
+    pub fn counted(label: &str, count: usize, show: Show) -> Self {
+        let template = "{prefix}  {wide_bar} {pos}/{len}  {msg}  {elapsed}";
+        Self::new(label, count as f64, count as u64, template, show)
+    }
+
+    fn new(label: &str, total: f64, length: u64, template: &str, show: Show) -> Self {
+        let visible = show == Show::OnTerminal && std::io::stderr().is_terminal();
+        let target = if visible {
+            ProgressDrawTarget::stderr_with_hz(10)
+        } else {
+            ProgressDrawTarget::hidden()
+        };
+        let bar = ProgressBar::with_draw_target(Some(length), target);
+        // The templates above are constants; a wrong one would leave the default bar.
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        bar.set_prefix(label.to_owned());
+        Self { bar, total }
+    }
+
+    /// Moves the bar to `value`, between 0 and the total, s or runs.
+    pub fn set(&self, value: f64) {
+        let share = if self.total > 0.0 {
+            (value / self.total).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let length = self.bar.length().unwrap_or(STEPS);
+        self.bar.set_position((share * length as f64).round() as u64);
+    }
+
+    /// Shows `text` beside the bar.
+    pub fn message(&self, text: &str) {
+        if !self.bar.is_hidden() {
+            self.bar.set_message(text.to_owned());
+        }
+    }
+
+    /// Prints a line above the bar, or to stderr where there is no bar on a terminal.
+    pub fn line(&self, text: &str) {
+        if self.bar.is_hidden() {
+            eprintln!("{text}")
+        } else {
+            self.bar.println(text)
+        }
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bar_moves_with_the_value_and_stays_inside_its_ends() {
+        let progress = Progress::simulated("run", 8.0, Show::Never);
+        for (value, position) in [(2.0, 250), (-1.0, 0), (9.0, 1000)] {
+            progress.set(value);
+            assert_eq!(progress.bar.position(), position);
+        }
+        let runs = Progress::counted("study", 12, Show::Never);
+        runs.set(3.0);
+        assert_eq!(runs.bar.position(), 3);
+        assert!(runs.bar.is_hidden());
+    }
+}

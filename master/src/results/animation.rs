@@ -1,0 +1,96 @@
+//! Coarse pictures of line and pantograph, for the animation of the report.
+
+use serde::{Deserialize, Serialize};
+
+/// Pictures of the line seen from the side, in the order of time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Animation {
+    /// Pictures.
+    pub frames: Vec<Frame>,
+}
+
+/// One picture; points are (x, z) in m.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Time, s.
+    pub time: f64,
+    /// Points along the contact wire.
+    pub contact_wire: Vec<(f64, f64)>,
+    /// Points along the messenger wire.
+    pub messenger_wire: Vec<(f64, f64)>,
+    /// Droppers.
+    pub droppers: Vec<DropperLine>,
+    /// Polylines of each pantograph: `pantographs[i]` is a list of polylines, the collector strip
+    /// first.
+    pub pantographs: Vec<Vec<Vec<(f64, f64)>>>,
+    /// Contact force of each pantograph at this time, N.
+    pub forces: Vec<f64>,
+}
+
+/// A dropper between the wires. In files: `[x_top, z_top, x_bottom, z_bottom, slack]`, slack 0 or 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "(f64, f64, f64, f64, u8)", into = "(f64, f64, f64, f64, u8)")]
+pub struct DropperLine {
+    /// End at the messenger wire (x, z), m.
+    pub top: (f64, f64),
+    /// End at the contact wire (x, z), m.
+    pub bottom: (f64, f64),
+    /// Whether it carries no force.
+    pub slack: bool,
+}
+
+impl From<(f64, f64, f64, f64, u8)> for DropperLine {
+    fn from((x0, z0, x1, z1, slack): (f64, f64, f64, f64, u8)) -> Self {
+        Self {
+            top: (x0, z0),
+            bottom: (x1, z1),
+            slack: slack != 0,
+        }
+    }
+}
+
+impl From<DropperLine> for (f64, f64, f64, f64, u8) {
+    fn from(d: DropperLine) -> Self {
+        (d.top.0, d.top.1, d.bottom.0, d.bottom.1, u8::from(d.slack))
+    }
+}
+
+/// Rounds to 0.1 mm: a tenth of what a screen shows at the largest magnification.
+fn round(p: (f64, f64)) -> (f64, f64) {
+    let r = |v: f64| (v * 1e4).round() / 1e4;
+    (r(p.0), r(p.1))
+}
+
+impl Animation {
+    /// The same pictures with all points rounded to 0.1 mm, times to 0.1 ms and forces to 0.1 N,
+    /// which keeps the file small.
+    #[must_use]
+    pub fn rounded(&self) -> Self {
+        let line = |points: &[(f64, f64)]| points.iter().copied().map(round).collect::<Vec<_>>();
+        let frames = self
+            .frames
+            .iter()
+            .map(|frame| Frame {
+                time: (frame.time * 1e4).round() / 1e4,
+                contact_wire: line(&frame.contact_wire),
+                messenger_wire: line(&frame.messenger_wire),
+                droppers: frame
+                    .droppers
+                    .iter()
+                    .map(|d| DropperLine {
+                        top: round(d.top),
+                        bottom: round(d.bottom),
+                        ..*d
+                    })
+                    .collect(),
+                pantographs: frame
+                    .pantographs
+                    .iter()
+                    .map(|lines| lines.iter().map(|l| line(l)).collect())
+                    .collect(),
+                forces: frame.forces.iter().map(|f| (f * 10.0).round() / 10.0).collect(),
+            })
+            .collect();
+        Self { frames }
+    }
+}

@@ -1,0 +1,122 @@
+//! The record of a run.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Animation, ResultsError};
+
+/// Everything a run recorded; all series have the length of `time`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Record {
+    /// Times, s, at a constant output step.
+    pub time: Vec<f64>,
+    /// One record per pantograph; the first one leads.
+    pub pantographs: Vec<StripRecord>,
+    /// Supports that bound the evaluated spans.
+    pub supports: Vec<SupportRecord>,
+    /// Where supports and droppers stand, for plots.
+    pub line: LineGeometry,
+    /// Coarse pictures of line and pantograph.
+    pub animation: Animation,
+}
+
+/// Contact of one collector strip.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StripRecord {
+    /// Contact force, N, not negative.
+    pub force: Vec<f64>,
+    /// Contact point along the track, m.
+    pub contact_x: Vec<f64>,
+    /// Contact point, lateral, m.
+    pub contact_y: Vec<f64>,
+    /// Height of the wire at the contact point, m.
+    pub wire_z: Vec<f64>,
+    /// Height of the strip, m.
+    pub strip_z: Vec<f64>,
+    /// Vertical velocity of the strip, m/s.
+    pub strip_vz: Vec<f64>,
+    /// Gap between strip and wire, m, positive when open.
+    pub gap: Vec<f64>,
+}
+
+/// Uplift at one support.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SupportRecord {
+    /// Number of the support, from 1.
+    pub number: usize,
+    /// Rise of the contact wire above its height at t = 0, m.
+    pub uplift: Vec<f64>,
+}
+
+/// Positions along the track, m, rising.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LineGeometry {
+    /// Supports, the first one is number 1, m.
+    pub support_x: Vec<f64>,
+    /// Droppers, m.
+    pub dropper_x: Vec<f64>,
+}
+
+impl StripRecord {
+    /// The series in the order of the time series file, each with the pattern of its name.
+    pub(super) fn columns(&self) -> [(&'static str, &Vec<f64>); 7] {
+        [
+            ("contact[].force", &self.force),
+            ("contact[].x", &self.contact_x),
+            ("contact[].y", &self.contact_y),
+            ("contact[].wire.z", &self.wire_z),
+            ("strip[].z", &self.strip_z),
+            ("strip[].vz", &self.strip_vz),
+            ("contact[].gap", &self.gap),
+        ]
+    }
+
+    /// Builds a record from its seven series in the order of the time series file.
+    pub(super) fn from_columns(columns: [Vec<f64>; 7]) -> Self {
+        let [force, contact_x, contact_y, wire_z, strip_z, strip_vz, gap] = columns;
+        Self {
+            force,
+            contact_x,
+            contact_y,
+            wire_z,
+            strip_z,
+            strip_vz,
+            gap,
+        }
+    }
+}
+
+impl Record {
+    /// All series but the time with their names, in the order of the time series file.
+    pub(super) fn columns(&self) -> Vec<(String, &Vec<f64>)> {
+        let mut columns = Vec::new();
+        for (i, pantograph) in self.pantographs.iter().enumerate() {
+            for (pattern, values) in pantograph.columns() {
+                columns.push((pattern.replace("[]", &format!("[{}]", i + 1)), values));
+            }
+        }
+        for support in &self.supports {
+            columns.push((format!("support[{}].uplift", support.number), &support.uplift));
+        }
+        columns
+    }
+
+    /// Checks that all series have the length of the time.
+    ///
+    /// # Errors
+    ///
+    /// [`ResultsError::Length`] names the first series that does not.
+    pub fn check(&self) -> Result<(), ResultsError> {
+        let expected = self.time.len();
+        for (column, values) in self.columns() {
+            if values.len() != expected {
+                return Err(ResultsError::Length {
+                    column,
+                    found: values.len(),
+                    expected,
+                });
+            }
+        }
+        Ok(())
+    }
+}

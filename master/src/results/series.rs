@@ -1,0 +1,115 @@
+//! The time series file.
+
+use std::path::Path;
+
+use super::{Record, ResultsError, StripRecord, SupportRecord};
+
+/// Names of the seven series of pantograph `i` (from 1).
+fn strip_names(i: usize) -> [String; 7] {
+    StripRecord::default()
+        .columns()
+        .map(|(pattern, _)| pattern.replace("[]", &format!("[{i}]")))
+}
+
+/// Writes the series of `record` as CSV to `out`; `path` is named in errors.
+///
+/// Numbers are written with the fewest digits that read back to the same `f64`.
+///
+/// # Errors
+///
+/// [`ResultsError::Length`] where a series has not the length of the time, else what `out` reports.
+pub fn write_timeseries(out: impl std::io::Write, path: &Path, record: &Record) -> Result<(), ResultsError> {
+    use std::fmt::Write as _;
+    record.check()?;
+    let failed = |source| ResultsError::Csv {
+        path: path.to_owned(),
+        source,
+    };
+    let columns = record.columns();
+    let mut writer = csv::Writer::from_writer(out);
+    writer.write_field("time").map_err(failed)?;
+    for (name, _) in &columns {
+        writer.write_field(name).map_err(failed)?;
+    }
+    writer.write_record(None::<&[u8]>).map_err(failed)?;
+    let mut cell = String::new();
+    for (row, time) in record.time.iter().enumerate() {
+        for value in std::iter::once(time).chain(columns.iter().map(|(_, values)| &values[row])) {
+            cell.clear();
+            // Writing to a string cannot fail. `{:?}` is the shortest text that reads back.
+            let _ = write!(cell, "{value:?}");
+            writer.write_field(&cell).map_err(failed)?;
+        }
+        writer.write_record(None::<&[u8]>).map_err(failed)?;
+    }
+    writer.flush().map_err(|source| ResultsError::Io {
+        path: path.to_owned(),
+        action: "write",
+        source,
+    })
+}
+
+/// Reads a time series file; line geometry and animation of the record stay empty.
+///
+/// # Errors
+///
+/// [`ResultsError`] names file, line and column of what is wrong.
+pub fn read_timeseries(path: &Path) -> Result<Record, ResultsError> {
+    let failed = |source| ResultsError::Csv {
+        path: path.to_owned(),
+        source,
+    };
+    let file = std::fs::File::open(path).map_err(|source| ResultsError::Io {
+        path: path.to_owned(),
+        action: "read",
+        source,
+    })?;
+    let mut reader = csv::Reader::from_reader(std::io::BufReader::new(file));
+    let names: Vec<String> = reader.headers().map_err(failed)?.iter().map(str::to_owned).collect();
+
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
+    let mut row = csv::StringRecord::new();
+    while reader.read_record(&mut row).map_err(failed)? {
+        for ((cell, name), values) in row.iter().zip(&names).zip(&mut columns) {
+            values.push(cell.parse().map_err(|_| ResultsError::Number {
+                path: path.to_owned(),
+                line: row.position().map_or(0, |p| p.line() as usize),
+                column: name.clone(),
+                value: cell.to_owned(),
+            })?);
+        }
+    }
+
+    let wrong = |position: usize, expected: &str| ResultsError::Column {
+        path: path.to_owned(),
+        position: position + 1,
+        found: names.get(position).cloned().unwrap_or_default(),
+        expected: expected.to_owned(),
+    };
+    let mut record = Record::default();
+    let mut columns = columns.into_iter();
+    if names.first().map(String::as_str) != Some("time") {
+        return Err(wrong(0, "time"));
+    }
+    record.time = columns.next().unwrap_or_default();
+    let mut at = 1;
+    while names.get(at).is_some_and(|name| !name.starts_with("support[")) {
+        for (k, expected) in strip_names(record.pantographs.len() + 1).iter().enumerate() {
+            if names.get(at + k) != Some(expected) {
+                return Err(wrong(at + k, expected));
+            }
+        }
+        let series = std::array::from_fn(|_| columns.next().unwrap_or_default());
+        record.pantographs.push(StripRecord::from_columns(series));
+        at += 7;
+    }
+    for (name, uplift) in names[at..].iter().zip(columns) {
+        let number = name
+            .strip_prefix("support[")
+            .and_then(|rest| rest.strip_suffix("].uplift"))
+            .and_then(|number| number.parse().ok())
+            .ok_or_else(|| wrong(at + record.supports.len(), "support[k].uplift"))?;
+        record.supports.push(SupportRecord { number, uplift });
+    }
+    Ok(record)
+}

@@ -1,0 +1,491 @@
+//! A scene in a mode: from statics to a record.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use catenary::{CatenaryError, StaticLine, static_line};
+use fmi2::import::Fmu;
+use scene::{Evaluate, Line, Offset, PantographModel, Scene, SceneError, Start};
+
+use crate::algorithm::{self, CouplingError, Exchange, Sides};
+use crate::cosimulation::{CosimulationError, FmuSlave, Role};
+use crate::equilibrium::{self, EquilibriumError};
+use crate::inprocess::{self, InProcess, of_pantograph};
+use crate::interface;
+use crate::monolithic::{Monolithic, MonolithicError};
+use crate::package::{self, Libraries, PackageError};
+use crate::recorder::Recorder;
+use crate::results::{self, LineGeometry, Record, RunInfo};
+use crate::run::{self, Failure, Outcome, Schedule, Watch};
+use crate::slave::{Slave, SlaveError};
+use crate::third_party::ThirdPartyPantograph;
+
+/// How a scene is run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// FMUs through their C interface.
+    #[default]
+    Cosimulation,
+    /// Line and pantographs as one system.
+    Monolithic,
+    /// The same subsystems as the FMUs', without them.
+    Inprocess,
+}
+
+impl Mode {
+    /// The word of the command line and of the summary.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cosimulation => "cosimulation",
+            Self::Monolithic => "monolithic",
+            Self::Inprocess => "inprocess",
+        }
+    }
+}
+
+/// Why a run cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// The scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The line has no static state.
+    #[error("the line of the scene")]
+    Line(#[from] CatenaryError),
+    /// There is no start.
+    #[error("the state at t = 0")]
+    Equilibrium(#[from] EquilibriumError),
+    /// What the mode cannot do with this scene.
+    #[error("--mode {mode}: {what}")]
+    NotInThisMode {
+        /// Name of the mode.
+        mode: &'static str,
+        /// What the scene asks for.
+        what: String,
+    },
+    /// An FMU file cannot be used.
+    #[error(transparent)]
+    FmuFile(fmi2::Error),
+    /// An FMU cannot be made.
+    #[error(transparent)]
+    Package(#[from] PackageError),
+    /// An FMU does not start.
+    #[error(transparent)]
+    Cosimulation(#[from] CosimulationError),
+    /// A pantograph cannot be built.
+    #[error("pantograph[{pantograph}]")]
+    Pantograph {
+        /// From 1.
+        pantograph: usize,
+        /// Reason.
+        #[source]
+        source: vehicle::VehicleError,
+    },
+    /// One system cannot be built.
+    #[error(transparent)]
+    Monolithic(#[from] MonolithicError),
+    /// The coupling cannot be set up.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// A slave does not give its outputs at the start.
+    #[error(transparent)]
+    Slave(#[from] SlaveError),
+}
+
+impl SetupError {
+    /// Whether the input is to blame, and not what was made of it.
+    #[must_use]
+    pub fn is_input(&self) -> bool {
+        matches!(
+            self,
+            Self::Scene(_)
+                | Self::Line(_)
+                | Self::Equilibrium(_)
+                | Self::NotInThisMode { .. }
+                | Self::FmuFile(_)
+                | Self::Coupling(CouplingError::NoRollback { .. })
+                | Self::Cosimulation(CosimulationError::NoVariable { .. } | CosimulationError::WrongType { .. })
+        )
+    }
+}
+
+/// A scene whose statics are known.
+pub struct Prepared {
+    /// The resolved scene.
+    pub scene: Scene,
+    /// Name of the scene in results.
+    pub name: String,
+    /// Static state of its line.
+    pub statics: StaticLine,
+    third_party: Vec<Option<ThirdPartyPantograph>>,
+    begin: Instant,
+}
+
+/// Solves the statics of a scene and resolves what it leaves open.
+///
+/// Paths of FMUs are relative to `base`. With `logging`, FMUs are asked for their debug messages.
+///
+/// # Errors
+/// See [`SetupError`].
+pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Result<Prepared, SetupError> {
+    let begin = Instant::now();
+    if let Line::ThirdParty(line) = &scene.catenary {
+        let what = format!("catenary.fmu = \"{}\": this version runs its own lines only", line.fmu);
+        return Err(SetupError::NotInThisMode {
+            mode: Mode::Cosimulation.name(),
+            what,
+        });
+    }
+    let statics = static_line(&scene)?;
+    let mut third_party = Vec::new();
+    for index in 0..scene.pantographs.len() {
+        third_party.push(match scene.pantographs[index].model.clone() {
+            PantographModel::ThirdParty(entry) => {
+                Some(start_third_party(&mut scene, &statics, &entry, index, base, logging)?)
+            }
+            _ => None,
+        });
+    }
+    equilibrium::resolve(&mut scene, &statics)?;
+    scene.check(name)?;
+    Ok(Prepared {
+        scene,
+        name: name.to_owned(),
+        statics,
+        third_party,
+        begin,
+    })
+}
+
+/// Starts a third-party pantograph, aligns it with the wire where asked for, and takes its start into the scene.
+fn start_third_party(
+    scene: &mut Scene,
+    statics: &StaticLine,
+    entry: &scene::ThirdParty,
+    index: usize,
+    base: &Path,
+    logging: bool,
+) -> Result<ThirdPartyPantograph, SetupError> {
+    if entry.isolate {
+        let what = format!(
+            "pantograph[{}].isolate = true: this version runs FMUs in its own process only",
+            index + 1
+        );
+        return Err(SetupError::NotInThisMode {
+            mode: Mode::Cosimulation.name(),
+            what,
+        });
+    }
+    let path = base.join(&entry.fmu);
+    let fmu = Fmu::open(&path).map_err(SetupError::FmuFile)?;
+    let mut pantograph = ThirdPartyPantograph::start(&fmu, entry, scene, index, logging)?;
+    let force = pantograph.start_force(&fmu, entry);
+    if entry
+        .outputs
+        .get("height")
+        .is_some_and(|height| height.offset == Offset::Align)
+    {
+        let height = equilibrium::wire_height(scene, statics, index, force)?;
+        pantograph.shift(height - pantograph.height());
+    }
+    let absolute = std::path::absolute(&path).unwrap_or(path);
+    let pantograph_entry = &mut scene.pantographs[index];
+    pantograph_entry.start = Some(Start {
+        height: pantograph.height(),
+        force: force.max(0.0),
+    });
+    if let PantographModel::ThirdParty(entry) = &mut pantograph_entry.model {
+        entry.fmu = absolute.display().to_string();
+    }
+    Ok(pantograph)
+}
+
+/// Numbers (from 1) of the supports that bound the evaluated spans.
+#[must_use]
+pub fn evaluated_supports(scene: &Scene) -> Vec<usize> {
+    let Some((catenary, _)) = scene.modelled_line() else {
+        return Vec::new();
+    };
+    let (first, last) = evaluated_spans(scene);
+    (first..=last + 1).filter(|&k| k <= catenary.spans() + 1).collect()
+}
+
+/// First and last evaluated span (from 1): those that a strip passes during the evaluation.
+#[must_use]
+pub fn evaluated_spans(scene: &Scene) -> (usize, usize) {
+    if let Evaluate::Spans { first, last } = scene.run.evaluate {
+        return (first, last);
+    }
+    let Some((catenary, _)) = scene.modelled_line() else {
+        return (1, 1);
+    };
+    let span = |x: f64| {
+        (1..=catenary.spans())
+            .find(|&span| x < catenary.support_x(span))
+            .unwrap_or(catenary.spans())
+    };
+    let ranges = (0..scene.pantographs.len()).map(|index| scene.evaluation_x(index));
+    ranges.fold((catenary.spans(), 1), |(first, last), (from, to)| {
+        (first.min(span(from)), last.max(span(to)))
+    })
+}
+
+/// A run that has ended, complete or not.
+pub struct Finished {
+    /// What is known besides the record.
+    pub info: RunInfo,
+    /// Series.
+    pub record: Record,
+    /// Why it is incomplete.
+    pub failure: Option<Box<dyn std::error::Error + Send + Sync>>,
+}
+
+/// Where co-simulation takes its FMUs from.
+pub struct FmuSource<'a> {
+    /// Folder for the packages of the scene.
+    pub folder: PathBuf,
+    /// Is given what takes long.
+    pub say: &'a dyn Fn(&str),
+    /// Whether FMUs are asked for their debug messages.
+    pub logging: bool,
+}
+
+impl Prepared {
+    /// Makes the slaves, calls `good` when everything is known to be good and nothing is computed yet, and runs.
+    ///
+    /// # Errors
+    /// See [`SetupError`], and what `good` returns.
+    pub fn run<E: From<SetupError>>(
+        self,
+        mode: Mode,
+        source: &FmuSource<'_>,
+        watch: &Watch<'_>,
+        good: impl FnOnce(&Scene) -> Result<(), E>,
+    ) -> Result<Finished, E> {
+        let supports = evaluated_supports(&self.scene);
+        match mode {
+            Mode::Monolithic => self.run_as_one(&supports, watch, good),
+            Mode::Inprocess | Mode::Cosimulation => self.run_coupled(mode, &supports, source, watch, good),
+        }
+    }
+
+    fn schedule(&self, may_shorten: bool) -> Schedule {
+        Schedule {
+            duration: self.scene.run.duration,
+            macro_step: self.scene.coupling.macro_step,
+            may_shorten,
+        }
+    }
+
+    fn recorder(&self, supports: &[usize]) -> Recorder {
+        let line = self
+            .scene
+            .modelled_line()
+            .map_or_else(LineGeometry::default, |(catenary, _)| LineGeometry {
+                support_x: catenary.supports_x(),
+                dropper_x: catenary.droppers_x(),
+            });
+        let run = &self.scene.run;
+        Recorder::new(
+            run.duration,
+            run.output_step,
+            self.scene.pantographs.len(),
+            supports,
+            line,
+        )
+    }
+
+    fn run_coupled<E: From<SetupError>>(
+        mut self,
+        mode: Mode,
+        supports: &[usize],
+        source: &FmuSource<'_>,
+        watch: &Watch<'_>,
+        good: impl FnOnce(&Scene) -> Result<(), E>,
+    ) -> Result<Finished, E> {
+        let third_party = std::mem::take(&mut self.third_party);
+        let (mut line, mut pantographs) = match mode {
+            Mode::Cosimulation => self.fmu_slaves(supports, third_party, source)?,
+            _ => self.core_slaves(supports, third_party)?,
+        };
+        let mut sides = Sides {
+            line: &mut *line,
+            pantographs: &mut pantographs,
+        };
+        let (mut algorithm, reason) = algorithm::build(&self.scene.coupling, &sides).map_err(SetupError::from)?;
+        let outputs = interface::line_output_count(self.scene.pantographs.len(), supports.len());
+        let mut exchange = Exchange::start(&mut sides, 0.0, outputs).map_err(SetupError::from)?;
+        good(&self.scene)?;
+        let setup = self.begin.elapsed().as_secs_f64();
+        let schedule = self.schedule(sides.can_vary_step());
+        let recorder = self.recorder(supports);
+        let outcome = run::run(&mut sides, &mut *algorithm, &mut exchange, recorder, schedule, watch);
+        let coupling = results::Coupling {
+            algorithm: self.scene.coupling.algorithm.name().to_owned(),
+            reason,
+            energy_residual: Some(outcome.energy_residual),
+        };
+        Ok(self.finished(mode, outcome, coupling, setup))
+    }
+
+    /// Line and pantographs of the core.
+    fn core_slaves(
+        &self,
+        supports: &[usize],
+        third_party: Vec<Option<ThirdPartyPantograph>>,
+    ) -> Result<Slaves, SetupError> {
+        let line = InProcess::line(&self.scene, supports)?;
+        let mut pantographs: Vec<Box<dyn Slave>> = Vec::new();
+        for (index, third_party) in third_party.into_iter().enumerate() {
+            pantographs.push(match third_party {
+                Some(pantograph) => Box::new(pantograph),
+                None => {
+                    let refused = |source| SetupError::Pantograph {
+                        pantograph: index + 1,
+                        source,
+                    };
+                    Box::new(InProcess::pantograph(&self.scene, index).map_err(refused)?)
+                }
+            });
+        }
+        Ok((Box::new(line), pantographs))
+    }
+
+    /// Line and pantographs from FMUs, packaged where they are missing or stale.
+    fn fmu_slaves(
+        &self,
+        supports: &[usize],
+        third_party: Vec<Option<ThirdPartyPantograph>>,
+        source: &FmuSource<'_>,
+    ) -> Result<Slaves, SetupError> {
+        let libraries = Libraries::find(source.say)?;
+        let fmus = package::ensure(&self.scene, &libraries, &source.folder)?;
+        let fmu = |file: &str| {
+            let found = fmus.iter().find(|(name, _)| name == file);
+            &found
+                .expect("every side of the scene that is modelled here is packaged")
+                .1
+        };
+        let strips = self.scene.pantographs.len();
+        let role = |name: String, inputs: Vec<String>, outputs: Vec<String>| Role {
+            name,
+            inputs,
+            outputs,
+            parameters: Vec::new(),
+            duration: self.scene.run.duration,
+            input_derivatives: dynamics::MAX_ORDER,
+            logging: source.logging,
+        };
+        let line = role(
+            "line".to_owned(),
+            interface::line_inputs(strips),
+            interface::line_outputs(strips, supports),
+        );
+        let line = FmuSlave::start(fmu("Catenary.fmu"), line)?.drawn_by(self.scene.clone(), inprocess::draw_line);
+        let mut pantographs: Vec<Box<dyn Slave>> = Vec::new();
+        for (index, third_party) in third_party.into_iter().enumerate() {
+            pantographs.push(match third_party {
+                Some(pantograph) => Box::new(pantograph),
+                None => {
+                    let name = format!("pantograph {}", index + 1);
+                    let role = role(name, interface::pantograph_inputs(), interface::pantograph_outputs());
+                    let slave = FmuSlave::start(fmu(&package::pantograph_file(index)), role)?;
+                    Box::new(slave.drawn_by(of_pantograph(&self.scene, index), inprocess::draw_pantograph))
+                }
+            });
+        }
+        Ok((Box::new(line), pantographs))
+    }
+
+    fn run_as_one<E: From<SetupError>>(
+        self,
+        supports: &[usize],
+        watch: &Watch<'_>,
+        good: impl FnOnce(&Scene) -> Result<(), E>,
+    ) -> Result<Finished, E> {
+        if !Monolithic::can(&self.scene) {
+            let what = "a pantograph is somebody else's FMU, which has no equations to put into one system".to_owned();
+            return Err(SetupError::NotInThisMode {
+                mode: Mode::Monolithic.name(),
+                what,
+            }
+            .into());
+        }
+        let mut whole = Monolithic::new(&self.scene, &self.statics, supports).map_err(SetupError::from)?;
+        good(&self.scene)?;
+        let setup = self.begin.elapsed().as_secs_f64();
+        let outcome = run::run_as_one(&mut whole, self.recorder(supports), self.schedule(true), watch);
+        let coupling = results::Coupling {
+            algorithm: "none".to_owned(),
+            reason: "line and pantographs are one system".to_owned(),
+            energy_residual: Some(0.0),
+        };
+        Ok(self.finished(Mode::Monolithic, outcome, coupling, setup))
+    }
+
+    fn finished(&self, mode: Mode, outcome: Outcome, coupling: results::Coupling, setup: f64) -> Finished {
+        let scene = &self.scene;
+        let info = RunInfo {
+            scene: self.name.clone(),
+            title: scene.title.clone(),
+            source: scene.source.clone().unwrap_or_default(),
+            mode: mode.name().to_owned(),
+            complete: outcome.failure.is_none(),
+            incomplete_reason: outcome
+                .failure
+                .as_ref()
+                .map_or_else(String::new, |failure| chain(failure)),
+            evaluation: results::Evaluation {
+                time: (0..scene.pantographs.len())
+                    .map(|index| scene.evaluation_time(index))
+                    .collect(),
+                low_pass_hz: scene.run.low_pass_hz,
+                output_step: scene.run.output_step,
+                speed: scene.run.speed,
+            },
+            coupling,
+            model: self.model(),
+            cost: results::Cost {
+                wall_s: outcome.wall,
+                setup_s: setup,
+                simulated_s: outcome.simulated,
+                real_time_factor: (outcome.simulated > 0.0).then(|| outcome.wall / outcome.simulated),
+                macro_steps: outcome.macro_steps,
+                micro_steps: outcome.work.micro_steps,
+                newton_iterations: outcome.work.newton_iterations,
+                factorizations: outcome.work.factorizations,
+                rollbacks: outcome.rollbacks,
+            },
+            notes: self.notes(),
+        };
+        let failure = outcome
+            .failure
+            .map(|failure: Failure| -> Box<dyn std::error::Error + Send + Sync> { Box::new(failure) });
+        Finished {
+            info,
+            record: outcome.record,
+            failure,
+        }
+    }
+}
+
+/// Slaves of a coupled run.
+type Slaves = (Box<dyn Slave>, Vec<Box<dyn Slave>>);
+
+/// An error with its causes in one line.
+#[must_use]
+pub fn chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(cause) = source {
+        let cause_text = cause.to_string();
+        // Transparent errors repeat their source.
+        if !text.ends_with(&cause_text) {
+            text.push_str(": ");
+            text.push_str(&cause_text);
+        }
+        source = cause.source();
+    }
+    text
+}
