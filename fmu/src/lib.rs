@@ -7,5 +7,5 @@
 mod slave;
 mod table;
 
-pub use slave::{SCENE_RESOURCE, SceneSlave};
-pub use table::description;
+pub use slave::{SCENE_RESOURCE, SceneSlave, checkpoint};
+pub use table::{WORK, description};

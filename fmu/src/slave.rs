@@ -1,9 +1,9 @@
 //! The slave behind an FMU: parameters and inputs as the importer sets them, the component built when it is needed.
-use crate::table::variables;
+use crate::table::{WORK, variables};
 use component::{Component, Parameter, Role, Signal};
 use fmi2::model_description::Variable;
 use fmi2::slave::{Model, ModelError, ModelResult};
-use scene::Scene;
+use scene::{PantographModel, Scene, Start};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -30,6 +30,13 @@ struct Choices {
 pub struct SlaveState<K> {
     choices: Choices,
     component: Option<K>,
+}
+
+/// The component's checkpoint in a state that an FMU of this component serialised; `None` where there is none.
+#[must_use]
+pub fn checkpoint<C: Component>(bytes: &[u8]) -> Option<C::Checkpoint> {
+    let part = fmi2::slave::model_part(bytes)?;
+    postcard::from_bytes::<SlaveState<C::Checkpoint>>(part).ok()?.component
 }
 
 /// A component driven by an FMI importer.
@@ -74,6 +81,7 @@ impl<C: Component> SceneSlave<C> {
             path => path,
         };
         let mut scene = Scene::from_toml(&self.choices.scene_text, origin, &[]).map_err(ModelError::unusable)?;
+        fill_start(&mut scene, &self.packaged);
         for (parameter, &value) in self.parameters.iter().zip(&self.choices.parameters) {
             if value != parameter.value(&self.packaged) {
                 parameter.set(&mut scene, value);
@@ -140,6 +148,25 @@ impl<C: Component> SceneSlave<C> {
     }
 }
 
+/// Fills in what another scene leaves open of its start: that of the packaged one, moved with the height of the contact wire.
+fn fill_start(scene: &mut Scene, packaged: &Scene) {
+    let height = |scene: &Scene| scene.modelled_line().map_or(0.0, |(line, _)| line.contact_wire_height);
+    let rise = height(scene) - height(packaged);
+    for (own, other) in scene.pantographs.iter_mut().zip(&packaged.pantographs) {
+        if own.start.is_none() {
+            own.start = other.start.map(|start| Start {
+                height: start.height + rise,
+                ..start
+            });
+        }
+        if let (PantographModel::Lumped(own), PantographModel::Lumped(other)) = (&mut own.model, &other.model)
+            && own.reference_height.is_none()
+        {
+            own.reference_height = other.reference_height.map(|height| height + rise);
+        }
+    }
+}
+
 /// Number of strips and of supports.
 fn size(scene: &Scene) -> (usize, usize) {
     let supports = scene.modelled_line().map_or(0, |(line, _)| line.spans() + 1);
@@ -176,6 +203,13 @@ impl<C: Component> Model for SceneSlave<C> {
     }
 
     fn integer(&mut self, position: usize) -> ModelResult<i32> {
+        // Behind the signals, the parameters and the path of the scene.
+        let first = self.signals.len() + self.parameters.len() + 1;
+        if (first..first + WORK.len()).contains(&position) {
+            let work = self.component.as_ref().map(Component::work).unwrap_or_default();
+            let count = [work.micro_steps, work.newton_iterations, work.factorizations][position - first];
+            return Ok(i32::try_from(count).unwrap_or(i32::MAX));
+        }
         Ok(self.value(position)? as i32)
     }
 
@@ -190,8 +224,12 @@ impl<C: Component> Model for SceneSlave<C> {
     fn set_real(&mut self, position: usize, value: f64) -> ModelResult<()> {
         let count = self.signals.len();
         if position >= count {
-            self.choices.parameters[position - count] = value;
-            self.rebuild();
+            // Importers set the same values several times: the component is built once for each set of them.
+            let parameter = &mut self.choices.parameters[position - count];
+            if *parameter != value {
+                *parameter = value;
+                self.rebuild();
+            }
             return Ok(());
         }
         self.choices.early_inputs[position] = Some(value);
@@ -211,6 +249,9 @@ impl<C: Component> Model for SceneSlave<C> {
     }
 
     fn set_string(&mut self, _position: usize, value: &str) -> ModelResult<()> {
+        if value == self.choices.scene_path {
+            return Ok(());
+        }
         self.read_scene(value)
     }
 

@@ -6,7 +6,14 @@ use scene::Scene;
 /// Name of the text parameter with the path of another scene.
 const SCENE_PARAMETER: &str = "scene";
 
-/// The variables of a component for a scene: signals first, then parameters, then the path of another scene.
+/// Names and descriptions of the counts of the solver's work.
+pub const WORK: [(&str, &str); 3] = [
+    ("solver.micro_steps", "Internal time steps done so far"),
+    ("solver.newton_iterations", "Newton iterations done so far"),
+    ("solver.factorizations", "Factorisations of an iteration matrix done so far"),
+];
+
+/// The variables of a component for a scene: signals first, then parameters, the path of another scene, counts of work.
 pub(crate) fn variables<C: Component>(scene: &Scene) -> Vec<Variable> {
     let signals = C::signals(scene);
     let mut variables: Vec<Variable> = signals.iter().map(variable).collect();
@@ -20,6 +27,7 @@ pub(crate) fn variables<C: Component>(scene: &Scene) -> Vec<Variable> {
         "",
         "Absolute path of a scene that replaces the packaged one; it must have as many strips and supports",
     ));
+    variables.extend(WORK.iter().map(|(name, text)| Variable::integer_output(name, text).depends_on(&[])));
     variables
 }
 

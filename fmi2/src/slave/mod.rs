@@ -24,3 +24,4 @@ pub use logger::log_categories;
 pub use model::{Experiment, Model, ModelError, ModelResult};
 pub use phase::Phase;
 pub use resources::GUID_FILE;
+pub use saved::model_part;

@@ -58,6 +58,21 @@ pub(super) fn serialize<M: Model>(saved: &Saved<M>, guid: &str) -> Result<Vec<u8
     Ok(bytes)
 }
 
+/// The model's own part of a serialised state, as its `serialize` wrote it; `None` where the bytes are no intact state.
+#[must_use]
+pub fn model_part(bytes: &[u8]) -> Option<&[u8]> {
+    let (content, checksum) = bytes.split_last_chunk::<4>()?;
+    let mut cursor = Cursor(content);
+    let intact = cursor.take(MAGIC.len()).ok()? == MAGIC
+        && cursor.array().ok()? == VERSION.to_le_bytes()
+        && u32::from_le_bytes(*checksum) == crc32fast::hash(content);
+    let guid_length = u32::from_le_bytes(cursor.array().ok()?);
+    cursor.take(usize::try_from(guid_length).ok()?).ok()?;
+    cursor.take(4 + 4 * size_of::<f64>()).ok()?;
+    let length = u64::from_le_bytes(cursor.array().ok()?);
+    (intact && cursor.0.len() as u64 == length).then_some(cursor.0)
+}
+
 /// Takes fixed-size pieces off the front.
 struct Cursor<'a>(&'a [u8]);
 
