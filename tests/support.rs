@@ -1,4 +1,6 @@
 //! Support for the integration tests.
 
+pub mod fmus;
 pub mod lines;
+pub mod runs;
 pub mod single_wire;

@@ -3,7 +3,7 @@ use crate::table::{WORK, variables};
 use component::{Component, Parameter, Role, Signal};
 use fmi2::model_description::Variable;
 use fmi2::slave::{Model, ModelError, ModelResult};
-use scene::{PantographModel, Scene, Start};
+use scene::{Evaluate, PantographModel, Scene, Start};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -87,7 +87,7 @@ impl<C: Component> SceneSlave<C> {
                 parameter.set(&mut scene, value);
             }
         }
-        scene.check("parameters of the FMU").map_err(ModelError::unusable)?;
+        check(&scene)?;
         Ok(scene)
     }
 
@@ -129,7 +129,9 @@ impl<C: Component> SceneSlave<C> {
             self.packaged_text.clone()
         } else {
             if !Path::new(path).is_absolute() {
-                return Err(ModelError::unusable(format!("scene = {path:?}: must be an absolute path")));
+                return Err(ModelError::unusable(format!(
+                    "scene = {path:?}: must be an absolute path"
+                )));
             }
             std::fs::read_to_string(path).map_err(|error| ModelError::unusable(format!("scene = {path:?}: {error}")))?
         };
@@ -165,6 +167,29 @@ fn fill_start(scene: &mut Scene, packaged: &Scene) {
             own.reference_height = other.reference_height.map(|height| height + rise);
         }
     }
+}
+
+/// Checks a scene that was changed by parameters as strictly as one from a file. How long and how far to run is for the importer
+/// to say, so the run in it is made to fit; a strip may also stand still.
+fn check(scene: &Scene) -> ModelResult<()> {
+    const SLOW: f64 = 1.0; // m/s
+    let mut alone = scene.clone();
+    if alone.run.speed == 0.0 {
+        alone.run.speed = SLOW;
+    }
+    let room = alone.modelled_line().map_or(f64::INFINITY, |(line, _)| {
+        let starts = (0..alone.pantographs.len()).map(|strip| alone.strip_start_x(strip));
+        (line.length() - starts.fold(f64::NEG_INFINITY, f64::max)) / alone.run.speed
+    });
+    if room > 0.0 {
+        alone.run.duration = alone.run.duration.min(room);
+    }
+    alone.run.evaluate = Evaluate::Time {
+        from: 0.0,
+        to: alone.run.duration,
+    };
+    let checked = Scene::from_toml(&alone.to_toml(), "parameters of the FMU", &[]);
+    checked.map(|_| ()).map_err(ModelError::unusable)
 }
 
 /// Number of strips and of supports.
@@ -303,8 +328,8 @@ impl<C: Component> Model for SceneSlave<C> {
     }
 
     fn restore(&mut self, state: &SlaveState<C::Checkpoint>) -> ModelResult<()> {
-        let same = self.choices.scene_text == state.choices.scene_text
-            && self.choices.parameters == state.choices.parameters;
+        let same =
+            self.choices.scene_text == state.choices.scene_text && self.choices.parameters == state.choices.parameters;
         self.choices.clone_from(&state.choices);
         if !same {
             self.rebuild();

@@ -10,7 +10,10 @@ const SCENE_PARAMETER: &str = "scene";
 pub const WORK: [(&str, &str); 3] = [
     ("solver.micro_steps", "Internal time steps done so far"),
     ("solver.newton_iterations", "Newton iterations done so far"),
-    ("solver.factorizations", "Factorisations of an iteration matrix done so far"),
+    (
+        "solver.factorizations",
+        "Factorisations of an iteration matrix done so far",
+    ),
 ];
 
 /// The variables of a component for a scene: signals first, then parameters, the path of another scene, counts of work.
@@ -27,7 +30,10 @@ pub(crate) fn variables<C: Component>(scene: &Scene) -> Vec<Variable> {
         "",
         "Absolute path of a scene that replaces the packaged one; it must have as many strips and supports",
     ));
-    variables.extend(WORK.iter().map(|(name, text)| Variable::integer_output(name, text).depends_on(&[])));
+    variables.extend(
+        WORK.iter()
+            .map(|(name, text)| Variable::integer_output(name, text).depends_on(&[])),
+    );
     variables
 }
 

@@ -35,7 +35,7 @@ pub use anchor::Anchor;
 pub use attachment::Attachment;
 pub use contact::{
     ContactGeometry, ContactPair, ContactState, ContactTangent, PenaltyContact, PrescribedStrip,
-    STRIP_INPUTS, Search, Sensitivity,
+    STRIP_INPUTS, Sensitivity,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
 pub use dropper::{Dropper, DropperLaw, Droppers, Tautness};

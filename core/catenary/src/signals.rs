@@ -343,6 +343,9 @@ const LINE_VALUES: [LineValue; 21] = [
     ("damping.beta", "s", "Rayleigh damping of the wires in proportion to transverse stiffness", |c| &mut c.damping.beta),
 ];
 
+/// The same for a value of the contact.
+type ContactValue = (&'static str, &'static str, &'static str, fn(&mut scene::Contact) -> &mut f64);
+
 fn modelled(scene: &mut Scene) -> Option<(&mut scene::Catenary, &mut scene::Contact)> {
     match (&mut scene.catenary, &mut scene.contact) {
         (scene::Line::Modelled(catenary), Some(contact)) => Some((catenary, contact)),
@@ -365,7 +368,7 @@ fn parameters(scene: &Scene) -> Vec<Parameter> {
             },
         ));
     }
-    let contact: [(&str, &'static str, &str, fn(&mut scene::Contact) -> &mut f64); 2] = [
+    let contact: [ContactValue; 2] = [
         ("contact.stiffness", "N/m", "Penalty stiffness of the contact", |c| &mut c.stiffness),
         ("contact.damping", "N.s/m", "Penalty damping of the contact", |c| &mut c.damping),
     ];

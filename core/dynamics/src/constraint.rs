@@ -14,14 +14,17 @@ pub trait Constraint: Send {
     fn jacobian(&self, motion: &Motion<'_>, rows: &mut JacobianRows<'_>);
 }
 
+/// Takes one block row: number of the equation, indices of the generalised velocities, values.
+pub(crate) type RowSink<'a> = dyn FnMut(usize, &[usize], &[f64]) + 'a;
+
 /// Where a [`Constraint`] puts the blocks of its Jacobian.
 pub struct JacobianRows<'a> {
-    sink: &'a mut dyn FnMut(usize, &[usize], &[f64]),
+    sink: &'a mut RowSink<'a>,
 }
 
 impl<'a> JacobianRows<'a> {
     /// Blocks go to `sink(row, columns, values)`, one call per row.
-    pub fn new(sink: &'a mut dyn FnMut(usize, &[usize], &[f64])) -> Self {
+    pub fn new(sink: &'a mut (dyn FnMut(usize, &[usize], &[f64]) + 'a)) -> Self {
         Self { sink }
     }
 

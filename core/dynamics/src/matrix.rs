@@ -1,4 +1,5 @@
 //! The iteration matrix of a system: assembled into a pattern that is analysed once, factored part by part.
+use crate::constraint::RowSink;
 use crate::factor::{Shape, SparseFactor};
 use crate::{Blocks, JacobianRows, Motion, SparseMatrix, System, Weights};
 
@@ -234,7 +235,7 @@ impl Part {
 pub(crate) fn visit_jacobian(
     system: &mut dyn System,
     motion: &Motion<'_>,
-    sink: &mut dyn FnMut(usize, &[usize], &[f64]),
+    sink: &mut RowSink<'_>,
 ) {
     let mut first = 0;
     system.constraints(&mut |constraint| {

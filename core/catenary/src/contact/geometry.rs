@@ -38,24 +38,15 @@ pub struct ContactGeometry {
     pub slope: f64,
 }
 
-/// Result of a search.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Search {
-    /// Found.
-    Found(ContactGeometry),
-    /// The strip is before the beginning or behind the end of the wire.
-    BeyondTheWire,
-}
-
 /// Newton stops when the parameter moves by less, m: the gap's error is of second order in it.
 const TOLERANCE: f64 = 1e-11;
 const ITERATIONS: usize = 12;
 
 impl ContactGeometry {
     /// Finds the contact by Newton on the arc length [Thesis, section 4.2.2] from `start`; where that leaves the wire or does
-    /// not settle, by bisection over the whole wire.
+    /// not settle, by bisection over the whole wire. `None` where the strip is before the beginning or behind the end of the wire.
     #[must_use]
-    pub fn search(curve: &dyn Curve, strip: &Frame, start: f64, q: &[f64], v: &[f64]) -> Search {
+    pub fn search(curve: &dyn Curve, strip: &Frame, start: f64, q: &[f64], v: &[f64]) -> Option<Self> {
         let axis: Vector3<f64> = strip.axes.column(1).into();
         let length = curve.length();
         let mut s = start.clamp(0.0, length);
@@ -68,10 +59,10 @@ impl ContactGeometry {
                 break;
             }
             if change.abs() <= TOLERANCE {
-                return Search::Found(Self::at(s, wire, slope, strip, &axis));
+                return Some(Self::at(s, wire, slope, strip, &axis));
             }
             if (s == 0.0 && next < 0.0) || (s == length && next > length) {
-                return Search::BeyondTheWire;
+                return None;
             }
             s = next.clamp(0.0, length);
         }
@@ -84,11 +75,11 @@ impl ContactGeometry {
         axis: &Vector3<f64>,
         q: &[f64],
         v: &[f64],
-    ) -> Search {
+    ) -> Option<Self> {
         let (mut low, mut high) = (0.0, curve.length());
         let residual = |s: f64| condition(&curve.point(s, q, v), strip, axis).0;
         if residual(low) > 0.0 || residual(high) < 0.0 {
-            return Search::BeyondTheWire;
+            return None;
         }
         while high - low > TOLERANCE {
             let middle = 0.5 * (low + high);
@@ -103,7 +94,7 @@ impl ContactGeometry {
         }
         let wire = curve.point(low, q, v);
         let (_, slope) = condition(&wire, strip, axis);
-        Search::Found(Self::at(low, wire, slope, strip, axis))
+        Some(Self::at(low, wire, slope, strip, axis))
     }
 
     fn at(s: f64, wire: CurvePoint, slope: f64, strip: &Frame, axis: &Vector3<f64>) -> Self {

@@ -4,7 +4,7 @@ mod law;
 mod pair;
 mod strip;
 
-pub use geometry::{ContactGeometry, Search};
+pub use geometry::ContactGeometry;
 pub use law::PenaltyContact;
 pub use pair::{ContactPair, ContactState, ContactTangent, Sensitivity};
 pub use strip::{PrescribedStrip, STRIP_INPUTS};

@@ -1,5 +1,5 @@
 //! A strip against a wire, as a contribution of forces.
-use super::{ContactGeometry, PenaltyContact, Search};
+use super::{ContactGeometry, PenaltyContact};
 use crate::{Curve, CurveColumns};
 use dynamics::{Columns, Force, Frame, Marker, Motion, Updates, Weights};
 use nalgebra::Vector3;
@@ -102,27 +102,20 @@ impl ContactPair {
     #[must_use]
     pub fn state(&self, motion: &Motion<'_>) -> Option<ContactState> {
         let frame = self.strip.frame(motion);
-        match ContactGeometry::search(&*self.curve, &frame, self.s, motion.q, motion.v) {
-            Search::BeyondTheWire => None,
-            Search::Found(geometry) => {
-                let (delta, rate) = (-geometry.gap, -geometry.gap_rate);
-                let beside = geometry.eta.abs() > 0.5 * self.width;
-                let (force, (stiffness, damping)) = if beside {
-                    (0.0, (0.0, 0.0))
-                } else {
-                    (
-                        self.law.normal_force(delta, rate),
-                        self.law.derivatives(delta, rate),
-                    )
-                };
-                Some(ContactState {
-                    geometry,
-                    force,
-                    stiffness,
-                    damping,
-                })
-            }
-        }
+        let geometry = ContactGeometry::search(&*self.curve, &frame, self.s, motion.q, motion.v)?;
+        let (delta, rate) = (-geometry.gap, -geometry.gap_rate);
+        let beside = geometry.eta.abs() > 0.5 * self.width;
+        let (force, (stiffness, damping)) = if beside {
+            (0.0, (0.0, 0.0))
+        } else {
+            (self.law.normal_force(delta, rate), self.law.derivatives(delta, rate))
+        };
+        Some(ContactState {
+            geometry,
+            force,
+            stiffness,
+            damping,
+        })
     }
 
     /// Derivative of force, normal and position of the contact with respect to a unit motion of the strip with the wire held:
