@@ -41,13 +41,7 @@ fn assert_close(value: f64, expected: f64, relative: f64, what: &str) {
     );
 }
 
-fn advance(
-    system: &mut SingleWire,
-    integrator: &mut GeneralizedAlpha,
-    state: &mut State,
-    steps: usize,
-    h: f64,
-) {
+fn advance(system: &mut SingleWire, integrator: &mut GeneralizedAlpha, state: &mut State, steps: usize, h: f64) {
     let start = state.t;
     for step in 1..=steps {
         integrator
@@ -80,20 +74,10 @@ fn a_pulse_travels_at_the_wave_speed() {
         advance(&mut wire, &mut integrator, &mut state, 800, h);
         let crest = (0..40_000)
             .map(|i| 5e-3 * f64::from(i))
-            .max_by(|a, b| {
-                wire.point(*a, &state)
-                    .r
-                    .z
-                    .total_cmp(&wire.point(*b, &state).r.z)
-            })
+            .max_by(|a, b| wire.point(*a, &state).r.z.total_cmp(&wire.point(*b, &state).r.z))
             .expect("there are points");
         assert_close((crest - center) / state.t, c, 1e-3, "wave speed");
-        assert_close(
-            wire.point(crest, &state).r.z,
-            height,
-            0.01,
-            "height of the crest",
-        );
+        assert_close(wire.point(crest, &state).r.z, height, 0.01, "height of the crest");
     }
 }
 
@@ -120,8 +104,7 @@ fn pinned_and_clamped_wires_have_their_natural_frequencies() {
     ] {
         for (parameters, elements, modes) in list {
             let (length, tension, mass, bending) = *parameters;
-            let mut system =
-                SingleWire::planar(&wire(tension, mass, bending, 0.0), length, *elements);
+            let mut system = SingleWire::planar(&wire(tension, mass, bending, 0.0), length, *elements);
             for node in [0, *elements] {
                 system = system.pinned(node);
                 if name.starts_with("clamped") {
@@ -168,11 +151,7 @@ fn wires_sag_under_their_weight() {
         let mut system = tensioned(&wire(2e4, 1.35, 0.0, 9.81), length, elements);
         let state = system.equilibrium();
         let sag = -system.point(0.5 * length, &state).r.z;
-        let expected = case(
-            "uniform sag string",
-            &format!("L={length} T=20000 m=1.35"),
-            "mid sag",
-        );
+        let expected = case("uniform sag string", &format!("L={length} T=20000 m=1.35"), "mid sag");
         assert_close(sag, expected, 1e-3, "uniform sag string");
     }
 }
@@ -180,14 +159,12 @@ fn wires_sag_under_their_weight() {
 #[test]
 fn a_point_force_at_mid_span_lifts_a_pinned_wire() {
     let name = "mid-span point compliance pinned";
-    for (length, tension, bending, elements) in [
-        (60.0, 2e4, 195.0, 240),
-        (55.0, 2.2e4, 195.0, 220),
-        (1.0, 1e3, 10.0, 16),
-    ] {
+    for (length, tension, bending, elements) in
+        [(60.0, 2e4, 195.0, 240), (55.0, 2.2e4, 195.0, 220), (1.0, 1e3, 10.0, 16)]
+    {
         let parameters = format!("L={length} T={tension} EI={bending}");
-        let mut system = tensioned(&wire(tension, 1.0, bending, 0.0), length, elements)
-            .loaded(0.5 * length, Vector3::z());
+        let mut system =
+            tensioned(&wire(tension, 1.0, bending, 0.0), length, elements).loaded(0.5 * length, Vector3::z());
         let state = system.equilibrium();
         let lift = system.point(0.5 * length, &state).r.z;
         assert_close(lift, case(name, &parameters, "w/P"), 1e-3, name);
@@ -218,14 +195,9 @@ fn a_hanging_cable_takes_the_catenary_shape() {
     let geometry = WireGeometry::new(nodes, vec![length / elements as f64; elements], Vec::new());
     // A Hookean wire that stretches by 0.7 %, to the accuracy of its elements; and the law of lines, which is Hookean for the
     // small strains of a stiff wire.
-    for (law, ea, tolerance) in [
-        (AxialLaw::Engineering, 1e5, 1e-6),
-        (AxialLaw::Mean, 1e7, 1e-4),
-    ] {
+    for (law, ea, tolerance) in [(AxialLaw::Engineering, 1e5, 1e-6), (AxialLaw::Mean, 1e7, 1e-4)] {
         let x = |h: f64, s: f64| h * s / ea + h / w * (w * s / h).asinh();
-        let z = |h: f64, s: f64| {
-            w * s * s / (2.0 * ea) + h / w * ((1.0 + (w * s / h).powi(2)).sqrt() - 1.0)
-        };
+        let z = |h: f64, s: f64| w * s * s / (2.0 * ea) + h / w * ((1.0 + (w * s / h).powi(2)).sqrt() - 1.0);
         let (mut low, mut high) = (1.0, 1e5);
         for _ in 0..200 {
             let middle = 0.5 * (low + high);
@@ -260,10 +232,7 @@ fn a_hanging_cable_takes_the_catenary_shape() {
                 0.0,
                 z(h, from_middle) - z(h, 0.5 * length),
             );
-            assert!(
-                (r - exact).norm() < tolerance,
-                "{law:?}, node {i}: {r} against {exact}"
-            );
+            assert!((r - exact).norm() < tolerance, "{law:?}, node {i}: {r} against {exact}");
         }
         let tension = cable.wire.tension(elements / 2, &state.q);
         assert_close(tension, h, 1e-3, "horizontal tension");
@@ -318,9 +287,7 @@ fn a_steady_force_keeps_its_trough_on_an_elastic_foundation() {
             "w under load",
         );
         let material = wire(tension, 1.35, 0.0, 0.0);
-        let mut system = SingleWire::planar(&material, 100.0, 800)
-            .pinned(0)
-            .pinned(800);
+        let mut system = SingleWire::planar(&material, 100.0, 800).pinned(0).pinned(800);
         let geometry = Arc::clone(system.geometry());
         let (start, speed) = (30.0, ratio * c);
         system.foundation = Some(Foundation {

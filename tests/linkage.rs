@@ -1,7 +1,6 @@
 //! The six-body pantograph in time: order, drift and energy of constrained motion.
 use dynamics::{
-    Blocks, Columns, Constraint, Force, GeneralizedAlpha, Layout, Marker, Motion, NewtonOptions,
-    State, System, Weights,
+    Blocks, Columns, Constraint, Force, GeneralizedAlpha, Layout, Marker, Motion, NewtonOptions, State, System, Weights,
 };
 use nalgebra::Vector3;
 use scene::Scene;
@@ -31,21 +30,10 @@ impl Force for StripSpring {
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         let mut columns = Columns::default();
         self.marker.columns(motion, &mut columns);
-        let indices: Vec<usize> = columns
-            .as_slice()
-            .iter()
-            .map(|column| column.index)
-            .collect();
-        let z: Vec<f64> = columns
-            .as_slice()
-            .iter()
-            .map(|column| column.translation.z)
-            .collect();
+        let indices: Vec<usize> = columns.as_slice().iter().map(|column| column.index).collect();
+        let z: Vec<f64> = columns.as_slice().iter().map(|column| column.translation.z).collect();
         let k = weights.q * self.stiffness;
-        let block: Vec<f64> = z
-            .iter()
-            .flat_map(|a| z.iter().map(move |b| k * a * b))
-            .collect();
+        let block: Vec<f64> = z.iter().flat_map(|a| z.iter().map(move |b| k * a * b)).collect();
         blocks.add(&indices, &indices, &block);
     }
 
@@ -91,13 +79,7 @@ fn released(jump: f64, damping: f64) -> (Pantograph, State) {
         gravity: 9.81,
     };
     let mut layout = Layout::new();
-    let mut model = PantographModel::new(
-        &scene.pantographs[0].model,
-        placement,
-        "pantograph 1",
-        &mut layout,
-    )
-    .unwrap();
+    let mut model = PantographModel::new(&scene.pantographs[0].model, placement, "pantograph 1", &mut layout).unwrap();
     let mut state = layout.state_at_rest();
     let equilibrium = model.equilibrium_at_height(4.945).unwrap();
     model.set_initial(&equilibrium, &mut state);
@@ -106,14 +88,7 @@ fn released(jump: f64, damping: f64) -> (Pantograph, State) {
         stiffness: CONTACT,
         height: 4.945 - equilibrium.force / CONTACT + jump,
     };
-    (
-        Pantograph {
-            layout,
-            model,
-            spring,
-        },
-        state,
-    )
+    (Pantograph { layout, model, spring }, state)
 }
 
 /// A gap of g m counts as g/(β h²) in the accelerations: small steps need joints closed to rounding.
@@ -128,9 +103,7 @@ fn options() -> NewtonOptions {
 fn run(jump: f64, damping: f64, duration: f64, h: f64) -> (State, f64, f64) {
     let (mut system, mut state) = released(jump, damping);
     let mut integrator = GeneralizedAlpha::new(0.9, options());
-    integrator
-        .start_accelerations(&mut system, &mut state, &[])
-        .unwrap();
+    integrator.start_accelerations(&mut system, &mut state, &[]).unwrap();
     let (mut worst, mut rate) = (0.0_f64, 0.0_f64);
     for step in 1..=(duration / h).round() as usize {
         integrator
@@ -167,27 +140,19 @@ fn gap_rate(system: &mut Pantograph, state: &State) -> f64 {
                 .sum();
             worst = worst.max(rate.abs());
         };
-        joint.jacobian(
-            &state.motion(&[]),
-            &mut dynamics::JacobianRows::new(&mut sink),
-        );
+        joint.jacobian(&state.motion(&[]), &mut dynamics::JacobianRows::new(&mut sink));
     });
     worst
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter()
-        .zip(b)
-        .fold(0.0, |worst, (a, b)| worst.max((a - b).abs()))
+    a.iter().zip(b).fold(0.0, |worst, (a, b)| worst.max((a - b).abs()))
 }
 
 fn turned(a: &State, b: &State) -> f64 {
-    a.rotation
-        .iter()
-        .zip(&b.rotation)
-        .fold(0.0, |worst: f64, (a, b)| {
-            worst.max(dynamics::rotation::log(&(a.inverse() * b)).amax())
-        })
+    a.rotation.iter().zip(&b.rotation).fold(0.0, |worst: f64, (a, b)| {
+        worst.max(dynamics::rotation::log(&(a.inverse() * b)).amax())
+    })
 }
 
 #[test]
@@ -203,10 +168,7 @@ fn generalized_alpha_is_second_order_on_the_linkage() {
         ]
     };
     let steps = [100.0, 200.0, 400.0].map(|count| errors(0.2 / count));
-    for (kind, name) in ["positions", "velocities", "multipliers"]
-        .iter()
-        .enumerate()
-    {
+    for (kind, name) in ["positions", "velocities", "multipliers"].iter().enumerate() {
         let order = (steps[1][kind] / steps[2][kind]).log2();
         println!(
             "{name}: errors {:.3e} {:.3e} {:.3e}, order {order:.3}",
@@ -235,9 +197,7 @@ fn joints_stay_closed_to_rounding_while_the_mechanism_moves() {
 fn the_undamped_linkage_keeps_its_energy() {
     let (mut system, mut state) = released(-0.02, 0.0);
     let mut integrator = GeneralizedAlpha::new(1.0, NewtonOptions::default());
-    integrator
-        .start_accelerations(&mut system, &mut state, &[])
-        .unwrap();
+    integrator.start_accelerations(&mut system, &mut state, &[]).unwrap();
     let energy = |system: &mut Pantograph, state: &State| {
         let motion = state.motion(&[]);
         let mut sum = 0.0;

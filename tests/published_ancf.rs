@@ -20,8 +20,7 @@ fn tip(material: &Material, length: f64, force: f64, elements: usize, steps: usi
         wire.loads[0].force.z = -force * step as f64 / steps as f64;
         let mut options = StaticOptions::default();
         options.newton.tolerance = 1e-9 * force + 1e-14 * material.section.axial_stiffness;
-        solve_static(&mut wire, &mut state, &[], &options)
-            .expect("a cantilever has an equilibrium");
+        solve_static(&mut wire, &mut state, &[], &options).expect("a cantilever has an equilibrium");
     }
     let r = wire.point(length, &state).r;
     (r.x - length, r.z)
@@ -39,13 +38,7 @@ fn large_deflection(elements: usize) -> (f64, f64) {
         laws: PUBLISHED,
         gravity: 0.0,
     };
-    tip(
-        &material,
-        length,
-        3.0 * ei / (length * length),
-        elements,
-        10,
-    )
+    tip(&material, length, 3.0 * ei / (length * length), elements, 10)
 }
 
 #[test]

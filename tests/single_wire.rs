@@ -1,11 +1,10 @@
 //! One wire as a system, for comparisons with closed forms and published examples.
 use catenary::{
-    AxialLaw, BendingLaw, ContactPair, Curve, CurveColumns, CurvePoint, NodeMap, Rayleigh, Wire,
-    WireGeometry, WireSection, mass_matrix,
+    AxialLaw, BendingLaw, ContactPair, Curve, CurveColumns, CurvePoint, NodeMap, Rayleigh, Wire, WireGeometry,
+    WireSection, mass_matrix,
 };
 use dynamics::{
-    Blocks, Force, GeneralizedAlpha, Layout, Motion, NewtonOptions, State, StaticOptions, System,
-    Weights, solve_static,
+    Blocks, Force, GeneralizedAlpha, Layout, Motion, NewtonOptions, State, StaticOptions, System, Weights, solve_static,
 };
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::sync::Arc;
@@ -58,8 +57,7 @@ impl Foundation {
     fn index(&self, element: usize) -> [usize; 4] {
         let nodes = self.geometry.nodes();
         let (a, b) = (&nodes[element].map, &nodes[element + 1].map);
-        [a.position(2), a.slope(2), b.position(2), b.slope(2)]
-            .map(|index| index.expect("a vertical coordinate"))
+        [a.position(2), a.slope(2), b.position(2), b.slope(2)].map(|index| index.expect("a vertical coordinate"))
     }
 }
 
@@ -142,13 +140,7 @@ impl SingleWire {
         Self::along(material, Vector3::x(), length, count, 6)
     }
 
-    fn along(
-        material: &Material,
-        direction: Vector3<f64>,
-        length: f64,
-        count: usize,
-        per_node: usize,
-    ) -> Self {
+    fn along(material: &Material, direction: Vector3<f64>, length: f64, count: usize, per_node: usize) -> Self {
         let lengths = vec![length / count as f64; count];
         let geometry = WireGeometry::straight(Vector3::zeros(), direction, &lengths, |node| {
             if per_node == 4 {
@@ -165,20 +157,10 @@ impl SingleWire {
     pub fn new(material: &Material, geometry: WireGeometry, coordinates: usize) -> Self {
         let mut layout = Layout::new();
         layout.add_coordinates(coordinates, "wire");
-        let Material {
-            section,
-            laws,
-            gravity,
-        } = *material;
+        let Material { section, laws, gravity } = *material;
         Self {
             layout,
-            wire: Wire::new(
-                section,
-                Rayleigh::default(),
-                laws,
-                gravity,
-                Arc::new(geometry),
-            ),
+            wire: Wire::new(section, Rayleigh::default(), laws, gravity, Arc::new(geometry)),
             loads: Vec::new(),
             foundation: None,
             contact: None,
@@ -283,9 +265,7 @@ impl SingleWire {
     /// The mass matrix.
     #[must_use]
     pub fn mass(&self) -> DMatrix<f64> {
-        dense(self.layout.coordinates(), &mut |blocks| {
-            self.wire.add_mass(blocks)
-        })
+        dense(self.layout.coordinates(), &mut |blocks| self.wire.add_mass(blocks))
     }
 
     /// Potential and kinetic energy, J.
@@ -349,10 +329,7 @@ impl SingleWire {
 pub fn dense(n: usize, add: &mut dyn FnMut(&mut Blocks<'_>)) -> DMatrix<f64> {
     let mut places = Vec::new();
     add(&mut Blocks::record(&mut places));
-    let positions: Vec<u32> = places
-        .iter()
-        .map(|&(row, column)| column * n as u32 + row)
-        .collect();
+    let positions: Vec<u32> = places.iter().map(|&(row, column)| column * n as u32 + row).collect();
     let mut values = vec![0.0; n * n];
     add(&mut Blocks::add_to(&positions, &mut values));
     DMatrix::from_vec(n, n, values)
@@ -373,11 +350,7 @@ pub fn trapezoid(tolerance: f64) -> GeneralizedAlpha {
 pub fn numbers(text: &str, columns: usize) -> Vec<Vec<f64>> {
     text.lines()
         .filter(|line| !line.starts_with('#'))
-        .map(|line| {
-            line.split(',')
-                .filter_map(|field| field.parse().ok())
-                .collect()
-        })
+        .map(|line| line.split(',').filter_map(|field| field.parse().ok()).collect())
         .filter(|row: &Vec<f64>| row.len() == columns)
         .collect()
 }

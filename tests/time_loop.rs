@@ -1,7 +1,7 @@
 //! The time loop: no allocation in steady state, quadratic convergence, other lines behind the same interface.
 use catenary::{
-    AxialLaw, BendingLaw, BendingLayers, ContactPair, ContactTangent, Dimension, Line, LineOptions, LinearLine, OverheadLine,
-    PenaltyContact, PrescribedStrip, StaticLine, StripStart, Subsystem, WireSection,
+    AxialLaw, BendingLaw, BendingLayers, ContactPair, ContactTangent, Dimension, Line, LineOptions, LinearLine,
+    OverheadLine, PenaltyContact, PrescribedStrip, StaticLine, StripStart, Subsystem, WireSection,
 };
 use component::Component;
 use dynamics::{GeneralizedAlpha, Jacobian, Layout, NewtonOptions, System};
@@ -13,20 +13,34 @@ const H: f64 = 1e-3;
 
 /// Three spans of the EN 50318 line on a coarse mesh under one strip that starts in the second span.
 fn scene(text: &str, more: &[&str]) -> Scene {
-    let mut overrides: Vec<String> =
-        ["catenary.mesh.elements_per_interval=1", "run.start_x=70", "run.duration=1.0", "run.evaluate={time=[0.1,0.9]}"]
-            .map(String::from)
-            .to_vec();
+    let mut overrides: Vec<String> = [
+        "catenary.mesh.elements_per_interval=1",
+        "run.start_x=70",
+        "run.duration=1.0",
+        "run.evaluate={time=[0.1,0.9]}",
+    ]
+    .map(String::from)
+    .to_vec();
     overrides.extend(more.iter().map(ToString::to_string));
     Scene::from_toml(text, "scene.toml", &overrides).unwrap()
 }
 
 fn starts(scene: &Scene, height: f64) -> [StripStart; 1] {
-    [StripStart { x: scene.strip_start_x(0), y: 0.0, height, speed: scene.run.speed }]
+    [StripStart {
+        x: scene.strip_start_x(0),
+        y: 0.0,
+        height,
+        speed: scene.run.speed,
+    }]
 }
 
 /// Allocations of `steps` communication steps after `warm_up` steps.
-fn allocations<C: Component>(component: &mut C, warm_up: usize, steps: usize, drive: &mut dyn FnMut(&mut C, usize)) -> u64 {
+fn allocations<C: Component>(
+    component: &mut C,
+    warm_up: usize,
+    steps: usize,
+    drive: &mut dyn FnMut(&mut C, usize),
+) -> u64 {
     let mut run = |from: usize, to: usize| {
         for n in from..to {
             drive(component, n);
@@ -61,7 +75,10 @@ fn a_line_steps_without_allocating() {
 #[test]
 fn a_linkage_steps_without_allocating() {
     let mut scene = scene(integration_tests::lines::THESIS, &[]);
-    scene.pantographs[0].start = Some(scene::Start { height: 4.95, force: 107.0 });
+    scene.pantographs[0].start = Some(scene::Start {
+        height: 4.95,
+        force: 107.0,
+    });
     let mut pantograph = vehicle::Subsystem::new(&scene, 0).unwrap();
     let count = allocations(&mut pantograph, 50, 300, &mut |pantograph, n| {
         pantograph.set_contact_input(2, -107.0 - 30.0 * (0.02 * n as f64).sin());
@@ -72,17 +89,37 @@ fn a_linkage_steps_without_allocating() {
 
 #[test]
 fn newton_converges_quadratically_on_a_hard_contact_step() {
-    let section =
-        WireSection { axial_stiffness: 1.7e7, bending_stiffness: 195.0, mass_per_length: 1.35, tension: 2e4 };
-    let material = Material { section, laws: (AxialLaw::Full, BendingLaw::Constant), gravity: 0.0 };
+    let section = WireSection {
+        axial_stiffness: 1.7e7,
+        bending_stiffness: 195.0,
+        mass_per_length: 1.35,
+        tension: 2e4,
+    };
+    let material = Material {
+        section,
+        laws: (AxialLaw::Full, BendingLaw::Constant),
+        gravity: 0.0,
+    };
     let mut wire = SingleWire::spatial(&material, 20.0, 8).pinned(0).pinned(8);
-    let law = PenaltyContact { stiffness: 1e7, damping: 500.0 };
+    let law = PenaltyContact {
+        stiffness: 1e7,
+        damping: 500.0,
+    };
     let curve = wire.geometry().clone();
-    wire.contact = Some(ContactPair::new(law, curve, Box::new(PrescribedStrip { first: 0 }), 2.0, ContactTangent::Exact));
+    wire.contact = Some(ContactPair::new(
+        law,
+        curve,
+        Box::new(PrescribedStrip { first: 0 }),
+        2.0,
+        ContactTangent::Exact,
+    ));
     // A strip rising at 2 m/s while travelling at 60 m/s meets the wire within the step.
     let u = [9.3, 0.0, 2e-3, 60.0, 0.0, 2.0, 0.02];
-    let options =
-        NewtonOptions { tolerance: 1e-6, jacobian: Jacobian::Full, ..NewtonOptions::default() };
+    let options = NewtonOptions {
+        tolerance: 1e-6,
+        jacobian: Jacobian::Full,
+        ..NewtonOptions::default()
+    };
     let mut integrator = GeneralizedAlpha::new(0.9, options);
     let mut state = wire.layout().state_at_rest();
     integrator.step(&mut wire, &mut state, &u, H, H).unwrap();
@@ -99,7 +136,11 @@ fn newton_converges_quadratically_on_a_hard_contact_step() {
 /// Runs a line under a strip that rises by a cosine and returns the course of the contact force.
 fn forces(scene: &Scene, layout: Layout, line: Box<dyn OverheadLine>, steps: usize) -> Vec<f64> {
     let mut line = Subsystem::with_line(scene, layout, line).unwrap();
-    line.start(&starts(scene, scene.modelled_line().unwrap().0.contact_wire_height + 0.045)).unwrap();
+    line.start(&starts(
+        scene,
+        scene.modelled_line().unwrap().0.contact_wire_height + 0.045,
+    ))
+    .unwrap();
     (0..steps)
         .map(|n| {
             let t = n as f64 * H;
@@ -127,26 +168,43 @@ fn planar_enriched_and_linear_lines_go_through_the_same_subsystem() {
     let steps = 200;
     let (layout, line) = solved(&scene, LineOptions::default());
     let spatial = forces(&scene, layout, Box::new(line), steps);
-    let swing = spatial.iter().fold(0.0_f64, |max, f| max.max(*f)) - spatial.iter().fold(f64::MAX, |min, f| min.min(*f));
+    let swing =
+        spatial.iter().fold(0.0_f64, |max, f| max.max(*f)) - spatial.iter().fold(f64::MAX, |min, f| min.min(*f));
     assert!(swing > 20.0, "the strip moves the line: {swing} N");
 
-    let planar = LineOptions { dimension: Dimension::Planar, ..LineOptions::default() };
+    let planar = LineOptions {
+        dimension: Dimension::Planar,
+        ..LineOptions::default()
+    };
     let (layout, line) = solved(&scene, planar);
     let coordinates = layout.coordinates();
     let flat = forces(&scene, layout, Box::new(line), steps);
     // Nothing moves sideways: the same solution to the Newton tolerance of 1e-4 N, which contact and mass amplify little.
-    assert!(distance(&flat, &spatial) < 1e-2, "planar: {} N", distance(&flat, &spatial));
+    assert!(
+        distance(&flat, &spatial) < 1e-2,
+        "planar: {} N",
+        distance(&flat, &spatial)
+    );
 
-    let enriched = LineOptions { layers: BendingLayers::AtAttachments, ..planar };
+    let enriched = LineOptions {
+        layers: BendingLayers::AtAttachments,
+        ..planar
+    };
     let (layout, line) = solved(&scene, enriched);
     assert!(layout.coordinates() > coordinates);
     let layered = forces(&scene, layout, Box::new(line), steps);
     let change = distance(&layered, &spatial);
-    assert!(change > 1e-3 && change < 0.5 * swing, "bending layers change the force by {change} N");
+    assert!(
+        change > 1e-3 && change < 0.5 * swing,
+        "bending layers change the force by {change} N"
+    );
 
     let (layout, mut line) = solved(&scene, LineOptions::default());
     let linear = LinearLine::about(&mut line, &layout);
     let linear = forces(&scene, layout, Box::new(linear), steps);
     let change = distance(&linear, &spatial);
-    assert!(change > 1e-6 && change < 0.1 * swing, "the linear line is {change} N away");
+    assert!(
+        change > 1e-6 && change < 0.1 * swing,
+        "the linear line is {change} N away"
+    );
 }

@@ -1,7 +1,7 @@
 //! The choice of a wire's coordinates is its own affair: integrator and contact do not know which they are.
 use catenary::{
-    AxialLaw, BendingLaw, ContactPair, ContactTangent, Curve, Enrichment, NodeMap, PenaltyContact,
-    PrescribedStrip, WireGeometry, WireSection,
+    AxialLaw, BendingLaw, ContactPair, ContactTangent, Curve, Enrichment, NodeMap, PenaltyContact, PrescribedStrip,
+    WireGeometry, WireSection,
 };
 use dynamics::{NewtonOptions, StaticOptions, solve_static};
 use integration_tests::single_wire::{Material, SingleWire, trapezoid};
@@ -27,16 +27,10 @@ fn wire(per_node: usize, layer: bool) -> SingleWire {
         gravity: 0.0,
     };
     let lengths = [LENGTH / ELEMENTS as f64; ELEMENTS];
-    let mut geometry =
-        WireGeometry::straight(
-            Vector3::zeros(),
-            Vector3::x(),
-            &lengths,
-            |node| match per_node {
-                4 => NodeMap::planar(4 * node),
-                _ => NodeMap::spatial(6 * node),
-            },
-        );
+    let mut geometry = WireGeometry::straight(Vector3::zeros(), Vector3::x(), &lengths, |node| match per_node {
+        4 => NodeMap::planar(4 * node),
+        _ => NodeMap::spatial(6 * node),
+    });
     let mut coordinates = per_node * (ELEMENTS + 1);
     if layer {
         geometry = geometry.with_enrichments(vec![Enrichment {
@@ -57,13 +51,7 @@ fn wire(per_node: usize, layer: bool) -> SingleWire {
     };
     let curve: Arc<dyn Curve> = wire.geometry().clone();
     let strip = Box::new(PrescribedStrip { first: 0 });
-    wire.contact = Some(ContactPair::new(
-        law,
-        curve,
-        strip,
-        1.2,
-        ContactTangent::RankOne,
-    ));
+    wire.contact = Some(ContactPair::new(law, curve, strip, 1.2, ContactTangent::RankOne));
     wire
 }
 
@@ -92,10 +80,7 @@ fn the_layer_gives_the_contact_the_exact_flexibility_of_the_wire() {
             layered.abs() < 1e-5,
             "{per_node} coordinates per node, with the layer: {layered}"
         );
-        assert!(
-            plain > 1e-3,
-            "{per_node} coordinates per node, without: {plain}"
-        );
+        assert!(plain > 1e-3, "{per_node} coordinates per node, without: {plain}");
     }
 }
 
@@ -113,12 +98,7 @@ fn run(per_node: usize, layer: bool) -> (Vec<f64>, f64) {
             .step(&mut wire, &mut state, &strip(t), t, h)
             .expect("the wire moves on");
         let contact = wire.contact.as_ref().expect("set above");
-        forces.push(
-            contact
-                .state(&state.motion(&strip(t)))
-                .expect("on the wire")
-                .force,
-        );
+        forces.push(contact.state(&state.motion(&strip(t))).expect("on the wire").force);
         if layer {
             layer_peak = layer_peak.max(state.q[state.q.len() - 1].abs());
         }
@@ -131,10 +111,7 @@ fn a_planar_wire_with_a_layer_steps_under_a_strip_like_a_spatial_one() {
     let (planar, peak) = run(4, true);
     let (spatial, _) = run(6, true);
     let largest = planar.iter().fold(0.0_f64, |a, &b| a.max(b));
-    assert!(
-        largest > 10.0 && peak > 1e-4,
-        "force {largest} N, layer {peak}"
-    );
+    assert!(largest > 10.0 && peak > 1e-4, "force {largest} N, layer {peak}");
     for (step, (a, b)) in planar.iter().zip(&spatial).enumerate() {
         // Newton's tolerance of 1e-6 N in either run.
         assert!((a - b).abs() < 1e-4, "step {}: {a} and {b} N", step + 1);

@@ -117,14 +117,8 @@ c_enum! {
 }
 
 /// `void logger(environment, instanceName, status, category, message, ...)`; `message` is a `printf` format.
-pub type fmi2CallbackLogger = unsafe extern "C" fn(
-    fmi2ComponentEnvironment,
-    fmi2String,
-    fmi2Status,
-    fmi2String,
-    fmi2String,
-    ...
-);
+pub type fmi2CallbackLogger =
+    unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
 /// `void* allocateMemory(nobj, size)`.
 pub type fmi2CallbackAllocateMemory = unsafe extern "C" fn(usize, usize) -> *mut c_void;
 /// `void freeMemory(obj)`.
@@ -151,8 +145,7 @@ pub struct fmi2CallbackFunctions {
 /// `fmi2GetTypesPlatform`, `fmi2GetVersion`.
 pub type TextFn = unsafe extern "C" fn() -> fmi2String;
 /// `fmi2SetDebugLogging`.
-pub type SetDebugLoggingFn =
-    unsafe extern "C" fn(fmi2Component, fmi2Boolean, usize, *const fmi2String) -> fmi2Status;
+pub type SetDebugLoggingFn = unsafe extern "C" fn(fmi2Component, fmi2Boolean, usize, *const fmi2String) -> fmi2Status;
 /// `fmi2Instantiate`.
 pub type InstantiateFn = unsafe extern "C" fn(
     fmi2String,
@@ -166,22 +159,14 @@ pub type InstantiateFn = unsafe extern "C" fn(
 /// `fmi2FreeInstance`.
 pub type FreeInstanceFn = unsafe extern "C" fn(fmi2Component);
 /// `fmi2SetupExperiment`.
-pub type SetupExperimentFn = unsafe extern "C" fn(
-    fmi2Component,
-    fmi2Boolean,
-    fmi2Real,
-    fmi2Real,
-    fmi2Boolean,
-    fmi2Real,
-) -> fmi2Status;
+pub type SetupExperimentFn =
+    unsafe extern "C" fn(fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean, fmi2Real) -> fmi2Status;
 /// The calls without further arguments: initialisation mode, terminate, reset, cancel.
 pub type PlainFn = unsafe extern "C" fn(fmi2Component) -> fmi2Status;
 /// `fmi2GetReal`, `fmi2GetInteger`, `fmi2GetBoolean`, `fmi2GetString`.
-pub type GetFn<T> =
-    unsafe extern "C" fn(fmi2Component, *const fmi2ValueReference, usize, *mut T) -> fmi2Status;
+pub type GetFn<T> = unsafe extern "C" fn(fmi2Component, *const fmi2ValueReference, usize, *mut T) -> fmi2Status;
 /// `fmi2SetReal`, `fmi2SetInteger`, `fmi2SetBoolean`, `fmi2SetString`.
-pub type SetFn<T> =
-    unsafe extern "C" fn(fmi2Component, *const fmi2ValueReference, usize, *const T) -> fmi2Status;
+pub type SetFn<T> = unsafe extern "C" fn(fmi2Component, *const fmi2ValueReference, usize, *const T) -> fmi2Status;
 /// `fmi2GetFMUstate`, `fmi2FreeFMUstate`.
 pub type StatePointerFn = unsafe extern "C" fn(fmi2Component, *mut fmi2FMUstate) -> fmi2Status;
 /// `fmi2SetFMUstate`.
@@ -189,8 +174,7 @@ pub type SetStateFn = unsafe extern "C" fn(fmi2Component, fmi2FMUstate) -> fmi2S
 /// `fmi2SerializedFMUstateSize`.
 pub type StateSizeFn = unsafe extern "C" fn(fmi2Component, fmi2FMUstate, *mut usize) -> fmi2Status;
 /// `fmi2SerializeFMUstate`.
-pub type SerializeStateFn =
-    unsafe extern "C" fn(fmi2Component, fmi2FMUstate, *mut fmi2Byte, usize) -> fmi2Status;
+pub type SerializeStateFn = unsafe extern "C" fn(fmi2Component, fmi2FMUstate, *mut fmi2Byte, usize) -> fmi2Status;
 /// `fmi2DeSerializeFMUstate`.
 pub type DeserializeStateFn =
     unsafe extern "C" fn(fmi2Component, *const fmi2Byte, usize, *mut fmi2FMUstate) -> fmi2Status;
@@ -221,7 +205,6 @@ pub type OutputDerivativesFn = unsafe extern "C" fn(
     *mut fmi2Real,
 ) -> fmi2Status;
 /// `fmi2DoStep`.
-pub type DoStepFn =
-    unsafe extern "C" fn(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean) -> fmi2Status;
+pub type DoStepFn = unsafe extern "C" fn(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean) -> fmi2Status;
 /// `fmi2GetStatus`, `fmi2GetRealStatus`, `fmi2GetIntegerStatus`, `fmi2GetBooleanStatus`, `fmi2GetStringStatus`.
 pub type StatusFn<T> = unsafe extern "C" fn(fmi2Component, fmi2StatusKind, *mut T) -> fmi2Status;

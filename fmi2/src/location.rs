@@ -16,10 +16,7 @@ const ENCODED: &AsciiSet = &NON_ALPHANUMERIC
 pub(crate) fn uri(path: &Path) -> String {
     let text = path.to_string_lossy().replace('\\', "/");
     let text = text.trim_end_matches('/');
-    format!(
-        "file:///{}",
-        utf8_percent_encode(text.trim_start_matches('/'), ENCODED)
-    )
+    format!("file:///{}", utf8_percent_encode(text.trim_start_matches('/'), ENCODED))
 }
 
 /// The paths a location may mean, best first: decoded, then as written (a folder may really be called `100%`).
@@ -45,8 +42,7 @@ pub(crate) fn candidates(location: &str) -> Vec<PathBuf> {
             path = &path[1..];
         }
         let drive = path.as_bytes();
-        if drive.len() > 2 && drive[0] == b'/' && drive[1].is_ascii_alphabetic() && drive[2] == b':'
-        {
+        if drive.len() > 2 && drive[0] == b'/' && drive[1].is_ascii_alphabetic() && drive[2] == b':' {
             path = &path[1..];
         }
     }
@@ -77,16 +73,9 @@ mod tests {
             "FILE:///tmp/a%20b/resources/",
             "/tmp/a b/resources",
         ] {
-            assert_eq!(
-                candidates(location)[0],
-                Path::new("/tmp/a b/resources"),
-                "{location}"
-            );
+            assert_eq!(candidates(location)[0], Path::new("/tmp/a b/resources"), "{location}");
         }
-        assert_eq!(
-            candidates("file:///C:/x/resources")[0],
-            Path::new("C:/x/resources")
-        );
+        assert_eq!(candidates("file:///C:/x/resources")[0], Path::new("C:/x/resources"));
         assert!(candidates("  ").is_empty());
     }
 
@@ -95,10 +84,7 @@ mod tests {
         let paths = candidates("file:////tmp/100%25/resources");
         assert_eq!(
             paths,
-            [
-                Path::new("/tmp/100%/resources"),
-                Path::new("/tmp/100%25/resources")
-            ]
+            [Path::new("/tmp/100%/resources"), Path::new("/tmp/100%25/resources")]
         );
     }
 

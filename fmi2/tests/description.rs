@@ -3,8 +3,8 @@
 mod support;
 
 use fmi2::model_description::{
-    BaseUnit, Causality, DisplayUnit, EnumerationItem, Initial, Kind, ModelDescription,
-    RealAttributes, TypeDefinition, TypeShape, Unit, Variability, Variable,
+    BaseUnit, Causality, DisplayUnit, EnumerationItem, Initial, Kind, ModelDescription, RealAttributes, TypeDefinition,
+    TypeShape, Unit, Variability, Variable,
 };
 
 /// A description with every kind of content.
@@ -114,15 +114,8 @@ fn rich() -> ModelDescription {
 fn what_is_written_reads_back_the_same() {
     for d in [support::description(), rich()] {
         let xml = d.to_xml();
-        assert_eq!(
-            ModelDescription::from_xml(xml.as_bytes()).unwrap(),
-            d,
-            "{xml}"
-        );
-        assert_eq!(
-            ModelDescription::from_xml(xml.as_bytes()).unwrap().to_xml(),
-            xml
-        );
+        assert_eq!(ModelDescription::from_xml(xml.as_bytes()).unwrap(), d, "{xml}");
+        assert_eq!(ModelDescription::from_xml(xml.as_bytes()).unwrap().to_xml(), xml);
     }
 }
 
@@ -130,11 +123,7 @@ fn what_is_written_reads_back_the_same() {
 fn byte_order_mark_crlf_comments_doctype_and_vendor_annotations_are_tolerated() {
     let expected = rich();
     let mut xml = expected.to_xml();
-    xml = xml.replacen(
-        "?>",
-        "?>\n<!DOCTYPE fmiModelDescription>\n<!-- made by hand -->",
-        1,
-    );
+    xml = xml.replacen("?>", "?>\n<!DOCTYPE fmiModelDescription>\n<!-- made by hand -->", 1);
     xml = xml.replacen(
         "  <ModelVariables>",
         "  <VendorAnnotations><Tool name=\"x\"><a:b xmlns:a=\"urn:x\" a:c=\"1\">text</a:b></Tool></VendorAnnotations>\n  \
@@ -143,24 +132,15 @@ fn byte_order_mark_crlf_comments_doctype_and_vendor_annotations_are_tolerated() 
     );
     xml = xml.replacen("<CoSimulation ", "<CoSimulation x:foreign=\"1\" ", 1);
     xml = format!("\u{feff}{}", xml.replace('\n', "\r\n"));
-    assert_eq!(
-        ModelDescription::from_xml(xml.as_bytes()).unwrap(),
-        expected
-    );
+    assert_eq!(ModelDescription::from_xml(xml.as_bytes()).unwrap(), expected);
 }
 
 #[test]
 fn latin_1_is_read_where_it_is_declared() {
     let xml = rich().to_xml().replacen("UTF-8", "ISO-8859-1", 1);
-    let bytes: Vec<u8> = xml
-        .chars()
-        .map(|c| u8::try_from(c as u32).unwrap())
-        .collect();
+    let bytes: Vec<u8> = xml.chars().map(|c| u8::try_from(c as u32).unwrap()).collect();
     assert_eq!(
-        ModelDescription::from_xml(&bytes)
-            .unwrap()
-            .author
-            .as_deref(),
+        ModelDescription::from_xml(&bytes).unwrap().author.as_deref(),
         Some("Ä & Ö")
     );
 }
@@ -198,35 +178,25 @@ fn the_same_content_gives_the_same_bytes_and_any_change_another_guid() {
     assert_eq!(package.to_bytes(path).unwrap(), bytes);
     let guid = package.guid(path).unwrap();
     let mut other = package.clone();
-    other
-        .resources
-        .insert("scene.toml".into(), b"title = \"\"".to_vec());
+    other.resources.insert("scene.toml".into(), b"title = \"\"".to_vec());
     assert_ne!(other.guid(path).unwrap(), guid);
     assert!(
-        guid.chars()
-            .all(|c| c.is_ascii_hexdigit() || "{}-".contains(c))
-            && guid.len() == 38,
+        guid.chars().all(|c| c.is_ascii_hexdigit() || "{}-".contains(c)) && guid.len() == 38,
         "{guid}"
     );
     // headers: no extra fields, version needed at most 2.0, date 1980-01-01
     let mut names = Vec::new();
     for at in (0..bytes.len() - 46).filter(|at| bytes[*at..].starts_with(b"PK\x01\x02")) {
-        let short =
-            |offset: usize| u16::from_le_bytes([bytes[at + offset], bytes[at + offset + 1]]);
+        let short = |offset: usize| u16::from_le_bytes([bytes[at + offset], bytes[at + offset + 1]]);
         assert!(short(6) <= 20, "version needed {}", short(6));
         assert!(matches!(short(10), 0 | 8), "method {}", short(10));
         assert_eq!(short(14), 1 << 5 | 1, "date");
         assert_eq!((short(30), short(32)), (0, 0), "extra field and comment");
-        let name =
-            String::from_utf8(bytes[at + 46..at + 46 + usize::from(short(28))].to_vec()).unwrap();
+        let name = String::from_utf8(bytes[at + 46..at + 46 + usize::from(short(28))].to_vec()).unwrap();
         let mode = u16::from_le_bytes([bytes[at + 40], bytes[at + 41]]);
         assert_eq!(
             mode & 0o777,
-            if name.starts_with("binaries/") {
-                0o755
-            } else {
-                0o644
-            },
+            if name.starts_with("binaries/") { 0o755 } else { 0o644 },
             "{name}"
         );
         names.push(name);
@@ -241,10 +211,7 @@ fn the_packaged_fmu_opens_with_its_guid_filled_in() {
     expected.guid = support::package().guid(example.fmu.path()).unwrap();
     assert_eq!(*example.fmu.description(), expected);
     let folder = example.fmu.folder().to_owned();
-    assert_eq!(
-        std::fs::read(folder.join("resources/note.txt")).unwrap(),
-        b"nothing\n"
-    );
+    assert_eq!(std::fs::read(folder.join("resources/note.txt")).unwrap(), b"nothing\n");
     // left for other tools to be tried on it
     std::fs::copy(
         example.fmu.path(),

@@ -21,11 +21,7 @@ fn foreign(define: &str, change: impl Fn(String) -> String) -> (TempDir, Fmu) {
         .arg(&library)
         .arg(source)
         .status();
-    assert!(
-        status
-            .expect("a C compiler, which the crate needs as well")
-            .success()
-    );
+    assert!(status.expect("a C compiler, which the crate needs as well").success());
     let package = Package {
         description: change(support::description().to_xml()),
         library: std::fs::read(library).unwrap(),
@@ -50,17 +46,10 @@ fn messages_are_formatted_and_the_host_is_left_as_it_was() {
     let mut instance = running(&fmu);
     assert!(tiny / 2.0 > 0.0, "flush to zero is undone");
     let log = instance.take_log();
-    assert_eq!(
-        log[0].text,
-        "the binary says version \"2.0.4\", expected \"2.0\""
-    );
+    assert_eq!(log[0].text, "the binary says version \"2.0.4\", expected \"2.0\"");
     assert_eq!(log[1].text, "made osc, 100% of force, 1.500");
     assert_eq!(instance.do_step(0.0, 2.0).unwrap(), StepOutcome::Discard);
-    assert_eq!(
-        instance.take_log()[0].text,
-        "x".repeat(5000),
-        "longer than any buffer"
-    );
+    assert_eq!(instance.take_log()[0].text, "x".repeat(5000), "longer than any buffer");
 }
 
 #[test]
@@ -117,17 +106,11 @@ fn a_missing_function_is_named_and_a_missing_optional_one_disables_its_feature()
     let (_folder, fmu) = foreign("-DX", |xml| xml);
     let mut instance = running(&fmu);
     let error = instance.save_state().unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "osc (Oscillator): the FMU has no fmi2GetFMUstate"
-    );
+    assert_eq!(error.to_string(), "osc (Oscillator): the FMU has no fmi2GetFMUstate");
     assert_eq!(instance.last_successful_time().unwrap(), None);
     assert!(!instance.wants_to_terminate().unwrap());
     let (_folder, fmu) = foreign("-DINCOMPLETE", |xml| xml);
-    let error = fmu
-        .instantiate("osc", false, false)
-        .unwrap_err()
-        .to_string();
+    let error = fmu.instantiate("osc", false, false).unwrap_err().to_string();
     assert!(
         error.ends_with("Foreign.fmu: the binary does not export fmi2DoStep"),
         "{error}"

@@ -26,9 +26,7 @@ fn refused<T: std::fmt::Debug>(result: Result<T, Error>) -> String {
 }
 
 fn set_trouble(instance: &mut Instance, trouble: i32) {
-    instance
-        .set_integer(&[at::TROUBLE as u32], &[trouble])
-        .unwrap();
+    instance.set_integer(&[at::TROUBLE as u32], &[trouble]).unwrap();
 }
 
 #[test]
@@ -38,10 +36,7 @@ fn the_oscillator_follows_its_closed_form() {
     osc.set_real(&[at::DAMPING as u32], &[0.0]).unwrap();
     initialise(&mut osc);
     for n in 0..1000 {
-        assert_eq!(
-            osc.do_step(f64::from(n) * 1e-3, 1e-3).unwrap(),
-            StepOutcome::Ok
-        );
+        assert_eq!(osc.do_step(f64::from(n) * 1e-3, 1e-3).unwrap(), StepOutcome::Ok);
     }
     // x = 0.1 cos(20 t); classical Runge-Kutta loses 1e-9 over 20 rad in steps of 0.02 rad
     assert!((real(&mut osc, at::X) - 0.1 * 20.0_f64.cos()).abs() < 1e-8);
@@ -62,29 +57,20 @@ fn the_oscillator_follows_its_closed_form() {
 fn texts_and_parameters_are_set_and_read() {
     let example = example();
     let mut osc = instance(&example.fmu);
-    osc.set_string(&[at::LABEL as u32], &["Fahrdraht ü %s #"])
-        .unwrap();
-    osc.set_boolean(&[at::USE_DERIVATIVES as u32], &[false])
-        .unwrap();
+    osc.set_string(&[at::LABEL as u32], &["Fahrdraht ü %s #"]).unwrap();
+    osc.set_boolean(&[at::USE_DERIVATIVES as u32], &[false]).unwrap();
     osc.set_real(&[at::MASS as u32, at::START as u32], &[3.0, 0.25])
         .unwrap();
     osc.setup_experiment(0.0, None, None).unwrap();
     osc.enter_initialization_mode().unwrap();
-    assert_eq!(
-        osc.get_string(&[at::LABEL as u32]).unwrap(),
-        ["Fahrdraht ü %s #"]
-    );
+    assert_eq!(osc.get_string(&[at::LABEL as u32]).unwrap(), ["Fahrdraht ü %s #"]);
     assert_eq!(
         real(&mut osc, at::X),
         0.25,
         "an output follows its parameter in initialisation mode"
     );
     osc.set_real(&[at::START as u32], &[0.5]).unwrap();
-    assert_eq!(
-        real(&mut osc, at::X),
-        0.5,
-        "also when the parameter is set again"
-    );
+    assert_eq!(real(&mut osc, at::X), 0.5, "also when the parameter is set again");
     osc.exit_initialization_mode().unwrap();
     let mut derivative = [0.0];
     osc.directional_derivative(&[at::A as u32], FORCE, &[6.0], &mut derivative)
@@ -104,53 +90,43 @@ fn calls_in_the_wrong_order_are_refused() {
     let mut value = [0.0];
     type Call<'a> = (&'a str, &'a dyn Fn(&mut Instance) -> Result<(), Error>);
     let before: [Call<'_>; 7] = [
-        (
-            "fmi2ExitInitializationMode is illegal before initialisation",
-            &|i| i.exit_initialization_mode(),
-        ),
+        ("fmi2ExitInitializationMode is illegal before initialisation", &|i| {
+            i.exit_initialization_mode()
+        }),
         ("fmi2DoStep is illegal before initialisation", &|i| {
             i.do_step(0.0, 1e-3).map(|_| ())
         }),
-        ("fmi2Terminate is illegal before initialisation", &|i| {
-            i.terminate()
-        }),
+        ("fmi2Terminate is illegal before initialisation", &|i| i.terminate()),
         ("fmi2GetReal is illegal before initialisation", &|i| {
             i.get_real(X, &mut [0.0])
         }),
         ("fmi2GetRealStatus is illegal before initialisation", &|i| {
             i.last_successful_time().map(|_| ())
         }),
-        (
-            "fmi2GetRealOutputDerivatives is illegal before initialisation",
-            &|i| i.get_real_output_derivatives(X, &[1], &mut [0.0]),
-        ),
-        (
-            "fmi2GetDirectionalDerivative is illegal before initialisation",
-            &|i| i.directional_derivative(X, FORCE, &[1.0], &mut [0.0]),
-        ),
+        ("fmi2GetRealOutputDerivatives is illegal before initialisation", &|i| {
+            i.get_real_output_derivatives(X, &[1], &mut [0.0])
+        }),
+        ("fmi2GetDirectionalDerivative is illegal before initialisation", &|i| {
+            i.directional_derivative(X, FORCE, &[1.0], &mut [0.0])
+        }),
     ];
     for (message, call) in before {
         assert_eq!(refused(call(&mut instance(&example.fmu))), message);
     }
     let initialising: [Call<'_>; 5] = [
-        (
-            "fmi2SetupExperiment is illegal in initialisation mode",
-            &|i| i.setup_experiment(0.0, None, None),
-        ),
-        (
-            "fmi2EnterInitializationMode is illegal in initialisation mode",
-            &|i| i.enter_initialization_mode(),
-        ),
+        ("fmi2SetupExperiment is illegal in initialisation mode", &|i| {
+            i.setup_experiment(0.0, None, None)
+        }),
+        ("fmi2EnterInitializationMode is illegal in initialisation mode", &|i| {
+            i.enter_initialization_mode()
+        }),
         ("fmi2DoStep is illegal in initialisation mode", &|i| {
             i.do_step(0.0, 1e-3).map(|_| ())
         }),
-        ("fmi2Terminate is illegal in initialisation mode", &|i| {
-            i.terminate()
+        ("fmi2Terminate is illegal in initialisation mode", &|i| i.terminate()),
+        ("fmi2GetBooleanStatus is illegal in initialisation mode", &|i| {
+            i.wants_to_terminate().map(|_| ())
         }),
-        (
-            "fmi2GetBooleanStatus is illegal in initialisation mode",
-            &|i| i.wants_to_terminate().map(|_| ()),
-        ),
     ];
     for (message, call) in initialising {
         let mut osc = instance(&example.fmu);
@@ -162,14 +138,12 @@ fn calls_in_the_wrong_order_are_refused() {
         ("fmi2SetupExperiment is illegal between steps", &|i| {
             i.setup_experiment(0.0, None, None)
         }),
-        (
-            "fmi2EnterInitializationMode is illegal between steps",
-            &|i| i.enter_initialization_mode(),
-        ),
-        (
-            "fmi2ExitInitializationMode is illegal between steps",
-            &|i| i.exit_initialization_mode(),
-        ),
+        ("fmi2EnterInitializationMode is illegal between steps", &|i| {
+            i.enter_initialization_mode()
+        }),
+        ("fmi2ExitInitializationMode is illegal between steps", &|i| {
+            i.exit_initialization_mode()
+        }),
         (
             "fmi2SetReal: mass, a Fixed Parameter, cannot be set between steps",
             &|i| i.set_real(&[at::MASS as u32], &[1.0]),
@@ -182,15 +156,9 @@ fn calls_in_the_wrong_order_are_refused() {
     for (message, call) in stepping {
         let mut osc = running(&example.fmu);
         assert_eq!(refused(call(&mut osc)), message);
-        assert_eq!(
-            refused(osc.do_step(0.0, 1e-3)),
-            "fmi2DoStep is illegal after an error"
-        );
+        assert_eq!(refused(osc.do_step(0.0, 1e-3)), "fmi2DoStep is illegal after an error");
         osc.get_real(X, &mut value).unwrap(); // for diagnosis
-        assert_eq!(
-            refused(osc.terminate()),
-            "fmi2Terminate is illegal after an error"
-        );
+        assert_eq!(refused(osc.terminate()), "fmi2Terminate is illegal after an error");
     }
     let mut osc = running(&example.fmu);
     osc.terminate().unwrap();
@@ -230,14 +198,12 @@ fn refused_arguments_are_named_and_a_refused_read_has_no_consequence() {
         ("fmi2SetReal: force = -inf N: must be finite", &|i| {
             i.set_real(FORCE, &[f64::NEG_INFINITY])
         }),
-        (
-            "fmi2SetReal: there is no value reference 99; the highest is 12",
-            &|i| i.set_real(&[at::FORCE as u32, 99], &[5.0, 5.0]),
-        ),
-        (
-            "fmi2SetRealInputDerivatives: force = inf N: must be finite",
-            &|i| i.set_real_input_derivatives(FORCE, &[1], &[f64::INFINITY]),
-        ),
+        ("fmi2SetReal: there is no value reference 99; the highest is 12", &|i| {
+            i.set_real(&[at::FORCE as u32, 99], &[5.0, 5.0])
+        }),
+        ("fmi2SetRealInputDerivatives: force = inf N: must be finite", &|i| {
+            i.set_real_input_derivatives(FORCE, &[1], &[f64::INFINITY])
+        }),
         ("fmi2SetRealInputDerivatives: x is not an Input", &|i| {
             i.set_real_input_derivatives(X, &[1], &[1.0])
         }),
@@ -249,14 +215,12 @@ fn refused_arguments_are_named_and_a_refused_read_has_no_consequence() {
             "a step from t = 0 s by NaN s: the step size must be positive and both finite",
             &|i| i.do_step(0.0, f64::NAN).map(|_| ()),
         ),
-        (
-            "a step from t = 0.5 s, but the last one ended at t = 0 s",
-            &|i| i.do_step(0.5, 1e-3).map(|_| ()),
-        ),
-        (
-            "a step to t = 10.001 s, which is after the stop time, 10 s",
-            &|i| i.do_step(0.0, 10.001).map(|_| ()),
-        ),
+        ("a step from t = 0.5 s, but the last one ended at t = 0 s", &|i| {
+            i.do_step(0.5, 1e-3).map(|_| ())
+        }),
+        ("a step to t = 10.001 s, which is after the stop time, 10 s", &|i| {
+            i.do_step(0.0, 10.001).map(|_| ())
+        }),
     ];
     for (message, call) in calls {
         let mut osc = running(&example.fmu);
@@ -300,26 +264,15 @@ fn a_panic_in_the_model_becomes_an_error_and_the_host_survives() {
         refused(osc.get_real(X, &mut [0.0])),
         "fmi2GetReal is illegal after a panic"
     );
-    assert_eq!(
-        refused(osc.save_state()),
-        "fmi2GetFMUstate is illegal after a panic"
-    );
+    assert_eq!(refused(osc.save_state()), "fmi2GetFMUstate is illegal after a panic");
     osc.restore_state(&saved).unwrap();
     let reference = steps(&mut running(&example.fmu), 0, 20);
-    assert_eq!(
-        steps(&mut osc, 0, 20),
-        reference,
-        "a restored instance goes on"
-    );
+    assert_eq!(steps(&mut osc, 0, 20), reference, "a restored instance goes on");
     set_trouble(&mut osc, 1);
     refused(osc.do_step(0.02, 1e-3));
     osc.reset().unwrap();
     initialise(&mut osc);
-    assert_eq!(
-        steps(&mut osc, 0, 20),
-        reference,
-        "a reset instance is as new"
-    );
+    assert_eq!(steps(&mut osc, 0, 20), reference, "a reset instance is as new");
 }
 
 #[test]
@@ -331,11 +284,7 @@ fn a_discarded_step_can_be_repeated_with_a_smaller_one() {
     let saved = osc.save_state().unwrap();
     let before = real(&mut osc, at::X);
     assert_eq!(osc.do_step(0.01, 2e-3).unwrap(), StepOutcome::Discard);
-    assert_eq!(
-        osc.last_successful_time().unwrap(),
-        Some(0.01),
-        "the start of the step"
-    );
+    assert_eq!(osc.last_successful_time().unwrap(), Some(0.01), "the start of the step");
     assert!(!osc.wants_to_terminate().unwrap());
     assert_eq!(real(&mut osc, at::X), before);
     assert_eq!(
@@ -346,10 +295,7 @@ fn a_discarded_step_can_be_repeated_with_a_smaller_one() {
     assert_eq!(osc.do_step(0.01, 1e-3).unwrap(), StepOutcome::Ok);
     assert_eq!(osc.do_step(0.011, 1e-3).unwrap(), StepOutcome::Ok);
     set_trouble(&mut osc, 3);
-    assert_eq!(
-        refused(osc.do_step(0.012, 1e-3)),
-        "fmi2DoStep: the matrix is singular"
-    );
+    assert_eq!(refused(osc.do_step(0.012, 1e-3)), "fmi2DoStep: the matrix is singular");
 }
 
 #[test]
@@ -394,8 +340,7 @@ fn a_restored_state_repeats_bit_for_bit() {
 fn input_derivatives_are_followed_saved_and_cleared() {
     let example = example();
     let mut osc = running(&example.fmu);
-    osc.set_real_input_derivatives(FORCE, &[1], &[1000.0])
-        .unwrap();
+    osc.set_real_input_derivatives(FORCE, &[1], &[1000.0]).unwrap();
     osc.set_real_input_derivatives(FORCE, &[2], &[1e9]).unwrap(); // ignored, not refused
     let saved = osc.save_state().unwrap();
     osc.do_step(0.0, 1e-3).unwrap();
@@ -414,11 +359,7 @@ fn input_derivatives_are_followed_saved_and_cleared() {
     osc.restore_state(&saved).unwrap();
     osc.set_real(FORCE, &[0.0]).unwrap();
     osc.do_step(0.0, 1e-3).unwrap();
-    assert_eq!(
-        real(&mut osc, at::FORCE),
-        0.0,
-        "a set input loses its derivatives"
-    );
+    assert_eq!(real(&mut osc, at::FORCE), 0.0, "a set input loses its derivatives");
 }
 
 #[test]
@@ -450,11 +391,7 @@ fn a_serialised_state_continues_in_another_instance_and_damage_is_refused() {
     );
     let message = refused(other.deserialize_state(b"something else entirely"));
     assert!(message.ends_with("wrong magic number"), "{message}");
-    assert_eq!(
-        steps(&mut other, 80, 1).len(),
-        1,
-        "refused bytes have no consequence"
-    );
+    assert_eq!(steps(&mut other, 80, 1).len(), 1, "refused bytes have no consequence");
 }
 
 #[test]
@@ -468,10 +405,7 @@ fn a_state_of_another_fmu_is_refused() {
     package.write(&path).unwrap();
     let other = fmi2::import::Fmu::open(&path).unwrap();
     let message = refused(instance(&other).deserialize_state(&bytes));
-    assert!(
-        message.contains(&example.fmu.description().guid),
-        "{message}"
-    );
+    assert!(message.contains(&example.fmu.description().guid), "{message}");
     assert!(message.contains(&other.description().guid), "{message}");
 }
 
@@ -532,10 +466,7 @@ fn logging_follows_its_categories_and_errors_are_always_logged() {
     osc.set_real(FORCE, &[2.0]).unwrap();
     let log = osc.take_log();
     assert_eq!(log.len(), 1, "an oddity is mentioned once: {log:?}");
-    assert_eq!(
-        (log[0].category.as_str(), log[0].status),
-        ("logEvents", Status::Ok)
-    );
+    assert_eq!((log[0].category.as_str(), log[0].status), ("logEvents", Status::Ok));
     osc.set_debug_logging(true, &["logStatusDiscard"]).unwrap();
     initialise(&mut osc);
     set_trouble(&mut osc, 2);
@@ -571,19 +502,8 @@ fn a_wrong_guid_and_a_missing_resource_are_refused_with_a_message() {
         format!("Oscillator: fmi2Instantiate of \"osc\" failed: {expected}")
     );
     std::fs::remove_file(example.fmu.folder().join("resources/guid.txt")).unwrap();
-    let error = example
-        .fmu
-        .instantiate("osc", false, false)
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("resources/guid.txt: No such file"),
-        "{error}"
-    );
-    let error = example
-        .fmu
-        .instantiate(" ", false, false)
-        .unwrap_err()
-        .to_string();
+    let error = example.fmu.instantiate("osc", false, false).unwrap_err().to_string();
+    assert!(error.contains("resources/guid.txt: No such file"), "{error}");
+    let error = example.fmu.instantiate(" ", false, false).unwrap_err().to_string();
     assert_eq!(error, "instance name \" \" cannot be passed to an FMU");
 }

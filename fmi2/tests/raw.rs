@@ -3,9 +3,8 @@
 mod support;
 
 use fmi2::abi::{
-    FreeInstanceFn, GetFn, InstantiateFn, PlainFn, SetFn, SetStateFn, SetupExperimentFn,
-    StatePointerFn, StateSizeFn, Status, StatusFn, TextFn, fmi2CallbackFunctions, fmi2Component,
-    fmi2FMUstate, fmi2String,
+    FreeInstanceFn, GetFn, InstantiateFn, PlainFn, SetFn, SetStateFn, SetupExperimentFn, StatePointerFn, StateSizeFn,
+    Status, StatusFn, TextFn, fmi2CallbackFunctions, fmi2Component, fmi2FMUstate, fmi2String,
 };
 use libloading::{Library, Symbol};
 use std::ffi::{CStr, CString, c_int};
@@ -21,10 +20,7 @@ struct Raw {
 impl Raw {
     fn new() -> Self {
         let example = support::example();
-        let file = example
-            .fmu
-            .folder()
-            .join(fmi2::archive::binary_entry("Oscillator"));
+        let file = example.fmu.folder().join(fmi2::archive::binary_entry("Oscillator"));
         // SAFETY: the library of the example has no initialisers of its own.
         let library = unsafe { Library::new(file) }.unwrap();
         Self { example, library }
@@ -90,20 +86,14 @@ fn exactly_the_functions_of_the_standard_are_exported() {
         .lines()
         .filter_map(|line| line.split_whitespace().last())
         .collect();
-    assert!(
-        names.iter().all(|name| name.starts_with("fmi2")),
-        "{names:?}"
-    );
+    assert!(names.iter().all(|name| name.starts_with("fmi2")), "{names:?}");
     assert_eq!(names.len(), 34);
 }
 
 #[test]
 fn version_and_platform_are_known_before_any_instance() {
     let raw = Raw::new();
-    for (name, expected) in [
-        ("fmi2GetVersion", c"2.0"),
-        ("fmi2GetTypesPlatform", c"default"),
-    ] {
+    for (name, expected) in [("fmi2GetVersion", c"2.0"), ("fmi2GetTypesPlatform", c"default")] {
         // SAFETY: may be called at any time and returns a static text.
         let text = unsafe { CStr::from_ptr(raw.function::<TextFn>(name)()) };
         assert_eq!(text, expected);
@@ -160,10 +150,7 @@ fn a_null_component_is_an_error_for_every_function() {
             raw.function::<GetFn<f64>>("fmi2GetReal")(c, null(), 0, null_mut()),
             ERROR
         );
-        assert_eq!(
-            raw.function::<SetFn<f64>>("fmi2SetReal")(c, null(), 0, null()),
-            ERROR
-        );
+        assert_eq!(raw.function::<SetFn<f64>>("fmi2SetReal")(c, null(), 0, null()), ERROR);
         assert_eq!(
             raw.function::<SetFn<c_int>>("fmi2SetInteger")(c, null(), 0, null()),
             ERROR
@@ -180,18 +167,9 @@ fn a_null_component_is_an_error_for_every_function() {
             raw.function::<SetupExperimentFn>("fmi2SetupExperiment")(c, 0, 0.0, 0.0, 0, 0.0),
             ERROR
         );
-        assert_eq!(
-            raw.function::<StatePointerFn>("fmi2GetFMUstate")(c, null_mut()),
-            ERROR
-        );
-        assert_eq!(
-            raw.function::<StatePointerFn>("fmi2FreeFMUstate")(c, null_mut()),
-            ERROR
-        );
-        assert_eq!(
-            raw.function::<SetStateFn>("fmi2SetFMUstate")(c, null_mut()),
-            ERROR
-        );
+        assert_eq!(raw.function::<StatePointerFn>("fmi2GetFMUstate")(c, null_mut()), ERROR);
+        assert_eq!(raw.function::<StatePointerFn>("fmi2FreeFMUstate")(c, null_mut()), ERROR);
+        assert_eq!(raw.function::<SetStateFn>("fmi2SetFMUstate")(c, null_mut()), ERROR);
         assert_eq!(
             raw.function::<StateSizeFn>("fmi2SerializedFMUstateSize")(c, null_mut(), null_mut()),
             ERROR
@@ -228,17 +206,11 @@ fn null_pointers_are_fine_for_nothing_and_refused_for_something() {
         assert_eq!(reset(c), 0);
         assert_eq!(set_string(c, label.as_ptr(), 1, [null()].as_ptr()), ERROR);
         assert_eq!(reset(c), 0);
-        assert_eq!(
-            set_string(c, label.as_ptr(), 1, [c"\xff".as_ptr()].as_ptr()),
-            ERROR
-        );
+        assert_eq!(set_string(c, label.as_ptr(), 1, [c"\xff".as_ptr()].as_ptr()), ERROR);
         assert_eq!(reset(c), 0);
         assert_eq!(free_state(c, null_mut()), 0);
         assert_eq!(free_state(c, &raw mut state), 0);
-        assert_eq!(
-            raw.function::<SetStateFn>("fmi2SetFMUstate")(c, null_mut()),
-            ERROR
-        );
+        assert_eq!(raw.function::<SetStateFn>("fmi2SetFMUstate")(c, null_mut()), ERROR);
         assert_eq!(reset(c), 0);
         assert_eq!(
             raw.function::<SetupExperimentFn>("fmi2SetupExperiment")(c, 0, 0.0, 0.0, 0, -1.0),
@@ -261,10 +233,7 @@ fn null_pointers_are_fine_for_nothing_and_refused_for_something() {
         let status = raw.function::<StatusFn<c_int>>("fmi2GetStatus");
         assert_eq!((status(c, 0, &raw mut integer), integer), (0, 0));
         let integer_status = raw.function::<StatusFn<c_int>>("fmi2GetIntegerStatus");
-        assert_eq!(
-            integer_status(c, 0, &raw mut integer),
-            Status::Discard as c_int
-        );
+        assert_eq!(integer_status(c, 0, &raw mut integer), Status::Discard as c_int);
         let string_status = raw.function::<StatusFn<fmi2String>>("fmi2GetStringStatus");
         assert_eq!(string_status(c, 1, &raw mut text), Status::Discard as c_int);
         assert_eq!(raw.function::<PlainFn>("fmi2CancelStep")(c), ERROR);

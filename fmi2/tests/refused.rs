@@ -103,11 +103,7 @@ fn archives_are_refused_with_entry_and_limit() {
     let mut damaged = whole.clone();
     damaged[100] ^= 1;
     let cases: [(&str, Vec<u8>, &str); 17] = [
-        (
-            "empty file",
-            vec![],
-            "is empty (0 bytes); an FMU is a zip archive",
-        ),
+        ("empty file", vec![], "is empty (0 bytes); an FMU is a zip archive"),
         (
             "text",
             b"title = \"a scene, no FMU\"\n".to_vec(),
@@ -163,11 +159,7 @@ fn archives_are_refused_with_entry_and_limit() {
             with(entry("MODELDESCRIPTION.XML", b"other")),
             "entry MODELDESCRIPTION.XML: the name is used twice (upper and lower case count as the same)",
         ),
-        (
-            "too many",
-            raw_zip(&many),
-            "has 10001 entries, the limit is 10000",
-        ),
+        ("too many", raw_zip(&many), "has 10001 entries, the limit is 10000"),
         (
             "link",
             with(Entry {
@@ -192,18 +184,11 @@ fn archives_are_refused_with_entry_and_limit() {
             }),
             "entry resources/lzma: the compression method ",
         ),
-        (
-            "damaged",
-            damaged,
-            "entry modelDescription.xml: cannot be inflated: ",
-        ),
+        ("damaged", damaged, "entry modelDescription.xml: cannot be inflated: "),
     ];
     for (what, bytes, expected) in cases {
         let found = message(&bytes);
-        assert!(
-            found.contains(expected),
-            "{what}: expected …{expected}…, found {found}"
-        );
+        assert!(found.contains(expected), "{what}: expected …{expected}…, found {found}");
     }
 }
 
@@ -219,14 +204,8 @@ fn bombs_are_refused_while_inflating() {
     }
     let bytes = writer.finish().unwrap().into_inner();
     let found = message(&bytes);
-    assert!(
-        found.starts_with("entry resources/zeros: inflates from "),
-        "{found}"
-    );
-    assert!(
-        found.ends_with(" to more than 1000 times as many bytes"),
-        "{found}"
-    );
+    assert!(found.starts_with("entry resources/zeros: inflates from "), "{found}");
+    assert!(found.ends_with(" to more than 1000 times as many bytes"), "{found}");
     let limits = Limits {
         bytes: 1 << 20,
         ratio: u64::MAX,
@@ -242,16 +221,10 @@ fn bombs_are_refused_while_inflating() {
 #[test]
 fn a_missing_file_and_a_folder_are_refused() {
     let error = Fmu::open("no/such.fmu").unwrap_err().to_string();
-    assert!(
-        error.starts_with("no/such.fmu: cannot be read: "),
-        "{error}"
-    );
+    assert!(error.starts_with("no/such.fmu: cannot be read: "), "{error}");
     let folder = tempfile::tempdir().unwrap();
     let error = Fmu::open(folder.path()).unwrap_err().to_string();
-    assert!(
-        error.ends_with("is no intact zip archive: it is a folder"),
-        "{error}"
-    );
+    assert!(error.ends_with("is no intact zip archive: it is a folder"), "{error}");
 }
 
 #[test]
@@ -268,10 +241,7 @@ fn model_descriptions_are_refused_with_line_and_value() {
         ("hello".into(), "text outside the root element"),
         ("<?xml version=\"1.0\"?>".into(), "there is no element"),
         (xml()[..600].to_owned(), "line "),
-        (
-            change("</ModelVariables>", "</Variables>"),
-            "not well-formed XML",
-        ),
+        (change("</ModelVariables>", "</Variables>"), "not well-formed XML"),
         (
             change("</fmiModelDescription>", "</fmiModelDescription><x/>"),
             "there is a second root element",
@@ -297,10 +267,7 @@ fn model_descriptions_are_refused_with_line_and_value() {
             "lacks CoSimulation (the FMU is for model exchange only)",
         ),
         (
-            change(
-                "<CoSimulation modelIdentifier=\"Oscillator\"",
-                "<CoSimulation",
-            ),
+            change("<CoSimulation modelIdentifier=\"Oscillator\"", "<CoSimulation"),
             "<CoSimulation> lacks the attribute modelIdentifier",
         ),
         (
@@ -311,10 +278,7 @@ fn model_descriptions_are_refused_with_line_and_value() {
             "modelIdentifier of <CoSimulation> is \"../evil\", expected a C identifier",
         ),
         (
-            change(
-                "canInterpolateInputs=\"true\"",
-                "canInterpolateInputs=\"yes\"",
-            ),
+            change("canInterpolateInputs=\"true\"", "canInterpolateInputs=\"yes\""),
             "expected true or false",
         ),
         (
@@ -374,19 +338,10 @@ fn model_descriptions_are_refused_with_line_and_value() {
     for (text, expected) in cases {
         let found = message(&raw_zip(&[entry("modelDescription.xml", text.as_bytes())]));
         assert!(found.starts_with("modelDescription.xml: "), "{found}");
-        assert!(
-            found.contains(expected),
-            "expected …{expected}…, found {found}"
-        );
+        assert!(found.contains(expected), "expected …{expected}…, found {found}");
     }
-    let found = message(&raw_zip(&[entry(
-        "modelDescription.xml",
-        b"<a b=\"\xff\"/>",
-    )]));
-    assert!(
-        found.ends_with("is not UTF-8: bad byte at offset 6"),
-        "{found}"
-    );
+    let found = message(&raw_zip(&[entry("modelDescription.xml", b"<a b=\"\xff\"/>")]));
+    assert!(found.ends_with("is not UTF-8: bad byte at offset 6"), "{found}");
 }
 
 #[test]
@@ -395,10 +350,7 @@ fn a_binary_that_is_missing_or_unusable_is_said_plainly() {
     let path = folder.path().join("X.fmu");
     let instantiated = |binary: &str, content: &[u8]| {
         let xml = xml();
-        let bytes = raw_zip(&[
-            entry("modelDescription.xml", xml.as_bytes()),
-            entry(binary, content),
-        ]);
+        let bytes = raw_zip(&[entry("modelDescription.xml", xml.as_bytes()), entry(binary, content)]);
         std::fs::write(&path, bytes).unwrap();
         let fmu = Fmu::open(&path).unwrap();
         let error = fmu.instantiate("x", false, false).unwrap_err().to_string();
@@ -414,9 +366,6 @@ fn a_binary_that_is_missing_or_unusable_is_said_plainly() {
         format!("X.fmu: no binary for this platform, {here}; the archive has none")
     );
     let found = instantiated(&here, b"this is no shared library, whatever its name says");
-    assert!(
-        found.starts_with("X.fmu: the binary cannot be loaded: "),
-        "{found}"
-    );
+    assert!(found.starts_with("X.fmu: the binary cannot be loaded: "), "{found}");
     assert!(!Path::new("X.fmu").exists());
 }

@@ -30,7 +30,9 @@ fn real_time_factor(mode: Mode) -> f64 {
         say: &|_| {},
         logging: false,
     };
-    let finished = prepared.run(mode, &source, &watch, |_| Ok::<(), Box<dyn std::error::Error>>(())).expect("the run starts");
+    let finished = prepared
+        .run(mode, &source, &watch, |_| Ok::<(), Box<dyn std::error::Error>>(()))
+        .expect("the run starts");
     assert!(finished.failure.is_none(), "the run is complete");
     finished.info.cost.real_time_factor.expect("a run of 4 s has a factor")
 }
@@ -53,6 +55,10 @@ fn main() {
     });
     println!("thesis line, 4 s at 1 ms, median of {REPEATS} runs each");
     for (mode, median) in modes.iter().zip(medians) {
-        println!("{:<14} real-time factor {median:.3}, {:.2} x monolithic", mode.name(), median / medians[0]);
+        println!(
+            "{:<14} real-time factor {median:.3}, {:.2} x monolithic",
+            mode.name(),
+            median / medians[0]
+        );
     }
 }

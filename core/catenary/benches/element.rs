@@ -34,16 +34,8 @@ fn element(criterion: &mut Criterion) {
     for (name, laws, planar) in [
         ("mean, constant", default, false),
         ("mean, constant, planar", default, true),
-        (
-            "full, constant",
-            (AxialLaw::Full, BendingLaw::Constant),
-            false,
-        ),
-        (
-            "engineering, exact",
-            (AxialLaw::Engineering, BendingLaw::Exact),
-            false,
-        ),
+        ("full, constant", (AxialLaw::Full, BendingLaw::Constant), false),
+        ("engineering, exact", (AxialLaw::Engineering, BendingLaw::Exact), false),
     ] {
         let mut wire = wire(laws, planar);
         let n = 6 * (ELEMENTS + 1);

@@ -242,7 +242,8 @@ impl Force for Droppers {
     fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         for (slot, (dropper, assembled)) in self.droppers.iter().zip(&self.assembled).enumerate() {
             let pose = dropper.pose(motion);
-            let coefficient = self.law.slope(self.at_start[slot], pose.elongation, pose.rate, weights) - assembled.slope;
+            let coefficient =
+                self.law.slope(self.at_start[slot], pose.elongation, pose.rate, weights) - assembled.slope;
             if coefficient == 0.0 {
                 continue;
             }

@@ -28,31 +28,29 @@ mod topology;
 mod wire;
 
 pub use ancf::{
-    AxialLaw, BendingLaw, Cable, CableSection, Coordinates, ShapeFunctions, Tangent,
-    bending_matrix, mass_matrix, nominal_stretch, tension_matrix,
+    AxialLaw, BendingLaw, Cable, CableSection, Coordinates, ShapeFunctions, Tangent, bending_matrix, mass_matrix,
+    nominal_stretch, tension_matrix,
 };
 pub use anchor::Anchor;
 pub use attachment::Attachment;
 pub use contact::{
-    ContactGeometry, ContactPair, ContactState, ContactTangent, PenaltyContact, PrescribedStrip,
-    STRIP_INPUTS, Sensitivity,
+    ContactGeometry, ContactPair, ContactState, ContactTangent, PenaltyContact, PrescribedStrip, STRIP_INPUTS,
+    Sensitivity,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
 pub use dropper::{Dropper, DropperLaw, Droppers, Tautness};
+pub use exchange::SAMPLES;
 pub use line::{DropperSample, Line};
 pub use line_end::{LineEnd, LineEnds};
-pub use model::{CatenaryError, Model, contact_pair, static_line};
 pub use linear_line::{LinearDropper, LinearDroppers, LinearForce, LinearLine};
+pub use model::{CatenaryError, Model, contact_pair, static_line};
 pub use overhead_line::OverheadLine;
 pub use registration_arm::RegistrationArms;
 pub use statics::{
-    DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport,
-    SupportReport, TensionReport,
+    DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport, SupportReport,
+    TensionReport,
 };
-pub use exchange::SAMPLES;
 pub use subsystem::{Checkpoint, ContactOutputs, StripStart, Subsystem};
 pub use support::Supports;
 pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, Topology, WireName};
-pub use wire::{
-    Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WirePoint, WireSection,
-};
+pub use wire::{Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WirePoint, WireSection};

@@ -107,8 +107,7 @@ impl Component for Subsystem {
     type Error = CatenaryError;
 
     const IDENTIFIER: &'static str = "Catenary";
-    const DESCRIPTION: &'static str =
-        "Overhead line of ANCF wires under collector strips that are given from outside.";
+    const DESCRIPTION: &'static str = "Overhead line of ANCF wires under collector strips that are given from outside.";
 
     fn signals(scene: &Scene) -> Vec<Signal> {
         let mut signals = Vec::new();
@@ -123,7 +122,13 @@ impl Component for Subsystem {
             let text = format!("Rise of the contact wire at support {k} above its height at the start");
             Signal::output(format!("support[{k}].uplift"), "m", text)
         }));
-        signals.push(Signal::new("droppers.slack", Role::Output, Kind::Integer, 0.0, "Number of droppers without force"));
+        signals.push(Signal::new(
+            "droppers.slack",
+            Role::Output,
+            Kind::Integer,
+            0.0,
+            "Number of droppers without force",
+        ));
         signals.push(Signal::output(
             "energy",
             "J",
@@ -146,7 +151,9 @@ impl Component for Subsystem {
     fn build(scene: &Scene) -> Result<Self, CatenaryError> {
         let statics = static_line(scene)?;
         let mut subsystem = Self::new(scene, &statics)?;
-        let starts: Vec<StripStart> = (0..scene.pantographs.len()).map(|strip| strip_start(scene, strip)).collect();
+        let starts: Vec<StripStart> = (0..scene.pantographs.len())
+            .map(|strip| strip_start(scene, strip))
+            .collect();
         subsystem.start(&starts)?;
         Ok(subsystem)
     }
@@ -209,9 +216,9 @@ impl Component for Subsystem {
 
     fn sensitivity(&mut self, output: usize, input: usize) -> f64 {
         match (self.place(output), self.place(input)) {
-            (Place::Contact { strip, signal }, Place::Input { strip: other, input }) if strip == other => {
-                self.contact_sensitivity(strip, input).map_or(0.0, |change| pick(signal, &change))
-            }
+            (Place::Contact { strip, signal }, Place::Input { strip: other, input }) if strip == other => self
+                .contact_sensitivity(strip, input)
+                .map_or(0.0, |change| pick(signal, &change)),
             _ => 0.0,
         }
     }
@@ -261,12 +268,27 @@ fn strip_inputs(scene: &Scene, strip: usize) -> [Signal; STRIP_INPUTS] {
     let i = strip + 1;
     [
         ("x", "m", start.x, "Position of the strip's middle along the track"),
-        ("y", "m", 0.0, "Lateral position of the strip's middle, positive to the left"),
-        ("z", "m", start.height, "Height of the strip's middle above the top of rail"),
+        (
+            "y",
+            "m",
+            0.0,
+            "Lateral position of the strip's middle, positive to the left",
+        ),
+        (
+            "z",
+            "m",
+            start.height,
+            "Height of the strip's middle above the top of rail",
+        ),
         ("vx", "m/s", start.speed, "Velocity of the strip along the track"),
         ("vy", "m/s", 0.0, "Lateral velocity of the strip"),
         ("vz", "m/s", 0.0, "Vertical velocity of the strip"),
-        ("roll", "rad", 0.0, "Roll angle of the strip about the direction of travel"),
+        (
+            "roll",
+            "rad",
+            0.0,
+            "Roll angle of the strip about the direction of travel",
+        ),
     ]
     .map(|(name, unit, start, text)| Signal::input(format!("strip[{i}].{name}"), unit, start, text))
 }
@@ -279,7 +301,12 @@ fn contact_outputs(strip: usize, signals: &mut Vec<Signal>) {
         signals.push(Signal::output(format!("contact[{i}].{name}"), unit, text).fed_by(fed));
     };
     let axes = ["x", "y", "z"];
-    add("force".into(), "N", "Normal contact force, compression positive".into(), true);
+    add(
+        "force".into(),
+        "N",
+        "Normal contact force, compression positive".into(),
+        true,
+    );
     for axis in axes {
         add(format!("f{axis}"), "N", format!("Force on the strip in {axis}"), true);
     }
@@ -297,12 +324,37 @@ fn contact_outputs(strip: usize, signals: &mut Vec<Signal>) {
         let text = format!("Normal contact force at {j}/{SAMPLES} of the last communication step");
         add(format!("sample[{j}]"), "N", text, false);
     }
-    add("work".into(), "J", "Work done by the strip on the line since the start".into(), false);
-    add("x".into(), "m", "Position of the contact point along the track".into(), true);
+    add(
+        "work".into(),
+        "J",
+        "Work done by the strip on the line since the start".into(),
+        false,
+    );
+    add(
+        "x".into(),
+        "m",
+        "Position of the contact point along the track".into(),
+        true,
+    );
     add("y".into(), "m", "Lateral position of the contact point".into(), true);
-    add("wire.z".into(), "m", "Height of the contact wire at the contact point".into(), true);
-    add("wire.vz".into(), "m/s", "Vertical velocity of the contact wire at the contact point".into(), true);
-    add("gap".into(), "m", "Gap between strip and wire, positive when open".into(), true);
+    add(
+        "wire.z".into(),
+        "m",
+        "Height of the contact wire at the contact point".into(),
+        true,
+    );
+    add(
+        "wire.vz".into(),
+        "m/s",
+        "Vertical velocity of the contact wire at the contact point".into(),
+        true,
+    );
+    add(
+        "gap".into(),
+        "m",
+        "Gap between strip and wire, positive when open".into(),
+        true,
+    );
     signals.push(
         Signal::new(
             format!("contact[{i}].closed"),
@@ -316,35 +368,125 @@ fn contact_outputs(strip: usize, signals: &mut Vec<Signal>) {
 }
 
 /// A value of the modelled line: name, unit, meaning, and where it stands.
-type LineValue = (&'static str, &'static str, &'static str, fn(&mut scene::Catenary) -> &mut f64);
+type LineValue = (
+    &'static str,
+    &'static str,
+    &'static str,
+    fn(&mut scene::Catenary) -> &mut f64,
+);
 
 /// Values of the line that an importer can set.
 const LINE_VALUES: [LineValue; 21] = [
-    ("contact_wire_height", "m", "Height of the contact wire at the supports above the top of rail", |c| &mut c.contact_wire_height),
-    ("encumbrance", "m", "Height of the messenger wire above the contact wire at the supports", |c| &mut c.encumbrance),
-    ("presag", "m", "Lowering of the contact wire at mid-span", |c| &mut c.presag),
+    (
+        "contact_wire_height",
+        "m",
+        "Height of the contact wire at the supports above the top of rail",
+        |c| &mut c.contact_wire_height,
+    ),
+    (
+        "encumbrance",
+        "m",
+        "Height of the messenger wire above the contact wire at the supports",
+        |c| &mut c.encumbrance,
+    ),
+    ("presag", "m", "Lowering of the contact wire at mid-span", |c| {
+        &mut c.presag
+    }),
     ("gravity", "m/s2", "Gravitational acceleration", |c| &mut c.gravity),
-    ("contact_wire.mass_per_length", "kg/m", "Mass per length of the contact wire", |c| &mut c.contact_wire.mass_per_length),
-    ("contact_wire.tension", "N", "Tension of the contact wire", |c| &mut c.contact_wire.tension),
-    ("contact_wire.axial_stiffness", "N", "Axial stiffness EA of the contact wire", |c| &mut c.contact_wire.axial_stiffness),
-    ("contact_wire.bending_stiffness", "N.m2", "Bending stiffness EI of the contact wire", |c| &mut c.contact_wire.bending_stiffness),
-    ("messenger_wire.mass_per_length", "kg/m", "Mass per length of the messenger wire", |c| &mut c.messenger_wire.mass_per_length),
-    ("messenger_wire.tension", "N", "Tension of the messenger wire", |c| &mut c.messenger_wire.tension),
-    ("messenger_wire.axial_stiffness", "N", "Axial stiffness EA of the messenger wire", |c| &mut c.messenger_wire.axial_stiffness),
-    ("messenger_wire.bending_stiffness", "N.m2", "Bending stiffness EI of the messenger wire", |c| &mut c.messenger_wire.bending_stiffness),
-    ("droppers.stiffness", "N/m", "Stiffness of a taut dropper", |c| &mut c.droppers.stiffness),
-    ("droppers.damping", "N.s/m", "Damping of a taut dropper", |c| &mut c.droppers.damping),
+    (
+        "contact_wire.mass_per_length",
+        "kg/m",
+        "Mass per length of the contact wire",
+        |c| &mut c.contact_wire.mass_per_length,
+    ),
+    ("contact_wire.tension", "N", "Tension of the contact wire", |c| {
+        &mut c.contact_wire.tension
+    }),
+    (
+        "contact_wire.axial_stiffness",
+        "N",
+        "Axial stiffness EA of the contact wire",
+        |c| &mut c.contact_wire.axial_stiffness,
+    ),
+    (
+        "contact_wire.bending_stiffness",
+        "N.m2",
+        "Bending stiffness EI of the contact wire",
+        |c| &mut c.contact_wire.bending_stiffness,
+    ),
+    (
+        "messenger_wire.mass_per_length",
+        "kg/m",
+        "Mass per length of the messenger wire",
+        |c| &mut c.messenger_wire.mass_per_length,
+    ),
+    ("messenger_wire.tension", "N", "Tension of the messenger wire", |c| {
+        &mut c.messenger_wire.tension
+    }),
+    (
+        "messenger_wire.axial_stiffness",
+        "N",
+        "Axial stiffness EA of the messenger wire",
+        |c| &mut c.messenger_wire.axial_stiffness,
+    ),
+    (
+        "messenger_wire.bending_stiffness",
+        "N.m2",
+        "Bending stiffness EI of the messenger wire",
+        |c| &mut c.messenger_wire.bending_stiffness,
+    ),
+    ("droppers.stiffness", "N/m", "Stiffness of a taut dropper", |c| {
+        &mut c.droppers.stiffness
+    }),
+    ("droppers.damping", "N.s/m", "Damping of a taut dropper", |c| {
+        &mut c.droppers.damping
+    }),
     ("droppers.mass", "kg", "Mass of a dropper", |c| &mut c.droppers.mass),
-    ("supports.messenger_vertical_stiffness", "N/m", "Vertical stiffness of a messenger support", |c| &mut c.supports.messenger_vertical_stiffness),
-    ("supports.messenger_longitudinal_stiffness", "N/m", "Longitudinal stiffness of a messenger support", |c| &mut c.supports.messenger_longitudinal_stiffness),
-    ("registration_arms.vertical_stiffness", "N/m", "Vertical stiffness of a registration arm", |c| &mut c.registration_arms.vertical_stiffness),
-    ("registration_arms.mass", "kg", "Mass of a registration arm on the contact wire", |c| &mut c.registration_arms.mass),
-    ("damping.alpha", "1/s", "Rayleigh damping of the wires in proportion to mass", |c| &mut c.damping.alpha),
-    ("damping.beta", "s", "Rayleigh damping of the wires in proportion to transverse stiffness", |c| &mut c.damping.beta),
+    (
+        "supports.messenger_vertical_stiffness",
+        "N/m",
+        "Vertical stiffness of a messenger support",
+        |c| &mut c.supports.messenger_vertical_stiffness,
+    ),
+    (
+        "supports.messenger_longitudinal_stiffness",
+        "N/m",
+        "Longitudinal stiffness of a messenger support",
+        |c| &mut c.supports.messenger_longitudinal_stiffness,
+    ),
+    (
+        "registration_arms.vertical_stiffness",
+        "N/m",
+        "Vertical stiffness of a registration arm",
+        |c| &mut c.registration_arms.vertical_stiffness,
+    ),
+    (
+        "registration_arms.mass",
+        "kg",
+        "Mass of a registration arm on the contact wire",
+        |c| &mut c.registration_arms.mass,
+    ),
+    (
+        "damping.alpha",
+        "1/s",
+        "Rayleigh damping of the wires in proportion to mass",
+        |c| &mut c.damping.alpha,
+    ),
+    (
+        "damping.beta",
+        "s",
+        "Rayleigh damping of the wires in proportion to transverse stiffness",
+        |c| &mut c.damping.beta,
+    ),
 ];
 
 /// The same for a value of the contact.
-type ContactValue = (&'static str, &'static str, &'static str, fn(&mut scene::Contact) -> &mut f64);
+type ContactValue = (
+    &'static str,
+    &'static str,
+    &'static str,
+    fn(&mut scene::Contact) -> &mut f64,
+);
 
 fn modelled(scene: &mut Scene) -> Option<(&mut scene::Catenary, &mut scene::Contact)> {
     match (&mut scene.catenary, &mut scene.contact) {
@@ -369,8 +511,12 @@ fn parameters(scene: &Scene) -> Vec<Parameter> {
         ));
     }
     let contact: [ContactValue; 2] = [
-        ("contact.stiffness", "N/m", "Penalty stiffness of the contact", |c| &mut c.stiffness),
-        ("contact.damping", "N.s/m", "Penalty damping of the contact", |c| &mut c.damping),
+        ("contact.stiffness", "N/m", "Penalty stiffness of the contact", |c| {
+            &mut c.stiffness
+        }),
+        ("contact.damping", "N.s/m", "Penalty damping of the contact", |c| {
+            &mut c.damping
+        }),
     ];
     for (name, unit, text, field) in contact {
         parameters.push(Parameter::new(

@@ -1,7 +1,7 @@
 //! The line as one simulation unit: strips come in, contact forces go out.
 use crate::contact::{ContactState, STRIP_INPUTS};
-use crate::signals::input_direction;
 use crate::exchange::{Exchange, SAMPLES, Tally};
+use crate::signals::input_direction;
 use crate::{CatenaryError, Model, OverheadLine, StaticLine};
 use dynamics::{Counters, FollowedInput, Layout, Simulator, StaticOptions, StepError, System};
 use nalgebra::Vector3;

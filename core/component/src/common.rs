@@ -40,10 +40,7 @@ pub fn start_parameters(strip: usize, prefix: &str) -> [Parameter; 4] {
             "Height of the strip above the top of rail at the start",
             move |scene| start(scene).height,
             move |scene, height| {
-                scene.pantographs[strip].start = Some(Start {
-                    height,
-                    ..start(scene)
-                });
+                scene.pantographs[strip].start = Some(Start { height, ..start(scene) });
             },
         ),
         Parameter::new(
@@ -52,10 +49,7 @@ pub fn start_parameters(strip: usize, prefix: &str) -> [Parameter; 4] {
             "Contact force at the start",
             move |scene| start(scene).force,
             move |scene, force| {
-                scene.pantographs[strip].start = Some(Start {
-                    force,
-                    ..start(scene)
-                });
+                scene.pantographs[strip].start = Some(Start { force, ..start(scene) });
             },
         ),
         Parameter::new(

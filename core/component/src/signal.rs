@@ -51,13 +51,7 @@ impl Signal {
     }
 
     /// A signal of any kind.
-    pub fn new(
-        name: impl Into<String>,
-        role: Role,
-        kind: Kind,
-        start: f64,
-        description: impl Into<String>,
-    ) -> Self {
+    pub fn new(name: impl Into<String>, role: Role, kind: Kind, start: f64, description: impl Into<String>) -> Self {
         Self {
             name: name.into(),
             role,

@@ -35,7 +35,10 @@ impl FollowedInput {
     /// # Panics
     /// When the order is outside that range.
     pub fn set_derivative(&mut self, order: usize, value: f64) {
-        assert!((1..=MAX_ORDER).contains(&order), "order {order} of an input derivative is outside 1…{MAX_ORDER}");
+        assert!(
+            (1..=MAX_ORDER).contains(&order),
+            "order {order} of an input derivative is outside 1…{MAX_ORDER}"
+        );
         self.derivatives[order - 1] = value;
         self.given = true;
     }
@@ -85,7 +88,10 @@ mod tests {
         assert!((input.at(0.5) - (2.0 + 1.5 - 0.5 + 0.125)).abs() < 1e-15);
         let h = 1e-5;
         let slope = (input.integral(0.5 + h) - input.integral(0.5 - h)) / (2.0 * h);
-        assert!((slope - input.at(0.5)).abs() < 1e-9, "central difference, error of order h²");
+        assert!(
+            (slope - input.at(0.5)).abs() < 1e-9,
+            "central difference, error of order h²"
+        );
     }
 
     #[test]

@@ -231,11 +231,21 @@ impl GeneralizedAlpha {
             // and recover while it falls.
             if iteration >= 3 {
                 let growth = residual.ratio > last_ratio;
-                damping = if growth { 0.5 * damping } else { (1.5_f64 * damping).min(1.0) };
+                damping = if growth {
+                    0.5 * damping
+                } else {
+                    (1.5_f64 * damping).min(1.0)
+                };
             }
             last_ratio = residual.ratio;
             workspace.correct(system, &motion, weights)?;
-            self.apply(&workspace.correction, damping, (mass_rate, velocity_rate), system, state);
+            self.apply(
+                &workspace.correction,
+                damping,
+                (mass_rate, velocity_rate),
+                system,
+                state,
+            );
         }
         unreachable!("the last pass returns")
     }
@@ -440,7 +450,13 @@ impl GeneralizedAlpha {
     ///
     /// # Errors
     /// When the matrix of the saved state cannot be factored again.
-    pub fn restore(&mut self, system: &mut dyn System, state: &State, u: &[f64], memory: &Memory) -> Result<(), StepError> {
+    pub fn restore(
+        &mut self,
+        system: &mut dyn System,
+        state: &State,
+        u: &[f64],
+        memory: &Memory,
+    ) -> Result<(), StepError> {
         let same = match (&self.memory.linearisation, &memory.linearisation) {
             (Some(mine), Some(saved)) => Arc::ptr_eq(mine, saved),
             (None, None) => true,

@@ -59,7 +59,10 @@ impl IterationMatrix {
             }
         });
         let mass_places: Vec<(u32, u32, f64)> = (0..coordinates)
-            .flat_map(|row| mass.row(row).map(move |(column, value)| (row as u32, column as u32, value)))
+            .flat_map(|row| {
+                mass.row(row)
+                    .map(move |(column, value)| (row as u32, column as u32, value))
+            })
             .collect();
 
         let kept = |row: u32, column: u32| !fixed[row as usize] && !fixed[column as usize];
@@ -127,7 +130,11 @@ impl IterationMatrix {
         }
         let mut blocks = Blocks::add_to(&self.tangent_places, &mut self.values);
         system.forces(&mut |force| force.add_tangent(motion, weights, &mut blocks));
-        debug_assert_eq!(blocks.entries(), self.tangent_places.len(), "a contribution changed its pattern");
+        debug_assert_eq!(
+            blocks.entries(),
+            self.tangent_places.len(),
+            "a contribution changed its pattern"
+        );
         let mut cursor = 0;
         let (values, places) = (&mut self.values, &self.jacobian_places);
         visit_jacobian(system, motion, &mut |_, _, entries| {
@@ -157,7 +164,13 @@ impl IterationMatrix {
     /// Typical mass per coordinate, kg; scales constraint rows.
     pub fn mean_mass(&self) -> f64 {
         let trace: f64 = (0..self.coordinates)
-            .map(|row| self.mass.row(row).filter(|&(column, _)| column == row).map(|(_, value)| value).sum::<f64>())
+            .map(|row| {
+                self.mass
+                    .row(row)
+                    .filter(|&(column, _)| column == row)
+                    .map(|(_, value)| value)
+                    .sum::<f64>()
+            })
             .sum();
         (trace / self.coordinates.max(1) as f64).max(f64::MIN_POSITIVE)
     }
@@ -180,7 +193,11 @@ impl Part {
         }
         // Multipliers make a matrix indefinite, turning bodies make it unsymmetric; structures are neither.
         let bare = unknowns.iter().all(|&unknown| unknown < coordinates);
-        let shape = if bare && unknowns.len() > SMALL { Shape::Definite } else { Shape::General };
+        let shape = if bare && unknowns.len() > SMALL {
+            Shape::Definite
+        } else {
+            Shape::General
+        };
         let rows = entries.iter().map(|&(row, _)| local[row as usize]).collect();
         Self {
             factors: SparseFactor::analyse(unknowns.len(), starts, rows, shape),
@@ -192,7 +209,10 @@ impl Part {
     }
 
     fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
-        if !self.factors.factor(&values[self.first_value..self.first_value + self.values]) {
+        if !self
+            .factors
+            .factor(&values[self.first_value..self.first_value + self.values])
+        {
             return Err(Singular {
                 unknown: self.unknowns[0],
             });
@@ -232,11 +252,7 @@ impl Part {
 }
 
 /// Calls `sink(equation, columns, values)` for every block row of all constraints.
-pub(crate) fn visit_jacobian(
-    system: &mut dyn System,
-    motion: &Motion<'_>,
-    sink: &mut RowSink<'_>,
-) {
+pub(crate) fn visit_jacobian(system: &mut dyn System, motion: &Motion<'_>, sink: &mut RowSink<'_>) {
     let mut first = 0;
     system.constraints(&mut |constraint| {
         let mut shifted = |row: usize, columns: &[usize], values: &[f64]| sink(first + row, columns, values);
@@ -254,7 +270,10 @@ pub(crate) fn mass_matrix(system: &mut dyn System) -> SparseMatrix {
     let mut values = vec![0.0; places.len()];
     let mut blocks = Blocks::add_to(&order, &mut values);
     system.forces(&mut |force| force.add_mass(&mut blocks));
-    let entries = places.iter().zip(&values).map(|(&(row, column), &value)| (row, column, value));
+    let entries = places
+        .iter()
+        .zip(&values)
+        .map(|(&(row, column), &value)| (row, column, value));
     SparseMatrix::from_entries(system.layout().coordinates(), entries.collect())
 }
 

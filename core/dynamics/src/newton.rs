@@ -215,12 +215,7 @@ impl Workspace {
     }
 
     /// Solves for the correction that removes the last residual; afterwards [`Workspace::correction`] holds `Δq` and `Δλ`.
-    pub fn correct(
-        &mut self,
-        system: &mut dyn System,
-        motion: &Motion<'_>,
-        weights: Weights,
-    ) -> Result<(), StepError> {
+    pub fn correct(&mut self, system: &mut dyn System, motion: &Motion<'_>, weights: Weights) -> Result<(), StepError> {
         self.updates.clear();
         let mut owner = 0;
         let updates = &mut self.updates;

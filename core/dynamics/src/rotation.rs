@@ -51,10 +51,7 @@ pub fn tangent(phi: &Vector3<f64>) -> Matrix3<f64> {
         )
     } else {
         let half_sine = (0.5 * angle).sin();
-        (
-            2.0 * half_sine * half_sine / a2,
-            (angle - angle.sin()) / (a2 * angle),
-        )
+        (2.0 * half_sine * half_sine / a2, (angle - angle.sin()) / (a2 * angle))
     };
     let phi = skew(phi);
     Matrix3::identity() - phi * first + phi * phi * second

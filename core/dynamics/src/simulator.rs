@@ -1,8 +1,8 @@
 //! A system in time: sub-steps inside a communication step, with its state saved and restored as a whole.
 use crate::matrix::mass_matrix;
 use crate::{
-    Counters, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions, StaticReport, StepError, System,
-    solve_static,
+    Counters, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions, StaticReport, StepError,
+    System, solve_static,
 };
 use serde::{Deserialize, Serialize};
 
@@ -84,7 +84,8 @@ impl<S: System> Simulator<S> {
     /// # Errors
     /// See [`GeneralizedAlpha::start_accelerations`].
     pub fn start_accelerations(&mut self) -> Result<(), StepError> {
-        self.integrator.start_accelerations(&mut self.system, &mut self.state, &self.u)
+        self.integrator
+            .start_accelerations(&mut self.system, &mut self.state, &self.u)
     }
 
     /// Takes a jump of the inputs from `before` to the present ones into the accelerations, at the start of a communication step of
@@ -94,7 +95,8 @@ impl<S: System> Simulator<S> {
     /// See [`GeneralizedAlpha::jump`].
     pub fn jump(&mut self, before: &[f64], h: f64) -> Result<(), StepError> {
         let dt = h / self.micro_steps(h) as f64;
-        self.integrator.jump(&mut self.system, &mut self.state, before, &self.u, dt)
+        self.integrator
+            .jump(&mut self.system, &mut self.state, before, &self.u, dt)
     }
 
     /// Number of equal internal steps within a communication step of `h` s: a rest of rounding makes no extra step.
@@ -120,7 +122,8 @@ impl<S: System> Simulator<S> {
         for step in 1..=count {
             let tau = if step == count { h } else { step as f64 * dt };
             inputs_at(tau, &mut self.u);
-            self.integrator.step(&mut self.system, &mut self.state, &self.u, t + tau, dt)?;
+            self.integrator
+                .step(&mut self.system, &mut self.state, &self.u, t + tau, dt)?;
             after(&mut self.system, self.state.motion(&self.u), dt);
         }
         Ok(())
@@ -146,6 +149,7 @@ impl<S: System> Simulator<S> {
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), StepError> {
         self.state.copy_from(&checkpoint.state);
         self.u.clone_from(&checkpoint.u);
-        self.integrator.restore(&mut self.system, &self.state, &self.u, &checkpoint.memory)
+        self.integrator
+            .restore(&mut self.system, &self.state, &self.u, &checkpoint.memory)
     }
 }

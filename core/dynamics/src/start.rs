@@ -13,16 +13,22 @@ pub(crate) fn accelerations(system: &mut dyn System, state: &mut State, u: &[f64
     let scale = matrix.mean_mass();
     // The stiffness stays out: weights zero. Contributions that freeze directions while assembling see the start state.
     let nothing = Weights { q: 0.0, v: 0.0 };
-    matrix.factor(system, &motion, 1.0, nothing, scale).map_err(|singular| StepError::Singular {
-        t: state.t,
-        coordinate: name(system, singular.unknown),
-    })?;
+    matrix
+        .factor(system, &motion, 1.0, nothing, scale)
+        .map_err(|singular| StepError::Singular {
+            t: state.t,
+            coordinate: name(system, singular.unknown),
+        })?;
     let mut right_side = vec![0.0; n + equations];
     system.forces(&mut |force| force.add_force(&motion, &mut right_side[..n]));
     let product = |system: &mut dyn System, at: &State| {
         let mut rates = vec![0.0; equations];
         visit_jacobian(system, &at.motion(u), &mut |row, columns, values| {
-            rates[row] += columns.iter().zip(values).map(|(&column, value)| value * state.v[column]).sum::<f64>();
+            rates[row] += columns
+                .iter()
+                .zip(values)
+                .map(|(&column, value)| value * state.v[column])
+                .sum::<f64>();
         });
         rates
     };

@@ -103,7 +103,9 @@ fn solve(
         workspace.factor(system, &motion, options.mass_shift, weights)?;
         workspace.correct(system, &motion, weights)?;
         let n = state.q.len();
-        let largest = workspace.correction[..n].iter().fold(0.0_f64, |max, x| max.max(x.abs()));
+        let largest = workspace.correction[..n]
+            .iter()
+            .fold(0.0_f64, |max, x| max.max(x.abs()));
         // Droppers that switch to and fro make full corrections cycle: shorter ones end that.
         let patience = if stagnant > 5 { 0.5 } else { 1.0 };
         let damping = patience * (options.largest_change / largest).min(1.0);

@@ -56,13 +56,7 @@ impl Updates {
 
     /// Adds `coefficient · u uᵀ`; `entries` are the non-zero entries (index, value) of `u`, `slot` numbers the
     /// contribution's own rows.
-    pub fn rank_one(
-        &mut self,
-        slot: u32,
-        version: u64,
-        coefficient: f64,
-        entries: impl Iterator<Item = (usize, f64)>,
-    ) {
+    pub fn rank_one(&mut self, slot: u32, version: u64, coefficient: f64, entries: impl Iterator<Item = (usize, f64)>) {
         let first_row = self.rows.len();
         self.row(slot, version, entries);
         self.core(first_row, 1, &[coefficient]);

@@ -127,7 +127,9 @@ impl Woodbury {
 
 fn dot(updates: &Updates, row: usize, x: &[f64]) -> f64 {
     let row = updates.rows[row];
-    (row.start..row.end).map(|k| updates.values[k] * x[updates.indices[k]]).sum()
+    (row.start..row.end)
+        .map(|k| updates.values[k] * x[updates.indices[k]])
+        .sum()
 }
 
 /// Gaussian elimination with partial pivoting on a small dense matrix (row by row); false where it is singular.

@@ -181,9 +181,7 @@ impl Catenary {
     /// x of all supports, m; one more than there are spans.
     #[must_use]
     pub fn supports_x(&self) -> Vec<f64> {
-        (0..=self.spans())
-            .map(|index| self.support_x(index))
-            .collect()
+        (0..=self.spans()).map(|index| self.support_x(index)).collect()
     }
 
     /// Lateral position y of the contact wire at support `index` (from 0), m.
@@ -198,10 +196,7 @@ impl Catenary {
         (0..self.spans())
             .flat_map(|span| {
                 let left = self.support_x(span);
-                self.droppers
-                    .positions
-                    .iter()
-                    .map(move |position| left + position)
+                self.droppers.positions.iter().map(move |position| left + position)
             })
             .collect()
     }
@@ -235,11 +230,7 @@ impl Entry for Catenary {
                 was.map(|line| line.contact_wire_height),
                 Number::positive("m"),
             ),
-            encumbrance: keys.number(
-                "encumbrance",
-                was.map(|line| line.encumbrance),
-                Number::positive("m"),
-            ),
+            encumbrance: keys.number("encumbrance", was.map(|line| line.encumbrance), Number::positive("m")),
             presag: keys.number("presag", was.map(|line| line.presag), Number::any("m")),
             stagger: keys.numbers(
                 "stagger",
@@ -249,17 +240,12 @@ impl Entry for Catenary {
             ),
             wire_ends: keys.word("wire_ends", was.map(|line| line.wire_ends), None),
             statics: keys.word("statics", was.map(|line| line.statics), None),
-            gravity: keys.number(
-                "gravity",
-                was.map(|line| line.gravity),
-                Number::positive("m/s²"),
-            ),
+            gravity: keys.number("gravity", was.map(|line| line.gravity), Number::positive("m/s²")),
             contact_wire: keys.table("contact_wire", was.map(|line| &line.contact_wire)),
             messenger_wire: keys.table("messenger_wire", was.map(|line| &line.messenger_wire)),
             droppers: keys.table("droppers", was.map(|line| &line.droppers)),
             supports: keys.table("supports", was.map(|line| &line.supports)),
-            registration_arms: keys
-                .table("registration_arms", was.map(|line| &line.registration_arms)),
+            registration_arms: keys.table("registration_arms", was.map(|line| &line.registration_arms)),
             damping: keys.table("damping", was.map(|line| &line.damping)),
             mesh: keys.table("mesh", was.map(|line| &line.mesh)),
         }
@@ -274,11 +260,7 @@ impl Entry for Wire {
                 was.map(|wire| wire.mass_per_length),
                 Number::positive("kg/m"),
             ),
-            tension: keys.number(
-                "tension",
-                was.map(|wire| wire.tension),
-                Number::positive("N"),
-            ),
+            tension: keys.number("tension", was.map(|wire| wire.tension), Number::positive("N")),
             axial_stiffness: keys.number(
                 "axial_stiffness",
                 was.map(|wire| wire.axial_stiffness),
@@ -318,19 +300,10 @@ impl Entry for Droppers {
                 was.map(|droppers| droppers.damping),
                 Number::not_negative("N s/m"),
             ),
-            mass: keys.number(
-                "mass",
-                was.map(|droppers| droppers.mass),
-                Number::not_negative("kg"),
-            ),
-            lengths: keys.has("lengths", lengths.flatten().is_some()).then(|| {
-                keys.numbers(
-                    "lengths",
-                    lengths.flatten(),
-                    Number::positive("m"),
-                    Length::Any,
-                )
-            }),
+            mass: keys.number("mass", was.map(|droppers| droppers.mass), Number::not_negative("kg")),
+            lengths: keys
+                .has("lengths", lengths.flatten().is_some())
+                .then(|| keys.numbers("lengths", lengths.flatten(), Number::positive("m"), Length::Any)),
         }
     }
 }
@@ -370,11 +343,7 @@ impl Entry for RegistrationArms {
                 was.map(|arms| arms.lateral_stiffness),
                 Number::not_negative("N/m"),
             ),
-            mass: keys.number(
-                "mass",
-                was.map(|arms| arms.mass),
-                Number::not_negative("kg"),
-            ),
+            mass: keys.number("mass", was.map(|arms| arms.mass), Number::not_negative("kg")),
         }
     }
 }
@@ -382,16 +351,8 @@ impl Entry for RegistrationArms {
 impl Entry for Damping {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
-            alpha: keys.number(
-                "alpha",
-                was.map(|damping| damping.alpha),
-                Number::not_negative("1/s"),
-            ),
-            beta: keys.number(
-                "beta",
-                was.map(|damping| damping.beta),
-                Number::not_negative("s"),
-            ),
+            alpha: keys.number("alpha", was.map(|damping| damping.alpha), Number::not_negative("1/s")),
+            beta: keys.number("beta", was.map(|damping| damping.beta), Number::not_negative("s")),
         }
     }
 }

@@ -2,10 +2,7 @@
 
 use crate::error::What;
 use crate::write::{shown_key, shown_number};
-use crate::{
-    Catenary, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics,
-    ThirdParty, Wire,
-};
+use crate::{Catenary, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics, ThirdParty, Wire};
 
 /// Contradictions found so far: the key and what is wrong with it.
 pub(crate) type Found = Vec<(String, What)>;
@@ -15,12 +12,7 @@ const ROUNDING: f64 = 1e-9;
 /// A run of more steps or rows than this is a mistake in a key.
 const MAX_STEPS: f64 = 1e8;
 
-pub(crate) fn refuse(
-    found: &mut Found,
-    key: impl Into<String>,
-    value: impl Into<String>,
-    expected: impl Into<String>,
-) {
+pub(crate) fn refuse(found: &mut Found, key: impl Into<String>, value: impl Into<String>, expected: impl Into<String>) {
     found.push((
         key.into(),
         What::Refused {
@@ -60,9 +52,7 @@ impl Scene {
                     found,
                     format!("pantograph[{}].offset_x", i + 1),
                     shown_number(behind.offset_x, "m"),
-                    format!(
-                        "must be less than {ahead} m, the offset of the pantograph before it: the first one leads"
-                    ),
+                    format!("must be less than {ahead} m, the offset of the pantograph before it: the first one leads"),
                 );
             }
         }
@@ -133,9 +123,7 @@ impl Scene {
                     found,
                     "run.start_x",
                     shown_number(self.run.start_x, "m"),
-                    format!(
-                        "{strip} starts at x = {start} m, must be on the line, from 0 to {length} m"
-                    ),
+                    format!("{strip} starts at x = {start} m, must be on the line, from 0 to {length} m"),
                 );
             } else if end > length + ROUNDING {
                 refuse(
@@ -160,10 +148,7 @@ impl Scene {
                     found,
                     format!("catenary.stagger[{}]", k + 1),
                     shown_number(*stagger, "m"),
-                    format!(
-                        "must be within ±{} m, half the width of {strip}",
-                        width / 2.0
-                    ),
+                    format!("must be within ±{} m, half the width of {strip}", width / 2.0),
                 );
             }
         }
@@ -178,9 +163,7 @@ impl Scene {
                         found,
                         "run.evaluate.time",
                         format!("[{from}, {to}] s"),
-                        format!(
-                            "must be two times, the first one earlier, up to run.duration = {duration} s"
-                        ),
+                        format!("must be two times, the first one earlier, up to run.duration = {duration} s"),
                     );
                 }
             }
@@ -224,22 +207,10 @@ impl Catenary {
         self.contact_wire.check("catenary.contact_wire", found);
         self.messenger_wire.check("catenary.messenger_wire", found);
         if self.presag >= self.contact_wire_height {
-            let expected = format!(
-                "must be less than contact_wire_height = {} m",
-                self.contact_wire_height
-            );
-            refuse(
-                found,
-                "catenary.presag",
-                shown_number(self.presag, "m"),
-                expected,
-            );
+            let expected = format!("must be less than contact_wire_height = {} m", self.contact_wire_height);
+            refuse(found, "catenary.presag", shown_number(self.presag, "m"), expected);
         }
-        let shortest = self
-            .span_lengths
-            .iter()
-            .copied()
-            .fold(f64::INFINITY, f64::min);
+        let shortest = self.span_lengths.iter().copied().fold(f64::INFINITY, f64::min);
         let positions = &self.droppers.positions;
         for (i, position) in positions.iter().enumerate() {
             let key = format!("catenary.droppers.positions[{}]", i + 1);
@@ -247,17 +218,15 @@ impl Catenary {
                 let expected = format!("must be inside its span, between 0 and {shortest} m");
                 refuse(found, key, shown_number(*position, "m"), expected);
             } else if i > 0 && *position <= positions[i - 1] {
-                let expected = format!(
-                    "must be greater than the position before it, {} m",
-                    positions[i - 1]
-                );
+                let expected = format!("must be greater than the position before it, {} m", positions[i - 1]);
                 refuse(found, key, shown_number(*position, "m"), expected);
             }
         }
         if let Some(lengths) = &self.droppers.lengths {
             let key = "catenary.droppers.lengths";
             if self.statics == Statics::FormFinding {
-                let expected = "must be left out with catenary.statics = \"form_finding\", which finds the lengths itself";
+                let expected =
+                    "must be left out with catenary.statics = \"form_finding\", which finds the lengths itself";
                 refuse(found, key, format!("{lengths:?} m"), expected);
             } else if lengths.len() != positions.len() {
                 let expected = format!(
@@ -285,10 +254,7 @@ impl Wire {
             );
         }
         if self.tension >= self.axial_stiffness {
-            let expected = format!(
-                "must be far below axial_stiffness = {} N",
-                self.axial_stiffness
-            );
+            let expected = format!("must be far below axial_stiffness = {} N", self.axial_stiffness);
             refuse(
                 found,
                 format!("{path}.tension"),
@@ -320,22 +286,13 @@ impl Lumped {
         ] {
             if entries != n {
                 let expected = format!("must have {n}, one per mass");
-                refuse(
-                    found,
-                    format!("{path}.{name}"),
-                    format!("{entries} entries"),
-                    expected,
-                );
+                refuse(found, format!("{path}.{name}"), format!("{entries} entries"), expected);
             }
         }
-        for (i, stiffness) in self
-            .stiffnesses
-            .iter()
-            .enumerate()
-            .take(n.saturating_sub(1))
-        {
+        for (i, stiffness) in self.stiffnesses.iter().enumerate().take(n.saturating_sub(1)) {
             if *stiffness == 0.0 {
-                let expected = "must be positive: only the last one, to the base, may be 0, or the mass above it would fall";
+                let expected =
+                    "must be positive: only the last one, to the base, may be 0, or the mass above it would fall";
                 refuse(
                     found,
                     format!("{path}.stiffnesses[{}]", i + 1),
@@ -364,8 +321,7 @@ impl ThirdParty {
                 let allowed = direction == "outputs" && aligned == Some(name.as_str());
                 if connection.offset == Offset::Align && !allowed {
                     let key = format!("{path}.{direction}.{}.offset", shown_key(name));
-                    let expected =
-                        "must be a number: only a pantograph's output height can be aligned";
+                    let expected = "must be a number: only a pantograph's output height can be aligned";
                     refuse(found, key, "\"align\"", expected);
                 }
             }

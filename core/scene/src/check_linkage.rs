@@ -11,17 +11,9 @@ impl Linkage {
     pub(crate) fn check(&self, path: &str, found: &mut Found) {
         self.check_bodies(path, found);
         self.check_joints(path, found);
-        for (key, name) in [
-            ("strip.body", &self.strip.body),
-            ("uplift.body", &self.uplift.body),
-        ] {
+        for (key, name) in [("strip.body", &self.strip.body), ("uplift.body", &self.uplift.body)] {
             if self.body(name).is_none() {
-                refuse(
-                    found,
-                    format!("{path}.{key}"),
-                    format!("{name:?}"),
-                    self.names(),
-                );
+                refuse(found, format!("{path}.{key}"), format!("{name:?}"), self.names());
             }
         }
         // What follows walks from body to body by name.
@@ -34,11 +26,7 @@ impl Linkage {
 
     /// What a name must be.
     fn names(&self) -> String {
-        let names: Vec<String> = self
-            .bodies
-            .iter()
-            .map(|body| format!("{:?}", body.name))
-            .collect();
+        let names: Vec<String> = self.bodies.iter().map(|body| format!("{:?}", body.name)).collect();
         format!("no such body: must be one of {}", names.join(", "))
     }
 
@@ -47,21 +35,11 @@ impl Linkage {
             let path = format!("{path}.bodies[{}]", i + 1);
             if body.name == Self::BASE {
                 let expected = "is taken by what the mechanism stands on: must be another name";
-                refuse(
-                    found,
-                    format!("{path}.name"),
-                    format!("{:?}", body.name),
-                    expected,
-                );
+                refuse(found, format!("{path}.name"), format!("{:?}", body.name), expected);
             }
             if self.bodies[..i].iter().any(|other| other.name == body.name) {
                 let expected = "must be unique: another body has this name";
-                refuse(
-                    found,
-                    format!("{path}.name"),
-                    format!("{:?}", body.name),
-                    expected,
-                );
+                refuse(found, format!("{path}.name"), format!("{:?}", body.name), expected);
             }
             let [xx, yy, zz] = body.inertia;
             for (largest, others) in [(xx, yy + zz), (yy, xx + zz), (zz, xx + yy)] {
@@ -87,22 +65,12 @@ impl Linkage {
             for (key, name) in [("first", &joint.first), ("second", &joint.second)] {
                 if name != Self::BASE && self.body(name).is_none() {
                     let expected = format!("{}, or \"{}\"", self.names(), Self::BASE);
-                    refuse(
-                        found,
-                        format!("{path}.{key}"),
-                        format!("{name:?}"),
-                        expected,
-                    );
+                    refuse(found, format!("{path}.{key}"), format!("{name:?}"), expected);
                 }
             }
             if joint.first == joint.second {
                 let expected = format!("must differ from first = {:?}", joint.first);
-                refuse(
-                    found,
-                    format!("{path}.second"),
-                    format!("{:?}", joint.second),
-                    expected,
-                );
+                refuse(found, format!("{path}.second"), format!("{:?}", joint.second), expected);
             }
             if let JointKind::Revolute { axis } | JointKind::Prismatic { axis } = joint.kind
                 && length(axis) < NO_LENGTH
@@ -142,14 +110,9 @@ impl Linkage {
             }
         }
         let free = 6 * self.bodies.len();
-        let held: usize = self
-            .joints
-            .iter()
-            .map(|joint| joint.kind.constraints())
-            .sum();
+        let held: usize = self.joints.iter().map(|joint| joint.kind.constraints()).sum();
         if held >= free {
-            let expected =
-                format!("hold {held} of the bodies' {free} motions, must leave at least one free");
+            let expected = format!("hold {held} of the bodies' {free} motions, must leave at least one free");
             refuse(
                 found,
                 format!("{path}.joints"),
@@ -222,10 +185,9 @@ impl Linkage {
     #[must_use]
     pub fn uplift_joint(&self) -> Option<&Joint> {
         let joins = |joint: &&Joint, a: &str, b: &str| joint.first == a && joint.second == b;
-        self.joints.iter().find(|joint| {
-            joins(joint, Self::BASE, &self.uplift.body)
-                || joins(joint, &self.uplift.body, Self::BASE)
-        })
+        self.joints
+            .iter()
+            .find(|joint| joins(joint, Self::BASE, &self.uplift.body) || joins(joint, &self.uplift.body, Self::BASE))
     }
 
     /// Where the uplift acts in the tabulated position, m: `uplift.distance` from its joint with the base, towards the centre

@@ -94,8 +94,7 @@ impl Entry for Coupling {
         let named = Algorithm::NAMES
             .iter()
             .map(|(word, algorithm)| (*word, Some(*algorithm)));
-        let names: Vec<(&'static str, Option<Algorithm>)> =
-            std::iter::once(("auto", None)).chain(named).collect();
+        let names: Vec<(&'static str, Option<Algorithm>)> = std::iter::once(("auto", None)).chain(named).collect();
         let algorithm = keys
             .word_among(
                 "algorithm",
@@ -113,16 +112,8 @@ impl Entry for Coupling {
         }
         Self {
             algorithm: algorithm.unwrap_or(Algorithm::GaussSeidel),
-            order: keys.word(
-                "order",
-                was.map(|coupling| coupling.order),
-                Some(Order::CatenaryFirst),
-            ),
-            force: keys.word(
-                "force",
-                was.map(|coupling| coupling.force),
-                Some(Force::Mean),
-            ),
+            order: keys.word("order", was.map(|coupling| coupling.order), Some(Order::CatenaryFirst)),
+            force: keys.word("force", was.map(|coupling| coupling.force), Some(Force::Mean)),
             extrapolation: keys.count(
                 "extrapolation",
                 was.map(|coupling| coupling.extrapolation),

@@ -159,10 +159,7 @@ impl fmt::Display for Problem {
                 }
             }
             What::NotAvailable { value: None, .. } => {
-                write!(
-                    f,
-                    "{key}: known, but not modelled yet by this version: leave it out"
-                )
+                write!(f, "{key}: known, but not modelled yet by this version: leave it out")
             }
             What::LeaveOut { because } => write!(f, "{key}: must be left out: {because}"),
             What::Refused { value, expected } => write!(f, "{key} = {value}: {expected}"),

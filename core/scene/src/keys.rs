@@ -146,9 +146,7 @@ impl Keys<'_> {
     /// Reports an impossible value.
     pub(crate) fn refuse(&mut self, name: &str, expected: impl Into<String>) {
         let value = match &self.side {
-            Side::Read { table, .. } => table
-                .node(name)
-                .map_or_else(String::new, |node| shown(&node.value)),
+            Side::Read { table, .. } => table.node(name).map_or_else(String::new, |node| shown(&node.value)),
             Side::Write(_) => return,
         };
         self.report(

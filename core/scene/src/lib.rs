@@ -50,8 +50,7 @@ mod tree;
 mod write;
 
 pub use catenary::{
-    AxialStrain, Catenary, Damping, Droppers, Element, Mesh, RegistrationArms, Statics, Supports,
-    Wire, WireEnds,
+    AxialStrain, Catenary, Damping, Droppers, Element, Mesh, RegistrationArms, Statics, Supports, Wire, WireEnds,
 };
 pub use contact::{Contact, ContactLaw};
 pub use coupling::{Algorithm, Coupling, Force, Order};

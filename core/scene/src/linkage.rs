@@ -135,10 +135,8 @@ impl Entry for Linkage {
         Self {
             strip: keys.inline_table("strip", was.map(|linkage| &linkage.strip)),
             base: keys.vector("base", was.map(|linkage| linkage.base), Number::any("m")),
-            collector_suspension: keys.inline_table(
-                "collector_suspension",
-                was.map(|linkage| &linkage.collector_suspension),
-            ),
+            collector_suspension: keys
+                .inline_table("collector_suspension", was.map(|linkage| &linkage.collector_suspension)),
             uplift: keys.inline_table("uplift", was.map(|linkage| &linkage.uplift)),
             bodies: keys.tables("bodies", was.map(|linkage| linkage.bodies.as_slice())),
             joints: keys.tables("joints", was.map(|linkage| linkage.joints.as_slice())),
@@ -161,11 +159,7 @@ impl Entry for LinkageStrip {
 impl Entry for CollectorSuspension {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
-            stiffness: keys.number(
-                "stiffness",
-                was.map(|spring| spring.stiffness),
-                Number::positive("N/m"),
-            ),
+            stiffness: keys.number("stiffness", was.map(|spring| spring.stiffness), Number::positive("N/m")),
             damping: keys.number(
                 "damping",
                 was.map(|spring| spring.damping),
@@ -178,17 +172,9 @@ impl Entry for CollectorSuspension {
 impl Entry for Uplift {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
-            force: keys.number(
-                "force",
-                was.map(|uplift| uplift.force),
-                Number::positive("N"),
-            ),
+            force: keys.number("force", was.map(|uplift| uplift.force), Number::positive("N")),
             body: keys.text("body", was.map(|uplift| uplift.body.as_str()), A_BODY),
-            distance: keys.number(
-                "distance",
-                was.map(|uplift| uplift.distance),
-                Number::not_negative("m"),
-            ),
+            distance: keys.number("distance", was.map(|uplift| uplift.distance), Number::not_negative("m")),
         }
     }
 }
@@ -199,16 +185,8 @@ impl Entry for Body {
             name: keys.text("name", was.map(|body| body.name.as_str()), "a name"),
             mass: keys.number("mass", was.map(|body| body.mass), Number::positive("kg")),
             position: keys.vector("position", was.map(|body| body.position), Number::any("m")),
-            orientation: keys.vector(
-                "orientation",
-                was.map(|body| body.orientation),
-                Number::any("rad"),
-            ),
-            inertia: keys.vector(
-                "inertia",
-                was.map(|body| body.inertia),
-                Number::positive("kg m²"),
-            ),
+            orientation: keys.vector("orientation", was.map(|body| body.orientation), Number::any("rad")),
+            inertia: keys.vector("inertia", was.map(|body| body.inertia), Number::positive("kg m²")),
         }
     }
 }

@@ -57,8 +57,8 @@ pub struct Lumped {
     pub stiffnesses: Vec<f64>,
     /// N·s/m, not negative, n entries.
     pub dampings: Vec<f64>,
-    /// Height of the strip at which the last, grounded spring is unstretched, m; `None` stands for the static
-    /// height of the contact wire over the strip's start.
+    /// Height of the strip at which all springs of the chain, without any force, are unstretched, m; `None` stands for the
+    /// static height of the contact wire over the strip's start.
     pub reference_height: Option<f64>,
     /// Whether element i pushes only, n entries; all false by default.
     pub unilateral: Vec<bool>,
@@ -113,9 +113,7 @@ impl Entry for Pantograph {
             }
             Some(PantographModel::ThirdParty(side))
         } else if was.is_none() && !keys.has("model", false) {
-            let expected =
-                "\"lumped\" or \"linkage\", or else fmu = \"path\" for somebody else's model"
-                    .to_string();
+            let expected = "\"lumped\" or \"linkage\", or else fmu = \"path\" for somebody else's model".to_string();
             keys.report("model", What::Missing { expected });
             None
         } else {
@@ -142,8 +140,7 @@ impl Entry for Pantograph {
         Self {
             offset_x,
             model,
-            start: keys
-                .optional_inline_table("start", was.map(|pantograph| pantograph.start.as_ref())),
+            start: keys.optional_inline_table("start", was.map(|pantograph| pantograph.start.as_ref())),
         }
     }
 }
@@ -151,16 +148,8 @@ impl Entry for Pantograph {
 impl Entry for Start {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
-            height: keys.number(
-                "height",
-                was.map(|start| start.height),
-                Number::positive("m"),
-            ),
-            force: keys.number(
-                "force",
-                was.map(|start| start.force),
-                Number::not_negative("N"),
-            ),
+            height: keys.number("height", was.map(|start| start.height), Number::positive("m")),
+            force: keys.number("force", was.map(|start| start.force), Number::not_negative("N")),
         }
     }
 }

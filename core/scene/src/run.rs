@@ -61,16 +61,8 @@ choice! {
 impl Entry for Run {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
-            speed: keys.number(
-                "speed_kmh",
-                was.map(|run| kmh(run.speed)),
-                Number::positive("km/h"),
-            ) / KMH,
-            duration: keys.number(
-                "duration",
-                was.map(|run| run.duration),
-                Number::positive("s"),
-            ),
+            speed: keys.number("speed_kmh", was.map(|run| kmh(run.speed)), Number::positive("km/h")) / KMH,
+            duration: keys.number("duration", was.map(|run| run.duration), Number::positive("s")),
             start_x: keys.number("start_x", was.map(|run| run.start_x), Number::any("m")),
             evaluate: keys.inline_table("evaluate", was.map(|run| &run.evaluate)),
             low_pass_hz: keys.number(
@@ -88,11 +80,7 @@ impl Entry for Run {
                 was.map(|run| run.initialise),
                 Some(Initialise::Equilibrium),
             ),
-            allow_supercritical: keys.flag(
-                "allow_supercritical",
-                was.map(|run| run.allow_supercritical),
-                false,
-            ),
+            allow_supercritical: keys.flag("allow_supercritical", was.map(|run| run.allow_supercritical), false),
         }
     }
 }
@@ -128,15 +116,9 @@ impl Entry for Evaluate {
             Self::Spans { .. } => None,
             Self::Time { from, to } => Some([*from, *to]),
         });
-        let (by_spans, by_time) = (
-            keys.has("spans", spans.is_some()),
-            keys.has("time", time.is_some()),
-        );
+        let (by_spans, by_time) = (keys.has("spans", spans.is_some()), keys.has("time", time.is_some()));
         if by_spans && by_time {
-            keys.refuse(
-                "spans",
-                "must stand alone: evaluate either spans or time, not both",
-            );
+            keys.refuse("spans", "must stand alone: evaluate either spans or time, not both");
         } else if !by_spans && !by_time {
             let expected = "a list of the first and the last span, such as [5, 6], or else time = [from, to] in s";
             keys.report(

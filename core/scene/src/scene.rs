@@ -84,10 +84,7 @@ impl Scene {
     ///
     /// Every contradiction found.
     pub fn check(&self, origin: &str) -> Result<(), SceneError> {
-        let sources = Sources {
-            origin,
-            overrides: &[],
-        };
+        let sources = Sources { origin, overrides: &[] };
         let found = self.contradictions();
         if found.is_empty() {
             return Ok(());
@@ -126,10 +123,7 @@ impl Scene {
         match (self.run.evaluate, &self.catenary) {
             (Evaluate::Spans { first, last }, Line::Modelled(catenary)) => {
                 let time = |x: f64| (x - self.strip_start_x(index)) / self.run.speed;
-                (
-                    time(catenary.support_x(first - 1)),
-                    time(catenary.support_x(last)),
-                )
+                (time(catenary.support_x(first - 1)), time(catenary.support_x(last)))
             }
             (Evaluate::Time { from, to }, _) => (from, to),
             // Refused by `from_toml`: the spans of somebody else's line are not known.

@@ -71,11 +71,7 @@ impl Entry for Solver {
                 1..=1000,
                 Some(30),
             ),
-            jacobian: keys.word(
-                "jacobian",
-                was.map(|solver| solver.jacobian),
-                Some(Jacobian::Modified),
-            ),
+            jacobian: keys.word("jacobian", was.map(|solver| solver.jacobian), Some(Jacobian::Modified)),
         }
     }
 }

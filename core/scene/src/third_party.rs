@@ -67,16 +67,7 @@ pub enum Offset {
 /// A pantograph's inputs and outputs, by this program's names.
 pub(crate) const PANTOGRAPH: [&[&str]; 2] = [
     &["force", "force_x", "force_y", "force_z", "time", "x"],
-    &[
-        "height",
-        "velocity",
-        "x",
-        "y",
-        "vx",
-        "vy",
-        "roll",
-        "roll_rate",
-    ],
+    &["height", "velocity", "x", "y", "vx", "vy", "roll", "roll_rate"],
 ];
 
 /// The names of a line's inputs and outputs, for as many strips and supports as a scene may have.
@@ -184,9 +175,7 @@ impl Entry for Connection {
             ),
             offset: match offset {
                 Some(Offset::Align) => align(keys, Some(Offset::Align)),
-                Some(Offset::Value(value)) => {
-                    Offset::Value(keys.number("offset", Some(value), Number::any("")))
-                }
+                Some(Offset::Value(value)) => Offset::Value(keys.number("offset", Some(value), Number::any(""))),
                 None if keys.holds_text("offset") => align(keys, None),
                 None => Offset::Value(keys.number("offset", None, Number::any("").default(0.0))),
             },

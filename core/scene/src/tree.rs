@@ -45,19 +45,13 @@ pub(crate) struct Table {
 
 impl From<Value> for Node {
     fn from(value: Value) -> Self {
-        Self {
-            at: At::File,
-            value,
-        }
+        Self { at: At::File, value }
     }
 }
 
 impl Table {
     pub(crate) fn node(&self, key: &str) -> Option<&Node> {
-        self.entries
-            .iter()
-            .find(|(name, _)| name == key)
-            .map(|(_, node)| node)
+        self.entries.iter().find(|(name, _)| name == key).map(|(_, node)| node)
     }
 
     /// Where the key with a path such as `pantograph[1].masses[2]` was typed, or else the nearest table above it.
@@ -117,9 +111,7 @@ impl Sources<'_> {
 pub(crate) fn parse(text: &str, sources: Sources) -> Result<Table, Vec<Problem>> {
     let lines = Lines::of(text);
     let parsed = DeTable::parse(text).map_err(|error| {
-        let at = error
-            .span()
-            .map_or(At::File, |span| At::Line(lines.line(span.start)));
+        let at = error.span().map_or(At::File, |span| At::Line(lines.line(span.start)));
         let message = error.message().trim().replace('\n', ", ");
         vec![sources.problem(
             at,
@@ -137,11 +129,7 @@ pub(crate) fn parse(text: &str, sources: Sources) -> Result<Table, Vec<Problem>>
             Some(sources.problem(At::Override(i), key, what))
         })
         .collect();
-    if problems.is_empty() {
-        Ok(root)
-    } else {
-        Err(problems)
-    }
+    if problems.is_empty() { Ok(root) } else { Err(problems) }
 }
 
 /// Offsets at which the lines of a text begin.
@@ -174,10 +162,7 @@ fn table(parsed: &DeTable, place: &dyn Fn(usize) -> At) -> Table {
             (key.get_ref().to_string(), node)
         })
         .collect();
-    Table {
-        inline: false,
-        entries,
-    }
+    Table { inline: false, entries }
 }
 
 fn value(parsed: &DeValue, place: &dyn Fn(usize) -> At) -> Value {
@@ -229,8 +214,7 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
     let steps = steps(path).ok_or_else(|| syntax(FORM))?;
     let new = Node {
         at,
-        value: typed_value(typed.trim(), at)
-            .map_err(|message| (path.trim().to_string(), What::Syntax { message }))?,
+        value: typed_value(typed.trim(), at).map_err(|message| (path.trim().to_string(), What::Syntax { message }))?,
     };
 
     let mut walked = String::new();
@@ -272,8 +256,7 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
                             Step::Entry(number) => format!("[{number}]"),
                             Step::Key(key) => format!(".{key}"),
                         };
-                        let expected =
-                            format!("has {count} entries, [1] to [{count}], and no {asked}");
+                        let expected = format!("has {count} entries, [1] to [{count}], and no {asked}");
                         return Err((
                             walked.clone(),
                             What::Refused {

@@ -1,9 +1,6 @@
 //! What is read is what was typed, and what is written reads again as the same.
 
-use scene::{
-    Algorithm, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Scene, Start,
-    Statics,
-};
+use scene::{Algorithm, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Scene, Start, Statics};
 
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
 const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
@@ -27,13 +24,10 @@ fn every_shipped_scene_is_accepted() {
     let mut read_scenes = 0;
     for file in std::fs::read_dir(folder).unwrap() {
         let path = file.unwrap().path();
-        if path
-            .extension()
-            .is_some_and(|extension| extension == "toml")
-        {
+        if path.extension().is_some_and(|extension| extension == "toml") {
             let text = std::fs::read_to_string(&path).unwrap();
-            let scene = Scene::from_toml(&text, &path.display().to_string(), &[])
-                .unwrap_or_else(|error| panic!("{error}"));
+            let scene =
+                Scene::from_toml(&text, &path.display().to_string(), &[]).unwrap_or_else(|error| panic!("{error}"));
             assert!(scene.source.is_some(), "{} names no source", path.display());
             read_scenes += 1;
         }
@@ -114,10 +108,7 @@ outputs = {{ height = {{ variable = "z1", offset = "align" }}, velocity = {{ var
         (side.fmu.as_str(), side.isolate, side.step_timeout),
         ("vendor/panto.fmu", true, 60.0)
     );
-    assert_eq!(
-        side.parameters["static.force"],
-        ParameterValue::Number(110.0)
-    );
+    assert_eq!(side.parameters["static.force"], ParameterValue::Number(110.0));
     assert_eq!(side.parameters["n"], ParameterValue::Number(3.0));
     assert_eq!(side.parameters["on"], ParameterValue::Boolean(true));
     assert_eq!(side.inputs["force"].factor, -1.0);
@@ -146,9 +137,7 @@ fn every_number_survives_writing_bit_for_bit() {
     }
     let scene = read(EN_250, &["pantograph[1].offset_x=-0.0"]);
     assert_eq!(
-        read(&scene.to_toml(), &[]).pantographs[0]
-            .offset_x
-            .to_bits(),
+        read(&scene.to_toml(), &[]).pantographs[0].offset_x.to_bits(),
         (-0.0_f64).to_bits()
     );
 }
@@ -191,11 +180,7 @@ fn defaults_are_resolved_and_written_out() {
         (Algorithm::GaussSeidel, Order::CatenaryFirst, Force::Mean)
     );
     assert_eq!(
-        (
-            coupling.extrapolation,
-            coupling.macro_step,
-            coupling.max_iterations
-        ),
+        (coupling.extrapolation, coupling.macro_step, coupling.max_iterations),
         (1, 0.001, 20)
     );
     assert!(coupling.reason.starts_with("auto"), "{}", coupling.reason);
@@ -210,10 +195,7 @@ fn defaults_are_resolved_and_written_out() {
     );
     assert!(scene.model.reductions.is_empty());
     assert_eq!(
-        (
-            lumped(&scene).unilateral.as_slice(),
-            lumped(&scene).friction.as_slice()
-        ),
+        (lumped(&scene).unilateral.as_slice(), lumped(&scene).friction.as_slice()),
         ([false; 2].as_slice(), [0.0; 2].as_slice())
     );
     let written = scene.to_toml();
@@ -265,10 +247,7 @@ fn overrides_reach_every_kind_of_value() {
         (Algorithm::Jacobi, Order::PantographFirst)
     );
     assert_eq!(lumped(&scene).static_force, 110.0, "the last override wins");
-    assert_eq!(
-        (lumped(&scene).masses[1], lumped(&scene).strip.width),
-        (14.5, 1.45)
-    );
+    assert_eq!((lumped(&scene).masses[1], lumped(&scene).strip.width), (14.5, 1.45));
     assert_eq!(
         (scene.run.allow_supercritical, scene.solver.newton_tolerance),
         (true, 1e-7)
@@ -286,22 +265,15 @@ fn a_quoted_key_of_an_override_may_hold_dots_and_signs() {
     let PantographModel::ThirdParty(side) = &scene.pantographs[0].model else {
         panic!("somebody else's")
     };
-    assert_eq!(
-        side.parameters["static.force="],
-        ParameterValue::Number(110.0)
-    );
+    assert_eq!(side.parameters["static.force="], ParameterValue::Number(110.0));
     assert_eq!(read(&scene.to_toml(), &[]), scene);
 }
 
 #[test]
 fn the_evaluation_range_follows_each_strip() {
-    let pantograph =
-        &EN_250[EN_250.find("[[pantograph]]").unwrap()..EN_250.find("[coupling]").unwrap()];
+    let pantograph = &EN_250[EN_250.find("[[pantograph]]").unwrap()..EN_250.find("[coupling]").unwrap()];
     let second = pantograph.replace("offset_x = 0.0", "offset_x = -18.0");
-    let scene = read(
-        &EN_250.replace("[coupling]", &format!("{second}[coupling]")),
-        &[],
-    );
+    let scene = read(&EN_250.replace("[coupling]", &format!("{second}[coupling]")), &[]);
     assert_eq!(
         (scene.evaluation_x(0), scene.evaluation_x(1)),
         ((240.0, 360.0), (240.0, 360.0))
@@ -312,10 +284,7 @@ fn the_evaluation_range_follows_each_strip() {
     assert_eq!(scene.strip_start_x(1), 2.0);
     assert_eq!(scene.strip_x(0, 1.0), 20.0 + speed);
     let timed = read(EN_250, &["run.evaluate={ time = [2.0, 3.0] }"]);
-    assert_eq!(
-        timed.evaluation_x(0),
-        (20.0 + speed * 2.0, 20.0 + speed * 3.0)
-    );
+    assert_eq!(timed.evaluation_x(0), (20.0 + speed * 2.0, 20.0 + speed * 3.0));
 }
 
 #[test]
@@ -326,10 +295,7 @@ fn supports_and_droppers_are_where_the_spans_put_them() {
     assert_eq!(catenary.supports_x().len(), 21);
     assert_eq!(catenary.supports_x()[3], 168.75);
     let droppers = catenary.droppers_x();
-    assert_eq!(
-        (droppers.len(), droppers[0], droppers[8]),
-        (160, 6.25, 62.5)
-    );
+    assert_eq!((droppers.len(), droppers[0], droppers[8]), (160, 6.25, 62.5));
     assert_eq!(contact.stiffness, 50000.0);
     assert!(
         (catenary.contact_wire.wave_speed() - 124.5).abs() < 0.05,
@@ -339,11 +305,7 @@ fn supports_and_droppers_are_where_the_spans_put_them() {
 
 #[test]
 fn a_supercritical_run_is_accepted_where_it_is_asked_for() {
-    let fast = [
-        "run.speed_kmh=500",
-        "run.duration=4",
-        "run.allow_supercritical=true",
-    ];
+    let fast = ["run.speed_kmh=500", "run.duration=4", "run.allow_supercritical=true"];
     assert!(read(EN_250, &fast).run.speed > 121.7);
 }
 
@@ -366,11 +328,7 @@ fn the_axis_of_every_bar_runs_through_its_joints() {
         panic!("a linkage")
     };
     let mut seen = 0;
-    for body in linkage
-        .bodies
-        .iter()
-        .filter(|body| body.orientation != [0.0; 3])
-    {
+    for body in linkage.bodies.iter().filter(|body| body.orientation != [0.0; 3]) {
         let rotation = body.rotation();
         for joint in linkage
             .joints
@@ -413,10 +371,7 @@ fn a_rotation_matrix_is_orthogonal_and_turns_about_minus_y_for_the_upper_bars() 
     for i in 0..3 {
         for j in 0..3 {
             let product: f64 = (0..3).map(|k| a[k][i] * a[k][j]).sum();
-            assert!(
-                (product - f64::from(u8::from(i == j))).abs() < 1e-15,
-                "rounding"
-            );
+            assert!((product - f64::from(u8::from(i == j))).abs() < 1e-15, "rounding");
         }
     }
     let upper_arm = linkage.body("upper_arm").unwrap();

@@ -50,31 +50,21 @@ pub(crate) fn force(contribution: &mut dyn Force, motion: &Motion<'_>) -> DVecto
 pub(crate) fn dense(n: usize, add: &mut dyn FnMut(&mut Blocks<'_>)) -> DMatrix<f64> {
     let mut places = Vec::new();
     add(&mut Blocks::record(&mut places));
-    let places: Vec<u32> = places
-        .iter()
-        .map(|(row, column)| row + column * n as u32)
-        .collect();
+    let places: Vec<u32> = places.iter().map(|(row, column)| row + column * n as u32).collect();
     let mut matrix = DMatrix::zeros(n, n);
     add(&mut Blocks::add_to(&places, matrix.as_mut_slice()));
     matrix
 }
 
 /// Asserts that both parts of a contribution's tangent are the derivatives of its force, to 1e-6 of the largest entry.
-pub(crate) fn assert_tangent(
-    contribution: &mut dyn Force,
-    layout: &Layout,
-    state: &State,
-    u: &[f64],
-) {
+pub(crate) fn assert_tangent(contribution: &mut dyn Force, layout: &Layout, state: &State, u: &[f64]) {
     let n = layout.coordinates();
     for weights in [Weights { q: 1.0, v: 0.0 }, Weights { q: 0.0, v: 1.0 }] {
         let tangent = dense(n, &mut |blocks| {
             contribution.add_tangent(&state.motion(u), weights, blocks)
         });
         let difference = if weights.q == 1.0 {
-            jacobian(layout, state, &mut |state| {
-                force(contribution, &state.motion(u))
-            })
+            jacobian(layout, state, &mut |state| force(contribution, &state.motion(u)))
         } else {
             let h = 2e-6;
             let columns: Vec<_> = (0..n)
@@ -90,9 +80,7 @@ pub(crate) fn assert_tangent(
             DMatrix::from_columns(&columns)
         };
         let error = (&tangent + difference).amax();
-        let scale = tangent
-            .amax()
-            .max(force(contribution, &state.motion(u)).amax());
+        let scale = tangent.amax().max(force(contribution, &state.motion(u)).amax());
         assert!(
             error <= 1e-6 * scale,
             "{weights:?}: error {error}, largest entry {}",
@@ -110,11 +98,7 @@ pub(crate) fn assert_energy(contribution: &mut dyn Force, layout: &Layout, state
         DVector::from_element(1, contribution.energy(&state.motion(&[])))
     });
     let error = (gradient.transpose() + &force).amax();
-    assert!(
-        error <= 1e-6 * force.amax(),
-        "error {error} of {}",
-        force.amax()
-    );
+    assert!(error <= 1e-6 * force.amax(), "error {error} of {}", force.amax());
 }
 
 /// A state with displacements and velocities that favour no direction.

@@ -23,9 +23,7 @@ pub enum VehicleError {
         name: String,
     },
     /// The body that the uplift acts on does not stand on the base.
-    #[error(
-        "pantograph.uplift.body = \"{name}\" has no joint with the base to measure the distance from"
-    )]
+    #[error("pantograph.uplift.body = \"{name}\" has no joint with the base to measure the distance from")]
     NoBaseJoint {
         /// The body.
         name: String,

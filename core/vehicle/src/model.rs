@@ -36,24 +36,12 @@ impl PantographModel {
     ///
     /// # Errors
     /// See [`VehicleError`].
-    pub fn new(
-        entry: &Entry,
-        placement: Placement,
-        name: &str,
-        layout: &mut Layout,
-    ) -> Result<Self, VehicleError> {
+    pub fn new(entry: &Entry, placement: Placement, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
         let kind = match entry {
             Entry::Lumped(entry) => Kind::Lumped(Lumped::new(entry, name, layout)?),
-            Entry::Linkage(entry) => Kind::Linkage(Box::new(Linkage::new(
-                entry,
-                placement.gravity,
-                name,
-                layout,
-            )?)),
+            Entry::Linkage(entry) => Kind::Linkage(Box::new(Linkage::new(entry, placement.gravity, name, layout)?)),
             Entry::ThirdParty(entry) => {
-                return Err(VehicleError::ThirdParty {
-                    fmu: entry.fmu.clone(),
-                });
+                return Err(VehicleError::ThirdParty { fmu: entry.fmu.clone() });
             }
         };
         let strip_x = match &kind {
@@ -64,11 +52,7 @@ impl PantographModel {
             start_x: placement.start_x - strip_x,
             speed: placement.speed,
         };
-        Ok(Self {
-            kind,
-            placement,
-            base,
-        })
+        Ok(Self { kind, placement, base })
     }
 
     /// Visits every force in a fixed order.

@@ -7,26 +7,14 @@ use scene::{PantographModel, Scene};
 
 /// Outputs behind the inputs, in order.
 const OUTPUTS: [(&str, &str, &str); 10] = [
-    (
-        "strip[1].x",
-        "m",
-        "Position of the strip's middle along the track",
-    ),
+    ("strip[1].x", "m", "Position of the strip's middle along the track"),
     (
         "strip[1].y",
         "m",
         "Lateral position of the strip's middle, positive to the left",
     ),
-    (
-        "strip[1].z",
-        "m",
-        "Height of the strip's middle above the top of rail",
-    ),
-    (
-        "strip[1].vx",
-        "m/s",
-        "Velocity of the strip along the track",
-    ),
+    ("strip[1].z", "m", "Height of the strip's middle above the top of rail"),
+    ("strip[1].vx", "m/s", "Velocity of the strip along the track"),
     ("strip[1].vy", "m/s", "Lateral velocity of the strip"),
     ("strip[1].vz", "m/s", "Vertical velocity of the strip"),
     (
@@ -54,12 +42,7 @@ impl Component for Subsystem {
     fn signals(scene: &Scene) -> Vec<Signal> {
         let force = scene.pantographs[0].start.map_or(0.0, |start| start.force);
         let inputs: [(&str, &'static str, f64, &str); INPUTS] = [
-            (
-                "contact[1].fx",
-                "N",
-                0.0,
-                "Force on the strip along the track",
-            ),
+            ("contact[1].fx", "N", 0.0, "Force on the strip along the track"),
             ("contact[1].fy", "N", 0.0, "Lateral force on the strip"),
             (
                 "contact[1].fz",
@@ -223,7 +206,7 @@ fn lumped_parameters(masses: usize) -> Vec<Parameter> {
         parameter(
             "reference_height",
             "m",
-            "Height of the strip at which the spring to the base is unstretched",
+            "Height of the strip at which all springs of the chain are unstretched",
             |model| lumped(model).and_then(|entry| entry.reference_height.as_mut()),
         ),
     ];
@@ -253,12 +236,9 @@ fn lumped_parameters(masses: usize) -> Vec<Parameter> {
 
 fn linkage_parameters() -> Vec<Parameter> {
     vec![
-        parameter(
-            "uplift.force",
-            "N",
-            "Vertical force on the raised arm",
-            |model| linkage(model).map(|entry| &mut entry.uplift.force),
-        ),
+        parameter("uplift.force", "N", "Vertical force on the raised arm", |model| {
+            linkage(model).map(|entry| &mut entry.uplift.force)
+        }),
         parameter(
             "uplift.distance",
             "m",

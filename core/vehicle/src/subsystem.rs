@@ -1,8 +1,7 @@
 //! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
 use crate::{AppliedForce, PantographModel, Placement, VehicleError};
 use dynamics::{
-    Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator,
-    StepError, System,
+    Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System,
 };
 use nalgebra::Vector3;
 use scene::Scene;
@@ -45,9 +44,7 @@ pub fn placement(scene: &Scene, index: usize) -> Placement {
     Placement {
         start_x: scene.strip_start_x(index),
         speed: scene.run.speed,
-        gravity: scene
-            .modelled_line()
-            .map_or(GRAVITY, |(line, _)| line.gravity),
+        gravity: scene.modelled_line().map_or(GRAVITY, |(line, _)| line.gravity),
     }
 }
 
@@ -92,8 +89,7 @@ impl Subsystem {
         let mut layout = Layout::new();
         let entry = &scene.pantographs[index];
         let name = format!("pantograph {}", index + 1);
-        let mut pantograph =
-            PantographModel::new(&entry.model, placement(scene, index), &name, &mut layout)?;
+        let mut pantograph = PantographModel::new(&entry.model, placement(scene, index), &name, &mut layout)?;
         let height = entry
             .start
             .map_or_else(|| pantograph.reference_height(), |start| start.height);

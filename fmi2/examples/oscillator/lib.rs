@@ -150,12 +150,7 @@ impl Model for Oscillator {
         Ok(())
     }
 
-    fn set_input_derivative(
-        &mut self,
-        _position: usize,
-        order: u32,
-        value: f64,
-    ) -> ModelResult<()> {
+    fn set_input_derivative(&mut self, _position: usize, order: u32, value: f64) -> ModelResult<()> {
         if order == 1 && self.use_derivatives {
             self.force[1] = value;
         }
@@ -171,11 +166,7 @@ impl Model for Oscillator {
     }
 
     fn directional_derivative(&mut self, output: usize, _input: usize) -> ModelResult<f64> {
-        Ok(if output == at::A {
-            1.0 / self.parameters[0]
-        } else {
-            0.0
-        })
+        Ok(if output == at::A { 1.0 / self.parameters[0] } else { 0.0 })
     }
 
     /// Classical Runge-Kutta steps of at most 1 ms.
@@ -197,8 +188,7 @@ impl Model for Oscillator {
                 let force = self.force[0] + self.force[1] * (n as f64 * h + offset);
                 [v, self.acceleration(force, [x, v])]
             };
-            let moved =
-                |[dx, dv]: [f64; 2], by: f64| [self.state[0] + by * dx, self.state[1] + by * dv];
+            let moved = |[dx, dv]: [f64; 2], by: f64| [self.state[0] + by * dx, self.state[1] + by * dv];
             let k1 = rate(0.0, self.state);
             let k2 = rate(h / 2.0, moved(k1, h / 2.0));
             let k3 = rate(h / 2.0, moved(k2, h / 2.0));
@@ -222,12 +212,7 @@ impl Model for Oscillator {
 
     fn serialize(state: &Self) -> ModelResult<Vec<u8>> {
         let mut bytes = Vec::new();
-        for number in state
-            .parameters
-            .iter()
-            .chain(&state.force)
-            .chain(&state.state)
-        {
+        for number in state.parameters.iter().chain(&state.force).chain(&state.state) {
             bytes.extend_from_slice(&number.to_le_bytes());
         }
         for number in [

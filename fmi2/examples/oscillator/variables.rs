@@ -39,11 +39,7 @@ pub fn table() -> Vec<Variable> {
         Variable::string_parameter("label", "oscillator", "A text for people"),
         Variable::integer_output("steps", "Steps since the start").depends_on(&[]),
         Variable::boolean_output("above", "Whether the position is positive").depends_on(&[]),
-        Variable::boolean_parameter(
-            "inputs.use_derivatives",
-            true,
-            "Whether the force is followed",
-        ),
+        Variable::boolean_parameter("inputs.use_derivatives", true, "Whether the force is followed"),
         Variable::integer_parameter("trouble", 0, "What is to go wrong").tunable(),
     ]
 }

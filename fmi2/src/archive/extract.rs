@@ -169,10 +169,7 @@ pub(super) fn checked(name: &str) -> Result<(), ArchiveError> {
         return refuse("it holds a control character");
     }
     let parts = name.strip_suffix('/').unwrap_or(name);
-    match parts
-        .split('/')
-        .find(|part| matches!(*part, "" | "." | ".."))
-    {
+    match parts.split('/').find(|part| matches!(*part, "" | "." | "..")) {
         Some("..") => refuse("it leads out of the folder (..)"),
         Some(_) => refuse("it has an empty part or the part ."),
         None => Ok(()),
@@ -213,12 +210,10 @@ fn inflate(
                 limit: limits.ratio,
             });
         }
-        *left = left
-            .checked_sub(count as u64)
-            .ok_or_else(|| ArchiveError::TooLarge {
-                entry: entry(),
-                limit: limits.bytes,
-            })?;
+        *left = left.checked_sub(count as u64).ok_or_else(|| ArchiveError::TooLarge {
+            entry: entry(),
+            limit: limits.bytes,
+        })?;
         sink(&buffer[..count])?;
     }
 }

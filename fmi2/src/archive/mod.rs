@@ -119,9 +119,7 @@ pub enum ArchiveError {
         entry: String,
     },
     /// Neither stored nor deflated.
-    #[error(
-        "entry {entry}: the compression method {method} is refused; FMI allows store and deflate"
-    )]
+    #[error("entry {entry}: the compression method {method} is refused; FMI allows store and deflate")]
     Method {
         /// The entry.
         entry: String,

@@ -65,8 +65,7 @@ impl Package {
             let mode = std::fs::Permissions::from_mode(0o644);
             file.as_file().set_permissions(mode).map_err(unwritable)?;
         }
-        file.persist(path)
-            .map_err(|error| unwritable(error.error))?;
+        file.persist(path).map_err(|error| unwritable(error.error))?;
         Ok(())
     }
 
@@ -89,10 +88,7 @@ impl Package {
         }
         let description = self.description.replacen(GUID_PLACEHOLDER, &guid, 1);
         entries.insert(DESCRIPTION_FILE.to_owned(), description.into_bytes());
-        entries.insert(
-            format!("resources/{GUID_FILE}"),
-            format!("{guid}\n").into_bytes(),
-        );
+        entries.insert(format!("resources/{GUID_FILE}"), format!("{guid}\n").into_bytes());
         zipped(&entries).map_err(|error| {
             refused(ArchiveError::NotZip {
                 problem: error.to_string(),
@@ -103,23 +99,15 @@ impl Package {
     /// All entries but the resource with the GUID.
     fn entries(&self, path: &Path) -> Result<BTreeMap<String, Vec<u8>>, Error> {
         let description =
-            ModelDescription::from_xml(self.description.as_bytes()).map_err(|problem| {
-                Error::Description {
-                    path: path.to_owned(),
-                    problem,
-                }
+            ModelDescription::from_xml(self.description.as_bytes()).map_err(|problem| Error::Description {
+                path: path.to_owned(),
+                problem,
             })?;
         let mut entries = BTreeMap::new();
-        entries.insert(
-            DESCRIPTION_FILE.to_owned(),
-            self.description.clone().into_bytes(),
-        );
+        entries.insert(DESCRIPTION_FILE.to_owned(), self.description.clone().into_bytes());
         let binary = binary_entry(&description.co_simulation.model_identifier);
         entries.insert(binary, self.library.clone());
-        for (folder, files) in [
-            ("resources", &self.resources),
-            ("documentation", &self.documentation),
-        ] {
+        for (folder, files) in [("resources", &self.resources), ("documentation", &self.documentation)] {
             for (name, content) in files {
                 entries.insert(format!("{folder}/{name}"), content.clone());
             }
@@ -157,11 +145,7 @@ fn guid(entries: &BTreeMap<String, Vec<u8>>) -> String {
 fn zipped(entries: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>, zip::result::ZipError> {
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, content) in entries {
-        let mode = if name.starts_with("binaries/") {
-            0o755
-        } else {
-            0o644
-        };
+        let mode = if name.starts_with("binaries/") { 0o755 } else { 0o644 };
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .last_modified_time(DateTime::default())

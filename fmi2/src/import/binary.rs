@@ -2,10 +2,9 @@
 
 use crate::Error;
 use crate::abi::{
-    DeserializeStateFn, DirectionalDerivativeFn, DoStepFn, FreeInstanceFn, GetFn, InstantiateFn,
-    OutputDerivativesFn, PlainFn, SerializeStateFn, SetDebugLoggingFn, SetFn,
-    SetInputDerivativesFn, SetStateFn, SetupExperimentFn, StatePointerFn, StateSizeFn, StatusFn,
-    TextFn, fmi2Boolean, fmi2Integer, fmi2Real, fmi2Status, fmi2String,
+    DeserializeStateFn, DirectionalDerivativeFn, DoStepFn, FreeInstanceFn, GetFn, InstantiateFn, OutputDerivativesFn,
+    PlainFn, SerializeStateFn, SetDebugLoggingFn, SetFn, SetInputDerivativesFn, SetStateFn, SetupExperimentFn,
+    StatePointerFn, StateSizeFn, StatusFn, TextFn, fmi2Boolean, fmi2Integer, fmi2Real, fmi2Status, fmi2String,
 };
 use crate::archive;
 use libloading::Library;
@@ -94,11 +93,7 @@ pub(super) struct Binary {
 
 impl Binary {
     /// Loads the binary for this platform from the unpacked FMU in `folder`; `path` is the archive, for messages.
-    pub(super) fn loaded(
-        path: &Path,
-        folder: &Path,
-        model_identifier: &str,
-    ) -> Result<Self, Error> {
+    pub(super) fn loaded(path: &Path, folder: &Path, model_identifier: &str) -> Result<Self, Error> {
         let entry = archive::binary_entry(model_identifier);
         let file = folder.join(&entry);
         if !file.is_file() {
@@ -110,8 +105,7 @@ impl Binary {
             });
         }
         let library = opened(&file).map_err(|error| {
-            let problem = std::error::Error::source(&error)
-                .map_or_else(|| error.to_string(), ToString::to_string);
+            let problem = std::error::Error::source(&error).map_or_else(|| error.to_string(), ToString::to_string);
             let hint = hint(&problem);
             Error::Load {
                 path: path.to_owned(),
@@ -121,12 +115,7 @@ impl Binary {
         })?;
         let functions = Functions::resolved(&library, path)?;
         // SAFETY: may be called at any time and returns a static text, or null if it is badly broken.
-        let (version, platform) = unsafe {
-            (
-                text((functions.version)()),
-                text((functions.types_platform)()),
-            )
-        };
+        let (version, platform) = unsafe { (text((functions.version)()), text((functions.types_platform)())) };
         if !version.starts_with('2') {
             return Err(Error::WrongVersion {
                 path: path.to_owned(),
@@ -134,14 +123,9 @@ impl Binary {
             });
         }
         let mut warnings = Vec::new();
-        for (what, found, expected) in [
-            ("version", version, "2.0"),
-            ("types platform", platform, "default"),
-        ] {
+        for (what, found, expected) in [("version", version, "2.0"), ("types platform", platform, "default")] {
             if found != expected {
-                warnings.push(format!(
-                    "the binary says {what} \"{found}\", expected \"{expected}\""
-                ));
+                warnings.push(format!("the binary says {what} \"{found}\", expected \"{expected}\""));
             }
         }
         Ok(Self {
@@ -220,7 +204,5 @@ unsafe fn text(pointer: fmi2String) -> String {
         return String::new();
     }
     // SAFETY: forwarded to the caller.
-    unsafe { CStr::from_ptr(pointer) }
-        .to_string_lossy()
-        .into_owned()
+    unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned()
 }

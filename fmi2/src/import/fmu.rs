@@ -76,11 +76,10 @@ impl Fmu {
         let mut folder = archive::extract(&path, &options.limits).map_err(refused)?;
         let bytes = std::fs::read(folder.path().join(archive::DESCRIPTION_FILE))
             .map_err(|problem| refused(ArchiveError::Unreadable { problem }))?;
-        let description =
-            ModelDescription::from_xml(&bytes).map_err(|problem| Error::Description {
-                path: path.clone(),
-                problem,
-            })?;
+        let description = ModelDescription::from_xml(&bytes).map_err(|problem| Error::Description {
+            path: path.clone(),
+            problem,
+        })?;
         let resources = folder.path().join("resources");
         std::fs::create_dir_all(&resources).map_err(|problem| {
             refused(ArchiveError::Unwritable {
@@ -135,8 +134,7 @@ impl Fmu {
             return Ok(Arc::clone(binary));
         }
         let identifier = &shared.description.co_simulation.model_identifier;
-        let folder = std::path::absolute(shared.folder.path())
-            .unwrap_or_else(|_| shared.folder.path().to_owned());
+        let folder = std::path::absolute(shared.folder.path()).unwrap_or_else(|_| shared.folder.path().to_owned());
         let loaded = Arc::new(Binary::loaded(&shared.path, &folder, identifier)?);
         *binary = Some(Arc::clone(&loaded));
         Ok(loaded)

@@ -37,9 +37,7 @@ impl Drop for HostState {
 fn mxcsr() -> u32 {
     let mut value = 0_u32;
     // SAFETY: every x86-64 processor has SSE; the instruction writes 4 bytes to a valid address.
-    unsafe {
-        std::arch::asm!("stmxcsr [{}]", in(reg) &raw mut value, options(nostack, preserves_flags))
-    };
+    unsafe { std::arch::asm!("stmxcsr [{}]", in(reg) &raw mut value, options(nostack, preserves_flags)) };
     value
 }
 
@@ -49,9 +47,7 @@ fn set_mxcsr(value: u32) {
     let mode = (mxcsr() & 0x3f) | (value & !0x3f);
     if mode != mxcsr() {
         // SAFETY: as above, reading; the value was read from the register before, so no reserved bit is set.
-        unsafe {
-            std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const mode, options(nostack, preserves_flags))
-        };
+        unsafe { std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const mode, options(nostack, preserves_flags)) };
     }
 }
 

@@ -5,8 +5,8 @@ use super::fmu::Shared;
 use super::host::HostState;
 use super::log::{Environment, LogMessage};
 use crate::abi::{
-    FALSE, InstanceKind, Status, TRUE, fmi2CallbackFunctions, fmi2Component,
-    fmi2ComponentEnvironment, fmi2FMUstate, fmi2Status, fmi2String,
+    FALSE, InstanceKind, Status, TRUE, fmi2CallbackFunctions, fmi2Component, fmi2ComponentEnvironment, fmi2FMUstate,
+    fmi2Status, fmi2String,
 };
 use crate::error::Log;
 use crate::{Error, location};
@@ -106,9 +106,7 @@ impl Instance {
                 function: "fmi2Instantiate",
             });
         }
-        let only_once = description
-            .co_simulation
-            .can_be_instantiated_only_once_per_process;
+        let only_once = description.co_simulation.can_be_instantiated_only_once_per_process;
         let resources = location::uri(&shared.folder.path().join("resources"));
         let (c_name, guid, resources) = (
             c_text("instance name", name)?,
@@ -215,10 +213,7 @@ impl Instance {
     }
 
     fn names(&self) -> (String, String) {
-        (
-            self.shared.description.model_name.clone(),
-            self.name.clone(),
-        )
+        (self.shared.description.model_name.clone(), self.name.clone())
     }
 
     pub(super) fn optional<T>(&self, function: &'static str, found: Option<T>) -> Result<T, Error> {
@@ -318,14 +313,7 @@ impl Instance {
         let (tolerance, stop) = (tolerance.unwrap_or(0.0), stop_time.unwrap_or(0.0));
         // SAFETY: the component is alive.
         self.call("fmi2SetupExperiment", |component| unsafe {
-            function(
-                component,
-                tolerance_defined,
-                tolerance,
-                start_time,
-                stop_defined,
-                stop,
-            )
+            function(component, tolerance_defined, tolerance, start_time, stop_defined, stop)
         })
     }
 
@@ -352,9 +340,7 @@ impl Instance {
         let function = self.functions().exit_initialization_mode;
         let _host = HostState::remembered();
         // SAFETY: the component is alive.
-        self.call("fmi2ExitInitializationMode", |component| unsafe {
-            function(component)
-        })?;
+        self.call("fmi2ExitInitializationMode", |component| unsafe { function(component) })?;
         self.condition = Condition::Running;
         Ok(())
     }
@@ -391,10 +377,7 @@ impl Drop for Instance {
         if !self.component.is_null() && !self.binary.is_fatal() {
             self.free_states();
         }
-        if !self.component.is_null()
-            && self.condition == Condition::Running
-            && !self.binary.is_fatal()
-        {
+        if !self.component.is_null() && self.condition == Condition::Running && !self.binary.is_fatal() {
             // SAFETY: the component is alive.
             let status = unsafe { (self.binary.functions.terminate)(self.component) };
             if status == Status::Fatal as c_int {

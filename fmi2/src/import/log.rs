@@ -25,13 +25,7 @@ pub struct LogMessage {
 /// What `componentEnvironment` points to. The first member is what the C logger calls.
 #[repr(C)]
 pub(super) struct Environment {
-    line: unsafe extern "C" fn(
-        fmi2ComponentEnvironment,
-        fmi2String,
-        fmi2Status,
-        fmi2String,
-        fmi2String,
-    ),
+    line: unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String),
     messages: Mutex<VecDeque<LogMessage>>,
     /// Messages so far.
     count: AtomicU64,
@@ -71,10 +65,7 @@ impl Environment {
         let messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
         let new = usize::try_from(self.mark().saturating_sub(mark)).unwrap_or(usize::MAX);
         let first = messages.len().saturating_sub(new.min(5));
-        messages
-            .range(first..)
-            .map(|message| message.text.clone())
-            .collect()
+        messages.range(first..).map(|message| message.text.clone()).collect()
     }
 
     pub(super) fn take(&self) -> Vec<LogMessage> {
@@ -136,9 +127,7 @@ unsafe extern "C" fn line(
             return String::new();
         }
         // SAFETY: not null; the FMU or the C logger passes a NUL-terminated text that lives during the call.
-        unsafe { CStr::from_ptr(pointer) }
-            .to_string_lossy()
-            .into_owned()
+        unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned()
     };
     // a panic must not reach the FMU, and there is nobody to report it to
     let _ = catch_unwind(AssertUnwindSafe(|| {

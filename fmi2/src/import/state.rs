@@ -21,11 +21,7 @@ pub struct StateHandle {
 impl Instance {
     fn slot(&self, handle: &StateHandle) -> usize {
         assert!(
-            handle.owner == self.number
-                && self
-                    .states
-                    .get(handle.slot)
-                    .is_some_and(|state| !state.is_null()),
+            handle.owner == self.number && self.states.get(handle.slot).is_some_and(|state| !state.is_null()),
             "the saved state is not of the instance \"{}\"",
             self.name()
         );
@@ -34,13 +30,10 @@ impl Instance {
 
     /// A free place for a state.
     fn free_slot(&mut self) -> usize {
-        self.states
-            .iter()
-            .position(|state| state.is_null())
-            .unwrap_or_else(|| {
-                self.states.push(std::ptr::null_mut());
-                self.states.len() - 1
-            })
+        self.states.iter().position(|state| state.is_null()).unwrap_or_else(|| {
+            self.states.push(std::ptr::null_mut());
+            self.states.len() - 1
+        })
     }
 
     /// Saves the present state.
@@ -54,9 +47,7 @@ impl Instance {
         let slot = self.free_slot();
         let mut state = std::ptr::null_mut();
         // SAFETY: the component is alive and the pointer is null, so the FMU allocates.
-        self.call(name, |component| unsafe {
-            function(component, &raw mut state)
-        })?;
+        self.call(name, |component| unsafe { function(component, &raw mut state) })?;
         self.states[slot] = state;
         Ok(StateHandle {
             slot,
@@ -75,9 +66,7 @@ impl Instance {
         let slot = self.slot(handle);
         let mut state = self.states[slot];
         // SAFETY: the component is alive and the state was made by it and not freed.
-        let result = self.call(name, |component| unsafe {
-            function(component, &raw mut state)
-        });
+        let result = self.call(name, |component| unsafe { function(component, &raw mut state) });
         self.states[slot] = state;
         result.map(|_| ())
     }
@@ -108,10 +97,8 @@ impl Instance {
         let slot = self.slot(&handle);
         let mut state = std::mem::replace(&mut self.states[slot], std::ptr::null_mut());
         // SAFETY: the component is alive; the state was made by it and is forgotten above.
-        self.call(name, |component| unsafe {
-            function(component, &raw mut state)
-        })
-        .map(|_| ())
+        self.call(name, |component| unsafe { function(component, &raw mut state) })
+            .map(|_| ())
     }
 
     /// A saved state as bytes.
@@ -125,9 +112,7 @@ impl Instance {
         let state = self.states[self.slot(handle)];
         let mut size = 0;
         // SAFETY: the component is alive and the state was made by it and not freed.
-        self.call(name, |component| unsafe {
-            size_of(component, state, &raw mut size)
-        })?;
+        self.call(name, |component| unsafe { size_of(component, state, &raw mut size) })?;
         if size > MAX_BYTES {
             return Err(Error::StateTooLarge {
                 instance: self.name().to_owned(),
@@ -157,14 +142,7 @@ impl Instance {
         let mut state = std::ptr::null_mut();
         let call = |component| {
             // SAFETY: the component is alive, the bytes are as many as is said, the pointer is null.
-            unsafe {
-                function(
-                    component,
-                    bytes.as_ptr().cast(),
-                    bytes.len(),
-                    &raw mut state,
-                )
-            }
+            unsafe { function(component, bytes.as_ptr().cast(), bytes.len(), &raw mut state) }
         };
         self.call(name, call)?;
         self.states[slot] = state;

@@ -73,11 +73,7 @@ impl Instance {
         let mut value = 0.0;
         // SAFETY: the component is alive.
         let status = self.status_of("fmi2GetRealStatus", |component| unsafe {
-            function(
-                component,
-                StatusKind::LastSuccessfulTime as c_int,
-                &raw mut value,
-            )
+            function(component, StatusKind::LastSuccessfulTime as c_int, &raw mut value)
         })?;
         Ok(matches!(status, Status::Ok | Status::Warning).then_some(value))
     }

@@ -19,12 +19,7 @@ impl Instance {
         assert_eq!(references.len(), values.len(), "one value per reference");
         // SAFETY: the component is alive; both arrays have as many elements as is said.
         self.call(name, |component| unsafe {
-            function(
-                component,
-                references.as_ptr(),
-                references.len(),
-                values.as_mut_ptr(),
-            )
+            function(component, references.as_ptr(), references.len(), values.as_mut_ptr())
         })
     }
 
@@ -38,12 +33,7 @@ impl Instance {
         assert_eq!(references.len(), values.len(), "one value per reference");
         // SAFETY: the component is alive; both arrays have as many elements as is said.
         self.call(name, |component| unsafe {
-            function(
-                component,
-                references.as_ptr(),
-                references.len(),
-                values.as_ptr(),
-            )
+            function(component, references.as_ptr(), references.len(), values.as_ptr())
         })
     }
 
@@ -71,12 +61,7 @@ impl Instance {
     ///
     /// The FMU refuses.
     pub fn get_integer(&mut self, references: &[u32], values: &mut [i32]) -> Result<(), Error> {
-        self.get(
-            "fmi2GetInteger",
-            self.functions().get_integer,
-            references,
-            values,
-        )
+        self.get("fmi2GetInteger", self.functions().get_integer, references, values)
     }
 
     /// Sets whole-number and enumeration variables.
@@ -85,12 +70,7 @@ impl Instance {
     ///
     /// The FMU refuses.
     pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Result<(), Error> {
-        self.set(
-            "fmi2SetInteger",
-            self.functions().set_integer,
-            references,
-            values,
-        )
+        self.set("fmi2SetInteger", self.functions().set_integer, references, values)
     }
 
     /// Reads yes-or-no variables.
@@ -118,16 +98,8 @@ impl Instance {
     ///
     /// The FMU refuses.
     pub fn set_boolean(&mut self, references: &[u32], values: &[bool]) -> Result<(), Error> {
-        let integers: Vec<_> = values
-            .iter()
-            .map(|value| if *value { TRUE } else { FALSE })
-            .collect();
-        self.set(
-            "fmi2SetBoolean",
-            self.functions().set_boolean,
-            references,
-            &integers,
-        )
+        let integers: Vec<_> = values.iter().map(|value| if *value { TRUE } else { FALSE }).collect();
+        self.set("fmi2SetBoolean", self.functions().set_boolean, references, &integers)
     }
 
     /// Reads text variables.
@@ -137,20 +109,13 @@ impl Instance {
     /// The FMU refuses.
     pub fn get_string(&mut self, references: &[u32]) -> Result<Vec<String>, Error> {
         let mut pointers: Vec<fmi2String> = vec![std::ptr::null(); references.len()];
-        self.get(
-            "fmi2GetString",
-            self.functions().get_string,
-            references,
-            &mut pointers,
-        )?;
+        self.get("fmi2GetString", self.functions().get_string, references, &mut pointers)?;
         let text = |pointer: fmi2String| {
             if pointer.is_null() {
                 return String::new();
             }
             // SAFETY: a text of the FMU lives until its next call [FMI 2.0, 2.1.7]; it is copied at once.
-            unsafe { CStr::from_ptr(pointer) }
-                .to_string_lossy()
-                .into_owned()
+            unsafe { CStr::from_ptr(pointer) }.to_string_lossy().into_owned()
         };
         Ok(pointers.into_iter().map(text).collect())
     }
@@ -166,12 +131,7 @@ impl Instance {
             .map(|text| c_text("value", text))
             .collect::<Result<Vec<_>, _>>()?;
         let pointers: Vec<_> = texts.iter().map(|text| text.as_ptr()).collect();
-        self.set(
-            "fmi2SetString",
-            self.functions().set_string,
-            references,
-            &pointers,
-        )
+        self.set("fmi2SetString", self.functions().set_string, references, &pointers)
     }
 
     /// Sets time derivatives of inputs, of orders ≥ 1, at the start of the coming step.

@@ -170,8 +170,7 @@ impl ModelDescription {
         };
         let mut names = BTreeSet::new();
         for (position, variable) in description.variables.iter_mut().enumerate() {
-            variable.value_reference =
-                u32::try_from(position).expect("a table has fewer than 2³² variables");
+            variable.value_reference = u32::try_from(position).expect("a table has fewer than 2³² variables");
             names.extend(variable.unit().map(str::to_owned));
         }
         description.units = names
@@ -206,9 +205,7 @@ impl ModelDescription {
     /// Position of the variable of that name.
     #[must_use]
     pub fn position(&self, name: &str) -> Option<usize> {
-        self.variables
-            .iter()
-            .position(|variable| variable.name == name)
+        self.variables.iter().position(|variable| variable.name == name)
     }
 
     /// The variable of that name.

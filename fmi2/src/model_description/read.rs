@@ -2,9 +2,9 @@
 
 use super::xml::{self, Element};
 use super::{
-    BASE_UNITS, BaseUnit, Causality, CoSimulation, DefaultExperiment, DescriptionError,
-    DisplayUnit, EnumerationItem, Initial, Kind, LogCategory, ModelDescription, RealAttributes,
-    TypeDefinition, TypeShape, Unit, Variability, Variable,
+    BASE_UNITS, BaseUnit, Causality, CoSimulation, DefaultExperiment, DescriptionError, DisplayUnit, EnumerationItem,
+    Initial, Kind, LogCategory, ModelDescription, RealAttributes, TypeDefinition, TypeShape, Unit, Variability,
+    Variable,
 };
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -46,17 +46,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<ModelDescription> {
         .map(definition)
         .collect::<Result<_>>()?;
     unique("type", root.members("TypeDefinitions", "SimpleType"))?;
-    for (shape, element) in types
-        .iter()
-        .zip(root.members("TypeDefinitions", "SimpleType"))
-    {
+    for (shape, element) in types.iter().zip(root.members("TypeDefinitions", "SimpleType")) {
         if let TypeShape::Real(attributes) = &shape.shape {
-            defined(
-                attributes,
-                &units,
-                &format!("type \"{}\"", shape.name),
-                element.line,
-            )?;
+            defined(attributes, &units, &format!("type \"{}\"", shape.name), element.line)?;
         }
     }
     let mut description = ModelDescription {
@@ -80,10 +72,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<ModelDescription> {
                 })
             })
             .collect::<Result<_>>()?,
-        default_experiment: root
-            .child("DefaultExperiment")
-            .map(experiment)
-            .transpose()?,
+        default_experiment: root.child("DefaultExperiment").map(experiment).transpose()?,
         variables: Vec::new(),
     };
     description.variables = variables(&root, &description)?;
@@ -95,13 +84,7 @@ fn text(element: &Element, name: &str) -> Option<String> {
     element.attribute(name).map(str::to_owned)
 }
 
-fn bad(
-    element: &Element,
-    owner: &str,
-    attribute: &str,
-    value: &str,
-    expected: &'static str,
-) -> DescriptionError {
+fn bad(element: &Element, owner: &str, attribute: &str, value: &str, expected: &'static str) -> DescriptionError {
     DescriptionError::BadValue {
         line: element.line,
         owner: owner.to_owned(),
@@ -121,12 +104,7 @@ fn owner(element: &Element) -> String {
     }
 }
 
-fn parsed<T: FromStr>(
-    element: &Element,
-    owner: &str,
-    name: &str,
-    expected: &'static str,
-) -> Result<Option<T>> {
+fn parsed<T: FromStr>(element: &Element, owner: &str, name: &str, expected: &'static str) -> Result<Option<T>> {
     let Some(value) = element.attribute(name) else {
         return Ok(None);
     };
@@ -185,18 +163,10 @@ fn unique<'a>(what: &'static str, elements: impl Iterator<Item = &'a Element>) -
 fn co_simulation(element: &Element) -> Result<CoSimulation> {
     let identifier = element.required("modelIdentifier")?;
     let valid = identifier.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && identifier
-            .chars()
-            .all(|c| c.is_ascii_alphanumeric() || c == '_');
+        && identifier.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if !valid {
         let expected = "a C identifier: letters, digits and _";
-        return Err(bad(
-            element,
-            "<CoSimulation>",
-            "modelIdentifier",
-            identifier,
-            expected,
-        ));
+        return Err(bad(element, "<CoSimulation>", "modelIdentifier", identifier, expected));
     }
     let flag = |name| Ok(boolean(element, "<CoSimulation>", name)?.unwrap_or(false));
     let order = parsed(
@@ -208,9 +178,7 @@ fn co_simulation(element: &Element) -> Result<CoSimulation> {
     Ok(CoSimulation {
         model_identifier: identifier.to_owned(),
         needs_execution_tool: flag("needsExecutionTool")?,
-        can_handle_variable_communication_step_size: flag(
-            "canHandleVariableCommunicationStepSize",
-        )?,
+        can_handle_variable_communication_step_size: flag("canHandleVariableCommunicationStepSize")?,
         can_interpolate_inputs: flag("canInterpolateInputs")?,
         max_output_derivative_order: order.unwrap_or(0),
         can_run_asynchronously: flag("canRunAsynchronuously")?,
@@ -292,12 +260,7 @@ fn defined(attributes: &RealAttributes, units: &[Unit], owner: &str, line: usize
         return Err(undefined("unit", name));
     };
     match &attributes.display_unit {
-        Some(name)
-            if !unit
-                .display_units
-                .iter()
-                .any(|display| display.name == *name) =>
-        {
+        Some(name) if !unit.display_units.iter().any(|display| display.name == *name) => {
             Err(undefined("display unit", name))
         }
         _ => Ok(()),
@@ -383,12 +346,8 @@ fn variables(root: &Element, description: &ModelDescription) -> Result<Vec<Varia
 fn variable(element: &Element, count: usize, description: &ModelDescription) -> Result<Variable> {
     let owner = owner(element);
     element.required("valueReference")?;
-    let value_reference: Option<u32> = parsed(
-        element,
-        &owner,
-        "valueReference",
-        "a whole number from 0 to 4294967295",
-    )?;
+    let value_reference: Option<u32> =
+        parsed(element, &owner, "valueReference", "a whole number from 0 to 4294967295")?;
     let causality = match element.attribute("causality") {
         None | Some("local") => Causality::Local,
         Some("parameter") => Causality::Parameter,
@@ -418,22 +377,13 @@ fn variable(element: &Element, count: usize, description: &ModelDescription) -> 
         Some("approx") => Some(Initial::Approx),
         Some("calculated") => Some(Initial::Calculated),
         Some(value) => {
-            return Err(bad(
-                element,
-                &owner,
-                "initial",
-                value,
-                "exact, approx or calculated",
-            ));
+            return Err(bad(element, &owner, "initial", value, "exact, approx or calculated"));
         }
     };
     let child = typed(element)?;
     let declared_type = text(child, "declaredType");
     if let Some(name) = &declared_type
-        && !description
-            .types
-            .iter()
-            .any(|definition| definition.name == *name)
+        && !description.types.iter().any(|definition| definition.name == *name)
     {
         return Err(DescriptionError::Undefined {
             line: child.line,
@@ -485,13 +435,7 @@ fn variable(element: &Element, count: usize, description: &ModelDescription) -> 
 }
 
 /// A position from 1, as the model structure counts, turned into one from 0.
-fn index(
-    element: &Element,
-    owner: &str,
-    attribute: &str,
-    value: &str,
-    count: usize,
-) -> Result<usize> {
+fn index(element: &Element, owner: &str, attribute: &str, value: &str, count: usize) -> Result<usize> {
     match value.parse::<usize>() {
         Ok(index) if (1..=count).contains(&index) => Ok(index - 1),
         _ => Err(bad(
@@ -516,13 +460,7 @@ fn structure(root: &Element, variables: &mut [Variable]) -> Result<()> {
     for (list, initial) in [("Outputs", false), ("InitialUnknowns", true)] {
         for unknown in structure.members(list, "Unknown") {
             let owner = format!("<Unknown> in <{list}>");
-            let position = index(
-                unknown,
-                &owner,
-                "index",
-                unknown.required("index")?,
-                variables.len(),
-            )?;
+            let position = index(unknown, &owner, "index", unknown.required("index")?, variables.len())?;
             let dependencies = unknown
                 .attribute("dependencies")
                 .map(|list| {

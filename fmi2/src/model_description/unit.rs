@@ -98,12 +98,7 @@ impl Unit {
     #[must_use]
     pub fn conversion_to(&self, other: &Self) -> Option<(f64, f64)> {
         let (from, to) = (self.base?, other.base?);
-        (from.exponents == to.exponents).then(|| {
-            (
-                from.factor / to.factor,
-                (from.offset - to.offset) / to.factor,
-            )
-        })
+        (from.exponents == to.exponents).then(|| (from.factor / to.factor, (from.offset - to.offset) / to.factor))
     }
 }
 
@@ -112,9 +107,7 @@ fn split_exponent(factor: &str) -> Option<(&str, i32)> {
     if factor == "1" {
         return Some((factor, 1));
     }
-    let end = factor
-        .find(|c: char| !c.is_ascii_alphabetic())
-        .unwrap_or(factor.len());
+    let end = factor.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(factor.len());
     let (symbol, exponent) = factor.split_at(end);
     match exponent.trim_start_matches('^') {
         "" if exponent.is_empty() => Some((symbol, 1)),
@@ -163,9 +156,6 @@ mod tests {
         assert_eq!(kelvin.conversion_to(&celsius), Some((1.0, -273.15)));
         assert_eq!(kelvin.conversion_to(&Unit::from_name("N").unwrap()), None);
         let joined = Unit::from_name("N.m").unwrap();
-        assert_eq!(
-            joined.conversion_to(&Unit::from_name("J").unwrap()),
-            Some((1.0, 0.0))
-        );
+        assert_eq!(joined.conversion_to(&Unit::from_name("J").unwrap()), Some((1.0, 0.0)));
     }
 }

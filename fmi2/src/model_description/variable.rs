@@ -166,13 +166,7 @@ impl Variable {
         }
     }
 
-    fn real(
-        name: &str,
-        unit: &str,
-        start: Option<f64>,
-        description: &str,
-        causality: Causality,
-    ) -> Self {
+    fn real(name: &str, unit: &str, start: Option<f64>, description: &str, causality: Causality) -> Self {
         let attributes = RealAttributes {
             unit: Some(unit.to_owned()),
             ..RealAttributes::default()
@@ -256,12 +250,7 @@ impl Variable {
     /// A discrete yes-or-no output.
     #[must_use]
     pub fn boolean_output(name: &str, description: &str) -> Self {
-        Self::new(
-            name,
-            description,
-            Causality::Output,
-            Kind::Boolean { start: None },
-        )
+        Self::new(name, description, Causality::Output, Kind::Boolean { start: None })
     }
 
     /// The same parameter, changeable between steps.

@@ -1,8 +1,8 @@
 //! Writing: element order of the schema, attributes in a fixed order, one element per line.
 
 use super::{
-    BASE_UNITS, Causality, DisplayUnit, Initial, Kind, ModelDescription, RealAttributes, TypeShape,
-    Unit, Variability, Variable,
+    BASE_UNITS, Causality, DisplayUnit, Initial, Kind, ModelDescription, RealAttributes, TypeShape, Unit, Variability,
+    Variable,
 };
 use std::fmt::Write as _;
 
@@ -41,11 +41,7 @@ impl Tag {
 
     /// Written only where it is not the default of the schema.
     fn flag(self, name: &str, value: bool) -> Self {
-        if value {
-            self.attribute(name, "true")
-        } else {
-            self
-        }
+        if value { self.attribute(name, "true") } else { self }
     }
 
     fn open(self, out: &mut String) {
@@ -86,17 +82,12 @@ pub(super) fn write(d: &ModelDescription) -> String {
         .optional("author", d.author.as_deref())
         .optional("version", d.version.as_deref())
         .optional("generationTool", d.generation_tool.as_deref())
-        .optional(
-            "variableNamingConvention",
-            d.structured_names.then_some("structured"),
-        )
+        .optional("variableNamingConvention", d.structured_names.then_some("structured"))
         .open(&mut out);
     co_simulation(d, &mut out);
     if !d.units.is_empty() {
         Tag::new(1, "UnitDefinitions").open(&mut out);
-        d.units
-            .iter()
-            .for_each(|definition| unit(definition, &mut out));
+        d.units.iter().for_each(|definition| unit(definition, &mut out));
         out.push_str("  </UnitDefinitions>\n");
     }
     if !d.types.is_empty() {
@@ -157,10 +148,7 @@ fn co_simulation(d: &ModelDescription, out: &mut String) {
         )
         .flag("canGetAndSetFMUstate", c.can_get_and_set_fmu_state)
         .flag("canSerializeFMUstate", c.can_serialize_fmu_state)
-        .flag(
-            "providesDirectionalDerivative",
-            c.provides_directional_derivative,
-        )
+        .flag("providesDirectionalDerivative", c.provides_directional_derivative)
         .close(out);
 }
 
@@ -175,12 +163,7 @@ fn unit(unit: &Unit, out: &mut String) {
             .number("offset", (base.offset != 0.0).then_some(base.offset))
             .close(out);
     }
-    for DisplayUnit {
-        name,
-        factor,
-        offset,
-    } in &unit.display_units
-    {
+    for DisplayUnit { name, factor, offset } in &unit.display_units {
         Tag::new(3, "DisplayUnit")
             .attribute("name", name)
             .number("factor", (*factor != 1.0).then_some(*factor))
@@ -198,9 +181,7 @@ fn types(d: &ModelDescription, out: &mut String) {
             .optional("description", definition.description.as_deref())
             .open(out);
         match &definition.shape {
-            TypeShape::Real(attributes) => {
-                real_attributes(Tag::new(3, "Real"), attributes).close(out)
-            }
+            TypeShape::Real(attributes) => real_attributes(Tag::new(3, "Real"), attributes).close(out),
             TypeShape::Integer { min, max } => {
                 Tag::new(3, "Integer")
                     .integer("min", *min)
@@ -253,16 +234,10 @@ fn variable(v: &Variable, out: &mut String) {
             start,
             derivative_of,
         } => {
-            real_attributes(
-                Tag::new(3, "Real").optional("declaredType", declared),
-                attributes,
-            )
-            .number("start", *start)
-            .optional(
-                "derivative",
-                derivative_of.map(|of| (of + 1).to_string()).as_deref(),
-            )
-            .close(out);
+            real_attributes(Tag::new(3, "Real").optional("declaredType", declared), attributes)
+                .number("start", *start)
+                .optional("derivative", derivative_of.map(|of| (of + 1).to_string()).as_deref())
+                .close(out);
         }
         Kind::Integer { min, max, start } => Tag::new(3, "Integer")
             .optional("declaredType", declared)
@@ -272,10 +247,7 @@ fn variable(v: &Variable, out: &mut String) {
             .close(out),
         Kind::Boolean { start } => Tag::new(3, "Boolean")
             .optional("declaredType", declared)
-            .optional(
-                "start",
-                start.map(|start| if start { "true" } else { "false" }),
-            )
+            .optional("start", start.map(|start| if start { "true" } else { "false" }))
             .close(out),
         Kind::String { start } => Tag::new(3, "String")
             .optional("declaredType", declared)
@@ -293,12 +265,7 @@ fn variable(v: &Variable, out: &mut String) {
 fn structure(d: &ModelDescription, out: &mut String) {
     Tag::new(1, "ModelStructure").open(out);
     let mut list = |name: &str, keep: &dyn Fn(&Variable) -> bool, initial: bool| {
-        let mut members = d
-            .variables
-            .iter()
-            .enumerate()
-            .filter(|(_, v)| keep(v))
-            .peekable();
+        let mut members = d.variables.iter().enumerate().filter(|(_, v)| keep(v)).peekable();
         if members.peek().is_none() {
             return;
         }

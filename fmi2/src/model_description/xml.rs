@@ -33,12 +33,11 @@ impl Element {
     }
 
     pub fn required(&self, name: &'static str) -> Result<&str, DescriptionError> {
-        self.attribute(name)
-            .ok_or_else(|| DescriptionError::MissingAttribute {
-                line: self.line,
-                element: self.name.clone(),
-                attribute: name,
-            })
+        self.attribute(name).ok_or_else(|| DescriptionError::MissingAttribute {
+            line: self.line,
+            element: self.name.clone(),
+            attribute: name,
+        })
     }
 
     pub fn child(&self, name: &str) -> Option<&Self> {
@@ -61,9 +60,7 @@ struct Lines<'a> {
 
 impl Lines<'_> {
     fn at(&mut self, position: u64) -> usize {
-        let position = usize::try_from(position)
-            .unwrap_or(usize::MAX)
-            .min(self.text.len());
+        let position = usize::try_from(position).unwrap_or(usize::MAX).min(self.text.len());
         if position > self.position {
             let passed = &self.text.as_bytes()[self.position..position];
             self.line += passed.iter().filter(|byte| **byte == b'\n').count();
@@ -139,10 +136,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Element, DescriptionError> {
     if let Some(open) = stack.last() {
         return Err(DescriptionError::Syntax {
             line: lines.at(u64::MAX),
-            problem: format!(
-                "the file ends inside <{}>, opened at line {}",
-                open.name, open.line
-            ),
+            problem: format!("the file ends inside <{}>, opened at line {}", open.name, open.line),
         });
     }
     root.ok_or_else(|| DescriptionError::Syntax {
@@ -155,10 +149,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Element, DescriptionError> {
 fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, DescriptionError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]).to_ascii_lowercase();
-    let declaration = head
-        .split("?>")
-        .next()
-        .filter(|text| text.starts_with("<?xml"));
+    let declaration = head.split("?>").next().filter(|text| text.starts_with("<?xml"));
     if declaration.is_some_and(|text| text.contains("iso-8859-1")) {
         return Ok(Cow::Owned(bytes.iter().copied().map(char::from).collect()));
     }
@@ -178,10 +169,7 @@ fn open(
     after_root: bool,
 ) -> Result<Element, DescriptionError> {
     if depth >= MAX_DEPTH {
-        return Err(DescriptionError::TooDeep {
-            line,
-            limit: MAX_DEPTH,
-        });
+        return Err(DescriptionError::TooDeep { line, limit: MAX_DEPTH });
     }
     if count > MAX_ELEMENTS {
         return Err(DescriptionError::TooMany {
@@ -198,30 +186,20 @@ fn open(
     for attribute in tag.attributes() {
         let attribute = attribute.map_err(|problem| syntax(problem.to_string()))?;
         let key: &str = attribute.key.as_ref();
-        let value = attribute
-            .normalized_value(XmlVersion::Implicit1_0)
-            .map_err(|_| {
-                let entity = attribute
-                    .value
-                    .split('&')
-                    .skip(1)
-                    .filter_map(|rest| rest.split(';').next());
-                let known = ["amp", "lt", "gt", "quot", "apos"];
-                let unknown = entity
-                    .into_iter()
-                    .find(|e| !known.contains(e))
-                    .unwrap_or_default();
-                DescriptionError::Entity {
-                    line,
-                    entity: format!("&{unknown};"),
-                }
-            })?;
-        if value.len() > MAX_NAME
-            && matches!(
-                key,
-                "name" | "unit" | "declaredType" | "modelIdentifier" | "guid"
-            )
-        {
+        let value = attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|_| {
+            let entity = attribute
+                .value
+                .split('&')
+                .skip(1)
+                .filter_map(|rest| rest.split(';').next());
+            let known = ["amp", "lt", "gt", "quot", "apos"];
+            let unknown = entity.into_iter().find(|e| !known.contains(e)).unwrap_or_default();
+            DescriptionError::Entity {
+                line,
+                entity: format!("&{unknown};"),
+            }
+        })?;
+        if value.len() > MAX_NAME && matches!(key, "name" | "unit" | "declaredType" | "modelIdentifier" | "guid") {
             return Err(DescriptionError::TooLong {
                 line,
                 element: name,

@@ -89,18 +89,12 @@ impl<M: Model> Instance<M> {
     }
 
     /// Position and variable behind a value reference.
-    pub(super) fn variable(
-        &self,
-        reference: u32,
-        base_type: BaseType,
-    ) -> Result<(usize, &Variable), Failure> {
+    pub(super) fn variable(&self, reference: u32, base_type: BaseType) -> Result<(usize, &Variable), Failure> {
         let variable = usize::try_from(reference)
             .ok()
             .and_then(|at| Some((at, self.variables.get(at)?)));
         match variable {
-            Some((position, variable)) if variable.base_type() == base_type => {
-                Ok((position, variable))
-            }
+            Some((position, variable)) if variable.base_type() == base_type => Ok((position, variable)),
             Some((_, variable)) => refuse(format!(
                 "value reference {reference} is {} of type {:?}, not {base_type:?}",
                 variable.name,
@@ -120,9 +114,7 @@ impl<M: Model> Instance<M> {
         }
         self.mentioned |= oddity as u8;
         let text = match oddity {
-            Oddity::InputBeforeInitialization => {
-                "an input was set before fmi2EnterInitializationMode; accepted"
-            }
+            Oddity::InputBeforeInitialization => "an input was set before fmi2EnterInitializationMode; accepted",
             Oddity::AnyValueInInitialization => {
                 "a variable that is no output was read in initialisation mode; accepted"
             }
@@ -150,32 +142,25 @@ pub(super) unsafe fn enter<M: Model>(
     };
     let phase = instance.progress.phase;
     let status = if !phase.allows(call) {
-        instance.logger.log(
-            Category::Error,
-            &format!("{name} is illegal {}", phase.name()),
-        );
+        instance
+            .logger
+            .log(Category::Error, &format!("{name} is illegal {}", phase.name()));
         fail(instance, call, false)
     } else {
         match guarded(|| body(instance)) {
             Ok(Ok(status)) => status,
             Ok(Err(Failure::Refused(message))) => {
-                instance
-                    .logger
-                    .log(Category::Error, &format!("{name}: {message}"));
+                instance.logger.log(Category::Error, &format!("{name}: {message}"));
                 fail(instance, call, false)
             }
             Ok(Err(Failure::Model(ModelError::Retryable(message)))) if call == Call::DoStep => {
-                instance
-                    .logger
-                    .log(Category::Discard, &format!("{name}: {message}"));
+                instance.logger.log(Category::Discard, &format!("{name}: {message}"));
                 instance.progress.phase = Phase::StepFailed;
                 instance.progress.step_status = Status::Discard;
                 Status::Discard
             }
             Ok(Err(Failure::Model(error))) => {
-                instance
-                    .logger
-                    .log(Category::Error, &format!("{name}: {error}"));
+                instance.logger.log(Category::Error, &format!("{name}: {error}"));
                 fail(instance, call, true)
             }
             Err(message) => {
@@ -203,11 +188,7 @@ fn fail<M: Model>(instance: &mut Instance<M>, call: Call, model_failed: bool) ->
 /// # Safety
 ///
 /// `pointer` is null or points to `count` elements that nobody changes during `'a`.
-pub(super) unsafe fn elements<'a, T>(
-    pointer: *const T,
-    count: usize,
-    what: &str,
-) -> Result<&'a [T], Failure> {
+pub(super) unsafe fn elements<'a, T>(pointer: *const T, count: usize, what: &str) -> Result<&'a [T], Failure> {
     if count == 0 {
         return Ok(&[]);
     }
@@ -223,11 +204,7 @@ pub(super) unsafe fn elements<'a, T>(
 /// # Safety
 ///
 /// `pointer` is null or points to `count` elements that nobody else uses during `'a`.
-pub(super) unsafe fn elements_mut<'a, T>(
-    pointer: *mut T,
-    count: usize,
-    what: &str,
-) -> Result<&'a mut [T], Failure> {
+pub(super) unsafe fn elements_mut<'a, T>(pointer: *mut T, count: usize, what: &str) -> Result<&'a mut [T], Failure> {
     if count == 0 {
         return Ok(&mut []);
     }

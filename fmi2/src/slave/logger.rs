@@ -22,11 +22,7 @@ pub(super) enum Category {
 
 /// Name in the model description, and what it holds.
 const CATEGORIES: [(Category, &CStr, &str); 4] = [
-    (
-        Category::Event,
-        c"logEvents",
-        "Unusual calls that are accepted",
-    ),
+    (Category::Event, c"logEvents", "Unusual calls that are accepted"),
     (Category::Warning, c"logStatusWarning", "Warnings"),
     (
         Category::Discard,

@@ -62,10 +62,7 @@ impl Phase {
                 matches!(self, Instantiated | Initialization | Step)
             }
             Call::Get | Call::GetDirectionalDerivative => {
-                matches!(
-                    self,
-                    Initialization | Step | StepFailed | Error | Terminated
-                )
+                matches!(self, Initialization | Step | StepFailed | Error | Terminated)
             }
             Call::GetRealOutputDerivatives => {
                 matches!(self, Step | StepFailed | Error | Terminated)
@@ -81,16 +78,12 @@ impl Phase {
 
     /// Whether `variable` may be set [FMI 2.0, 4.2.4]; inputs also before initialisation mode, as importers do.
     pub(super) fn allows_setting(self, variable: &Variable) -> bool {
-        if variable.variability == Variability::Constant
-            || variable.causality == Causality::Independent
-        {
+        if variable.variability == Variability::Constant || variable.causality == Causality::Independent {
             return false;
         }
         let input = variable.causality == Causality::Input;
         match self {
-            Self::Instantiated => {
-                input || matches!(variable.initial, Some(Initial::Exact | Initial::Approx))
-            }
+            Self::Instantiated => input || matches!(variable.initial, Some(Initial::Exact | Initial::Approx)),
             Self::Initialization => input || variable.initial == Some(Initial::Exact),
             Self::Step => {
                 let parameter = variable.causality == Causality::Parameter;

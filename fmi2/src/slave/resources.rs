@@ -16,8 +16,8 @@ pub(super) fn resource_guid(resources: Option<&Path>) -> ModelResult<String> {
         ));
     };
     let path = folder.join(GUID_FILE);
-    let text = std::fs::read_to_string(&path)
-        .map_err(|error| ModelError::unusable(format!("{}: {error}", path.display())))?;
+    let text =
+        std::fs::read_to_string(&path).map_err(|error| ModelError::unusable(format!("{}: {error}", path.display())))?;
     Ok(text.trim().to_owned())
 }
 
@@ -32,11 +32,7 @@ pub(super) fn resolved(location: Option<&str>) -> ModelResult<Option<PathBuf>> {
         .into_iter()
         .find(|path| path.is_dir())
         .map(Some)
-        .ok_or_else(|| {
-            ModelError::unusable(format!(
-                "the resource location {location} is no existing folder"
-            ))
-        })
+        .ok_or_else(|| ModelError::unusable(format!("the resource location {location} is no existing folder")))
 }
 
 /// `resources` of the unpacked FMU this library was loaded from: `<fmu>/binaries/<platform>/<library>`.

@@ -45,10 +45,7 @@ pub(super) fn serialize<M: Model>(saved: &Saved<M>, guid: &str) -> Result<Vec<u8
         u8::from(saved.experiment_set),
     ];
     bytes.extend_from_slice(&flags);
-    let (stop, tolerance) = (
-        experiment.stop_time.unwrap_or(0.0),
-        experiment.tolerance.unwrap_or(0.0),
-    );
+    let (stop, tolerance) = (experiment.stop_time.unwrap_or(0.0), experiment.tolerance.unwrap_or(0.0));
     for number in [time, experiment.start_time, stop, tolerance] {
         bytes.extend_from_slice(&number.to_le_bytes());
     }
@@ -122,9 +119,7 @@ pub(super) fn deserialize<M: Model>(bytes: &[u8], guid: &str) -> Result<Saved<M>
     }
     let [phase, discarded, given, experiment_set] = cursor.array()?;
     let Some(phase) = Phase::from_number(phase) else {
-        return refuse(format!(
-            "the serialised state has the unknown phase {phase}"
-        ));
+        return refuse(format!("the serialised state has the unknown phase {phase}"));
     };
     let mut numbers = [0.0; 4];
     for number in &mut numbers {
@@ -145,11 +140,7 @@ pub(super) fn deserialize<M: Model>(bytes: &[u8], guid: &str) -> Result<Saved<M>
         stop_time: (given & 1 != 0).then_some(stop),
         tolerance: (given & 2 != 0).then_some(tolerance),
     };
-    let step_status = if discarded != 0 {
-        Status::Discard
-    } else {
-        Status::Ok
-    };
+    let step_status = if discarded != 0 { Status::Discard } else { Status::Ok };
     Ok(Saved {
         progress: Progress {
             phase,

@@ -100,10 +100,7 @@ pub struct Example {
 
 /// The FMU of the oscillator, in a folder with a name that needs encoding.
 pub fn example() -> Example {
-    let folder = tempfile::Builder::new()
-        .prefix("fmi2 ü 100% ")
-        .tempdir()
-        .unwrap();
+    let folder = tempfile::Builder::new().prefix("fmi2 ü 100% ").tempdir().unwrap();
     let path = folder.path().join("Oscillator.fmu");
     package().write(&path).unwrap();
     let fmu = Fmu::open(&path).unwrap();

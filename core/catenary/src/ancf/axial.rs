@@ -49,8 +49,7 @@ pub fn nominal_stretch(law: AxialLaw, tension: f64, axial_stiffness: f64) -> f64
             // λ³ − λ = 2 T/EA is convex for λ ≥ 1 and 1 + T/EA lies above the root: Newton's method descends to it.
             let mut stretch = 1.0 + strain;
             for _ in 0..60 {
-                let change = (stretch * (stretch * stretch - 1.0) - 2.0 * strain)
-                    / (3.0 * stretch * stretch - 1.0);
+                let change = (stretch * (stretch * stretch - 1.0) - 2.0 * strain) / (3.0 * stretch * stretch - 1.0);
                 stretch -= change;
                 if change.abs() <= f64::EPSILON {
                     break;
@@ -143,8 +142,7 @@ impl Axial {
             let (at, _) = weights(xi);
             let b = slopes.r_x(&at);
             let (_, tau, tau_square) = self.at(&b);
-            let block =
-                (Matrix3::identity() * tau + b * b.transpose() * (2.0 * tau_square)) * (w * length);
+            let block = (Matrix3::identity() * tau + b * b.transpose() * (2.0 * tau_square)) * (w * length);
             for i in 0..3 {
                 for j in 0..3 {
                     add_block(&mut tangent, i, j, &(block * (at[i] * at[j])));

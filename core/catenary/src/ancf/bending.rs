@@ -86,9 +86,7 @@ impl Bending {
     #[inline(always)]
     pub fn force(&self, length: f64, slopes: &Slopes) -> Slopes {
         match self.law {
-            BendingLaw::Constant => {
-                Slopes::zeros().plus(self.stiffness / length, &slopes.bending_gradient())
-            }
+            BendingLaw::Constant => Slopes::zeros().plus(self.stiffness / length, &slopes.bending_gradient()),
             BendingLaw::Exact => {
                 let mut force = Slopes::zeros();
                 for (xi, w) in POINTS {
@@ -123,10 +121,7 @@ impl Bending {
                 c * c.transpose(),
             );
             // Second derivatives of κ² with respect to (b, b), (b, c), (c, c).
-            let w_bb = one * (2.0 * k.a)
-                + bb * (4.0 * k.aa)
-                + (bc + bc.transpose()) * (2.0 * k.ab)
-                + cc * k.bb;
+            let w_bb = one * (2.0 * k.a) + bb * (4.0 * k.aa) + (bc + bc.transpose()) * (2.0 * k.ab) + cc * k.bb;
             let w_bc = one * k.b + bb * (2.0 * k.ab) + bc * (4.0 * k.ac) + bc.transpose() * k.bb;
             let w_cc = one * (2.0 * k.c) + bb * k.bb;
             let bend = [0.0, bend[0], bend[1]];

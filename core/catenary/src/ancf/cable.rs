@@ -24,17 +24,9 @@ impl CableSection {
     /// # Panics
     /// When the axial stiffness is not positive, or another value negative.
     #[must_use]
-    pub fn new(
-        axial_stiffness: f64,
-        bending_stiffness: f64,
-        tension: f64,
-        laws: (AxialLaw, BendingLaw),
-    ) -> Self {
+    pub fn new(axial_stiffness: f64, bending_stiffness: f64, tension: f64, laws: (AxialLaw, BendingLaw)) -> Self {
         assert!(axial_stiffness > 0.0, "axial stiffness {axial_stiffness} N");
-        assert!(
-            bending_stiffness >= 0.0,
-            "bending stiffness {bending_stiffness} N·m²"
-        );
+        assert!(bending_stiffness >= 0.0, "bending stiffness {bending_stiffness} N·m²");
         assert!(tension >= 0.0, "tension {tension} N");
         Self {
             axial: Axial {

@@ -23,10 +23,7 @@ impl ShapeFunctions {
     /// continue. At `xi = 0` and `xi = 1` the values are exact zeros and ones.
     #[must_use]
     pub fn at(xi: f64, length: f64) -> Self {
-        debug_assert!(
-            xi.is_finite() && length > 0.0,
-            "xi = {xi}, length = {length} m"
-        );
+        debug_assert!(xi.is_finite() && length > 0.0, "xi = {xi}, length = {length} m");
         let (l, xi2, xi3) = (length, xi * xi, xi * xi * xi);
         let rate = (6.0 * xi - 6.0 * xi2) / l;
         let curvature = (6.0 - 12.0 * xi) / (l * l);
@@ -37,18 +34,8 @@ impl ShapeFunctions {
                 3.0 * xi2 - 2.0 * xi3,
                 l * (xi3 - xi2),
             ),
-            s_x: Vector4::new(
-                -rate,
-                1.0 - 4.0 * xi + 3.0 * xi2,
-                rate,
-                3.0 * xi2 - 2.0 * xi,
-            ),
-            s_xx: Vector4::new(
-                -curvature,
-                (6.0 * xi - 4.0) / l,
-                curvature,
-                (6.0 * xi - 2.0) / l,
-            ),
+            s_x: Vector4::new(-rate, 1.0 - 4.0 * xi + 3.0 * xi2, rate, 3.0 * xi2 - 2.0 * xi),
+            s_xx: Vector4::new(-curvature, (6.0 * xi - 4.0) / l, curvature, (6.0 * xi - 2.0) / l),
         }
     }
 }

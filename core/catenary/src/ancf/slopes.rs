@@ -28,11 +28,7 @@ pub type SlopeTangent = SMatrix<f64, 9, 9>;
 #[inline(always)]
 pub(super) fn weights(xi: f64) -> ([f64; 3], [f64; 2]) {
     (
-        [
-            1.0,
-            1.0 - 4.0 * xi + 3.0 * xi * xi,
-            3.0 * xi * xi - 2.0 * xi,
-        ],
+        [1.0, 1.0 - 4.0 * xi + 3.0 * xi * xi, 3.0 * xi * xi - 2.0 * xi],
         [6.0 * xi - 4.0, 6.0 * xi - 2.0],
     )
 }
@@ -41,13 +37,7 @@ impl Slopes {
     /// Slopes of the node coordinates; `length` of the element in m.
     #[inline(always)]
     #[must_use]
-    pub fn new(
-        r1: &Vector3<f64>,
-        r1_x: &Vector3<f64>,
-        r2: &Vector3<f64>,
-        r2_x: &Vector3<f64>,
-        length: f64,
-    ) -> Self {
+    pub fn new(r1: &Vector3<f64>, r1_x: &Vector3<f64>, r2: &Vector3<f64>, r2_x: &Vector3<f64>, length: f64) -> Self {
         let chord = (r2 - r1) * (1.0 / length);
         Self {
             chord,
@@ -82,8 +72,7 @@ impl Slopes {
     #[inline(always)]
     #[must_use]
     pub fn mean_square(&self) -> f64 {
-        self.chord.norm_squared()
-            + (2.0 / 15.0) * (self.start.norm_squared() + self.end.norm_squared())
+        self.chord.norm_squared() + (2.0 / 15.0) * (self.start.norm_squared() + self.end.norm_squared())
             - (1.0 / 15.0) * self.start.dot(&self.end)
     }
 
@@ -161,11 +150,7 @@ pub(super) const TENSION: [[f64; 3]; 3] = [
 pub(super) const BENDING: [[f64; 3]; 3] = [[0.0; 3], [0.0, 4.0, 2.0], [0.0, 2.0, 4.0]];
 
 /// Adds `factor · weights ⊗ I`.
-pub(super) fn add_identity_blocks(
-    tangent: &mut SlopeTangent,
-    factor: f64,
-    weights: &[[f64; 3]; 3],
-) {
+pub(super) fn add_identity_blocks(tangent: &mut SlopeTangent, factor: f64, weights: &[[f64; 3]; 3]) {
     for i in 0..3 {
         for j in 0..3 {
             for axis in 0..3 {

@@ -30,12 +30,7 @@ fn bent() -> Coordinates {
 }
 
 fn straight() -> Coordinates {
-    Coordinates::from_columns(&[
-        Vector3::zeros(),
-        Vector3::x(),
-        Vector3::x() * LENGTH,
-        Vector3::x(),
-    ])
+    Coordinates::from_columns(&[Vector3::zeros(), Vector3::x(), Vector3::x() * LENGTH, Vector3::x()])
 }
 
 #[test]
@@ -72,10 +67,7 @@ fn the_tangent_is_the_symmetric_jacobian_of_the_force() {
             let difference = (cable.force(&plus) - cable.force(&minus)) / (2.0 * h);
             for j in 0..12 {
                 let error = (difference[j] - tangent[(j, i)]).abs();
-                assert!(
-                    error < 1e-6 * tangent.amax(),
-                    "{laws:?}, entry {j}, {i}: {error}"
-                );
+                assert!(error < 1e-6 * tangent.amax(), "{laws:?}, entry {j}, {i}: {error}");
             }
         }
     }
@@ -106,11 +98,7 @@ fn the_straight_element_carries_the_nominal_tension() {
         let cable = cable(laws);
         let force = cable.force(&straight());
         // rounding of EA (λ² − 1): 1e-16 EA
-        assert!(
-            (force[(0, 2)] - 300.0).abs() < 1e-11,
-            "{laws:?}: {}",
-            force[(0, 2)]
-        );
+        assert!((force[(0, 2)] - 300.0).abs() < 1e-11, "{laws:?}: {}", force[(0, 2)]);
         assert!((force[(0, 0)] + 300.0).abs() < 1e-11);
         assert!((cable.tension(&straight()) - 300.0).abs() < 1e-11);
     }
@@ -202,11 +190,7 @@ fn the_constant_matrices_are_the_integrals_of_the_shape_functions() {
             *sum += s * s.transpose() * (weight * LENGTH);
         }
     }
-    let closed = [
-        mass_matrix(LENGTH),
-        tension_matrix(LENGTH),
-        bending_matrix(LENGTH),
-    ];
+    let closed = [mass_matrix(LENGTH), tension_matrix(LENGTH), bending_matrix(LENGTH)];
     for (sum, closed) in sums.iter().zip(closed) {
         assert!((sum - closed).amax() < 1e-13 * closed.amax());
     }

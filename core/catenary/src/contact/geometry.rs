@@ -69,13 +69,7 @@ impl ContactGeometry {
         Self::bisect(curve, strip, &axis, q, v)
     }
 
-    fn bisect(
-        curve: &dyn Curve,
-        strip: &Frame,
-        axis: &Vector3<f64>,
-        q: &[f64],
-        v: &[f64],
-    ) -> Option<Self> {
+    fn bisect(curve: &dyn Curve, strip: &Frame, axis: &Vector3<f64>, q: &[f64], v: &[f64]) -> Option<Self> {
         let (mut low, mut high) = (0.0, curve.length());
         let residual = |s: f64| condition(&curve.point(s, q, v), strip, axis).0;
         if residual(low) > 0.0 || residual(high) < 0.0 {

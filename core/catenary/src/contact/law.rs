@@ -82,10 +82,8 @@ mod tests {
     fn the_derivatives_are_those_of_the_force() {
         let (delta, rate, h) = (2e-3, 0.05, 1e-7);
         let (k, d) = LAW.derivatives(delta, rate);
-        let by_delta =
-            (LAW.normal_force(delta + h, rate) - LAW.normal_force(delta - h, rate)) / (2.0 * h);
-        let by_rate =
-            (LAW.normal_force(delta, rate + h) - LAW.normal_force(delta, rate - h)) / (2.0 * h);
+        let by_delta = (LAW.normal_force(delta + h, rate) - LAW.normal_force(delta - h, rate)) / (2.0 * h);
+        let by_rate = (LAW.normal_force(delta, rate + h) - LAW.normal_force(delta, rate - h)) / (2.0 * h);
         assert!((k - by_delta).abs() < 1e-6 * k && (d - by_rate).abs() < 1e-6 * d);
     }
 }

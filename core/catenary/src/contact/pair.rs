@@ -128,12 +128,7 @@ impl ContactPair {
         [translation, rotation, velocity]: [Vector3<f64>; 3],
     ) -> Sensitivity {
         let frame = self.strip.frame(motion);
-        let mut variation = vary(
-            &contact.geometry,
-            &frame,
-            None,
-            Some((translation, rotation)),
-        );
+        let mut variation = vary(&contact.geometry, &frame, None, Some((translation, rotation)));
         variation.gap_rate -= contact.geometry.normal.dot(&velocity);
         let force = -contact.stiffness * variation.gap - contact.damping * variation.gap_rate;
         let wire = &contact.geometry.wire;
@@ -168,12 +163,7 @@ impl ContactPair {
     }
 
     /// `∂g/∂q`: the direction of the generalised contact force, as (index, value).
-    fn gap_gradient(
-        &self,
-        geometry: &ContactGeometry,
-        motion: &Motion<'_>,
-        out: &mut Vec<(usize, f64)>,
-    ) {
+    fn gap_gradient(&self, geometry: &ContactGeometry, motion: &Motion<'_>, out: &mut Vec<(usize, f64)>) {
         let mut wire = CurveColumns::default();
         self.curve.columns(geometry.s, &mut wire);
         let mut strip = Columns::default();
@@ -193,12 +183,7 @@ impl ContactPair {
 
     /// The whole tangent on the coordinates of wire and strip; columns of the strip are taken as constant (exact for masses;
     /// for rigid bodies the turn of the lever arms is left out).
-    fn exact_tangent(
-        &self,
-        contact: &ContactState,
-        motion: &Motion<'_>,
-        weights: Weights,
-    ) -> (Vec<usize>, Vec<f64>) {
+    fn exact_tangent(&self, contact: &ContactState, motion: &Motion<'_>, weights: Weights) -> (Vec<usize>, Vec<f64>) {
         let geometry = &contact.geometry;
         let frame = self.strip.frame(motion);
         let mut wire = CurveColumns::default();
@@ -235,10 +220,8 @@ impl ContactPair {
             let lever_change = variation.eta * geometry.axis + geometry.eta * variation.axis;
             for (i, c) in strip.iter().enumerate() {
                 let at_contact = c.translation + c.rotation.cross(&lever);
-                let turned =
-                    variation.normal.dot(&at_contact) + n.dot(&c.rotation.cross(&lever_change));
-                matrix[(wire.len() + i) * size + j] =
-                    change * n.dot(&at_contact) + weights.q * contact.force * turned;
+                let turned = variation.normal.dot(&at_contact) + n.dot(&c.rotation.cross(&lever_change));
+                matrix[(wire.len() + i) * size + j] = change * n.dot(&at_contact) + weights.q * contact.force * turned;
             }
         }
         (indices, matrix)

@@ -76,10 +76,7 @@ fn the_generalised_force_is_the_negative_gradient_of_the_energy() {
     let (q, v) = bent();
     let mut pair = pair(0.04, 0.0, ContactTangent::Exact);
     let exact = force(&mut pair, &q, &v);
-    assert!(
-        exact.iter().any(|value| value.abs() > 10.0),
-        "the strip presses"
-    );
+    assert!(exact.iter().any(|value| value.abs() > 10.0), "the strip presses");
     let size = exact.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
     for i in 0..q.len() {
         let h = 1e-6;
@@ -120,10 +117,7 @@ fn the_exact_tangent_is_the_jacobian_of_the_force() {
                     let difference = -(plus[row] - minus[row]) / (2.0 * h);
                     let error = (difference - matrix[i * indices.len() + j]).abs();
                     // Rounding of forces of 100 N over 2e-6: 1e-8 N/m; size 5e4 N/m.
-                    assert!(
-                        error < 1e-6 * size.max(1.0),
-                        "({i}, {j}) weights {weights:?}: {error}"
-                    );
+                    assert!(error < 1e-6 * size.max(1.0), "({i}, {j}) weights {weights:?}: {error}");
                 }
             }
         }
@@ -173,17 +167,10 @@ fn the_gap_rate_is_the_rate_of_the_gap_along_the_path() {
     let h = 1e-6;
     let gap = |t: f64| {
         let q: Vec<f64> = q.iter().zip(&v).map(|(q, v)| q + t * v).collect();
-        pair.state(&motion(&q, &v))
-            .expect("on the wire")
-            .geometry
-            .gap
+        pair.state(&motion(&q, &v)).expect("on the wire").geometry.gap
     };
     let rate = (gap(h) - gap(-h)) / (2.0 * h);
-    let exact = pair
-        .state(&motion(&q, &v))
-        .expect("on the wire")
-        .geometry
-        .gap_rate;
+    let exact = pair.state(&motion(&q, &v)).expect("on the wire").geometry.gap_rate;
     assert!(
         (rate - exact).abs() < 1e-6 * exact.abs().max(1.0),
         "{rate} against {exact}"
@@ -216,11 +203,7 @@ fn the_sensitivity_to_the_strip_is_the_difference_quotient() {
     let h = 1e-7;
     for axis in 0..3 {
         let unit = Vector3::ith(axis, 1.0);
-        let by_position = pair.sensitivity(
-            &contact,
-            &motion(&q, &v),
-            [unit, Vector3::zeros(), Vector3::zeros()],
-        );
+        let by_position = pair.sensitivity(&contact, &motion(&q, &v), [unit, Vector3::zeros(), Vector3::zeros()]);
         let moved = |shift: f64| {
             let mut q = q.clone();
             q[WIRE + axis] += shift;
@@ -233,15 +216,8 @@ fn the_sensitivity_to_the_strip_is_the_difference_quotient() {
             "force, axis {axis}"
         );
         let place = (plus.geometry.wire.r - minus.geometry.wire.r) / (2.0 * h);
-        assert!(
-            (place - by_position.position).norm() < 1e-6,
-            "position, axis {axis}"
-        );
-        let by_velocity = pair.sensitivity(
-            &contact,
-            &motion(&q, &v),
-            [Vector3::zeros(), Vector3::zeros(), unit],
-        );
+        assert!((place - by_position.position).norm() < 1e-6, "position, axis {axis}");
+        let by_velocity = pair.sensitivity(&contact, &motion(&q, &v), [Vector3::zeros(), Vector3::zeros(), unit]);
         let expected = contact.damping * contact.geometry.normal[axis];
         assert!((by_velocity.force - expected).abs() < 1e-12 * 200.0);
     }

@@ -127,11 +127,7 @@ impl LayerIntegrals {
 }
 
 /// Integrals of the product of the layers at both ends of one element.
-pub(super) fn pair_integrals(
-    ends: (End, End),
-    bending_lengths: (f64, f64),
-    length: f64,
-) -> Products<f64> {
+pub(super) fn pair_integrals(ends: (End, End), bending_lengths: (f64, f64), length: f64) -> Products<f64> {
     let mut sum = Products::default();
     quadrature(bending_lengths.0.min(bending_lengths.1), length, |at, w| {
         let a = Layer::at(at, ends.0, bending_lengths.0, length);

@@ -2,10 +2,7 @@
 use super::enrichment::Products;
 use super::geometry::WireGeometry;
 use super::layer::Layers;
-use crate::ancf::{
-    AxialLaw, BendingLaw, CableSection, Slopes, Tangent, bending_matrix, mass_matrix,
-    tension_matrix,
-};
+use crate::ancf::{AxialLaw, BendingLaw, CableSection, Slopes, Tangent, bending_matrix, mass_matrix, tension_matrix};
 use dynamics::{Blocks, Force, Motion, Weights};
 use nalgebra::{Matrix4, Vector3};
 use std::sync::Arc;
@@ -104,13 +101,7 @@ impl Wire {
     /// The same wire on another geometry: other element lengths, or another configuration as the reference.
     #[must_use]
     pub fn with_geometry(&self, geometry: Arc<WireGeometry>) -> Self {
-        let wire = Self::new(
-            self.section,
-            self.damping,
-            self.laws,
-            self.gravity,
-            geometry,
-        );
+        let wire = Self::new(self.section, self.damping, self.laws, self.gravity, geometry);
         Self {
             correction: self.correction,
             ..wire
@@ -157,10 +148,7 @@ impl Wire {
     pub fn strain_energy(&self, q: &[f64]) -> f64 {
         let stiffness = self.stiffness_weights();
         let elements: f64 = (0..self.elements.len())
-            .map(|i| {
-                self.cable
-                    .slope_energy(self.elements[i].length, &self.slopes(i, q))
-            })
+            .map(|i| self.cable.slope_energy(self.elements[i].length, &self.slopes(i, q)))
             .sum();
         elements + self.layers.energy(&self.geometry, &stiffness, q)
     }
@@ -209,12 +197,7 @@ impl Wire {
                 + bending_matrix(element.length) * weights.bending;
             let (a, b) = (&nodes[i].map, &nodes[i + 1].map);
             for axis in 0..3 {
-                let index = [
-                    a.position(axis),
-                    a.slope(axis),
-                    b.position(axis),
-                    b.slope(axis),
-                ];
+                let index = [a.position(axis), a.slope(axis), b.position(axis), b.slope(axis)];
                 add_selected(blocks, &index, |row, column| matrix[(row, column)]);
             }
         }
@@ -223,11 +206,7 @@ impl Wire {
 }
 
 /// Adds the entries of a matrix whose row and column exist.
-fn add_selected(
-    blocks: &mut Blocks<'_>,
-    index: &[Option<usize>],
-    value: impl Fn(usize, usize) -> f64,
-) {
+fn add_selected(blocks: &mut Blocks<'_>, index: &[Option<usize>], value: impl Fn(usize, usize) -> f64) {
     let (mut kept, mut indices, mut count) = ([0; 12], [0; 12], 0);
     for (i, index) in index.iter().enumerate() {
         if let Some(index) = index {
@@ -241,11 +220,7 @@ fn add_selected(
             values[row * count + column] = value(kept[row], kept[column]);
         }
     }
-    blocks.add(
-        &indices[..count],
-        &indices[..count],
-        &values[..count * count],
-    );
+    blocks.add(&indices[..count], &indices[..count], &values[..count * count]);
 }
 
 /// The consistent mass of an element of length `l` times four node vectors, per mass per length.
@@ -273,9 +248,7 @@ impl Force for Wire {
             let (r2, r2_x) = next.gather(motion.q);
             let (v2, v2_x) = next.gather(motion.v);
             let l = element.length;
-            let slopes = element
-                .reference
-                .plus(1.0, &Slopes::new(&r1, &r1_x, &r2, &r2_x, l));
+            let slopes = element.reference.plus(1.0, &Slopes::new(&r1, &r1_x, &r2, &r2_x, l));
             let rates = Slopes::new(&v1, &v1_x, &v2, &v2_x, l);
             let total = self
                 .cable
@@ -300,8 +273,7 @@ impl Force for Wire {
         nodes[self.elements.len()].map.scatter(&f1, &m1, force);
         let load = self.section.mass_per_length * self.gravity;
         let weights = (&self.stiffness_weights(), &damping);
-        self.layers
-            .add_forces(&self.geometry, weights, load, motion, force);
+        self.layers.add_forces(&self.geometry, weights, load, motion, force);
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
@@ -323,11 +295,7 @@ impl Force for Wire {
             let (a, b) = (&nodes[i].map, &nodes[i + 1].map);
             let index: [Option<usize>; 12] = std::array::from_fn(|k| {
                 let (map, axis) = (if k < 6 { a } else { b }, k % 3);
-                if k % 6 < 3 {
-                    map.position(axis)
-                } else {
-                    map.slope(axis)
-                }
+                if k % 6 < 3 { map.position(axis) } else { map.slope(axis) }
             });
             if index.iter().all(Option::is_some) {
                 // Symmetric: column by column is row by row.

@@ -172,15 +172,9 @@ impl WireGeometry {
 
     /// The layers of element `element`: which enrichment, and at which end it is centred.
     pub(super) fn layers(&self, element: usize) -> impl Iterator<Item = (&Enrichment, End)> {
-        let of = |node: usize| {
-            &self.enrichments[self.first_enrichment[node]..self.first_enrichment[node + 1]]
-        };
-        let start = of(element)
-            .iter()
-            .map(|enrichment| (enrichment, End::Start));
-        let finish = of(element + 1)
-            .iter()
-            .map(|enrichment| (enrichment, End::Finish));
+        let of = |node: usize| &self.enrichments[self.first_enrichment[node]..self.first_enrichment[node + 1]];
+        let start = of(element).iter().map(|enrichment| (enrichment, End::Start));
+        let finish = of(element + 1).iter().map(|enrichment| (enrichment, End::Finish));
         start.chain(finish)
     }
 
@@ -188,11 +182,7 @@ impl WireGeometry {
         let (element, x) = self.element_at(s);
         let length = self.lengths[element];
         // The last node ends the last element: there x/length must be exactly one.
-        let xi = if s == self.starts[element + 1] {
-            1.0
-        } else {
-            x / length
-        };
+        let xi = if s == self.starts[element + 1] { 1.0 } else { x / length };
         Location {
             element,
             shape: ShapeFunctions::at(xi, length),
@@ -210,12 +200,7 @@ impl WireGeometry {
         let reference = self.local_reference(at.element);
         let (r1, r1_x) = a.map.gather(q);
         let (r2, r2_x) = b.map.gather(q);
-        let e = [
-            r1,
-            reference[1] + r1_x,
-            reference[2] + r2,
-            reference[3] + r2_x,
-        ];
+        let e = [r1, reference[1] + r1_x, reference[2] + r2, reference[3] + r2_x];
         let (v1, v1_x) = a.map.gather(v);
         let (v2, v2_x) = b.map.gather(v);
         let rate = [v1, v1_x, v2, v2_x];
@@ -240,11 +225,7 @@ impl WireGeometry {
         point
     }
 
-    pub(super) fn columns_at(
-        &self,
-        at: &Location,
-        mut push: impl FnMut(usize, Vector3<f64>, Vector3<f64>),
-    ) {
+    pub(super) fn columns_at(&self, at: &Location, mut push: impl FnMut(usize, Vector3<f64>, Vector3<f64>)) {
         for (end, node) in [at.element, at.element + 1].into_iter().enumerate() {
             let map = &self.nodes[node].map;
             for slope in [0, 1] {

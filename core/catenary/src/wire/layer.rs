@@ -61,9 +61,7 @@ impl Layers {
                     index: enrichment.index,
                     reference: enrichment.reference,
                     direction: enrichment.direction,
-                    element_reference: Vector4::from_fn(|j, _| {
-                        reference[j].dot(&enrichment.direction)
-                    }),
+                    element_reference: Vector4::from_fn(|j, _| reference[j].dot(&enrichment.direction)),
                     integrals: LayerIntegrals::new(*end, enrichment.bending_length, length),
                 });
                 for (other, other_end) in &here[i + 1..] {
@@ -125,10 +123,7 @@ impl Layers {
         let nodes = geometry.nodes();
         for layer in &self.layers {
             let (shape, own) = (&layer.integrals.shape, &layer.integrals.own);
-            let (a, rate) = (
-                layer.reference + motion.q[layer.index],
-                motion.v[layer.index],
-            );
+            let (a, rate) = (layer.reference + motion.q[layer.index], motion.v[layer.index]);
             let e = layer.element_reference + layer.along(geometry, motion.q);
             let e_rate = layer.along(geometry, motion.v);
             let (k, d) = (shape.weighted(stiffness), shape.weighted(damping));
@@ -142,10 +137,7 @@ impl Layers {
             force[layer.index] -= elastic + damped + weight;
         }
         for pair in &self.pairs {
-            let (k, d) = (
-                pair.products.weighted(stiffness),
-                pair.products.weighted(damping),
-            );
+            let (k, d) = (pair.products.weighted(stiffness), pair.products.weighted(damping));
             for (to, from) in [(0, 1), (1, 0)] {
                 let source = pair.indices[from];
                 let (a, rate) = (pair.references[from] + motion.q[source], motion.v[source]);
@@ -155,12 +147,7 @@ impl Layers {
     }
 
     /// Adds the matrix with these weights.
-    pub fn add_blocks(
-        &self,
-        geometry: &WireGeometry,
-        weights: &Products<f64>,
-        blocks: &mut Blocks<'_>,
-    ) {
+    pub fn add_blocks(&self, geometry: &WireGeometry, weights: &Products<f64>, blocks: &mut Blocks<'_>) {
         let nodes = geometry.nodes();
         for layer in &self.layers {
             let own = [layer.integrals.own.weighted(weights)];
@@ -168,12 +155,7 @@ impl Layers {
             let coupling = layer.integrals.shape.weighted(weights);
             let (a, b) = (&nodes[layer.element].map, &nodes[layer.element + 1].map);
             for axis in 0..3 {
-                let index = [
-                    a.position(axis),
-                    a.slope(axis),
-                    b.position(axis),
-                    b.slope(axis),
-                ];
+                let index = [a.position(axis), a.slope(axis), b.position(axis), b.slope(axis)];
                 for (i, index) in index.into_iter().enumerate() {
                     // An exact zero stays in no pattern: a vertical layer knows no x.
                     let value = [coupling[i] * layer.direction[axis]];

@@ -71,15 +71,8 @@ impl NodeMap {
 
     /// Adds the node's part of a generalised force.
     #[inline(always)]
-    pub(super) fn scatter(
-        &self,
-        position: &Vector3<f64>,
-        slope: &Vector3<f64>,
-        values: &mut [f64],
-    ) {
-        let parts = [
-            position.x, position.y, position.z, slope.x, slope.y, slope.z,
-        ];
+    pub(super) fn scatter(&self, position: &Vector3<f64>, slope: &Vector3<f64>, values: &mut [f64]) {
+        let parts = [position.x, position.y, position.z, slope.x, slope.y, slope.z];
         for (index, part) in self.index.into_iter().zip(parts) {
             if let Some(value) = values.get_mut(index) {
                 *value += part;

@@ -13,10 +13,7 @@ const SECTION: WireSection = WireSection {
     tension: 2.0e4,
 };
 const LAWS: (AxialLaw, BendingLaw) = (AxialLaw::Mean, BendingLaw::Constant);
-const DAMPING: Rayleigh = Rayleigh {
-    alpha: 0.3,
-    beta: 2e-3,
-};
+const DAMPING: Rayleigh = Rayleigh { alpha: 0.3, beta: 2e-3 };
 
 fn motion<'a>(q: &'a [f64], v: &'a [f64]) -> Motion<'a> {
     Motion {
@@ -32,10 +29,7 @@ fn motion<'a>(q: &'a [f64], v: &'a [f64]) -> Motion<'a> {
 fn dense(n: usize, add: &mut dyn FnMut(&mut Blocks<'_>)) -> DMatrix<f64> {
     let mut places = Vec::new();
     add(&mut Blocks::record(&mut places));
-    let positions: Vec<u32> = places
-        .iter()
-        .map(|&(row, column)| column * n as u32 + row)
-        .collect();
+    let positions: Vec<u32> = places.iter().map(|&(row, column)| column * n as u32 + row).collect();
     let mut values = vec![0.0; n * n];
     add(&mut Blocks::add_to(&positions, &mut values));
     DMatrix::from_vec(n, n, values)
@@ -62,18 +56,14 @@ fn spatial() -> (Wire, usize) {
         enrichment(1, 25, Vector3::y()),
         enrichment(2, 26, Vector3::new(0.0, 0.6, 0.8)),
     ]);
-    (
-        Wire::new(SECTION, DAMPING, LAWS, 9.81, Arc::new(geometry)),
-        27,
-    )
+    (Wire::new(SECTION, DAMPING, LAWS, 9.81, Arc::new(geometry)), 27)
 }
 
 /// The same in the plane: four coordinates per node and one layer.
 fn planar() -> (Wire, usize) {
-    let geometry =
-        WireGeometry::straight(Vector3::z() * 5.3, Vector3::x(), &[2.0, 3.0, 2.5], |node| {
-            NodeMap::planar(4 * node)
-        });
+    let geometry = WireGeometry::straight(Vector3::z() * 5.3, Vector3::x(), &[2.0, 3.0, 2.5], |node| {
+        NodeMap::planar(4 * node)
+    });
     let geometry = geometry.with_enrichments(vec![Enrichment {
         node: 2,
         index: 16,
@@ -81,16 +71,11 @@ fn planar() -> (Wire, usize) {
         bending_length: 0.2,
         reference: 0.0,
     }]);
-    (
-        Wire::new(SECTION, DAMPING, LAWS, 9.81, Arc::new(geometry)),
-        17,
-    )
+    (Wire::new(SECTION, DAMPING, LAWS, 9.81, Arc::new(geometry)), 17)
 }
 
 fn wave(n: usize, amplitude: f64, phase: f64) -> Vec<f64> {
-    (0..n)
-        .map(|i| amplitude * (1.7 * i as f64 + phase).sin())
-        .collect()
+    (0..n).map(|i| amplitude * (1.7 * i as f64 + phase).sin()).collect()
 }
 
 #[test]
@@ -105,9 +90,7 @@ fn the_force_at_rest_is_minus_the_gradient_of_the_energy() {
             let (mut plus, mut minus) = (q.clone(), q.clone());
             plus[i] += h;
             minus[i] -= h;
-            let difference = (wire.energy(&motion(&plus, &rest))
-                - wire.energy(&motion(&minus, &rest)))
-                / (2.0 * h);
+            let difference = (wire.energy(&motion(&plus, &rest)) - wire.energy(&motion(&minus, &rest))) / (2.0 * h);
             assert!(
                 (difference + force[i]).abs() < 1e-6 * scale,
                 "coordinate {i}: {difference} against {}",
@@ -122,9 +105,7 @@ fn the_tangent_is_minus_the_jacobian_of_the_force() {
     for (mut wire, n) in [spatial(), planar()] {
         let (q, v) = (wave(n, 0.02, 0.4), wave(n, 0.5, 1.0));
         let weights = Weights { q: 1.0, v: 300.0 };
-        let tangent = dense(n, &mut |blocks| {
-            wire.add_tangent(&motion(&q, &v), weights, blocks)
-        });
+        let tangent = dense(n, &mut |blocks| wire.add_tangent(&motion(&q, &v), weights, blocks));
         for i in 0..n {
             let h = 1e-6;
             let mut difference = DVector::zeros(n);
@@ -173,9 +154,7 @@ fn damping_is_the_weighted_sum_of_mass_and_static_transverse_tangent() {
         wire.add_force(&motion(&zero, &v), &mut moving);
         let force = DVector::from_vec(still) - DVector::from_vec(moving);
         let mass = dense(n, &mut |blocks| wire.add_mass(blocks));
-        let static_part = dense(n, &mut |blocks| {
-            wire.add_constant(&wire.stiffness_weights(), blocks)
-        });
+        let static_part = dense(n, &mut |blocks| wire.add_constant(&wire.stiffness_weights(), blocks));
         let expected = (mass * DAMPING.alpha + static_part * DAMPING.beta) * DVector::from_vec(v);
         assert!((force - &expected).amax() < 1e-10 * expected.amax());
     }
@@ -193,8 +172,7 @@ fn the_correction_takes_the_tension_matrix_off_the_inertia_only() {
     };
     let stiffness = dense(n, &mut |blocks| wire.add_constant(&tension, blocks));
     let mut corrected = wire.clone().with_mass_correction(h);
-    let difference =
-        dense(n, &mut |blocks| corrected.add_mass(blocks)) - mass + stiffness * (h * h / 6.0);
+    let difference = dense(n, &mut |blocks| corrected.add_mass(blocks)) - mass + stiffness * (h * h / 6.0);
     assert!(difference.amax() < 1e-14);
     let (q, v) = (wave(n, 0.01, 0.0), wave(n, 1.0, 1.0));
     let (mut a, mut b) = (vec![0.0; n], vec![0.0; n]);
@@ -262,8 +240,7 @@ fn points_are_exact_at_nodes_and_columns_are_their_derivatives() {
             let base = geometry.point(s, &vec![0.0; n], &v);
             let mut columns = CurveColumns::default();
             geometry.columns(s, &mut columns);
-            let (mut r, mut r_s, mut velocity, mut velocity_s) =
-                (base.r, base.r_s, Vector3::zeros(), Vector3::zeros());
+            let (mut r, mut r_s, mut velocity, mut velocity_s) = (base.r, base.r_s, Vector3::zeros(), Vector3::zeros());
             for column in columns.as_slice() {
                 r += column.n * q[column.index];
                 r_s += column.n_s * q[column.index];
@@ -337,10 +314,7 @@ fn a_layer_in_an_even_field_has_its_closed_form_energy() {
         let coupling = Vector4::new(0.0, -ei / layer, 0.0, ei * far / layer) - k * h;
         let start = LayerIntegrals::new(End::Start, layer, length);
         assert!((start.own.weighted(&weights) / own - 1.0).abs() < 1e-9);
-        assert!(
-            (start.shape.weighted(&weights) - coupling).amax()
-                < 1e-9 * coupling.amax().max(t * layer)
-        );
+        assert!((start.shape.weighted(&weights) - coupling).amax() < 1e-9 * coupling.amax().max(t * layer));
         let finish = LayerIntegrals::new(End::Finish, layer, length);
         assert!((finish.own.weighted(&weights) / own - 1.0).abs() < 1e-9);
         assert!((finish.area / start.area - 1.0).abs() < 1e-9);
@@ -389,8 +363,5 @@ fn with_its_layer_a_coarse_mesh_answers_a_point_force_exactly() {
     let plain = mid_span_compliance(false) / exact - 1.0;
     let layered = mid_span_compliance(true) / exact - 1.0;
     assert!(layered.abs() < 1e-6, "with the layer: {layered}");
-    assert!(
-        plain < -1e-3,
-        "without it, elements of 15 m must be too stiff: {plain}"
-    );
+    assert!(plain < -1e-3, "without it, elements of 15 m must be too stiff: {plain}");
 }

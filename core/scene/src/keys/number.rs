@@ -77,15 +77,9 @@ impl Number {
         let (holds, expected) = match self.range {
             Range::Any => (true, "must be finite".to_string()),
             Range::Positive => (value > 0.0, "must be positive and finite".to_string()),
-            Range::NotNegative => (
-                value >= 0.0,
-                "must be zero or positive, and finite".to_string(),
-            ),
+            Range::NotNegative => (value >= 0.0, "must be zero or positive, and finite".to_string()),
             Range::NotZero => (value != 0.0, "must be finite and not zero".to_string()),
-            Range::Between(from, to) => (
-                (from..=to).contains(&value),
-                format!("must be from {from} to {to}"),
-            ),
+            Range::Between(from, to) => ((from..=to).contains(&value), format!("must be from {from} to {to}")),
         };
         (!(holds && value.is_finite())).then_some(expected)
     }
@@ -136,12 +130,7 @@ impl Keys<'_> {
     }
 
     /// A number that may be left out.
-    pub(crate) fn optional_number(
-        &mut self,
-        name: &str,
-        was: Option<Option<f64>>,
-        number: Number,
-    ) -> Option<f64> {
+    pub(crate) fn optional_number(&mut self, name: &str, was: Option<Option<f64>>, number: Number) -> Option<f64> {
         self.has(name, was.flatten().is_some())
             .then(|| self.number(name, was.flatten(), number))
     }
@@ -172,13 +161,7 @@ impl Keys<'_> {
     }
 
     /// A list of numbers.
-    pub(crate) fn numbers(
-        &mut self,
-        name: &str,
-        was: Option<&[f64]>,
-        number: Number,
-        length: Length,
-    ) -> Vec<f64> {
+    pub(crate) fn numbers(&mut self, name: &str, was: Option<&[f64]>, number: Number, length: Length) -> Vec<f64> {
         let expected = || {
             let unit = if number.unit.is_empty() {
                 String::new()
@@ -190,12 +173,7 @@ impl Keys<'_> {
         if let Some(values) = was {
             self.push(
                 name,
-                Value::List(
-                    values
-                        .iter()
-                        .map(|value| Value::Float(*value).into())
-                        .collect(),
-                ),
+                Value::List(values.iter().map(|value| Value::Float(*value).into()).collect()),
             );
             return values.to_vec();
         }
@@ -205,10 +183,7 @@ impl Keys<'_> {
                 ..
             }) => {
                 if !length.holds(list.len()) {
-                    self.refuse(
-                        name,
-                        format!("has {} entries, must be {}", list.len(), expected()),
-                    );
+                    self.refuse(name, format!("has {} entries, must be {}", list.len(), expected()));
                 }
                 list.iter()
                     .enumerate()
@@ -227,13 +202,7 @@ impl Keys<'_> {
     }
 
     /// One number for all of `n`, or a list of `n` numbers.
-    pub(crate) fn number_or_numbers(
-        &mut self,
-        name: &str,
-        was: Option<&[f64]>,
-        number: Number,
-        n: usize,
-    ) -> Vec<f64> {
+    pub(crate) fn number_or_numbers(&mut self, name: &str, was: Option<&[f64]>, number: Number, n: usize) -> Vec<f64> {
         match was {
             Some(values) if values.iter().all(|value| *value == values[0]) => {
                 vec![self.number(name, Some(values[0]), number); n]

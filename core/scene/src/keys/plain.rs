@@ -63,11 +63,7 @@ impl Keys<'_> {
         if let Some(pair) = was {
             self.push(
                 name,
-                Value::List(
-                    pair.iter()
-                        .map(|value| Value::Integer(*value as i64).into())
-                        .collect(),
-                ),
+                Value::List(pair.iter().map(|value| Value::Integer(*value as i64).into()).collect()),
             );
             return pair;
         }
@@ -75,9 +71,7 @@ impl Keys<'_> {
             Some(Node {
                 value: Value::List(list),
                 ..
-            }) if list.len() == 2 => {
-                [0, 1].map(|i| self.checked_count(self.entry_key(name, i), &list[i], &range))
-            }
+            }) if list.len() == 2 => [0, 1].map(|i| self.checked_count(self.entry_key(name, i), &list[i], &range)),
             Some(node) => {
                 self.wrong_type(name, &node.value, expected.to_string());
                 [*range.start(); 2]
@@ -113,12 +107,7 @@ impl Keys<'_> {
         if let Some(flags) = was {
             self.push(
                 name,
-                Value::List(
-                    flags
-                        .iter()
-                        .map(|flag| Value::Boolean(*flag).into())
-                        .collect(),
-                ),
+                Value::List(flags.iter().map(|flag| Value::Boolean(*flag).into()).collect()),
             );
             return Some(flags.to_vec());
         }
@@ -167,12 +156,7 @@ impl Keys<'_> {
     }
 
     /// A string that may be left out.
-    pub(crate) fn optional_text(
-        &mut self,
-        name: &str,
-        was: Option<Option<&str>>,
-        expected: &str,
-    ) -> Option<String> {
+    pub(crate) fn optional_text(&mut self, name: &str, was: Option<Option<&str>>, expected: &str) -> Option<String> {
         self.has(name, was.flatten().is_some())
             .then(|| self.text(name, was.flatten(), expected))
     }

@@ -19,11 +19,7 @@ impl Keys<'_> {
     }
 
     /// An inline table that may be left out.
-    pub(crate) fn optional_inline_table<T: Entry>(
-        &mut self,
-        name: &str,
-        was: Option<Option<&T>>,
-    ) -> Option<T> {
+    pub(crate) fn optional_inline_table<T: Entry>(&mut self, name: &str, was: Option<Option<&T>>) -> Option<T> {
         self.has(name, was.flatten().is_some())
             .then(|| self.any_table(name, was.flatten(), true))
     }
@@ -90,12 +86,7 @@ impl Keys<'_> {
                     for (i, node) in list.iter().enumerate() {
                         match &node.value {
                             Value::Table(inner) => {
-                                values.push(read_table(
-                                    inner,
-                                    node.at,
-                                    format!("{path}[{}]", i + 1),
-                                    report,
-                                ));
+                                values.push(read_table(inner, node.at, format!("{path}[{}]", i + 1), report));
                             }
                             other => wrong = Some(other.clone()),
                         }
@@ -134,9 +125,7 @@ impl Keys<'_> {
                 .iter()
                 .map(|(key, value)| {
                     let (copy, inner) = written(Some(value), true);
-                    table
-                        .entries
-                        .push((key.clone(), Value::Table(inner).into()));
+                    table.entries.push((key.clone(), Value::Table(inner).into()));
                     (key.clone(), copy)
                 })
                 .collect();
@@ -186,13 +175,7 @@ impl Keys<'_> {
                 .iter()
                 .map(|(key, value)| (key.clone(), to(value).into()))
                 .collect();
-            self.push(
-                name,
-                Value::Table(Table {
-                    inline: true,
-                    entries,
-                }),
-            );
+            self.push(name, Value::Table(Table { inline: true, entries }));
             return values.clone();
         }
         self.each(name, |keys, key, node, values| match from(&node.value) {

@@ -22,9 +22,8 @@ impl Keys<'_> {
         unavailable: &[&'static str],
         default: Option<T>,
     ) -> Option<T> {
-        let available = |names: &[(&'static str, T)]| -> Vec<&'static str> {
-            names.iter().map(|(word, _)| *word).collect()
-        };
+        let available =
+            |names: &[(&'static str, T)]| -> Vec<&'static str> { names.iter().map(|(word, _)| *word).collect() };
         if let Some(value) = was {
             if let Some((word, _)) = names.iter().find(|(_, meaning)| *meaning == value) {
                 self.push(name, Value::String((*word).to_string()));
@@ -97,10 +96,7 @@ impl Keys<'_> {
             None => {}
             Some(Value::String(word)) if word == "auto" || word == "none" => {}
             Some(Value::String(typed)) => {
-                let known: Vec<&'static str> = ["auto", "none"]
-                    .into_iter()
-                    .chain(available.iter().copied())
-                    .collect();
+                let known: Vec<&'static str> = ["auto", "none"].into_iter().chain(available.iter().copied()).collect();
                 self.report(name, wrong_word(&typed, &known, T::UNAVAILABLE));
             }
             Some(Value::List(list)) => {
@@ -123,11 +119,7 @@ impl Keys<'_> {
                             self.refuse(name, format!("must name \"{typed}\" once"));
                         }
                         Some((_, meaning)) => found.push(*meaning),
-                        None => self.problem(
-                            node.at,
-                            key,
-                            wrong_word(typed, &available, T::UNAVAILABLE),
-                        ),
+                        None => self.problem(node.at, key, wrong_word(typed, &available, T::UNAVAILABLE)),
                     }
                 }
             }
@@ -163,10 +155,7 @@ fn wrong_word(typed: &str, available: &[&'static str], unavailable: &[&'static s
 }
 
 /// The candidate nearest in spelling, where one is near at all.
-pub(crate) fn nearest<'a>(
-    typed: &str,
-    candidates: impl Iterator<Item = &'a str>,
-) -> Option<String> {
+pub(crate) fn nearest<'a>(typed: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     const NEAR: f64 = 0.7; // Jaro-Winkler similarity; unrelated key names of the format stay below
     candidates
         .map(|candidate| (strsim::jaro_winkler(typed, candidate), candidate))

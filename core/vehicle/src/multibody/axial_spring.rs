@@ -57,18 +57,12 @@ impl Force for AxialSpring {
         for (v, &index) in v.iter_mut().zip(view.indices()) {
             *v = motion.v[index];
         }
-        let axial =
-            self.preload - self.stiffness * view.value(Self::MEASURE) - self.damping * s_q.dot(&v);
+        let axial = self.preload - self.stiffness * view.value(Self::MEASURE) - self.damping * s_q.dot(&v);
         // ∂ṡ/∂q at constant v
         let rate_q = s_qq.transpose() * v;
-        let stiffness =
-            s_q * (s_q * self.stiffness + rate_q * self.damping).transpose() - s_qq * axial;
+        let stiffness = s_q * (s_q * self.stiffness + rate_q * self.damping).transpose() - s_qq * axial;
         let damping = s_q * s_q.transpose() * self.damping;
-        add_square(
-            blocks,
-            view.indices(),
-            &(stiffness * weights.q + damping * weights.v),
-        );
+        add_square(blocks, view.indices(), &(stiffness * weights.q + damping * weights.v));
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {

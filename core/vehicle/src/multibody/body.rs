@@ -21,12 +21,7 @@ pub struct Pose {
 
 impl Pose {
     /// Adds the six coordinates of a body to a layout.
-    pub fn new(
-        reference: Vector3<f64>,
-        orientation: UnitQuaternion<f64>,
-        name: &str,
-        layout: &mut Layout,
-    ) -> Self {
+    pub fn new(reference: Vector3<f64>, orientation: UnitQuaternion<f64>, name: &str, layout: &mut Layout) -> Self {
         let translation = layout.add_coordinates(3, format!("{name}, translation"));
         let (rotation, orientation) = layout.add_rotation(orientation, format!("{name}, rotation"));
         Self {
@@ -46,9 +41,7 @@ impl Pose {
     /// Body to world.
     #[must_use]
     pub fn axes(&self, motion: &Motion<'_>) -> Matrix3<f64> {
-        motion.rotation[self.orientation]
-            .to_rotation_matrix()
-            .into_inner()
+        motion.rotation[self.orientation].to_rotation_matrix().into_inner()
     }
 
     /// Velocity of the centre of mass, m/s.
@@ -109,8 +102,8 @@ impl Force for RigidBody {
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         let omega_b = self.pose.angular_velocity(motion);
         // ∂(ω × Iω)/∂ω
-        let damping = skew(&omega_b) * Matrix3::from_diagonal(&self.inertia)
-            - skew(&self.inertia.component_mul(&omega_b));
+        let damping =
+            skew(&omega_b) * Matrix3::from_diagonal(&self.inertia) - skew(&self.inertia.component_mul(&omega_b));
         let block = (damping * weights.v).transpose(); // nalgebra stores by columns
         let indices = [0, 1, 2].map(|axis| self.pose.rotation + axis);
         blocks.add(&indices, &indices, block.as_slice());
@@ -144,12 +137,7 @@ impl BodyMarker {
     /// The marker that is at `point` (m) with the axes `axes` (columns) when the body is in its reference position with
     /// the given orientation.
     #[must_use]
-    pub fn at(
-        pose: Pose,
-        orientation: &UnitQuaternion<f64>,
-        point: &Vector3<f64>,
-        axes: &Matrix3<f64>,
-    ) -> Self {
+    pub fn at(pose: Pose, orientation: &UnitQuaternion<f64>, point: &Vector3<f64>, axes: &Matrix3<f64>) -> Self {
         let to_body = orientation.to_rotation_matrix().transpose();
         Self {
             pose,
@@ -176,11 +164,7 @@ impl Marker for BodyMarker {
         let axes = self.pose.axes(motion);
         let offset = axes * self.offset;
         for axis in 0..3 {
-            columns.push(
-                self.pose.translation + axis,
-                Vector3::ith(axis, 1.0),
-                Vector3::zeros(),
-            );
+            columns.push(self.pose.translation + axis, Vector3::ith(axis, 1.0), Vector3::zeros());
         }
         for axis in 0..3 {
             let rotation = axes.column(axis).into_owned();

@@ -70,12 +70,7 @@ impl Joint {
 
     /// Adds the geometric stiffness `∂(g_qᵀ λ)/∂q` under the multipliers `lambda` (one per equation), 12 × 12 or, with
     /// the base, 6 × 6.
-    pub fn add_geometric_stiffness(
-        &self,
-        motion: &Motion<'_>,
-        lambda: &[f64],
-        blocks: &mut Blocks<'_>,
-    ) {
+    pub fn add_geometric_stiffness(&self, motion: &Motion<'_>, lambda: &[f64], blocks: &mut Blocks<'_>) {
         let view = self.pair.view(motion);
         let stiffness = self
             .equations
@@ -103,11 +98,7 @@ impl Constraint for Joint {
         let view = self.pair.view(motion);
         let indices = view.indices();
         for (row, &measure) in self.equations.iter().enumerate() {
-            rows.add(
-                row,
-                indices,
-                &view.gradient(measure).as_slice()[..indices.len()],
-            );
+            rows.add(row, indices, &view.gradient(measure).as_slice()[..indices.len()]);
         }
     }
 }

@@ -100,9 +100,7 @@ impl PairView {
         match measure {
             Measure::Point(axis) => self.distance[axis],
             Measure::Along(axis) => Self::axis(&self.first, axis).dot(&self.distance),
-            Measure::Direction(a, b) => {
-                Self::axis(&self.first, a).dot(&Self::axis(&self.second, b))
-            }
+            Measure::Direction(a, b) => Self::axis(&self.first, a).dot(&Self::axis(&self.second, b)),
         }
     }
 
@@ -166,8 +164,7 @@ impl PairView {
                 };
                 let mut sum = a_l.dot(&t_k) + a.dot(&t_kl);
                 if self.is_first(k) {
-                    sum += (c_kl.cross(&a) + c_k.cross(&a_l)).dot(&self.distance)
-                        + c_k.cross(&a).dot(&t_l);
+                    sum += (c_kl.cross(&a) + c_k.cross(&a_l)).dot(&self.distance) + c_k.cross(&a).dot(&t_l);
                 }
                 sum
             }
@@ -186,11 +183,7 @@ impl PairView {
 }
 
 /// Adds the leading part of `matrix` on the coordinates `indices`.
-pub(super) fn add_square(
-    blocks: &mut Blocks<'_>,
-    indices: &[usize],
-    matrix: &SMatrix<f64, WIDTH, WIDTH>,
-) {
+pub(super) fn add_square(blocks: &mut Blocks<'_>, indices: &[usize], matrix: &SMatrix<f64, WIDTH, WIDTH>) {
     let n = indices.len();
     let mut values = [0.0; WIDTH * WIDTH];
     for row in 0..n {

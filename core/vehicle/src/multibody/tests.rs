@@ -11,18 +11,8 @@ struct Two {
 
 fn two() -> Two {
     let mut layout = Layout::new();
-    let first = Pose::new(
-        Vector3::new(0.3, -0.2, 1.0),
-        tilted(0.1),
-        "first",
-        &mut layout,
-    );
-    let second = Pose::new(
-        Vector3::new(1.1, 0.4, 0.7),
-        tilted(-0.5),
-        "second",
-        &mut layout,
-    );
+    let first = Pose::new(Vector3::new(0.3, -0.2, 1.0), tilted(0.1), "first", &mut layout);
+    let second = Pose::new(Vector3::new(1.1, 0.4, 0.7), tilted(-0.5), "second", &mut layout);
     Two {
         layout,
         poses: [first, second],
@@ -91,11 +81,7 @@ fn joints_hold_in_the_position_they_were_built_in() {
 fn each_joint_leaves_its_own_motion_free() {
     let two = two();
     let rest = two.layout.state_at_rest();
-    for (joint, rank) in two
-        .joints()
-        .iter()
-        .zip([3, 3, 3, 3, 5, 5, 5, 5, 5, 5, 5, 5])
-    {
+    for (joint, rank) in two.joints().iter().zip([3, 3, 3, 3, 5, 5, 5, 5, 5, 5, 5, 5]) {
         assert_eq!(joint.dimension(), rank);
         assert_eq!(g_q(joint, &rest).rank(1e-9), rank);
     }
@@ -151,10 +137,7 @@ fn the_tangent_of_a_body_is_the_derivative_of_its_gyroscopic_moment() {
 fn the_gyroscopic_moment_does_no_work() {
     let two = two();
     let (body, state) = (body(&two), awkward(&two.layout));
-    let mut weightless = RigidBody {
-        gravity: 0.0,
-        ..body
-    };
+    let mut weightless = RigidBody { gravity: 0.0, ..body };
     let force = crate::check::force(&mut weightless, &state.motion(&[]));
     let power = force.dot(&DVector::from_column_slice(&state.v));
     assert!(power.abs() < 1e-14 && force.amax() > 0.1);
@@ -210,12 +193,7 @@ fn the_tangent_of_the_contact_force_is_the_derivative_of_its_force() {
         first: 2,
     };
     let state = awkward(&two.layout);
-    assert_tangent(
-        &mut load,
-        &two.layout,
-        &state,
-        &[0.0, 0.0, 5.0, -3.0, -110.0, 0.25],
-    );
+    assert_tangent(&mut load, &two.layout, &state, &[0.0, 0.0, 5.0, -3.0, -110.0, 0.25]);
 }
 
 #[test]
@@ -258,15 +236,9 @@ fn the_columns_of_a_marker_give_its_velocity() {
         velocity += column.translation * state.v[column.index];
         angular += column.rotation * state.v[column.index];
     }
-    assert!(
-        (velocity - frame.velocity).norm() < 1e-14
-            && (angular - frame.angular_velocity).norm() < 1e-14
-    );
+    assert!((velocity - frame.velocity).norm() < 1e-14 && (angular - frame.angular_velocity).norm() < 1e-14);
     // And the velocity is the rate of the position.
-    let position = |state: &State| {
-        DVector::from_column_slice(marker.frame(&state.motion(&[])).position.as_slice())
-    };
-    let rate = jacobian(&two.layout, &state, &mut |state| position(state))
-        * DVector::from_column_slice(&state.v);
+    let position = |state: &State| DVector::from_column_slice(marker.frame(&state.motion(&[])).position.as_slice());
+    let rate = jacobian(&two.layout, &state, &mut |state| position(state)) * DVector::from_column_slice(&state.v);
     assert!((rate - DVector::from_column_slice(frame.velocity.as_slice())).amax() < 1e-8);
 }

@@ -1,8 +1,6 @@
 //! From the scene's mechanism to bodies, joints and forces.
 use crate::VehicleError;
-use crate::multibody::{
-    Anchor, AxialSpring, BaseMarker, BodyMarker, DeadForce, Joint, Pair, Pose, RigidBody,
-};
+use crate::multibody::{Anchor, AxialSpring, BaseMarker, BodyMarker, DeadForce, Joint, Pair, Pose, RigidBody};
 use dynamics::Layout;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use scene::{JointKind, Linkage as Entry};
@@ -22,8 +20,7 @@ impl<'a> Builder<'a> {
         for body in &entry.bodies {
             let rows = body.rotation();
             let matrix = Matrix3::from_fn(|row, column| rows[row][column]);
-            let orientation =
-                UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+            let orientation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
             bodies.push(RigidBody {
                 pose: Pose::new(
                     Vector3::from(body.position) - base,
@@ -58,38 +55,19 @@ impl<'a> Builder<'a> {
     }
 
     fn marker(&self, number: usize, point: &Vector3<f64>, axes: &Matrix3<f64>) -> BodyMarker {
-        BodyMarker::at(
-            self.bodies[number].pose,
-            &self.orientations[number],
-            point,
-            axes,
-        )
+        BodyMarker::at(self.bodies[number].pose, &self.orientations[number], point, axes)
     }
 
-    fn anchor(
-        &self,
-        key: &'static str,
-        name: &str,
-        joint: &scene::Joint,
-    ) -> Result<Anchor, VehicleError> {
+    fn anchor(&self, key: &'static str, name: &str, joint: &scene::Joint) -> Result<Anchor, VehicleError> {
         let point = self.point(&joint.point);
         let axes = match joint.kind {
             JointKind::Spherical => Matrix3::identity(),
-            JointKind::Revolute { axis } | JointKind::Prismatic { axis } => {
-                frame_about(&axis.into())
-            }
+            JointKind::Revolute { axis } | JointKind::Prismatic { axis } => frame_about(&axis.into()),
         };
         if name == Entry::BASE {
-            return Ok(Anchor::Base(BaseMarker {
-                position: point,
-                axes,
-            }));
+            return Ok(Anchor::Base(BaseMarker { position: point, axes }));
         }
-        Ok(Anchor::Body(self.marker(
-            self.number(key, name)?,
-            &point,
-            &axes,
-        )))
+        Ok(Anchor::Body(self.marker(self.number(key, name)?, &point, &axes)))
     }
 
     pub fn joints(&self) -> Result<Vec<Joint>, VehicleError> {
@@ -109,8 +87,7 @@ impl<'a> Builder<'a> {
     pub fn suspension(&self) -> Result<AxialSpring, VehicleError> {
         let name = &self.entry.strip.body;
         let guides = |joint: &&scene::Joint| {
-            matches!(joint.kind, JointKind::Prismatic { .. })
-                && (&joint.first == name || &joint.second == name)
+            matches!(joint.kind, JointKind::Prismatic { .. }) && (&joint.first == name || &joint.second == name)
         };
         let found: Vec<_> = self.entry.joints.iter().filter(guides).collect();
         let [joint] = found[..] else {
@@ -142,14 +119,14 @@ impl<'a> Builder<'a> {
             let ends = [&joint.first, &joint.second];
             ends.contains(&&uplift.body) && ends.iter().any(|end| *end == Entry::BASE)
         };
-        let joint =
-            self.entry
-                .joints
-                .iter()
-                .find(joins)
-                .ok_or_else(|| VehicleError::NoBaseJoint {
-                    name: uplift.body.clone(),
-                })?;
+        let joint = self
+            .entry
+            .joints
+            .iter()
+            .find(joins)
+            .ok_or_else(|| VehicleError::NoBaseJoint {
+                name: uplift.body.clone(),
+            })?;
         let foot = self.point(&joint.point);
         let along = self.bodies[number].pose.reference - foot;
         let point = foot + along.normalize() * uplift.distance;

@@ -67,13 +67,7 @@ pub struct ChainElement {
 impl ChainElement {
     /// An element without friction that pushes and pulls.
     #[must_use]
-    pub fn new(
-        above: usize,
-        below: Option<usize>,
-        stiffness: f64,
-        damping: f64,
-        preload: f64,
-    ) -> Self {
+    pub fn new(above: usize, below: Option<usize>, stiffness: f64, damping: f64, preload: f64) -> Self {
         Self {
             above,
             below,
@@ -149,12 +143,7 @@ impl Force for ChainElement {
         let change = self.coefficient(motion, weights) - self.factored;
         if change != 0.0 {
             let below = self.below.map(|below| (below, 1.0));
-            updates.rank_one(
-                0,
-                0,
-                change,
-                std::iter::once((self.above, -1.0)).chain(below),
-            );
+            updates.rank_one(0, 0, change, std::iter::once((self.above, -1.0)).chain(below));
         }
     }
 

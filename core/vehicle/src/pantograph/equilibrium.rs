@@ -33,8 +33,7 @@ impl Equilibrium {
         for rates in [&mut state.v, &mut state.v_dot, &mut state.a] {
             rates[range.clone()].fill(0.0);
         }
-        state.rotation[offsets.orientation..][..self.rotation.len()]
-            .copy_from_slice(&self.rotation);
+        state.rotation[offsets.orientation..][..self.rotation.len()].copy_from_slice(&self.rotation);
         state.lambda[offsets.constraint..][..self.lambda.len()].copy_from_slice(&self.lambda);
     }
 }

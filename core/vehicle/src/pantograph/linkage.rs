@@ -34,12 +34,7 @@ impl Linkage {
     ///
     /// # Errors
     /// Names that do not fit together; [`VehicleError::NotBalanced`] where the tabulated position cannot be at rest.
-    pub fn new(
-        entry: &Entry,
-        gravity: f64,
-        name: &str,
-        layout: &mut Layout,
-    ) -> Result<Self, VehicleError> {
+    pub fn new(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
         let mut linkage = Self::without_preload(entry, gravity, name, layout)?;
         let mut local = linkage.local()?;
         let balance = statics::balance(&mut local.0, &local.1)?;
@@ -57,12 +52,7 @@ impl Linkage {
         Ok((linkage, layout))
     }
 
-    fn without_preload(
-        entry: &Entry,
-        gravity: f64,
-        name: &str,
-        layout: &mut Layout,
-    ) -> Result<Self, VehicleError> {
+    fn without_preload(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
         let offsets = Offsets {
             coordinate: layout.coordinates(),
             constraint: layout.constraints(),
@@ -75,8 +65,7 @@ impl Linkage {
             suspension: builder.suspension()?,
             uplift: builder.uplift()?,
             strip: builder.strip()?,
-            strip_orientation: builder.orientations
-                [builder.number("strip.body", &entry.strip.body)?],
+            strip_orientation: builder.orientations[builder.number("strip.body", &entry.strip.body)?],
             joints,
             bodies: builder.bodies,
             entry: entry.clone(),
@@ -95,11 +84,7 @@ impl Linkage {
     /// The centre of mass of the body called `name`, in the frame of the base.
     #[must_use]
     pub fn body_marker(&self, name: &str) -> Option<BodyMarker> {
-        let number = self
-            .entry
-            .bodies
-            .iter()
-            .position(|body| body.name == name)?;
+        let number = self.entry.bodies.iter().position(|body| body.name == name)?;
         Some(BodyMarker {
             pose: self.bodies[number].pose,
             offset: Vector3::zeros(),
@@ -191,10 +176,7 @@ impl Linkage {
             markers.extend(on_body(&Anchor::Body(self.strip)));
             // Bars are long along their first principal axis.
             markers.sort_by(|a, b| a.offset.x.total_cmp(&b.offset.x));
-            markers
-                .iter()
-                .map(|marker| marker.frame(motion).position)
-                .collect()
+            markers.iter().map(|marker| marker.frame(motion).position).collect()
         };
         self.bodies.iter().map(line).collect()
     }
@@ -245,9 +227,7 @@ impl Linkage {
         let pose = self.strip.pose;
         let first = pose.translation - self.offsets.coordinate;
         let rotation = equilibrium.rotation[pose.orientation - self.offsets.orientation];
-        pose.reference
-            + Vector3::from_column_slice(&equilibrium.q[first..first + 3])
-            + rotation * self.strip.offset
+        pose.reference + Vector3::from_column_slice(&equilibrium.q[first..first + 3]) + rotation * self.strip.offset
     }
 
     /// The state of the mechanism alone, from an equilibrium.

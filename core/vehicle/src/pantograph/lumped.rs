@@ -28,14 +28,8 @@ impl Lumped {
     ///
     /// # Errors
     /// [`VehicleError::NoReferenceHeight`].
-    pub fn new(
-        entry: &scene::Lumped,
-        name: &str,
-        layout: &mut Layout,
-    ) -> Result<Self, VehicleError> {
-        let reference_height = entry
-            .reference_height
-            .ok_or(VehicleError::NoReferenceHeight)?;
+    pub fn new(entry: &scene::Lumped, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
+        let reference_height = entry.reference_height.ok_or(VehicleError::NoReferenceHeight)?;
         let n = entry.masses.len();
         let offsets = Offsets {
             coordinate: layout.add_coordinates(n, format!("{name}, mass")),
@@ -52,13 +46,7 @@ impl Lumped {
                 } else {
                     (Some(first + i + 1), reference_force)
                 };
-                let mut element = ChainElement::new(
-                    first + i,
-                    below,
-                    entry.stiffnesses[i],
-                    entry.dampings[i],
-                    preload,
-                );
+                let mut element = ChainElement::new(first + i, below, entry.stiffnesses[i], entry.dampings[i], preload);
                 element.unilateral = entry.unilateral[i];
                 element.friction = entry.friction[i];
                 element
@@ -151,21 +139,14 @@ impl Lumped {
     /// [`VehicleError::OutOfReach`] where an element that pushes only would have to pull.
     pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
         let rise = height - self.reference_height();
-        let soft = self
-            .elements
-            .iter()
-            .rposition(|element| element.stiffness == 0.0);
+        let soft = self.elements.iter().rposition(|element| element.stiffness == 0.0);
         if let Some(soft) = soft {
             // It gives way at no force; the others stay as they are.
             let mut compressions = vec![0.0; self.elements.len()];
             compressions[soft] = -rise;
             return Ok(self.state(self.reference_force, &compressions));
         }
-        let compliance: f64 = self
-            .elements
-            .iter()
-            .map(|element| 1.0 / element.stiffness)
-            .sum();
+        let compliance: f64 = self.elements.iter().map(|element| 1.0 / element.stiffness).sum();
         let mut equilibrium = self.equilibrium_at_force(self.reference_force - rise / compliance)?;
         equilibrium.height = height;
         Ok(equilibrium)

@@ -87,12 +87,7 @@ fn terms(linkage: &mut Linkage, state: &State) -> Terms {
         joint.jacobian(&motion, &mut JacobianRows::new(&mut sink));
         first += count;
     });
-    Terms {
-        force,
-        strip,
-        g_q,
-        g,
-    }
+    Terms { force, strip, g_q, g }
 }
 
 /// `∂/∂q` of `−Q + f ∂z_s/∂q + g_qᵀ λ`.
@@ -113,10 +108,7 @@ fn stiffness(linkage: &mut Linkage, state: &State, contact_force: f64) -> DMatri
     };
     let mut places = Vec::new();
     add(&mut Blocks::record(&mut places));
-    let places: Vec<u32> = places
-        .iter()
-        .map(|(row, column)| row + column * n as u32)
-        .collect();
+    let places: Vec<u32> = places.iter().map(|(row, column)| row + column * n as u32).collect();
     let mut matrix = DMatrix::zeros(n, n);
     add(&mut Blocks::add_to(&places, matrix.as_mut_slice()));
     matrix
@@ -126,9 +118,7 @@ fn stiffness(linkage: &mut Linkage, state: &State, contact_force: f64) -> DMatri
 pub(super) fn balance(linkage: &mut Linkage, layout: &Layout) -> Result<Balance, VehicleError> {
     let state = layout.state_at_rest();
     let (n, m) = (state.q.len(), state.lambda.len());
-    let Terms {
-        force, strip, g_q, ..
-    } = terms(linkage, &state);
+    let Terms { force, strip, g_q, .. } = terms(linkage, &state);
     let mut preload = DVector::zeros(n);
     let mut unit = AxialSpring {
         stiffness: 0.0,
@@ -177,12 +167,7 @@ pub(super) fn solve(
     let mut residual = f64::INFINITY;
     let mut tolerance = 0.0;
     for iteration in 0..ITERATIONS {
-        let Terms {
-            force,
-            strip,
-            g_q,
-            g,
-        } = terms(linkage, &state);
+        let Terms { force, strip, g_q, g } = terms(linkage, &state);
         let scale = force.amax().max(contact_force.abs());
         tolerance = TOLERANCE * scale;
         if iteration == 0 {
@@ -203,9 +188,7 @@ pub(super) fn solve(
             Target::Height(target) => target - height,
         };
         // Gaps count in units of the force tolerance.
-        residual = unbalanced
-            .amax()
-            .max(g.amax().max(missing.abs()) * tolerance / CLOSURE);
+        residual = unbalanced.amax().max(g.amax().max(missing.abs()) * tolerance / CLOSURE);
         if residual <= tolerance {
             return Ok(Equilibrium {
                 height,
@@ -228,9 +211,7 @@ pub(super) fn solve(
         matrix.view_mut((0, n + m), (n, 1)).copy_from(&strip);
         match target {
             Target::Force(_) => matrix[(n + m, n + m)] = 1.0,
-            Target::Height(_) => matrix
-                .view_mut((n + m, 0), (1, n))
-                .copy_from(&strip.transpose()),
+            Target::Height(_) => matrix.view_mut((n + m, 0), (1, n)).copy_from(&strip.transpose()),
         }
         let mut right = DVector::zeros(n + m + 1);
         right.rows_mut(0, n).copy_from(&unbalanced);
@@ -256,13 +237,7 @@ pub(super) fn solve(
 /// too far; returns the change of the contact force.
 fn advance(linkage: &Linkage, state: &mut State, step: &DVector<f64>) -> f64 {
     let (n, m) = (state.q.len(), state.lambda.len());
-    let turn = |pose: Pose| {
-        Vector3::new(
-            step[pose.rotation],
-            step[pose.rotation + 1],
-            step[pose.rotation + 2],
-        )
-    };
+    let turn = |pose: Pose| Vector3::new(step[pose.rotation], step[pose.rotation + 1], step[pose.rotation + 2]);
     let longest = linkage
         .bodies()
         .iter()

@@ -1,8 +1,7 @@
 //! Instantiate, set up, initialise, end.
 
 use crate::abi::{
-    InstanceKind, Status, fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2Real, fmi2Status,
-    fmi2String, fmi2Type,
+    InstanceKind, Status, fmi2Boolean, fmi2CallbackFunctions, fmi2Component, fmi2Real, fmi2Status, fmi2String, fmi2Type,
 };
 use crate::slave::guard::guarded;
 use crate::slave::instance::{Failure, Instance, Oddity, Progress, elements, enter, refuse};
@@ -45,15 +44,12 @@ pub unsafe fn instantiate<M: Model>(
         return std::ptr::null_mut();
     };
     // SAFETY: texts of the importer.
-    let (name, guid, location) =
-        unsafe { (text(instance_name), text(guid), text(resource_location)) };
+    let (name, guid, location) = unsafe { (text(instance_name), text(guid), text(resource_location)) };
     let c_name = CString::new(name.as_deref().unwrap_or_default()).unwrap_or_default();
     let logger = Logger::new(callbacks, c_name, logging_on != 0);
     let made = guarded(|| -> Result<(M, String), ModelError> {
         if name.is_none_or(|name| name.trim().is_empty()) {
-            return Err(ModelError::unusable(
-                "the instance name is missing or blank",
-            ));
+            return Err(ModelError::unusable("the instance name is missing or blank"));
         }
         match InstanceKind::try_from(fmu_type) {
             Ok(InstanceKind::CoSimulation) => {}
@@ -83,10 +79,7 @@ pub unsafe fn instantiate<M: Model>(
             None
         }
         Err(message) => {
-            logger.log(
-                Category::Error,
-                &format!("fmi2Instantiate panicked: {message}"),
-            );
+            logger.log(Category::Error, &format!("fmi2Instantiate panicked: {message}"));
             None
         }
     };
@@ -132,22 +125,12 @@ pub unsafe fn set_debug_logging<M: Model>(
         if unknown.is_empty() {
             return Ok(Status::Ok);
         }
-        let message = format!(
-            "fmi2SetDebugLogging: there is no log category {}",
-            unknown.join(", ")
-        );
+        let message = format!("fmi2SetDebugLogging: there is no log category {}", unknown.join(", "));
         instance.logger.log(Category::Warning, &message);
         Ok(Status::Warning)
     };
     // SAFETY: the condition of this module.
-    unsafe {
-        enter::<M>(
-            component,
-            Call::SetDebugLogging,
-            "fmi2SetDebugLogging",
-            body,
-        )
-    }
+    unsafe { enter::<M>(component, Call::SetDebugLogging, "fmi2SetDebugLogging", body) }
 }
 
 /// `fmi2SetupExperiment`.
@@ -176,13 +159,8 @@ pub unsafe fn setup_experiment<M: Model>(
                 "stop time = {stop} s: must be finite and not before the start time, {start_time} s"
             ));
         }
-        if let Some(tolerance) = experiment
-            .tolerance
-            .filter(|value| !value.is_finite() || *value < 0.0)
-        {
-            return refuse(format!(
-                "tolerance = {tolerance}: must be finite and not negative"
-            ));
+        if let Some(tolerance) = experiment.tolerance.filter(|value| !value.is_finite() || *value < 0.0) {
+            return refuse(format!("tolerance = {tolerance}: must be finite and not negative"));
         }
         instance.model.setup_experiment(experiment)?;
         instance.progress.experiment = experiment;
@@ -191,14 +169,7 @@ pub unsafe fn setup_experiment<M: Model>(
         Ok(Status::Ok)
     };
     // SAFETY: the condition of this module.
-    unsafe {
-        enter::<M>(
-            component,
-            Call::SetupExperiment,
-            "fmi2SetupExperiment",
-            body,
-        )
-    }
+    unsafe { enter::<M>(component, Call::SetupExperiment, "fmi2SetupExperiment", body) }
 }
 
 /// `fmi2EnterInitializationMode`.

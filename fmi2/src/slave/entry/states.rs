@@ -20,10 +20,7 @@ unsafe fn behind<'a, M: Model>(state: fmi2FMUstate) -> Result<&'a mut Saved<M>, 
 }
 
 /// `fmi2GetFMUstate`: a state that is passed in is used again.
-pub unsafe fn get_fmu_state<M: Model>(
-    component: fmi2Component,
-    state: *mut fmi2FMUstate,
-) -> fmi2Status {
+pub unsafe fn get_fmu_state<M: Model>(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
     let body = |instance: &mut Instance<M>| {
         // SAFETY: null or the importer's variable.
         let Some(state) = (unsafe { state.as_mut() }) else {
@@ -66,10 +63,7 @@ pub unsafe fn set_fmu_state<M: Model>(component: fmi2Component, state: fmi2FMUst
 }
 
 /// `fmi2FreeFMUstate`: null is ignored, the pointer is null afterwards.
-pub unsafe fn free_fmu_state<M: Model>(
-    component: fmi2Component,
-    state: *mut fmi2FMUstate,
-) -> fmi2Status {
+pub unsafe fn free_fmu_state<M: Model>(component: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
     let body = |_: &mut Instance<M>| {
         // SAFETY: null or the importer's variable.
         if let Some(state) = unsafe { state.as_mut() }
@@ -101,14 +95,7 @@ pub unsafe fn serialized_fmu_state_size<M: Model>(
         Ok(Status::Ok)
     };
     // SAFETY: the condition of this module.
-    unsafe {
-        enter::<M>(
-            component,
-            Call::OtherState,
-            "fmi2SerializedFMUstateSize",
-            body,
-        )
-    }
+    unsafe { enter::<M>(component, Call::OtherState, "fmi2SerializedFMUstateSize", body) }
 }
 
 /// `fmi2SerializeFMUstate`.
@@ -123,10 +110,7 @@ pub unsafe fn serialize_fmu_state<M: Model>(
         let saved = unsafe { behind::<M>(state) }?;
         let content = saved::serialize(saved, &instance.guid)?;
         if size < content.len() {
-            return refuse(format!(
-                "the state takes {} bytes, room is for {size}",
-                content.len()
-            ));
+            return refuse(format!("the state takes {} bytes, room is for {size}", content.len()));
         }
         // SAFETY: the importer's buffer; its bytes are taken as `u8`, which has the same layout.
         let buffer = unsafe { elements_mut(bytes.cast::<u8>(), size, "bytes") }?;

@@ -2,8 +2,8 @@
 
 use super::values::finite;
 use crate::abi::{
-    FALSE, Status, StatusKind, fmi2Boolean, fmi2Component, fmi2Integer, fmi2Real, fmi2Status,
-    fmi2StatusKind, fmi2String, fmi2ValueReference,
+    FALSE, Status, StatusKind, fmi2Boolean, fmi2Component, fmi2Integer, fmi2Real, fmi2Status, fmi2StatusKind,
+    fmi2String, fmi2ValueReference,
 };
 use crate::model_description::{BaseType, Causality, Variable};
 use crate::slave::instance::{Failure, Instance, elements, elements_mut, enter, refuse};
@@ -37,9 +37,7 @@ pub unsafe fn do_step<M: Model>(
         if let Some(stop) = progress.experiment.stop_time
             && end > stop + TIME_TOLERANCE * stop.abs().max(1.0)
         {
-            return refuse(format!(
-                "a step to t = {end} s, which is after the stop time, {stop} s"
-            ));
+            return refuse(format!("a step to t = {end} s, which is after the stop time, {stop} s"));
         }
         instance.model.do_step(time, step)?;
         instance.progress.time = end;
@@ -195,8 +193,7 @@ unsafe fn status<M: Model, T>(
         let Some(value) = (unsafe { value.as_mut() }) else {
             return refuse("the pointer to the value is null");
         };
-        let kind =
-            StatusKind::try_from(kind).map_err(|unknown| Failure::Refused(unknown.to_string()))?;
+        let kind = StatusKind::try_from(kind).map_err(|unknown| Failure::Refused(unknown.to_string()))?;
         Ok(match answer(instance, kind) {
             Some(answer) => {
                 *value = answer;
@@ -228,9 +225,8 @@ pub unsafe fn get_real_status<M: Model>(
     kind: fmi2StatusKind,
     value: *mut fmi2Real,
 ) -> fmi2Status {
-    let answer = |instance: &Instance<M>, kind| {
-        (kind == StatusKind::LastSuccessfulTime).then_some(instance.progress.time)
-    };
+    let answer =
+        |instance: &Instance<M>, kind| (kind == StatusKind::LastSuccessfulTime).then_some(instance.progress.time);
     // SAFETY: the condition of this module.
     unsafe { status::<M, _>(component, "fmi2GetRealStatus", kind, value, answer) }
 }

@@ -1,8 +1,7 @@
 //! Reading and setting variables.
 
 use crate::abi::{
-    Status, fmi2Boolean, fmi2Component, fmi2Integer, fmi2Real, fmi2Status, fmi2String,
-    fmi2ValueReference,
+    Status, fmi2Boolean, fmi2Component, fmi2Integer, fmi2Real, fmi2Status, fmi2String, fmi2ValueReference,
 };
 use crate::model_description::{BaseType, Causality, Variable};
 use crate::slave::instance::{Failure, Instance, Oddity, elements, elements_mut, enter, refuse};
@@ -98,10 +97,7 @@ pub unsafe fn get_real<M: Model>(
         let value = instance.model.real(position)?;
         if !value.is_finite() {
             let (name, time) = (&instance.variables[position].name, instance.progress.time);
-            return Err(ModelError::unusable(format!(
-                "{name} = {value} at t = {time} s: is not finite"
-            ))
-            .into());
+            return Err(ModelError::unusable(format!("{name} = {value} at t = {time} s: is not finite")).into());
         }
         Ok(value)
     };
@@ -125,20 +121,10 @@ pub unsafe fn get_integer<M: Model>(
     count: usize,
     values: *mut fmi2Integer,
 ) -> fmi2Status {
-    let read =
-        |instance: &mut Instance<M>, position: usize| Ok(instance.model.integer(position)?);
+    let read = |instance: &mut Instance<M>, position: usize| Ok(instance.model.integer(position)?);
     let references = (references, count);
     // SAFETY: the condition of this module.
-    unsafe {
-        get::<M, _>(
-            component,
-            "fmi2GetInteger",
-            BaseType::Integer,
-            references,
-            values,
-            read,
-        )
-    }
+    unsafe { get::<M, _>(component, "fmi2GetInteger", BaseType::Integer, references, values, read) }
 }
 
 /// `fmi2GetBoolean`: exactly 0 or 1.
@@ -148,21 +134,10 @@ pub unsafe fn get_boolean<M: Model>(
     count: usize,
     values: *mut fmi2Boolean,
 ) -> fmi2Status {
-    let read = |instance: &mut Instance<M>, position: usize| {
-        Ok(fmi2Boolean::from(instance.model.boolean(position)?))
-    };
+    let read = |instance: &mut Instance<M>, position: usize| Ok(fmi2Boolean::from(instance.model.boolean(position)?));
     let references = (references, count);
     // SAFETY: the condition of this module.
-    unsafe {
-        get::<M, _>(
-            component,
-            "fmi2GetBoolean",
-            BaseType::Boolean,
-            references,
-            values,
-            read,
-        )
-    }
+    unsafe { get::<M, _>(component, "fmi2GetBoolean", BaseType::Boolean, references, values, read) }
 }
 
 /// `fmi2GetString`: the texts live until the next call of this function on the instance.
@@ -206,17 +181,7 @@ pub unsafe fn set_real<M: Model>(
 ) -> fmi2Status {
     let (name, references) = ("fmi2SetReal", (references, count));
     // SAFETY: the condition of this module.
-    unsafe {
-        set::<M, _>(
-            component,
-            name,
-            BaseType::Real,
-            references,
-            values,
-            finite,
-            M::set_real,
-        )
-    }
+    unsafe { set::<M, _>(component, name, BaseType::Real, references, values, finite, M::set_real) }
 }
 
 /// Refuses NaN and infinity, naming the variable.
@@ -225,10 +190,7 @@ pub(super) fn finite(variable: &Variable, value: f64) -> Result<(), Failure> {
         return Ok(());
     }
     let unit = variable.unit().unwrap_or_default();
-    refuse(format!(
-        "{} = {value} {unit}: must be finite",
-        variable.name
-    ))
+    refuse(format!("{} = {value} {unit}: must be finite", variable.name))
 }
 
 /// `fmi2SetInteger`.
@@ -263,21 +225,9 @@ pub unsafe fn set_boolean<M: Model>(
 ) -> fmi2Status {
     let (name, references) = ("fmi2SetBoolean", (references, count));
     let any = |_: &Variable, _: fmi2Boolean| Ok(());
-    let write = |model: &mut M, position: usize, value: fmi2Boolean| {
-        model.set_boolean(position, value != 0)
-    };
+    let write = |model: &mut M, position: usize, value: fmi2Boolean| model.set_boolean(position, value != 0);
     // SAFETY: the condition of this module.
-    unsafe {
-        set::<M, _>(
-            component,
-            name,
-            BaseType::Boolean,
-            references,
-            values,
-            any,
-            write,
-        )
-    }
+    unsafe { set::<M, _>(component, name, BaseType::Boolean, references, values, any, write) }
 }
 
 /// `fmi2SetString`; null and anything but UTF-8 are refused.
@@ -300,21 +250,8 @@ pub unsafe fn set_string<M: Model>(
     };
     let write = |model: &mut M, position: usize, value: fmi2String| {
         // SAFETY: checked above not to be null; else as there.
-        model.set_string(
-            position,
-            &unsafe { CStr::from_ptr(value) }.to_string_lossy(),
-        )
+        model.set_string(position, &unsafe { CStr::from_ptr(value) }.to_string_lossy())
     };
     // SAFETY: the condition of this module.
-    unsafe {
-        set::<M, _>(
-            component,
-            name,
-            BaseType::String,
-            references,
-            values,
-            check,
-            write,
-        )
-    }
+    unsafe { set::<M, _>(component, name, BaseType::String, references, values, check, write) }
 }

@@ -102,18 +102,13 @@ impl FourBar {
     /// Derivative of a quantity with respect to the angle of the lower arm.
     pub fn slope(theta: f64, quantity: impl Fn(&Self) -> f64) -> f64 {
         let h = 1e-5;
-        (quantity(&Self::at(theta + h, 0.9557)) - quantity(&Self::at(theta - h, 0.9557)))
-            / (2.0 * h)
+        (quantity(&Self::at(theta + h, 0.9557)) - quantity(&Self::at(theta - h, 0.9557))) / (2.0 * h)
     }
 
     /// Potential energy of weights and uplift without the head, J.
     pub fn potential(&self, uplift: f64) -> f64 {
         let masses = [32.18, 15.60, 3.10, 1.15, 1.51];
-        let weights: f64 = masses
-            .iter()
-            .zip(&self.points)
-            .map(|(m, p)| GRAVITY * m * p[1])
-            .sum();
+        let weights: f64 = masses.iter().zip(&self.points).map(|(m, p)| GRAVITY * m * p[1]).sum();
         weights - uplift * self.uplift[1]
     }
 }

@@ -36,20 +36,12 @@ fn static_force(distance: f64) -> f64 {
 #[test]
 fn the_uplift_at_the_middle_of_the_lower_arm_leaves_40_newtons_at_the_head() {
     // By virtual work on the same geometry, three digits.
-    assert!(
-        (static_force(0.8) - 40.4).abs() < 0.1,
-        "{}",
-        static_force(0.8)
-    );
+    assert!((static_force(0.8) - 40.4).abs() < 0.1, "{}", static_force(0.8));
 }
 
 #[test]
 fn the_uplift_of_the_scene_gives_the_mean_force_of_table_6() {
-    assert!(
-        (static_force(0.9557) - 107.8).abs() < 0.1,
-        "{}",
-        static_force(0.9557)
-    );
+    assert!((static_force(0.9557) - 107.8).abs() < 0.1, "{}", static_force(0.9557));
 }
 
 #[test]
@@ -149,11 +141,7 @@ fn force_and_height_of_an_equilibrium_belong_together() {
         let at_height = linkage.equilibrium_at_height(height).unwrap();
         let at_force = linkage.equilibrium_at_force(at_height.force).unwrap();
         // Residual over the 15 to 25 N/m that the mechanism has there.
-        assert!(
-            (at_force.height - height).abs() < 1e-6,
-            "{height}: {}",
-            at_force.height
-        );
+        assert!((at_force.height - height).abs() < 1e-6, "{height}: {}", at_force.height);
     }
 }
 
@@ -161,10 +149,7 @@ fn force_and_height_of_an_equilibrium_belong_together() {
 fn a_force_beyond_the_mechanism_has_no_equilibrium() {
     let (linkage, _) = linkage(&thesis());
     let error = linkage.equilibrium_at_force(150.0).unwrap_err();
-    assert!(
-        matches!(error, VehicleError::NotConverged { .. }),
-        "{error}"
-    );
+    assert!(matches!(error, VehicleError::NotConverged { .. }), "{error}");
     assert!(error.to_string().contains("contact force 150 N"), "{error}");
 }
 
@@ -177,15 +162,10 @@ fn names_that_do_not_fit_are_refused() {
             .unwrap_err()
             .to_string()
     };
-    assert!(
-        build(|entry| entry.uplift.body = "arm".into())
-            .contains("pantograph.uplift.body = \"arm\"")
-    );
+    assert!(build(|entry| entry.uplift.body = "arm".into()).contains("pantograph.uplift.body = \"arm\""));
     assert!(build(|entry| entry.uplift.body = "plunger".into()).contains("no joint with the base"));
     assert!(build(|entry| entry.strip.body = "lower_arm".into()).contains("0 prismatic joints"));
-    assert!(
-        build(|entry| entry.joints[1].first = "knee".into()).contains("joints.first = \"knee\"")
-    );
+    assert!(build(|entry| entry.joints[1].first = "knee".into()).contains("joints.first = \"knee\""));
     assert!(build(|entry| drop(entry.joints.remove(5))).contains("not in balance"));
 }
 
@@ -201,10 +181,7 @@ fn the_strip_starts_where_it_is_placed_and_travels() {
     };
     let entry = scene::PantographModel::Linkage(thesis());
     let mut model = PantographModel::new(&entry, placement, "pantograph 1", &mut layout).unwrap();
-    assert_eq!(
-        layout.name(5),
-        "pantograph 1, lower_arm, translation, coordinate 1"
-    );
+    assert_eq!(layout.name(5), "pantograph 1, lower_arm, translation, coordinate 1");
     let mut state = layout.state_at_rest();
     for height in [4.7, 5.1] {
         let equilibrium = model.equilibrium_at_height(height).unwrap();
@@ -217,12 +194,7 @@ fn the_strip_starts_where_it_is_placed_and_travels() {
         assert!((frame.position.x - 166.25).abs() < 1e-9 && frame.velocity.x == 55.0);
         state.t = 0.0;
         // The part of the state belongs to the pantograph alone, and is at rest there.
-        assert!(
-            state.q[..5]
-                .iter()
-                .chain(&state.lambda[..3])
-                .all(|&value| value == 0.0)
-        );
+        assert!(state.q[..5].iter().chain(&state.lambda[..3]).all(|&value| value == 0.0));
         let motion = state.motion(&[]);
         let mut unbalanced = vec![0.0; layout.coordinates()];
         model.forces(&mut |force| force.add_force(&motion, &mut unbalanced));
@@ -282,9 +254,7 @@ impl Reduced {
         let inertia = [10.43, 7.76, 0.46, 0.48, 0.05, 0.21];
         let weights: Vec<f64> = masses.iter().flat_map(|&m| [m, m]).chain(inertia).collect();
         let (theta, s) = Self::rates();
-        let product = |a: &DVector<f64>, b: &DVector<f64>| -> f64 {
-            (0..18).map(|i| weights[i] * a[i] * b[i]).sum()
-        };
+        let product = |a: &DVector<f64>, b: &DVector<f64>| -> f64 { (0..18).map(|i| weights[i] * a[i] * b[i]).sum() };
         let coupling = product(&theta, &s);
         Matrix2::new(product(&theta, &theta), coupling, coupling, product(&s, &s))
     }
@@ -293,8 +263,7 @@ impl Reduced {
     fn potential(theta: f64, s: f64, preload: f64, force: f64, contact: f64) -> f64 {
         let bar = FourBar::at(theta, 0.9557);
         let height = Self::height(theta, s);
-        bar.potential(1465.0) + (9.50 * GRAVITY + force) * height + 0.5 * 9430.0 * s * s
-            - preload * s
+        bar.potential(1465.0) + (9.50 * GRAVITY + force) * height + 0.5 * 9430.0 * s * s - preload * s
             + 0.5 * contact * (height - 4.945) * (height - 4.945)
     }
 
@@ -333,10 +302,7 @@ impl Force for StripSpring {
         let indices: Vec<usize> = columns.iter().map(|column| column.index).collect();
         let z: Vec<f64> = columns.iter().map(|column| column.translation.z).collect();
         let k = weights.q * self.stiffness;
-        let block: Vec<f64> = z
-            .iter()
-            .flat_map(|a| z.iter().map(move |b| k * a * b))
-            .collect();
+        let block: Vec<f64> = z.iter().flat_map(|a| z.iter().map(move |b| k * a * b)).collect();
         blocks.add(&indices, &indices, &block);
     }
 }
@@ -366,9 +332,7 @@ fn eigenvalues(contact: f64) -> DVector<f64> {
             first += joint.dimension();
         }
     });
-    let mass = dense(n, &mut |blocks| {
-        linkage.forces(&mut |force| force.add_mass(blocks))
-    });
+    let mass = dense(n, &mut |blocks| linkage.forces(&mut |force| force.add_mass(blocks)));
     let mut g_q = DMatrix::<f64>::zeros(m, n);
     let mut first = 0;
     linkage.constraints(&mut |joint| {
@@ -386,16 +350,10 @@ fn eigenvalues(contact: f64) -> DVector<f64> {
         .filter(|&i| gram.eigenvalues[i] < 1e-9)
         .map(|i| gram.eigenvectors.column(i).into_owned())
         .collect();
-    assert_eq!(
-        free.len(),
-        4,
-        "mechanism, suspension, and two links that spin"
-    );
+    assert_eq!(free.len(), 4, "mechanism, suspension, and two links that spin");
     let free = DMatrix::from_columns(&free);
-    let (mass, stiffness): (DMatrix<f64>, DMatrix<f64>) = (
-        free.transpose() * mass * &free,
-        free.transpose() * stiffness * &free,
-    );
+    let (mass, stiffness): (DMatrix<f64>, DMatrix<f64>) =
+        (free.transpose() * mass * &free, free.transpose() * stiffness * &free);
     let root = mass.cholesky().unwrap().l().try_inverse().unwrap();
     let standard = &root * stiffness * root.transpose();
     let mut values = ((&standard + standard.transpose()) * 0.5).symmetric_eigenvalues();
@@ -407,12 +365,7 @@ fn eigenvalues(contact: f64) -> DVector<f64> {
 fn the_eigenfrequencies_are_those_of_the_two_coordinate_model() {
     let (linkage, _) = linkage(&thesis());
     let full = eigenvalues(5e4);
-    let root = Reduced::mass()
-        .cholesky()
-        .unwrap()
-        .l()
-        .try_inverse()
-        .unwrap();
+    let root = Reduced::mass().cholesky().unwrap().l().try_inverse().unwrap();
     let stiffness = Reduced::hessian(linkage.suspension().preload, linkage.static_force(), 5e4);
     let mut reduced = (root * stiffness * root.transpose()).symmetric_eigenvalues();
     reduced.as_mut_slice().sort_by(f64::total_cmp);
@@ -422,10 +375,7 @@ fn the_eigenfrequencies_are_those_of_the_two_coordinate_model() {
     );
     for i in 0..2 {
         // Second differences of the plane model over 3e-4.
-        assert!(
-            (full[2 + i] / reduced[i] - 1.0).abs() < 1e-5,
-            "{full} {reduced}"
-        );
+        assert!((full[2 + i] / reduced[i] - 1.0).abs() < 1e-5, "{full} {reduced}");
     }
 }
 
@@ -463,9 +413,6 @@ fn loads_accelerate_the_mechanism_as_its_effective_masses_say() {
         let acceleration = theta[z] * expected.x + s[z] * expected.y;
         let full = state.v_dot[6 * body + 2];
         // Central differences of the plane model.
-        assert!(
-            (full / acceleration - 1.0).abs() < 1e-7,
-            "{full} {acceleration}"
-        );
+        assert!((full / acceleration - 1.0).abs() < 1e-7, "{full} {acceleration}");
     }
 }

@@ -18,12 +18,8 @@ pub(crate) fn thesis() -> scene::Linkage {
         second: second.into(),
         point: [x, 0.0, z],
     };
-    let revolute = JointKind::Revolute {
-        axis: [0.0, 1.0, 0.0],
-    };
-    let upright = JointKind::Prismatic {
-        axis: [0.0, 0.0, 1.0],
-    };
+    let revolute = JointKind::Revolute { axis: [0.0, 1.0, 0.0] };
+    let upright = JointKind::Prismatic { axis: [0.0, 0.0, 1.0] };
     let mut bodies = vec![
         body(
             "lower_arm",
@@ -88,28 +84,10 @@ pub(crate) fn thesis() -> scene::Linkage {
             joint(revolute, "base", "lower_arm", 11.95005378, 3.425),
             joint(revolute, "lower_arm", "upper_arm", 10.58842934, 4.26522551),
             joint(revolute, "upper_arm", "plunger", 12.5, 4.835),
-            joint(
-                JointKind::Spherical,
-                "base",
-                "lower_link",
-                11.51280844,
-                3.425,
-            ),
-            joint(
-                JointKind::Spherical,
-                "upper_arm",
-                "lower_link",
-                10.41592908,
-                4.21380902,
-            ),
+            joint(JointKind::Spherical, "base", "lower_link", 11.51280844, 3.425),
+            joint(JointKind::Spherical, "upper_arm", "lower_link", 10.41592908, 4.21380902),
             joint(JointKind::Spherical, "plunger", "upper_link", 12.5, 4.785),
-            joint(
-                JointKind::Spherical,
-                "lower_arm",
-                "upper_link",
-                10.67175216,
-                4.21380902,
-            ),
+            joint(JointKind::Spherical, "lower_arm", "upper_link", 10.67175216, 4.21380902),
             joint(upright, "plunger", "pan_head", 12.5, 4.945),
         ],
     }

@@ -1,0 +1,217 @@
+//! Co-simulation against the same equations as one system: the difference is the error of the coupling.
+use integration_tests::runs::{EN_250, Run, prepared, rms, run, scene_with};
+use master::simulation::Mode;
+
+/// Four spans of the reference model on a coarse mesh, which does not enter the error of the coupling. At this speed contact is
+/// never lost, so that the orders are those of smooth motion but for droppers that go slack.
+const SHORT: [&str; 5] = [
+    "catenary.spans=4",
+    "catenary.mesh.elements_per_interval=2",
+    "run.duration=1.8",
+    "run.evaluate={time=[0.3,1.7]}",
+    "run.start_x=30",
+];
+
+fn short(mode: Mode, more: &[&str]) -> Run {
+    run(scene_with(EN_250, &[&SHORT[..], more].concat()), mode, "coupling")
+}
+
+/// `[coupling]` as overrides.
+fn coupling(algorithm: &str, force: &str, extrapolation: usize) -> [String; 3] {
+    [
+        format!("coupling.algorithm=\"{algorithm}\""),
+        format!("coupling.force=\"{force}\""),
+        format!("coupling.extrapolation={extrapolation}"),
+    ]
+}
+
+/// Slope of a straight line through the logarithms of errors at steps that double.
+fn order(errors: &[f64]) -> f64 {
+    let middle = 0.5 * (errors.len() - 1) as f64;
+    let (mut along, mut square) = (0.0, 0.0);
+    for (i, error) in errors.iter().enumerate() {
+        along += (i as f64 - middle) * error.log2();
+        square += (i as f64 - middle).powi(2);
+    }
+    along / square
+}
+
+/// Convergence of one coupling to the monolithic run, both sides at the smallest macro step throughout.
+struct Convergence {
+    /// rms of the filtered force, % of σ, smallest step first.
+    filtered: Vec<f64>,
+    /// The same of the raw force at the communication points of the longest step.
+    raw: Vec<f64>,
+}
+
+impl Convergence {
+    /// Macro steps `smallest`, twice, four and eight times that, s.
+    fn of(algorithm: &str, force: &str, extrapolation: usize, smallest: f64) -> Self {
+        let micro = format!("solver.micro_step={smallest}");
+        let truth = short(Mode::Monolithic, &[&micro]);
+        assert_eq!(
+            truth.summary.pantographs[0].contact_force.loss_of_contact_percent,
+            Some(0.0)
+        );
+        let percent = 100.0 / truth.sigma();
+        let overrides = coupling(algorithm, force, extrapolation);
+        let (mut filtered, mut raw) = (Vec::new(), Vec::new());
+        // Samples of the output grid of 1 ms that are communication points of every run.
+        let stride = ((8.0 * smallest / 1e-3).round() as usize).max(1);
+        let points = |run: &Run| -> Vec<f64> { run.raw().iter().copied().step_by(stride).collect() };
+        for doublings in 0..4 {
+            let step = format!("coupling.macro_step={}", smallest * f64::from(1 << doublings));
+            let mut all: Vec<&str> = overrides.iter().map(String::as_str).collect();
+            all.extend([micro.as_str(), step.as_str()]);
+            let coupled = short(Mode::Inprocess, &all);
+            filtered.push(percent * truth.filtered_difference(&coupled));
+            raw.push(percent * rms(&points(&truth), &points(&coupled)));
+        }
+        let shown = |errors: &[f64]| {
+            let errors: Vec<String> = errors.iter().map(|error| format!("{error:.4}")).collect();
+            errors.join(", ")
+        };
+        println!(
+            "{algorithm}, {force}, extrapolation {extrapolation}, {smallest} s and 2, 4, 8 times that, % of σ: filtered {} \
+             (order {:.2}); raw {} (order {:.2})",
+            shown(&filtered),
+            order(&filtered),
+            shown(&raw),
+            order(&raw),
+        );
+        Self { filtered, raw }
+    }
+
+    fn has_order(&self, expected: f64, tolerance: f64) {
+        let measured = order(&self.raw);
+        assert!(
+            (measured - expected).abs() < tolerance,
+            "order {measured:.2} of the raw force"
+        );
+        assert!(
+            self.filtered.windows(2).all(|pair| pair[0] < pair[1]),
+            "every shorter step is better: {:?}",
+            self.filtered
+        );
+        assert!(
+            self.raw.windows(2).all(|pair| pair[0] < pair[1]),
+            "every shorter step is better: {:?}",
+            self.raw
+        );
+    }
+}
+
+// The orders are those of the raw force: what a low-pass leaves of an error changes sign with the step. Droppers that go slack
+// and the vibrations of the coarse mesh, which the steps hardly resolve, spread them by about ±0.3.
+
+#[test]
+fn gauss_seidel_with_the_mean_force_is_of_second_order_in_the_macro_step() {
+    let convergence = Convergence::of("gauss_seidel", "mean", 1, 5e-4);
+    convergence.has_order(2.0, 0.35);
+    assert!(convergence.filtered[1] < 0.5, "at 1 ms");
+}
+
+#[test]
+fn gauss_seidel_with_quadratic_strips_and_interpolated_force_is_of_second_order() {
+    let convergence = Convergence::of("gauss_seidel", "interpolated", 2, 5e-4);
+    convergence.has_order(2.0, 0.35);
+    assert!(convergence.filtered[1] < 0.1, "at 1 ms");
+}
+
+#[test]
+fn jacobi_with_linear_prediction_is_of_second_order() {
+    let convergence = Convergence::of("jacobi", "mean", 1, 5e-4);
+    convergence.has_order(2.0, 0.35);
+}
+
+#[test]
+fn held_strips_are_of_first_order() {
+    // Asymptotic at shorter steps only: held values feed the contact's vibration, at 1 ms already by 12 % of σ.
+    let convergence = Convergence::of("gauss_seidel", "mean", 0, 1.25e-4);
+    convergence.has_order(1.0, 0.35);
+}
+
+#[test]
+fn a_held_force_acts_from_the_beginning_of_its_step() {
+    // Otherwise held forces come half an internal step late, which makes the coupling above one of first order.
+    let scene = prepared(scene_with(EN_250, &SHORT), "coupling").scene;
+    let force = scene.pantographs[0].start.unwrap().force;
+    let scene::PantographModel::Lumped(lumped) = &scene.pantographs[0].model else {
+        panic!("not lumped")
+    };
+    let mut pantograph = vehicle::Subsystem::new(&scene, 0).unwrap();
+    let (more, h) = (50.0, scene.solver.micro_step);
+    pantograph.set_contact_input(2, -(force + more));
+    pantograph.advance_to(0.0, h).unwrap();
+    let momentum = lumped.masses[0] * pantograph.strip().velocity.z;
+    println!("{momentum} kg m/s of an impulse of {} N s", -more * h);
+    // Springs and dampers take h c/m = 1e-3 of it.
+    assert!((momentum + more * h).abs() < 3e-3 * more * h);
+}
+
+#[test]
+fn repeated_steps_of_one_internal_step_are_the_monolithic_run() {
+    let truth = short(Mode::Monolithic, &[]);
+    let overrides = coupling("iterated", "interpolated", 1);
+    let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+    let coupled = short(Mode::Inprocess, &overrides);
+    let (filtered, raw) = (truth.filtered_difference(&coupled), truth.raw_difference(&coupled));
+    println!("iterated at 1 ms, force interpolated: {filtered:e} N filtered, {raw:e} N raw");
+    // Newton's tolerance of 1e-4 N on either side.
+    assert!(raw < 1e-3);
+}
+
+#[test]
+fn repeated_steps_do_not_depend_on_the_prediction() {
+    let runs = [0, 1, 2].map(|extrapolation| {
+        let overrides = coupling("iterated", "mean", extrapolation);
+        let mut overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+        overrides.extend([
+            "coupling.macro_step=0.002",
+            "run.duration=1.0",
+            "run.evaluate={time=[0.1,0.9]}",
+        ]);
+        short(Mode::Inprocess, &overrides)
+    });
+    for (extrapolation, other) in runs.iter().enumerate() {
+        let (apart, rollbacks) = (runs[1].raw_difference(other), other.summary.cost.rollbacks);
+        println!("iterated, extrapolation {extrapolation}: {apart:e} N from extrapolation 1, {rollbacks} rollbacks");
+        // Forces settle to 1e-6 N, Newton's method to 1e-4 N.
+        assert!(apart < 1e-3);
+        assert!(
+            rollbacks >= other.summary.cost.macro_steps,
+            "every step is repeated at least once"
+        );
+    }
+    let once = runs[2].summary.cost.rollbacks;
+    assert!(
+        once < runs[0].summary.cost.rollbacks,
+        "a better prediction needs fewer repetitions"
+    );
+}
+
+#[test]
+fn fmus_repeat_the_run_of_their_components_bit_for_bit() {
+    for algorithm in ["gauss_seidel", "jacobi", "iterated"] {
+        let overrides = coupling(algorithm, "mean", 1);
+        let mut overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+        overrides.extend(["run.duration=0.4", "run.evaluate={time=[0.1,0.3]}"]);
+        let [inside, outside] = [Mode::Inprocess, Mode::Cosimulation].map(|mode| short(mode, &overrides));
+        assert_eq!(inside.record.time.len(), 401);
+        assert_eq!(inside.record.time, outside.record.time);
+        assert_eq!(inside.record.pantographs, outside.record.pantographs, "{algorithm}");
+        assert_eq!(inside.record.supports, outside.record.supports, "{algorithm}");
+        let work = |run: &Run| {
+            let cost = &run.summary.cost;
+            [
+                cost.macro_steps,
+                cost.micro_steps,
+                cost.newton_iterations,
+                cost.factorizations,
+                cost.rollbacks,
+            ]
+        };
+        println!("{algorithm}: {:?}", work(&inside));
+        assert_eq!(work(&inside), work(&outside), "{algorithm}");
+    }
+}

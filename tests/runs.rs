@@ -1,0 +1,125 @@
+//! Runs of scenes through the program's own functions, and differences between them.
+use master::package;
+use master::report::{Progress, Show};
+use master::results::{Record, Summary};
+use master::run::Watch;
+use master::simulation::{FmuSource, Mode, Prepared, SetupError, prepare};
+use master::statistics::ForceStatistics;
+use scene::Scene;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// The reference model of EN 50318 at 250 km/h.
+pub const EN_250: &str = include_str!("../scenes/en50318-250.toml");
+/// The reference model of EN 50318 at 300 km/h.
+pub const EN_300: &str = include_str!("../scenes/en50318-300.toml");
+
+/// A complete run.
+pub struct Run {
+    /// What the program would write.
+    pub summary: Summary,
+    /// Its series.
+    pub record: Record,
+    /// Low-pass filtered contact force of the first pantograph, whole record, N.
+    pub filtered: Vec<f64>,
+    /// Samples of the evaluation range.
+    pub range: Range<usize>,
+}
+
+impl Run {
+    /// Statistics of the filtered force in the evaluation range, N.
+    #[must_use]
+    pub fn statistics(&self) -> ForceStatistics {
+        ForceStatistics::of(&self.filtered[self.range.clone()]).unwrap()
+    }
+
+    /// Standard deviation of the filtered force in the evaluation range, N.
+    #[must_use]
+    pub fn sigma(&self) -> f64 {
+        self.statistics().std
+    }
+
+    /// Raw contact force in the evaluation range, N.
+    #[must_use]
+    pub fn raw(&self) -> &[f64] {
+        &self.record.pantographs[0].force[self.range.clone()]
+    }
+
+    /// rms difference of the filtered force in the evaluation range, N.
+    #[must_use]
+    pub fn filtered_difference(&self, other: &Self) -> f64 {
+        assert_eq!(self.range, other.range);
+        rms(&self.filtered[self.range.clone()], &other.filtered[other.range.clone()])
+    }
+
+    /// rms difference of the raw force in the evaluation range, N.
+    #[must_use]
+    pub fn raw_difference(&self, other: &Self) -> f64 {
+        rms(self.raw(), other.raw())
+    }
+}
+
+/// Root mean square of the difference of two series.
+///
+/// # Panics
+/// When they differ in length.
+#[must_use]
+pub fn rms(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let sum: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+    (sum / a.len() as f64).sqrt()
+}
+
+/// A scene with other values.
+///
+/// # Panics
+/// When it is refused.
+#[must_use]
+pub fn scene_with(text: &str, overrides: &[&str]) -> Scene {
+    let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
+    Scene::from_toml(text, "scene.toml", &overrides).unwrap()
+}
+
+/// The scene with its statics and its start.
+///
+/// # Panics
+/// When there are none.
+#[must_use]
+pub fn prepared(scene: Scene, name: &str) -> Prepared {
+    prepare(scene, name, Path::new("."), false).unwrap()
+}
+
+/// Runs a scene from its statics to its summary; FMUs go to a folder of that `name`, apart from those of the program.
+///
+/// # Panics
+/// When the run does not come to its end.
+#[must_use]
+pub fn run(scene: Scene, mode: Mode, name: &str) -> Run {
+    let duration = scene.run.duration;
+    let never = AtomicBool::new(false);
+    let progress = Progress::simulated(name, duration, Show::Never);
+    let watch = Watch {
+        interrupted: &never,
+        progress: &progress,
+    };
+    let source = FmuSource {
+        folder: package::folder(&format!("test-{name}")),
+        say: &|_| {},
+        logging: false,
+    };
+    let finished = prepared(scene, name)
+        .run(mode, &source, &watch, |_| Ok::<(), Box<SetupError>>(()))
+        .unwrap();
+    assert!(finished.failure.is_none(), "{name}: {:?}", finished.failure);
+    let info = &finished.info;
+    let filtered = info.evaluation.filtered(&finished.record.pantographs[0].force).unwrap();
+    let range = info.evaluation.samples(&finished.record.time, 0);
+    assert!(!range.is_empty());
+    Run {
+        summary: Summary::new(info, &finished.record),
+        record: finished.record,
+        filtered,
+        range,
+    }
+}
