@@ -30,7 +30,7 @@ pub enum CosimulationError {
         nearest: String,
     },
     /// A parameter's value has another type.
-    #[error("{fmu}: the parameter \"{variable}\" = {value:?} must be {expected}")]
+    #[error("{fmu}: the parameter \"{variable}\" = {} must be {expected}", shown(value))]
     WrongType {
         /// Name of the model.
         fmu: String,
@@ -41,6 +41,15 @@ pub enum CosimulationError {
         /// What it should be.
         expected: &'static str,
     },
+}
+
+/// A value as a scene has it.
+fn shown(value: &ParameterValue) -> String {
+    match value {
+        ParameterValue::Number(number) => number.to_string(),
+        ParameterValue::Boolean(flag) => flag.to_string(),
+        ParameterValue::String(text) => format!("{text:?}"),
+    }
 }
 
 /// What an FMU is to do in a run.

@@ -12,6 +12,7 @@
 //! third_party   somebody else's pantograph behind the scene's wiring
 //! monolithic    line and pantographs as one system
 //! equilibrium   the state at t = 0
+//! standstill    the way of somebody else's pantograph to rest before that
 //! package       FMUs made from a scene
 //! simulation    a scene in a mode, from statics to a record
 //! results       files of a run; statistics, standards and report make them
@@ -38,5 +39,6 @@ pub mod run;
 pub mod simulation;
 pub mod slave;
 pub mod standards;
+pub mod standstill;
 pub mod statistics;
 pub mod third_party;

@@ -1,9 +1,10 @@
 //! What a scene models, what it leaves out and why, and what its results are worth.
 
-use scene::PantographModel;
+use scene::{Initialise, PantographModel, Start};
 
 use crate::results::{Model, Part};
 use crate::simulation::Prepared;
+use crate::standstill::{self, Standstill};
 
 impl Prepared {
     /// What is modelled, and what is not, with reasons.
@@ -89,14 +90,35 @@ impl Prepared {
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {
             if let (PantographModel::ThirdParty(_), Some(start)) = (&pantograph.model, pantograph.start) {
                 notes.push(format!(
-                    "pantograph {}: somebody else's FMU; the work on its strip and with it the energy residual is an estimate; it \
-                     starts at {:.4} m as initialised, without a settling phase",
+                    "pantograph {}: somebody else's FMU; the work on its strip and with it the energy residual is an estimate; {}",
                     index + 1,
-                    start.height
+                    third_party_start(self.scene.run.initialise, self.standstill, start)
                 ));
             }
         }
         notes
+    }
+}
+
+/// How somebody else's pantograph comes to its start.
+fn third_party_start(initialise: Initialise, standstill: Option<Standstill>, start: Start) -> String {
+    let Start { height, force } = start;
+    match (initialise, standstill) {
+        (Initialise::AsGiven, _) => format!("it starts at {height:.4} m as initialised"),
+        (Initialise::Equilibrium, None) => {
+            format!("initialised at {height:.4} m, it comes to rest at standstill before a run")
+        }
+        (Initialise::Equilibrium, Some(Standstill { duration, change })) => {
+            let rest = if change < standstill::REST && force > 0.0 {
+                "came to rest"
+            } else {
+                "did not come to rest"
+            };
+            format!(
+                "it {rest} at {height:.4} m and {force:.2} N in {duration:.1} s at standstill before t = 0, a change of \
+                 {change:.2e} N/s being left; its clock is ahead by that time"
+            )
+        }
     }
 }
 

@@ -1,11 +1,12 @@
 //! A scene in a mode: from statics to a record.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use catenary::{CatenaryError, StaticLine, static_line};
 use fmi2::import::Fmu;
-use scene::{Evaluate, Line, Offset, PantographModel, Scene, SceneError, Start};
+use scene::{Connection, Evaluate, Initialise, Line, Offset, PantographModel, Scene, SceneError, Start};
 
 use crate::algorithm::{self, CouplingError, Exchange, Sides};
 use crate::cosimulation::{CosimulationError, FmuSlave, Role};
@@ -18,6 +19,7 @@ use crate::recorder::Recorder;
 use crate::results::{self, LineGeometry, Record, RunInfo};
 use crate::run::{self, Failure, Outcome, Schedule, Watch};
 use crate::slave::{Slave, SlaveError};
+use crate::standstill::{self, Standstill};
 use crate::third_party::ThirdPartyPantograph;
 
 /// How a scene is run.
@@ -64,9 +66,21 @@ pub enum SetupError {
         /// What the scene asks for.
         what: String,
     },
+    /// What no mode can do yet.
+    #[error("{0}")]
+    NotAvailable(String),
     /// An FMU file cannot be used.
     #[error(transparent)]
     FmuFile(fmi2::Error),
+    /// A pantograph's FMU does not fit what the scene says of it.
+    #[error("{key}")]
+    Wiring {
+        /// Key of the scene.
+        key: String,
+        /// Reason.
+        #[source]
+        source: CosimulationError,
+    },
     /// An FMU cannot be made.
     #[error(transparent)]
     Package(#[from] PackageError),
@@ -88,6 +102,9 @@ pub enum SetupError {
     /// The coupling cannot be set up.
     #[error(transparent)]
     Coupling(#[from] CouplingError),
+    /// A side fails before t = 0.
+    #[error("while line and pantographs stand still before t = 0")]
+    Standstill(#[source] SlaveError),
     /// A slave does not give its outputs at the start.
     #[error(transparent)]
     Slave(#[from] SlaveError),
@@ -97,16 +114,22 @@ impl SetupError {
     /// Whether the input is to blame, and not what was made of it.
     #[must_use]
     pub fn is_input(&self) -> bool {
+        let unfit = |error: &CosimulationError| {
+            matches!(
+                error,
+                CosimulationError::NoVariable { .. } | CosimulationError::WrongType { .. }
+            )
+        };
         matches!(
             self,
             Self::Scene(_)
                 | Self::Line(_)
                 | Self::Equilibrium(_)
                 | Self::NotInThisMode { .. }
+                | Self::NotAvailable(_)
                 | Self::FmuFile(_)
                 | Self::Coupling(CouplingError::NoRollback { .. })
-                | Self::Cosimulation(CosimulationError::NoVariable { .. } | CosimulationError::WrongType { .. })
-        )
+        ) || matches!(self, Self::Wiring { source, .. } | Self::Cosimulation(source) if unfit(source))
     }
 }
 
@@ -118,6 +141,8 @@ pub struct Prepared {
     pub name: String,
     /// Static state of its line.
     pub statics: StaticLine,
+    /// How pantographs of somebody else came to rest; nothing before a run.
+    pub standstill: Option<Standstill>,
     third_party: Vec<Option<ThirdPartyPantograph>>,
     begin: Instant,
 }
@@ -132,10 +157,7 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
     let begin = Instant::now();
     if let Line::ThirdParty(line) = &scene.catenary {
         let what = format!("catenary.fmu = \"{}\": this version runs its own lines only", line.fmu);
-        return Err(SetupError::NotInThisMode {
-            mode: Mode::Cosimulation.name(),
-            what,
-        });
+        return Err(SetupError::NotAvailable(what));
     }
     let statics = static_line(&scene)?;
     let mut third_party = Vec::new();
@@ -153,6 +175,7 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
         scene,
         name: name.to_owned(),
         statics,
+        standstill: None,
         third_party,
         begin,
     })
@@ -172,14 +195,14 @@ fn start_third_party(
             "pantograph[{}].isolate = true: this version runs FMUs in its own process only",
             index + 1
         );
-        return Err(SetupError::NotInThisMode {
-            mode: Mode::Cosimulation.name(),
-            what,
-        });
+        return Err(SetupError::NotAvailable(what));
     }
     let path = base.join(&entry.fmu);
     let fmu = Fmu::open(&path).map_err(SetupError::FmuFile)?;
-    let mut pantograph = ThirdPartyPantograph::start(&fmu, entry, scene, index, logging)?;
+    let mut pantograph = ThirdPartyPantograph::start(&fmu, entry, scene, index, logging).map_err(|source| {
+        let key = format!("pantograph[{}].{}", index + 1, key_of(entry, &source));
+        SetupError::Wiring { key, source }
+    })?;
     let force = pantograph.start_force(&fmu, entry);
     if entry
         .outputs
@@ -199,6 +222,24 @@ fn start_third_party(
         entry.fmu = absolute.display().to_string();
     }
     Ok(pantograph)
+}
+
+/// The key of a pantograph's entry that a refusal of its FMU speaks of.
+fn key_of(entry: &scene::ThirdParty, refusal: &CosimulationError) -> String {
+    let (CosimulationError::NoVariable { variable, .. } | CosimulationError::WrongType { variable, .. }) = refusal
+    else {
+        return "fmu".to_owned();
+    };
+    if entry.parameters.contains_key(variable) {
+        return "parameters".to_owned();
+    }
+    let named = |table: &str, wires: &BTreeMap<String, Connection>| {
+        let found = wires.iter().find(|(_, connection)| connection.variable == *variable);
+        found.map(|(name, _)| format!("{table}.{name}.variable"))
+    };
+    named("inputs", &entry.inputs)
+        .or_else(|| named("outputs", &entry.outputs))
+        .unwrap_or_else(|| "fmu".to_owned())
 }
 
 /// Numbers (from 1) of the supports that bound the evaluated spans.
@@ -304,7 +345,11 @@ impl Prepared {
         watch: &Watch<'_>,
         good: impl FnOnce(&Scene) -> Result<(), E>,
     ) -> Result<Finished, E> {
-        let third_party = std::mem::take(&mut self.third_party);
+        let mut third_party = std::mem::take(&mut self.third_party);
+        if self.scene.run.initialise == Initialise::Equilibrium && third_party.iter().any(Option::is_some) {
+            let found = standstill::settle(&mut self.scene, &self.statics, &mut third_party)?;
+            self.standstill = Some(found);
+        }
         let (mut line, mut pantographs) = match mode {
             Mode::Cosimulation => self.fmu_slaves(supports, third_party, source)?,
             _ => self.core_slaves(supports, third_party)?,

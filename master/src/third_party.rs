@@ -8,6 +8,7 @@ use crate::cosimulation::{CosimulationError, FmuSlave, Role};
 use crate::interface::{load, strip};
 use crate::results::Frame;
 use crate::slave::{Abilities, Slave, SlaveError};
+use crate::standstill;
 
 /// FMI says whether input derivatives are followed, not to which order; the first is what tools agree on.
 const INPUT_DERIVATIVES: usize = 1;
@@ -136,6 +137,10 @@ pub struct ThirdPartyPantograph {
     read: Vec<f64>,
     /// Length of the last step, s; 0 before the first.
     h: f64,
+    /// Whether it stands at its start: x stays, and so does its clock.
+    standing: bool,
+    /// What the FMU's clock is ahead of the run's, s.
+    ahead: f64,
 }
 
 impl ThirdPartyPantograph {
@@ -199,7 +204,7 @@ impl ThirdPartyPantograph {
                 .iter()
                 .map(|(name, value)| (name.clone(), value.clone()))
                 .collect(),
-            duration: scene.run.duration,
+            duration: scene.run.duration + standstill::LONGEST,
             input_derivatives: INPUT_DERIVATIVES,
             logging,
         };
@@ -237,6 +242,8 @@ impl ThirdPartyPantograph {
             given,
             read,
             h: 0.0,
+            standing: false,
+            ahead: 0.0,
         };
         pantograph.refresh()?;
         Ok(pantograph)
@@ -293,14 +300,57 @@ impl ThirdPartyPantograph {
         self.motion[strip::Z] += offset;
     }
 
+    /// Keeps it at its start while it steps; what its FMU says about x is not heard.
+    ///
+    /// # Errors
+    /// What the FMU reports.
+    pub fn stand(&mut self) -> Result<(), SlaveError> {
+        self.standing = true;
+        self.refresh()
+    }
+
+    /// Ends a standstill of `duration` s: the run's time is 0 now, and x counts from the start.
+    ///
+    /// # Errors
+    /// What the FMU reports.
+    pub fn depart(&mut self, duration: f64) -> Result<(), SlaveError> {
+        self.standing = false;
+        self.ahead = duration;
+        (self.t, self.h) = (0.0, 0.0);
+        self.refresh()?;
+        // An FMU that says x itself has gone on meanwhile.
+        let gone = self.motion[strip::X] - self.start_x;
+        for wire in &mut self.outputs {
+            if wire.quantity == Quantity::Motion(strip::X) {
+                wire.offset -= gone;
+            }
+        }
+        self.motion[strip::X] = self.start_x;
+        self.motion[strip::WORK] = 0.0;
+        Ok(())
+    }
+
+    /// The run's time, s; 0 before it.
+    fn time(&self) -> f64 {
+        if self.standing { 0.0 } else { self.t }
+    }
+
+    /// Position along the track where no output says it, m.
+    fn x(&self) -> f64 {
+        self.start_x + self.speed * self.time()
+    }
+
     /// Reads the FMU and fills in what it does not offer.
     fn refresh(&mut self) -> Result<(), SlaveError> {
         self.slave.outputs(&mut self.read)?;
         let before = self.motion;
-        self.motion[strip::X] = self.start_x + self.speed * self.t;
-        self.motion[strip::VX] = self.speed;
+        self.motion[strip::X] = self.x();
+        self.motion[strip::VX] = if self.standing { 0.0 } else { self.speed };
         for (wire, value) in self.outputs.iter().zip(&self.read) {
             if let Quantity::Motion(entry) = wire.quantity {
+                if self.standing && matches!(entry, strip::X | strip::VX) {
+                    continue;
+                }
                 self.motion[entry] = wire.factor * value + wire.offset;
             }
         }
@@ -323,12 +373,13 @@ impl Slave for ThirdPartyPantograph {
     fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError> {
         self.force.copy_from_slice(&values[..3]);
         self.rate = [0.0; 3];
+        let (time, x) = (self.time(), self.x());
         for (wire, given) in self.inputs.iter().zip(&mut self.given) {
             let ours = match wire.quantity {
                 Quantity::Force => -values[load::FZ],
                 Quantity::Load(axis) => values[load::FX + axis],
-                Quantity::Time => self.t,
-                Quantity::X => self.start_x + self.speed * self.t,
+                Quantity::Time => time,
+                Quantity::X => x,
                 Quantity::Motion(_) | Quantity::Unused => 0.0,
             };
             *given = wire.factor * ours + wire.offset;
@@ -344,8 +395,8 @@ impl Slave for ThirdPartyPantograph {
             let ours = match wire.quantity {
                 Quantity::Force => -values[load::FZ],
                 Quantity::Load(axis) => values[load::FX + axis],
-                Quantity::Time if order == 1 => 1.0,
-                Quantity::X if order == 1 => self.speed,
+                Quantity::Time if order == 1 && !self.standing => 1.0,
+                Quantity::X if order == 1 && !self.standing => self.speed,
                 _ => 0.0,
             };
             *given = wire.factor * ours;
@@ -354,7 +405,7 @@ impl Slave for ThirdPartyPantograph {
     }
 
     fn do_step(&mut self, t: f64, h: f64) -> Result<(), SlaveError> {
-        self.slave.do_step(t, h)?;
+        self.slave.do_step(t + self.ahead, h)?;
         let start = self.motion;
         self.t = t + h;
         self.h = h;

@@ -13,8 +13,9 @@ use crate::simulation::prepare;
 /// See [`CommandError`].
 pub fn check(path: &Path, common: &Common) -> Result<(), CommandError> {
     let file = SceneFile::read(path, common)?;
-    let prepared = prepare(file.scene, &file.name, &file.base, false)?;
-    let report = Report::of(&prepared)?;
+    let prepared = prepare(file.scene, &file.name, &file.base, false);
+    let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
+    let report = Report::of(&prepared).map_err(|error| CommandError::from(error).in_scene(path))?;
     if common.json {
         print_json(&report)?;
     } else if !common.quiet {

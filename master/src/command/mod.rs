@@ -31,6 +31,15 @@ pub enum CommandError {
     /// The run cannot begin.
     #[error(transparent)]
     Setup(Box<SetupError>),
+    /// What a scene asks for cannot be had.
+    #[error("{}", file.display())]
+    InScene {
+        /// Scene file.
+        file: PathBuf,
+        /// Why.
+        #[source]
+        source: Box<SetupError>,
+    },
     /// An FMU named on the command line.
     #[error(transparent)]
     FmuFile(Box<fmi2::Error>),
@@ -64,9 +73,28 @@ impl CommandError {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Setup(error) if !error.is_input() => 1,
+            Self::Setup(error) | Self::InScene { source: error, .. } if !error.is_input() => 1,
             Self::Incomplete { .. } | Self::Results(_) | Self::Output(_) | Self::Package(_) | Self::Json(_) => 1,
             _ => 2,
+        }
+    }
+}
+
+impl CommandError {
+    /// Names the scene file where the message does not name a file yet.
+    #[must_use]
+    pub fn in_scene(self, file: &Path) -> Self {
+        match self {
+            Self::Setup(source)
+                if !matches!(
+                    *source,
+                    SetupError::Scene(_) | SetupError::FmuFile(_) | SetupError::Package(_)
+                ) =>
+            {
+                let file = file.to_owned();
+                Self::InScene { file, source }
+            }
+            other => other,
         }
     }
 }

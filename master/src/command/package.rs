@@ -14,7 +14,8 @@ use crate::simulation::{SetupError, prepare};
 /// See [`CommandError`].
 pub fn package(path: &Path, descriptions: Option<&Path>, common: &Common) -> Result<(), CommandError> {
     let file = SceneFile::read(path, common)?;
-    let prepared = prepare(file.scene, &file.name, &file.base, false)?;
+    let prepared = prepare(file.scene, &file.name, &file.base, false);
+    let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let libraries = Libraries::find(&say(common))?;
     let target = common.out.clone().unwrap_or_else(|| folder(&file.name));
     let mut written = Vec::new();

@@ -34,7 +34,8 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
     }
     let say = say(common);
     let logging = common.verbose > 1;
-    let prepared = prepare(file.scene, &file.name, &file.base, logging)?;
+    let prepared = prepare(file.scene, &file.name, &file.base, logging);
+    let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let show = if common.quiet { Show::Never } else { Show::OnTerminal };
     let progress = Progress::simulated(&file.name, prepared.scene.run.duration, show);
     let watch = Watch {
@@ -54,7 +55,8 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
         opened.begin(&text).map_err(CommandError::Directory)?;
         output = Some((opened, text));
         Ok::<(), CommandError>(())
-    })?;
+    });
+    let finished = finished.map_err(|error| error.in_scene(path))?;
     progress.finish();
     let (output, text) = output.expect("a run that ended has begun");
     let reason = finished.info.incomplete_reason.clone();
@@ -89,9 +91,7 @@ fn relative_to(scene: &Scene, directory: &Path) -> Scene {
 
 /// `path` seen from `folder`; as it is where the two have no common root.
 fn relative(path: &Path, folder: &Path) -> PathBuf {
-    let (Ok(path), Ok(folder)) = (std::path::absolute(path), std::path::absolute(folder)) else {
-        return path.to_owned();
-    };
+    let (path, folder) = (real(path), real(folder));
     let (to, from): (Vec<Component<'_>>, Vec<Component<'_>>) =
         (path.components().collect(), folder.components().collect());
     let shared = to.iter().zip(&from).take_while(|(a, b)| a == b).count();
@@ -102,9 +102,34 @@ fn relative(path: &Path, folder: &Path) -> PathBuf {
     up.chain(to[shared..].iter().copied()).collect()
 }
 
+/// `path` without links and `..`, as far as it exists: the way up from a folder leads where the system says.
+fn real(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let found = absolute
+        .ancestors()
+        .find_map(|there| Some((there, there.canonicalize().ok()?)));
+    match found {
+        Some((there, real)) => match absolute.strip_prefix(there) {
+            Ok(rest) if !rest.as_os_str().is_empty() => real.join(rest),
+            _ => real,
+        },
+        None => absolute,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_way_through_another_folder_is_not_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |path: &str| folder.path().join(path);
+        std::fs::create_dir_all(at("results/first")).unwrap();
+        std::fs::write(at("x.fmu"), "").unwrap();
+        let seen = relative(&at("results/first/../../x.fmu"), &at("results/second"));
+        assert_eq!(seen, Path::new("../../x.fmu"));
+    }
 
     #[test]
     fn paths_are_seen_from_the_output_directory() {

@@ -1,0 +1,191 @@
+//! The phase before t = 0 in which somebody else's pantograph comes to rest under the standing line.
+//!
+//! How such a pantograph is at rest is known to its FMU only, so line and pantographs are run without travelling until the
+//! contact force stays the same. The line is that of the core with more damping on its masses, which does not enter where it
+//! comes to rest; what is handed on is the height of the strip, from which the statics of the line follow as for any other
+//! start. The FMU goes on from where it has come to: its clock is then ahead of the run's by the length of the phase.
+
+use scene::{Line, PantographModel, Scene, Start};
+
+use crate::inprocess::InProcess;
+use crate::interface::{contact, line_output_count, load, strip};
+use crate::simulation::SetupError;
+use crate::slave::{Slave, SlaveError};
+use crate::third_party::ThirdPartyPantograph;
+
+/// Change of the contact force that counts as rest, N/s.
+pub const REST: f64 = 0.1;
+
+/// Longest phase, s.
+pub const LONGEST: f64 = 20.0;
+
+/// Time over which the change is observed, s: half a period of a span's lowest mode at least.
+const WINDOW: f64 = 0.5;
+
+/// Longest step, s, for FMUs that take any.
+const STEP: f64 = 1e-3;
+
+/// Least damping of the line's masses, 1/s: near critical for modes of 1 Hz, the lowest of a span.
+const MASS_DAMPING: f64 = 6.0;
+
+/// How a phase ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Standstill {
+    /// How long it took, s.
+    pub duration: f64,
+    /// Change of the contact force that was left, N/s.
+    pub change: f64,
+}
+
+/// The sides of a standing pair and what they exchange.
+struct Pair<'a> {
+    line: InProcess<catenary::Subsystem>,
+    pantographs: Vec<&'a mut dyn Slave>,
+    contacts: Vec<f64>,
+    strips: Vec<f64>,
+}
+
+impl Pair<'_> {
+    fn read_strips(&mut self) -> Result<(), SlaveError> {
+        let outputs = self.strips.chunks_exact_mut(strip::OUTPUTS);
+        self.pantographs
+            .iter_mut()
+            .zip(outputs)
+            .try_for_each(|(slave, values)| slave.outputs(values))
+    }
+
+    /// Steps the line, then the pantographs under its mean forces.
+    fn step(&mut self, t: f64, h: f64) -> Result<(), SlaveError> {
+        let motions: Vec<f64> = self
+            .strips
+            .chunks_exact(strip::OUTPUTS)
+            .flat_map(|strip| strip[..strip::MOTION].iter().copied())
+            .collect();
+        self.line.set_inputs(&motions)?;
+        self.line.do_step(t, h)?;
+        self.line.outputs(&mut self.contacts)?;
+        let contacts = self.contacts.chunks_exact(contact::COUNT);
+        for (pantograph, contact) in self.pantographs.iter_mut().zip(contacts) {
+            let mut given = [0.0; load::COUNT];
+            given[..load::Y].copy_from_slice(&contact[contact::MEAN_FX..=contact::MEAN_FZ]);
+            given[load::Y] = contact[contact::Y];
+            pantograph.set_inputs(&given)?;
+            pantograph.do_step(t, h)?;
+        }
+        self.read_strips()
+    }
+
+    fn forces(&self) -> impl Iterator<Item = f64> {
+        self.contacts
+            .chunks_exact(contact::COUNT)
+            .map(|contact| contact[contact::FORCE])
+    }
+
+    /// Steps until the forces stay the same, all contacts being closed.
+    fn settle(&mut self, h: f64) -> Result<Standstill, SlaveError> {
+        self.line.outputs(&mut self.contacts)?;
+        self.read_strips()?;
+        let window = (WINDOW / h).ceil() as u64;
+        let mut n = 0;
+        loop {
+            let mut range: Vec<(f64, f64)> = self.forces().map(|force| (force, force)).collect();
+            for _ in 0..window {
+                self.step(n as f64 * h, h)?;
+                n += 1;
+                for (range, force) in range.iter_mut().zip(self.contacts.chunks_exact(contact::COUNT)) {
+                    let force = force[contact::FORCE];
+                    *range = (range.0.min(force), range.1.max(force));
+                }
+            }
+            let widest = range.iter().map(|(least, most)| most - least).fold(0.0, f64::max);
+            let found = Standstill {
+                duration: n as f64 * h,
+                change: widest / (window as f64 * h),
+            };
+            let closed = self.forces().all(|force| force > 0.0);
+            if closed && found.change < REST || found.duration + WINDOW > LONGEST * (1.0 + 1e-9) {
+                return Ok(found);
+            }
+        }
+    }
+}
+
+/// Brings `third_party` pantographs to rest and writes into the scene where they have come to, and the start of the others
+/// beside them.
+///
+/// # Errors
+/// A side that cannot be built, or that fails while it stands.
+pub fn settle(
+    scene: &mut Scene,
+    statics: &catenary::StaticLine,
+    third_party: &mut [Option<ThirdPartyPantograph>],
+) -> Result<Standstill, SetupError> {
+    // What the scene says of the others was found beside the pantographs at rest: a resolved scene takes the same way again.
+    forget_own_starts(scene);
+    crate::equilibrium::resolve(scene, statics)?;
+    let mut still = scene.clone();
+    still.run.speed = 0.0;
+    if let Line::Modelled(line) = &mut still.catenary {
+        line.damping.alpha = line.damping.alpha.max(MASS_DAMPING);
+    }
+    let mut own: Vec<Option<InProcess<vehicle::Subsystem>>> = Vec::new();
+    for (index, pantograph) in third_party.iter_mut().enumerate() {
+        own.push(match pantograph {
+            Some(pantograph) => {
+                pantograph.stand()?;
+                None
+            }
+            None => {
+                let refused = |source| SetupError::Pantograph {
+                    pantograph: index + 1,
+                    source,
+                };
+                Some(InProcess::pantograph(&still, index).map_err(refused)?)
+            }
+        });
+    }
+    let any_step = third_party
+        .iter()
+        .flatten()
+        .all(|pantograph| pantograph.abilities().variable_step);
+    let macro_step = scene.coupling.macro_step;
+    let strips = third_party.len();
+    let mut pair = Pair {
+        line: InProcess::line(&still, &[])?,
+        pantographs: third_party
+            .iter_mut()
+            .zip(&mut own)
+            .filter_map(|pair| -> Option<&mut dyn Slave> {
+                match pair {
+                    (Some(pantograph), _) => Some(pantograph),
+                    (None, own) => own.as_mut().map(|own| -> &mut dyn Slave { own }),
+                }
+            })
+            .collect(),
+        contacts: vec![0.0; line_output_count(strips, 0)],
+        strips: vec![0.0; strips * strip::OUTPUTS],
+    };
+    let h = if any_step { macro_step.min(STEP) } else { macro_step };
+    let found = pair.settle(h).map_err(SetupError::Standstill)?;
+    let forces: Vec<f64> = pair.forces().collect();
+    for (index, pantograph) in third_party.iter_mut().enumerate() {
+        if let Some(pantograph) = pantograph {
+            pantograph.depart(found.duration)?;
+            scene.pantographs[index].start = Some(Start {
+                height: pantograph.height(),
+                force: forces[index],
+            });
+        }
+    }
+    forget_own_starts(scene);
+    crate::equilibrium::resolve(scene, statics)?;
+    Ok(found)
+}
+
+fn forget_own_starts(scene: &mut Scene) {
+    for pantograph in &mut scene.pantographs {
+        if !matches!(pantograph.model, PantographModel::ThirdParty(_)) {
+            pantograph.start = None;
+        }
+    }
+}
