@@ -79,7 +79,7 @@ pub enum SetupError {
         key: String,
         /// Reason.
         #[source]
-        source: CosimulationError,
+        source: Box<CosimulationError>,
     },
     /// An FMU cannot be made.
     #[error(transparent)]
@@ -129,7 +129,8 @@ impl SetupError {
                 | Self::NotAvailable(_)
                 | Self::FmuFile(_)
                 | Self::Coupling(CouplingError::NoRollback { .. })
-        ) || matches!(self, Self::Wiring { source, .. } | Self::Cosimulation(source) if unfit(source))
+        ) || matches!(self, Self::Wiring { source, .. } if unfit(source))
+            || matches!(self, Self::Cosimulation(source) if unfit(source))
     }
 }
 
@@ -201,6 +202,7 @@ fn start_third_party(
     let fmu = Fmu::open(&path).map_err(SetupError::FmuFile)?;
     let mut pantograph = ThirdPartyPantograph::start(&fmu, entry, scene, index, logging).map_err(|source| {
         let key = format!("pantograph[{}].{}", index + 1, key_of(entry, &source));
+        let source = Box::new(source);
         SetupError::Wiring { key, source }
     })?;
     let force = pantograph.start_force(&fmu, entry);

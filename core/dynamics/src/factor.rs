@@ -20,7 +20,7 @@ pub(crate) enum Shape {
 
 /// A square sparse matrix with a fixed pattern: analysed once, factored as often as its values change.
 pub(crate) struct SparseFactor {
-    pattern: SymbolicSparseColMat<usize>,
+    pattern: SymbolicSparseColMat<u32>,
     cholesky: Option<Cholesky>,
     lu: Option<Lu>,
     /// Whether the last factorisation is that of `lu`.
@@ -28,21 +28,23 @@ pub(crate) struct SparseFactor {
 }
 
 struct Cholesky {
-    symbolic: SymbolicCholesky<usize>,
+    symbolic: SymbolicCholesky<u32>,
     values: Vec<f64>,
     memory: MemBuffer,
 }
 
 struct Lu {
-    symbolic: SymbolicLu<usize>,
-    numeric: NumericLu<usize, f64>,
+    symbolic: SymbolicLu<u32>,
+    numeric: NumericLu<u32, f64>,
     memory: MemBuffer,
 }
 
 impl SparseFactor {
     /// Analyses a pattern in compressed columns (row indices ascending within a column).
     pub fn analyse(size: usize, column_starts: Vec<usize>, row_indices: Vec<usize>, shape: Shape) -> Self {
-        let pattern = SymbolicSparseColMat::new_checked(size, size, column_starts, None, row_indices);
+        // Solutions are bound by memory: half as wide indices are worth having.
+        let narrow = |indices: Vec<usize>| indices.into_iter().map(|index| index as u32).collect();
+        let pattern = SymbolicSparseColMat::new_checked(size, size, narrow(column_starts), None, narrow(row_indices));
         let cholesky = (shape == Shape::Definite).then(|| Cholesky::analyse(&pattern));
         Self {
             pattern,
@@ -81,7 +83,7 @@ impl SparseFactor {
 }
 
 impl Cholesky {
-    fn analyse(pattern: &SymbolicSparseColMat<usize>) -> Self {
+    fn analyse(pattern: &SymbolicSparseColMat<u32>) -> Self {
         // Measured on a line: dense blocks cost 1.3 times the time of single columns, the band is too narrow for them.
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
@@ -99,7 +101,7 @@ impl Cholesky {
         }
     }
 
-    fn factor(&mut self, matrix: SparseColMatRef<'_, usize, f64>) -> bool {
+    fn factor(&mut self, matrix: SparseColMatRef<'_, u32, f64>) -> bool {
         self.symbolic
             .factorize_numeric_llt(
                 &mut self.values,
@@ -124,7 +126,7 @@ impl Cholesky {
 }
 
 impl Lu {
-    fn analyse(pattern: &SymbolicSparseColMat<usize>) -> Self {
+    fn analyse(pattern: &SymbolicSparseColMat<u32>) -> Self {
         let symbolic = factorize_symbolic_lu(pattern.as_ref(), LuSymbolicParams::default())
             .expect("the pattern is valid and memory suffices");
         let scratch = symbolic
@@ -137,7 +139,7 @@ impl Lu {
         }
     }
 
-    fn factor(&mut self, matrix: SparseColMatRef<'_, usize, f64>) -> bool {
+    fn factor(&mut self, matrix: SparseColMatRef<'_, u32, f64>) -> bool {
         self.symbolic
             .factorize_numeric_lu(
                 &mut self.numeric,

@@ -222,7 +222,7 @@ impl GeneralizedAlpha {
                     coordinate: name(system, residual.worst),
                 });
             }
-            let slow = iteration >= 3 && residual.ratio > SLOW * last_ratio && residual.ratio > 10.0;
+            let slow = iteration >= 6 && residual.ratio > SLOW * last_ratio && residual.ratio > 10.0;
             if options.jacobian == Jacobian::Full || (slow && fresh < 2) {
                 self.linearise(workspace, system, &motion, h)?;
                 fresh += 1;

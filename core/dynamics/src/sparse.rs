@@ -9,29 +9,30 @@ pub struct SparseMatrix {
 }
 
 impl SparseMatrix {
-    /// Sums entries (row, column, value) that may repeat.
+    /// Sums entries (row, column, value) that may repeat; sums that are exactly zero are left out.
     #[must_use]
     pub fn from_entries(size: usize, mut entries: Vec<(u32, u32, f64)>) -> Self {
         entries.sort_by_key(|&(row, column, _)| (row, column));
-        let mut matrix = Self {
-            starts: vec![0; size + 1],
-            ..Self::default()
-        };
-        let mut last = None;
-        for (row, column, value) in entries {
-            if last == Some((row, column)) {
-                *matrix.values.last_mut().expect("an entry stands before its repetition") += value;
-            } else {
-                matrix.columns.push(column);
-                matrix.values.push(value);
-                last = Some((row, column));
+        entries.dedup_by(|next, kept| {
+            let same = (next.0, next.1) == (kept.0, kept.1);
+            if same {
+                kept.2 += next.2;
             }
-            matrix.starts[row as usize + 1] = matrix.columns.len();
+            same
+        });
+        entries.retain(|entry| entry.2 != 0.0);
+        let mut starts = vec![0; size + 1];
+        for &(row, _, _) in &entries {
+            starts[row as usize + 1] += 1;
         }
         for row in 0..size {
-            matrix.starts[row + 1] = matrix.starts[row + 1].max(matrix.starts[row]);
+            starts[row + 1] += starts[row];
         }
-        matrix
+        Self {
+            starts,
+            columns: entries.iter().map(|entry| entry.1).collect(),
+            values: entries.iter().map(|entry| entry.2).collect(),
+        }
     }
 
     /// Number of rows.
@@ -71,10 +72,21 @@ mod tests {
 
     #[test]
     fn repeated_entries_are_summed_and_empty_rows_stay_empty() {
-        let a = SparseMatrix::from_entries(3, vec![(2, 0, 1.0), (0, 1, 2.0), (2, 0, 3.0), (2, 2, 5.0)]);
+        let a = SparseMatrix::from_entries(
+            3,
+            vec![
+                (2, 0, 1.0),
+                (0, 1, 2.0),
+                (2, 0, 3.0),
+                (2, 2, 5.0),
+                (0, 0, 1.0),
+                (0, 0, -1.0),
+            ],
+        );
         let mut y = [1.0; 3];
         a.multiply_add(&[1.0, 10.0, 100.0], &mut y);
         assert_eq!(y, [21.0, 1.0, 505.0]);
+        assert_eq!(a.row(0).count(), 1, "a sum of zero takes no place");
         assert_eq!(a.quadratic_form(&[1.0, 10.0, 100.0]), 20.0 + 400.0 + 50000.0);
     }
 }
