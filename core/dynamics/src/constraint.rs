@@ -15,7 +15,7 @@ pub trait Constraint: Send {
 }
 
 /// Takes one block row: number of the equation, indices of the generalised velocities, values.
-pub(crate) type RowSink<'a> = dyn FnMut(usize, &[usize], &[f64]) + 'a;
+pub type RowSink<'a> = dyn FnMut(usize, &[usize], &[f64]) + 'a;
 
 /// Where a [`Constraint`] puts the blocks of its Jacobian.
 pub struct JacobianRows<'a> {
@@ -24,7 +24,7 @@ pub struct JacobianRows<'a> {
 
 impl<'a> JacobianRows<'a> {
     /// Blocks go to `sink(row, columns, values)`, one call per row.
-    pub fn new(sink: &'a mut (dyn FnMut(usize, &[usize], &[f64]) + 'a)) -> Self {
+    pub fn new(sink: &'a mut RowSink<'a>) -> Self {
         Self { sink }
     }
 

@@ -40,7 +40,7 @@ mod updates;
 mod woodbury;
 
 pub use blocks::Blocks;
-pub use constraint::{Constraint, JacobianRows};
+pub use constraint::{Constraint, JacobianRows, RowSink};
 pub use force::{Force, Weights};
 pub use input::{FollowedInput, MAX_ORDER};
 pub use integrator::{GeneralizedAlpha, Memory, Scheme};
