@@ -88,6 +88,21 @@ fn a_linkage_steps_without_allocating() {
 }
 
 #[test]
+fn a_line_settles_under_a_strip_of_any_stiffness() {
+    for stiffness in [5e4, 1e6, 1e8] {
+        let scene = scene(EN, &[&format!("contact.stiffness={stiffness}")]);
+        let statics = catenary::static_line(&scene).unwrap();
+        let force = 110.0;
+        let height = statics.wire_height_under(scene.run.start_x, force).unwrap().height + force / stiffness;
+        let mut line = Subsystem::new(&scene, &statics).unwrap();
+        line.start(&starts(&scene, height)).unwrap();
+        // The dead force acts upwards, the contact along its normal: they differ by the slope of the wire squared.
+        let found = line.contact(0).force;
+        assert!((found - force).abs() < 0.01 * force, "{stiffness} N/m: {found} N");
+    }
+}
+
+#[test]
 fn newton_converges_quadratically_on_a_hard_contact_step() {
     let section = WireSection {
         axial_stiffness: 1.7e7,

@@ -117,7 +117,9 @@ impl SetupError {
         let unfit = |error: &CosimulationError| {
             matches!(
                 error,
-                CosimulationError::NoVariable { .. } | CosimulationError::WrongType { .. }
+                CosimulationError::NoVariable { .. }
+                    | CosimulationError::WrongType { .. }
+                    | CosimulationError::Fmi(fmi2::Error::NoBinary { .. })
             )
         };
         matches!(

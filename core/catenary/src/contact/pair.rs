@@ -44,6 +44,8 @@ impl ContactState {
 /// One strip on one wire.
 pub struct ContactPair {
     law: PenaltyContact,
+    /// Stiffness of the scene, N/m; that of `law` is lower while the line settles.
+    stiffness: f64,
     curve: Arc<dyn Curve>,
     strip: Box<dyn Marker>,
     width: f64,
@@ -78,6 +80,7 @@ impl ContactPair {
         tangent: ContactTangent,
     ) -> Self {
         Self {
+            stiffness: law.stiffness,
             law,
             curve,
             strip,
@@ -88,6 +91,12 @@ impl ContactPair {
             direction: Vec::new(),
             active: None,
         }
+    }
+
+    /// Lowers the stiffness to `limit` (N/m) where it is above; returns whether it was.
+    pub fn limit_stiffness(&mut self, limit: f64) -> bool {
+        self.law.stiffness = self.stiffness.min(limit);
+        self.stiffness > limit
     }
 
     /// The strip's marker.
