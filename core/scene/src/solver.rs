@@ -13,7 +13,7 @@ pub struct Solver {
     pub rho_inf: f64,
     /// How constraints are treated.
     pub formulation: Formulation,
-    /// Residual that ends Newton's method, N; 1e-4 by default: on the thesis line that changes the filtered force by 1e-5 % of its
+    /// Residual that ends Newton's method, N; 1e-3 by default: on the thesis line that changes the filtered force by 1e-4 % of its
     /// standard deviation.
     pub newton_tolerance: f64,
     /// Most Newton iterations per step; 30 by default: switching droppers need a few, more is divergence.
@@ -63,7 +63,7 @@ impl Entry for Solver {
             newton_tolerance: keys.number(
                 "newton_tolerance",
                 was.map(|solver| solver.newton_tolerance),
-                Number::positive("N").default(1e-4),
+                Number::positive("N").default(1e-3),
             ),
             max_iterations: keys.count(
                 "max_iterations",
