@@ -1,6 +1,6 @@
 //! What a scene models, what it leaves out and why, and what its results are worth.
 
-use scene::{Initialise, PantographModel, Start};
+use scene::{Initialise, PantographModel, Reduction, Start};
 
 use crate::results::{Model, Part};
 use crate::simulation::Prepared;
@@ -37,8 +37,9 @@ impl Prepared {
         let line = match (&scene.catenary, topology) {
             (scene::Line::ThirdParty(entry), _) => format!("FMU {}", entry.fmu),
             (_, topology) => format!(
-                "{elements} cable elements in two wires, {} spans",
-                topology.map_or(0, |topology| topology.supports().len() - 1)
+                "{elements} cable elements in two wires, {} spans; {}",
+                topology.map_or(0, |topology| topology.supports().len() - 1),
+                dimension(scene)
             ),
         };
         let part = |part: &str, modelled: bool, reason: String| Part {
@@ -131,6 +132,18 @@ fn at_rest(found: Standstill, in_contact: bool) -> String {
     format!(
         "it {rest} in {duration:.1} s ({steps} steps) at standstill before t = 0, a change of {change:.2e} N/s being left; its \
          clock is ahead by that time"
+    )
+}
+
+/// Which coordinates the line has, and why.
+fn dimension(scene: &scene::Scene) -> String {
+    if scene.model.has(Reduction::Planar) {
+        return "planar: nothing pushes it sideways, so leaving out the lateral coordinates changes nothing".to_owned();
+    }
+    let reason = scene.pushed_sideways();
+    format!(
+        "spatial: {}",
+        reason.unwrap_or_else(|| "asked for by model.reduce".to_owned())
     )
 }
 
