@@ -1,10 +1,12 @@
 //! Slaves made of FMUs.
 
 use component::Component;
-use fmi2::import::{Fmu, Instance, StateHandle, StepOutcome};
+use fmi2::import::{Fmu, StepOutcome};
 use fmi2::model_description::{BaseType, Causality, ModelDescription, Variable};
 use scene::{ParameterValue, Scene};
 
+use crate::instance::{self, FmuInstance, InstanceError, SavedState};
+use crate::isolation::{Isolation, IsolationError};
 use crate::results::Frame;
 use crate::slave::{Abilities, Slave, SlaveError, Work, finite};
 
@@ -14,6 +16,9 @@ pub enum CosimulationError {
     /// The FMU itself reports it.
     #[error(transparent)]
     Fmi(#[from] fmi2::Error),
+    /// It runs in a process of its own, which reports it or has ended.
+    #[error(transparent)]
+    Isolation(#[from] IsolationError),
     /// It gives no usable outputs at the start.
     #[error(transparent)]
     Slave(#[from] SlaveError),
@@ -43,6 +48,27 @@ pub enum CosimulationError {
     },
 }
 
+impl From<InstanceError> for CosimulationError {
+    fn from(error: InstanceError) -> Self {
+        match error {
+            InstanceError::Fmi(error) => Self::Fmi(error),
+            InstanceError::Isolation(error) => Self::Isolation(error),
+        }
+    }
+}
+
+impl CosimulationError {
+    /// Whether the FMU cannot be used on this system at all.
+    #[must_use]
+    pub fn is_unfit(&self) -> bool {
+        matches!(
+            self,
+            Self::Fmi(fmi2::Error::NoBinary { .. })
+                | Self::Isolation(IsolationError::Reported { unfit: true, .. } | IsolationError::NotHere)
+        )
+    }
+}
+
 /// A value as a scene has it.
 fn shown(value: &ParameterValue) -> String {
     match value {
@@ -69,19 +95,22 @@ pub struct Role {
     pub input_derivatives: usize,
     /// Whether the FMU's debug messages are asked for.
     pub logging: bool,
+    /// How it is isolated; `None` where it runs in this process.
+    pub isolation: Option<Isolation>,
 }
 
 /// An initialised instance of an FMU as a slave.
 pub struct FmuSlave {
     name: String,
-    instance: Instance,
+    instance: Box<dyn FmuInstance>,
+    logging: bool,
     abilities: Abilities,
     inputs: Vec<u32>,
     outputs: Vec<u32>,
     output_names: Vec<String>,
     orders: Vec<i32>,
     work: Option<[u32; 3]>,
-    state: Option<StateHandle>,
+    state: Option<SavedState>,
     t: f64,
     drawing: Option<Box<dyn Drawing>>,
 }
@@ -189,7 +218,7 @@ fn references(
 
 /// Sets a parameter of any type.
 fn set_parameter(
-    instance: &mut Instance,
+    instance: &mut dyn FmuInstance,
     description: &ModelDescription,
     name: &str,
     value: &ParameterValue,
@@ -251,17 +280,19 @@ impl FmuSlave {
             },
             variable_step: capabilities.can_handle_variable_communication_step_size,
         };
-        let mut instance = fmu.instantiate(&role.name, false, role.logging)?;
+        let mut instance = instance::instantiate(fmu, &role.name, role.logging, role.isolation.as_ref())?;
         for (name, value) in &role.parameters {
-            set_parameter(&mut instance, description, name, value)?;
+            set_parameter(&mut *instance, description, name, value)?;
         }
         instance.setup_experiment(0.0, Some(role.duration), None)?;
         instance.enter_initialization_mode()?;
         instance.exit_initialization_mode()?;
+        instance.will_read(&outputs);
         let count = inputs.len();
-        Ok(Self {
+        let mut slave = Self {
             name: role.name,
             instance,
+            logging: role.logging,
             abilities,
             inputs,
             outputs,
@@ -276,7 +307,18 @@ impl FmuSlave {
             state: None,
             t: 0.0,
             drawing: None,
-        })
+        };
+        slave.print_log();
+        Ok(slave)
+    }
+
+    /// Prints the FMU's messages where they were asked for.
+    fn print_log(&mut self) {
+        if self.logging {
+            for message in self.instance.take_log() {
+                eprintln!("{}: {} {}", self.name, message.status, message.text);
+            }
+        }
     }
 
     /// Makes it draw itself with a component of the core, built from `scene`, that takes over the FMU's states; for FMUs
@@ -292,11 +334,11 @@ impl FmuSlave {
     }
 
     /// The instance, for what a slave does not offer.
-    pub fn instance(&mut self) -> &mut Instance {
-        &mut self.instance
+    pub fn instance(&mut self) -> &mut dyn FmuInstance {
+        &mut *self.instance
     }
 
-    fn failed(&self, action: &'static str) -> impl FnOnce(fmi2::Error) -> SlaveError {
+    fn failed(&self, action: &'static str) -> impl FnOnce(InstanceError) -> SlaveError {
         let slave = self.name.clone();
         move |error| SlaveError::Call {
             slave,
@@ -354,6 +396,7 @@ impl Slave for FmuSlave {
         match self.instance.do_step(t, h) {
             Ok(StepOutcome::Ok) => {
                 self.t = t + h;
+                self.print_log();
                 Ok(())
             }
             Ok(StepOutcome::Discard) => {
@@ -381,7 +424,7 @@ impl Slave for FmuSlave {
     }
 
     fn save(&mut self) -> Result<(), SlaveError> {
-        let result = match &self.state {
+        let result = match self.state {
             Some(state) => self.instance.save_state_again(state),
             None => self.instance.save_state().map(|state| self.state = Some(state)),
         };
@@ -389,10 +432,7 @@ impl Slave for FmuSlave {
     }
 
     fn restore(&mut self) -> Result<(), SlaveError> {
-        let state = self
-            .state
-            .as_ref()
-            .expect("the contract of Slave: save comes before restore");
+        let state = self.state.expect("the contract of Slave: save comes before restore");
         let result = self.instance.restore_state(state);
         result.map_err(self.failed("go back to its saved state"))
     }
@@ -417,7 +457,7 @@ impl Slave for FmuSlave {
         let Some(drawing) = &mut self.drawing else { return };
         // A state that cannot be had leaves an empty picture: drawing never ends a run.
         let bytes = self.instance.save_state().and_then(|state| {
-            let bytes = self.instance.serialize_state(&state);
+            let bytes = self.instance.serialize_state(state);
             self.instance.free_state(state)?;
             bytes
         });

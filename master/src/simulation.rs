@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use catenary::{CatenaryError, StaticLine, static_line};
-use fmi2::import::Fmu;
+use fmi2::import::{Fmu, Options};
 use scene::{Connection, Evaluate, Initialise, Line, Offset, PantographModel, Scene, SceneError, Start};
 
 use crate::algorithm::{self, CouplingError, Exchange, Sides};
@@ -13,6 +13,7 @@ use crate::cosimulation::{CosimulationError, FmuSlave, Role};
 use crate::equilibrium::{self, EquilibriumError};
 use crate::inprocess::{self, InProcess, of_pantograph};
 use crate::interface;
+use crate::isolation;
 use crate::monolithic::{Monolithic, MonolithicError};
 use crate::package::{self, Libraries, PackageError};
 use crate::recorder::Recorder;
@@ -117,10 +118,8 @@ impl SetupError {
         let unfit = |error: &CosimulationError| {
             matches!(
                 error,
-                CosimulationError::NoVariable { .. }
-                    | CosimulationError::WrongType { .. }
-                    | CosimulationError::Fmi(fmi2::Error::NoBinary { .. })
-            )
+                CosimulationError::NoVariable { .. } | CosimulationError::WrongType { .. }
+            ) || error.is_unfit()
         };
         matches!(
             self,
@@ -193,15 +192,12 @@ fn start_third_party(
     base: &Path,
     logging: bool,
 ) -> Result<ThirdPartyPantograph, SetupError> {
-    if entry.isolate {
-        let what = format!(
-            "pantograph[{}].isolate = true: this version runs FMUs in its own process only",
-            index + 1
-        );
-        return Err(SetupError::NotAvailable(what));
-    }
     let path = base.join(&entry.fmu);
-    let fmu = Fmu::open(&path).map_err(SetupError::FmuFile)?;
+    let options = Options {
+        time_limit: Some(isolation::time_limit(entry)),
+        ..Options::default()
+    };
+    let fmu = Fmu::open_with(&path, &options).map_err(SetupError::FmuFile)?;
     let mut pantograph = ThirdPartyPantograph::start(&fmu, entry, scene, index, logging).map_err(|source| {
         let key = format!("pantograph[{}].{}", index + 1, key_of(entry, &source));
         let source = Box::new(source);
@@ -425,6 +421,7 @@ impl Prepared {
             duration: self.scene.run.duration,
             input_derivatives: dynamics::MAX_ORDER,
             logging: source.logging,
+            isolation: None,
         };
         let line = role(
             "line".to_owned(),

@@ -6,6 +6,7 @@ use scene::{Connection, Offset, Scene, ThirdParty};
 
 use crate::cosimulation::{CosimulationError, FmuSlave, Role};
 use crate::interface::{load, strip};
+use crate::isolation::Isolation;
 use crate::results::Frame;
 use crate::slave::{Abilities, Slave, SlaveError};
 use crate::standstill;
@@ -207,6 +208,7 @@ impl ThirdPartyPantograph {
             duration: scene.run.duration + standstill::LONGEST,
             input_derivatives: INPUT_DERIVATIVES,
             logging,
+            isolation: Isolation::of(entry),
         };
         let wire = |quantity: Quantity, connection: &Connection| Wire {
             quantity,
