@@ -109,8 +109,8 @@ impl Case {
         command
             .arg("run")
             .arg(self.folder.path().join("scene.toml"))
-            .args(["--mode", "inprocess", "--out"])
-            .arg(self.results(out));
+            .args(["--mode", "inprocess", "--out", out])
+            .current_dir(self.folder.path());
         for key in [
             "catenary.spans=3",
             "catenary.mesh.elements_per_interval=1",
@@ -169,6 +169,70 @@ impl Case {
 
     fn summary(&self, out: &str) -> serde_json::Value {
         serde_json::from_slice(&std::fs::read(self.results(out).join("summary.json")).unwrap()).unwrap()
+    }
+}
+
+/// This repository's own Pantograph.fmu, for a scene like that of [`Case`].
+fn own_pantograph() -> Vec<u8> {
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/en50318-250.toml");
+    let text = std::fs::read_to_string(scene).unwrap();
+    let keys = [
+        "catenary.spans=3",
+        "catenary.mesh.elements_per_interval=1",
+        "run.duration=0.1",
+    ];
+    let mut scene = scene::Scene::from_toml(
+        &text,
+        "en50318-250.toml",
+        &keys
+            .into_iter()
+            .chain(["run.evaluate={ time = [0.01, 0.1] }"])
+            .map(String::from)
+            .collect::<Vec<_>>(),
+    )
+    .unwrap();
+    let statics = catenary::static_line(&scene).unwrap();
+    master::equilibrium::resolve(&mut scene, &statics).unwrap();
+    let libraries = master::package::Libraries::find(&|_| {}).unwrap();
+    let archives = master::package::archives(&scene, &libraries).unwrap();
+    let (_, archive) = archives.into_iter().find(|(name, _)| name == "Pantograph.fmu").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("Pantograph.fmu");
+    archive.write(&path).unwrap();
+    std::fs::read(path).unwrap()
+}
+
+#[test]
+fn rollback_and_input_derivatives_work_across_processes_bit_for_bit() {
+    let pantograph = own_pantograph();
+    for algorithm in ["iterated", "gauss_seidel", "jacobi"] {
+        let [here, there] = ["", "isolate = true"].map(|keys| {
+            let case = Case::new(keys);
+            // no wiring: it is guessed from the names of our own FMUs
+            let scene = std::fs::read_to_string(case.results("scene.toml")).unwrap();
+            let scene: Vec<&str> = scene
+                .lines()
+                .filter(|line| !line.starts_with("inputs = {") && !line.starts_with("outputs = {"))
+                .collect();
+            std::fs::write(case.results("scene.toml"), scene.join("\n")).unwrap();
+            std::fs::write(case.results("Head.fmu"), &pantograph).unwrap();
+            let algorithm = format!("coupling.algorithm=\"{algorithm}\"");
+            let ended = case.run_with("out", &["--set", &algorithm]);
+            assert!(ended.output.status.success(), "{}", ended.said());
+            let summary = case.summary("out");
+            (
+                std::fs::read_to_string(case.results("out/timeseries.csv")).unwrap(),
+                summary["cost"]["rollbacks"].as_u64().unwrap(),
+                summary["cost"]["micro_steps"].as_u64().unwrap(),
+            )
+        });
+        assert_eq!(here, there, "{algorithm}");
+        assert_eq!(here.1 > 0, algorithm == "iterated", "{algorithm}: {} rollbacks", here.1);
+        let forces: Vec<&str> = here.0.lines().skip(1).filter_map(|row| row.split(',').nth(1)).collect();
+        assert!(
+            forces.iter().any(|force| *force != forces[0]),
+            "{algorithm}: the strip moves"
+        );
     }
 }
 
@@ -338,6 +402,15 @@ fn an_fmu_in_this_process_that_ends_it_is_named_with_the_remedy() {
             "{fault}: {said}"
         );
     }
+}
+
+#[test]
+fn directory_and_locale_that_an_fmu_changes_in_this_process_are_put_back() {
+    let case = Case::new("parameters = { fault = \"home\", at = 0.05 }");
+    let mut command = case.command("relative", &[]);
+    let output = command.env("HEAD_FAULT", "wander").output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(case.rows("relative"), 101);
 }
 
 #[test]

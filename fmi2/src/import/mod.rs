@@ -4,8 +4,8 @@
 //! undone in reverse order when the last of them is dropped: states, terminate, free, unload, remove the folder.
 //! After `fmi2Fatal` nothing of the FMU is called any more and it stays loaded [FMI 2.0, 2.1.3].
 //!
-//! An FMU is native code with the rights of the user: it can do to this process whatever it likes. The directory and the
-//! floating-point mode are put back after it was instantiated and initialised; [`guard`] says what is done about crashes,
+//! An FMU is native code with the rights of the user: it can do to this process whatever it likes. The directory, the
+//! locale and the floating-point mode are put back after it was instantiated and initialised; [`guard`] says what is done about crashes,
 //! endless loops and `exit()`. What is left is a process of its own, which [`process`] helps to make.
 
 mod binary;

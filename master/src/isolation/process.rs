@@ -173,7 +173,7 @@ pub(super) fn told(ending: Ending, time_limit: Duration) -> String {
 
 pub(super) fn too_long(time_limit: Duration) -> String {
     format!(
-        "took longer than step_timeout = {} s of wall time and was killed",
+        "took longer than step_timeout = {} s of wall time and was ended",
         time_limit.as_secs_f64()
     )
 }

@@ -43,6 +43,8 @@ pub(super) struct Remote {
     /// Results of the last frame.
     results: Vec<u8>,
     log: VecDeque<LogMessage>,
+    /// Messages that are older than the last frame of requests.
+    heard: usize,
     /// What is read after each step, the values, and whether they are of the present.
     read_after_step: Vec<u32>,
     fetched: Vec<f64>,
@@ -82,6 +84,7 @@ impl Remote {
             count: 0,
             results: Vec::new(),
             log: VecDeque::new(),
+            heard: 0,
             read_after_step: Vec::new(),
             fetched: Vec::new(),
             fresh: false,
@@ -153,6 +156,7 @@ impl Remote {
             return Err(IsolationError::Gone { instance });
         }
         self.requests.replace(0, &count.to_le_bytes());
+        self.heard = self.log.len();
         // each call may take its time
         let deadline = Instant::now().checked_add(self.time_limit.saturating_mul(count).saturating_add(GRACE));
         let late = |deadline: Option<Instant>| deadline.is_some_and(|deadline| Instant::now() >= deadline);
@@ -192,6 +196,7 @@ impl Remote {
                     if let Ok(message) = log_message(message) {
                         if self.log.len() == KEPT {
                             self.log.pop_front();
+                            self.heard = self.heard.saturating_sub(1);
                         }
                         self.log.push_back(message);
                     }
@@ -224,35 +229,39 @@ impl Remote {
             Some(obituary) => process::told(obituary.ending, self.time_limit),
             None => process::ending(status),
         };
-        let remedy = match obituary.as_ref().map(|obituary| obituary.ending) {
-            Some(Ending::TimeLimit) => {
-                "raise step_timeout if it needs longer, else it is in an endless loop: ".to_owned()
-            }
-            _ => String::new(),
-        };
-        let maker = match &self.fmu.description().generation_tool {
-            Some(tool) if !tool.is_empty() => format!("whoever made it with {tool}"),
-            _ => "whoever made it".to_owned(),
-        };
-        let remedy = format!(
-            "{remedy}try another coupling.macro_step or start, see its messages with -vv, or ask {maker}; this program and its results are unharmed"
-        );
         let mut words: Vec<String> = self
             .log
             .iter()
-            .rev()
-            .take(TOLD)
+            .skip(self.heard)
             .map(|message| message.text.clone())
             .collect();
-        words.reverse();
+        words.drain(..words.len().saturating_sub(TOLD));
         words.extend(self.process.last_lines());
         IsolationError::Ended {
             fmu: self.fmu.path().to_owned(),
             call: format!("{} ({}): {function}{at}", self.name, self.fmu.description().model_name),
             ending,
             words: Log(words),
-            remedy,
+            remedy: self.remedy(function, obituary.as_ref().map(|obituary| obituary.ending)),
         }
+    }
+
+    /// What may help against the end of the child in `function`.
+    fn remedy(&self, function: &str, ending: Option<Ending>) -> String {
+        let user = match (ending, function) {
+            (Some(Ending::TimeLimit), _) => "raise step_timeout if it needs longer",
+            (_, "fmi2DoStep") => "another coupling.macro_step may avoid it",
+            (_, "fmi2Instantiate" | "fmi2EnterInitializationMode" | "fmi2ExitInitializationMode") => {
+                "its parameters and its environment may be what it does not bear"
+            }
+            _ => "its messages (-vv) may explain it",
+        };
+        let tool = self.fmu.description().generation_tool.as_deref();
+        let maker = match tool.filter(|tool| !tool.is_empty()) {
+            Some(tool) => format!("its maker (it was made with {tool})"),
+            None => "its maker".to_owned(),
+        };
+        format!("{user}, else it is a fault in the FMU, for {maker} to mend")
     }
 
     /// The child cannot be relied on any more.
@@ -536,6 +545,7 @@ impl FmuInstance for Remote {
     }
 
     fn take_log(&mut self) -> Vec<LogMessage> {
+        self.heard = 0;
         self.log.drain(..).collect()
     }
 

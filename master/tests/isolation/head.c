@@ -5,7 +5,7 @@
    value references: 0 F [N] in; 1 z [m], 2 v [m/s] out; 3 at [s]; 4 fault (String); 5 S [N]
    faults from the step that reaches t = at on: see fail(). The environment variable HEAD_FAULT is one for fmi2Instantiate. */
 #define _GNU_SOURCE
-#include <math.h>
+#include <locale.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
@@ -49,6 +49,8 @@ static int fail(head_t *c, const char *fault) {
     }
     if (strcmp(fault, "discard") == 0) return 2;
     if (strcmp(fault, "print") == 0) { printf("PFMU nonsense on stdout\n"); fflush(stdout); }
+    if (strcmp(fault, "wander") == 0 && (chdir("/") != 0 || setlocale(LC_ALL, "C.UTF-8") == NULL)) abort();
+    if (strcmp(fault, "home") == 0 && strcmp(setlocale(LC_ALL, NULL), "C") != 0) abort();
     if (strcmp(fault, "thread") == 0) {
         pthread_t thread;
         pthread_create(&thread, NULL, chatter, c);

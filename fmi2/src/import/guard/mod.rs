@@ -21,6 +21,11 @@ mod watchdog;
 
 #[cfg(unix)]
 pub use crash::install;
+/// Where last words go; crashes are not noticed on this system.
+#[cfg(not(unix))]
+pub fn install(report: Report) {
+    report::direct(report);
+}
 pub(super) use note::Note;
 pub use report::{Ending, Obituary, Report};
 

@@ -171,12 +171,14 @@ pub(super) fn all() -> impl Iterator<Item = &'static Note> {
 }
 
 /// The call that this thread is in.
+#[cfg(unix)]
 pub(super) fn of_this_thread() -> Option<Call> {
     // SAFETY: null or a note, which are never freed.
     unsafe { CURRENT.get().as_ref::<'static>() }.and_then(Note::call)
 }
 
 /// Some call that is under way in any thread.
+#[cfg(unix)]
 pub(super) fn of_any_thread() -> Option<Call> {
     all().find_map(Note::call)
 }
