@@ -1,10 +1,12 @@
 //! Slaves made of FMUs.
 
 use component::Component;
-use fmi2::import::{Fmu, Instance, StateHandle, StepOutcome};
+use fmi2::import::{Fmu, StepOutcome};
 use fmi2::model_description::{BaseType, Causality, ModelDescription, Variable};
 use scene::{ParameterValue, Scene};
 
+use crate::instance::{self, FmuInstance, InstanceError, SavedState};
+use crate::isolation::{Isolation, IsolationError};
 use crate::results::Frame;
 use crate::slave::{Abilities, Slave, SlaveError, Work, finite};
 use crate::third_party::{Typed, typed};
@@ -15,6 +17,9 @@ pub enum CosimulationError {
     /// The FMU itself reports it.
     #[error(transparent)]
     Fmi(#[from] fmi2::Error),
+    /// It runs in a process of its own, which reports it or has ended.
+    #[error(transparent)]
+    Isolation(#[from] IsolationError),
     /// It gives no usable outputs at the start.
     #[error(transparent)]
     Slave(#[from] SlaveError),
@@ -44,13 +49,29 @@ pub enum CosimulationError {
     },
 }
 
+impl From<InstanceError> for CosimulationError {
+    fn from(error: InstanceError) -> Self {
+        match error {
+            InstanceError::Fmi(error) => Self::Fmi(error),
+            InstanceError::Isolation(error) => Self::Isolation(error),
+        }
+    }
+}
+
 impl CosimulationError {
     /// Whether what was asked for is to blame, and not what the FMU did.
     #[must_use]
     pub fn is_input(&self) -> bool {
+        matches!(self, Self::NoVariable { .. } | Self::WrongType { .. }) || self.is_unfit()
+    }
+
+    /// Whether the FMU cannot be used on this system at all.
+    #[must_use]
+    pub fn is_unfit(&self) -> bool {
         matches!(
             self,
-            Self::NoVariable { .. } | Self::WrongType { .. } | Self::Fmi(fmi2::Error::NoBinary { .. })
+            Self::Fmi(fmi2::Error::NoBinary { .. })
+                | Self::Isolation(IsolationError::Reported { unfit: true, .. } | IsolationError::NotHere)
         )
     }
 }
@@ -83,19 +104,22 @@ pub struct Role {
     pub input_derivatives: usize,
     /// Whether the FMU's debug messages are asked for.
     pub logging: bool,
+    /// How it is isolated; `None` where it runs in this process.
+    pub isolation: Option<Isolation>,
 }
 
 /// An initialised instance of an FMU as a slave.
 pub struct FmuSlave {
     name: String,
-    instance: Instance,
+    instance: Box<dyn FmuInstance>,
+    logging: bool,
     abilities: Abilities,
     inputs: Vec<u32>,
     outputs: Vec<u32>,
     output_names: Vec<String>,
     orders: Vec<i32>,
     work: Option<[u32; 3]>,
-    state: Option<StateHandle>,
+    state: Option<SavedState>,
     t: f64,
     drawing: Option<Box<dyn Drawing>>,
     remarks: Vec<String>,
@@ -243,7 +267,7 @@ fn parameter(
 
 /// Sets a parameter of any type.
 fn set_parameter(
-    instance: &mut Instance,
+    instance: &mut dyn FmuInstance,
     description: &ModelDescription,
     name: &str,
     value: &ParameterValue,
@@ -260,10 +284,15 @@ fn set_parameter(
 }
 
 /// An instance at t = 0; `stop` is the stop time that it is told, s.
-fn initialised(fmu: &Fmu, role: &Role, inputs: &[u32], stop: Option<f64>) -> Result<Instance, CosimulationError> {
-    let mut instance = fmu.instantiate(&role.name, false, role.logging)?;
+fn initialised(
+    fmu: &Fmu,
+    role: &Role,
+    inputs: &[u32],
+    stop: Option<f64>,
+) -> Result<Box<dyn FmuInstance>, CosimulationError> {
+    let mut instance = instance::instantiate(fmu, &role.name, role.logging, role.isolation.as_ref())?;
     for (name, value) in &role.parameters {
-        set_parameter(&mut instance, fmu.description(), name, value)?;
+        set_parameter(&mut *instance, fmu.description(), name, value)?;
     }
     instance.setup_experiment(0.0, stop, None)?;
     instance.enter_initialization_mode()?;
@@ -298,8 +327,11 @@ impl FmuSlave {
             variable_step: capabilities.can_handle_variable_communication_step_size,
         };
         let mut remarks = Vec::new();
-        let instance = match initialised(fmu, &role, &inputs, Some(role.duration)) {
-            Err(refusal @ CosimulationError::Fmi(fmi2::Error::Call { .. })) => {
+        let mut instance = match initialised(fmu, &role, &inputs, Some(role.duration)) {
+            Err(
+                refusal @ (CosimulationError::Fmi(fmi2::Error::Call { .. })
+                | CosimulationError::Isolation(IsolationError::Reported { unfit: false, .. })),
+            ) => {
                 // Some FMUs refuse a stop time, or one beyond what they were made for.
                 let Ok(instance) = initialised(fmu, &role, &inputs, None) else {
                     return Err(refusal);
@@ -312,10 +344,12 @@ impl FmuSlave {
             }
             other => other?,
         };
+        instance.will_read(&outputs);
         let count = inputs.len();
-        Ok(Self {
+        let mut slave = Self {
             name: role.name,
             instance,
+            logging: role.logging,
             abilities,
             inputs,
             outputs,
@@ -331,7 +365,18 @@ impl FmuSlave {
             t: 0.0,
             drawing: None,
             remarks,
-        })
+        };
+        slave.print_log();
+        Ok(slave)
+    }
+
+    /// Prints the FMU's messages where they were asked for.
+    fn print_log(&mut self) {
+        if self.logging {
+            for message in self.instance.take_log() {
+                eprintln!("{}: {} {}", self.name, message.status, message.text);
+            }
+        }
     }
 
     /// Calls it `name` in messages.
@@ -360,11 +405,11 @@ impl FmuSlave {
     }
 
     /// The instance, for what a slave does not offer.
-    pub fn instance(&mut self) -> &mut Instance {
-        &mut self.instance
+    pub fn instance(&mut self) -> &mut dyn FmuInstance {
+        &mut *self.instance
     }
 
-    fn failed(&self, action: &'static str) -> impl FnOnce(fmi2::Error) -> SlaveError {
+    fn failed(&self, action: &'static str) -> impl FnOnce(InstanceError) -> SlaveError {
         let slave = self.name.clone();
         move |error| SlaveError::Call {
             slave,
@@ -422,6 +467,7 @@ impl Slave for FmuSlave {
         match self.instance.do_step(t, h) {
             Ok(StepOutcome::Ok) => {
                 self.t = t + h;
+                self.print_log();
                 Ok(())
             }
             Ok(StepOutcome::Discard) => {
@@ -459,7 +505,7 @@ impl Slave for FmuSlave {
     }
 
     fn save(&mut self) -> Result<(), SlaveError> {
-        let result = match &self.state {
+        let result = match self.state {
             Some(state) => self.instance.save_state_again(state),
             None => self.instance.save_state().map(|state| self.state = Some(state)),
         };
@@ -467,10 +513,7 @@ impl Slave for FmuSlave {
     }
 
     fn restore(&mut self) -> Result<(), SlaveError> {
-        let state = self
-            .state
-            .as_ref()
-            .expect("the contract of Slave: save comes before restore");
+        let state = self.state.expect("the contract of Slave: save comes before restore");
         let result = self.instance.restore_state(state);
         result.map_err(self.failed("go back to its saved state"))
     }
@@ -495,7 +538,7 @@ impl Slave for FmuSlave {
         let Some(drawing) = &mut self.drawing else { return };
         // A state that cannot be had leaves an empty picture: drawing never ends a run.
         let bytes = self.instance.save_state().and_then(|state| {
-            let bytes = self.instance.serialize_state(&state);
+            let bytes = self.instance.serialize_state(state);
             self.instance.free_state(state)?;
             bytes
         });

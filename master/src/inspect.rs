@@ -7,7 +7,7 @@ use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, Causality, Kind, ModelDescription, Variability, Variable};
 use serde_json::{Value, json};
 
-use crate::third_party::{Guess, Plain, Probe, Request, Side, Wire, Wiring, guess, outside, side, unit};
+use crate::third_party::{Guess, Probe, Request, Side, Wire, Wiring, guess, isolation, probe, side, unit};
 
 fn causality(variable: &Variable) -> &'static str {
     match variable.causality {
@@ -111,6 +111,7 @@ impl Inspection {
             fmu: String::new(),
             isolate: false,
             step_timeout: PATIENCE,
+            environment: std::collections::BTreeMap::new(),
             parameters: std::collections::BTreeMap::new(),
             inputs: std::collections::BTreeMap::new(),
             outputs: std::collections::BTreeMap::new(),
@@ -123,10 +124,11 @@ impl Inspection {
                 wiring: wiring.clone(),
                 step: experiment.step_size.filter(|step| *step > 0.0).unwrap_or(STEP),
                 duration: experiment.stop_time.filter(|stop| *stop > 0.0).unwrap_or(DURATION),
-                parameters: Vec::<(String, Plain)>::new(),
+                parameters: Vec::new(),
                 initial: Vec::new(),
+                isolation: isolation(&entry),
             };
-            outside::probed(fmu, &request, PATIENCE)
+            probe(fmu, &request)
         });
         Self {
             side,
@@ -347,7 +349,7 @@ fn tried(inspection: &Inspection, out: &mut String) -> std::fmt::Result {
     let Some(probe) = &inspection.probe else {
         return writeln!(out, "\ntried: nothing, as there is no wiring to drive it by");
     };
-    writeln!(out, "\ntried (in a process of its own)")?;
+    writeln!(out, "\ntried, in processes of its own")?;
     writeln!(out, "  {:39} {:8} {:14} how", "", "claimed", "found")?;
     for finding in &probe.findings {
         writeln!(

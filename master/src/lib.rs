@@ -9,6 +9,8 @@
 //! recorder      communication points to series
 //! inprocess     slaves made of the core components
 //! cosimulation  slaves made of FMUs
+//! instance      an instance of an FMU, wherever it runs
+//! isolation     FMUs in processes of their own
 //! third_party   somebody else's pantograph or line behind the scene's wiring
 //! monolithic    line and pantographs as one system
 //! equilibrium   the state at t = 0
@@ -29,7 +31,9 @@ pub mod cosimulation;
 pub mod equilibrium;
 pub mod inprocess;
 pub mod inspect;
+pub mod instance;
 pub mod interface;
+pub mod isolation;
 mod modelled;
 pub mod monolithic;
 pub mod package;

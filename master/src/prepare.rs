@@ -5,11 +5,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use catenary::{StaticLine, static_line};
-use fmi2::import::Fmu;
+use fmi2::import::{Fmu, Options};
 use scene::{Connection, Line, PantographModel, Scene, Start, ThirdParty};
 
 use crate::cosimulation::CosimulationError;
 use crate::equilibrium;
+use crate::isolation;
 use crate::simulation::{Prepared, SetupError};
 use crate::third_party::{
     Side, StripAtStart, ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph, Wiring, aligned, own_heights,
@@ -101,13 +102,13 @@ fn others(scene: &Scene, line: Option<&ThirdPartyLine>, pantographs: &[Option<Th
 }
 
 /// The FMU of an entry, whose path is made absolute.
-fn open(entry: &mut ThirdParty, table: &str, base: &Path) -> Result<Fmu, SetupError> {
-    if entry.isolate {
-        let what = format!("{table}.isolate = true: this version runs FMUs in its own process only");
-        return Err(SetupError::NotAvailable(what));
-    }
+fn open(entry: &mut ThirdParty, base: &Path) -> Result<Fmu, SetupError> {
     let path = base.join(&entry.fmu);
-    let fmu = Fmu::open(&path).map_err(SetupError::FmuFile)?;
+    let options = Options {
+        time_limit: Some(isolation::time_limit(entry)),
+        ..Options::default()
+    };
+    let fmu = Fmu::open_with(&path, &options).map_err(SetupError::FmuFile)?;
     entry.fmu = std::path::absolute(&path).unwrap_or(path).display().to_string();
     Ok(fmu)
 }
@@ -122,7 +123,7 @@ fn start_pantograph(
     logging: bool,
 ) -> Result<ThirdPartyPantograph, SetupError> {
     let table = format!("pantograph[{}]", index + 1);
-    let fmu = open(&mut entry, &table, base)?;
+    let fmu = open(&mut entry, base)?;
     let started = ThirdPartyPantograph::start(&fmu, &mut entry, scene, index, logging);
     let mut pantograph = started.map_err(|source| refused(&table, &entry, source))?;
     let force = pantograph.start_force();
@@ -156,7 +157,7 @@ fn start_line(
     logging: bool,
 ) -> Result<ThirdPartyLine, SetupError> {
     let strips = scene.pantographs.len();
-    let fmu = open(&mut entry, "catenary", base)?;
+    let fmu = open(&mut entry, base)?;
     let wiring = Wiring::resolve(fmu.description(), &mut entry, Side::Line, strips)
         .map_err(|source| refused("catenary", &entry, source.into()))?;
     for (index, height) in own_heights(&fmu, &wiring, strips).into_iter().enumerate() {

@@ -359,6 +359,7 @@ impl Prepared {
             duration: self.scene.run.duration,
             input_derivatives: dynamics::MAX_ORDER,
             logging: source.logging,
+            isolation: None,
         };
         let line: Box<dyn Slave> = match line {
             Some(line) => Box::new(line),

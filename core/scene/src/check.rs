@@ -30,7 +30,10 @@ impl Scene {
         let mut found = Found::new();
         match &self.catenary {
             Line::Modelled(catenary) => catenary.check(&mut found),
-            Line::ThirdParty(side) => side.check_alignment("catenary", None, &mut found),
+            Line::ThirdParty(side) => {
+                side.check_alignment("catenary", None, &mut found);
+                side.check_environment("catenary", &mut found);
+            }
         }
         for (i, pantograph) in self.pantographs.iter().enumerate() {
             pantograph.check(&format!("pantograph[{}]", i + 1), &mut found);
@@ -325,6 +328,22 @@ impl ThirdParty {
             refuse(found, format!("{path}.outputs"), named.join(", "), expected);
         }
         self.check_alignment(path, Some("height"), found);
+        self.check_environment(path, found);
+    }
+
+    /// Refuses an environment where there is no process to have it, and names that no variable can have.
+    fn check_environment(&self, path: &str, found: &mut Found) {
+        for (name, value) in &self.environment {
+            let key = format!("{path}.environment.{}", shown_key(name));
+            if !self.isolate {
+                let expected =
+                    "must be left out, or isolate = true given: only a process of its own has an environment";
+                refuse(found, key, format!("{value:?}"), expected);
+            } else if name.is_empty() || name.contains(['=', '\0']) {
+                let expected = "must have a name without = and NUL";
+                refuse(found, key, format!("{value:?}"), expected);
+            }
+        }
     }
 
     /// Refuses `"align"` everywhere but on the output `aligned`.

@@ -18,8 +18,10 @@ pub struct ThirdParty {
     pub fmu: String,
     /// Whether it runs in a child process.
     pub isolate: bool,
-    /// Wall time after which an isolated step is given up, s; 60 by default: no step of a working FMU takes that long.
+    /// Wall time after which a call of the FMU is given up, s; 60 by default: no step of a working FMU takes that long.
     pub step_timeout: f64,
+    /// Variables of the environment that its child process is started with; empty where it is not isolated.
+    pub environment: BTreeMap<String, String>,
     /// Values set before initialisation, by the FMU's variable names.
     pub parameters: BTreeMap<String, ParameterValue>,
     /// What the FMU is given, by this program's names.
@@ -136,6 +138,15 @@ impl ThirdParty {
                 "step_timeout",
                 was.map(|side| side.step_timeout),
                 Number::positive("s").default(60.0),
+            ),
+            environment: keys.plain_map(
+                "environment",
+                was.map(|side| &side.environment),
+                |text| Value::String(text.clone()),
+                |value| match value {
+                    Value::String(text) if !text.contains('\0') => Ok(text.clone()),
+                    _ => Err("a string without NUL characters".to_string()),
+                },
             ),
             parameters: keys.plain_map(
                 "parameters",

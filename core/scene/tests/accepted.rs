@@ -94,6 +94,7 @@ outputs = {{ "contact[1].force" = {{ variable = "F" }} }}
 [[pantograph]]
 fmu = "vendor/panto.fmu"
 isolate = true
+environment = {{ LD_PRELOAD = "libpython3.11.so", PYTHONPATH = "/opt/a b" }}
 parameters = {{ m1 = 7.2, "static.force" = 110.0, n = 3, on = true, name = "a \"b\"" }}
 inputs = {{ force = {{ variable = "F_c", factor = -1.0 }} }}
 outputs = {{ height = {{ variable = "z1", offset = "align" }}, velocity = {{ variable = "v1", offset = 5.0 }} }}
@@ -110,6 +111,8 @@ outputs = {{ height = {{ variable = "z1", offset = "align" }}, velocity = {{ var
         (side.fmu.as_str(), side.isolate, side.step_timeout),
         ("vendor/panto.fmu", true, 60.0)
     );
+    assert_eq!(side.environment["LD_PRELOAD"], "libpython3.11.so");
+    assert_eq!(side.environment["PYTHONPATH"], "/opt/a b");
     assert_eq!(side.parameters["static.force"], ParameterValue::Number(110.0));
     assert_eq!(side.parameters["n"], ParameterValue::Number(3.0));
     assert_eq!(side.parameters["on"], ParameterValue::Boolean(true));

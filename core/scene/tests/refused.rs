@@ -213,6 +213,9 @@ fn a_wrong_third_party_pantograph_is_refused() {
         ("fmu = \"p.fmu\"\ninputs = { force = { variable = \"f\", factor = 0.0 } }", &["pantograph[1].inputs.force.factor = 0: must be finite and not zero"]),
         ("fmu = \"p.fmu\"\ninputs = { force = { variable = \"f\", offset = \"align\" } }", &["pantograph[1].inputs.force.offset = \"align\": must be a number"]),
         ("fmu = \"p.fmu\"\nparameters = { m = [1.0] }", &["pantograph[1].parameters.m = [1.0]: must be a finite number, true, false or a string"]),
+        ("fmu = \"p.fmu\"\nenvironment = { A = \"b\" }", &["pantograph[1].environment.A = \"b\": must be left out, or isolate = true"]),
+        ("fmu = \"p.fmu\"\nisolate = true\nenvironment = { A = 1 }", &["pantograph[1].environment.A = 1: must be a string"]),
+        ("fmu = \"p.fmu\"\nisolate = true\nenvironment = { \"A=\" = \"b\" }", &["environment.\"A=\" = \"b\": must have a name without ="]),
         ("fmu = \"p.fmu\"\nstep_timeout = 0", &["pantograph[1].step_timeout = 0 s: must be positive and finite"]),
     ];
     for (keys, fragments) in cases {

@@ -22,11 +22,3 @@ pub fn inspect(path: &Path, common: &Common) -> Result<(), CommandError> {
     }
     Ok(())
 }
-
-/// Tries an FMU for another process of this program.
-///
-/// # Errors
-/// An order on standard input that cannot be read.
-pub fn probe() -> Result<(), CommandError> {
-    crate::third_party::outside::answer().map_err(CommandError::Output)
-}

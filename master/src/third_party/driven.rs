@@ -7,6 +7,7 @@ use scene::ThirdParty;
 use super::probe::Probe;
 use super::wiring::{Wire, Wiring};
 use crate::cosimulation::{CosimulationError, FmuSlave, Role};
+use crate::isolation::Isolation;
 use crate::slave::{Abilities, Slave, SlaveError};
 
 /// Highest order of derivatives that a step is cut into pieces for.
@@ -105,6 +106,7 @@ pub(super) fn role(wiring: &Wiring, setting: &Setting<'_>) -> Role {
         duration: setting.duration,
         input_derivatives: HIGHEST,
         logging: setting.logging,
+        isolation: Isolation::of(setting.entry),
     }
 }
 

@@ -4,7 +4,7 @@ use fmi2::import::Fmu;
 use scene::{ParameterValue, Scene, ThirdParty};
 
 use super::driven::{Driven, Setting, fixed_step, pieces, start_value};
-use super::probe::{Probe, Request};
+use super::probe::{Probe, Request, isolation, probe};
 use super::quantity::{Place, Side, input, output};
 use super::wiring::Wiring;
 use super::{ThirdPartyError, check_step, told_duration};
@@ -152,20 +152,15 @@ impl ThirdPartyLine {
             logging,
         };
         crate::cosimulation::check_names(fmu.description(), &super::driven::role(&wiring, &setting))?;
-        let plain = |(name, value): (&String, &ParameterValue)| (name.clone(), value.into());
         let request = Request {
             wiring: wiring.clone(),
             step: scene.coupling.macro_step,
             duration: setting.duration,
-            parameters: parameters
-                .iter()
-                .map(|(name, value)| (name, value))
-                .chain(&entry.parameters)
-                .map(plain)
-                .collect(),
+            parameters: parameters.into_iter().chain(entry.parameters.clone()).collect(),
             initial,
+            isolation: isolation(entry),
         };
-        let probe = super::outside::probed(fmu, &request, entry.step_timeout);
+        let probe = probe(fmu, &request);
         let mut supports: Vec<usize> = wiring
             .outputs
             .iter()

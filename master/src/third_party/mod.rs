@@ -7,7 +7,7 @@
 //! units       units of variables against ours
 //! quantity    what our names in the wiring stand for
 //! parameter   parameters of any type
-//! probe       what the FMU can do, tried out; outside does so in another process
+//! probe       what the FMU can do, tried out
 //! driven      the FMU behind its wires, with the steps it takes
 //! velocity    rates of what is offered without one
 //! pantograph  such an FMU as a pantograph
@@ -17,7 +17,6 @@
 mod driven;
 mod guess;
 mod line;
-pub mod outside;
 mod pantograph;
 mod parameter;
 mod probe;
@@ -30,8 +29,7 @@ pub use guess::{Guess, guess, side};
 pub use line::{StripAtStart, ThirdPartyLine, own_heights};
 pub use pantograph::{ThirdPartyPantograph, aligned};
 pub use parameter::{Typed, typed};
-pub use probe::Plain;
-pub use probe::{Finding, Probe, Request, probe};
+pub use probe::{Finding, Probe, Request, isolation, probe};
 pub use quantity::{Side, unit};
 pub use wiring::{Wire, Wiring, WiringError};
 

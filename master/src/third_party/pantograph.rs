@@ -4,7 +4,7 @@ use fmi2::import::Fmu;
 use scene::{Offset, Scene, ThirdParty};
 
 use super::driven::{Driven, Setting, start_value};
-use super::probe::{Probe, Request};
+use super::probe::{Probe, Request, isolation, probe};
 use super::quantity::{Place, Side, input, output};
 use super::velocity::Rate;
 use super::wiring::Wiring;
@@ -79,14 +79,11 @@ impl ThirdPartyPantograph {
             wiring: wiring.clone(),
             step: scene.coupling.macro_step,
             duration: setting.duration,
-            parameters: entry
-                .parameters
-                .iter()
-                .map(|(name, value)| (name.clone(), value.into()))
-                .collect(),
+            parameters: entry.parameters.clone().into_iter().collect(),
             initial: Vec::new(),
+            isolation: isolation(entry),
         };
-        let probe = super::outside::probed(fmu, &request, entry.step_timeout);
+        let probe = probe(fmu, &request);
         if probe.effective_mass.is_some_and(|mass| mass < 0.0)
             && let Some(wire) = wiring
                 .inputs

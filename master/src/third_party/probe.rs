@@ -12,13 +12,14 @@
 //! `providesDirectionalDerivative` and dependencies are not tested: this program builds on neither.
 
 use fmi2::import::Fmu;
-use scene::ThirdParty;
-use serde::{Deserialize, Serialize};
+use scene::{ParameterValue, ThirdParty};
+use serde::Serialize;
 
-use super::driven::{Setting, fixed_step, role, start_value};
+use super::driven::{fixed_step, start_value};
 use super::quantity::Side;
 use super::wiring::Wiring;
 use crate::cosimulation::{CosimulationError, FmuSlave, Role};
+use crate::isolation::{self, Isolation};
 use crate::slave::{Abilities, Slave, SlaveError};
 
 /// Change of a force that responses are watched under, N.
@@ -40,7 +41,7 @@ const PIECES: usize = 16;
 const WATCHED: usize = 4;
 
 /// One claim.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
     /// What it is about.
     pub subject: String,
@@ -53,9 +54,9 @@ pub struct Finding {
 }
 
 /// What was found.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Probe {
-    /// What is tried at present, and what is said should it not come to an end.
+    /// What is tried at present, or was when it ended.
     pub stage: String,
     /// One per claim tried.
     pub findings: Vec<Finding>,
@@ -76,7 +77,7 @@ pub struct Probe {
 }
 
 /// What is tried.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct Request {
     /// The FMU behind its wires.
     pub wiring: Wiring,
@@ -84,42 +85,12 @@ pub struct Request {
     pub step: f64,
     /// Simulated time that the FMU is told, s.
     pub duration: f64,
-    /// Parameters: name, and the value as TOML writes it.
-    pub parameters: Vec<(String, Plain)>,
+    /// Values of parameters.
+    pub parameters: Vec<(String, ParameterValue)>,
+    /// How the instances are isolated; nothing where they are tried in this process.
+    pub isolation: Option<Isolation>,
     /// Values of inputs during the initialisation, in the FMU's units; none leaves its own.
     pub initial: Vec<f64>,
-}
-
-/// A parameter's value.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Plain {
-    /// Yes or no.
-    Boolean(bool),
-    /// A number.
-    Number(f64),
-    /// A text.
-    String(String),
-}
-
-impl From<&scene::ParameterValue> for Plain {
-    fn from(value: &scene::ParameterValue) -> Self {
-        match value {
-            scene::ParameterValue::Number(number) => Self::Number(*number),
-            scene::ParameterValue::Boolean(flag) => Self::Boolean(*flag),
-            scene::ParameterValue::String(text) => Self::String(text.clone()),
-        }
-    }
-}
-
-impl From<&Plain> for scene::ParameterValue {
-    fn from(value: &Plain) -> Self {
-        match value {
-            Plain::Number(number) => Self::Number(*number),
-            Plain::Boolean(flag) => Self::Boolean(*flag),
-            Plain::String(text) => Self::String(text.clone()),
-        }
-    }
 }
 
 impl Probe {
@@ -154,13 +125,29 @@ impl Probe {
     }
 }
 
-/// Tries an FMU; `tell` is given what is known before each thing that is tried.
-pub fn probe(fmu: &Fmu, request: &Request, tell: &mut dyn FnMut(&Probe)) -> Probe {
+/// How instances are tried: in processes of their own, where there are such and this program is what runs; each call may take
+/// as long as `entry` says.
+#[must_use]
+pub fn isolation(entry: &ThirdParty) -> Option<Isolation> {
+    let runs_here = || {
+        let program = std::env::current_exe().ok()?;
+        (cfg!(unix) && program.file_stem()? == env!("CARGO_PKG_NAME")).then_some(())
+    };
+    Isolation::of(entry).or_else(|| {
+        runs_here().map(|()| Isolation {
+            time_limit: isolation::time_limit(entry),
+            environment: std::collections::BTreeMap::new(),
+        })
+    })
+}
+
+/// Tries an FMU.
+#[must_use]
+pub fn probe(fmu: &Fmu, request: &Request) -> Probe {
     let mut found = Probe::default();
-    let failure = Bench::new(fmu, request).run(&mut found, tell).err();
-    if let Some(error) = failure {
+    if let Err(error) = Bench::new(fmu, request).run(&mut found) {
         found.failure = Some(format!(
-            "the trial ended while {}: {}",
+            "the trial ended while {}, so that its claims are not relied on: {}",
             found.stage,
             crate::simulation::chain(&error)
         ));
@@ -195,27 +182,19 @@ impl<'a> Bench<'a> {
     fn new(fmu: &'a Fmu, request: &'a Request) -> Self {
         let description = fmu.description();
         let wiring = &request.wiring;
-        let entry = ThirdParty {
-            fmu: String::new(),
-            isolate: false,
-            step_timeout: 60.0,
-            parameters: request
-                .parameters
-                .iter()
-                .map(|(name, value)| (name.clone(), value.into()))
-                .collect(),
-            inputs: std::collections::BTreeMap::new(),
-            outputs: std::collections::BTreeMap::new(),
-        };
-        let setting = Setting {
-            name: "trial".to_owned(),
-            entry: &entry,
-            initial: request.initial.clone(),
-            parameters: Vec::new(),
-            duration: request.duration,
-            logging: false,
-        };
         let capabilities = &description.co_simulation;
+        let names = |wires: &[super::Wire]| wires.iter().map(|wire| wire.variable.clone()).collect();
+        let role = Role {
+            name: "trial".to_owned(),
+            inputs: names(&wiring.inputs),
+            outputs: names(&wiring.outputs),
+            parameters: request.parameters.clone(),
+            initial: request.initial.clone(),
+            duration: request.duration,
+            input_derivatives: dynamics::MAX_ORDER,
+            logging: false,
+            isolation: request.isolation.clone(),
+        };
         let rest = wiring.inputs.iter().enumerate().map(|(k, wire)| {
             let start = start_value(description, wire).unwrap_or(0.0);
             request
@@ -244,7 +223,7 @@ impl<'a> Bench<'a> {
         Self {
             fmu,
             request,
-            role: role(wiring, &setting),
+            role,
             claimed: Abilities {
                 rollback: capabilities.can_get_and_set_fmu_state,
                 input_derivatives: usize::from(capabilities.can_interpolate_inputs),
@@ -304,11 +283,8 @@ impl<'a> Bench<'a> {
         Ok(Self::seen(slave, outputs)?.0[watched])
     }
 
-    fn run(&mut self, found: &mut Probe, tell: &mut dyn FnMut(&Probe)) -> Result<(), CosimulationError> {
-        let mut stage = |found: &mut Probe, text: String| {
-            found.stage = text;
-            tell(found);
-        };
+    fn run(&mut self, found: &mut Probe) -> Result<(), CosimulationError> {
+        let stage = |found: &mut Probe, text: String| found.stage = text;
         stage(found, "initialising an instance".to_owned());
         self.at_start()?;
         stage(found, format!("taking the first step, of {} s", self.h));
@@ -362,7 +338,6 @@ impl<'a> Bench<'a> {
             how,
         );
         found.stage = "done".to_owned();
-        tell(found);
         Ok(())
     }
 
@@ -464,7 +439,11 @@ impl<'a> Bench<'a> {
                 true,
                 format!("steps of {:.3e}, {:.3e} and {:.3e} s", steps[0], steps[1], steps[2]),
             ),
-            Err(error) => (false, crate::simulation::chain(&error)),
+            Err(error) => {
+                // An instance after an error is of no use.
+                self.slave = None;
+                (false, crate::simulation::chain(&error))
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::interface::{contact, load, strip};
 
 /// Which side of the coupling an FMU is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
     /// `[[pantograph]]`.

@@ -10,7 +10,7 @@ use super::quantity::{Side, strip_of, unit};
 use super::units::Declared;
 
 /// A connection with everything that was left open filled in.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Wire {
     /// This program's name.
     pub name: String,
@@ -80,7 +80,7 @@ impl WiringError {
 }
 
 /// Inputs and outputs of an FMU, wired.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Wiring {
     /// Which side it is.
     pub side: Side,
