@@ -6,7 +6,7 @@ use fmi2::model_description::{BaseType, Causality, ModelDescription, Variable};
 use scene::{ParameterValue, Scene};
 
 use crate::instance::{self, FmuInstance, InstanceError, SavedState};
-use crate::isolation::{Isolation, IsolationError};
+use crate::isolation::{Isolation, IsolationError, Reported};
 use crate::results::Frame;
 use crate::slave::{Abilities, Slave, SlaveError, Work, finite};
 use crate::third_party::{Typed, typed};
@@ -71,7 +71,25 @@ impl CosimulationError {
         matches!(
             self,
             Self::Fmi(fmi2::Error::NoBinary { .. })
-                | Self::Isolation(IsolationError::Reported { unfit: true, .. } | IsolationError::NotHere)
+                | Self::Isolation(
+                    IsolationError::Reported {
+                        kind: Reported::Unfit,
+                        ..
+                    } | IsolationError::NotHere
+                )
+        )
+    }
+
+    /// Whether a call of the FMU returned a bad status, so that another one may still be tried.
+    #[must_use]
+    pub fn is_refusal(&self) -> bool {
+        matches!(
+            self,
+            Self::Fmi(fmi2::Error::Call { .. })
+                | Self::Isolation(IsolationError::Reported {
+                    kind: Reported::Refused,
+                    ..
+                })
         )
     }
 }
@@ -328,10 +346,7 @@ impl FmuSlave {
         };
         let mut remarks = Vec::new();
         let mut instance = match initialised(fmu, &role, &inputs, Some(role.duration)) {
-            Err(
-                refusal @ (CosimulationError::Fmi(fmi2::Error::Call { .. })
-                | CosimulationError::Isolation(IsolationError::Reported { unfit: false, .. })),
-            ) => {
+            Err(refusal) if refusal.is_refusal() => {
                 // Some FMUs refuse a stop time, or one beyond what they were made for.
                 let Ok(instance) = initialised(fmu, &role, &inputs, None) else {
                     return Err(refusal);

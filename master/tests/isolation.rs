@@ -418,6 +418,11 @@ fn an_isolated_fmu_that_hangs_at_its_end_does_not_keep_the_program() {
     let case = Case::isolated("terminate", 1e9);
     let ended = case.run();
     assert!(ended.output.status.success(), "{}", ended.said());
+    assert!(
+        ended.said().contains("pantograph 1: it failed at its end"),
+        "{}",
+        ended.said()
+    );
     assert_eq!(case.rows("out"), 101);
 }
 

@@ -32,6 +32,7 @@ pub struct Scene {
 
 /// `[catenary]`: this program's line, or somebody else's.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "one per scene")]
 pub enum Line {
     /// Described by the scene.
     Modelled(Catenary),

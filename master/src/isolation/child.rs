@@ -13,7 +13,7 @@ use fmi2::import::{Fmu, LogMessage, StepOutcome, process};
 
 use super::frame::{Malformed, Reader, Receiver, Writer};
 use super::protocol::{Code, MAGIC, MESSAGE, REPLY, VERSION, outcome};
-use super::{CLOSED_GRACE, IsolationError};
+use super::{CLOSED_GRACE, IsolationError, Reported};
 use crate::instance::{FmuInstance, InstanceError, Local, SavedState};
 
 /// Sends frames; the FMU's messages come from any thread.
@@ -138,9 +138,13 @@ impl Host {
                 Err(Stop::Malformed) => return Err(Malformed),
                 Err(Stop::Discarded) => break,
                 Err(Stop::Refused(error)) => {
-                    let unfit = matches!(error, InstanceError::Fmi(fmi2::Error::NoBinary { .. }));
+                    let outcome = match error {
+                        InstanceError::Fmi(fmi2::Error::NoBinary { .. }) => outcome::UNFIT,
+                        InstanceError::Fmi(fmi2::Error::Call { .. }) => outcome::REFUSED,
+                        _ => outcome::FAILED,
+                    };
                     reply.truncate(2);
-                    reply.replace(1, &[if unfit { outcome::UNFIT } else { outcome::FAILED }]);
+                    reply.replace(1, &[outcome]);
                     reply.text(&error.to_string());
                     break;
                 }
@@ -153,7 +157,7 @@ impl Host {
         let fmu = self.fmu.as_ref().map_err(|error| {
             Stop::Refused(InstanceError::Isolation(IsolationError::Reported {
                 message: error.to_string(),
-                unfit: true,
+                kind: Reported::Other,
             }))
         })?;
         let sender = Arc::clone(&self.sender);

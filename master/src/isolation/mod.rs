@@ -35,7 +35,7 @@
 //! parent → child   first   "PFMU", u32 version, u64 time limit (ms), path of the archive, folder it is unpacked in
 //!                  then    u32 number of requests; each: u8 code, arguments (see protocol::Code)
 //! child → parent   first   "PFMU", u32 version
-//!                  then    0x01 reply: u8 outcome, results of the requests in order; after a failure a text and nothing else
+//!                  then    0x01 reply: u8 outcome, results of the requests in order; after a failure a text instead
 //!                          0x02 message of the FMU: i32 status, category, text; at any time
 //!                          0xDE obituary; the last frame
 //! ```
@@ -46,6 +46,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use fmi2::import::Fmu;
@@ -68,6 +69,14 @@ pub use child::serve;
 
 /// The hidden subcommand.
 pub const SUBCOMMAND: &str = "isolated-fmu";
+
+/// Whether this program has the subcommand.
+static SERVES: AtomicBool = AtomicBool::new(false);
+
+/// Says that this program has the subcommand, so that children are started with it.
+pub fn this_program_serves() {
+    SERVES.store(true, Ordering::Relaxed);
+}
 
 /// What the parent allows beyond the time limit before it kills the child.
 pub const GRACE: Duration = Duration::from_secs(2);
@@ -103,6 +112,33 @@ pub fn time_limit(entry: &scene::ThirdParty) -> Duration {
         .clamp(Duration::from_millis(1), Duration::from_secs(10 * 365 * 86_400))
 }
 
+/// Kinds of errors that the other side reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reported {
+    /// A call returned a bad status: [`fmi2::Error::Call`].
+    Refused,
+    /// The FMU cannot be used on this system at all: [`fmi2::Error::NoBinary`].
+    Unfit,
+    /// Anything else.
+    Other,
+}
+
+/// The end of a child while it was asked for something.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {call} {ending}{words}; {remedy}", fmu.display())]
+pub struct End {
+    /// The archive.
+    pub fmu: PathBuf,
+    /// Name of the instance, function and time.
+    pub call: String,
+    /// What became of it.
+    pub ending: String,
+    /// What the FMU said last, or nothing.
+    pub words: fmi2::Log,
+    /// What may help.
+    pub remedy: String,
+}
+
 /// What goes wrong with an FMU in a process of its own.
 #[derive(Debug, thiserror::Error)]
 pub enum IsolationError {
@@ -111,23 +147,12 @@ pub enum IsolationError {
     Reported {
         /// Message of the error on the other side.
         message: String,
-        /// Whether the FMU cannot be used at all.
-        unfit: bool,
+        /// What kind of error it is.
+        kind: Reported,
     },
     /// The child has ended while it was asked for something.
-    #[error("{}: {call} {ending}{words}; {remedy}", fmu.display())]
-    Ended {
-        /// The archive.
-        fmu: PathBuf,
-        /// Name of the instance, function and time.
-        call: String,
-        /// What became of it.
-        ending: String,
-        /// What the FMU said last, or nothing.
-        words: fmi2::Log,
-        /// What may help.
-        remedy: String,
-    },
+    #[error(transparent)]
+    Ended(Box<End>),
     /// Asked for something after its child has ended.
     #[error("{instance} has ended before: nothing can be asked of it")]
     Gone {

@@ -7,6 +7,7 @@ use std::os::unix::net::UnixStream;
 use std::os::unix::process::{CommandExt as _, ExitStatusExt as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -14,7 +15,7 @@ use std::time::{Duration, Instant};
 use fmi2::import::guard::Ending;
 use fmi2::import::process::kill_group;
 
-use super::{GRACE, Isolation, SUBCOMMAND};
+use super::{GRACE, Isolation, SERVES, SUBCOMMAND};
 
 /// Lines of the child's output that are kept for a message about its end.
 const LINES: usize = 5;
@@ -22,24 +23,20 @@ const LINES: usize = 5;
 /// Longest line of the child's output, bytes; more is broken.
 const LINE: u64 = 1 << 14;
 
-/// This program, also where a test runs it as a library.
+/// The program that children are started with: this one, or the one beside it where a test runs it as a library.
 ///
 /// # Errors
 /// There is none.
 pub(super) fn program() -> io::Result<PathBuf> {
     let this = std::env::current_exe()?;
-    let name = format!("master{}", std::env::consts::EXE_SUFFIX);
-    // the system names a program that was replaced meanwhile "… (deleted)"
-    let named = |path: &Path| {
-        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        file.trim_end_matches(" (deleted)") == name
-    };
-    if named(&this) {
+    if SERVES.load(Ordering::Relaxed) {
+        // itself, also if its file was replaced meanwhile
         let itself = PathBuf::from("/proc/self/exe");
         return Ok(if itself.exists() { itself } else { this });
     }
-    let around = this.ancestors().skip(1).take(2).map(|folder| folder.join(&name));
-    around.into_iter().find(|path| path.is_file()).ok_or_else(|| {
+    let name = format!("master{}", std::env::consts::EXE_SUFFIX);
+    let mut around = this.ancestors().skip(1).take(2).map(|folder| folder.join(&name));
+    around.find(|path| path.is_file()).ok_or_else(|| {
         let there = this.parent().unwrap_or(Path::new(".")).display();
         io::Error::new(
             io::ErrorKind::NotFound,

@@ -20,6 +20,8 @@ pub(super) mod outcome {
     pub const FAILED: u8 = 1;
     /// The text of an error follows: the FMU cannot be used at all.
     pub const UNFIT: u8 = 2;
+    /// The text of an error follows: a call returned a bad status.
+    pub const REFUSED: u8 = 3;
 }
 
 macro_rules! codes {

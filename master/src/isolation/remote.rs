@@ -16,7 +16,7 @@ use fmi2::import::{Fmu, LogMessage, StepOutcome};
 use super::frame::{Malformed, Reader, Receiver, Writer};
 use super::process::{self, Process};
 use super::protocol::{Code, MAGIC, MESSAGE, REPLY, VERSION, outcome};
-use super::{GRACE, Isolation, IsolationError};
+use super::{End, GRACE, Isolation, IsolationError, Reported};
 use crate::instance::{FmuInstance, InstanceError, SavedState};
 
 /// Most messages that are kept until they are fetched.
@@ -189,8 +189,12 @@ impl Remote {
                 }
                 [REPLY, failure, text @ ..] => {
                     let message = Reader::new(text).text().unwrap_or("it does not say why").to_owned();
-                    let unfit = *failure == outcome::UNFIT;
-                    return Err(IsolationError::Reported { message, unfit });
+                    let kind = match *failure {
+                        outcome::UNFIT => Reported::Unfit,
+                        outcome::REFUSED => Reported::Refused,
+                        _ => Reported::Other,
+                    };
+                    return Err(IsolationError::Reported { message, kind });
                 }
                 [MESSAGE, message @ ..] => {
                     if let Ok(message) = log_message(message) {
@@ -237,13 +241,13 @@ impl Remote {
             .collect();
         words.drain(..words.len().saturating_sub(TOLD));
         words.extend(self.process.last_lines());
-        IsolationError::Ended {
+        IsolationError::Ended(Box::new(End {
             fmu: self.fmu.path().to_owned(),
             call: format!("{} ({}): {function}{at}", self.name, self.fmu.description().model_name),
             ending,
             words: Log(words),
             remedy: self.remedy(function, obituary.as_ref().map(|obituary| obituary.ending)),
-        }
+        }))
     }
 
     /// What may help against the end of the child in `function`.
@@ -561,7 +565,13 @@ impl Drop for Remote {
         if !self.ended {
             // the child frees the instance in order when nothing more can come
             let _ = self.stream.shutdown(Shutdown::Write);
-            self.process.end(self.time_limit.saturating_add(GRACE));
+            let status = self.process.end(self.time_limit.saturating_add(GRACE));
+            if !status.is_some_and(|status| status.success()) {
+                eprintln!(
+                    "{}: it failed at its end, in fmi2Terminate or fmi2FreeInstance",
+                    self.name
+                );
+            }
         }
     }
 }

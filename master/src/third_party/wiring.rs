@@ -28,16 +28,14 @@ pub struct Wire {
 #[derive(Debug, thiserror::Error)]
 pub enum WiringError {
     /// The units are of different dimensions, or a factor contradicts them.
-    #[error("{variable}{theirs} is wired to {name} [{ours}]: {problem}")]
+    #[error("{variable} is wired to {name} [{ours}]: {problem}")]
     Unit {
         /// `inputs` or `outputs`.
         table: &'static str,
         /// This program's name.
         name: String,
-        /// The FMU's.
+        /// The FMU's, with its unit in brackets.
         variable: String,
-        /// Unit of the FMU, in brackets.
-        theirs: String,
         /// Our unit.
         ours: &'static str,
         /// What is wrong, and what would be right.
@@ -198,8 +196,7 @@ fn wire(
     let refused = |problem: String| WiringError::Unit {
         table,
         name: name.to_owned(),
-        variable: connection.variable.clone(),
-        theirs: declared.shown(),
+        variable: format!("{}{}", connection.variable, declared.shown()),
         ours: ours.unwrap_or("1"),
         problem,
     };

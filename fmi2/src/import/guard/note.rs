@@ -128,7 +128,7 @@ impl Note {
     /// The call under way, if there is one.
     pub(super) fn call(&'static self) -> Option<Call> {
         let turn = self.turn.load(Ordering::Acquire);
-        if turn % 2 == 0 {
+        if turn.is_multiple_of(2) {
             return None;
         }
         let (pointer, length) = (

@@ -148,7 +148,7 @@ impl Text {
         }
         let micros = (value.abs() * 1e6).round() as u64;
         self.whole(micros / 1_000_000, 1);
-        if micros % 1_000_000 > 0 {
+        if !micros.is_multiple_of(1_000_000) {
             self.push(b".");
             self.whole(micros % 1_000_000, 6);
             while self.bytes().last() == Some(&b'0') {
