@@ -1,4 +1,6 @@
 //! The packaged FMUs through their C interface: wrong calls, failed steps, many instances, small stacks.
+#[path = "fmu_abi/host.rs"]
+mod host;
 #[path = "fmu_abi/raw.rs"]
 mod raw;
 
