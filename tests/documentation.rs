@@ -132,6 +132,16 @@ fn added_damping(scheme: Scheme) -> f64 {
     -growth * m / (k * h)
 }
 
+/// Spectral radius of one step with the mean force: both eigenvalues have the product 1 and the sum 2 - (ωh)².
+fn mean_force_amplification(omega_h: f64) -> f64 {
+    let half = 1.0 - 0.5 * omega_h * omega_h;
+    if half.abs() <= 1.0 {
+        1.0
+    } else {
+        half.abs() + (half * half - 1.0).sqrt()
+    }
+}
+
 #[test]
 fn the_printed_damping_of_each_exchange_is_that_of_an_oscillator() {
     let section = readme();
@@ -161,4 +171,6 @@ fn the_printed_damping_of_each_exchange_is_that_of_an_oscillator() {
         let found = added_damping(scheme);
         assert!((found - printed).abs() < 0.05, "{name}: {found} k h, printed: {cell}");
     }
+    assert!(section.contains("the last row neither adds nor takes up to ω h = 2"));
+    assert!(mean_force_amplification(1.999) < 1.0 + 1e-9 && mean_force_amplification(2.001) > 1.01);
 }

@@ -163,8 +163,8 @@ mod tests {
         let needs = Needs::of(&program).unwrap();
         assert!(needs.libraries.iter().any(|name| name == "libc.so.6"), "{needs:?}");
         assert!(needs.glibc().unwrap() >= (2, 2), "{needs:?}");
-        for length in [64, 100, 1000, program.len() / 2] {
-            Needs::of(&program[..length]);
+        for length in [64, 100, 1000] {
+            assert_eq!(Needs::of(&program[..length]), None, "{length} bytes");
         }
     }
 }
