@@ -14,6 +14,7 @@
 //! equilibrium   the state at t = 0
 //! standstill    the way of somebody else's pantograph to rest before that
 //! package       FMUs made from a scene
+//! ssp           the co-simulation as a system structure, and scenes made of somebody else's
 //! simulation    a scene in a mode, from statics to a record
 //! results       files of a run; statistics, standards and report make them
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
@@ -38,6 +39,7 @@ pub mod results;
 pub mod run;
 pub mod simulation;
 pub mod slave;
+pub mod ssp;
 pub mod standards;
 pub mod standstill;
 pub mod statistics;

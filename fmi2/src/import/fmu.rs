@@ -73,7 +73,7 @@ impl Fmu {
             path: path.clone(),
             problem,
         };
-        let mut folder = archive::extract(&path, &options.limits).map_err(refused)?;
+        let mut folder = archive::extract(&path, archive::DESCRIPTION_FILE, &options.limits).map_err(refused)?;
         let bytes = std::fs::read(folder.path().join(archive::DESCRIPTION_FILE))
             .map_err(|problem| refused(ArchiveError::Unreadable { problem }))?;
         let description = ModelDescription::from_xml(&bytes).map_err(|problem| Error::Description {
