@@ -78,6 +78,9 @@ enum Command {
         /// FMU file
         fmu: PathBuf,
     },
+    /// Tries an FMU for another process of this program
+    #[command(name = crate::third_party::outside::SUBCOMMAND, hide = true)]
+    Probe,
     /// Renders report.html again; several directories are overlaid
     Report {
         /// Output directories of finished runs
@@ -125,6 +128,7 @@ pub fn main() -> ExitCode {
         } => command::package::package(&scene, write_descriptions.as_deref(), &common),
         Command::Export { scene } => command::export::export(&scene, &common),
         Command::Inspect { fmu } => command::inspect::inspect(&fmu, &common),
+        Command::Probe => command::inspect::probe(),
         Command::Report { directories } => command::report::report(&directories, &common),
     };
     match result {

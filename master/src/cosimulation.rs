@@ -7,6 +7,7 @@ use scene::{ParameterValue, Scene};
 
 use crate::results::Frame;
 use crate::slave::{Abilities, Slave, SlaveError, Work, finite};
+use crate::third_party::{Typed, typed};
 
 /// Why an FMU cannot take part.
 #[derive(Debug, thiserror::Error)]
@@ -39,8 +40,19 @@ pub enum CosimulationError {
         /// Value of the scene.
         value: ParameterValue,
         /// What it should be.
-        expected: &'static str,
+        expected: String,
     },
+}
+
+impl CosimulationError {
+    /// Whether what was asked for is to blame, and not what the FMU did.
+    #[must_use]
+    pub fn is_input(&self) -> bool {
+        matches!(
+            self,
+            Self::NoVariable { .. } | Self::WrongType { .. } | Self::Fmi(fmi2::Error::NoBinary { .. })
+        )
+    }
 }
 
 /// A value as a scene has it.
@@ -63,6 +75,8 @@ pub struct Role {
     pub outputs: Vec<String>,
     /// Values set before the initialisation.
     pub parameters: Vec<(String, ParameterValue)>,
+    /// Values of the inputs set before the end of the initialisation; none leaves the FMU's own.
+    pub initial: Vec<f64>,
     /// Stop time, s.
     pub duration: f64,
     /// Highest order of input derivatives that the FMU is known to follow; the standard has no word for it.
@@ -84,6 +98,7 @@ pub struct FmuSlave {
     state: Option<StateHandle>,
     t: f64,
     drawing: Option<Box<dyn Drawing>>,
+    remarks: Vec<String>,
 }
 
 /// Draws pictures from states that an FMU has serialised.
@@ -187,13 +202,25 @@ fn references(
         .collect()
 }
 
-/// Sets a parameter of any type.
-fn set_parameter(
-    instance: &mut Instance,
+/// Refuses a role whose variables or parameters do not exist or have other types; nothing is executed.
+///
+/// # Errors
+/// [`CosimulationError::NoVariable`], [`CosimulationError::WrongType`].
+pub fn check_names(description: &ModelDescription, role: &Role) -> Result<(), CosimulationError> {
+    references(description, &role.inputs, Causality::Input)?;
+    references(description, &role.outputs, Causality::Output)?;
+    for (name, value) in &role.parameters {
+        parameter(description, name, value)?;
+    }
+    Ok(())
+}
+
+/// Reference and value of a parameter.
+fn parameter(
     description: &ModelDescription,
     name: &str,
     value: &ParameterValue,
-) -> Result<(), CosimulationError> {
+) -> Result<(u32, Typed), CosimulationError> {
     let fits = |variable: &Variable| {
         matches!(
             variable.causality,
@@ -201,7 +228,6 @@ fn set_parameter(
         )
     };
     let variable = find(description, name, "parameter", fits)?;
-    let reference = [variable.value_reference];
     let wrong = |expected| {
         let (fmu, variable) = (description.model_name.clone(), name.to_owned());
         CosimulationError::WrongType {
@@ -211,21 +237,41 @@ fn set_parameter(
             expected,
         }
     };
-    match (variable.base_type(), value) {
-        (BaseType::Real, ParameterValue::Number(number)) => instance.set_real(&reference, &[*number])?,
-        (BaseType::Real, _) => return Err(wrong("a number")),
-        (BaseType::Integer, ParameterValue::Number(number))
-            if number.fract() == 0.0 && number.abs() < f64::from(i32::MAX) =>
-        {
-            instance.set_integer(&reference, &[*number as i32])?;
-        }
-        (BaseType::Integer, _) => return Err(wrong("a whole number")),
-        (BaseType::Boolean, ParameterValue::Boolean(flag)) => instance.set_boolean(&reference, &[*flag])?,
-        (BaseType::Boolean, _) => return Err(wrong("true or false")),
-        (BaseType::String, ParameterValue::String(text)) => instance.set_string(&reference, &[text])?,
-        (BaseType::String, _) => return Err(wrong("a text")),
+    let value = typed(description, variable, value).map_err(wrong)?;
+    Ok((variable.value_reference, value))
+}
+
+/// Sets a parameter of any type.
+fn set_parameter(
+    instance: &mut Instance,
+    description: &ModelDescription,
+    name: &str,
+    value: &ParameterValue,
+) -> Result<(), CosimulationError> {
+    let (reference, value) = parameter(description, name, value)?;
+    let reference = [reference];
+    match value {
+        Typed::Real(value) => instance.set_real(&reference, &[value])?,
+        Typed::Integer(value) => instance.set_integer(&reference, &[value])?,
+        Typed::Boolean(value) => instance.set_boolean(&reference, &[value])?,
+        Typed::String(text) => instance.set_string(&reference, &[&text])?,
     }
     Ok(())
+}
+
+/// An instance at t = 0; `stop` is the stop time that it is told, s.
+fn initialised(fmu: &Fmu, role: &Role, inputs: &[u32], stop: Option<f64>) -> Result<Instance, CosimulationError> {
+    let mut instance = fmu.instantiate(&role.name, false, role.logging)?;
+    for (name, value) in &role.parameters {
+        set_parameter(&mut instance, fmu.description(), name, value)?;
+    }
+    instance.setup_experiment(0.0, stop, None)?;
+    instance.enter_initialization_mode()?;
+    if !role.initial.is_empty() {
+        instance.set_real(inputs, &role.initial)?;
+    }
+    instance.exit_initialization_mode()?;
+    Ok(instance)
 }
 
 impl FmuSlave {
@@ -251,13 +297,21 @@ impl FmuSlave {
             },
             variable_step: capabilities.can_handle_variable_communication_step_size,
         };
-        let mut instance = fmu.instantiate(&role.name, false, role.logging)?;
-        for (name, value) in &role.parameters {
-            set_parameter(&mut instance, description, name, value)?;
-        }
-        instance.setup_experiment(0.0, Some(role.duration), None)?;
-        instance.enter_initialization_mode()?;
-        instance.exit_initialization_mode()?;
+        let mut remarks = Vec::new();
+        let instance = match initialised(fmu, &role, &inputs, Some(role.duration)) {
+            Err(refusal @ CosimulationError::Fmi(fmi2::Error::Call { .. })) => {
+                // Some FMUs refuse a stop time, or one beyond what they were made for.
+                let Ok(instance) = initialised(fmu, &role, &inputs, None) else {
+                    return Err(refusal);
+                };
+                remarks.push(format!(
+                    "it refuses the stop time {} s and is run without one",
+                    role.duration
+                ));
+                instance
+            }
+            other => other?,
+        };
         let count = inputs.len();
         Ok(Self {
             name: role.name,
@@ -276,7 +330,21 @@ impl FmuSlave {
             state: None,
             t: 0.0,
             drawing: None,
+            remarks,
         })
+    }
+
+    /// Calls it `name` in messages.
+    #[must_use]
+    pub fn called(mut self, name: String) -> Self {
+        self.name = name;
+        self
+    }
+
+    /// What was done differently for its sake.
+    #[must_use]
+    pub fn remarks(&self) -> &[String] {
+        &self.remarks
     }
 
     /// Makes it draw itself with a component of the core, built from `scene`, that takes over the FMU's states; for FMUs
@@ -363,12 +431,22 @@ impl Slave for FmuSlave {
                     .into_iter()
                     .map(|message| message.text)
                     .collect();
-                let log = if log.is_empty() {
-                    String::new()
-                } else {
-                    format!(": {}", log.join("; "))
-                };
-                Err(self.step_failed(t, h, true, Discarded(log)))
+                let mut text = String::new();
+                if let Ok(Some(reached)) = self.instance.last_successful_time()
+                    && reached > t
+                {
+                    text.push_str(&format!(" after it had come to t = {reached} s"));
+                }
+                let ended = self.instance.wants_to_terminate().unwrap_or(false);
+                text.push_str(match (ended, self.abilities.rollback) {
+                    (true, _) => ", as it wants to end the simulation",
+                    (false, true) => "",
+                    (false, false) => "; it cannot go back to try a shorter step: use a smaller coupling.macro_step",
+                });
+                if !log.is_empty() {
+                    text.push_str(&format!(": {}", log.join("; ")));
+                }
+                Err(self.step_failed(t, h, !ended, Discarded(text)))
             }
             Err(error) => Err(self.step_failed(t, h, false, error)),
         }

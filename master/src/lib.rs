@@ -9,13 +9,14 @@
 //! recorder      communication points to series
 //! inprocess     slaves made of the core components
 //! cosimulation  slaves made of FMUs
-//! third_party   somebody else's pantograph behind the scene's wiring
+//! third_party   somebody else's pantograph or line behind the scene's wiring
 //! monolithic    line and pantographs as one system
 //! equilibrium   the state at t = 0
 //! standstill    the way of somebody else's pantograph to rest before that
 //! package       FMUs made from a scene
 //! ssp           the co-simulation as a system structure, and scenes made of somebody else's
-//! simulation    a scene in a mode, from statics to a record
+//! prepare       a scene resolved: statics, FMUs of somebody else, starts
+//! simulation    a resolved scene in a mode, to a record
 //! results       files of a run; statistics, standards and report make them
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
 //! ```
@@ -33,6 +34,7 @@ pub mod interface;
 mod modelled;
 pub mod monolithic;
 pub mod package;
+mod prepare;
 pub mod recorder;
 pub mod report;
 pub mod results;

@@ -111,7 +111,7 @@ outputs = {{ height = {{ variable = "z1", offset = "align" }}, velocity = {{ var
     assert_eq!(side.parameters["static.force"], ParameterValue::Number(110.0));
     assert_eq!(side.parameters["n"], ParameterValue::Number(3.0));
     assert_eq!(side.parameters["on"], ParameterValue::Boolean(true));
-    assert_eq!(side.inputs["force"].factor, -1.0);
+    assert_eq!(side.inputs["force"].factor, Some(-1.0));
     assert_eq!(side.inputs["force"].offset, Offset::Value(0.0));
     assert_eq!(side.outputs["height"].offset, Offset::Align);
     assert_eq!(side.outputs["velocity"].offset, Offset::Value(5.0));

@@ -7,6 +7,7 @@ use crate::cli::Common;
 use crate::package::{Libraries, archives};
 use crate::simulation::prepare;
 use crate::ssp::{self, SspError};
+use crate::third_party::ThirdPartyPantograph;
 
 /// Writes the co-simulation of a scene as an `.ssp`.
 ///
@@ -25,7 +26,8 @@ pub fn export(path: &Path, common: &Common) -> Result<(), CommandError> {
         .unwrap_or_else(|| Path::new("results").join(&prepared.name));
     let target = target.join(format!("{}.ssp", prepared.name));
     let own = archives(&prepared.scene, &libraries)?;
-    let exported = ssp::export(&prepared.scene, &prepared.name, &own, &file.base, &target)?;
+    let aligned: Vec<Option<f64>> = prepared.third_party.iter().map(aligned_offset).collect();
+    let exported = ssp::export(&prepared.scene, &prepared.name, &own, &file.base, &aligned, &target)?;
     fmi2::archive::write(&target, &exported.archive).map_err(|problem| SspError::Archive {
         path: target.clone(),
         problem,
@@ -38,4 +40,13 @@ pub fn export(path: &Path, common: &Common) -> Result<(), CommandError> {
         print(&format!("{}\n", target.display()))?;
     }
     Ok(())
+}
+
+/// Offset of a pantograph's height as it stands under the wire, m.
+fn aligned_offset(pantograph: &Option<ThirdPartyPantograph>) -> Option<f64> {
+    let outputs = &pantograph.as_ref()?.wiring().outputs;
+    outputs
+        .iter()
+        .find(|wire| wire.name == "height")
+        .map(|wire| wire.offset)
 }

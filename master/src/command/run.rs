@@ -125,6 +125,9 @@ fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(),
 /// The scene with the paths of its FMUs relative to `directory`.
 fn relative_to(scene: &Scene, directory: &Path) -> Scene {
     let mut scene = scene.clone();
+    if let Line::ThirdParty(entry) = &mut scene.catenary {
+        entry.fmu = relative(Path::new(&entry.fmu), directory).display().to_string();
+    }
     for pantograph in &mut scene.pantographs {
         if let PantographModel::ThirdParty(entry) = &mut pantograph.model {
             entry.fmu = relative(Path::new(&entry.fmu), directory).display().to_string();

@@ -17,11 +17,11 @@ use super::{STRUCTURE_FILE, SspError, write};
 use crate::interface::{load, strip};
 
 /// What every tool is told about the exchange.
-const EXCHANGE: &str = "The line hands over the mean of the contact force over its last communication step (mean_fx, mean_fy, \
-    mean_fz) and not its value at the end (fx, fy, fz): the impulse is then the same on both sides, and a tool that holds its \
-    inputs over a step, all components at once or one after the other, adds less energy to the contact. The catenary stands \
-    first for tools that step their components in order. x runs along the track, y to the left, z up from the top of rail; \
-    forces act on the strip; SI units. Steps of 1 ms or less are advised.";
+const EXCHANGE: &str = "The line hands over the force on the strip at the communication point (fx, fy, fz): of what a tool \
+    can hold over a step in which all components advance at once, this is the youngest, and adds the least energy to the \
+    contact. A tool that steps the catenary first and hands its new outputs over to a pantograph that has not stepped yet should \
+    connect the mean over the last step (mean_fx, mean_fy, mean_fz) instead: the impulse is then the same on both sides. x runs \
+    along the track, y to the left, z up from the top of rail; SI units. Steps of 1 ms or less are advised.";
 
 /// Name of the resource with the resolved scene.
 const SCENE: &str = "resources/scene.toml";
@@ -54,7 +54,8 @@ struct Side {
 }
 
 /// Makes the archive of a resolved scene; `own` are the FMUs made of it and their file names, `base` is the folder that
-/// paths of somebody else's FMUs are relative to.
+/// paths of somebody else's FMUs are relative to, `aligned` the offset in m of each pantograph's height where the scene leaves
+/// it open.
 ///
 /// # Errors
 /// An FMU that cannot be read, and whatever the archive writer reports; `path` is the archive, for messages.
@@ -63,6 +64,7 @@ pub fn export(
     name: &str,
     own: &[(String, Package)],
     base: &Path,
+    aligned: &[Option<f64>],
     path: &Path,
 ) -> Result<Exported, SspError> {
     let archive_error = |problem| SspError::Archive {
@@ -121,7 +123,7 @@ pub fn export(
         pantographs.push(match &mut pantograph.model {
             PantographModel::ThirdParty(side) => {
                 let model = take(&name, Some(side), &mut entries)?;
-                Side::foreign_pantograph(name, model, side)
+                Side::foreign_pantograph(name, model, side, aligned.get(index).copied().flatten())
             }
             _ => Side::own_pantograph(take(&name, None, &mut entries)?, name),
         });
@@ -203,13 +205,14 @@ fn identity(variable: String) -> Tap {
 fn tap(connection: &scene::Connection) -> Tap {
     let offset = match connection.offset {
         Offset::Value(value) => value,
-        // Written as a number when the scene was prepared.
+        // Of a pantograph's height only, which is put in afterwards.
         Offset::Align => 0.0,
     };
     Tap {
         variable: connection.variable.clone(),
         map: Linear {
-            factor: connection.factor,
+            // Written when the scene was prepared.
+            factor: connection.factor.unwrap_or(1.0),
             offset,
         },
     }
@@ -223,13 +226,7 @@ impl Side {
                 let name = format!("strip[{i}].{name}");
                 inputs.insert(name.clone(), identity(name));
             }
-            for name in ["fx", "fy", "fz", "force"] {
-                outputs.insert(
-                    format!("contact[{i}].{name}"),
-                    identity(format!("contact[{i}].mean_{name}")),
-                );
-            }
-            for name in ["x", "y"] {
+            for name in ["fx", "fy", "fz", "force", "x", "y"] {
                 let name = format!("contact[{i}].{name}");
                 outputs.insert(name.clone(), identity(name));
             }
@@ -245,17 +242,11 @@ impl Side {
     }
 
     fn foreign_line(model: ModelDescription, side: &ThirdParty) -> Self {
-        let mut outputs: BTreeMap<String, Tap> = side
+        let outputs: BTreeMap<String, Tap> = side
             .outputs
             .iter()
             .map(|(name, connection)| (name.clone(), tap(connection)))
             .collect();
-        // Means are exchanged where there are some.
-        for (name, connection) in &side.outputs {
-            if name.contains(".mean_") {
-                outputs.insert(name.replace(".mean_", "."), tap(connection));
-            }
-        }
         Self {
             name: "Catenary".to_owned(),
             description: side.fmu.clone(),
@@ -287,7 +278,7 @@ impl Side {
         }
     }
 
-    fn foreign_pantograph(name: String, model: ModelDescription, side: &ThirdParty) -> Self {
+    fn foreign_pantograph(name: String, model: ModelDescription, side: &ThirdParty, aligned: Option<f64>) -> Self {
         let ours = |theirs: &str| {
             match theirs {
                 "height" => "z",
@@ -304,11 +295,15 @@ impl Side {
                 .map(|(name, connection)| (ours(name), tap(connection)))
                 .collect()
         };
+        let mut outputs: BTreeMap<String, Tap> = taps(&side.outputs);
+        if let (Some(height), Some(offset)) = (outputs.get_mut("z"), aligned) {
+            height.map.offset = offset;
+        }
         Self {
             name,
             description: model.description.clone().unwrap_or_default(),
             inputs: taps(&side.inputs),
-            outputs: taps(&side.outputs),
+            outputs,
             values: side.parameters.clone(),
             model,
         }

@@ -14,7 +14,7 @@ use tempfile::TempDir;
 use super::document::{Connector, Description, End, Kind, Linear, Own, Source, Type};
 use super::parameters::{Unpacked, Values, convert, values};
 use super::read;
-use super::signals::{MEANS, Tap, Wire, is_vertical, loads, motions};
+use super::signals::{Tap, Wire, is_vertical, loads, motions};
 use super::{STRUCTURE_FILE, SspError, write};
 use crate::interface::contact;
 
@@ -77,6 +77,12 @@ pub fn import(path: &Path, overrides: &[String]) -> Result<Imported, SspError> {
              the coupling of the exported scene"
                 .to_owned(),
         );
+    }
+    if let Some(start) = description.experiment.start.filter(|start| *start != 0.0) {
+        return Err(SspError::Shape {
+            path: path.to_owned(),
+            problem: format!("startTime = {start} s of the default experiment: a run starts at t = 0"),
+        });
     }
     let foreign = Foreign::of(&description, unpacked, &mut notes)?;
     let origin = format!("{} as a scene", path.display());
@@ -177,8 +183,6 @@ struct Foreign {
     pantographs: Vec<(Option<f64>, ThirdParty)>,
     /// m/s, where it is known.
     speed: Option<f64>,
-    /// Whether means of the force are exchanged.
-    mean: bool,
 }
 
 /// A connection with its direction known: components by position.
@@ -253,7 +257,6 @@ impl Foreign {
             outputs: BTreeMap::new(),
         };
         let mut pantographs = Vec::new();
-        let mut mean = false;
         for (rank, (x, index, strip_of_line)) in order.into_iter().enumerate() {
             let i = rank + 1;
             let mut side = Side {
@@ -324,8 +327,6 @@ impl Foreign {
                         .outputs
                         .insert(format!("contact[{i}].{load}"), connection(&wire.line, si));
                 }
-                let last = wire.line.structured("contact").map(|(_, name)| name);
-                mean |= last.is_some_and(|last| MEANS.iter().any(|(known, _)| *known == last));
                 notes.push(format!(
                     "{name}.{} is given contact[{i}].{load}",
                     wire.pantograph.variable
@@ -370,7 +371,6 @@ impl Foreign {
             line: line_side.third_party(),
             pantographs,
             speed,
-            mean,
         })
     }
 
@@ -387,7 +387,7 @@ impl Foreign {
         let mut scene = Scene::from_toml(&String::from_utf8_lossy(&text), origin, &[])?;
         let (from, to) = scene.evaluation_time(0);
         if let Some(stop) = description.experiment.stop {
-            scene.run.duration = stop - description.experiment.start.unwrap_or(0.0);
+            scene.run.duration = stop;
         }
         scene.run.evaluate = Evaluate::Time {
             from: from.min(scene.run.duration),
@@ -421,10 +421,9 @@ impl Foreign {
         let title = description.system.description.as_ref().unwrap_or(&description.name);
         let _ = writeln!(out, "title = {}", quoted(title.lines().next().unwrap_or_default()));
         out.push_str("\n[run]\n");
-        let start = description.experiment.start.unwrap_or(0.0);
         if let Some(stop) = description.experiment.stop {
-            let _ = writeln!(out, "duration = {:?}", stop - start);
-            let _ = writeln!(out, "evaluate = {{ time = [0.0, {:?}] }}", stop - start);
+            let _ = writeln!(out, "duration = {:?}", stop);
+            let _ = writeln!(out, "evaluate = {{ time = [0.0, {:?}] }}", stop);
         }
         if let Some(speed) = self.speed {
             let _ = writeln!(out, "speed_kmh = {:?}", speed * 3.6);
@@ -441,9 +440,6 @@ impl Foreign {
                 let _ = writeln!(out, "offset_x = {:?}", x - first);
             }
             third_party(&mut out, side);
-        }
-        if !self.mean {
-            out.push_str("\n[coupling]\nforce = \"end\"\n");
         }
         out
     }
@@ -468,7 +464,7 @@ fn connection(tap: &Tap, map: Linear) -> scene::Connection {
 fn plain(variable: &str, map: Linear) -> scene::Connection {
     scene::Connection {
         variable: variable.to_owned(),
-        factor: map.factor,
+        factor: Some(map.factor),
         offset: Offset::Value(map.offset),
     }
 }
@@ -712,7 +708,7 @@ fn third_party(out: &mut String, side: &ThirdParty) {
                     "{} = {{ variable = {}, factor = {:?}, offset = {offset:?} }}",
                     quoted(name),
                     quoted(&connection.variable),
-                    connection.factor
+                    connection.factor.unwrap_or(1.0)
                 )
             })
             .collect();

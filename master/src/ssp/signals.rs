@@ -190,7 +190,7 @@ const LOADS: [(&str, Dimension, &[&str]); 7] = [
 ];
 
 /// Outputs of a line that say a force, with what they are the mean of.
-pub(super) const MEANS: [(&str, &str); 4] = [
+const MEANS: [(&str, &str); 4] = [
     ("mean_fx", "fx"),
     ("mean_fy", "fy"),
     ("mean_fz", "fz"),
