@@ -62,7 +62,7 @@ pub enum SspError {
         /// File in it.
         file: String,
         /// What is wrong.
-        problem: fmi2::model_description::DescriptionError,
+        problem: Box<fmi2::model_description::DescriptionError>,
     },
     /// An element of a file is refused.
     #[error("{}: {file}: line {line}: {problem}", path.display())]

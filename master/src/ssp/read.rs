@@ -34,7 +34,7 @@ impl File<'_> {
         xml::parse(bytes, xml::Annotations::Kept).map_err(|problem| SspError::Xml {
             path: self.archive.to_owned(),
             file: self.name.to_owned(),
-            problem,
+            problem: Box::new(problem),
         })
     }
 }
