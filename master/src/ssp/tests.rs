@@ -211,7 +211,7 @@ fn what_is_not_of_this_shape_is_refused_with_the_element_and_its_line() {
         BODY.replace(from, to)
     };
     let cases = [
-        (with("<s:Elements>", "<s:Elements>\n<s:System name=\"innen\"/>"), "line 15: element \"innen\": a nested system"),
+        (with("<s:Elements>", "<s:Elements>\n<s:System name=\"innen\"/>"), "line 14: element \"innen\": a nested system"),
         (
             with("<s:Elements>", "<s:Elements><s:SignalDictionaryReference name=\"d\" dictionary=\"x\"/>"),
             "element \"d\": signal dictionaries are not supported",
