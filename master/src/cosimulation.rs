@@ -401,6 +401,13 @@ impl FmuSlave {
         self
     }
 
+    /// Makes it claim no more than `abilities`.
+    #[must_use]
+    pub fn able(mut self, abilities: Abilities) -> Self {
+        self.abilities = abilities;
+        self
+    }
+
     /// What was done differently for its sake.
     #[must_use]
     pub fn remarks(&self) -> &[String] {

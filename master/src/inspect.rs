@@ -78,7 +78,7 @@ const STEP: f64 = 1e-3;
 const DURATION: f64 = 10.0;
 
 /// Longest time that one thing tried may take, s.
-const PATIENCE: f64 = 60.0;
+const PATIENCE: f64 = 10.0;
 
 /// Heights of wires above rail, m: a strip that starts elsewhere counts from another place.
 const HEIGHTS: std::ops::Range<f64> = 3.5..8.0;

@@ -16,6 +16,9 @@ use crate::third_party::{
     Side, StripAtStart, ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph, Wiring, aligned, own_heights,
 };
 
+/// Contact force that no strip starts with, N: several times what pantographs press with at any speed.
+const LARGEST_START: f64 = 1000.0;
+
 /// What is known of an FMU of somebody else.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Other {
@@ -138,6 +141,10 @@ fn start_pantograph(
         let height = equilibrium::wire_height(scene, statics, index, force)?;
         pantograph.align(height)?;
     }
+    if let Some(statics) = statics {
+        let height = pantograph.height();
+        check_height(scene, statics, index, height).map_err(|source| refused(&table, &entry, source))?;
+    }
     let pantograph_entry = &mut scene.pantographs[index];
     pantograph_entry.start = Some(Start {
         height: pantograph.height(),
@@ -145,6 +152,24 @@ fn start_pantograph(
     });
     pantograph_entry.model = PantographModel::ThirdParty(entry);
     Ok(pantograph)
+}
+
+/// Refuses a strip that starts so far above the wire that the line would not come to rest over it.
+fn check_height(scene: &Scene, statics: &StaticLine, index: usize, height: f64) -> Result<(), ThirdPartyError> {
+    let under = |force| equilibrium::wire_height(scene, statics, index, force);
+    // What the statics have no answer to is left to the start of the line.
+    let (Ok(wire), Ok(lifted)) = (under(0.0), under(LARGEST_START)) else {
+        return Ok(());
+    };
+    if height > lifted {
+        return Err(ThirdPartyError::Height {
+            height,
+            wire,
+            force: LARGEST_START,
+            lifted,
+        });
+    }
+    Ok(())
 }
 
 /// Starts a third-party line under the strips, whose starts are taken into the scene where they are not known.
@@ -216,6 +241,7 @@ fn refused(table: &str, entry: &ThirdParty, source: ThirdPartyError) -> SetupErr
         ThirdPartyError::Wiring(error) => error.key(),
         ThirdPartyError::Sign { name, .. } => format!("inputs.{name}"),
         ThirdPartyError::Step { .. } => "fmu".to_owned(),
+        ThirdPartyError::Height { .. } => "outputs.height".to_owned(),
     };
     // A message that names a key of the FMU only does not say which FMU it is.
     let key = format!("{table}.{key} ({})", entry.fmu);

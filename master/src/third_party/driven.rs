@@ -118,9 +118,11 @@ impl Driven {
     pub fn start(fmu: &Fmu, wiring: Wiring, setting: &Setting<'_>, probe: &Probe) -> Result<Self, CosimulationError> {
         let file = fmu.path().file_name().unwrap_or_default().to_string_lossy();
         let slave = FmuSlave::start(fmu, role(&wiring, setting))?.called(format!("{} ({file})", setting.name));
+        let abilities = probe.abilities(slave.abilities());
+        let slave = slave.able(abilities);
         let inputs = || vec![0.0; wiring.inputs.len()];
         Ok(Self {
-            abilities: probe.abilities(slave.abilities()),
+            abilities,
             unit: fixed_step(fmu.description()),
             given: std::array::from_fn(|_| inputs()),
             degree: 0,

@@ -71,6 +71,22 @@ pub enum ThirdPartyError {
         /// A multiple, s.
         nearest: f64,
     },
+    /// The strip starts far above the wire.
+    #[error(
+        "the strip starts at a height of {height:.3} m, where it would press with more than {force} N: the wire, at \
+         {wire:.3} m without a strip, would be at {lifted:.3} m then; must be nearer the wire, by the FMU's parameters, a \
+         number of metres as offset, or offset = \"align\""
+    )]
+    Height {
+        /// Of the strip at its start, m.
+        height: f64,
+        /// Of the wire without a strip, m.
+        wire: f64,
+        /// Force that no strip starts with, N.
+        force: f64,
+        /// Height of the wire under it, m.
+        lifted: f64,
+    },
 }
 
 impl ThirdPartyError {
@@ -79,7 +95,7 @@ impl ThirdPartyError {
     pub fn is_input(&self) -> bool {
         match self {
             Self::Fmu(error) => error.is_input(),
-            Self::Wiring(_) | Self::Sign { .. } | Self::Step { .. } => true,
+            Self::Wiring(_) | Self::Sign { .. } | Self::Step { .. } | Self::Height { .. } => true,
         }
     }
 }

@@ -34,6 +34,9 @@ const EXACT: f64 = 1e-11;
 /// Part of its effect by which a followed derivative may miss the pieces.
 const FOLLOWED: f64 = 0.25;
 
+/// How often a first step that is discarded is halved, as in a run.
+const HALVINGS: i32 = 6;
+
 /// Pieces of a step.
 const PIECES: usize = 16;
 
@@ -338,18 +341,33 @@ impl<'a> Bench<'a> {
     }
 
     fn first_step(&mut self, found: &mut Probe) -> Result<(), CosimulationError> {
-        let (outputs, inputs, h) = (self.request.wiring.outputs.len(), self.inputs(0.0), self.h);
+        let (outputs, inputs) = (self.request.wiring.outputs.len(), self.inputs(0.0));
         let height = self
             .request
             .wiring
             .outputs
             .iter()
             .position(|wire| wire.name == "height");
-        let slave = self.at_start()?;
-        let start = Self::seen(slave, outputs)?;
-        slave.set_inputs(&inputs)?;
-        slave.do_step(0.0, h)?;
-        Self::seen(slave, outputs)?;
+        let shortest = self.h * 0.5_f64.powi(HALVINGS);
+        let start = loop {
+            let h = self.h;
+            let slave = self.at_start()?;
+            let start = Self::seen(slave, outputs)?;
+            slave.set_inputs(&inputs)?;
+            match slave.do_step(0.0, h) {
+                Ok(()) => {
+                    Self::seen(slave, outputs)?;
+                    break start;
+                }
+                // A run takes shorter steps as well where the FMU asks for them.
+                Err(error) if error.is_retryable() && self.claimed.variable_step && 0.5 * h >= shortest => {
+                    self.h = 0.5 * h;
+                    self.slave = None;
+                }
+                Err(error) => return Err(error.into()),
+            }
+        };
+        let h = self.h;
         let wires = &self.request.wiring.outputs;
         found.start_height = height.map(|k| wires[k].factor * start.0[k] + wires[k].offset);
         found.add(
