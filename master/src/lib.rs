@@ -32,6 +32,7 @@ pub mod interface;
 mod modelled;
 pub mod monolithic;
 pub mod package;
+pub mod parallel;
 pub mod recorder;
 pub mod report;
 pub mod results;
