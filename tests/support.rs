@@ -2,5 +2,7 @@
 
 pub mod fmus;
 pub mod lines;
+pub mod python;
+pub mod raw;
 pub mod runs;
 pub mod single_wire;

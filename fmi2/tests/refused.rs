@@ -73,6 +73,7 @@ fn message_with(bytes: &[u8], limits: Limits) -> String {
         &Options {
             limits,
             keep: Keep::Nothing,
+            time_limit: None,
         },
     )
     .unwrap_err()

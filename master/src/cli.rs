@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
-use crate::command;
+use crate::command::{self, CommandError};
+use crate::isolation;
 use crate::simulation::Mode;
 
 /// Scene that is run when nothing is said.
@@ -73,6 +74,9 @@ enum Command {
         /// FMU file
         fmu: PathBuf,
     },
+    /// Runs one FMU for another process of this program, over its standard input
+    #[command(name = isolation::SUBCOMMAND, hide = true)]
+    IsolatedFmu,
     /// Renders report.html again; several directories are overlaid
     Report {
         /// Output directories of finished runs
@@ -107,6 +111,8 @@ impl From<ModeArgument> for Mode {
 pub fn main() -> ExitCode {
     // Prints help or the mistake and exits with 0 or 2.
     let Arguments { command, common } = Arguments::parse();
+    isolation::this_program_serves();
+    fmi2::import::guard::install(fmi2::import::guard::Report::Sentence);
     let command = command.unwrap_or(Command::Run {
         scene: DEFAULT_SCENE.into(),
         mode: ModeArgument::Cosimulation,
@@ -119,6 +125,7 @@ pub fn main() -> ExitCode {
             write_descriptions,
         } => command::package::package(&scene, write_descriptions.as_deref(), &common),
         Command::Inspect { fmu } => command::inspect::inspect(&fmu, &common),
+        Command::IsolatedFmu => isolation::serve().map_err(CommandError::Isolation),
         Command::Report { directories } => command::report::report(&directories, &common),
     };
     match result {

@@ -9,12 +9,15 @@
 //! recorder      communication points to series
 //! inprocess     slaves made of the core components
 //! cosimulation  slaves made of FMUs
-//! third_party   somebody else's pantograph behind the scene's wiring
+//! instance      an instance of an FMU, wherever it runs
+//! isolation     FMUs in processes of their own
+//! third_party   somebody else's pantograph or line behind the scene's wiring
 //! monolithic    line and pantographs as one system
 //! equilibrium   the state at t = 0
 //! standstill    the way of somebody else's pantograph to rest before that
 //! package       FMUs made from a scene
-//! simulation    a scene in a mode, from statics to a record
+//! prepare       a scene resolved: statics, FMUs of somebody else, starts
+//! simulation    a resolved scene in a mode, to a record
 //! results       files of a run; statistics, standards and report make them
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
 //! ```
@@ -28,11 +31,14 @@ pub mod cosimulation;
 pub mod equilibrium;
 pub mod inprocess;
 pub mod inspect;
+pub mod instance;
 pub mod interface;
+pub mod isolation;
 mod modelled;
 pub mod monolithic;
 pub mod package;
 pub mod parallel;
+mod prepare;
 pub mod recorder;
 pub mod report;
 pub mod results;

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use scene::Scene;
 
 use crate::cli::Common;
+use crate::isolation::IsolationError;
 use crate::package::PackageError;
 use crate::results::ResultsError;
 use crate::simulation::SetupError;
@@ -52,6 +53,9 @@ pub enum CommandError {
     /// Results cannot be written.
     #[error(transparent)]
     Results(ResultsError),
+    /// This process runs an FMU for another one.
+    #[error(transparent)]
+    Isolation(IsolationError),
     /// A result cannot be turned into JSON.
     #[error("the result is no JSON")]
     Json(#[from] serde_json::Error),

@@ -3,7 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use scene::{PantographModel, Scene};
+use scene::{Line, PantographModel, Scene};
 
 use super::{CommandError, SceneFile, print, print_json, say};
 use crate::cli::Common;
@@ -81,6 +81,9 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
 /// The scene with the paths of its FMUs relative to `directory`.
 fn relative_to(scene: &Scene, directory: &Path) -> Scene {
     let mut scene = scene.clone();
+    if let Line::ThirdParty(entry) = &mut scene.catenary {
+        entry.fmu = relative(Path::new(&entry.fmu), directory).display().to_string();
+    }
     for pantograph in &mut scene.pantographs {
         if let PantographModel::ThirdParty(entry) = &mut pantograph.model {
             entry.fmu = relative(Path::new(&entry.fmu), directory).display().to_string();
