@@ -144,7 +144,7 @@ pub struct FmuSlave {
 }
 
 /// Draws pictures from states that an FMU has serialised.
-trait Drawing {
+trait Drawing: Send {
     /// Keeps a serialised state, and a place in the picture that it belongs to.
     fn keep(&mut self, bytes: Vec<u8>, frame: &mut Frame);
 

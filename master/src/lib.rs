@@ -38,6 +38,7 @@ pub mod isolation;
 mod modelled;
 pub mod monolithic;
 pub mod package;
+pub mod parallel;
 mod prepare;
 pub mod recorder;
 pub mod report;

@@ -13,14 +13,18 @@ use crate::inprocess::{self, InProcess, of_pantograph};
 use crate::interface;
 use crate::monolithic::{Monolithic, MonolithicError};
 use crate::package::{self, Libraries, PackageError};
+use crate::parallel;
 use crate::recorder::Recorder;
 use crate::results::{self, LineGeometry, Record, RunInfo};
-use crate::run::{self, Failure, Outcome, Schedule, Watch};
+use crate::run::{self, Control, Controller, Failure, Outcome, Schedule, Watch};
 use crate::slave::{Slave, SlaveError};
 use crate::standstill::{self, Standstill};
 use crate::third_party::{ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph};
 
 pub use crate::prepare::{Other, prepare};
+
+/// Contact stiffness of EN 50318, N/m: what errors of a height are weighted with where the line's own is not known.
+const USUAL_STIFFNESS: f64 = 5e4;
 
 /// How a scene is run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -235,6 +239,53 @@ impl Prepared {
         }
     }
 
+    /// Which pantographs are to step on threads of their own. That goes by the scene alone, not by the machine.
+    fn own_threads(&self) -> Vec<bool> {
+        let pays = |pantograph: &scene::Pantograph| match self.scene.coupling.parallel {
+            scene::Parallel::Auto => matches!(pantograph.model, scene::PantographModel::Linkage(_)),
+            scene::Parallel::Always => true,
+            scene::Parallel::Never => false,
+        };
+        self.scene.pantographs.iter().map(pays).collect()
+    }
+
+    /// How the macro step is controlled, where it is; adds to `reason` what the slaves allow.
+    fn control(&self, sides: &Sides<'_>, reason: &mut String) -> Option<Control> {
+        let coupling = &self.scene.coupling;
+        let asked = coupling.step_control?;
+        if let Some(slave) = sides.with_fixed_step() {
+            reason.push_str(&format!(
+                "; {slave} takes steps of one length only: the macro step stays at {} s",
+                coupling.macro_step
+            ));
+            return None;
+        }
+        let (stiffness, whose) = match &self.scene.contact {
+            Some(contact) => (contact.stiffness, "contact.stiffness"),
+            None => (USUAL_STIFFNESS, "assumed for a line that does not say its own"),
+        };
+        reason.push_str(&format!(
+            "; macro step from {} s to {} s by the strips' deviation from their extrapolation times {stiffness} N/m ({whose}), \
+             {} N in the mean",
+            asked.min, asked.max, asked.tolerance,
+        ));
+        if let Some(slave) = sides.without_rollback() {
+            reason.push_str(&format!(
+                "; {slave} cannot go back to a saved state: a step with too large an error stands, only the next one is shorter"
+            ));
+        }
+        Some(Control {
+            duration: self.scene.run.duration,
+            tolerance: asked.tolerance,
+            min: asked.min,
+            max: asked.max,
+            first: coupling.macro_step,
+            micro_step: self.scene.solver.micro_step,
+            stiffness,
+            degree: coupling.extrapolation,
+        })
+    }
+
     fn recorder(&self, supports: &[usize]) -> Recorder {
         let line = self
             .scene
@@ -278,22 +329,41 @@ impl Prepared {
             )?;
             self.standstill = Some(found);
         }
+        let own_threads = self.own_threads();
         let (mut line, mut pantographs) = match mode {
             Mode::Cosimulation => self.fmu_slaves(supports, line, third_party, source)?,
             _ => self.core_slaves(supports, line, third_party)?,
         };
+        let beside_the_line = self.scene.coupling.algorithm == scene::Algorithm::Jacobi;
+        let threads = parallel::arrange(&mut pantographs, &own_threads, beside_the_line);
         let mut sides = Sides {
             line: &mut *line,
             pantographs: &mut pantographs,
         };
-        let (mut algorithm, reason) = algorithm::build(&self.scene.coupling, &sides).map_err(SetupError::from)?;
+        let (mut algorithm, mut reason) = algorithm::build(&self.scene.coupling, &sides).map_err(SetupError::from)?;
         let outputs = interface::line_output_count(self.scene.pantographs.len(), supports.len());
         let mut exchange = Exchange::start(&mut sides, 0.0, outputs).map_err(SetupError::from)?;
         good(&self.scene)?;
         let setup = self.begin.elapsed().as_secs_f64();
-        let schedule = self.schedule(sides.can_vary_step());
         let recorder = self.recorder(supports);
-        let outcome = run::run(&mut sides, &mut *algorithm, &mut exchange, recorder, schedule, watch);
+        let control = self.control(&sides, &mut reason);
+        if let Some(threads) = threads {
+            reason.push_str(&format!("; {threads}"));
+        }
+        let outcome = if let Some(control) = control {
+            let mut controller = Controller::new(control, self.scene.pantographs.len(), sides.can_roll_back());
+            run::run_controlled(
+                &mut sides,
+                &mut *algorithm,
+                &mut exchange,
+                recorder,
+                &mut controller,
+                watch,
+            )
+        } else {
+            let schedule = self.schedule(sides.can_vary_step());
+            run::run(&mut sides, &mut *algorithm, &mut exchange, recorder, schedule, watch)
+        };
         let coupling = results::Coupling {
             algorithm: self.scene.coupling.algorithm.name().to_owned(),
             reason,
@@ -448,6 +518,10 @@ impl Prepared {
                 newton_iterations: outcome.work.newton_iterations,
                 factorizations: outcome.work.factorizations,
                 rollbacks: outcome.rollbacks,
+                refused_steps: outcome.steps.refused,
+                smallest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.smallest),
+                largest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.largest),
+                mean_macro_step_s: (outcome.macro_steps > 0).then(|| outcome.simulated / outcome.macro_steps as f64),
             },
             notes: self.notes(),
         };

@@ -29,7 +29,7 @@ pub use component::Work;
 ///
 /// After an error that [`SlaveError::is_retryable`], the slave is where it was before the step. No call allocates memory
 /// after the first step.
-pub trait Slave {
+pub trait Slave: Send {
     /// Name for messages.
     fn name(&self) -> &str;
 

@@ -76,11 +76,18 @@ impl Scene {
 
     fn check_steps(&self, found: &mut Found) {
         let duration = self.run.duration;
-        for (key, step) in [
+        let mut steps = vec![
             ("run.output_step", self.run.output_step),
-            ("coupling.macro_step", self.coupling.macro_step),
             ("solver.micro_step", self.solver.micro_step),
-        ] {
+        ];
+        match self.coupling.step_control {
+            None => steps.insert(1, ("coupling.macro_step", self.coupling.macro_step)),
+            Some(control) => steps.extend([
+                ("coupling.macro_step.min", control.min),
+                ("coupling.macro_step.max", control.max),
+            ]),
+        }
+        for (key, step) in steps {
             if step > duration {
                 let expected = format!("must be at most run.duration = {duration} s");
                 refuse(found, key, shown_number(step, "s"), expected);

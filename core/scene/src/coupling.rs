@@ -14,8 +14,13 @@ pub struct Coupling {
     pub force: Force,
     /// Degree of the polynomial that inputs follow inside a step, 0 to 2 (–).
     pub extrapolation: usize,
-    /// Communication step, s; 1 ms by default.
+    /// Communication step, s; 1 ms by default. Where it is controlled, the first one, and the only one where a slave takes no
+    /// other: 1 ms or what `min` and `max` leave of it.
     pub macro_step: f64,
+    /// How the macro step is controlled; `None` where all steps are equal.
+    pub step_control: Option<StepControl>,
+    /// Whether slaves that may step at the same time do.
+    pub parallel: Parallel,
     /// Most iterations of a macro step with [`Algorithm::Iterated`]; 20 by default: it contracts by more than half each time,
     /// or does not converge at all.
     pub max_iterations: usize,
@@ -33,6 +38,8 @@ impl PartialEq for Coupling {
             force,
             extrapolation,
             macro_step,
+            step_control,
+            parallel,
             max_iterations,
             force_tolerance,
             reason: _,
@@ -42,8 +49,50 @@ impl PartialEq for Coupling {
             && *force == other.force
             && *extrapolation == other.extrapolation
             && *macro_step == other.macro_step
+            && *step_control == other.step_control
+            && *parallel == other.parallel
             && *max_iterations == other.max_iterations
             && *force_tolerance == other.force_tolerance
+    }
+}
+
+/// `coupling.macro_step = { tolerance = …, min = …, max = … }`: the macro step follows the error that it makes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepControl {
+    /// Estimated error of the contact force that a step may make, N.
+    pub tolerance: f64,
+    /// Shortest macro step, s; 0.1 ms by default. A step of this length is taken whatever its error.
+    pub min: f64,
+    /// Longest macro step, s; 10 ms by default, beyond which no exchange without iterations follows a collector head on its
+    /// contact stiffness.
+    pub max: f64,
+}
+
+impl Entry for StepControl {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let control = Self {
+            tolerance: keys.number("tolerance", was.map(|control| control.tolerance), Number::positive("N")),
+            min: keys.number(
+                "min",
+                was.map(|control| control.min),
+                Number::positive("s").default(1e-4),
+            ),
+            max: keys.number(
+                "max",
+                was.map(|control| control.max),
+                Number::positive("s").default(1e-2),
+            ),
+        };
+        if control.max < control.min {
+            // The key that is written is the one to be corrected.
+            let (name, expected) = if keys.has("max", false) {
+                ("max", format!("must be at least min = {} s", control.min))
+            } else {
+                ("min", format!("must be at most max = {} s", control.max))
+            };
+            keys.refuse(name, expected);
+        }
+        control
     }
 }
 
@@ -84,6 +133,19 @@ choice! {
     unavailable: []
 }
 
+choice! {
+    /// `coupling.parallel`: whether slaves that may step at the same time do, on threads of their own. Results are the same.
+    pub enum Parallel {
+        /// Where that pays: pantographs of model `"linkage"`.
+        Auto = "auto",
+        /// All pantographs, FMUs of others included.
+        Always = "always",
+        /// No slave.
+        Never = "never",
+    }
+    unavailable: []
+}
+
 const NAMED: &str = "named in the scene";
 const AUTO: &str = "auto: Gauss-Seidel, the line first, passes the line's mean force on, which conserves the impulse, \
                     and asks neither side to step back";
@@ -104,12 +166,11 @@ impl Entry for Coupling {
                 Some(None),
             )
             .flatten();
-        if keys.holds_table("macro_step") {
-            keys.refuse(
-                "macro_step",
-                "a controlled macro step is not available in this version: must be a number in s",
-            );
-        }
+        let controlled = keys.holds_table("macro_step") || was.is_some_and(|coupling| coupling.step_control.is_some());
+        let step_control = controlled.then(|| {
+            let was = was.and_then(|coupling| coupling.step_control.as_ref());
+            keys.inline_table("macro_step", was)
+        });
         Self {
             algorithm: algorithm.unwrap_or(Algorithm::GaussSeidel),
             order: keys.word("order", was.map(|coupling| coupling.order), Some(Order::CatenaryFirst)),
@@ -120,15 +181,16 @@ impl Entry for Coupling {
                 0..=2,
                 Some(1),
             ),
-            macro_step: if keys.holds_table("macro_step") {
-                f64::NAN
-            } else {
-                keys.number(
+            macro_step: match step_control {
+                Some(StepControl { min, max, .. }) => 1e-3_f64.min(max).max(min),
+                None => keys.number(
                     "macro_step",
                     was.map(|coupling| coupling.macro_step),
                     Number::positive("s").default(1e-3),
-                )
+                ),
             },
+            step_control,
+            parallel: keys.word("parallel", was.map(|coupling| coupling.parallel), Some(Parallel::Auto)),
             max_iterations: keys.count(
                 "max_iterations",
                 was.map(|coupling| coupling.max_iterations),

@@ -53,7 +53,7 @@ pub use catenary::{
     AxialStrain, Catenary, Damping, Droppers, Element, Mesh, RegistrationArms, Statics, Supports, Wire, WireEnds,
 };
 pub use contact::{Contact, ContactLaw};
-pub use coupling::{Algorithm, Coupling, Force, Order};
+pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};
 pub use error::{Place, Problem, SceneError, What};
 pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageStrip, Uplift};
 pub use model::{Model, Reduction};

@@ -36,10 +36,11 @@ impl Algorithm for Jacobi {
             predict::load(exchange, i, self.force, self.extrapolation, h, &mut self.load);
             self.load.send(&mut **pantograph, h)?;
         }
-        sides.line.do_step(t, h)?;
+        // The line last: a pantograph with a thread of its own steps meanwhile.
         for pantograph in sides.pantographs.iter_mut() {
             pantograph.do_step(t, h)?;
         }
+        sides.line.do_step(t, h)?;
         exchange.read_line(sides)?;
         exchange.read_pantographs(sides)?;
         Ok(0)

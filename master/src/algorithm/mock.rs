@@ -1,7 +1,7 @@
 //! Slaves for tests: no FMU, no line, no pantograph.
 
-use std::cell::Cell;
-use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Polynomial;
 use crate::interface::{contact, load, strip};
@@ -41,7 +41,7 @@ pub(super) struct Head {
     pub(super) inputs: Inputs,
     pub(super) able: usize,
     pub(super) kept: (f64, f64, f64),
-    pub(super) steps: Rc<Cell<usize>>,
+    pub(super) steps: Arc<AtomicUsize>,
 }
 
 impl Head {
@@ -56,7 +56,7 @@ impl Head {
             inputs,
             able: 3,
             kept: (0.0, 0.0, 0.0),
-            steps: Rc::default(),
+            steps: Arc::default(),
         }
     }
 }
@@ -92,7 +92,7 @@ impl Slave for Head {
         let m = self.mass;
         self.z += h * (self.v + h / m * (f0 / 2.0 + h * (f1 / 6.0 + h * (f2 / 24.0 + h * f3 / 120.0))));
         self.v += h / m * (f0 + h * (f1 / 2.0 + h * (f2 / 6.0 + h * f3 / 24.0)));
-        self.steps.set(self.steps.get() + 1);
+        self.steps.fetch_add(1, Ordering::Relaxed);
         Ok(())
     }
 

@@ -36,6 +36,7 @@ pub use gauss_seidel::GaussSeidel;
 pub use iterated::Iterated;
 pub use jacobi::Jacobi;
 pub use polynomial::Polynomial;
+pub(crate) use predict::strips as predicted_strips;
 
 use scene::{Coupling, Force, Order};
 
@@ -70,6 +71,16 @@ impl Sides<'_> {
     #[must_use]
     pub fn can_vary_step(&self) -> bool {
         self.line.abilities().variable_step && self.pantographs.iter().all(|slave| slave.abilities().variable_step)
+    }
+
+    /// Name of the first slave that takes steps of one length only.
+    #[must_use]
+    pub fn with_fixed_step(&self) -> Option<&str> {
+        let line: &dyn Slave = &*self.line;
+        std::iter::once(line)
+            .chain(self.pantographs.iter().map(|slave| &**slave))
+            .find(|slave| !slave.abilities().variable_step)
+            .map(Slave::name)
     }
 
     /// Keeps the present state of every slave.

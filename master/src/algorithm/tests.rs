@@ -13,6 +13,8 @@ fn coupling(algorithm: scene::Algorithm, order: Order, force: Force, extrapolati
         force,
         extrapolation,
         macro_step: 1.0,
+        step_control: None,
+        parallel: scene::Parallel::Never,
         max_iterations: 50,
         force_tolerance: 1e-12,
         reason: "named",
@@ -290,7 +292,13 @@ fn one_repeated_step(h: f64, max_iterations: usize) -> Result<(f64, f64, usize, 
         exchange.point(0).strip(0)[strip::Z],
         exchange.point(0).contact(0)[contact::MEAN_FZ],
     );
-    Ok((z, mean, line.steps, steps.get(), rollbacks))
+    Ok((
+        z,
+        mean,
+        line.steps,
+        steps.load(std::sync::atomic::Ordering::Relaxed),
+        rollbacks,
+    ))
 }
 
 /// With the mean force F held, z₁ = 1 + F h²/2, v₁ = F h; the mean of the cubic through both ends is

@@ -131,6 +131,20 @@ pub fn table(summary: &Summary) -> String {
         "  {} macro steps, {} micro steps, {} Newton iterations, {} factorizations, {} rollbacks\n",
         cost.macro_steps, cost.micro_steps, cost.newton_iterations, cost.factorizations, cost.rollbacks,
     ));
+    if let (Some(smallest), Some(largest), Some(mean)) = (
+        cost.smallest_macro_step_s,
+        cost.largest_macro_step_s,
+        cost.mean_macro_step_s,
+    ) && smallest < largest
+    {
+        text.push_str(&format!(
+            "  macro steps from {:.3} to {:.3} ms, {:.3} ms in the mean, {} refused\n",
+            1e3 * smallest,
+            1e3 * largest,
+            1e3 * mean,
+            cost.refused_steps,
+        ));
+    }
     let coupling = &summary.coupling;
     text.push_str(&format!(
         "  coupling {}, energy residual {} J; {} coordinates, {} constraints, {} elements\n",

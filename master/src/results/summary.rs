@@ -108,6 +108,18 @@ pub struct Cost {
     pub factorizations: u64,
     /// Steps that were taken back.
     pub rollbacks: u64,
+    /// Macro steps that were refused for their error, and repeated shorter.
+    #[serde(default)]
+    pub refused_steps: u64,
+    /// Shortest, longest and mean macro step, s; the last one, which ends at the duration, is not among the shortest.
+    #[serde(default)]
+    pub smallest_macro_step_s: Option<f64>,
+    /// See above.
+    #[serde(default)]
+    pub largest_macro_step_s: Option<f64>,
+    /// See above.
+    #[serde(default)]
+    pub mean_macro_step_s: Option<f64>,
 }
 
 /// The summary of a run.
