@@ -300,7 +300,8 @@ fn pantograph(inputs: &Candidates<'_>, outputs: &Candidates<'_>) -> [Vec<Guess>;
         if let Some((velocity, because)) = velocity {
             read.push(guess_of("velocity", velocity, because));
         }
-        for name in ["x", "y", "vx", "vy", "roll"] {
+        // Not the roll: a scene says itself whether its line is to be tilted, which makes it spatial.
+        for name in ["x", "y", "vx", "vy"] {
             if let Some(variable) = outputs.named(&[&format!("strip[1].{name}")]) {
                 read.push(guess_of(name, variable, "name"));
             }
