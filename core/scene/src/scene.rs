@@ -118,12 +118,8 @@ impl Scene {
             let PantographModel::ThirdParty(side) = &pantograph.model else {
                 return None;
             };
-            let key = format!("pantograph[{}].outputs", index + 1);
-            if side.outputs.contains_key("roll") {
-                return Some(format!("{key}.roll may tilt the strip"));
-            }
-            // What is guessed for it may hold the roll angle.
-            side.outputs.is_empty().then(|| format!("{key} is left open"))
+            let tilts = side.outputs.contains_key("roll");
+            tilts.then(|| format!("pantograph[{}].outputs.roll may tilt the strip", index + 1))
         })
     }
 
