@@ -15,6 +15,7 @@
 //! standstill    the way of somebody else's pantograph to rest before that
 //! package       FMUs made from a scene
 //! simulation    a scene in a mode, from statics to a record
+//! test_problem  two small slaves and their truth: what a coupling algorithm is worth
 //! results       files of a run; statistics, standards and report make them
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
 //! ```
@@ -41,4 +42,5 @@ pub mod slave;
 pub mod standards;
 pub mod standstill;
 pub mod statistics;
+pub mod test_problem;
 pub mod third_party;
