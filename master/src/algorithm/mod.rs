@@ -19,6 +19,24 @@
 //! | `end` | end force, held | last end force, held |
 //!
 //! A prediction does not look past a point at which the contact was open.
+//!
+//! What the algorithms are worth on an undamped head on a spring (ω its frequency, h the macro step; order and largest `ωh`
+//! as [`stability`] finds them; "–": grows slowly at any step):
+//!
+//! | algorithm | line gets | pantograph gets | order | stable to `ωh` | needs |
+//! | --- | --- | --- | --- | --- | --- |
+//! | jacobi, `mean`, 1 | `z + v τ` | extrapolated mean | 2 | – | nothing |
+//! | jacobi, `interpolated`, 2 | `z + v τ + a τ²/2` | extrapolated parabola | 3 | 0.6 | derivatives 2, 2 |
+//! | gauss_seidel, line first, `mean`, 1 | `z + v τ` | mean of the step | 2 | 2.0, neutral | a line that follows velocities |
+//! | gauss_seidel, line first, `interpolated`, 2 | `z + v τ + a τ²/2` | straight line | 2 | 1.5 | derivatives 2, 1 |
+//! | gauss_seidel, pantograph first, `interpolated`, 2 | cubic | extrapolated parabola | 3 | 0.9 | derivatives 3, 2 |
+//! | iterated | cubic | mean, or straight line | 2 | 3.4, neutral | derivatives 3, 1, rollback |
+//! | interface_jacobian, one pass, 1 | cubic | extrapolated line and what the last step left over | not measured | 1.2 | derivatives 3, 1 |
+//! | interface_jacobian, one pass, 2 | cubic | extrapolated parabola and what the last step left over | 4 | 0.28; grows by 2e-4 per step at 0.5 | derivatives 3, 2 |
+//! | interface_jacobian, repeated | cubic | parabola with mean and moment of the line's force | 4 | 2.9, neutral | the same and rollback |
+//!
+//! `auto` takes `interface_jacobian` where the pantographs follow a force inside the step, else `gauss_seidel` with the mean
+//! (see [`resolve`]).
 
 mod exchange;
 mod gauss_seidel;
@@ -27,8 +45,10 @@ mod iterated;
 mod jacobi;
 #[cfg(test)]
 mod mock;
+mod oscillator;
 mod polynomial;
 mod predict;
+pub mod stability;
 #[cfg(test)]
 mod tests;
 pub mod waveform;
@@ -147,27 +167,33 @@ pub trait Algorithm {
     }
 }
 
+/// Longest macro step that a single pass with a predicted parabola is taken for, s: ωh = 0.5 with the head of EN 50318 (7.2 kg)
+/// on its contact (50 kN/m), 83 rad/s.
+pub const ONE_PASS_STEP: f64 = 6e-3;
+
 /// `[coupling]` with `"auto"` replaced by what suits the slaves; all else as it is.
 ///
-/// One rule: [`InterfaceJacobian`] where every pantograph follows a force inside the step, for then what a pass leaves over
-/// can be made up for in the next one. A pantograph that holds its inputs cannot; [`GaussSeidel`] with the mean force, the
-/// line first, keeps the impulse exactly and is neutral up to `ωh = 2`.
+/// [`InterfaceJacobian`] where every pantograph follows a force inside the step, for then what a pass leaves over can be made
+/// up for in the next one. A pantograph that holds its inputs cannot, and a single pass must not look that far ahead over steps
+/// longer than [`ONE_PASS_STEP`]; [`GaussSeidel`] with the mean force, the line first, keeps the impulse exactly and is neutral
+/// up to `ωh = 2`.
 #[must_use]
 pub fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> Coupling {
     let mut resolved = coupling.clone();
     if coupling.algorithm != scene::Algorithm::Auto {
         return resolved;
     }
+    let one_pass = !sides.can_roll_back() || coupling.max_iterations == 1;
     let follows = sides
         .pantographs
         .iter()
         .all(|slave| slave.abilities().input_derivatives > 0);
-    if follows {
+    if follows && !(one_pass && coupling.macro_step > ONE_PASS_STEP) {
         resolved.algorithm = scene::Algorithm::InterfaceJacobian;
         (resolved.order, resolved.force, resolved.extrapolation) = (Order::PantographFirst, Force::Interpolated, 2);
-        resolved.reason = if !sides.can_roll_back() || coupling.max_iterations == 1 {
-            "auto: one pass, whose error is made up for in the next step; stable while the contact's frequency times the \
-             macro step is below 1.2, beyond that the macro step must be shorter"
+        resolved.reason = if one_pass {
+            "auto: one pass, whose error is made up for in the next step; meant for a contact whose circular frequency \
+             times the macro step is below 0.5, beyond that the macro step must be shorter"
         } else {
             "auto: Newton with the interface Jacobian of the step, most steps in one pass whose error is made up for in the \
              next step"
@@ -175,7 +201,7 @@ pub fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> Coupling {
     } else {
         resolved.algorithm = scene::Algorithm::GaussSeidel;
         (resolved.order, resolved.force, resolved.extrapolation) = (Order::CatenaryFirst, Force::Mean, 1);
-        resolved.reason = "auto: a pantograph holds its inputs over a step: Gauss-Seidel, the line first, passes the line's \
+        resolved.reason = "auto: one pass, long steps or a pantograph that holds its inputs: Gauss-Seidel, the line first, passes the line's \
                            mean force on, which conserves the impulse; stable while the contact's frequency times the macro \
                            step is below 2, beyond that the macro step must be shorter";
     }

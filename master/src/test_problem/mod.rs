@@ -34,7 +34,7 @@ const DIVERGED: f64 = 10.0;
 pub struct Case {
     /// What is run, for people.
     pub name: String,
-    /// Algorithm and exchange; its `macro_step` is not used.
+    /// Algorithm and exchange; its `macro_step` is that of the run.
     pub coupling: Coupling,
     /// Abilities of the line.
     pub line: Switches,
@@ -204,7 +204,11 @@ pub fn run(case: &Case, macro_step: f64) -> Outcome {
         line: &mut line,
         pantographs: &mut pantographs,
     };
-    let (mut algorithm, _) = algorithm::build(&case.coupling, &sides);
+    let coupling = Coupling {
+        macro_step,
+        ..case.coupling.clone()
+    };
+    let (mut algorithm, _) = algorithm::build(&coupling, &sides);
     let steps = (DURATION / macro_step).round() as usize;
     let largest = truth.forces().iter().fold(0.0_f64, |max, force| max.max(*force));
     let smallest = truth.forces().iter().fold(f64::INFINITY, |min, force| min.min(*force));
