@@ -1,11 +1,14 @@
 //! Both FMUs in FMPy: packages them, writes down what the core does with the same inputs, and runs `tests/fmpy`.
 use component::{Component, Role};
 use integration_tests::fmus::{COARSE, Packaged, THESIS, tree};
+use integration_tests::python::{environment, run};
 use integration_tests::runs::EN_250;
+use master::package::{Libraries, archives};
+use master::simulation::Mode;
 use scene::{PantographModel, Scene};
 use std::fmt::Write as _;
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::Path;
 use std::process::Command;
 
 /// Value and three derivatives of an input at time `t` in s, from its start value.
@@ -151,82 +154,34 @@ fn write_other_scenes(scene: &Scene, plain: &str, folder: &Path) {
     fs::write(folder.join("longer.toml"), longer.to_toml()).unwrap();
 }
 
-fn python() -> String {
-    let tried = ["python3", "python"];
-    let works = |name: &&str| {
-        let check = "import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 10))";
-        Command::new(name)
-            .args(["-c", check])
-            .output()
-            .is_ok_and(|output| output.status.success())
-    };
-    let found = tried.into_iter().find(works);
-    found
-        .unwrap_or_else(|| {
-            panic!(
-                "the FMUs are tested with FMPy, which needs Python 3.10 or later with the modules venv and ensurepip: none of \
-                 {tried:?} is that. Install it (Debian, Ubuntu: apt-get install python3 python3-venv) and run the tests again"
-            )
-        })
-        .to_owned()
-}
-
-fn run(command: &mut Command, what: &str) -> String {
-    let output = command
-        .output()
-        .unwrap_or_else(|error| panic!("{what}: {command:?}: {error}"));
-    let text = format!(
-        "{}{}",
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr)
-    );
-    assert!(output.status.success(), "{what} failed ({}):\n{text}", output.status);
-    text
-}
-
-/// The interpreter of the virtual environment, made anew where it does not fit the pinned requirements.
-fn environment() -> PathBuf {
-    let folder = tree().join("target/fmpy-venv");
-    let interpreter = folder.join(if cfg!(windows) {
-        "Scripts/python.exe"
-    } else {
-        "bin/python"
-    });
-    fs::create_dir_all(folder.parent().unwrap()).unwrap();
-    let lock = File::create(tree().join("target/fmpy-venv.lock")).unwrap();
-    lock.lock().unwrap();
-    let requirements = tree().join("tests/fmpy/requirements.txt");
-    let wanted = fs::read(&requirements).unwrap();
-    let stamp = folder.join("installed.txt");
-    if !fs::read(&stamp).is_ok_and(|installed| installed == wanted) || !interpreter.exists() {
-        let _ = fs::remove_dir_all(&folder);
-        run(
-            Command::new(python()).args(["-m", "venv"]).arg(&folder),
-            "making a Python virtual environment",
-        );
-        // Without dependencies: the list is complete for what is used here, FMPy's own would pull in far more.
-        run(
-            Command::new(&interpreter)
-                .args([
-                    "-m",
-                    "pip",
-                    "install",
-                    "--quiet",
-                    "--disable-pip-version-check",
-                    "--no-deps",
-                    "--requirement",
-                ])
-                .arg(&requirements),
-            "installing tests/fmpy/requirements.txt (network access is needed once)",
-        );
-        fs::write(&stamp, &wanted).unwrap();
+/// The pair as a system structure, and the contact force of the master where both sides step at once with held inputs.
+fn write_system(text: &str, overrides: &[&str], name: &str, folder: &Path) {
+    let plain = [
+        "coupling.algorithm=jacobi",
+        "coupling.extrapolation=0",
+        "coupling.force=end",
+        "coupling.macro_step=0.001",
+        "run.duration=0.2",
+        "run.evaluate={ time = [0.1, 0.2] }",
+    ];
+    let scene = integration_tests::runs::scene_with(text, &[overrides, &plain[..]].concat());
+    let run = integration_tests::runs::run(scene.clone(), Mode::Cosimulation, &format!("ssp-{name}"));
+    let mut table = String::from("time,force");
+    for (time, force) in run.record.time.iter().zip(&run.record.pantographs[0].force) {
+        write!(table, "\n{time:?},{force:?}").unwrap();
     }
-    interpreter
+    fs::write(folder.join("system.jacobi.csv"), table).unwrap();
+    let scene = integration_tests::runs::prepared(scene, name).scene;
+    let own = archives(&scene, &Libraries::find(&|_| {}).unwrap()).unwrap();
+    let path = folder.join("system.ssp");
+    let exported = master::ssp::export(&scene, name, &own, Path::new("."), &[], &path).unwrap();
+    assert!(exported.notes.is_empty(), "{:?}", exported.notes);
+    fs::write(path, exported.archive).unwrap();
 }
 
 #[test]
 fn both_fmus_pass_the_checks_in_fmpy() {
-    let interpreter = environment();
+    let interpreter = environment("fmpy", &tree().join("tests/fmpy/requirements.txt"));
     let data = tempfile::tempdir().unwrap();
     for (name, text, overrides) in [("en50318", EN_250, COARSE), ("thesis", THESIS, &[])] {
         let folder = data.path().join(name);
@@ -237,6 +192,7 @@ fn both_fmus_pass_the_checks_in_fmpy() {
             write_trajectory::<vehicle::Subsystem>(&fmus.scene, plan, load, &folder);
         }
         let given = integration_tests::runs::scene_with(text, overrides);
+        write_system(text, overrides, name, &folder);
         write_other_scenes(&fmus.scene, &given.to_toml(), &folder);
         for identifier in ["Catenary", "Pantograph"] {
             fs::copy(fmus.path(identifier), folder.join(format!("{identifier}.fmu"))).unwrap();

@@ -1,4 +1,6 @@
 //! The packaged FMUs through their C interface: wrong calls, failed steps, many instances, small stacks.
+#[path = "fmu_abi/host.rs"]
+mod host;
 #[path = "fmu_abi/raw.rs"]
 mod raw;
 
@@ -493,6 +495,8 @@ fn no_folder_or_name_of_this_computer_is_in_an_archive() {
             "modelDescription.xml",
             "resources/scene.toml",
             "documentation/index.html",
+            "documentation/licenses/license.txt",
+            "documentation/externalDependencies.txt",
         ] {
             let text = std::fs::read_to_string(fmu.folder().join(name)).unwrap();
             assert!(!text.contains(&tree), "{identifier}: {name}");

@@ -96,6 +96,15 @@ pub fn prepared(scene: Scene, name: &str) -> Prepared {
 /// When the run does not come to its end.
 #[must_use]
 pub fn run(scene: Scene, mode: Mode, name: &str) -> Run {
+    run_beside(scene, mode, name, Path::new("."))
+}
+
+/// [`run`] for a scene whose file is in the folder `base`.
+///
+/// # Panics
+/// When the run does not come to its end.
+#[must_use]
+pub fn run_beside(scene: Scene, mode: Mode, name: &str, base: &Path) -> Run {
     let duration = scene.run.duration;
     let never = AtomicBool::new(false);
     let progress = Progress::simulated(name, duration, Show::Never);
@@ -108,7 +117,8 @@ pub fn run(scene: Scene, mode: Mode, name: &str) -> Run {
         say: &|_| {},
         logging: false,
     };
-    let finished = prepared(scene, name)
+    let finished = prepare(scene, name, base, false)
+        .unwrap()
         .run(mode, &source, &watch, |_| Ok::<(), Box<SetupError>>(()))
         .unwrap();
     assert!(finished.failure.is_none(), "{name}: {:?}", finished.failure);

@@ -3,23 +3,24 @@
 use std::fmt::Write as _;
 
 use catenary::StaticsReport;
-use scene::{PantographModel, ThirdParty};
 use serde::Serialize;
 
 use crate::results::Model;
-use crate::simulation::{Prepared, SetupError, evaluated_spans};
+use crate::simulation::{Other, Prepared, SetupError, evaluated_spans};
 
 /// Statics, model and waves of a scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// What the statics found, elasticity of the evaluated spans included.
-    pub statics: StaticsReport,
+    /// What the statics found, elasticity of the evaluated spans included; nothing of somebody else's line.
+    pub statics: Option<StaticsReport>,
     /// What is modelled.
     pub model: Model,
-    /// Waves on the contact wire.
-    pub waves: Waves,
+    /// Waves on the contact wire; nothing of somebody else's line.
+    pub waves: Option<Waves>,
     /// Start of each pantograph.
     pub start: Vec<StartReport>,
+    /// FMUs of somebody else.
+    pub others: Vec<Other>,
     /// Remarks.
     pub notes: Vec<String>,
 }
@@ -56,15 +57,22 @@ impl Report {
     pub fn of(prepared: &Prepared) -> Result<Self, SetupError> {
         let scene = &prepared.scene;
         let (first, last) = evaluated_spans(scene);
-        let mut statics = prepared.statics.report().clone();
-        let points = prepared.statics.elasticity_points(first, last);
-        statics.elasticity = prepared
-            .statics
-            .elasticity(&points)
-            .map_err(catenary::CatenaryError::from)?;
-        let contact_wire = scene
-            .modelled_line()
-            .map_or(0.0, |(catenary, _)| catenary.contact_wire.wave_speed());
+        let statics = match &prepared.statics {
+            None => None,
+            Some(line) => {
+                let mut statics = line.report().clone();
+                let points = line.elasticity_points(first, last);
+                statics.elasticity = line.elasticity(&points).map_err(catenary::CatenaryError::from)?;
+                Some(statics)
+            }
+        };
+        let waves = scene.modelled_line().map(|(catenary, _)| {
+            let contact_wire = catenary.contact_wire.wave_speed();
+            Waves {
+                contact_wire,
+                speed_ratio: scene.run.speed / contact_wire,
+            }
+        });
         let starts = scene.pantographs.iter().enumerate().filter_map(|(index, pantograph)| {
             let start = pantograph.start?;
             Some(StartReport {
@@ -76,11 +84,9 @@ impl Report {
         Ok(Self {
             statics,
             model: prepared.model(),
-            waves: Waves {
-                contact_wire,
-                speed_ratio: scene.run.speed / contact_wire,
-            },
+            waves,
             start: starts.collect(),
+            others: prepared.others.clone(),
             notes: prepared.notes(),
         })
     }
@@ -96,54 +102,10 @@ impl Report {
 
     fn write(&self, prepared: &Prepared, out: &mut String) -> std::fmt::Result {
         let scene = &prepared.scene;
-        let (first, last) = evaluated_spans(scene);
         writeln!(out, "{}: {}", prepared.name, scene.title)?;
-        let statics = &self.statics;
-        writeln!(
-            out,
-            "\nstatics: {} iterations, residual {:.1e} N",
-            statics.iterations, statics.residual
-        )?;
-        let tension = &statics.tension;
-        writeln!(
-            out,
-            "  tension: contact wire {:.1} N, messenger wire {:.1} N",
-            tension.contact_wire, tension.messenger_wire
-        )?;
-        writeln!(
-            out,
-            "  waves: {:.1} m/s on the contact wire, the train runs at {:.2} of that",
-            self.waves.contact_wire, self.waves.speed_ratio
-        )?;
-        writeln!(
-            out,
-            "\ndroppers of spans {first} to {last}\n  span        x [m]   length [m]    force [N]"
-        )?;
-        for dropper in statics
-            .droppers
-            .iter()
-            .filter(|dropper| (first..=last).contains(&dropper.span))
-        {
-            writeln!(
-                out,
-                "  {:4} {:12.3} {:12.6} {:12.3}",
-                dropper.span, dropper.x, dropper.length, dropper.force
-            )?;
-        }
-        writeln!(
-            out,
-            "\nsupports\n     x [m]   messenger [N]     arm [N]   contact wire z [m]"
-        )?;
-        for support in &statics.supports {
-            writeln!(
-                out,
-                "{:10.3} {:15.3} {:11.3} {:20.6}",
-                support.x, support.messenger_reaction, support.arm_force, support.contact_wire_z
-            )?;
-        }
-        writeln!(out, "\nelasticity under 100 N\n     x [m]   rise [mm/N]")?;
-        for point in &statics.elasticity {
-            writeln!(out, "{:10.3} {:13.4}", point.x, 1e3 * point.elasticity)?;
+        match &self.statics {
+            Some(statics) => self.write_statics(statics, evaluated_spans(scene), out)?,
+            None => writeln!(out, "\nstatics: none, the line is somebody else's FMU")?,
         }
         writeln!(out, "\nstart")?;
         for (index, start) in self.start.iter().enumerate() {
@@ -178,9 +140,10 @@ impl Report {
                 part.reason
             )?;
         }
-        for (index, pantograph) in scene.pantographs.iter().enumerate() {
-            if let PantographModel::ThirdParty(entry) = &pantograph.model {
-                wiring(index, entry, out)?;
+        for other in &self.others {
+            writeln!(out, "\n{}: {}", other.name, other.fmu)?;
+            for wire in &other.wiring {
+                writeln!(out, "  {wire}")?;
             }
         }
         for note in &self.notes {
@@ -188,35 +151,61 @@ impl Report {
         }
         Ok(())
     }
-}
 
-/// How a third-party pantograph is wired.
-fn wiring(index: usize, entry: &ThirdParty, out: &mut String) -> std::fmt::Result {
-    writeln!(out, "\npantograph {}: {}", index + 1, entry.fmu)?;
-    if entry.inputs.is_empty() && entry.outputs.is_empty() {
-        return writeln!(out, "  wiring guessed from the variable names, see `master inspect`");
-    }
-    let offset = |offset: scene::Offset| match offset {
-        scene::Offset::Value(value) => value.to_string(),
-        scene::Offset::Align => "align".to_owned(),
-    };
-    for (name, connection) in &entry.inputs {
+    fn write_statics(
+        &self,
+        statics: &StaticsReport,
+        (first, last): (usize, usize),
+        out: &mut String,
+    ) -> std::fmt::Result {
         writeln!(
             out,
-            "  {} = {} × {name} + {}",
-            connection.variable,
-            connection.factor,
-            offset(connection.offset)
+            "\nstatics: {} iterations, residual {:.1e} N",
+            statics.iterations, statics.residual
         )?;
-    }
-    for (name, connection) in &entry.outputs {
+        let tension = &statics.tension;
         writeln!(
             out,
-            "  {name} = {} × {} + {}",
-            connection.factor,
-            connection.variable,
-            offset(connection.offset)
+            "  tension: contact wire {:.1} N, messenger wire {:.1} N",
+            tension.contact_wire, tension.messenger_wire
         )?;
+        if let Some(waves) = &self.waves {
+            writeln!(
+                out,
+                "  waves: {:.1} m/s on the contact wire, the train runs at {:.2} of that",
+                waves.contact_wire, waves.speed_ratio
+            )?;
+        }
+        writeln!(
+            out,
+            "\ndroppers of spans {first} to {last}\n  span        x [m]   length [m]    force [N]"
+        )?;
+        for dropper in statics
+            .droppers
+            .iter()
+            .filter(|dropper| (first..=last).contains(&dropper.span))
+        {
+            writeln!(
+                out,
+                "  {:4} {:12.3} {:12.6} {:12.3}",
+                dropper.span, dropper.x, dropper.length, dropper.force
+            )?;
+        }
+        writeln!(
+            out,
+            "\nsupports\n     x [m]   messenger [N]     arm [N]   contact wire z [m]"
+        )?;
+        for support in &statics.supports {
+            writeln!(
+                out,
+                "{:10.3} {:15.3} {:11.3} {:20.6}",
+                support.x, support.messenger_reaction, support.arm_force, support.contact_wire_z
+            )?;
+        }
+        writeln!(out, "\nelasticity under 100 N\n     x [m]   rise [mm/N]")?;
+        for point in &statics.elasticity {
+            writeln!(out, "{:10.3} {:13.4}", point.x, 1e3 * point.elasticity)?;
+        }
+        Ok(())
     }
-    Ok(())
 }

@@ -5,7 +5,8 @@ use std::process::ExitCode;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
-use crate::command;
+use crate::command::{self, CommandError};
+use crate::isolation;
 use crate::simulation::Mode;
 
 /// Scene that is run when nothing is said.
@@ -47,7 +48,7 @@ pub struct Common {
 enum Command {
     /// Runs a scene and writes its results
     Run {
-        /// Scene file
+        /// Scene file, or an .ssp
         #[arg(default_value = DEFAULT_SCENE)]
         scene: PathBuf,
         /// How line and pantographs are put together
@@ -68,11 +69,19 @@ enum Command {
         #[arg(long, value_name = "DIR", num_args = 0..=1, require_equals = true, default_missing_value = "modelDescription")]
         write_descriptions: Option<PathBuf>,
     },
+    /// Writes the co-simulation of a scene as an .ssp (SSP 1.0) that other tools open
+    Export {
+        /// Scene file
+        scene: PathBuf,
+    },
     /// Shows variables and capabilities of any FMI 2.0 FMU, and how it would be wired
     Inspect {
         /// FMU file
         fmu: PathBuf,
     },
+    /// Runs one FMU for another process of this program, over its standard input
+    #[command(name = isolation::SUBCOMMAND, hide = true)]
+    IsolatedFmu,
     /// Renders report.html again; several directories are overlaid
     Report {
         /// Output directories of finished runs
@@ -107,6 +116,8 @@ impl From<ModeArgument> for Mode {
 pub fn main() -> ExitCode {
     // Prints help or the mistake and exits with 0 or 2.
     let Arguments { command, common } = Arguments::parse();
+    isolation::this_program_serves();
+    fmi2::import::guard::install(fmi2::import::guard::Report::Sentence);
     let command = command.unwrap_or(Command::Run {
         scene: DEFAULT_SCENE.into(),
         mode: ModeArgument::Cosimulation,
@@ -118,7 +129,9 @@ pub fn main() -> ExitCode {
             scene,
             write_descriptions,
         } => command::package::package(&scene, write_descriptions.as_deref(), &common),
+        Command::Export { scene } => command::export::export(&scene, &common),
         Command::Inspect { fmu } => command::inspect::inspect(&fmu, &common),
+        Command::IsolatedFmu => isolation::serve().map_err(CommandError::Isolation),
         Command::Report { directories } => command::report::report(&directories, &common),
     };
     match result {

@@ -1,12 +1,15 @@
 //! Slaves made of FMUs.
 
 use component::Component;
-use fmi2::import::{Fmu, Instance, StateHandle, StepOutcome};
+use fmi2::import::{Fmu, StepOutcome};
 use fmi2::model_description::{BaseType, Causality, ModelDescription, Variable};
 use scene::{ParameterValue, Scene};
 
+use crate::instance::{self, FmuInstance, InstanceError, SavedState};
+use crate::isolation::{Isolation, IsolationError, Reported};
 use crate::results::Frame;
 use crate::slave::{Abilities, Slave, SlaveError, Work, finite};
+use crate::third_party::{Typed, typed};
 
 /// Why an FMU cannot take part.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +17,9 @@ pub enum CosimulationError {
     /// The FMU itself reports it.
     #[error(transparent)]
     Fmi(#[from] fmi2::Error),
+    /// It runs in a process of its own, which reports it or has ended.
+    #[error(transparent)]
+    Isolation(#[from] IsolationError),
     /// It gives no usable outputs at the start.
     #[error(transparent)]
     Slave(#[from] SlaveError),
@@ -39,8 +45,53 @@ pub enum CosimulationError {
         /// Value of the scene.
         value: ParameterValue,
         /// What it should be.
-        expected: &'static str,
+        expected: String,
     },
+}
+
+impl From<InstanceError> for CosimulationError {
+    fn from(error: InstanceError) -> Self {
+        match error {
+            InstanceError::Fmi(error) => Self::Fmi(error),
+            InstanceError::Isolation(error) => Self::Isolation(error),
+        }
+    }
+}
+
+impl CosimulationError {
+    /// Whether what was asked for is to blame, and not what the FMU did.
+    #[must_use]
+    pub fn is_input(&self) -> bool {
+        matches!(self, Self::NoVariable { .. } | Self::WrongType { .. }) || self.is_unfit()
+    }
+
+    /// Whether the FMU cannot be used on this system at all.
+    #[must_use]
+    pub fn is_unfit(&self) -> bool {
+        matches!(
+            self,
+            Self::Fmi(fmi2::Error::NoBinary { .. })
+                | Self::Isolation(
+                    IsolationError::Reported {
+                        kind: Reported::Unfit,
+                        ..
+                    } | IsolationError::NotHere
+                )
+        )
+    }
+
+    /// Whether a call of the FMU returned a bad status, so that another one may still be tried.
+    #[must_use]
+    pub fn is_refusal(&self) -> bool {
+        matches!(
+            self,
+            Self::Fmi(fmi2::Error::Call { .. })
+                | Self::Isolation(IsolationError::Reported {
+                    kind: Reported::Refused,
+                    ..
+                })
+        )
+    }
 }
 
 /// A value as a scene has it.
@@ -63,27 +114,33 @@ pub struct Role {
     pub outputs: Vec<String>,
     /// Values set before the initialisation.
     pub parameters: Vec<(String, ParameterValue)>,
+    /// Values of the inputs set before the end of the initialisation; none leaves the FMU's own.
+    pub initial: Vec<f64>,
     /// Stop time, s.
     pub duration: f64,
     /// Highest order of input derivatives that the FMU is known to follow; the standard has no word for it.
     pub input_derivatives: usize,
     /// Whether the FMU's debug messages are asked for.
     pub logging: bool,
+    /// How it is isolated; `None` where it runs in this process.
+    pub isolation: Option<Isolation>,
 }
 
 /// An initialised instance of an FMU as a slave.
 pub struct FmuSlave {
     name: String,
-    instance: Instance,
+    instance: Box<dyn FmuInstance>,
+    logging: bool,
     abilities: Abilities,
     inputs: Vec<u32>,
     outputs: Vec<u32>,
     output_names: Vec<String>,
     orders: Vec<i32>,
     work: Option<[u32; 3]>,
-    state: Option<StateHandle>,
+    state: Option<SavedState>,
     t: f64,
     drawing: Option<Box<dyn Drawing>>,
+    remarks: Vec<String>,
 }
 
 /// Draws pictures from states that an FMU has serialised.
@@ -187,13 +244,25 @@ fn references(
         .collect()
 }
 
-/// Sets a parameter of any type.
-fn set_parameter(
-    instance: &mut Instance,
+/// Refuses a role whose variables or parameters do not exist or have other types; nothing is executed.
+///
+/// # Errors
+/// [`CosimulationError::NoVariable`], [`CosimulationError::WrongType`].
+pub fn check_names(description: &ModelDescription, role: &Role) -> Result<(), CosimulationError> {
+    references(description, &role.inputs, Causality::Input)?;
+    references(description, &role.outputs, Causality::Output)?;
+    for (name, value) in &role.parameters {
+        parameter(description, name, value)?;
+    }
+    Ok(())
+}
+
+/// Reference and value of a parameter.
+fn parameter(
     description: &ModelDescription,
     name: &str,
     value: &ParameterValue,
-) -> Result<(), CosimulationError> {
+) -> Result<(u32, Typed), CosimulationError> {
     let fits = |variable: &Variable| {
         matches!(
             variable.causality,
@@ -201,7 +270,6 @@ fn set_parameter(
         )
     };
     let variable = find(description, name, "parameter", fits)?;
-    let reference = [variable.value_reference];
     let wrong = |expected| {
         let (fmu, variable) = (description.model_name.clone(), name.to_owned());
         CosimulationError::WrongType {
@@ -211,21 +279,46 @@ fn set_parameter(
             expected,
         }
     };
-    match (variable.base_type(), value) {
-        (BaseType::Real, ParameterValue::Number(number)) => instance.set_real(&reference, &[*number])?,
-        (BaseType::Real, _) => return Err(wrong("a number")),
-        (BaseType::Integer, ParameterValue::Number(number))
-            if number.fract() == 0.0 && number.abs() < f64::from(i32::MAX) =>
-        {
-            instance.set_integer(&reference, &[*number as i32])?;
-        }
-        (BaseType::Integer, _) => return Err(wrong("a whole number")),
-        (BaseType::Boolean, ParameterValue::Boolean(flag)) => instance.set_boolean(&reference, &[*flag])?,
-        (BaseType::Boolean, _) => return Err(wrong("true or false")),
-        (BaseType::String, ParameterValue::String(text)) => instance.set_string(&reference, &[text])?,
-        (BaseType::String, _) => return Err(wrong("a text")),
+    let value = typed(description, variable, value).map_err(wrong)?;
+    Ok((variable.value_reference, value))
+}
+
+/// Sets a parameter of any type.
+fn set_parameter(
+    instance: &mut dyn FmuInstance,
+    description: &ModelDescription,
+    name: &str,
+    value: &ParameterValue,
+) -> Result<(), CosimulationError> {
+    let (reference, value) = parameter(description, name, value)?;
+    let reference = [reference];
+    match value {
+        Typed::Real(value) => instance.set_real(&reference, &[value])?,
+        Typed::Integer(value) => instance.set_integer(&reference, &[value])?,
+        Typed::Boolean(value) => instance.set_boolean(&reference, &[value])?,
+        Typed::String(text) => instance.set_string(&reference, &[&text])?,
     }
     Ok(())
+}
+
+/// An instance at t = 0; `stop` is the stop time that it is told, s.
+fn initialised(
+    fmu: &Fmu,
+    role: &Role,
+    inputs: &[u32],
+    stop: Option<f64>,
+) -> Result<Box<dyn FmuInstance>, CosimulationError> {
+    let mut instance = instance::instantiate(fmu, &role.name, role.logging, role.isolation.as_ref())?;
+    for (name, value) in &role.parameters {
+        set_parameter(&mut *instance, fmu.description(), name, value)?;
+    }
+    instance.setup_experiment(0.0, stop, None)?;
+    instance.enter_initialization_mode()?;
+    if !role.initial.is_empty() {
+        instance.set_real(inputs, &role.initial)?;
+    }
+    instance.exit_initialization_mode()?;
+    Ok(instance)
 }
 
 impl FmuSlave {
@@ -251,17 +344,27 @@ impl FmuSlave {
             },
             variable_step: capabilities.can_handle_variable_communication_step_size,
         };
-        let mut instance = fmu.instantiate(&role.name, false, role.logging)?;
-        for (name, value) in &role.parameters {
-            set_parameter(&mut instance, description, name, value)?;
-        }
-        instance.setup_experiment(0.0, Some(role.duration), None)?;
-        instance.enter_initialization_mode()?;
-        instance.exit_initialization_mode()?;
+        let mut remarks = Vec::new();
+        let mut instance = match initialised(fmu, &role, &inputs, Some(role.duration)) {
+            Err(refusal) if refusal.is_refusal() => {
+                // Some FMUs refuse a stop time, or one beyond what they were made for.
+                let Ok(instance) = initialised(fmu, &role, &inputs, None) else {
+                    return Err(refusal);
+                };
+                remarks.push(format!(
+                    "it refuses the stop time {} s and is run without one",
+                    role.duration
+                ));
+                instance
+            }
+            other => other?,
+        };
+        instance.will_read(&outputs);
         let count = inputs.len();
-        Ok(Self {
+        let mut slave = Self {
             name: role.name,
             instance,
+            logging: role.logging,
             abilities,
             inputs,
             outputs,
@@ -276,7 +379,39 @@ impl FmuSlave {
             state: None,
             t: 0.0,
             drawing: None,
-        })
+            remarks,
+        };
+        slave.print_log();
+        Ok(slave)
+    }
+
+    /// Prints the FMU's messages where they were asked for.
+    fn print_log(&mut self) {
+        if self.logging {
+            for message in self.instance.take_log() {
+                eprintln!("{}: {} {}", self.name, message.status, message.text);
+            }
+        }
+    }
+
+    /// Calls it `name` in messages.
+    #[must_use]
+    pub fn called(mut self, name: String) -> Self {
+        self.name = name;
+        self
+    }
+
+    /// Makes it claim no more than `abilities`.
+    #[must_use]
+    pub fn able(mut self, abilities: Abilities) -> Self {
+        self.abilities = abilities;
+        self
+    }
+
+    /// What was done differently for its sake.
+    #[must_use]
+    pub fn remarks(&self) -> &[String] {
+        &self.remarks
     }
 
     /// Makes it draw itself with a component of the core, built from `scene`, that takes over the FMU's states; for FMUs
@@ -292,11 +427,11 @@ impl FmuSlave {
     }
 
     /// The instance, for what a slave does not offer.
-    pub fn instance(&mut self) -> &mut Instance {
-        &mut self.instance
+    pub fn instance(&mut self) -> &mut dyn FmuInstance {
+        &mut *self.instance
     }
 
-    fn failed(&self, action: &'static str) -> impl FnOnce(fmi2::Error) -> SlaveError {
+    fn failed(&self, action: &'static str) -> impl FnOnce(InstanceError) -> SlaveError {
         let slave = self.name.clone();
         move |error| SlaveError::Call {
             slave,
@@ -354,6 +489,7 @@ impl Slave for FmuSlave {
         match self.instance.do_step(t, h) {
             Ok(StepOutcome::Ok) => {
                 self.t = t + h;
+                self.print_log();
                 Ok(())
             }
             Ok(StepOutcome::Discard) => {
@@ -363,12 +499,22 @@ impl Slave for FmuSlave {
                     .into_iter()
                     .map(|message| message.text)
                     .collect();
-                let log = if log.is_empty() {
-                    String::new()
-                } else {
-                    format!(": {}", log.join("; "))
-                };
-                Err(self.step_failed(t, h, true, Discarded(log)))
+                let mut text = String::new();
+                if let Ok(Some(reached)) = self.instance.last_successful_time()
+                    && reached > t
+                {
+                    text.push_str(&format!(" after it had come to t = {reached} s"));
+                }
+                let ended = self.instance.wants_to_terminate().unwrap_or(false);
+                text.push_str(match (ended, self.abilities.rollback) {
+                    (true, _) => ", as it wants to end the simulation",
+                    (false, true) => "",
+                    (false, false) => "; it cannot go back to try a shorter step: use a smaller coupling.macro_step",
+                });
+                if !log.is_empty() {
+                    text.push_str(&format!(": {}", log.join("; ")));
+                }
+                Err(self.step_failed(t, h, !ended, Discarded(text)))
             }
             Err(error) => Err(self.step_failed(t, h, false, error)),
         }
@@ -381,7 +527,7 @@ impl Slave for FmuSlave {
     }
 
     fn save(&mut self) -> Result<(), SlaveError> {
-        let result = match &self.state {
+        let result = match self.state {
             Some(state) => self.instance.save_state_again(state),
             None => self.instance.save_state().map(|state| self.state = Some(state)),
         };
@@ -389,10 +535,7 @@ impl Slave for FmuSlave {
     }
 
     fn restore(&mut self) -> Result<(), SlaveError> {
-        let state = self
-            .state
-            .as_ref()
-            .expect("the contract of Slave: save comes before restore");
+        let state = self.state.expect("the contract of Slave: save comes before restore");
         let result = self.instance.restore_state(state);
         result.map_err(self.failed("go back to its saved state"))
     }
@@ -417,7 +560,7 @@ impl Slave for FmuSlave {
         let Some(drawing) = &mut self.drawing else { return };
         // A state that cannot be had leaves an empty picture: drawing never ends a run.
         let bytes = self.instance.save_state().and_then(|state| {
-            let bytes = self.instance.serialize_state(&state);
+            let bytes = self.instance.serialize_state(state);
             self.instance.free_state(state)?;
             bytes
         });

@@ -52,9 +52,17 @@ pub enum EquilibriumError {
     },
     /// The correction does not settle.
     #[error(
-        "no balance between line and pantographs: {residual:.3e} N remain after {iterations} iterations, tolerance {TOLERANCE:.0e} N"
+        "run.start_x = {start_x} m: no balance between the line and pantograph {pantograph}, whose strip starts at x = {x} m: \
+         {residual:.3e} N remain after {iterations} iterations, tolerance {TOLERANCE:.0e} N; must be further inside the line, half \
+         a span or more from its ends"
     )]
     NotConverged {
+        /// Key of the scene, m.
+        start_x: f64,
+        /// From 1, the one with the largest difference.
+        pantograph: usize,
+        /// Of its strip, m.
+        x: f64,
         /// Largest difference of forces, N.
         residual: f64,
         /// Iterations done.
@@ -213,7 +221,7 @@ fn balance(
         stiffness.push(force / (height - free));
         debug_assert_eq!(side.x, strips[side.index].x);
     }
-    let mut residual = f64::INFINITY;
+    let (mut residual, mut worst) = (f64::INFINITY, 0);
     let mut last: Vec<Option<(f64, f64)>> = vec![None; sides.len()];
     for _ in 0..ITERATIONS {
         line.start(strips)?;
@@ -222,7 +230,10 @@ fn balance(
         for (k, side) in sides.iter().enumerate() {
             let height = strips[side.index].height;
             let missing = side.force(height)? - line.contact(side.index).force;
-            residual = f64::max(residual, missing.abs());
+            // Also a difference that is no number.
+            if missing.abs() > residual || missing.is_nan() {
+                (residual, worst) = (missing.abs(), side.index);
+            }
             // A secant of the last two heights where they tell more than rounding; else the stiffness of one strip alone.
             let slope = match last[k] {
                 Some((before, was)) if sides.len() == 1 && (height - before).abs() > 1e-9 => {
@@ -248,6 +259,9 @@ fn balance(
         }
     }
     Err(EquilibriumError::NotConverged {
+        start_x: scene.run.start_x,
+        pantograph: worst + 1,
+        x: scene.strip_start_x(worst),
         residual,
         iterations: ITERATIONS,
     })

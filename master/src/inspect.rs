@@ -1,4 +1,4 @@
-//! What `master inspect` says about an FMU.
+//! What `master inspect` says about an FMU: its description, what it can do when it is tried, and how it would be wired.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -7,7 +7,7 @@ use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, Causality, Kind, ModelDescription, Variability, Variable};
 use serde_json::{Value, json};
 
-use crate::third_party::guess;
+use crate::third_party::{Guess, Probe, Request, Side, Wire, Wiring, guess, isolation, probe, side, unit};
 
 fn causality(variable: &Variable) -> &'static str {
     match variable.causality {
@@ -71,9 +71,136 @@ fn capabilities(description: &ModelDescription) -> [(&'static str, String); 8] {
     ]
 }
 
-/// The description as JSON.
+/// Step that is tried where the FMU suggests none, s.
+const STEP: f64 = 1e-3;
+
+/// Simulated time that a trial is told where the FMU suggests none, s.
+const DURATION: f64 = 10.0;
+
+/// Longest time that one thing tried may take, s.
+const PATIENCE: f64 = 10.0;
+
+/// Heights of wires above rail, m: a strip that starts elsewhere counts from another place.
+const HEIGHTS: std::ops::Range<f64> = 3.5..8.0;
+
+/// An FMU as a side of the coupling.
+pub struct Inspection {
+    /// Which one it seems to be.
+    pub side: Option<Side>,
+    /// The guessed wiring of that side, or of a pantograph.
+    pub guesses: [Vec<Guess>; 2],
+    /// It with units, or why it cannot be used.
+    pub wiring: Result<Wiring, String>,
+    /// What was tried; nothing where there is no wiring.
+    pub probe: Option<Probe>,
+}
+
+impl Inspection {
+    /// Looks at an FMU and tries it, in another process.
+    #[must_use]
+    pub fn of(fmu: &Fmu) -> Self {
+        let description = fmu.description();
+        let side = side(description);
+        let guesses = guess(description, side.unwrap_or(Side::Pantograph));
+        let strips = guesses[0]
+            .iter()
+            .filter(|guess| guess.name.ends_with("].z"))
+            .count()
+            .max(1);
+        let mut entry = scene::ThirdParty {
+            fmu: String::new(),
+            isolate: false,
+            step_timeout: PATIENCE,
+            environment: std::collections::BTreeMap::new(),
+            parameters: std::collections::BTreeMap::new(),
+            inputs: std::collections::BTreeMap::new(),
+            outputs: std::collections::BTreeMap::new(),
+        };
+        let wiring = Wiring::resolve(description, &mut entry, side.unwrap_or(Side::Pantograph), strips)
+            .map_err(|error| error.to_string());
+        let experiment = description.default_experiment.unwrap_or_default();
+        let probe = wiring.as_ref().ok().map(|wiring| {
+            let request = Request {
+                wiring: wiring.clone(),
+                step: experiment.step_size.filter(|step| *step > 0.0).unwrap_or(STEP),
+                duration: experiment.stop_time.filter(|stop| *stop > 0.0).unwrap_or(DURATION),
+                parameters: Vec::new(),
+                initial: Vec::new(),
+                isolation: isolation(&entry),
+            };
+            probe(fmu, &request)
+        });
+        Self {
+            side,
+            guesses,
+            wiring,
+            probe,
+        }
+    }
+
+    /// Whether a force on the strip moves it the wrong way.
+    fn is_turned(&self) -> bool {
+        let mass = self.probe.as_ref().and_then(|probe| probe.effective_mass);
+        mass.is_some_and(|mass| mass < 0.0)
+    }
+
+    /// A table of a scene with this FMU.
+    #[must_use]
+    pub fn toml(&self, path: &Path) -> Option<String> {
+        let wiring = self.wiring.as_ref().ok()?;
+        let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let fmu = Value::from(absolute.display().to_string());
+        let turned = self.is_turned();
+        let start = self.probe.as_ref().and_then(|probe| probe.start_height);
+        let elsewhere = start.is_some_and(|height| !HEIGHTS.contains(&height));
+        let connection = |wire: &Wire| {
+            let mut text = format!("{{ variable = {}", Value::from(wire.variable.as_str()));
+            let force = wire.name == "force" || wire.name == "force_z";
+            if force && turned {
+                text.push_str(&format!(", factor = {:?}", -wire.factor));
+            }
+            if wire.name == "height" && elsewhere {
+                text.push_str(", offset = \"align\"");
+            }
+            text.push_str(" }");
+            text
+        };
+        let crashed = self.probe.as_ref().and_then(|probe| probe.failure.as_ref());
+        let warning = crashed.map_or_else(String::new, |failure| format!("# {}\n", failure.replace('\n', " ")));
+        let mut text = warning;
+        match wiring.side {
+            Side::Pantograph => {
+                let inline = |wires: &[Wire]| {
+                    let entries: Vec<String> = wires
+                        .iter()
+                        .map(|wire| format!("{} = {}", wire.name, connection(wire)))
+                        .collect();
+                    entries.join(", ")
+                };
+                text.push_str(&format!(
+                    "[[pantograph]]\nfmu = {fmu}\ninputs = {{ {} }}\noutputs = {{ {} }}\n",
+                    inline(&wiring.inputs),
+                    inline(&wiring.outputs)
+                ));
+            }
+            Side::Line => {
+                text.push_str(&format!("[catenary]\nfmu = {fmu}\n"));
+                for (table, wires) in [("inputs", &wiring.inputs), ("outputs", &wiring.outputs)] {
+                    text.push_str(&format!("\n[catenary.{table}]\n"));
+                    for wire in wires {
+                        let name = Value::from(wire.name.as_str());
+                        text.push_str(&format!("{name} = {}\n", connection(wire)));
+                    }
+                }
+            }
+        }
+        Some(text)
+    }
+}
+
+/// The description and what was found as JSON.
 #[must_use]
-pub fn json(description: &ModelDescription) -> Value {
+pub fn json(path: &Path, description: &ModelDescription, inspection: &Inspection) -> Value {
     let variables: Vec<Value> = description
         .variables
         .iter()
@@ -87,6 +214,7 @@ pub fn json(description: &ModelDescription) -> Value {
                 "unit": description.real_attributes(variable).and_then(|real| real.unit),
                 "start": start(variable),
                 "description": variable.description,
+                "dependencies": dependencies(description, variable),
             })
         })
         .collect();
@@ -98,13 +226,12 @@ pub fn json(description: &ModelDescription) -> Value {
             "step_size": experiment.step_size,
         })
     });
-    let [inputs, outputs] = guess(description);
-    let pairs = |pairs: Vec<(String, String)>| -> Value {
-        pairs
-            .into_iter()
-            .map(|(ours, theirs)| (ours, Value::from(theirs)))
-            .collect()
+    let [inputs, outputs] = &inspection.guesses;
+    let pairs = |guesses: &[Guess]| -> Value {
+        let pair = |guess: &Guess| (guess.name.clone(), Value::from(guess.variable.as_str()));
+        guesses.iter().map(pair).collect()
     };
+    let guesses: Vec<&Guess> = inputs.iter().chain(outputs).collect();
     json!({
         "model_name": description.model_name,
         "guid": description.guid,
@@ -112,20 +239,39 @@ pub fn json(description: &ModelDescription) -> Value {
         "capabilities": capabilities(description).into_iter().map(|(name, value)| (name.to_owned(), Value::from(value))).collect::<serde_json::Map<_, _>>(),
         "default_experiment": experiment,
         "variables": variables,
+        "side": inspection.side,
         "wiring": { "inputs": pairs(inputs), "outputs": pairs(outputs) },
+        "guesses": guesses,
+        "maps": inspection.wiring.as_ref().map_or_else(
+            |refusal| json!({ "refused": refusal }),
+            |wiring| wiring.lines().map(Value::from).collect(),
+        ),
+        "probe": inspection.probe,
+        "toml": inspection.toml(path),
     })
 }
 
-/// The description as text, with a `[[pantograph]]` table to paste.
+/// Names of what an output depends on; `None` where the FMU does not say.
+fn dependencies<'a>(description: &'a ModelDescription, variable: &Variable) -> Option<Vec<&'a str>> {
+    let positions = variable.dependencies.as_ref()?;
+    Some(
+        positions
+            .iter()
+            .filter_map(|position| Some(description.variables.get(*position)?.name.as_str()))
+            .collect(),
+    )
+}
+
+/// The description and what was found as text, with a table to paste.
 #[must_use]
-pub fn text(path: &Path, fmu: &Fmu) -> String {
+pub fn text(path: &Path, fmu: &Fmu, inspection: &Inspection) -> String {
     let mut text = String::new();
     // Writing into a String does not fail.
-    let _ = write(path, fmu.description(), &mut text);
+    let _ = write(path, fmu.description(), inspection, &mut text);
     text
 }
 
-fn write(path: &Path, description: &ModelDescription, out: &mut String) -> std::fmt::Result {
+fn write(path: &Path, description: &ModelDescription, inspection: &Inspection, out: &mut String) -> std::fmt::Result {
     writeln!(out, "{}: {}", path.display(), description.model_name)?;
     for (name, value) in [
         ("description", &description.description),
@@ -194,37 +340,67 @@ fn write(path: &Path, description: &ModelDescription, out: &mut String) -> std::
             writeln!(out, "{}", line.trim_end())?;
         }
     }
-    wiring(path, description, out)
+    tried(inspection, out)?;
+    wiring(path, inspection, out)
+}
+
+/// What was tried, claim by claim.
+fn tried(inspection: &Inspection, out: &mut String) -> std::fmt::Result {
+    let Some(probe) = &inspection.probe else {
+        return writeln!(out, "\ntried: nothing, as there is no wiring to drive it by");
+    };
+    writeln!(out, "\ntried, in processes of its own")?;
+    writeln!(out, "  {:39} {:8} {:14} how", "", "claimed", "found")?;
+    for finding in &probe.findings {
+        writeln!(
+            out,
+            "  {:39} {:8} {:14} {}",
+            finding.subject, finding.claimed, finding.found, finding.how
+        )?;
+    }
+    if let Some(failure) = &probe.failure {
+        writeln!(out, "  {failure}")?;
+    }
+    Ok(())
 }
 
 /// The wiring that would be guessed, as a table to paste.
-fn wiring(path: &Path, description: &ModelDescription, out: &mut String) -> std::fmt::Result {
-    let [inputs, outputs] = guess(description);
-    if inputs.is_empty() && outputs.is_empty() {
-        return writeln!(
-            out,
-            "\nwiring as a pantograph: no variable is recognised; name a force input and a height output in the scene"
-        );
+fn wiring(path: &Path, inspection: &Inspection, out: &mut String) -> std::fmt::Result {
+    let seen_as = match inspection.side {
+        Some(Side::Line) => "a line",
+        _ => "a pantograph",
+    };
+    let [inputs, outputs] = &inspection.guesses;
+    writeln!(out, "\nwiring as {seen_as}")?;
+    for guess in inputs.iter().chain(outputs) {
+        writeln!(out, "  {} is {}: by {}", guess.name, guess.variable, guess.because)?;
     }
-    writeln!(
-        out,
-        "\nwiring as a pantograph, guessed from the names; check signs and units:\n"
-    )?;
-    writeln!(out, "[[pantograph]]\nfmu = {}", Value::from(path.display().to_string()))?;
-    for (table, pairs, missing) in [
-        ("inputs", inputs, "force = { variable = \"?\" }"),
-        ("outputs", outputs, "height = { variable = \"?\" }"),
-    ] {
-        let entries: Vec<String> = pairs
-            .into_iter()
-            .map(|(ours, theirs)| format!("{ours} = {{ variable = {} }}", Value::from(theirs)))
-            .collect();
-        let entries = if entries.is_empty() {
-            missing.to_owned()
-        } else {
-            entries.join(", ")
-        };
-        writeln!(out, "{table} = {{ {entries} }}")?;
+    match (&inspection.wiring, inspection.toml(path)) {
+        (Ok(wiring), Some(toml)) => {
+            for line in wiring.lines() {
+                writeln!(out, "  {line}")?;
+            }
+            if inspection.is_turned() {
+                writeln!(out, "  more force pushes the strip up: its sign is turned below")?;
+            }
+            if toml.contains("align") {
+                writeln!(
+                    out,
+                    "  the strip does not start at the height of a wire: it is put under the wire below"
+                )?;
+            }
+            writeln!(out, "\n{toml}")
+        }
+        (Err(refusal), _) => {
+            writeln!(out, "  {refusal}")?;
+            let needed = match inspection.side {
+                Some(Side::Line) => ["strip[1].z", "contact[1].force"],
+                _ => ["force", "height"],
+            };
+            let side = inspection.side.unwrap_or(Side::Pantograph);
+            let units = needed.map(|name| format!("{name} [{}]", unit(side, name).unwrap_or("1")));
+            writeln!(out, "  a scene must name the variables of {}", units.join(" and "))
+        }
+        (Ok(_), None) => Ok(()),
     }
-    Ok(())
 }

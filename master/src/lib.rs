@@ -9,12 +9,16 @@
 //! recorder      communication points to series
 //! inprocess     slaves made of the core components
 //! cosimulation  slaves made of FMUs
-//! third_party   somebody else's pantograph behind the scene's wiring
+//! instance      an instance of an FMU, wherever it runs
+//! isolation     FMUs in processes of their own
+//! third_party   somebody else's pantograph or line behind the scene's wiring
 //! monolithic    line and pantographs as one system
 //! equilibrium   the state at t = 0
 //! standstill    the way of somebody else's pantograph to rest before that
 //! package       FMUs made from a scene
-//! simulation    a scene in a mode, from statics to a record
+//! ssp           the co-simulation as a system structure, and scenes made of somebody else's
+//! prepare       a scene resolved: statics, FMUs of somebody else, starts
+//! simulation    a resolved scene in a mode, to a record
 //! test_problem  two small slaves and their truth: what a coupling algorithm is worth
 //! results       files of a run; statistics, standards and report make them
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
@@ -29,16 +33,20 @@ pub mod cosimulation;
 pub mod equilibrium;
 pub mod inprocess;
 pub mod inspect;
+pub mod instance;
 pub mod interface;
+pub mod isolation;
 mod modelled;
 pub mod monolithic;
 pub mod package;
+mod prepare;
 pub mod recorder;
 pub mod report;
 pub mod results;
 pub mod run;
 pub mod simulation;
 pub mod slave;
+pub mod ssp;
 pub mod standards;
 pub mod standstill;
 pub mod statistics;

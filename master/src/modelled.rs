@@ -1,6 +1,6 @@
 //! What a scene models, what it leaves out and why, and what its results are worth.
 
-use scene::{Initialise, PantographModel, Start};
+use scene::{Initialise, PantographModel, Reduction, Start};
 
 use crate::results::{Model, Part};
 use crate::simulation::Prepared;
@@ -11,8 +11,9 @@ impl Prepared {
     #[must_use]
     pub fn model(&self) -> Model {
         let scene = &self.scene;
-        let topology = self.statics.line().topology();
-        let (mut coordinates, mut constraints) = (self.statics.coordinates(), 0);
+        let topology = self.statics.as_ref().map(|statics| statics.line().topology());
+        let mut coordinates = self.statics.as_ref().map_or(0, catenary::StaticLine::coordinates);
+        let mut constraints = 0;
         let mut kinds = Vec::new();
         for (index, pantograph) in scene.pantographs.iter().enumerate() {
             kinds.push(match &pantograph.model {
@@ -32,7 +33,15 @@ impl Prepared {
                 PantographModel::ThirdParty(entry) => format!("FMU {}", entry.fmu),
             });
         }
-        let elements = topology.elements();
+        let elements = topology.map_or(0, |topology| topology.elements());
+        let line = match (&scene.catenary, topology) {
+            (scene::Line::ThirdParty(entry), _) => format!("FMU {}", entry.fmu),
+            (_, topology) => format!(
+                "{elements} cable elements in two wires, {} spans; {}",
+                topology.map_or(0, |topology| topology.supports().len() - 1),
+                dimension(scene)
+            ),
+        };
         let part = |part: &str, modelled: bool, reason: String| Part {
             part: part.to_owned(),
             modelled,
@@ -50,15 +59,7 @@ impl Prepared {
                 .map(|reduction| reduction.name().to_owned())
                 .collect(),
             parts: vec![
-                part(
-                    "catenary",
-                    true,
-                    format!(
-                        "{} cable elements in two wires, {} spans",
-                        elements,
-                        topology.supports().len() - 1
-                    ),
-                ),
+                part("catenary", true, line),
                 part("pantograph", true, kinds.join("; ")),
                 part(
                     "vehicle",
@@ -77,8 +78,8 @@ impl Prepared {
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        if let Some((catenary, _)) = self.scene.modelled_line() {
-            let x = self.statics.line().topology().x();
+        if let (Some((catenary, _)), Some(statics)) = (self.scene.modelled_line(), &self.statics) {
+            let x = statics.line().topology().x();
             let longest = x.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
             notes.extend(mesh_note(
                 longest,
@@ -96,8 +97,54 @@ impl Prepared {
                 ));
             }
         }
+        if let scene::Line::ThirdParty(_) = self.scene.catenary {
+            notes.push(format!(
+                "line: somebody else's FMU; its work and with it the energy residual is an estimate where it does not offer it{}",
+                self.standstill.map_or_else(String::new, |found| format!("; {}", at_rest(found, true)))
+            ));
+        }
+        for other in &self.others {
+            for remark in &other.remarks {
+                notes.push(format!("{} ({}): {remark}", other.name, file_name(&other.fmu)));
+            }
+        }
         notes
     }
+}
+
+/// The last part of a path.
+fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
+/// How a phase at rest went.
+fn at_rest(found: Standstill, in_contact: bool) -> String {
+    let Standstill {
+        duration,
+        steps,
+        change,
+    } = found;
+    let rest = if change < standstill::REST && in_contact {
+        "came to rest"
+    } else {
+        "did not come to rest"
+    };
+    format!(
+        "it {rest} in {duration:.1} s ({steps} steps) at standstill before t = 0, a change of {change:.2e} N/s being left; its \
+         clock is ahead by that time"
+    )
+}
+
+/// Which coordinates the line has, and why.
+fn dimension(scene: &scene::Scene) -> String {
+    if scene.model.has(Reduction::Planar) {
+        return "planar: nothing pushes it sideways, so leaving out the lateral coordinates changes nothing".to_owned();
+    }
+    let reason = scene.pushed_sideways();
+    format!(
+        "spatial: {}",
+        reason.unwrap_or_else(|| "asked for by model.reduce".to_owned())
+    )
 }
 
 /// How somebody else's pantograph comes to its start.
@@ -108,16 +155,8 @@ fn third_party_start(initialise: Initialise, standstill: Option<Standstill>, sta
         (Initialise::Equilibrium, None) => {
             format!("initialised at {height:.4} m, it comes to rest at standstill before a run")
         }
-        (Initialise::Equilibrium, Some(Standstill { duration, change })) => {
-            let rest = if change < standstill::REST && force > 0.0 {
-                "came to rest"
-            } else {
-                "did not come to rest"
-            };
-            format!(
-                "it {rest} at {height:.4} m and {force:.2} N in {duration:.1} s at standstill before t = 0, a change of \
-                 {change:.2e} N/s being left; its clock is ahead by that time"
-            )
+        (Initialise::Equilibrium, Some(found)) => {
+            format!("at {height:.4} m and {force:.2} N {}", at_rest(found, force > 0.0))
         }
     }
 }

@@ -146,10 +146,8 @@ impl Monolithic {
     /// Whether every pantograph of a scene is modelled here.
     #[must_use]
     pub fn can(scene: &Scene) -> bool {
-        scene
-            .pantographs
-            .iter()
-            .all(|pantograph| !matches!(pantograph.model, Entry::ThirdParty(_)))
+        let own = |pantograph: &scene::Pantograph| !matches!(pantograph.model, Entry::ThirdParty(_));
+        scene.modelled_line().is_some() && scene.pantographs.iter().all(own)
     }
 
     /// Number of generalised coordinates and of constraints.

@@ -5,15 +5,19 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use component::{Component, Role};
-use fmi2::archive::{LIBRARY_EXTENSION, Package};
+use fmi2::archive::{LIBRARY_EXTENSION, Package, binary_entry};
 use fmi2::import::Fmu;
 use scene::{Line, PantographModel, Scene};
 
 use crate::inprocess::of_pantograph;
 use crate::report::escape;
 
-/// Of what is inside.
-const LICENSE: &str = include_str!("../../LICENSE");
+mod needs;
+
+pub use needs::Needs;
+
+/// Of what is inside: this program's own, and those of the libraries it is made of.
+const LICENSES: [&str; 2] = [include_str!("../../LICENSE"), include_str!("../../fmu/licenses.txt")];
 
 /// Packages of the shells and the libraries they build.
 const SHELLS: [(&str, &str); 2] = [("fmu-catenary", "catenary_fmu"), ("fmu-pantograph", "pantograph_fmu")];
@@ -228,15 +232,38 @@ pub fn pantograph_file(index: usize) -> String {
 
 fn archive<C: Component>(scene: &Scene, library: Vec<u8>) -> Package {
     let text = scene.to_toml().into_bytes();
+    let mut documents = BTreeMap::from([
+        ("index.html".to_owned(), documentation::<C>(scene).into_bytes()),
+        ("licenses/license.txt".to_owned(), LICENSES.join("\n").into_bytes()),
+    ]);
+    if let Some(needs) = Needs::of(&library) {
+        documents.insert(
+            "externalDependencies.txt".to_owned(),
+            dependencies(C::IDENTIFIER, &needs).into_bytes(),
+        );
+    }
     Package {
         description: fmu::description::<C>(scene).to_xml(),
         library,
         resources: BTreeMap::from([(fmu::SCENE_RESOURCE.to_owned(), text)]),
-        documentation: BTreeMap::from([
-            ("index.html".to_owned(), documentation::<C>(scene).into_bytes()),
-            ("licenses/license.txt".to_owned(), LICENSE.as_bytes().to_vec()),
-        ]),
+        documentation: documents,
     }
+}
+
+/// What the system has to bring along [FMI 2.0, 2.3].
+fn dependencies(identifier: &str, needs: &Needs) -> String {
+    let mut text = format!("{} needs from the system", binary_entry(identifier));
+    if let Some((major, minor)) = needs.glibc() {
+        text.push_str(&format!(
+            " the GNU C library {major}.{minor} or later (`ldd --version` prints what there is), and"
+        ));
+    }
+    text.push_str(" these shared libraries:\n\n");
+    for library in &needs.libraries {
+        text.push_str(&format!("    {library}\n"));
+    }
+    text.push_str("\nNothing else: no environment variable, no file but its own resources, no other program.\n");
+    text
 }
 
 /// The page that importers show.
@@ -276,7 +303,9 @@ fn documentation<C: Component>(scene: &Scene) -> String {
             escape(text)
         ));
     }
-    page.push_str("</table>\n</body></html>\n");
+    page.push_str(
+        "</table>\n<p><a href=\"licenses/license.txt\">Licences</a> of what is inside.</p>\n</body></html>\n",
+    );
     page
 }
 

@@ -1,16 +1,14 @@
 //! A scene in a mode: from statics to a record.
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
-use catenary::{CatenaryError, StaticLine, static_line};
-use fmi2::import::Fmu;
-use scene::{Connection, Evaluate, Initialise, Line, Offset, PantographModel, Scene, SceneError, Start};
+use catenary::{CatenaryError, StaticLine};
+use scene::{Evaluate, Initialise, Scene, SceneError};
 
 use crate::algorithm::{self, CouplingError, Exchange, Sides};
 use crate::cosimulation::{CosimulationError, FmuSlave, Role};
-use crate::equilibrium::{self, EquilibriumError};
+use crate::equilibrium::EquilibriumError;
 use crate::inprocess::{self, InProcess, of_pantograph};
 use crate::interface;
 use crate::monolithic::{Monolithic, MonolithicError};
@@ -20,7 +18,9 @@ use crate::results::{self, LineGeometry, Record, RunInfo};
 use crate::run::{self, Failure, Outcome, Schedule, Watch};
 use crate::slave::{Slave, SlaveError};
 use crate::standstill::{self, Standstill};
-use crate::third_party::ThirdPartyPantograph;
+use crate::third_party::{ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph};
+
+pub use crate::prepare::{Other, prepare};
 
 /// How a scene is run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,14 +72,14 @@ pub enum SetupError {
     /// An FMU file cannot be used.
     #[error(transparent)]
     FmuFile(fmi2::Error),
-    /// A pantograph's FMU does not fit what the scene says of it.
+    /// Somebody else's FMU does not fit what the scene says of it.
     #[error("{key}")]
     Wiring {
         /// Key of the scene.
         key: String,
         /// Reason.
         #[source]
-        source: Box<CosimulationError>,
+        source: Box<ThirdPartyError>,
     },
     /// An FMU cannot be made.
     #[error(transparent)]
@@ -105,6 +105,16 @@ pub enum SetupError {
     /// A side fails before t = 0.
     #[error("while line and pantographs stand still before t = 0")]
     Standstill(#[source] SlaveError),
+    /// Somebody asked for an end before the run has begun.
+    #[error(
+        "interrupted after {t:.3} s of at most {longest} s in which line and pantographs come to rest before t = 0: nothing is written"
+    )]
+    Interrupted {
+        /// Simulated time at rest, s.
+        t: f64,
+        /// s.
+        longest: f64,
+    },
     /// A slave does not give its outputs at the start.
     #[error(transparent)]
     Slave(#[from] SlaveError),
@@ -114,14 +124,6 @@ impl SetupError {
     /// Whether the input is to blame, and not what was made of it.
     #[must_use]
     pub fn is_input(&self) -> bool {
-        let unfit = |error: &CosimulationError| {
-            matches!(
-                error,
-                CosimulationError::NoVariable { .. }
-                    | CosimulationError::WrongType { .. }
-                    | CosimulationError::Fmi(fmi2::Error::NoBinary { .. })
-            )
-        };
         matches!(
             self,
             Self::Scene(_)
@@ -130,8 +132,8 @@ impl SetupError {
                 | Self::NotInThisMode { .. }
                 | Self::NotAvailable(_)
                 | Self::FmuFile(_)
-        ) || matches!(self, Self::Wiring { source, .. } if unfit(source))
-            || matches!(self, Self::Cosimulation(source) if unfit(source))
+        ) || matches!(self, Self::Wiring { source, .. } if source.is_input())
+            || matches!(self, Self::Cosimulation(source) if source.is_input())
     }
 }
 
@@ -141,108 +143,15 @@ pub struct Prepared {
     pub scene: Scene,
     /// Name of the scene in results.
     pub name: String,
-    /// Static state of its line.
-    pub statics: StaticLine,
+    /// Static state of its line; nothing where the line is somebody else's.
+    pub statics: Option<StaticLine>,
     /// How pantographs of somebody else came to rest; nothing before a run.
     pub standstill: Option<Standstill>,
-    third_party: Vec<Option<ThirdPartyPantograph>>,
-    begin: Instant,
-}
-
-/// Solves the statics of a scene and resolves what it leaves open.
-///
-/// Paths of FMUs are relative to `base`. With `logging`, FMUs are asked for their debug messages.
-///
-/// # Errors
-/// See [`SetupError`].
-pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Result<Prepared, SetupError> {
-    let begin = Instant::now();
-    if let Line::ThirdParty(line) = &scene.catenary {
-        let what = format!("catenary.fmu = \"{}\": this version runs its own lines only", line.fmu);
-        return Err(SetupError::NotAvailable(what));
-    }
-    let statics = static_line(&scene)?;
-    let mut third_party = Vec::new();
-    for index in 0..scene.pantographs.len() {
-        third_party.push(match scene.pantographs[index].model.clone() {
-            PantographModel::ThirdParty(entry) => {
-                Some(start_third_party(&mut scene, &statics, &entry, index, base, logging)?)
-            }
-            _ => None,
-        });
-    }
-    equilibrium::resolve(&mut scene, &statics)?;
-    scene.check(name)?;
-    Ok(Prepared {
-        scene,
-        name: name.to_owned(),
-        statics,
-        standstill: None,
-        third_party,
-        begin,
-    })
-}
-
-/// Starts a third-party pantograph, aligns it with the wire where asked for, and takes its start into the scene.
-fn start_third_party(
-    scene: &mut Scene,
-    statics: &StaticLine,
-    entry: &scene::ThirdParty,
-    index: usize,
-    base: &Path,
-    logging: bool,
-) -> Result<ThirdPartyPantograph, SetupError> {
-    if entry.isolate {
-        let what = format!(
-            "pantograph[{}].isolate = true: this version runs FMUs in its own process only",
-            index + 1
-        );
-        return Err(SetupError::NotAvailable(what));
-    }
-    let path = base.join(&entry.fmu);
-    let fmu = Fmu::open(&path).map_err(SetupError::FmuFile)?;
-    let mut pantograph = ThirdPartyPantograph::start(&fmu, entry, scene, index, logging).map_err(|source| {
-        let key = format!("pantograph[{}].{}", index + 1, key_of(entry, &source));
-        let source = Box::new(source);
-        SetupError::Wiring { key, source }
-    })?;
-    let force = pantograph.start_force(&fmu, entry);
-    if entry
-        .outputs
-        .get("height")
-        .is_some_and(|height| height.offset == Offset::Align)
-    {
-        let height = equilibrium::wire_height(scene, statics, index, force)?;
-        pantograph.shift(height - pantograph.height());
-    }
-    let absolute = std::path::absolute(&path).unwrap_or(path);
-    let pantograph_entry = &mut scene.pantographs[index];
-    pantograph_entry.start = Some(Start {
-        height: pantograph.height(),
-        force: force.max(0.0),
-    });
-    if let PantographModel::ThirdParty(entry) = &mut pantograph_entry.model {
-        entry.fmu = absolute.display().to_string();
-    }
-    Ok(pantograph)
-}
-
-/// The key of a pantograph's entry that a refusal of its FMU speaks of.
-fn key_of(entry: &scene::ThirdParty, refusal: &CosimulationError) -> String {
-    let (CosimulationError::NoVariable { variable, .. } | CosimulationError::WrongType { variable, .. }) = refusal
-    else {
-        return "fmu".to_owned();
-    };
-    if entry.parameters.contains_key(variable) {
-        return "parameters".to_owned();
-    }
-    let named = |table: &str, wires: &BTreeMap<String, Connection>| {
-        let found = wires.iter().find(|(_, connection)| connection.variable == *variable);
-        found.map(|(name, _)| format!("{table}.{name}.variable"))
-    };
-    named("inputs", &entry.inputs)
-        .or_else(|| named("outputs", &entry.outputs))
-        .unwrap_or_else(|| "fmu".to_owned())
+    /// What is known of the FMUs of somebody else: wiring, abilities, remarks.
+    pub others: Vec<Other>,
+    pub(crate) third_party: Vec<Option<ThirdPartyPantograph>>,
+    pub(crate) line: Option<ThirdPartyLine>,
+    pub(crate) begin: Instant,
 }
 
 /// Numbers (from 1) of the supports that bound the evaluated spans.
@@ -307,7 +216,10 @@ impl Prepared {
         watch: &Watch<'_>,
         good: impl FnOnce(&Scene) -> Result<(), E>,
     ) -> Result<Finished, E> {
-        let supports = evaluated_supports(&self.scene);
+        let supports = match &self.line {
+            Some(line) => line.supports().to_vec(),
+            None => evaluated_supports(&self.scene),
+        };
         match mode {
             Mode::Monolithic => self.run_as_one(&supports, watch, good),
             Mode::Inprocess | Mode::Cosimulation => self.run_coupled(mode, &supports, source, watch, good),
@@ -349,13 +261,25 @@ impl Prepared {
         good: impl FnOnce(&Scene) -> Result<(), E>,
     ) -> Result<Finished, E> {
         let mut third_party = std::mem::take(&mut self.third_party);
-        if self.scene.run.initialise == Initialise::Equilibrium && third_party.iter().any(Option::is_some) {
-            let found = standstill::settle(&mut self.scene, &self.statics, &mut third_party)?;
+        let mut line = self.line.take();
+        let others = line.is_some() || third_party.iter().any(Option::is_some);
+        if self.scene.run.initialise == Initialise::Equilibrium
+            && others
+            && line.as_ref().is_none_or(ThirdPartyLine::can_stand)
+        {
+            let statics = self.statics.as_ref();
+            let found = standstill::settle(
+                &mut self.scene,
+                statics,
+                line.as_mut(),
+                &mut third_party,
+                watch.interrupted,
+            )?;
             self.standstill = Some(found);
         }
         let (mut line, mut pantographs) = match mode {
-            Mode::Cosimulation => self.fmu_slaves(supports, third_party, source)?,
-            _ => self.core_slaves(supports, third_party)?,
+            Mode::Cosimulation => self.fmu_slaves(supports, line, third_party, source)?,
+            _ => self.core_slaves(supports, line, third_party)?,
         };
         let mut sides = Sides {
             line: &mut *line,
@@ -382,9 +306,13 @@ impl Prepared {
     fn core_slaves(
         &self,
         supports: &[usize],
+        line: Option<ThirdPartyLine>,
         third_party: Vec<Option<ThirdPartyPantograph>>,
     ) -> Result<Slaves, SetupError> {
-        let line = InProcess::line(&self.scene, supports)?;
+        let line: Box<dyn Slave> = match line {
+            Some(line) => Box::new(line),
+            None => Box::new(InProcess::line(&self.scene, supports)?),
+        };
         let mut pantographs: Vec<Box<dyn Slave>> = Vec::new();
         for (index, third_party) in third_party.into_iter().enumerate() {
             pantographs.push(match third_party {
@@ -398,18 +326,23 @@ impl Prepared {
                 }
             });
         }
-        Ok((Box::new(line), pantographs))
+        Ok((line, pantographs))
     }
 
     /// Line and pantographs from FMUs, packaged where they are missing or stale.
     fn fmu_slaves(
         &self,
         supports: &[usize],
+        line: Option<ThirdPartyLine>,
         third_party: Vec<Option<ThirdPartyPantograph>>,
         source: &FmuSource<'_>,
     ) -> Result<Slaves, SetupError> {
-        let libraries = Libraries::find(source.say)?;
-        let fmus = package::ensure(&self.scene, &libraries, &source.folder)?;
+        let fmus = if line.is_some() && third_party.iter().all(Option::is_some) {
+            Vec::new()
+        } else {
+            let libraries = Libraries::find(source.say)?;
+            package::ensure(&self.scene, &libraries, &source.folder)?
+        };
         let fmu = |file: &str| {
             let found = fmus.iter().find(|(name, _)| name == file);
             &found
@@ -422,16 +355,24 @@ impl Prepared {
             inputs,
             outputs,
             parameters: Vec::new(),
+            initial: Vec::new(),
             duration: self.scene.run.duration,
             input_derivatives: dynamics::MAX_ORDER,
             logging: source.logging,
+            isolation: None,
         };
-        let line = role(
-            "line".to_owned(),
-            interface::line_inputs(strips),
-            interface::line_outputs(strips, supports),
-        );
-        let line = FmuSlave::start(fmu("Catenary.fmu"), line)?.drawn_by(self.scene.clone(), inprocess::draw_line);
+        let line: Box<dyn Slave> = match line {
+            Some(line) => Box::new(line),
+            None => {
+                let role = role(
+                    "line".to_owned(),
+                    interface::line_inputs(strips),
+                    interface::line_outputs(strips, supports),
+                );
+                let slave = FmuSlave::start(fmu("Catenary.fmu"), role)?;
+                Box::new(slave.drawn_by(self.scene.clone(), inprocess::draw_line))
+            }
+        };
         let mut pantographs: Vec<Box<dyn Slave>> = Vec::new();
         for (index, third_party) in third_party.into_iter().enumerate() {
             pantographs.push(match third_party {
@@ -444,7 +385,7 @@ impl Prepared {
                 }
             });
         }
-        Ok((Box::new(line), pantographs))
+        Ok((line, pantographs))
     }
 
     fn run_as_one<E: From<SetupError>>(
@@ -453,15 +394,17 @@ impl Prepared {
         watch: &Watch<'_>,
         good: impl FnOnce(&Scene) -> Result<(), E>,
     ) -> Result<Finished, E> {
-        if !Monolithic::can(&self.scene) {
-            let what = "a pantograph is somebody else's FMU, which has no equations to put into one system".to_owned();
+        let statics = self.statics.as_ref().filter(|_| Monolithic::can(&self.scene));
+        let Some(statics) = statics else {
+            let what =
+                "line or pantograph are somebody else's FMU, which has no equations to put into one system".to_owned();
             return Err(SetupError::NotInThisMode {
                 mode: Mode::Monolithic.name(),
                 what,
             }
             .into());
-        }
-        let mut whole = Monolithic::new(&self.scene, &self.statics, supports).map_err(SetupError::from)?;
+        };
+        let mut whole = Monolithic::new(&self.scene, statics, supports).map_err(SetupError::from)?;
         good(&self.scene)?;
         let setup = self.begin.elapsed().as_secs_f64();
         let outcome = run::run_as_one(&mut whole, self.recorder(supports), self.schedule(true), watch);

@@ -119,7 +119,10 @@ pub enum SlaveError {
         source: Box<dyn Error + Send + Sync>,
     },
     /// A value that must not be handed on.
-    #[error("{slave}: {variable} = {value} at t = {t} s is not a finite number")]
+    #[error(
+        "{slave}: {variable} = {value} at t = {t} s is not a finite number: nothing is handed on; try a smaller \
+         coupling.macro_step or other parameters"
+    )]
     NotFinite {
         /// Name of the slave.
         slave: String,

@@ -1,9 +1,11 @@
-//! The phase before t = 0 in which somebody else's pantograph comes to rest under the standing line.
+//! The phase before t = 0 in which somebody else's pantograph or line comes to rest with the other side.
 //!
-//! How such a pantograph is at rest is known to its FMU only, so line and pantographs are run without travelling until the
-//! contact force stays the same. The line is that of the core with more damping on its masses, which does not enter where it
-//! comes to rest; what is handed on is the height of the strip, from which the statics of the line follow as for any other
-//! start. The FMU goes on from where it has come to: its clock is then ahead of the run's by the length of the phase.
+//! How such a side is at rest is known to its FMU only, so line and pantographs are run without travelling until the contact
+//! force stays the same. A line of this program is that of the core with more damping on its masses, which does not enter
+//! where it comes to rest; what is handed on is the height of the strip, from which the statics of the line follow as for any
+//! other start. An FMU goes on from where it has come to: its clock is then ahead of the run's by the length of the phase.
+
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::{Line, PantographModel, Scene, Start};
 
@@ -11,7 +13,7 @@ use crate::inprocess::InProcess;
 use crate::interface::{contact, line_output_count, load, strip};
 use crate::simulation::SetupError;
 use crate::slave::{Slave, SlaveError};
-use crate::third_party::ThirdPartyPantograph;
+use crate::third_party::{ThirdPartyLine, ThirdPartyPantograph};
 
 /// Change of the contact force that counts as rest, N/s.
 pub const REST: f64 = 0.1;
@@ -33,16 +35,19 @@ const MASS_DAMPING: f64 = 6.0;
 pub struct Standstill {
     /// How long it took, s.
     pub duration: f64,
+    /// Communication steps taken.
+    pub steps: u64,
     /// Change of the contact force that was left, N/s.
     pub change: f64,
 }
 
 /// The sides of a standing pair and what they exchange.
 struct Pair<'a> {
-    line: InProcess<catenary::Subsystem>,
+    line: &'a mut dyn Slave,
     pantographs: Vec<&'a mut dyn Slave>,
     contacts: Vec<f64>,
     strips: Vec<f64>,
+    motions: Vec<f64>,
 }
 
 impl Pair<'_> {
@@ -56,12 +61,11 @@ impl Pair<'_> {
 
     /// Steps the line, then the pantographs under its mean forces.
     fn step(&mut self, t: f64, h: f64) -> Result<(), SlaveError> {
-        let motions: Vec<f64> = self
-            .strips
-            .chunks_exact(strip::OUTPUTS)
-            .flat_map(|strip| strip[..strip::MOTION].iter().copied())
-            .collect();
-        self.line.set_inputs(&motions)?;
+        let motions = self.motions.chunks_exact_mut(strip::MOTION);
+        for (motion, strip) in motions.zip(self.strips.chunks_exact(strip::OUTPUTS)) {
+            motion.copy_from_slice(&strip[..strip::MOTION]);
+        }
+        self.line.set_inputs(&self.motions)?;
         self.line.do_step(t, h)?;
         self.line.outputs(&mut self.contacts)?;
         let contacts = self.contacts.chunks_exact(contact::COUNT);
@@ -82,15 +86,20 @@ impl Pair<'_> {
     }
 
     /// Steps until the forces stay the same, all contacts being closed.
-    fn settle(&mut self, h: f64) -> Result<Standstill, SlaveError> {
-        self.line.outputs(&mut self.contacts)?;
-        self.read_strips()?;
+    fn settle(&mut self, h: f64, interrupted: &AtomicBool) -> Result<Standstill, SetupError> {
+        let failed = SetupError::Standstill;
+        self.line.outputs(&mut self.contacts).map_err(failed)?;
+        self.read_strips().map_err(failed)?;
         let window = (WINDOW / h).ceil() as u64;
         let mut n = 0;
         loop {
             let mut range: Vec<(f64, f64)> = self.forces().map(|force| (force, force)).collect();
             for _ in 0..window {
-                self.step(n as f64 * h, h)?;
+                if interrupted.load(Ordering::Relaxed) {
+                    let (t, longest) = (n as f64 * h, LONGEST);
+                    return Err(SetupError::Interrupted { t, longest });
+                }
+                self.step(n as f64 * h, h).map_err(failed)?;
                 n += 1;
                 for (range, force) in range.iter_mut().zip(self.contacts.chunks_exact(contact::COUNT)) {
                     let force = force[contact::FORCE];
@@ -100,6 +109,7 @@ impl Pair<'_> {
             let widest = range.iter().map(|(least, most)| most - least).fold(0.0, f64::max);
             let found = Standstill {
                 duration: n as f64 * h,
+                steps: n,
                 change: widest / (window as f64 * h),
             };
             let closed = self.forces().all(|force| force > 0.0);
@@ -110,19 +120,35 @@ impl Pair<'_> {
     }
 }
 
-/// Brings `third_party` pantographs to rest and writes into the scene where they have come to, and the start of the others
-/// beside them.
+/// The step of the phase, s: as short as wanted where every FMU takes any, else what they take.
+fn step(macro_step: f64, units: &[Option<f64>], any_step: bool) -> f64 {
+    let mut units = units.iter().flatten();
+    match (units.next(), units.next()) {
+        // Whole steps of the one that is bound.
+        (Some(unit), None) if *unit <= macro_step => unit * (macro_step.min(STEP) / unit + 1e-9).floor().max(1.0),
+        (None, _) if any_step => macro_step.min(STEP),
+        _ => macro_step,
+    }
+}
+
+/// Brings `third_party` pantographs, and a line of somebody else, to rest and writes into the scene where they have come to,
+/// and the start of the others beside them.
 ///
 /// # Errors
-/// A side that cannot be built, or that fails while it stands.
+/// A side that cannot be built, or that fails while it stands; an end asked for meanwhile.
 pub fn settle(
     scene: &mut Scene,
-    statics: &catenary::StaticLine,
+    statics: Option<&catenary::StaticLine>,
+    mut other_line: Option<&mut ThirdPartyLine>,
     third_party: &mut [Option<ThirdPartyPantograph>],
+    interrupted: &AtomicBool,
 ) -> Result<Standstill, SetupError> {
-    // What the scene says of the others was found beside the pantographs at rest: a resolved scene takes the same way again.
-    forget_own_starts(scene);
-    crate::equilibrium::resolve(scene, statics)?;
+    if let Some(statics) = statics {
+        // What the scene says of the others was found beside the pantographs at rest: a resolved scene takes the same way
+        // again.
+        forget_own_starts(scene);
+        crate::equilibrium::resolve(scene, statics)?;
+    }
     let mut still = scene.clone();
     still.run.speed = 0.0;
     if let Line::Modelled(line) = &mut still.catenary {
@@ -144,14 +170,28 @@ pub fn settle(
             }
         });
     }
-    let any_step = third_party
-        .iter()
-        .flatten()
+    let of_pantographs = third_party.iter().flatten();
+    let mut units: Vec<Option<f64>> = of_pantographs.clone().map(ThirdPartyPantograph::unit).collect();
+    let mut any_step = of_pantographs
+        .clone()
         .all(|pantograph| pantograph.abilities().variable_step);
-    let macro_step = scene.coupling.macro_step;
+    if let Some(line) = &mut other_line {
+        line.stand();
+        units.push(line.unit());
+        any_step &= line.abilities().variable_step;
+    }
+    let h = step(scene.coupling.macro_step, &units, any_step);
+    let mut core;
+    let line: &mut dyn Slave = match &mut other_line {
+        Some(line) => *line,
+        None => {
+            core = InProcess::line(&still, &[])?;
+            &mut core
+        }
+    };
     let strips = third_party.len();
     let mut pair = Pair {
-        line: InProcess::line(&still, &[])?,
+        line,
         pantographs: third_party
             .iter_mut()
             .zip(&mut own)
@@ -164,21 +204,34 @@ pub fn settle(
             .collect(),
         contacts: vec![0.0; line_output_count(strips, 0)],
         strips: vec![0.0; strips * strip::OUTPUTS],
+        motions: vec![0.0; strips * strip::MOTION],
     };
-    let h = if any_step { macro_step.min(STEP) } else { macro_step };
-    let found = pair.settle(h).map_err(SetupError::Standstill)?;
+    let found = pair.settle(h, interrupted)?;
     let forces: Vec<f64> = pair.forces().collect();
+    let heights: Vec<f64> = pair
+        .strips
+        .chunks_exact(strip::OUTPUTS)
+        .map(|strip| strip[strip::Z])
+        .collect();
+    let line_is_other = other_line.is_some();
     for (index, pantograph) in third_party.iter_mut().enumerate() {
         if let Some(pantograph) = pantograph {
             pantograph.depart(found.duration)?;
+        }
+        if pantograph.is_some() || line_is_other {
             scene.pantographs[index].start = Some(Start {
-                height: pantograph.height(),
+                height: heights[index],
                 force: forces[index],
             });
         }
     }
-    forget_own_starts(scene);
-    crate::equilibrium::resolve(scene, statics)?;
+    if let Some(line) = other_line {
+        line.depart(found.duration)?;
+    }
+    if let Some(statics) = statics {
+        forget_own_starts(scene);
+        crate::equilibrium::resolve(scene, statics)?;
+    }
     Ok(found)
 }
 

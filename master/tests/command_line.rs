@@ -197,3 +197,15 @@ fn ctrl_c_ends_the_run_in_order() {
     );
     assert!(folder.path().join("timeseries.csv").exists() && folder.path().join("report.html").exists());
 }
+
+#[test]
+fn a_start_without_balance_names_its_key() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = run_short("inprocess", folder.path(), &["--set", "run.start_x=0"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = text(&output.stderr);
+    assert!(
+        said.contains("run.start_x = 0 m: no balance") && said.contains("further inside the line"),
+        "{said}"
+    );
+}

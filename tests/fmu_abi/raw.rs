@@ -1,62 +1,30 @@
 //! Below the importer: null pointers and strange arguments.
 use super::{IDENTIFIERS, KULKARNI};
-use fmi2::abi::{
-    FreeInstanceFn, GetFn, InstantiateFn, PlainFn, SetFn, SetStateFn, SetupExperimentFn, StatePointerFn, Status,
-    fmi2CallbackFunctions, fmi2Component,
-};
-use fmi2::archive::binary_entry;
-use fmi2::import::Fmu;
+use fmi2::abi::{FALSE, GetFn, PlainFn, SetFn, SetStateFn, SetupExperimentFn, StatePointerFn, Status, fmi2Component};
 use fmi2::model_description::Causality;
 use integration_tests::fmus::reals;
-use libloading::{Library, Symbol};
-use std::ffi::CString;
+use integration_tests::raw::{Identity, Raw, no_callbacks};
 use std::ptr::{null, null_mut};
 
-/// An FMU as plain C functions.
-struct Raw {
-    fmu: Fmu,
-    library: Library,
+fn open(identifier: &str) -> Raw {
+    Raw::new(KULKARNI.open(identifier))
 }
 
-impl Raw {
-    fn new(identifier: &str) -> Self {
-        let fmu = KULKARNI.open(identifier);
-        // SAFETY: our own library has no initialisers.
-        let library = unsafe { Library::new(fmu.folder().join(binary_entry(identifier))) }.unwrap();
-        Self { fmu, library }
-    }
-
-    fn function<T>(&self, name: &str) -> Symbol<'_, T> {
-        // SAFETY: every caller names the type FMI 2.0 gives the function.
-        unsafe { self.library.get(name) }.unwrap()
-    }
-
-    fn instantiate(&self, name: Option<&str>, kind: i32, guid: Option<&str>, location: Option<&str>) -> fmi2Component {
-        let callbacks = fmi2CallbackFunctions {
-            logger: None,
-            allocate_memory: None,
-            free_memory: None,
-            step_finished: None,
-            component_environment: null_mut(),
-        };
-        let texts = [name, guid, location].map(|text| text.map(|text| CString::new(text).unwrap()));
-        let [name, guid, location] = [0, 1, 2].map(|k: usize| texts[k].as_ref().map_or(null(), |text| text.as_ptr()));
-        // SAFETY: texts and callbacks live during the call, and what they point to is kept by nobody.
-        unsafe {
-            self.function::<InstantiateFn>("fmi2Instantiate")(name, kind, guid, location, &raw const callbacks, 0, 1)
-        }
-    }
-
-    fn free(&self, component: fmi2Component) {
-        // SAFETY: null, or an instance that is not used again.
-        unsafe { self.function::<FreeInstanceFn>("fmi2FreeInstance")(component) }
-    }
+fn instantiate(raw: &Raw, name: Option<&str>, kind: i32, guid: Option<&str>, location: Option<&str>) -> fmi2Component {
+    let identity = Identity {
+        name,
+        kind,
+        guid,
+        location,
+        logging: FALSE,
+    };
+    raw.instantiate(identity, &no_callbacks())
 }
 
 #[test]
 fn instances_are_refused_without_name_guid_kind_or_resources() {
     for identifier in IDENTIFIERS {
-        let raw = Raw::new(identifier);
+        let raw = open(identifier);
         let text = raw.fmu.description().guid.as_str();
         let guid = Some(text);
         let resources = raw.fmu.folder().join("resources").display().to_string();
@@ -71,18 +39,20 @@ fn instances_are_refused_without_name_guid_kind_or_resources() {
             (Some("a"), 1, guid, Some("file:///no/such/folder")),
         ] {
             assert!(
-                raw.instantiate(name, kind, guid, location).is_null(),
+                instantiate(&raw, name, kind, guid, location).is_null(),
                 "{name:?} {kind} {guid:?} {location:?}"
             );
         }
         // As other importers pass it: four slashes and not encoded, nothing at all.
         let unencoded = format!("file:///{resources}");
         for location in [bare, Some(unencoded.as_str()), None] {
-            let component = raw.instantiate(Some("a/b c:ü"), 1, guid, location);
+            let component = instantiate(&raw, Some("a/b c:ü"), 1, guid, location);
             assert!(!component.is_null(), "{identifier}: {location:?}");
-            raw.free(component);
+            // SAFETY: not used again.
+            unsafe { raw.free(component) };
         }
-        raw.free(null_mut());
+        // SAFETY: null.
+        unsafe { raw.free(null_mut()) };
     }
 }
 
@@ -91,9 +61,9 @@ fn null_pointers_are_errors_and_leave_the_host_alive() {
     const OK: i32 = Status::Ok as i32;
     const ERROR: i32 = Status::Error as i32;
     for identifier in IDENTIFIERS {
-        let raw = Raw::new(identifier);
+        let raw = open(identifier);
         let description = raw.fmu.description();
-        let component = raw.instantiate(Some("null"), 1, Some(&description.guid), None);
+        let component = instantiate(&raw, Some("null"), 1, Some(&description.guid), None);
         assert!(!component.is_null());
         let input = [reals(&raw.fmu, Causality::Input)[0]];
         // SAFETY: the types are those of the standard; null pointers are what is tested, and the instance lives until it is freed.
@@ -138,6 +108,7 @@ fn null_pointers_are_errors_and_leave_the_host_alive() {
             assert_eq!(forget(component, &raw mut state), OK, "null again");
             assert_eq!(get(component, input.as_ptr(), 1, [0.0].as_mut_ptr()), OK);
         }
-        raw.free(component);
+        // SAFETY: not used again.
+        unsafe { raw.free(component) };
     }
 }

@@ -79,10 +79,11 @@ pub enum StepError {
 }
 
 impl StepError {
-    /// Whether a master may roll back and try again with a smaller step (`fmi2Discard`).
+    /// Whether a master may roll back and try again with a smaller step (`fmi2Discard`): a residual that is no number may be
+    /// the overshoot of a step that was too long.
     #[must_use]
     pub fn is_retryable(&self) -> bool {
-        matches!(self, Self::NotConverged { .. })
+        matches!(self, Self::NotConverged { .. } | Self::NotFinite { .. })
     }
 }
 

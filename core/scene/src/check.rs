@@ -2,7 +2,9 @@
 
 use crate::error::What;
 use crate::write::{shown_key, shown_number};
-use crate::{Catenary, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics, ThirdParty, Wire};
+use crate::{
+    Catenary, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Reduction, Scene, Statics, ThirdParty, Wire,
+};
 
 /// Contradictions found so far: the key and what is wrong with it.
 pub(crate) type Found = Vec<(String, What)>;
@@ -28,13 +30,17 @@ impl Scene {
         let mut found = Found::new();
         match &self.catenary {
             Line::Modelled(catenary) => catenary.check(&mut found),
-            Line::ThirdParty(side) => side.check_alignment("catenary", None, &mut found),
+            Line::ThirdParty(side) => {
+                side.check_alignment("catenary", None, &mut found);
+                side.check_environment("catenary", &mut found);
+            }
         }
         for (i, pantograph) in self.pantographs.iter().enumerate() {
             pantograph.check(&format!("pantograph[{}]", i + 1), &mut found);
         }
         self.check_order_of_strips(&mut found);
         self.check_steps(&mut found);
+        self.check_reductions(&mut found);
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {
             self.check_speed(&mut found);
@@ -55,6 +61,16 @@ impl Scene {
                     format!("must be less than {ahead} m, the offset of the pantograph before it: the first one leads"),
                 );
             }
+        }
+    }
+
+    fn check_reductions(&self, found: &mut Found) {
+        if self.model.has(Reduction::Planar)
+            && let Some(reason) = self.pushed_sideways()
+        {
+            let typed = format!("\"{}\"", Reduction::Planar);
+            let expected = format!("must be left out: {reason}");
+            refuse(found, "model.reduce", typed, expected);
         }
     }
 
@@ -312,6 +328,22 @@ impl ThirdParty {
             refuse(found, format!("{path}.outputs"), named.join(", "), expected);
         }
         self.check_alignment(path, Some("height"), found);
+        self.check_environment(path, found);
+    }
+
+    /// Refuses an environment where there is no process to have it, and names that no variable can have.
+    fn check_environment(&self, path: &str, found: &mut Found) {
+        for (name, value) in &self.environment {
+            let key = format!("{path}.environment.{}", shown_key(name));
+            if !self.isolate {
+                let expected =
+                    "must be left out, or isolate = true given: only a process of its own has an environment";
+                refuse(found, key, format!("{value:?}"), expected);
+            } else if name.is_empty() || name.contains(['=', '\0']) {
+                let expected = "must have a name without = and NUL";
+                refuse(found, key, format!("{value:?}"), expected);
+            }
+        }
     }
 
     /// Refuses `"align"` everywhere but on the output `aligned`.

@@ -8,17 +8,20 @@ use crate::tree::Value;
 /// An FMU with its wiring, in `[catenary]` or `[[pantograph]]`.
 ///
 /// Inputs and outputs are keyed by this program's names. A pantograph's inputs are `force`, `force_x`, `force_y`,
-/// `force_z`, `time`, `x`, its outputs `height`, `velocity`, `x`, `y`, `vx`, `vy`, `roll`, `roll_rate`. A line's are
-/// those of `Catenary.fmu`: `strip[i].…`, `contact[i].…`, `support[k].uplift`, and `time`. Empty maps leave the wiring
-/// to be guessed from the FMU's variable names.
+/// `force_z`, `time`, `x`, its outputs `height`, `velocity`, `x`, `y`, `vx`, `vy`, `roll`, `roll_rate` (a line takes no
+/// roll rate: it is accepted and not read). A line's are those of `Catenary.fmu`: `strip[i].…`, `contact[i].…`,
+/// `support[k].uplift`, and `time` (`contact[i].closed` is accepted and not read: it follows from the force). Empty maps
+/// leave the wiring to be guessed from the FMU's variables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ThirdParty {
     /// Path of the archive, relative to the scene file.
     pub fmu: String,
     /// Whether it runs in a child process.
     pub isolate: bool,
-    /// Wall time after which an isolated step is given up, s; 60 by default: no step of a working FMU takes that long.
+    /// Wall time after which a call of the FMU is given up, s; 60 by default: no step of a working FMU takes that long.
     pub step_timeout: f64,
+    /// Variables of the environment that its child process is started with; empty where it is not isolated.
+    pub environment: BTreeMap<String, String>,
     /// Values set before initialisation, by the FMU's variable names.
     pub parameters: BTreeMap<String, ParameterValue>,
     /// What the FMU is given, by this program's names.
@@ -44,12 +47,14 @@ pub enum ParameterValue {
 /// our value = factor · FMU value + offset        on outputs
 /// FMU value = factor · our value + offset        on inputs
 /// ```
+///
+/// The FMU value is in the FMU's own unit, ours in SI. A factor that is left out converts between the two.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Connection {
     /// Name in the FMU.
     pub variable: String,
-    /// Units as the two sides' units demand; 1 by default, not zero.
-    pub factor: f64,
+    /// Units as the two sides' units demand, not zero; `None` where the scene leaves it to those units.
+    pub factor: Option<f64>,
     /// 0 by default.
     pub offset: Offset,
 }
@@ -73,6 +78,7 @@ pub(crate) const PANTOGRAPH: [&[&str]; 2] = [
 /// The names of a line's inputs and outputs, for as many strips and supports as a scene may have.
 fn line_names() -> [Vec<String>; 2] {
     const MAX_STRIPS: usize = 16;
+    const SAMPLES: usize = 10;
     let strips = ["x", "y", "z", "vx", "vy", "vz", "roll"];
     let contacts = [
         "force",
@@ -94,7 +100,13 @@ fn line_names() -> [Vec<String>; 2] {
     let inputs = std::iter::once("time".to_string())
         .chain((1..=MAX_STRIPS).flat_map(|i| strips.map(|name| format!("strip[{i}].{name}"))));
     let outputs = (1..=MAX_STRIPS)
-        .flat_map(|i| contacts.map(|name| format!("contact[{i}].{name}")))
+        .flat_map(|i| {
+            let samples = (1..=SAMPLES).map(move |j| format!("contact[{i}].sample[{j}]"));
+            contacts
+                .map(|name| format!("contact[{i}].{name}"))
+                .into_iter()
+                .chain(samples)
+        })
         .chain((1..=crate::catenary::MAX_SPANS + 1).map(|k| format!("support[{k}].uplift")));
     [inputs.collect(), outputs.collect()]
 }
@@ -126,6 +138,15 @@ impl ThirdParty {
                 "step_timeout",
                 was.map(|side| side.step_timeout),
                 Number::positive("s").default(60.0),
+            ),
+            environment: keys.plain_map(
+                "environment",
+                was.map(|side| &side.environment),
+                |text| Value::String(text.clone()),
+                |value| match value {
+                    Value::String(text) if !text.contains('\0') => Ok(text.clone()),
+                    _ => Err("a string without NUL characters".to_string()),
+                },
             ),
             parameters: keys.plain_map(
                 "parameters",
@@ -168,11 +189,7 @@ impl Entry for Connection {
                 was.map(|connection| connection.variable.as_str()),
                 "the name of a variable of the FMU",
             ),
-            factor: keys.number(
-                "factor",
-                was.map(|connection| connection.factor),
-                Number::not_zero().default(1.0),
-            ),
+            factor: keys.optional_number("factor", was.map(|connection| connection.factor), Number::not_zero()),
             offset: match offset {
                 Some(Offset::Align) => align(keys, Some(Offset::Align)),
                 Some(Offset::Value(value)) => Offset::Value(keys.number("offset", Some(value), Number::any(""))),

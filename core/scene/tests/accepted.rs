@@ -1,6 +1,8 @@
 //! What is read is what was typed, and what is written reads again as the same.
 
-use scene::{Algorithm, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Scene, Start, Statics};
+use scene::{
+    Algorithm, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Reduction, Scene, Start, Statics,
+};
 
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
 const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
@@ -92,6 +94,7 @@ outputs = {{ "contact[1].force" = {{ variable = "F" }} }}
 [[pantograph]]
 fmu = "vendor/panto.fmu"
 isolate = true
+environment = {{ LD_PRELOAD = "libpython3.11.so", PYTHONPATH = "/opt/a b" }}
 parameters = {{ m1 = 7.2, "static.force" = 110.0, n = 3, on = true, name = "a \"b\"" }}
 inputs = {{ force = {{ variable = "F_c", factor = -1.0 }} }}
 outputs = {{ height = {{ variable = "z1", offset = "align" }}, velocity = {{ variable = "v1", offset = 5.0 }} }}
@@ -108,10 +111,12 @@ outputs = {{ height = {{ variable = "z1", offset = "align" }}, velocity = {{ var
         (side.fmu.as_str(), side.isolate, side.step_timeout),
         ("vendor/panto.fmu", true, 60.0)
     );
+    assert_eq!(side.environment["LD_PRELOAD"], "libpython3.11.so");
+    assert_eq!(side.environment["PYTHONPATH"], "/opt/a b");
     assert_eq!(side.parameters["static.force"], ParameterValue::Number(110.0));
     assert_eq!(side.parameters["n"], ParameterValue::Number(3.0));
     assert_eq!(side.parameters["on"], ParameterValue::Boolean(true));
-    assert_eq!(side.inputs["force"].factor, -1.0);
+    assert_eq!(side.inputs["force"].factor, Some(-1.0));
     assert_eq!(side.inputs["force"].offset, Offset::Value(0.0));
     assert_eq!(side.outputs["height"].offset, Offset::Align);
     assert_eq!(side.outputs["velocity"].offset, Offset::Value(5.0));
@@ -193,7 +198,11 @@ fn defaults_are_resolved_and_written_out() {
         ),
         (0.001, 0.9, 30)
     );
-    assert!(scene.model.reductions.is_empty());
+    assert_eq!(
+        scene.model.reductions,
+        [Reduction::Planar],
+        "nothing pushes this line sideways"
+    );
     assert_eq!(
         (lumped(&scene).unilateral.as_slice(), lumped(&scene).friction.as_slice()),
         ([false; 2].as_slice(), [0.0; 2].as_slice())
@@ -206,7 +215,7 @@ fn defaults_are_resolved_and_written_out() {
         "[solver]",
         "jacobian = \"modified\"",
         "[model]",
-        "reduce = \"none\"",
+        "reduce = [\"planar\"]",
         "unilateral = [false, false]",
         "[[pantograph]]",
         "[catenary.contact_wire]",

@@ -184,7 +184,8 @@ fn platforms(folder: &Path) -> Vec<String> {
 /// What may help against a message of the loader.
 fn hint(problem: &str) -> &'static str {
     if problem.contains("undefined symbol: _Py") || problem.contains("undefined symbol: Py") {
-        " (the FMU embeds Python: start with LD_PRELOAD=libpython3….so)"
+        " (the FMU embeds Python and finds no interpreter in this process: run it in one of its own that has \
+         LD_PRELOAD = \"libpython3….so\" in its environment)"
     } else if problem.contains("GLIBC_") {
         " (the binary was built on a newer system than this one)"
     } else if problem.contains("wrong ELF class") || problem.contains("invalid ELF header") {

@@ -1,13 +1,16 @@
 //! An unpacked FMU.
 
 use super::binary::Binary;
+use super::guard::Note;
 use super::instance::Instance;
+use super::log::Listener;
 use crate::Error;
 use crate::archive::{self, ArchiveError, Limits};
 use crate::model_description::ModelDescription;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 use tempfile::TempDir;
 
 /// How an FMU is opened.
@@ -17,6 +20,9 @@ pub struct Options {
     pub limits: Limits,
     /// Whether the folder of the unpacked FMU is kept at the end.
     pub keep: Keep,
+    /// Longest that a call may take, in wall time; after it the process ends, see [`guard`](super::guard). `None` is for
+    /// ever.
+    pub time_limit: Option<Duration>,
 }
 
 /// What happens to the folder of the unpacked FMU at the end.
@@ -35,7 +41,25 @@ pub(super) struct Shared {
     pub description: ModelDescription,
     /// Loaded with the first instance.
     binary: Mutex<Option<Arc<Binary>>>,
-    pub folder: TempDir,
+    pub time_limit: Option<Duration>,
+    folder: Folder,
+}
+
+/// Where an archive is unpacked.
+enum Folder {
+    /// Here, and removed at the end.
+    Own(TempDir),
+    /// By somebody else, who removes it.
+    Lent(PathBuf),
+}
+
+impl Shared {
+    pub(super) fn folder(&self) -> &Path {
+        match &self.folder {
+            Folder::Own(folder) => folder.path(),
+            Folder::Lent(folder) => folder,
+        }
+    }
 }
 
 /// An FMU: its description and its folder, which lives as long as this and the last instance.
@@ -73,13 +97,8 @@ impl Fmu {
             path: path.clone(),
             problem,
         };
-        let mut folder = archive::extract(&path, &options.limits).map_err(refused)?;
-        let bytes = std::fs::read(folder.path().join(archive::DESCRIPTION_FILE))
-            .map_err(|problem| refused(ArchiveError::Unreadable { problem }))?;
-        let description = ModelDescription::from_xml(&bytes).map_err(|problem| Error::Description {
-            path: path.clone(),
-            problem,
-        })?;
+        let mut folder = archive::extract(&path, archive::DESCRIPTION_FILE, &options.limits).map_err(refused)?;
+        let description = described(&path, folder.path())?;
         let resources = folder.path().join("resources");
         std::fs::create_dir_all(&resources).map_err(|problem| {
             refused(ArchiveError::Unwritable {
@@ -88,15 +107,37 @@ impl Fmu {
             })
         })?;
         folder.disable_cleanup(options.keep == Keep::Folder);
+        let folder = Folder::Own(folder);
+        Ok(Self::of(path, description, folder, options.time_limit))
+    }
+
+    /// An FMU that somebody else has unpacked into `folder` and removes after this and the last instance are gone; `path` is
+    /// the archive, for messages.
+    ///
+    /// # Errors
+    ///
+    /// A description that is refused.
+    pub fn unpacked(
+        path: impl AsRef<Path>,
+        folder: impl AsRef<Path>,
+        time_limit: Option<Duration>,
+    ) -> Result<Self, Error> {
+        let (path, folder) = (path.as_ref().to_owned(), folder.as_ref().to_owned());
+        let description = described(&path, &folder)?;
+        Ok(Self::of(path, description, Folder::Lent(folder), time_limit))
+    }
+
+    fn of(path: PathBuf, description: ModelDescription, folder: Folder, time_limit: Option<Duration>) -> Self {
         let shared = Shared {
             path,
             description,
             binary: Mutex::new(None),
+            time_limit,
             folder,
         };
-        Ok(Self {
+        Self {
             shared: Arc::new(shared),
-        })
+        }
     }
 
     /// The archive.
@@ -108,7 +149,7 @@ impl Fmu {
     /// The folder it was unpacked into.
     #[must_use]
     pub fn folder(&self) -> &Path {
-        self.shared.folder.path()
+        self.shared.folder()
     }
 
     /// The model description.
@@ -123,8 +164,43 @@ impl Fmu {
     ///
     /// No binary for this platform, a binary that cannot be loaded, or an instance that cannot be made.
     pub fn instantiate(&self, name: &str, visible: bool, logging: bool) -> Result<Instance, Error> {
-        let binary = self.binary()?;
-        Instance::new(Arc::clone(&self.shared), binary, name, visible, logging)
+        self.instantiate_heard(name, visible, logging, None)
+    }
+
+    /// [`instantiate`](Self::instantiate) with somebody who is given each message of the FMU at once.
+    ///
+    /// # Errors
+    ///
+    /// As [`instantiate`](Self::instantiate).
+    pub fn instantiate_heard(
+        &self,
+        name: &str,
+        visible: bool,
+        logging: bool,
+        listener: Option<Listener>,
+    ) -> Result<Instance, Error> {
+        let label = self.label(name);
+        let note = Note::taken(&label, self.shared.time_limit);
+        let binary = match note.during("loading its binary", || self.binary()) {
+            Ok(binary) => binary,
+            Err(error) => {
+                note.release();
+                return Err(error);
+            }
+        };
+        Instance::new(
+            Arc::clone(&self.shared),
+            binary,
+            note,
+            (name, visible, logging),
+            listener,
+        )
+    }
+
+    /// What an instance is called in reports.
+    fn label(&self, name: &str) -> String {
+        let file = self.shared.path.file_name().unwrap_or_default().to_string_lossy();
+        format!("{name} ({}, {file})", self.shared.description.model_name)
     }
 
     fn binary(&self) -> Result<Arc<Binary>, Error> {
@@ -134,9 +210,21 @@ impl Fmu {
             return Ok(Arc::clone(binary));
         }
         let identifier = &shared.description.co_simulation.model_identifier;
-        let folder = std::path::absolute(shared.folder.path()).unwrap_or_else(|_| shared.folder.path().to_owned());
+        let folder = std::path::absolute(shared.folder()).unwrap_or_else(|_| shared.folder().to_owned());
         let loaded = Arc::new(Binary::loaded(&shared.path, &folder, identifier)?);
         *binary = Some(Arc::clone(&loaded));
         Ok(loaded)
     }
+}
+
+/// Reads the model description of the archive at `path`, which is unpacked into `folder`.
+fn described(path: &Path, folder: &Path) -> Result<ModelDescription, Error> {
+    let bytes = std::fs::read(folder.join(archive::DESCRIPTION_FILE)).map_err(|problem| Error::Archive {
+        path: path.to_owned(),
+        problem: ArchiveError::Unreadable { problem },
+    })?;
+    ModelDescription::from_xml(&bytes).map_err(|problem| Error::Description {
+        path: path.to_owned(),
+        problem,
+    })
 }

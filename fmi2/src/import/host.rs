@@ -1,10 +1,13 @@
 //! What an FMU may change of this process and must not.
 
+use std::ffi::{CStr, CString};
 use std::path::PathBuf;
 
-/// Restores the working directory and the floating-point mode when dropped.
+/// Restores the working directory, the locale and the floating-point mode when dropped.
 pub(super) struct HostState {
     directory: Option<PathBuf>,
+    /// Rust needs none, but what other FMUs read and print depends on it.
+    locale: Option<CString>,
     #[cfg(target_arch = "x86_64")]
     mxcsr: u32,
 }
@@ -13,6 +16,7 @@ impl HostState {
     pub(super) fn remembered() -> Self {
         Self {
             directory: std::env::current_dir().ok(),
+            locale: locale(),
             #[cfg(target_arch = "x86_64")]
             mxcsr: mxcsr(),
         }
@@ -27,8 +31,23 @@ impl Drop for HostState {
             // the old directory may be gone; then there is nothing to go back to
             let _ = std::env::set_current_dir(directory);
         }
+        if let Some(before) = &self.locale
+            && locale().as_ref() != Some(before)
+        {
+            // SAFETY: a NUL-terminated text, which setlocale returned itself.
+            unsafe { libc::setlocale(libc::LC_ALL, before.as_ptr()) };
+        }
         #[cfg(target_arch = "x86_64")]
         set_mxcsr(self.mxcsr);
+    }
+}
+
+/// The locale of C.
+fn locale() -> Option<CString> {
+    // SAFETY: null only asks; the answer is a text that lives until the next call, or null.
+    unsafe {
+        let name = libc::setlocale(libc::LC_ALL, std::ptr::null());
+        (!name.is_null()).then(|| CStr::from_ptr(name).to_owned())
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::binary::{Binary, Functions};
 use super::fmu::Shared;
+use super::guard::Note;
 use super::host::HostState;
-use super::log::{Environment, LogMessage};
+use super::log::{Environment, Listener, LogMessage};
 use crate::abi::{
     FALSE, InstanceKind, Status, TRUE, fmi2CallbackFunctions, fmi2Component, fmi2ComponentEnvironment, fmi2FMUstate,
     fmi2Status, fmi2String,
@@ -60,6 +61,17 @@ pub struct Instance {
     environment: Arc<Environment>,
     binary: Arc<Binary>,
     shared: Arc<Shared>,
+    /// What it is doing, for those who watch.
+    note: Noted,
+}
+
+/// Gives a note back when it is dropped, after everything that it is needed for.
+struct Noted(&'static Note);
+
+impl Drop for Noted {
+    fn drop(&mut self) {
+        self.0.release();
+    }
 }
 
 // SAFETY: an instance may be used from different threads, one at a time [FMI 2.0, 2.1.1]; `&mut self` sees to that,
@@ -87,10 +99,11 @@ impl Instance {
     pub(super) fn new(
         shared: Arc<Shared>,
         binary: Arc<Binary>,
-        name: &str,
-        visible: bool,
-        logging: bool,
+        note: &'static Note,
+        (name, visible, logging): (&str, bool, bool),
+        listener: Option<Listener>,
     ) -> Result<Self, Error> {
+        let note = Noted(note);
         let description = &shared.description;
         let fmu = description.model_name.clone();
         if name.trim().is_empty() {
@@ -107,7 +120,7 @@ impl Instance {
             });
         }
         let only_once = description.co_simulation.can_be_instantiated_only_once_per_process;
-        let resources = location::uri(&shared.folder.path().join("resources"));
+        let resources = location::uri(&shared.folder().join("resources"));
         let (c_name, guid, resources) = (
             c_text("instance name", name)?,
             c_text("GUID", &description.guid)?,
@@ -123,7 +136,7 @@ impl Instance {
                 path: shared.path.clone(),
             });
         }
-        let environment = Arc::new(Environment::new(description));
+        let environment = Arc::new(Environment::new(description, listener));
         for warning in &binary.warnings {
             let category = String::new();
             environment.push(LogMessage {
@@ -143,7 +156,7 @@ impl Instance {
         let host = HostState::remembered();
         // SAFETY: the arguments are what FMI 2.0, 2.1.5 asks for; texts live during the call, callbacks and
         // environment as long as the instance.
-        let component = unsafe {
+        let make = || unsafe {
             (binary.functions.instantiate)(
                 c_name.as_ptr(),
                 InstanceKind::CoSimulation as c_int,
@@ -154,6 +167,7 @@ impl Instance {
                 if logging { TRUE } else { FALSE },
             )
         };
+        let component = note.0.during("fmi2Instantiate", make);
         drop(host);
         let instance = Self {
             component,
@@ -166,6 +180,7 @@ impl Instance {
             environment,
             binary,
             shared,
+            note,
         };
         if component.is_null() {
             let log = Log(instance.environment().since(mark));
@@ -199,6 +214,10 @@ impl Instance {
 
     pub(super) fn component(&self) -> fmi2Component {
         self.component
+    }
+
+    pub(super) fn note(&self) -> &'static Note {
+        self.note.0
     }
 
     pub(super) fn mark_fatal(&self) {
@@ -243,7 +262,9 @@ impl Instance {
             });
         }
         let mark = self.environment().mark();
-        let status = Status::try_from(call(self.component)).unwrap_or(Status::Fatal);
+        let component = self.component;
+        let status = self.note.0.during(function, || call(component));
+        let status = Status::try_from(status).unwrap_or(Status::Fatal);
         match status {
             Status::Ok | Status::Warning | Status::Discard | Status::Pending => return Ok(status),
             Status::Error => self.condition = Condition::Failed,
@@ -314,7 +335,9 @@ impl Instance {
         // SAFETY: the component is alive.
         self.call("fmi2SetupExperiment", |component| unsafe {
             function(component, tolerance_defined, tolerance, start_time, stop_defined, stop)
-        })
+        })?;
+        self.note.0.at(start_time);
+        Ok(())
     }
 
     /// Begins the initialisation.
@@ -378,8 +401,9 @@ impl Drop for Instance {
             self.free_states();
         }
         if !self.component.is_null() && self.condition == Condition::Running && !self.binary.is_fatal() {
+            let (terminate, component) = (self.binary.functions.terminate, self.component);
             // SAFETY: the component is alive.
-            let status = unsafe { (self.binary.functions.terminate)(self.component) };
+            let status = self.note.0.during("fmi2Terminate", || unsafe { terminate(component) });
             if status == Status::Fatal as c_int {
                 self.mark_fatal();
             }
@@ -388,8 +412,9 @@ impl Drop for Instance {
             // the FMU was not freed and may still use them
             std::mem::forget((Rc::clone(&self.callbacks), Arc::clone(&self.environment)));
         } else if !self.component.is_null() {
+            let (free, component) = (self.binary.functions.free_instance, self.component);
             // SAFETY: the component is alive and not used again.
-            unsafe { (self.binary.functions.free_instance)(self.component) };
+            self.note.0.during("fmi2FreeInstance", || unsafe { free(component) });
         }
         if self.only_once {
             let mut guids = ONLY_ONCE.lock().unwrap_or_else(PoisonError::into_inner);

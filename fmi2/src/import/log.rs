@@ -22,6 +22,9 @@ pub struct LogMessage {
     pub text: String,
 }
 
+/// Is given each message at once, on the thread that it comes from.
+pub type Listener = Box<dyn Fn(&LogMessage) + Send + Sync>;
+
 /// What `componentEnvironment` points to. The first member is what the C logger calls.
 #[repr(C)]
 pub(super) struct Environment {
@@ -31,10 +34,11 @@ pub(super) struct Environment {
     count: AtomicU64,
     /// Names of the variables by the letter of their type and their reference.
     names: BTreeMap<(char, u32), String>,
+    listener: Option<Listener>,
 }
 
 impl Environment {
-    pub(super) fn new(description: &ModelDescription) -> Self {
+    pub(super) fn new(description: &ModelDescription, listener: Option<Listener>) -> Self {
         let mut names = BTreeMap::new();
         for variable in &description.variables {
             let letter = match variable.base_type() {
@@ -52,6 +56,7 @@ impl Environment {
             messages: Mutex::default(),
             count: AtomicU64::new(0),
             names,
+            listener,
         }
     }
 
@@ -77,6 +82,9 @@ impl Environment {
     }
 
     pub(super) fn push(&self, message: LogMessage) {
+        if let Some(listener) = &self.listener {
+            listener(&message);
+        }
         let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
         if messages.len() == KEPT {
             messages.pop_front();
@@ -155,7 +163,7 @@ mod tests {
             Variable::input("force", "N", 0.0, "Force"),
             Variable::output("x", "m", "Position"),
         ];
-        let environment = Environment::new(&ModelDescription::of_slave("Test", variables));
+        let environment = Environment::new(&ModelDescription::of_slave("Test", variables), None);
         assert_eq!(
             environment.readable("#r1# is ##1 of #r9# and #i1#\nend"),
             "x is #1 of #r9# and #i1# end"

@@ -163,7 +163,8 @@ impl Instance {
             }
             let component = self.component();
             // SAFETY: the component is alive; the state was made by it and is forgotten here.
-            let status = unsafe { function(component, &raw mut state) };
+            let free = || unsafe { function(component, &raw mut state) };
+            let status = self.note().during("fmi2FreeFMUstate", free);
             if status == Status::Fatal as i32 {
                 self.mark_fatal();
                 return;

@@ -28,6 +28,7 @@ impl Instance {
         let name = "fmi2DoStep";
         let function = self.functions().do_step;
         let mark = self.environment().mark();
+        self.note().at(time);
         // SAFETY: the component is alive.
         let call = |component| unsafe { function(component, time, step, FALSE) };
         let mut status = self.status_of(name, call)?;
@@ -35,7 +36,10 @@ impl Instance {
             status = self.awaited()?;
         }
         match status {
-            Status::Ok | Status::Warning => Ok(StepOutcome::Ok),
+            Status::Ok | Status::Warning => {
+                self.note().at(time + step);
+                Ok(StepOutcome::Ok)
+            }
             Status::Discard => Ok(StepOutcome::Discard),
             status => Err(self.failure(name, status, mark)),
         }

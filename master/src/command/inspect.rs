@@ -8,16 +8,17 @@ use super::{CommandError, print, print_json};
 use crate::cli::Common;
 use crate::inspect;
 
-/// Shows what an FMU offers. Nothing of it is executed.
+/// Shows what an FMU offers, and what it can do: that is tried in another process, which it may crash.
 ///
 /// # Errors
 /// See [`CommandError`].
 pub fn inspect(path: &Path, common: &Common) -> Result<(), CommandError> {
     let fmu = Fmu::open(path).map_err(|error| CommandError::FmuFile(Box::new(error)))?;
+    let inspection = inspect::Inspection::of(&fmu);
     if common.json {
-        print_json(&inspect::json(fmu.description()))?;
+        print_json(&inspect::json(path, fmu.description(), &inspection))?;
     } else if !common.quiet {
-        print(&inspect::text(path, &fmu))?;
+        print(&inspect::text(path, &fmu, &inspection))?;
     }
     Ok(())
 }

@@ -1,0 +1,63 @@
+//! What a process that runs one FMU needs of the system.
+
+use std::io;
+use std::os::fd::{AsFd as _, AsRawFd as _, OwnedFd};
+use std::os::unix::net::UnixStream;
+use std::time::Duration;
+
+/// The socket that this process was given as its standard input. What the FMU prints goes to the standard error stream from
+/// now on, and what it reads from the standard input is nothing.
+///
+/// # Errors
+/// The standard input is no socket, or the system refuses.
+pub fn detached_stdin() -> io::Result<UnixStream> {
+    let channel = UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
+    channel.peer_addr()?;
+    let nothing = std::fs::File::open("/dev/null")?;
+    for (from, to) in [(nothing.as_raw_fd(), 0), (2, 1)] {
+        // SAFETY: plain numbers of open descriptors; what 0 and 1 were before is not used by anybody.
+        if unsafe { libc::dup2(from, to) } < 0 {
+            return Err(io::Error::last_os_error());
+        }
+    }
+    Ok(channel)
+}
+
+/// Ends this process, whatever it is doing, when the other end of `channel` has been closed for `grace`.
+///
+/// # Errors
+/// The system has no thread or descriptor left.
+pub fn end_when_closed(channel: &UnixStream, grace: Duration) -> io::Result<()> {
+    let channel: OwnedFd = channel.as_fd().try_clone_to_owned()?;
+    let watch = move || {
+        let mut poll = libc::pollfd {
+            fd: channel.as_raw_fd(),
+            events: 0,
+            revents: 0,
+        };
+        loop {
+            // SAFETY: one valid element. With no events asked for, only the end of the other side wakes it.
+            let found = unsafe { libc::poll(&raw mut poll, 1, -1) };
+            if found > 0 {
+                break;
+            }
+        }
+        std::thread::sleep(grace);
+        // SAFETY: ends the process without calling anything of the FMU.
+        unsafe { libc::_exit(1) }
+    };
+    std::thread::Builder::new()
+        .name("end of input".to_owned())
+        .spawn(watch)?;
+    Ok(())
+}
+
+/// Kills a process group that was made with the child `leader`, with all that the child has started itself.
+pub fn kill_group(leader: u32) {
+    if let Ok(leader) = libc::pid_t::try_from(leader)
+        && leader > 1
+    {
+        // SAFETY: a plain call; a group that is gone is no harm.
+        unsafe { libc::kill(-leader, libc::SIGKILL) };
+    }
+}

@@ -1,0 +1,139 @@
+//! Pantographs of other suppliers: one written in C, which the tests build, describe and pack as they need it, and the line
+//! they are tried under: `tests/thirdparty`.
+use crate::fmus::tree;
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use zip::ZipWriter;
+use zip::write::SimpleFileOptions;
+
+/// A short line without a pantograph, as a scene.
+pub const LINE: &str = include_str!("thirdparty/line.toml");
+
+/// The scene of the short line and an FMU, with more keys of its table.
+#[must_use]
+pub fn under_the_line(fmu: &Path, more: &str) -> String {
+    format!(
+        "{LINE}\n[[pantograph]]\nfmu = {:?}\n{more}\n",
+        fmu.display().to_string()
+    )
+}
+
+/// Name of the binary in the archive, without extension.
+const IDENTIFIER: &str = "two_mass";
+
+/// The pantograph, with a choice of what it does and says.
+#[derive(Clone)]
+pub struct Pantograph {
+    macros: Vec<String>,
+    description: Vec<u8>,
+    resources: Vec<(String, Vec<u8>)>,
+}
+
+impl Default for Pantograph {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Pantograph {
+    /// As a good supplier delivers it.
+    ///
+    /// # Panics
+    /// When its description is not there.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            macros: Vec::new(),
+            description: fs::read(tree().join("tests/thirdparty/modelDescription.xml")).unwrap(),
+            resources: Vec::new(),
+        }
+    }
+
+    /// Built with macros of `pantograph.c`.
+    #[must_use]
+    pub fn built_with(mut self, macros: &[&str]) -> Self {
+        self.macros.extend(macros.iter().map(ToString::to_string));
+        self
+    }
+
+    /// Described in other words, everywhere.
+    ///
+    /// # Panics
+    /// When the words to replace are not there.
+    #[must_use]
+    pub fn saying(mut self, instead: &str, words: &str) -> Self {
+        let description = String::from_utf8(self.description).unwrap();
+        assert!(description.contains(instead), "nothing says {instead}");
+        self.description = description.replace(instead, words).into_bytes();
+        self
+    }
+
+    /// Without one of the abilities, in word and deed.
+    #[must_use]
+    pub fn unable(self, flag: &str, switch: &str) -> Self {
+        let switch = format!("{switch}=0");
+        self.saying(&format!("{flag}=\"true\""), &format!("{flag}=\"false\""))
+            .built_with(&[&switch])
+    }
+
+    /// With a description as these bytes.
+    #[must_use]
+    pub fn described(mut self, change: impl FnOnce(Vec<u8>) -> Vec<u8>) -> Self {
+        self.description = change(self.description);
+        self
+    }
+
+    /// With a file among its resources.
+    #[must_use]
+    pub fn resource(mut self, name: &str, content: &[u8]) -> Self {
+        self.resources.push((name.to_owned(), content.to_vec()));
+        self
+    }
+
+    /// Builds it and writes the archive into a folder; returns the path.
+    ///
+    /// # Panics
+    /// Where there is no C compiler, or it refuses.
+    pub fn write(&self, folder: &Path, name: &str) -> PathBuf {
+        let library = folder.join(format!("{name}.{}", std::env::consts::DLL_EXTENSION));
+        let mut command = Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()));
+        command.args([
+            "-std=c11",
+            "-O2",
+            "-Wall",
+            "-Wextra",
+            "-shared",
+            "-fPIC",
+            "-fvisibility=hidden",
+        ]);
+        command.args(self.macros.iter().map(|name| format!("-D{name}")));
+        command
+            .arg("-o")
+            .arg(&library)
+            .arg(tree().join("tests/thirdparty/pantograph.c"));
+        let output = command.args(["-lm", "-lpthread"]).output().unwrap_or_else(|error| {
+            panic!(
+                "the pantograph of another supplier is written in C and needs a compiler: {command:?}: {error}. Install one \
+                 (Debian, Ubuntu: apt-get install gcc), or name it in CC, and run the tests again"
+            )
+        });
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let path = folder.join(format!("{name}.fmu"));
+        let mut archive = ZipWriter::new(File::create(&path).unwrap());
+        let binary = fmi2::archive::binary_entry(IDENTIFIER);
+        let library = fs::read(&library).unwrap();
+        let mut entry = |name: &str, content: &[u8]| {
+            archive.start_file(name, SimpleFileOptions::default()).unwrap();
+            archive.write_all(content).unwrap();
+        };
+        entry("modelDescription.xml", &self.description);
+        entry(&binary, &library);
+        for (name, content) in &self.resources {
+            entry(&format!("resources/{name}"), content);
+        }
+        archive.finish().unwrap();
+        path
+    }
+}
