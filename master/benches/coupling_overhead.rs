@@ -76,7 +76,7 @@ fn time_loop(coupling: &scene::Coupling, steps: u64, output_step: f64) -> Durati
         line: &mut line,
         pantographs: &mut pantographs,
     };
-    let (mut algorithm, _) = algorithm::build(coupling, &sides).expect("a scene's coupling");
+    let (mut algorithm, _) = algorithm::build(coupling, &sides);
     let mut exchange = Exchange::start(&mut sides, 0.0, contact::COUNT).expect("constant outputs");
     let duration = H * steps as f64;
     let schedule = Schedule {

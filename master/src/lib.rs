@@ -19,6 +19,7 @@
 //! ssp           the co-simulation as a system structure, and scenes made of somebody else's
 //! prepare       a scene resolved: statics, FMUs of somebody else, starts
 //! simulation    a resolved scene in a mode, to a record
+//! test_problem  two small slaves and their truth: what a coupling algorithm is worth
 //! results       files of a run; statistics, standards and report make them
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
 //! ```
@@ -50,4 +51,5 @@ pub mod ssp;
 pub mod standards;
 pub mod standstill;
 pub mod statistics;
+pub mod test_problem;
 pub mod third_party;

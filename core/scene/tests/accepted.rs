@@ -182,11 +182,11 @@ fn defaults_are_resolved_and_written_out() {
     let coupling = &scene.coupling;
     assert_eq!(
         (coupling.algorithm, coupling.order, coupling.force),
-        (Algorithm::GaussSeidel, Order::CatenaryFirst, Force::Mean)
+        (Algorithm::Auto, Order::PantographFirst, Force::Interpolated)
     );
     assert_eq!(
         (coupling.extrapolation, coupling.macro_step, coupling.max_iterations),
-        (1, 0.001, 20)
+        (2, 0.001, 20)
     );
     assert!(coupling.reason.starts_with("auto"), "{}", coupling.reason);
     assert_eq!(read(EN_250, &[]).coupling.reason, "named in the scene");
@@ -210,8 +210,8 @@ fn defaults_are_resolved_and_written_out() {
     let written = scene.to_toml();
     for line in [
         "[coupling]",
-        "algorithm = \"gauss_seidel\"",
-        "force_tolerance = 1e-6",
+        "algorithm = \"auto\"",
+        "force_tolerance = 0.0001",
         "[solver]",
         "jacobian = \"modified\"",
         "[model]",

@@ -4,9 +4,38 @@ use crate::interface::{contact, strip};
 use crate::slave::SlaveError;
 
 use super::Sides;
+use super::waveform::Shape;
 
 /// Communication points that predictions can look back to.
 const DEPTH: usize = 3;
+
+/// Share of the work that crossed the contact beyond which the energy that the coupling added is worth a note (–).
+pub const ENERGY_SHARE: f64 = 0.01;
+
+/// Force components of a defect.
+const AXES: usize = 3;
+
+/// What the load on a strip has left undone so far: the force of the line less that of the load, integrated once and twice.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Defect {
+    /// Momentum that the strip still has to get, N s.
+    pub momentum: f64,
+    /// The same for mass times position, N s² (kg m).
+    pub position: f64,
+}
+
+impl Defect {
+    /// The straight line that, added to the load of the next `h` s, takes both to zero; only the momentum with `degree` 0.
+    ///
+    /// In terms of [`Shape`]: mean `p/h`, moment `(q + h p)/h²`.
+    #[must_use]
+    pub fn correction(&self, h: f64, degree: usize) -> Shape {
+        let mean = self.momentum / h;
+        let moment = (self.position + h * self.momentum) / (h * h);
+        let slope = if degree == 0 { 0.0 } else { 6.0 * (0.5 * mean - moment) };
+        Shape([mean, slope, 0.0])
+    }
+}
 
 /// All outputs at one communication point.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -66,6 +95,11 @@ pub struct Exchange {
     /// What the step under way has reached; becomes the present point by [`Exchange::accept`].
     pub reached: Point,
     start_work: f64,
+    /// Sum of the amounts of work that crossed the contact, step by step, J.
+    crossed: f64,
+    /// Defects at the present point and at the one reached, per strip and component.
+    defects: Vec<[Defect; AXES]>,
+    reached_defects: Vec<[Defect; AXES]>,
 }
 
 impl Exchange {
@@ -80,6 +114,9 @@ impl Exchange {
             known: 1,
             reached: point,
             start_work: 0.0,
+            crossed: 0.0,
+            defects: vec![Default::default(); sides.pantographs.len()],
+            reached_defects: vec![Default::default(); sides.pantographs.len()],
         };
         exchange.read_line(sides)?;
         exchange.read_pantographs(sides)?;
@@ -106,10 +143,39 @@ impl Exchange {
         self.known
     }
 
+    /// Defect of component `axis` of the load on strip `i` at the present point.
+    #[must_use]
+    pub fn defect(&self, i: usize, axis: usize) -> Defect {
+        self.defects[i][axis]
+    }
+
+    /// Sets the defect at the point reached.
+    pub fn set_reached_defect(&mut self, i: usize, axis: usize, defect: Defect) {
+        self.reached_defects[i][axis] = defect;
+    }
+
     /// Energy that the coupling has added since the start, J.
     #[must_use]
     pub fn energy_residual(&self) -> f64 {
         self.points[0].work() - self.start_work
+    }
+
+    /// What a reader must be told on the energy that the coupling added; nothing where it is a small share
+    /// ([`ENERGY_SHARE`]) of the work that crossed the contact.
+    #[must_use]
+    pub fn energy_note(&self) -> Option<String> {
+        let added = self.energy_residual();
+        let share = added.abs() / self.crossed;
+        (share > ENERGY_SHARE).then(|| {
+            format!(
+                "the coupling {} {:.3e} J, {:.2} % of the {:.3e} J that crossed the contact: the macro step is too long for \
+                 this algorithm",
+                if added > 0.0 { "added" } else { "took" },
+                added.abs(),
+                100.0 * share,
+                self.crossed
+            )
+        })
     }
 
     /// Reads the outputs of the line into [`Exchange::reached`].
@@ -135,10 +201,57 @@ impl Exchange {
 
     /// Makes what was reached the present point, at `t` in s.
     pub fn accept(&mut self, t: f64) {
+        for i in 0..self.strip_count() {
+            let work = |point: &Point| point.contact(i)[contact::WORK];
+            self.crossed += (work(&self.reached) - work(&self.points[0])).abs();
+        }
         self.reached.from = self.points[0].t;
         self.reached.t = t;
         self.points.rotate_right(1);
         std::mem::swap(&mut self.points[0], &mut self.reached);
+        std::mem::swap(&mut self.defects, &mut self.reached_defects);
+        self.reached_defects.fill(Default::default());
         self.known = (self.known + 1).min(DEPTH);
+    }
+}
+
+/// The values that predictions see, one strip and its vertical motion only: what the recurrence of a coupled step maps.
+impl Exchange {
+    /// Number of these values.
+    pub(super) const MEMORY: usize = 4 * DEPTH + 2;
+
+    /// Sets them; all points count as known, `h` s apart, the last one at t = 0, with the contact closed and no
+    /// samples: the predictions do not look at them.
+    pub(super) fn set_memory(&mut self, memory: &[f64; Self::MEMORY], h: f64) {
+        self.known = DEPTH;
+        for (back, (point, values)) in self.points.iter_mut().zip(memory.chunks_exact(4)).enumerate() {
+            point.t = -(back as f64) * h;
+            point.from = point.t - h;
+            point.strips[strip::Z] = values[0];
+            point.strips[strip::VZ] = values[1];
+            point.line[contact::FZ] = values[2];
+            point.line[contact::MEAN_FZ] = values[3];
+            point.line[contact::FORCE] = -values[2];
+            point.line[contact::SAMPLES..contact::SAMPLES + contact::SAMPLE_COUNT].fill(0.0);
+        }
+        self.defects[0] = Default::default();
+        self.defects[0][2] = Defect {
+            momentum: memory[4 * DEPTH],
+            position: memory[4 * DEPTH + 1],
+        };
+    }
+
+    /// Reads them.
+    pub(super) fn memory(&self) -> [f64; Self::MEMORY] {
+        let mut memory = [0.0; Self::MEMORY];
+        for (point, values) in self.points.iter().zip(memory.chunks_exact_mut(4)) {
+            values[0] = point.strips[strip::Z];
+            values[1] = point.strips[strip::VZ];
+            values[2] = point.line[contact::FZ];
+            values[3] = point.line[contact::MEAN_FZ];
+        }
+        memory[4 * DEPTH] = self.defects[0][2].momentum;
+        memory[4 * DEPTH + 1] = self.defects[0][2].position;
+        memory
     }
 }

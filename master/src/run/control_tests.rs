@@ -269,7 +269,7 @@ fn controlled(drive: (f64, f64), control: Control, likes: Likes) -> Outcome {
         line: &mut line,
         pantographs: &mut pantographs,
     };
-    let (mut algorithm, _) = crate::algorithm::build(&coupling(scene::Algorithm::GaussSeidel), &sides).unwrap();
+    let (mut algorithm, _) = crate::algorithm::build(&coupling(scene::Algorithm::GaussSeidel), &sides);
     let mut exchange = Exchange::start(&mut sides, 0.0, contact::COUNT).unwrap();
     let recorder = Recorder::new(control.duration, 1e-3, 1, &[], LineGeometry::default());
     let progress = Progress::simulated("", control.duration, Show::Never);
@@ -522,7 +522,7 @@ fn slaves_on_threads_of_their_own_give_the_same_bits() {
                 line: &mut line,
                 pantographs: &mut pantographs,
             };
-            let (mut algorithm, _) = crate::algorithm::build(&coupling(algorithm), &sides).unwrap();
+            let (mut algorithm, _) = crate::algorithm::build(&coupling(algorithm), &sides);
             let mut exchange = Exchange::start(&mut sides, 0.0, 2 * contact::COUNT).unwrap();
             let mut points = Vec::new();
             for n in 1..=300 {

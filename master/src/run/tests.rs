@@ -135,7 +135,7 @@ fn run_with(pantograph_takes: f64, rollback: bool, interrupted: bool) -> Outcome
         force_tolerance: 1e-6,
         reason: "named",
     };
-    let (mut algorithm, _) = crate::algorithm::build(&coupling, &sides).unwrap();
+    let (mut algorithm, _) = crate::algorithm::build(&coupling, &sides);
     let mut exchange = Exchange::start(&mut sides, 0.0, contact::COUNT).unwrap();
     let schedule = Schedule {
         duration: 1.0,
