@@ -16,6 +16,8 @@
 //! package       FMUs made from a scene
 //! simulation    a scene in a mode, from statics to a record
 //! results       files of a run; statistics, standards and report make them
+//! table_of_runs one row per run: columns, errors, status
+//! compare       all modes and algorithms on one scene
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
 //! ```
 #![forbid(unsafe_code)]
@@ -24,6 +26,7 @@ pub mod algorithm;
 pub mod check;
 pub mod cli;
 pub mod command;
+pub mod compare;
 pub mod cosimulation;
 pub mod equilibrium;
 pub mod inprocess;
@@ -41,4 +44,5 @@ pub mod slave;
 pub mod standards;
 pub mod standstill;
 pub mod statistics;
+pub mod table_of_runs;
 pub mod third_party;

@@ -1,0 +1,20 @@
+//! All modes and algorithms on one scene: differences and costs side by side.
+//!
+//! | part | subject |
+//! | --- | --- |
+//! | `plan` | which runs, at which micro step |
+//! | `execute` | making them, one at a time |
+//! | `text` | the table on the terminal |
+//! | `page` | `compare.html` |
+
+mod execute;
+mod page;
+mod plan;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use execute::{Comparison, SETTLE, Script, compare, script};
+pub use page::page;
+pub use plan::{AUTO, Group, MACRO_STEPS, Planned, algorithms, groups, macro_step, plan};
+pub use text::text;
