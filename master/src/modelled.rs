@@ -1,6 +1,6 @@
 //! What a scene models, what it leaves out and why, and what its results are worth.
 
-use scene::{Initialise, PantographModel, Start};
+use scene::{Initialise, PantographModel, Reduction, Start};
 
 use crate::results::{Model, Part};
 use crate::simulation::Prepared;
@@ -54,9 +54,9 @@ impl Prepared {
                     "catenary",
                     true,
                     format!(
-                        "{} cable elements in two wires, {} spans",
-                        elements,
-                        topology.supports().len() - 1
+                        "{elements} cable elements in two wires, {} spans; {}",
+                        topology.supports().len() - 1,
+                        dimension(scene)
                     ),
                 ),
                 part("pantograph", true, kinds.join("; ")),
@@ -98,6 +98,18 @@ impl Prepared {
         }
         notes
     }
+}
+
+/// Which coordinates the line has, and why.
+fn dimension(scene: &scene::Scene) -> String {
+    if scene.model.has(Reduction::Planar) {
+        return "planar: nothing pushes it sideways, so leaving out the lateral coordinates changes nothing".to_owned();
+    }
+    let reason = scene.pushed_sideways();
+    format!(
+        "spatial: {}",
+        reason.unwrap_or_else(|| "asked for by model.reduce".to_owned())
+    )
 }
 
 /// How somebody else's pantograph comes to its start.

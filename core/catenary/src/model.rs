@@ -1,7 +1,8 @@
 //! The line of a scene together with the strips on it.
 use crate::contact::STRIP_INPUTS;
 use crate::{
-    ContactPair, ContactTangent, LineOptions, OverheadLine, PenaltyContact, PrescribedStrip, StaticLine, StaticsError,
+    ContactPair, ContactTangent, Dimension, LineOptions, OverheadLine, PenaltyContact, PrescribedStrip, StaticLine,
+    StaticsError,
 };
 use dynamics::{Force, Layout, Marker, StepError, System};
 use scene::Scene;
@@ -67,7 +68,15 @@ impl System for Model {
 /// See [`CatenaryError`].
 pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
     let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
-    Ok(StaticLine::solve(catenary, LineOptions::default())?)
+    let options = LineOptions {
+        dimension: if scene.model.has(scene::Reduction::Planar) {
+            Dimension::Planar
+        } else {
+            Dimension::Spatial
+        },
+        ..LineOptions::default()
+    };
+    Ok(StaticLine::solve(catenary, options)?)
 }
 
 /// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's law.

@@ -8,12 +8,22 @@ use crate::keys::{Entry, Keys};
 pub struct Model {
     /// Reductions in use, without repetition; empty is the full model. `"auto"` is already resolved.
     pub reductions: Vec<Reduction>,
+    /// Whether `reduce` is `"auto"` and still to be resolved; only while a scene is read.
+    pub(crate) unresolved: bool,
+}
+
+impl Model {
+    /// Whether a reduction is in use.
+    #[must_use]
+    pub fn has(&self, reduction: Reduction) -> bool {
+        self.reductions.contains(&reduction)
+    }
 }
 
 choice! {
     /// An entry of `model.reduce`.
     pub enum Reduction {
-        /// No lateral coordinates.
+        /// No lateral coordinates of the line: exact where nothing pushes it sideways.
         Planar = "planar",
         /// The line linearised about its static state.
         Linearised = "linearised",
@@ -24,13 +34,15 @@ choice! {
         /// The mechanism reduced to its one motion.
         Linkage = "linkage",
     }
-    unavailable: ["planar", "linearised", "flat", "window", "linkage"]
+    unavailable: ["linearised", "flat", "window", "linkage"]
 }
 
 impl Entry for Model {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let chosen = keys.words("reduce", was.map(|model| model.reductions.as_slice()));
         Self {
-            reductions: keys.words("reduce", was.map(|model| model.reductions.as_slice())),
+            unresolved: chosen.is_none(),
+            reductions: chosen.unwrap_or_default(),
         }
     }
 }

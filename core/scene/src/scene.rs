@@ -3,7 +3,9 @@
 use crate::error::{SceneError, What};
 use crate::keys::{Entry, Keys, read, write};
 use crate::tree::{Sources, parse};
-use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, ThirdParty};
+use crate::{
+    Catenary, Contact, Coupling, Evaluate, Model, Pantograph, PantographModel, Reduction, Run, Solver, ThirdParty,
+};
 
 /// A scene: every value present, checked and in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,6 +107,32 @@ impl Scene {
         }
     }
 
+    /// Why the line cannot be planar: what pushes or leads it sideways; `None` where nothing does.
+    #[must_use]
+    pub fn pushed_sideways(&self) -> Option<String> {
+        let (catenary, _) = self.modelled_line()?;
+        if catenary.stagger.iter().any(|y| *y != catenary.stagger[0]) {
+            return Some("catenary.stagger differs from support to support".to_owned());
+        }
+        let wired = |key: &str| {
+            let third_party = self.pantographs.iter().position(|pantograph| {
+                matches!(&pantograph.model, PantographModel::ThirdParty(side) if side.outputs.contains_key(key))
+            });
+            third_party.map(|index| format!("pantograph[{}].outputs.{key} may tilt the strip", index + 1))
+        };
+        wired("roll").or_else(|| wired("roll_rate"))
+    }
+
+    /// Resolves `model.reduce = "auto"`: only what changes nothing is left out.
+    fn choose_reductions(&mut self) {
+        if std::mem::take(&mut self.model.unresolved)
+            && self.modelled_line().is_some()
+            && self.pushed_sideways().is_none()
+        {
+            self.model.reductions.push(Reduction::Planar);
+        }
+    }
+
     /// x of the strip of pantograph `index` (from 0) at t = 0, m.
     #[must_use]
     pub fn strip_start_x(&self, index: usize) -> f64 {
@@ -172,7 +200,7 @@ impl Entry for Scene {
         }
         let contact_is_needed = contact_is_there || (modelled && was.is_none());
         let contact = contact_is_needed.then(|| keys.table("contact", contact.flatten()));
-        Self {
+        let mut scene = Self {
             title,
             source,
             run,
@@ -182,7 +210,9 @@ impl Entry for Scene {
             model: keys.table_or_empty("model", was.map(|scene| &scene.model)),
             coupling: keys.table_or_empty("coupling", was.map(|scene| &scene.coupling)),
             solver: keys.table_or_empty("solver", was.map(|scene| &scene.solver)),
-        }
+        };
+        scene.choose_reductions();
+        scene
     }
 }
 

@@ -1,6 +1,8 @@
 //! What is read is what was typed, and what is written reads again as the same.
 
-use scene::{Algorithm, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Scene, Start, Statics};
+use scene::{
+    Algorithm, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Reduction, Scene, Start, Statics,
+};
 
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
 const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
@@ -193,7 +195,11 @@ fn defaults_are_resolved_and_written_out() {
         ),
         (0.001, 0.9, 30)
     );
-    assert!(scene.model.reductions.is_empty());
+    assert_eq!(
+        scene.model.reductions,
+        [Reduction::Planar],
+        "nothing pushes this line sideways"
+    );
     assert_eq!(
         (lumped(&scene).unilateral.as_slice(), lumped(&scene).friction.as_slice()),
         ([false; 2].as_slice(), [0.0; 2].as_slice())
@@ -206,7 +212,7 @@ fn defaults_are_resolved_and_written_out() {
         "[solver]",
         "jacobian = \"modified\"",
         "[model]",
-        "reduce = \"none\"",
+        "reduce = [\"planar\"]",
         "unilateral = [false, false]",
         "[[pantograph]]",
         "[catenary.contact_wire]",

@@ -88,9 +88,9 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle: known, but not modelled yet by this version: leave it out"]),
     ("[coupling]", "[track]\n[coupling]", &["track: known, but not modelled yet"]),
     ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind: known, but not modelled yet"]),
-    ("[coupling]", "[model]\nreduce = [\"planar\"]\n[coupling]", &["model.reduce[1] = \"planar\": not modelled yet by this version"]),
+    ("[coupling]", "[model]\nreduce = [\"window\"]\n[coupling]", &["model.reduce[1] = \"window\": not modelled yet by this version"]),
     ("[coupling]", "[model]\nreduce = [\"plannar\"]\n[coupling]", &["model.reduce[1] = \"plannar\": unknown word, did you mean \"planar\"?"]),
-    ("[coupling]", "[model]\nreduce = \"all\"\n[coupling]", &["model.reduce = \"all\": unknown word", "\"auto\" or \"none\""]),
+    ("[coupling]", "[model]\nreduce = \"all\"\n[coupling]", &["model.reduce = \"all\": unknown word", "must be one of \"auto\", \"none\", \"planar\""]),
     ("element = \"cable\"", "element = \"cable\"\ncures = [\"kinks\"]", &["catenary.mesh.cures: known, but not modelled yet"]),
     ("[catenary]\n", "[catenary]\nfmu = \"line.fmu\"\n", &["catenary.spans: must be left out: fmu is given", "catenary.droppers: must be left out", "contact: must be left out: an FMU given as catenary has its own contact law"]),
     // Contradictions.
@@ -392,4 +392,14 @@ fn no_line_left_out_and_no_value_replaced_makes_the_reader_panic() {
             }
         }
     }
+}
+
+#[test]
+fn a_planar_line_with_stagger_is_refused() {
+    let overrides = ["catenary.stagger=[0.2, -0.2]", "model.reduce=[\"planar\"]"].map(str::to_owned);
+    let error = Scene::from_toml(EN, "en50318-250.toml", &overrides)
+        .unwrap_err()
+        .to_string();
+    let expected = "model.reduce = \"planar\": must be left out: catenary.stagger differs from support to support";
+    assert!(error.contains(expected), "{error}");
 }

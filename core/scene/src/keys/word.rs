@@ -58,8 +58,8 @@ impl Keys<'_> {
         }
     }
 
-    /// `"auto"`, `"none"` or a list of words without repetition; both words stand for the empty list.
-    pub(crate) fn words<T: Choice>(&mut self, name: &str, was: Option<&[T]>) -> Vec<T> {
+    /// `"none"` (the empty list) or a list of words without repetition; `None` where it is `"auto"` or left out.
+    pub(crate) fn words<T: Choice>(&mut self, name: &str, was: Option<&[T]>) -> Option<Vec<T>> {
         let word_of = |value: &T| {
             T::NAMES
                 .iter()
@@ -79,7 +79,7 @@ impl Keys<'_> {
                     Value::List(list)
                 },
             );
-            return values.to_vec();
+            return Some(values.to_vec());
         }
         let available: Vec<&'static str> = T::NAMES
             .iter()
@@ -93,8 +93,9 @@ impl Keys<'_> {
         };
         let mut found = Vec::new();
         match self.node(name).cloned().map(|node| node.value) {
-            None => {}
-            Some(Value::String(word)) if word == "auto" || word == "none" => {}
+            None => return None,
+            Some(Value::String(word)) if word == "auto" => return None,
+            Some(Value::String(word)) if word == "none" => {}
             Some(Value::String(typed)) => {
                 let known: Vec<&'static str> = ["auto", "none"].into_iter().chain(available.iter().copied()).collect();
                 self.report(name, wrong_word(&typed, &known, T::UNAVAILABLE));
@@ -125,7 +126,7 @@ impl Keys<'_> {
             }
             Some(other) => self.wrong_type(name, &other, expected),
         }
-        found
+        Some(found)
     }
 }
 
