@@ -107,6 +107,8 @@ fn compare_help() -> String {
          scene or the smallest of them; shorter ones are taken in groups that span less than a factor of five, each at its \
          smallest and with its own reference. With a micro step of 1 ms in the scene, the default list makes two groups: 0.5 to \
          10 ms at 0.5 ms, and 0.1 and 0.2 ms at 0.1 ms. `--set solver.micro_step=…` shortens all of them.\n\n\
+         Keys: order, force and extrapolation of the scene belong to the algorithm that it names, the others run with their own \
+         defaults; `--set coupling.…` holds for all.\n\n\
          Status: {STATUS_RULE}.\n\n\
          compare.csv is written after every run; rows without a status have not been run."
     )

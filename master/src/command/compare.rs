@@ -25,7 +25,14 @@ pub fn compare(path: &Path, macro_steps: &[f64], repeats: usize, common: &Common
     let in_scene = |error: CommandError| error.in_scene(path);
     let logging = common.verbose > 1;
     let interrupted = interrupted(common);
-    let script = compare::script(file.scene, &file.name, &file.base, macro_steps, logging);
+    let script = compare::script(
+        file.scene,
+        &file.name,
+        &file.base,
+        macro_steps,
+        &common.overrides,
+        logging,
+    );
     let script = script.map_err(|error| in_scene(error.into()))?;
     let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
     remove(&directory.join(PAGE))?;

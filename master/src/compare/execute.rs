@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use scene::Scene;
 use serde::Serialize;
 
-use super::plan::{AUTO, Group, Planned, groups, plan};
+use super::plan::{AUTO, Group, Keys, Planned, groups, plan};
 use crate::report::Progress;
 use crate::results::LineGeometry;
 use crate::run::Watch;
@@ -52,7 +52,7 @@ pub struct Comparison {
     pub line: LineGeometry,
 }
 
-/// Solves the statics of a scene and plans its runs.
+/// Solves the statics of a scene, which was read with these overrides, and plans its runs.
 ///
 /// The runs end when the last strip has left the evaluation range and the low-pass filter has settled.
 ///
@@ -63,6 +63,7 @@ pub fn script(
     name: &str,
     base: &Path,
     macro_steps: &[f64],
+    overrides: &[String],
     logging: bool,
 ) -> Result<Script, SetupError> {
     let evaluated = (0..scene.pantographs.len()).map(|index| scene.evaluation_time(index).1);
@@ -70,7 +71,7 @@ pub fn script(
     scene.run.duration = scene.run.duration.min(end);
     let scene = prepare(scene, name, base, logging)?.scene;
     let groups = groups(macro_steps, scene.solver.micro_step);
-    let runs = plan(&groups, scene.run.duration);
+    let runs = plan(&groups, scene.run.duration, &Keys::of(&scene, overrides));
     let line = scene
         .modelled_line()
         .map_or_else(LineGeometry::default, |(line, _)| LineGeometry {

@@ -16,5 +16,5 @@ mod text;
 
 pub use execute::{Comparison, SETTLE, Script, compare, script};
 pub use page::page;
-pub use plan::{AUTO, Group, MACRO_STEPS, Planned, algorithms, groups, macro_step, plan};
+pub use plan::{AUTO, Group, Keys, MACRO_STEPS, Planned, algorithms, groups, macro_step, plan};
 pub use text::text;

@@ -19,6 +19,9 @@ const REFERENCE: &str = "#1c2430";
 /// Macro step whose curves are drawn at first, s: long enough to tell the algorithms apart.
 const SHOWN: f64 = 5e-3;
 
+/// A curve as the plots take it.
+type Trace = Box<Scatter<f64, f64>>;
+
 /// The page of a comparison.
 #[must_use]
 pub fn page(comparison: &Comparison) -> String {
@@ -147,7 +150,7 @@ fn logarithmic(title: &str) -> Axis {
 }
 
 /// One curve per algorithm through `point` of each row that ended; open marks where the run is not stable.
-fn curves(comparison: &Comparison, point: impl Fn(&Row) -> Option<(f64, f64)>) -> Vec<Box<Scatter<f64, f64>>> {
+fn curves(comparison: &Comparison, point: impl Fn(&Row) -> Option<(f64, f64)>) -> Vec<Trace> {
     let mut traces = Vec::new();
     for (index, name) in algorithms().iter().enumerate() {
         let colour = COLOURS[index % COLOURS.len()];
@@ -338,8 +341,7 @@ fn force_plot(comparison: &Comparison) -> String {
 }
 
 fn table(comparison: &Comparison) -> String {
-    const HEAD: [(&str, &str); 17] = [
-        ("mode", ""),
+    const HEAD: [(&str, &str); 16] = [
         ("algorithm", ""),
         ("macro step", "ms"),
         ("micro step", "ms"),
@@ -361,11 +363,7 @@ fn table(comparison: &Comparison) -> String {
         .iter()
         .enumerate()
         .map(|(column, (name, unit))| {
-            let class = if matches!(column, 0 | 1 | 4) {
-                ""
-            } else {
-                " class=\"n\""
-            };
+            let class = if matches!(column, 0 | 3) { "" } else { " class=\"n\"" };
             let unit = if unit.is_empty() {
                 String::new()
             } else {
@@ -374,17 +372,20 @@ fn table(comparison: &Comparison) -> String {
             format!("<th{class}>{name}{unit}</th>")
         })
         .collect();
-    let mut body = String::new();
+    let (mut body, mut mode) = (String::new(), "");
     for row in &comparison.rows {
+        if row.mode != mode {
+            mode = &row.mode;
+            body.push_str(&format!("<tr><th colspan=\"{}\">{mode}</th></tr>\n", HEAD.len()));
+        }
         let status = match row.status {
             Some(Status::Stable) => "<span class=\"good\">stable</span>".to_owned(),
             Some(status) => format!("<span class=\"bad\">{}</span>", status.name()),
             None => "not run".to_owned(),
         };
         body.push_str(&format!(
-            "<tr title=\"{}\"><td class=\"s\">{}</td><td class=\"s\">{}</td>",
+            "<tr title=\"{}\"><td class=\"s\">{}</td>",
             escape(&row.reason),
-            row.mode,
             row.algorithm
         ));
         let step = |step: Option<f64>| step.map_or_else(String::new, |step| milliseconds(Some(step)));

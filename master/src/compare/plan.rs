@@ -73,7 +73,9 @@ const ITERATED: &str = scene::Algorithm::Iterated.name();
 #[must_use]
 pub fn algorithms() -> Vec<&'static str> {
     let named = scene::Algorithm::ALL.iter().map(|algorithm| algorithm.name());
-    std::iter::once(AUTO).chain(named).collect()
+    std::iter::once(AUTO)
+        .chain(named.filter(|name| *name != AUTO))
+        .collect()
 }
 
 /// All runs in the order in which they are made: the coarsest group first, in it the monolithic run, then the macro steps from
@@ -82,7 +84,7 @@ pub fn algorithms() -> Vec<&'static str> {
 /// The FMUs' subsystems without FMI are run with the automatic choice at the macro steps of the coarsest group only: they
 /// compute the same as the FMUs, which is checked there.
 #[must_use]
-pub fn plan(groups: &[Group], duration: f64) -> Vec<Planned> {
+pub fn plan(groups: &[Group], duration: f64, keys: &Keys) -> Vec<Planned> {
     let mut runs = Vec::new();
     for (index, group) in groups.iter().enumerate() {
         let smallest = group.macro_steps[0];
@@ -91,7 +93,7 @@ pub fn plan(groups: &[Group], duration: f64) -> Vec<Planned> {
             variant: Variant {
                 mode,
                 algorithm: algorithm.to_owned(),
-                overrides: overrides(algorithm, macro_step, group.micro_step),
+                overrides: keys.overrides(algorithm, macro_step, group.micro_step),
             },
             group: index,
             // Repeated steps cost about three passes, measured with the standard's line.
@@ -118,21 +120,51 @@ pub fn plan(groups: &[Group], duration: f64) -> Vec<Planned> {
     runs
 }
 
-/// The keys of a run. The automatic choice is given nothing but the step: the scene's other keys belong to the algorithm that it
-/// names.
-fn overrides(algorithm: &str, macro_step: f64, micro_step: f64) -> Vec<String> {
-    let micro_step = format!("solver.micro_step={micro_step:?}");
-    if algorithm == AUTO {
-        return vec![
-            format!("coupling={{ algorithm = \"auto\", macro_step = {macro_step:?} }}"),
-            micro_step,
-        ];
+/// Keys of `[coupling]` that all runs share, and those of the algorithm that the scene names.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Keys {
+    /// Algorithm that the scene names.
+    pub named: String,
+    /// End of the repetition, whatever the algorithm: entries of the table.
+    pub shared: String,
+    /// Keys of the table that were typed on the command line: they hold for all algorithms.
+    pub typed: Vec<String>,
+}
+
+impl Keys {
+    /// Those of a scene that was read with these overrides.
+    #[must_use]
+    pub fn of(scene: &scene::Scene, overrides: &[String]) -> Self {
+        let coupling = &scene.coupling;
+        let typed = overrides.iter().filter(|text| {
+            let key = text.split('=').next().unwrap_or("").trim();
+            key.starts_with("coupling.") && !["coupling.algorithm", "coupling.macro_step"].contains(&key)
+        });
+        Self {
+            named: coupling.algorithm.name().to_owned(),
+            shared: format!(
+                "max_iterations = {}, force_tolerance = {:?}",
+                coupling.max_iterations, coupling.force_tolerance
+            ),
+            typed: typed.cloned().collect(),
+        }
     }
-    let mut keys = vec![format!("coupling.macro_step={macro_step:?}"), micro_step];
-    if !algorithm.is_empty() {
-        keys.push(format!("coupling.algorithm={algorithm}"));
+
+    /// The overrides of a run. What a scene says of order, force and extrapolation belongs to the algorithm that it names; the
+    /// others are run with what suits them best when nothing is said.
+    fn overrides(&self, algorithm: &str, macro_step: f64, micro_step: f64) -> Vec<String> {
+        let mut keys = vec![format!("solver.micro_step={micro_step:?}")];
+        if algorithm.is_empty() || algorithm == self.named && algorithm != AUTO {
+            keys.push(format!("coupling.macro_step={macro_step:?}"));
+        } else {
+            keys.push(format!(
+                "coupling={{ algorithm = \"{algorithm}\", macro_step = {macro_step:?}, {} }}",
+                self.shared
+            ));
+        }
+        keys.extend(self.typed.iter().cloned());
+        keys
     }
-    keys
 }
 
 /// Reads a macro step as typed: a number in ms, or with a unit (`s`, `ms`, `us`, `µs`); s.

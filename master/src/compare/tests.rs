@@ -65,7 +65,7 @@ fn macro_steps_are_read_in_milliseconds_or_with_a_unit() {
 
 #[test]
 fn every_algorithm_runs_at_every_macro_step_and_every_group_has_a_reference() {
-    let plan = plan(&groups(&MACRO_STEPS, 1e-3), 2.0);
+    let plan = plan(&groups(&MACRO_STEPS, 1e-3), 2.0, &Keys::default());
     let count = |mode: Mode| plan.iter().filter(|run| run.variant.mode == mode).count();
     assert_eq!(count(Mode::Cosimulation), 7 * algorithms().len());
     assert_eq!((count(Mode::Monolithic), count(Mode::Inprocess)), (2, 5));
@@ -84,6 +84,32 @@ fn every_algorithm_runs_at_every_macro_step_and_every_group_has_a_reference() {
             .iter()
             .all(|name| algorithms().contains(name))
     );
+}
+
+#[test]
+fn the_keys_of_a_scene_belong_to_the_algorithm_that_it_names() {
+    let typed = [
+        "coupling.extrapolation=2".to_owned(),
+        "coupling.macro_step=0.01".to_owned(),
+        "run.duration=1".to_owned(),
+    ];
+    let keys = Keys::of(
+        &short(&["coupling.algorithm=jacobi", "coupling.force=end"]),
+        &typed[..1],
+    );
+    let plan = plan(&groups(&[1e-3], 1e-3), 1.0, &keys);
+    for run in plan {
+        let scene = Scene::from_toml(
+            &short(&["coupling.algorithm=jacobi", "coupling.force=end"]).to_toml(),
+            "",
+            &run.variant.overrides,
+        );
+        let coupling = scene.unwrap().coupling;
+        let kept = run.variant.algorithm == "jacobi" || run.variant.mode == Mode::Monolithic;
+        assert_eq!(coupling.force == scene::Force::End, kept, "{run:?}");
+        assert_eq!((coupling.extrapolation, coupling.macro_step), (2, 1e-3), "{run:?}");
+    }
+    assert_eq!(Keys::of(&short(&[]), &typed).typed, typed[..1]);
 }
 
 /// A line of three spans on a coarse mesh under the standard's pantograph.
@@ -105,7 +131,7 @@ fn short(overrides: &[&str]) -> Scene {
 /// integration test.
 fn compared(scene: Scene, steps: &[f64], interrupted: bool) -> (Comparison, usize) {
     let base = std::path::Path::new(".");
-    let mut script = script(scene, "short", base, steps, false).unwrap();
+    let mut script = script(scene, "short", base, steps, &[], false).unwrap();
     for run in &mut script.runs {
         if run.variant.mode == Mode::Cosimulation {
             run.variant.mode = Mode::Inprocess;
@@ -162,7 +188,6 @@ fn all_algorithms_are_compared_with_the_run_as_one_system() {
         assert!(row.std_error.unwrap().abs() <= row.filtered_error.unwrap() * (1.0 + 1e-6));
         assert!(row.energy_residual.unwrap().is_finite() && row.wall.unwrap() > 0.0);
     }
-    // One micro step per macro step: a repeated exchange of the force at the step's ends is the monolithic step itself.
     let error = |algorithm: &str, step: f64| find(&comparison, algorithm, step).filtered_error.unwrap();
     for step in [1e-3, 2e-3] {
         assert!(error("gauss_seidel", step) < error("jacobi", step));
@@ -172,7 +197,16 @@ fn all_algorithms_are_compared_with_the_run_as_one_system() {
     assert!((1.0..4.0).contains(&order("jacobi")), "{}", order("jacobi"));
     let text = text(&comparison);
     assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
-    let page = page(&comparison);
+    // The page draws the rows with FMUs.
+    let mut with_fmus = comparison.clone();
+    for row in with_fmus
+        .rows
+        .iter_mut()
+        .filter(|row| row.mode == Mode::Inprocess.name())
+    {
+        row.mode = Mode::Cosimulation.name().to_owned();
+    }
+    let page = page(&with_fmus);
     for id in ["plot-error", "plot-cost", "plot-energy", "plot-force"] {
         assert!(page.contains(id));
     }
@@ -181,7 +215,7 @@ fn all_algorithms_are_compared_with_the_run_as_one_system() {
 
 #[test]
 fn a_run_ends_when_the_filter_has_settled_behind_the_evaluation_range() {
-    let script = script(short(&[]), "short", std::path::Path::new("."), &[1e-3], false).unwrap();
+    let script = script(short(&[]), "short", std::path::Path::new("."), &[1e-3], &[], false).unwrap();
     assert!((script.scene.run.duration - (0.9 + SETTLE / 40.0)).abs() < 1e-12);
 }
 

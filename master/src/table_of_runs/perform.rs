@@ -126,10 +126,6 @@ pub fn perform(
     let curves = Curve::of(&finished.info.evaluation, &finished.record);
     let summary = Summary::new(&finished.info, &finished.record);
     row.take(&finished.info, &summary, median(&mut walls), walls.len());
-    if variant.mode != Mode::Monolithic {
-        row.remark(&finished.info.coupling.reason);
-    }
-    row.remark(&finished.info.incomplete_reason);
     let errors = reference
         .filter(|_| complete)
         .map(|(_, reference)| Errors::between(&reference.curves, &curves));
@@ -143,6 +139,13 @@ pub fn perform(
         reference.map(|(_, reference)| &reference.row),
     );
     row.remark(&reason);
+    row.remark(&finished.info.incomplete_reason);
+    if variant.mode != Mode::Monolithic {
+        // That the table names it goes without saying; what follows may not.
+        let coupling = &finished.info.coupling.reason;
+        let said = coupling.strip_prefix("named in the scene").unwrap_or(coupling);
+        row.remark(said.trim_start_matches("; "));
+    }
     row.status = (!interrupted).then_some(status);
     Ok(Performed {
         row,

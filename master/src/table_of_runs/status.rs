@@ -10,12 +10,12 @@ pub const RUNAWAY: f64 = 100.0;
 /// Error of the raw force above which the coupling rings, % of the reference's standard deviation (filtered).
 pub const RAW_ERROR: f64 = 100.0;
 
-/// Loss of contact beyond the reference's that counts as a bounce of the coupling's own making, % of the evaluation time.
+/// Loss of contact beyond twice the reference's that counts as a bounce of the coupling's own making, % of the evaluation time.
 pub const LOSS: f64 = 0.1;
 
 /// The bounds in words, for help and pages.
 pub const STATUS_RULE: &str = "diverged: the run did not reach its end, or its filtered force is wrong by more than 100 % of the \
-    reference's standard deviation (rms). limit: it loses contact for 0.1 % of the time more than the reference, or its raw force \
+    reference's standard deviation (rms). limit: it loses contact for more than twice the reference's time and 0.1 %, or its raw force \
     is wrong by more than 100 %. refused: it cannot begin, the reason says why. stable: everything else";
 
 /// How a run ended.
@@ -67,9 +67,12 @@ impl Status {
             let reason = format!("the filtered force is wrong by more than {RUNAWAY} % of the standard deviation");
             return (Self::Diverged, reason);
         }
-        let loss = row.loss.unwrap_or(0.0) - reference.and_then(|row| row.loss).unwrap_or(0.0);
-        if loss > LOSS {
-            let reason = format!("contact is lost for {loss:.2} % of the time more than in the reference");
+        let (loss, expected) = (
+            row.loss.unwrap_or(0.0),
+            reference.and_then(|row| row.loss).unwrap_or(0.0),
+        );
+        if loss > 2.0 * expected + LOSS {
+            let reason = format!("contact is lost for {loss:.2} % of the time, in the reference for {expected:.2} %");
             return (Self::Limit, reason);
         }
         if above(errors.raw, RAW_ERROR) {

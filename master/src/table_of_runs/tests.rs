@@ -144,8 +144,8 @@ fn the_status_follows_the_stated_bounds() {
     let status =
         |loss: f64, complete: bool, errors: Errors| Status::of(&row(loss), complete, Some(&errors), Some(&reference)).0;
     assert_eq!(status(2.0, true, errors(5.0, 20.0)), Status::Stable);
-    assert_eq!(status(2.0 + 0.9 * LOSS, true, errors(5.0, 20.0)), Status::Stable);
-    assert_eq!(status(2.0 + 1.1 * LOSS, true, errors(5.0, 20.0)), Status::Limit);
+    assert_eq!(status(4.0 + 0.9 * LOSS, true, errors(5.0, 20.0)), Status::Stable);
+    assert_eq!(status(4.0 + 1.1 * LOSS, true, errors(5.0, 20.0)), Status::Limit);
     assert_eq!(status(2.0, true, errors(5.0, 1.01 * RAW_ERROR)), Status::Limit);
     assert_eq!(status(2.0, true, errors(1.01 * RUNAWAY, 300.0)), Status::Diverged);
     assert_eq!(status(2.0, false, errors(5.0, 20.0)), Status::Diverged);
