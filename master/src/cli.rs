@@ -60,10 +60,14 @@ enum Command {
     #[command(after_long_help = compare_help())]
     Compare {
         /// Scene file
-        scene: PathBuf,
+        #[arg(required_unless_present = "test_problem", conflicts_with = "test_problem")]
+        scene: Option<PathBuf>,
+        /// Runs the coupling test problem instead of a scene: two masses under one wire mode
+        #[arg(long)]
+        test_problem: bool,
         /// Macro steps, in ms or with a unit (0.5, 0.5ms, 500us, 5e-4s), separated by commas
-        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = compare::macro_step,
-              default_value = "0.1,0.2,0.5,1,2,5,10")]
+        /// [default: 0.1,0.2,0.5,1,2,5,10; of the test problem 0.2,1,2,5]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = compare::macro_step)]
         macro_steps: Vec<f64>,
         /// Times that every run is made; its wall time is the median
         #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
@@ -148,9 +152,22 @@ pub fn main() -> ExitCode {
         Command::Run { scene, mode } => command::run::run(&scene, mode.into(), &common),
         Command::Compare {
             scene,
+            test_problem: _,
             macro_steps,
             repeats,
-        } => command::compare::compare(&scene, &macro_steps, repeats.into(), &common),
+        } => {
+            let or = |default: &[f64]| {
+                if macro_steps.is_empty() {
+                    default.to_vec()
+                } else {
+                    macro_steps.clone()
+                }
+            };
+            match scene {
+                Some(scene) => command::compare::compare(&scene, &or(&compare::MACRO_STEPS), repeats.into(), &common),
+                None => command::compare::test_problem(&or(&compare::TRIAL_STEPS), repeats.into(), &common),
+            }
+        }
         Command::Check { scene } => command::check::check(&scene, &common),
         Command::Package {
             scene,

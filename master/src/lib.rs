@@ -15,6 +15,7 @@
 //! standstill    the way of somebody else's pantograph to rest before that
 //! package       FMUs made from a scene
 //! simulation    a scene in a mode, from statics to a record
+//! test_problem  two small slaves and their truth: what a coupling algorithm is worth
 //! results       files of a run; statistics, standards and report make them
 //! table_of_runs one row per run: columns, errors, status
 //! compare       all modes and algorithms on one scene
@@ -45,4 +46,5 @@ pub mod standards;
 pub mod standstill;
 pub mod statistics;
 pub mod table_of_runs;
+pub mod test_problem;
 pub mod third_party;

@@ -383,7 +383,7 @@ mod tests {
             force_tolerance: 1e-6,
             reason: "named",
         };
-        let (mut algorithm, _) = crate::algorithm::build(&coupling, &sides).unwrap();
+        let (mut algorithm, _) = crate::algorithm::build(&coupling, &sides);
         let mut exchange = Exchange::start(&mut sides, 0.0, contact::COUNT).unwrap();
         let schedule = Schedule {
             duration: 1.0,

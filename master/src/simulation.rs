@@ -130,7 +130,6 @@ impl SetupError {
                 | Self::NotInThisMode { .. }
                 | Self::NotAvailable(_)
                 | Self::FmuFile(_)
-                | Self::Coupling(CouplingError::NoRollback { .. })
         ) || matches!(self, Self::Wiring { source, .. } if unfit(source))
             || matches!(self, Self::Cosimulation(source) if unfit(source))
     }
@@ -362,7 +361,8 @@ impl Prepared {
             line: &mut *line,
             pantographs: &mut pantographs,
         };
-        let (mut algorithm, reason) = algorithm::build(&self.scene.coupling, &sides).map_err(SetupError::from)?;
+        self.scene.coupling = algorithm::resolve(&self.scene.coupling, &sides);
+        let (mut algorithm, reason) = algorithm::build(&self.scene.coupling, &sides);
         let outputs = interface::line_output_count(self.scene.pantographs.len(), supports.len());
         let mut exchange = Exchange::start(&mut sides, 0.0, outputs).map_err(SetupError::from)?;
         good(&self.scene)?;

@@ -1,12 +1,12 @@
 //! `[coupling]`: how the two sides exchange values.
 
-use crate::choice::{Choice, choice};
+use crate::choice::choice;
 use crate::keys::{Entry, Keys, Number};
 
 /// `[coupling]`.
 #[derive(Clone, Debug)]
 pub struct Coupling {
-    /// Which algorithm; `"auto"` is already resolved.
+    /// Which algorithm; `"auto"` is resolved when the slaves are known.
     pub algorithm: Algorithm,
     /// Which side steps first where they step in turn.
     pub order: Order,
@@ -16,10 +16,10 @@ pub struct Coupling {
     pub extrapolation: usize,
     /// Communication step, s; 1 ms by default.
     pub macro_step: f64,
-    /// Most iterations of a macro step with [`Algorithm::Iterated`]; 20 by default: it contracts by more than half each time,
-    /// or does not converge at all.
+    /// Most passes of a macro step with [`Algorithm::Iterated`] and [`Algorithm::InterfaceJacobian`]; 20 by default: they
+    /// contract by more than half each time, or do not converge at all. With 1 no slave is taken back.
     pub max_iterations: usize,
-    /// Change of the contact force between two iterations that ends them, N; 1e-6 by default, far below what statistics print.
+    /// Change of the contact force by a further pass that is not worth it, N; 1e-4 by default, far below what statistics print.
     pub force_tolerance: f64,
     /// Why this algorithm: named in the scene, or what `"auto"` went by. Not in the file and not compared.
     pub reason: &'static str,
@@ -50,14 +50,18 @@ impl PartialEq for Coupling {
 choice! {
     /// `coupling.algorithm`.
     pub enum Algorithm {
+        /// What suits the slaves.
+        Auto = "auto",
         /// Both sides step at once from the values of the last communication point.
         Jacobi = "jacobi",
         /// One side after the other, the second with the first one's new values.
         GaussSeidel = "gauss_seidel",
         /// Gauss-Seidel, repeated with rollback until the force stays the same.
         Iterated = "iterated",
+        /// Newton on the force over the macro step; what is left over is made up for in the next step.
+        InterfaceJacobian = "interface_jacobian",
     }
-    unavailable: ["interface_jacobian"]
+    unavailable: []
 }
 
 choice! {
@@ -85,25 +89,26 @@ choice! {
 }
 
 const NAMED: &str = "named in the scene";
-const AUTO: &str = "auto: Gauss-Seidel, the line first, passes the line's mean force on, which conserves the impulse, \
-                    and asks neither side to step back";
+const AUTO: &str = "auto";
+
+impl Algorithm {
+    /// What `order`, `force` and `extrapolation` are where they are left out: what the algorithm is best with.
+    fn defaults(self) -> (Order, Force, usize) {
+        match self {
+            Self::Auto | Self::InterfaceJacobian => (Order::PantographFirst, Force::Interpolated, 2),
+            Self::Jacobi | Self::GaussSeidel | Self::Iterated => (Order::CatenaryFirst, Force::Mean, 1),
+        }
+    }
+}
 
 impl Entry for Coupling {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
-        // `None` is "auto", also where the key is left out.
-        let named = Algorithm::NAMES
-            .iter()
-            .map(|(word, algorithm)| (*word, Some(*algorithm)));
-        let names: Vec<(&'static str, Option<Algorithm>)> = std::iter::once(("auto", None)).chain(named).collect();
-        let algorithm = keys
-            .word_among(
-                "algorithm",
-                was.map(|coupling| Some(coupling.algorithm)),
-                &names,
-                Algorithm::UNAVAILABLE,
-                Some(None),
-            )
-            .flatten();
+        let algorithm = keys.word(
+            "algorithm",
+            was.map(|coupling| coupling.algorithm),
+            Some(Algorithm::Auto),
+        );
+        let (order, force, extrapolation) = algorithm.defaults();
         if keys.holds_table("macro_step") {
             keys.refuse(
                 "macro_step",
@@ -111,14 +116,14 @@ impl Entry for Coupling {
             );
         }
         Self {
-            algorithm: algorithm.unwrap_or(Algorithm::GaussSeidel),
-            order: keys.word("order", was.map(|coupling| coupling.order), Some(Order::CatenaryFirst)),
-            force: keys.word("force", was.map(|coupling| coupling.force), Some(Force::Mean)),
+            algorithm,
+            order: keys.word("order", was.map(|coupling| coupling.order), Some(order)),
+            force: keys.word("force", was.map(|coupling| coupling.force), Some(force)),
             extrapolation: keys.count(
                 "extrapolation",
                 was.map(|coupling| coupling.extrapolation),
                 0..=2,
-                Some(1),
+                Some(extrapolation),
             ),
             macro_step: if keys.holds_table("macro_step") {
                 f64::NAN
@@ -138,12 +143,12 @@ impl Entry for Coupling {
             force_tolerance: keys.number(
                 "force_tolerance",
                 was.map(|coupling| coupling.force_tolerance),
-                Number::positive("N").default(1e-6),
+                Number::positive("N").default(1e-4),
             ),
             reason: match (algorithm, was) {
                 (_, Some(coupling)) => coupling.reason,
-                (Some(_), None) => NAMED,
-                (None, None) => AUTO,
+                (Algorithm::Auto, None) => AUTO,
+                (_, None) => NAMED,
             },
         }
     }

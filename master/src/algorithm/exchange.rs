@@ -4,9 +4,35 @@ use crate::interface::{contact, strip};
 use crate::slave::SlaveError;
 
 use super::Sides;
+use super::waveform::Shape;
 
 /// Communication points that predictions can look back to.
 const DEPTH: usize = 3;
+
+/// Force components of a defect.
+const AXES: usize = 3;
+
+/// What the load on a strip has left undone so far: the force of the line less that of the load, integrated once and twice.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Defect {
+    /// Momentum that the strip still has to get, N s.
+    pub momentum: f64,
+    /// The same for mass times position, N s² (kg m).
+    pub position: f64,
+}
+
+impl Defect {
+    /// The straight line that, added to the load of the next `h` s, takes both to zero; only the momentum with `degree` 0.
+    ///
+    /// In terms of [`Shape`]: mean `p/h`, moment `(q + h p)/h²`.
+    #[must_use]
+    pub fn correction(&self, h: f64, degree: usize) -> Shape {
+        let mean = self.momentum / h;
+        let moment = (self.position + h * self.momentum) / (h * h);
+        let slope = if degree == 0 { 0.0 } else { 6.0 * (0.5 * mean - moment) };
+        Shape([mean, slope, 0.0])
+    }
+}
 
 /// All outputs at one communication point.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -66,6 +92,9 @@ pub struct Exchange {
     /// What the step under way has reached; becomes the present point by [`Exchange::accept`].
     pub reached: Point,
     start_work: f64,
+    /// Defects at the present point and at the one reached, per strip and component.
+    defects: Vec<[Defect; AXES]>,
+    reached_defects: Vec<[Defect; AXES]>,
 }
 
 impl Exchange {
@@ -80,6 +109,8 @@ impl Exchange {
             known: 1,
             reached: point,
             start_work: 0.0,
+            defects: vec![Default::default(); sides.pantographs.len()],
+            reached_defects: vec![Default::default(); sides.pantographs.len()],
         };
         exchange.read_line(sides)?;
         exchange.read_pantographs(sides)?;
@@ -104,6 +135,17 @@ impl Exchange {
     #[must_use]
     pub fn known(&self) -> usize {
         self.known
+    }
+
+    /// Defect of component `axis` of the load on strip `i` at the present point.
+    #[must_use]
+    pub fn defect(&self, i: usize, axis: usize) -> Defect {
+        self.defects[i][axis]
+    }
+
+    /// Sets the defect at the point reached.
+    pub fn set_reached_defect(&mut self, i: usize, axis: usize, defect: Defect) {
+        self.reached_defects[i][axis] = defect;
     }
 
     /// Energy that the coupling has added since the start, J.
@@ -139,6 +181,8 @@ impl Exchange {
         self.reached.t = t;
         self.points.rotate_right(1);
         std::mem::swap(&mut self.points[0], &mut self.reached);
+        std::mem::swap(&mut self.defects, &mut self.reached_defects);
+        self.reached_defects.fill(Default::default());
         self.known = (self.known + 1).min(DEPTH);
     }
 }

@@ -1,6 +1,6 @@
 //! Gauss-Seidel, repeated until the force stays the same.
 
-use scene::{Coupling, Force};
+use scene::{Coupling, Force, Order};
 
 use crate::interface::{contact, load, strip};
 
@@ -19,7 +19,11 @@ const RELAXATION: (f64, f64) = (0.05, 2.0);
 /// ```
 ///
 /// with velocities scaled by the step. It ends when the force handed over changes by no more than the tolerance.
+///
+/// With `order = "pantograph_first"` the first motion that the line is given is that of the pantographs under the predicted
+/// force, with `catenary_first` it is extrapolated.
 pub struct Iterated {
+    order: Order,
     force: Force,
     extrapolation: usize,
     max_iterations: usize,
@@ -39,6 +43,7 @@ impl Iterated {
     pub fn new(coupling: &Coupling, strips: usize) -> Self {
         let outputs = || vec![0.0; strips * strip::OUTPUTS];
         Self {
+            order: coupling.order,
             force: coupling.force,
             extrapolation: coupling.extrapolation,
             max_iterations: coupling.max_iterations,
@@ -111,7 +116,20 @@ impl Algorithm for Iterated {
     fn step(&mut self, sides: &mut Sides<'_>, exchange: &mut Exchange, h: f64) -> Result<u64, CouplingError> {
         let t = exchange.point(0).t;
         sides.save()?;
-        predict::strips(exchange, self.extrapolation, &mut self.strips);
+        let mut taken_back = 0;
+        if self.order == Order::PantographFirst {
+            for (i, pantograph) in sides.pantographs.iter_mut().enumerate() {
+                predict::load(exchange, i, self.force, self.extrapolation, h, &mut self.load);
+                self.load.send(&mut **pantograph, h)?;
+                pantograph.do_step(t, h)?;
+            }
+            exchange.read_pantographs(sides)?;
+            predict::hermite(exchange.point(0), &exchange.reached.strips, h, &mut self.strips);
+            sides.restore()?;
+            taken_back = 1;
+        } else {
+            predict::strips(exchange, self.extrapolation, &mut self.strips);
+        }
         self.predicted_end(h);
         let (mut change, mut omega) = (f64::INFINITY, 1.0);
         for pass in 0..self.max_iterations {
@@ -128,7 +146,7 @@ impl Algorithm for Iterated {
             if pass > 0 {
                 change = difference;
                 if change <= self.tolerance {
-                    return Ok(pass as u64);
+                    return Ok(taken_back + pass as u64);
                 }
             }
             self.update_residual(&exchange.reached.strips, h);

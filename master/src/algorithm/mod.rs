@@ -22,6 +22,7 @@
 
 mod exchange;
 mod gauss_seidel;
+mod interface_jacobian;
 mod iterated;
 mod jacobi;
 #[cfg(test)]
@@ -30,9 +31,11 @@ mod polynomial;
 mod predict;
 #[cfg(test)]
 mod tests;
+pub mod waveform;
 
-pub use exchange::{Exchange, Point};
+pub use exchange::{Defect, Exchange, Point};
 pub use gauss_seidel::GaussSeidel;
+pub use interface_jacobian::InterfaceJacobian;
 pub use iterated::Iterated;
 pub use jacobi::Jacobi;
 pub use polynomial::Polynomial;
@@ -114,16 +117,6 @@ pub enum CouplingError {
         /// Change that would have been accepted, N.
         tolerance: f64,
     },
-    /// The algorithm needs what a slave cannot do.
-    #[error(
-        "coupling.algorithm = \"{algorithm}\": {slave} cannot go back to a saved state; must be \"jacobi\" or \"gauss_seidel\""
-    )]
-    NoRollback {
-        /// Name of the algorithm.
-        algorithm: &'static str,
-        /// Name of the slave.
-        slave: String,
-    },
 }
 
 impl CouplingError {
@@ -133,7 +126,6 @@ impl CouplingError {
         match self {
             Self::Slave(error) => error.is_retryable(),
             Self::NotConverged { .. } => true,
-            Self::NoRollback { .. } => false,
         }
     }
 }
@@ -155,40 +147,82 @@ pub trait Algorithm {
     }
 }
 
-/// The algorithm that `[coupling]` asks for, and why, for the summary.
+/// `[coupling]` with `"auto"` replaced by what suits the slaves; all else as it is.
 ///
-/// # Errors
-/// [`CouplingError::NoRollback`] where a slave cannot do what the algorithm needs.
-pub fn build(coupling: &Coupling, sides: &Sides<'_>) -> Result<(Box<dyn Algorithm>, String), CouplingError> {
-    let strips = sides.pantographs.len();
-    let (algorithm, predicted_force): (Box<dyn Algorithm>, bool) = match coupling.algorithm {
-        scene::Algorithm::Jacobi => (Box::new(Jacobi::new(coupling, strips)), true),
-        scene::Algorithm::GaussSeidel => (
-            Box::new(GaussSeidel::new(coupling, strips)),
-            coupling.order == Order::PantographFirst,
-        ),
-        scene::Algorithm::Iterated => {
-            if let Some(slave) = sides.without_rollback() {
-                let algorithm = coupling.algorithm.name();
-                return Err(CouplingError::NoRollback {
-                    algorithm,
-                    slave: slave.to_owned(),
-                });
-            }
-            (Box::new(Iterated::new(coupling, strips)), false)
-        }
-    };
-    let mut reason = coupling.reason.to_owned();
-    if coupling.algorithm == scene::Algorithm::Iterated && coupling.order == Order::PantographFirst {
-        reason.push_str("; iterated always steps the line first");
+/// One rule: [`InterfaceJacobian`] where every pantograph follows a force inside the step, for then what a pass leaves over
+/// can be made up for in the next one. A pantograph that holds its inputs cannot; [`GaussSeidel`] with the mean force, the
+/// line first, keeps the impulse exactly and is neutral up to `ωh = 2`.
+#[must_use]
+pub fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> Coupling {
+    let mut resolved = coupling.clone();
+    if coupling.algorithm != scene::Algorithm::Auto {
+        return resolved;
     }
-    let hermite = coupling.algorithm == scene::Algorithm::Iterated
-        || (coupling.algorithm == scene::Algorithm::GaussSeidel && predicted_force);
-    let strip_order = if hermite { 3 } else { coupling.extrapolation };
-    let force_order = match coupling.force {
-        Force::Interpolated if predicted_force => coupling.extrapolation,
-        Force::Interpolated => 1,
-        Force::Mean | Force::End => 0,
+    let follows = sides
+        .pantographs
+        .iter()
+        .all(|slave| slave.abilities().input_derivatives > 0);
+    if follows {
+        resolved.algorithm = scene::Algorithm::InterfaceJacobian;
+        (resolved.order, resolved.force, resolved.extrapolation) = (Order::PantographFirst, Force::Interpolated, 2);
+        resolved.reason = if !sides.can_roll_back() || coupling.max_iterations == 1 {
+            "auto: one pass, whose error is made up for in the next step; stable while the contact's frequency times the \
+             macro step is below 1.2, beyond that the macro step must be shorter"
+        } else {
+            "auto: Newton with the interface Jacobian of the step, most steps in one pass whose error is made up for in the \
+             next step"
+        };
+    } else {
+        resolved.algorithm = scene::Algorithm::GaussSeidel;
+        (resolved.order, resolved.force, resolved.extrapolation) = (Order::CatenaryFirst, Force::Mean, 1);
+        resolved.reason = "auto: a pantograph holds its inputs over a step: Gauss-Seidel, the line first, passes the line's \
+                           mean force on, which conserves the impulse; stable while the contact's frequency times the macro \
+                           step is below 2, beyond that the macro step must be shorter";
+    }
+    resolved
+}
+
+/// The algorithm that `[coupling]` asks for, and why, for the summary.
+#[must_use]
+pub fn build(coupling: &Coupling, sides: &Sides<'_>) -> (Box<dyn Algorithm>, String) {
+    let coupling = &resolve(coupling, sides);
+    let strips = sides.pantographs.len();
+    let mut reason = coupling.reason.to_owned();
+    let rollback = sides.can_roll_back();
+    if let Some(slave) = sides.without_rollback()
+        && matches!(
+            coupling.algorithm,
+            scene::Algorithm::Iterated | scene::Algorithm::InterfaceJacobian
+        )
+    {
+        reason.push_str(&format!("; {slave} cannot go back to a saved state: one pass per step"));
+    }
+    let pantograph_first = coupling.order == Order::PantographFirst;
+    let interpolated = usize::from(coupling.force == Force::Interpolated);
+    // Orders of input derivatives: of the line, of a pantograph.
+    let (algorithm, strip_order, force_order): (Box<dyn Algorithm>, usize, usize) = match coupling.algorithm {
+        scene::Algorithm::Jacobi => (
+            Box::new(Jacobi::new(coupling, strips)),
+            coupling.extrapolation,
+            interpolated * coupling.extrapolation,
+        ),
+        scene::Algorithm::Iterated if rollback => (Box::new(Iterated::new(coupling, strips)), 3, interpolated),
+        scene::Algorithm::GaussSeidel | scene::Algorithm::Iterated => (
+            Box::new(GaussSeidel::new(coupling, strips)),
+            if pantograph_first { 3 } else { coupling.extrapolation },
+            interpolated * if pantograph_first { coupling.extrapolation } else { 1 },
+        ),
+        scene::Algorithm::InterfaceJacobian | scene::Algorithm::Auto => {
+            if !pantograph_first {
+                reason.push_str("; interface_jacobian always steps the pantographs first");
+            }
+            let order = match coupling.force {
+                Force::Mean => 0,
+                Force::End => 1,
+                Force::Interpolated => 2,
+            };
+            (Box::new(InterfaceJacobian::new(coupling, strips, rollback)), 3, order)
+        }
     };
     let line: &dyn Slave = &*sides.line;
     let needs =
@@ -207,5 +241,5 @@ pub fn build(coupling: &Coupling, sides: &Sides<'_>) -> Result<(Box<dyn Algorith
             ));
         }
     }
-    Ok((algorithm, reason))
+    (algorithm, reason)
 }

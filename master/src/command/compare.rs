@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{CommandError, SceneFile, interrupted, print, print_json, say};
 use crate::cli::Common;
-use crate::compare::{self, Comparison};
+use crate::compare::{self, Comparison, Trial};
 use crate::package;
 use crate::report::{Progress, Show};
 use crate::results::{self, OutputDirectory};
@@ -53,6 +53,48 @@ pub fn compare(path: &Path, macro_steps: &[f64], repeats: usize, common: &Common
     finish(&output, &comparison, common)
 }
 
+/// Runs the coupling test problem instead of a scene.
+///
+/// # Errors
+/// See [`CommandError`].
+pub fn test_problem(macro_steps: &[f64], repeats: usize, common: &Common) -> Result<(), CommandError> {
+    let directory = common.out.clone().unwrap_or_else(|| "results/compare".into());
+    let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
+    remove(&directory.join(PAGE))?;
+    let interrupted = interrupted(common);
+    let show = if common.quiet { Show::Never } else { Show::OnTerminal };
+    let progress = Progress::share("test problem", show);
+    let mut keep = |trial: &Trial| {
+        let (leading, trailing) = trial.columns();
+        output
+            .replace(CSV, |out, path| {
+                table_of_runs::write(out, path, &trial.rows(), &leading, &trailing)
+            })
+            .map_err(CommandError::Results)
+    };
+    let trial = compare::trial(macro_steps, repeats, interrupted, &progress, &mut keep)?;
+    progress.finish();
+    let page = compare::trial_page(&trial);
+    output
+        .replace(PAGE, |out, path| {
+            out.write_all(page.as_bytes()).map_err(results::io(path, "write"))
+        })
+        .map_err(CommandError::Results)?;
+    if common.json {
+        print_json(&trial)?;
+    } else if !common.quiet {
+        let text = compare::trial_text(&trial);
+        print(&format!("{text}\n  {CSV} and {PAGE} in {}\n", directory.display()))?;
+    }
+    if trial.complete {
+        return Ok(());
+    }
+    Err(CommandError::Incomplete {
+        directory,
+        reason: format!("{} runs were made", trial.runs.len()),
+    })
+}
+
 /// Writes the page and prints the table; an incomplete comparison is a failure.
 fn finish(output: &OutputDirectory, comparison: &Comparison, common: &Common) -> Result<(), CommandError> {
     let page = compare::page(comparison);
@@ -84,7 +126,9 @@ fn finish(output: &OutputDirectory, comparison: &Comparison, common: &Common) ->
 
 fn write_table(output: &OutputDirectory, comparison: &Comparison) -> Result<(), CommandError> {
     output
-        .replace(CSV, |out, path| table_of_runs::write(out, path, &comparison.rows, None))
+        .replace(CSV, |out, path| {
+            table_of_runs::write(out, path, &comparison.rows, &[], &[])
+        })
         .map_err(CommandError::Results)
 }
 

@@ -5,7 +5,7 @@ use crate::report::aligned;
 use crate::table_of_runs::{Row, Status};
 
 /// Three significant digits, or `–`.
-fn short(value: Option<f64>) -> String {
+pub(super) fn short(value: Option<f64>) -> String {
     let Some(value) = value.filter(|value| value.is_finite()) else {
         return "–".to_owned();
     };

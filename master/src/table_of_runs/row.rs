@@ -272,25 +272,38 @@ pub fn observed_orders(rows: &mut [Row]) {
     }
 }
 
-/// Writes the table as CSV to `out`; `path` is named in errors. With `first`, a column of this name and these cells leads.
+/// A column that only one kind of table has: its name, and one cell per row.
+pub type Column = (&'static str, Vec<String>);
+
+/// Writes the table as CSV to `out`, with columns of its own before and behind the common ones; `path` is named in errors.
 ///
 /// # Errors
 /// What `out` reports.
-pub fn write(out: impl Write, path: &Path, rows: &[Row], first: Option<(&str, &[String])>) -> Result<(), ResultsError> {
+pub fn write(
+    out: impl Write,
+    path: &Path,
+    rows: &[Row],
+    leading: &[Column],
+    trailing: &[Column],
+) -> Result<(), ResultsError> {
     let failed = |source| ResultsError::Csv {
         path: path.to_owned(),
         source,
     };
     let mut writer = csv::Writer::from_writer(out);
-    let leading = first.map(|(name, _)| name);
-    writer
-        .write_record(leading.into_iter().chain(Row::COLUMNS.iter().copied()))
-        .map_err(failed)?;
+    let names = |columns: &[Column]| -> Vec<&'static str> { columns.iter().map(|(name, _)| *name).collect() };
+    let head = names(leading)
+        .into_iter()
+        .chain(Row::COLUMNS.iter().copied())
+        .chain(names(trailing));
+    writer.write_record(head).map_err(failed)?;
     for (index, row) in rows.iter().enumerate() {
-        let leading = first.map(|(_, cells)| cells.get(index).cloned().unwrap_or_default());
-        writer
-            .write_record(leading.into_iter().chain(row.cells()))
-            .map_err(failed)?;
+        let cells = |columns: &[Column]| -> Vec<String> {
+            let cell = |(_, cells): &Column| cells.get(index).cloned().unwrap_or_default();
+            columns.iter().map(cell).collect()
+        };
+        let record = cells(leading).into_iter().chain(row.cells()).chain(cells(trailing));
+        writer.write_record(record).map_err(failed)?;
     }
     writer.flush().map_err(|source| ResultsError::Io {
         path: path.to_owned(),

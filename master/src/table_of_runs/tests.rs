@@ -8,16 +8,16 @@ const PROMISED: &str = "scene, mode, algorithm, extrapolation, macro_step_s, mic
     rms_error_raw_percent_of_std, std_error_percent, energy_residual_J, wall_s, repeats, real_time_factor, coordinates, \
     macro_steps, micro_steps, newton_iterations, factorizations, rollbacks";
 
-fn csv(rows: &[Row], first: Option<(&str, &[String])>) -> String {
+fn csv(rows: &[Row], leading: &[Column], trailing: &[Column]) -> String {
     let mut out = Vec::new();
-    write(&mut out, Path::new("table.csv"), rows, first).unwrap();
+    write(&mut out, Path::new("table.csv"), rows, leading, trailing).unwrap();
     String::from_utf8(out).unwrap()
 }
 
 #[test]
 fn the_table_begins_with_the_promised_columns() {
     let promised: Vec<&str> = PROMISED.split(", ").collect();
-    let text = csv(&[], None);
+    let text = csv(&[], &[], &[]);
     let written: Vec<&str> = text.trim_end().split(',').collect();
     assert_eq!(written[..promised.len()], promised[..]);
     assert_eq!(written[promised.len()..], ["observed_order", "reason"]);
@@ -33,7 +33,7 @@ fn a_cell_without_meaning_is_empty_and_numbers_read_back() {
         rollbacks: Some(0),
         ..Row::default()
     };
-    let text = csv(std::slice::from_ref(&row), None);
+    let text = csv(std::slice::from_ref(&row), &[], &[]);
     let mut reader = csv::Reader::from_reader(text.as_bytes());
     let head = reader.headers().unwrap().clone();
     let cells = reader.records().next().unwrap().unwrap();
@@ -49,11 +49,18 @@ fn a_cell_without_meaning_is_empty_and_numbers_read_back() {
 }
 
 #[test]
-fn another_column_may_lead() {
-    let text = csv(&[Row::default()], Some(("case", &["head of 1 kg".to_owned()])));
+fn other_columns_may_lead_and_follow() {
+    let column = |name: &'static str, cell: &str| (name, vec![cell.to_owned()]);
+    let text = csv(
+        &[Row::default()],
+        &[column("case", "head of 1 kg")],
+        &[column("passes", "1.5")],
+    );
     let mut lines = text.lines();
-    assert!(lines.next().unwrap().starts_with("case,scene,mode"));
-    assert!(lines.next().unwrap().starts_with("head of 1 kg,,"));
+    let head = lines.next().unwrap();
+    assert!(head.starts_with("case,scene,mode") && head.ends_with(",reason,passes"));
+    let cells = lines.next().unwrap();
+    assert!(cells.starts_with("head of 1 kg,,") && cells.ends_with(",1.5"));
 }
 
 /// Samples of `force` at positions `step` m apart from `start` to `end` m.

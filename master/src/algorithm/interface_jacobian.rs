@@ -1,0 +1,295 @@
+//! Newton on the force over the macro step, with the step's own Jacobian; its first pass alone is a scheme of its own.
+
+use scene::{Coupling, Force};
+
+use crate::interface::{load, strip};
+
+use super::exchange::Defect;
+use super::waveform::{self, Shape, Waveform};
+use super::{Algorithm, CouplingError, Exchange, Polynomial, Sides, predict};
+
+/// Force components of a load.
+const AXES: usize = 3;
+
+/// Change of the mean force with which the Jacobian is sounded, N: small against the static force of any pantograph.
+const SOUNDING: f64 = 1.0;
+
+/// A secant over a smaller change of the mean force is noise, N.
+const SMALLEST_SECANT: f64 = 1e-4;
+
+/// Values that a secant may have: positive ones come from the contact's opening and closing only, and 1 has no solution.
+const SECANTS: std::ops::RangeInclusive<f64> = -100.0..=0.0;
+
+/// The pantographs first, under the predicted force; the line follows the cubic of their motion; then both again from the
+/// start of the step, with the force that Newton's method gives, until nothing is left to gain.
+///
+/// The load over a step has a mean and a moment (see [`Waveform`]), and so has the force that the line answers with. What is
+/// left between the two when the step is accepted is not lost: it is a *defect* of the head's momentum and position,
+///
+/// ```text
+/// p′ = p + h (mean − mean given),   q′ = q + h p + h² (moment − moment given)
+/// ```
+///
+/// and the load of the next step gets the straight line `c₀ + c₁ τ` that takes both to zero at its end,
+///
+/// ```text
+/// h c₀ + h²/2 c₁ = p,   h²/2 c₀ + h³/6 c₁ = q + h p        (derived here)
+/// ```
+///
+/// so that errors of the prediction act for one step only. One pass with this needs no rollback.
+///
+/// Unknown of Newton's method is the mean over the step, `r = mean answered − mean given`, and the Jacobian
+/// `J = d(mean answered)/d(mean given)` of the whole loop over the step, `−(ωh)²/6` for a head on a spring, is sounded once
+/// by a rollback difference, updated by secants and kept from step to step (scaled by h²). The step is accepted when a
+/// further pass would change the force by no more than the tolerance: `|J r| ≤ tolerance`.
+pub struct InterfaceJacobian {
+    degree: usize,
+    carries: bool,
+    extrapolation: usize,
+    passes: usize,
+    tolerance: f64,
+    strips: Polynomial,
+    load: Polynomial,
+    /// Load given in the pass under way, per strip and component.
+    given: Vec<[Shape; AXES]>,
+    /// Part of it that makes up for the defects.
+    correction: Vec<[Shape; AXES]>,
+    /// `J` per strip for steps of `jacobian_step` s; `None` until it is known.
+    jacobian: Vec<Option<f64>>,
+    jacobian_step: f64,
+    /// Mean given and answered in the last pass, vertical, per strip, N.
+    last: Vec<Option<(f64, f64)>>,
+}
+
+impl InterfaceJacobian {
+    /// For `strips` pantographs; one pass per step only where `rollback` is false.
+    #[must_use]
+    pub fn new(coupling: &Coupling, strips: usize, rollback: bool) -> Self {
+        Self {
+            degree: match coupling.force {
+                Force::Mean => 0,
+                Force::End => 1,
+                Force::Interpolated => 2,
+            },
+            carries: coupling.force != Force::End,
+            extrapolation: coupling.extrapolation,
+            passes: if rollback { coupling.max_iterations } else { 1 },
+            tolerance: coupling.force_tolerance,
+            strips: Polynomial::zeros(strips * strip::MOTION),
+            load: Polynomial::zeros(load::COUNT),
+            given: vec![Default::default(); strips],
+            correction: vec![Default::default(); strips],
+            jacobian: vec![None; strips],
+            jacobian_step: 0.0,
+            last: vec![None; strips],
+        }
+    }
+
+    /// `ωh` of the stiffest contact for a step of `h` s, where the Jacobian is known.
+    #[must_use]
+    pub fn stiffness(&self, h: f64) -> Option<f64> {
+        let scale = h / self.jacobian_step;
+        let known = self.jacobian.iter().flatten();
+        known.map(|j| scale * (-6.0 * j).max(0.0).sqrt()).reduce(f64::max)
+    }
+
+    /// Loads from what is known at the present point, and what the defects add to them.
+    fn predict(&mut self, sides: &Sides<'_>, exchange: &Exchange, h: f64) {
+        let (before, now) = (exchange.point(1), exchange.point(0));
+        for (i, (given, correction)) in self.given.iter_mut().zip(&mut self.correction).enumerate() {
+            let degree = self.degree.min(sides.pantographs[i].abilities().input_derivatives);
+            // An opening or a closing in the last step says nothing on the next one.
+            let smooth = exchange.known() > 1 && waveform::closed(before, now, i);
+            let order = if smooth { self.extrapolation } else { 0 };
+            for axis in 0..AXES {
+                let last = Waveform::of(before, now, i, axis);
+                correction[axis] = exchange.defect(i, axis).correction(h, degree);
+                given[axis] = Shape::carried_on(&last, now.t - before.t, h, order).truncated(degree);
+                given[axis].add(&correction[axis]);
+            }
+        }
+    }
+
+    /// One pass from the start of the step.
+    fn pass(&mut self, sides: &mut Sides<'_>, exchange: &mut Exchange, h: f64) -> Result<(), CouplingError> {
+        let t = exchange.point(0).t;
+        let known = exchange.known() > 1;
+        for (i, pantograph) in sides.pantographs.iter_mut().enumerate() {
+            let degree = self.degree.min(pantograph.abilities().input_derivatives);
+            self.load.clear(degree);
+            waveform::lateral(exchange.point(1), exchange.point(0), i, known, &mut self.load);
+            for (axis, shape) in self.given[i].iter().enumerate() {
+                shape.write(load::FX + axis, h, &mut self.load);
+            }
+            self.load.send(&mut **pantograph, h)?;
+            pantograph.do_step(t, h)?;
+        }
+        exchange.read_pantographs(sides)?;
+        predict::hermite(exchange.point(0), &exchange.reached.strips, h, &mut self.strips);
+        self.strips.send(sides.line, h)?;
+        sides.line.do_step(t, h)?;
+        exchange.read_line(sides)?;
+        Ok(())
+    }
+
+    /// The vertical force that the line has answered with.
+    fn answer(exchange: &Exchange, i: usize, axis: usize) -> Waveform {
+        Waveform::of(exchange.point(0), &exchange.reached, i, axis)
+    }
+
+    /// Sounds the Jacobians that are not known yet, all strips at once: how one answers to another is small.
+    ///
+    /// Both slaves stand after a pass, and do so again.
+    fn sound(&mut self, sides: &mut Sides<'_>, exchange: &mut Exchange, h: f64) -> Result<u64, CouplingError> {
+        let unknown = |jacobian: &Option<f64>| jacobian.is_none();
+        if !self.jacobian.iter().any(unknown) {
+            return Ok(0);
+        }
+        for i in 0..self.given.len() {
+            self.last[i] = Some((self.given[i][load::FZ].mean(), Self::answer(exchange, i, load::FZ).mean));
+            self.given[i][load::FZ].0[0] += SOUNDING;
+        }
+        sides.restore()?;
+        self.pass(sides, exchange, h)?;
+        self.secants(exchange, h);
+        for i in 0..self.given.len() {
+            self.given[i][load::FZ].0[0] -= SOUNDING;
+        }
+        sides.restore()?;
+        self.pass(sides, exchange, h)?;
+        Ok(2)
+    }
+
+    /// Updates the Jacobians by the last two passes.
+    fn secants(&mut self, exchange: &Exchange, h: f64) {
+        for (i, jacobian) in self.jacobian.iter_mut().enumerate() {
+            let given = self.given[i][load::FZ].mean();
+            let answered = Self::answer(exchange, i, load::FZ).mean;
+            if let Some((last_given, last_answered)) = self.last[i]
+                && (given - last_given).abs() > SMALLEST_SECANT
+                && waveform::closed(exchange.point(0), &exchange.reached, i)
+            {
+                let secant = (answered - last_answered) / (given - last_given);
+                if SECANTS.contains(&secant) {
+                    *jacobian = Some(secant);
+                }
+            }
+            self.last[i] = Some((given, answered));
+        }
+        self.jacobian_step = h;
+    }
+
+    /// What a further pass would change, N; where the Jacobian is not known, what the last one has left.
+    fn to_gain(&self, sides: &Sides<'_>, exchange: &Exchange) -> f64 {
+        let mut gain = 0.0_f64;
+        for (i, given) in self.given.iter().enumerate() {
+            let held = self.degree.min(sides.pantographs[i].abilities().input_derivatives) == 0;
+            let factor = self.jacobian[i].map_or(1.0, f64::abs);
+            for (axis, given) in given.iter().enumerate() {
+                let answer = Self::answer(exchange, i, axis);
+                let correction = &self.correction[i][axis];
+                let mean = answer.mean - (given.mean() - correction.mean());
+                let moment = answer.moment - (given.moment() - correction.moment());
+                gain = gain.max(factor * mean.abs());
+                if !held {
+                    gain = gain.max(factor * 2.0 * moment.abs());
+                }
+            }
+        }
+        gain
+    }
+
+    /// Loads of the next pass: those answered, moved by Newton's step.
+    fn improve(&mut self, sides: &Sides<'_>, exchange: &Exchange) {
+        for i in 0..self.given.len() {
+            let degree = self.degree.min(sides.pantographs[i].abilities().input_derivatives);
+            let jacobian = self.jacobian[i].unwrap_or(0.0);
+            for axis in 0..AXES {
+                let answer = Self::answer(exchange, i, axis);
+                let correction = self.correction[i][axis];
+                let residual = answer.mean - (self.given[i][axis].mean() - correction.mean());
+                let mut next = Shape::of(&answer).truncated(degree);
+                next.0[0] += jacobian / (1.0 - jacobian) * residual;
+                next.add(&correction);
+                self.given[i][axis] = next;
+            }
+        }
+    }
+
+    /// What is left between the loads given and the forces answered.
+    fn keep_defects(&self, sides: &Sides<'_>, exchange: &mut Exchange, h: f64) {
+        if !self.carries {
+            return;
+        }
+        for (i, given) in self.given.iter().enumerate() {
+            let degree = self.degree.min(sides.pantographs[i].abilities().input_derivatives);
+            for (axis, given) in given.iter().enumerate() {
+                let answer = Self::answer(exchange, i, axis);
+                let left = exchange.defect(i, axis);
+                let defect = Defect {
+                    momentum: left.momentum + h * (answer.mean - given.mean()),
+                    // A load that is held cannot make up for a wrong position.
+                    position: if degree == 0 {
+                        0.0
+                    } else {
+                        left.position + h * left.momentum + h * h * (answer.moment - given.moment())
+                    },
+                };
+                exchange.set_reached_defect(i, axis, defect);
+            }
+        }
+    }
+}
+
+impl Algorithm for InterfaceJacobian {
+    fn step(&mut self, sides: &mut Sides<'_>, exchange: &mut Exchange, h: f64) -> Result<u64, CouplingError> {
+        let mut taken_back = 0;
+        let repeats = self.passes > 1;
+        if repeats {
+            sides.save()?;
+        }
+        if self.jacobian_step > 0.0 && self.jacobian_step != h {
+            let scale = (h / self.jacobian_step).powi(2);
+            self.jacobian
+                .iter_mut()
+                .flatten()
+                .for_each(|jacobian| *jacobian *= scale);
+            self.jacobian_step = h;
+        }
+        self.last.fill(None);
+        self.predict(sides, exchange, h);
+        self.pass(sides, exchange, h)?;
+        if repeats {
+            taken_back += self.sound(sides, exchange, h)?;
+            self.last.fill(None);
+            self.secants(exchange, h);
+            let mut gain = self.to_gain(sides, exchange);
+            for pass in 1.. {
+                if gain <= self.tolerance {
+                    break;
+                }
+                if pass >= self.passes {
+                    return Err(CouplingError::NotConverged {
+                        t: exchange.point(0).t,
+                        h,
+                        iterations: pass,
+                        residual: gain,
+                        tolerance: self.tolerance,
+                    });
+                }
+                self.improve(sides, exchange);
+                sides.restore()?;
+                taken_back += 1;
+                self.pass(sides, exchange, h)?;
+                self.secants(exchange, h);
+                gain = self.to_gain(sides, exchange);
+            }
+        }
+        self.keep_defects(sides, exchange, h);
+        Ok(taken_back)
+    }
+
+    fn saves(&self) -> bool {
+        self.passes > 1
+    }
+}
