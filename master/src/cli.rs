@@ -6,8 +6,10 @@ use std::process::ExitCode;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 use crate::command::{self, CommandError};
+use crate::compare::{self, SETTLE};
 use crate::isolation;
 use crate::simulation::Mode;
+use crate::table_of_runs::STATUS_RULE;
 
 /// Scene that is run when nothing is said.
 const DEFAULT_SCENE: &str = "scenes/thesis.toml";
@@ -55,6 +57,23 @@ enum Command {
         #[arg(long, value_enum, default_value = "cosimulation")]
         mode: ModeArgument,
     },
+    /// Runs a scene in all modes and with all coupling algorithms: differences and costs side by side
+    #[command(after_long_help = compare_help())]
+    Compare {
+        /// Scene file
+        #[arg(required_unless_present = "test_problem", conflicts_with = "test_problem")]
+        scene: Option<PathBuf>,
+        /// Runs the coupling test problem instead of a scene: two masses under one wire mode
+        #[arg(long)]
+        test_problem: bool,
+        /// Macro steps, in ms or with a unit (0.5, 0.5ms, 500us, 5e-4s), separated by commas
+        /// [default: 0.1,0.2,0.5,1,2,5,10; of the test problem 0.2,1,2,5]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = compare::macro_step)]
+        macro_steps: Vec<f64>,
+        /// Times that every run is made; its wall time is the median
+        #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
+        repeats: u16,
+    },
     /// Solves the statics of a scene and says what will be modelled
     Check {
         /// Scene file
@@ -88,6 +107,24 @@ enum Command {
         #[arg(required = true, value_name = "DIR")]
         directories: Vec<PathBuf>,
     },
+}
+
+/// What `compare` does, at the end of its help.
+fn compare_help() -> String {
+    format!(
+        "Runs: monolithic; with FMUs every algorithm at every macro step; in process the automatic choice. One at a time, so that \
+         wall times can be compared. They end when the last strip has left the evaluation range and the low-pass filter has \
+         settled ({SETTLE} periods of its cut-off).\n\n\
+         Micro steps: only the coupling shall differ, so a coupled run and its monolithic reference have the same micro step, \
+         never longer than a macro step compared with it. Macro steps from half the scene's micro step on share one, that of the \
+         scene or the smallest of them; shorter ones are taken in groups that span less than a factor of five, each at its \
+         smallest and with its own reference. With a micro step of 1 ms in the scene, the default list makes two groups: 0.5 to \
+         10 ms at 0.5 ms, and 0.1 and 0.2 ms at 0.1 ms. `--set solver.micro_step=…` shortens all of them.\n\n\
+         Keys: order, force and extrapolation of the scene belong to the algorithm that it names, the others run with their own \
+         defaults; `--set coupling.…` holds for all.\n\n\
+         Status: {STATUS_RULE}.\n\n\
+         compare.csv is written after every run; rows without a status have not been run."
+    )
 }
 
 /// `--mode`.
@@ -124,6 +161,24 @@ pub fn main() -> ExitCode {
     });
     let result = match command {
         Command::Run { scene, mode } => command::run::run(&scene, mode.into(), &common),
+        Command::Compare {
+            scene,
+            test_problem: _,
+            macro_steps,
+            repeats,
+        } => {
+            let or = |default: &[f64]| {
+                if macro_steps.is_empty() {
+                    default.to_vec()
+                } else {
+                    macro_steps.clone()
+                }
+            };
+            match scene {
+                Some(scene) => command::compare::compare(&scene, &or(&compare::MACRO_STEPS), repeats.into(), &common),
+                None => command::compare::test_problem(&or(&compare::TRIAL_STEPS), repeats.into(), &common),
+            }
+        }
         Command::Check { scene } => command::check::check(&scene, &common),
         Command::Package {
             scene,

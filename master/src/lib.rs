@@ -21,6 +21,8 @@
 //! simulation    a resolved scene in a mode, to a record
 //! test_problem  two small slaves and their truth: what a coupling algorithm is worth
 //! results       files of a run; statistics, standards and report make them
+//! table_of_runs one row per run: columns, errors, status
+//! compare       all modes and algorithms on one scene
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
 //! ```
 #![forbid(unsafe_code)]
@@ -29,6 +31,7 @@ pub mod algorithm;
 pub mod check;
 pub mod cli;
 pub mod command;
+pub mod compare;
 pub mod cosimulation;
 pub mod equilibrium;
 pub mod inprocess;
@@ -51,5 +54,6 @@ pub mod ssp;
 pub mod standards;
 pub mod standstill;
 pub mod statistics;
+pub mod table_of_runs;
 pub mod test_problem;
 pub mod third_party;

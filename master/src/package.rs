@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
 use component::{Component, Role};
 use fmi2::archive::{LIBRARY_EXTENSION, Package, binary_entry};
@@ -93,11 +94,20 @@ pub fn folder(scene: &str) -> PathBuf {
 }
 
 impl Libraries {
-    /// Builds the libraries where there is a source tree, else takes those beside the program.
+    /// Builds the libraries where there is a source tree, else takes those beside the program; once per process.
     ///
     /// # Errors
     /// [`PackageError`]; `say` is given what takes long.
     pub fn find(say: &dyn Fn(&str)) -> Result<Self, PackageError> {
+        static FOUND: OnceLock<Libraries> = OnceLock::new();
+        if let Some(found) = FOUND.get() {
+            return Ok(found.clone());
+        }
+        let found = Self::look(say)?;
+        Ok(FOUND.get_or_init(|| found).clone())
+    }
+
+    fn look(say: &dyn Fn(&str)) -> Result<Self, PackageError> {
         if let Some(tree) = source_tree() {
             return Self::build(&tree, say);
         }

@@ -142,6 +142,52 @@ fn an_output_directory_that_is_a_file_is_refused_with_its_path() {
 }
 
 #[test]
+fn compare_runs_all_modes_and_algorithms_with_the_fmus_and_writes_its_table_and_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, out) = (scene(), folder.path().display().to_string());
+    let mut arguments = vec![
+        "compare",
+        scene.to_str().unwrap(),
+        "--macro-steps",
+        "1,2000us",
+        "--out",
+        &out,
+        "--json",
+    ];
+    for key in SHORT {
+        arguments.extend(["--set", key]);
+    }
+    let output = master(&arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let printed: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let rows = printed["rows"].as_array().unwrap();
+    assert_eq!(printed["complete"], true);
+    let of = |mode: &str| rows.iter().filter(|row| row["mode"] == mode).count();
+    let algorithms = master::compare::algorithms().len();
+    assert_eq!(
+        (of("monolithic"), of("inprocess"), of("cosimulation")),
+        (1, 2, 2 * algorithms)
+    );
+    assert!(rows.iter().all(|row| !row["status"].is_null()));
+    for row in rows.iter().filter(|row| row["mode"] == "inprocess") {
+        assert!(
+            row["reason"].as_str().unwrap().contains("the same bits as with FMUs"),
+            "{row}"
+        );
+    }
+    let table = std::fs::read_to_string(folder.path().join("compare.csv")).unwrap();
+    assert_eq!(table.lines().count(), 1 + rows.len());
+    let page = std::fs::read_to_string(folder.path().join("compare.html")).unwrap();
+    assert!(page.contains("plot-error") && !page.contains("<script src"));
+    assert_eq!(
+        master(&["compare", scene.to_str().unwrap(), "--macro-steps", "0"])
+            .status
+            .code(),
+        Some(2)
+    );
+}
+
+#[test]
 fn check_prints_statics_for_people_and_as_json() {
     let scene = scene();
     let mut arguments = vec!["check", scene.to_str().unwrap()];

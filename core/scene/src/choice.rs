@@ -24,6 +24,9 @@ macro_rules! choice {
         }
 
         impl $name {
+            /// All of them, in the order in which messages list them.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+
             /// The word that stands for it in the scene file.
             #[must_use]
             pub const fn name(self) -> &'static str {

@@ -1,6 +1,7 @@
 //! One file per subcommand.
 
 pub mod check;
+pub mod compare;
 pub mod export;
 pub mod inspect;
 pub mod package;
@@ -9,6 +10,7 @@ pub mod run;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::Scene;
 use tempfile::TempDir;
@@ -232,6 +234,20 @@ fn say(common: &Common) -> impl Fn(&str) {
             eprintln!("{text}");
         }
     }
+}
+
+/// Is set by the first Ctrl-C, which asks for an end in order; a second one ends the program at once.
+fn interrupted(common: &Common) -> &'static AtomicBool {
+    static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+    let handler = || {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    };
+    if ctrlc::set_handler(handler).is_err() && common.verbose > 0 {
+        eprintln!("Ctrl-C is handled by somebody else");
+    }
+    &INTERRUPTED
 }
 
 #[cfg(test)]

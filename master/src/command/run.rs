@@ -1,20 +1,16 @@
 //! `master run`.
 
 use std::path::{Component, Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::{Line, PantographModel, Scene, ThirdParty};
 
-use super::{CommandError, SceneFile, print, print_json, say};
+use super::{CommandError, SceneFile, interrupted, print, print_json, say};
 use crate::cli::Common;
 use crate::package;
 use crate::report::{self, Progress, Show};
 use crate::results::{OutputDirectory, ResultsError};
 use crate::run::Watch;
 use crate::simulation::{FmuSource, Mode, prepare};
-
-/// Set by Ctrl-C.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Runs a scene and writes its results.
 ///
@@ -23,15 +19,7 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError> {
     let file = SceneFile::read(path, common)?;
     let directory = file.output(common);
-    // A second Ctrl-C ends the program at once: the first asks for an end in order.
-    let handler = || {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    };
-    if ctrlc::set_handler(handler).is_err() && common.verbose > 0 {
-        eprintln!("Ctrl-C is handled by somebody else");
-    }
+    let interrupted = interrupted(common);
     let say = say(common);
     file.notes.iter().for_each(|note| say(note));
     let logging = common.verbose > 1;
@@ -40,7 +28,7 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
     let show = if common.quiet { Show::Never } else { Show::OnTerminal };
     let progress = Progress::simulated(&file.name, prepared.scene.run.duration, show);
     let watch = Watch {
-        interrupted: &INTERRUPTED,
+        interrupted,
         progress: &progress,
     };
     let source = FmuSource {

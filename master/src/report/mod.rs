@@ -2,7 +2,7 @@
 
 mod animation;
 mod html;
-mod plots;
+pub(crate) mod plots;
 mod progress;
 mod sections;
 mod table;
@@ -11,6 +11,7 @@ mod tests;
 
 pub use html::{Page, escape, plot_html};
 pub use progress::{Progress, Show};
+pub(crate) use table::aligned;
 pub use table::table;
 
 use crate::results::RunBundle;

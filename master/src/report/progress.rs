@@ -17,8 +17,12 @@ pub enum Show {
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
-    /// Value of a full bar.
+    /// Value of a full bar, and the part of the bar from where to where it moves.
     total: f64,
+    from: f64,
+    to: f64,
+    /// Whether the bar goes with it.
+    owner: bool,
 }
 
 /// Steps of a full bar.
@@ -57,7 +61,31 @@ impl Progress {
             bar.set_style(style);
         }
         bar.set_prefix(label.to_owned());
-        Self { bar, total }
+        Self {
+            bar,
+            total,
+            from: 0.0,
+            to: 1.0,
+            owner: true,
+        }
+    }
+
+    /// The same bar for one of several runs: its values from 0 to `total` move it from one share to another, both from 0 to 1.
+    #[must_use]
+    pub fn part(&self, from: f64, to: f64, total: f64) -> Self {
+        Self {
+            bar: self.bar.clone(),
+            total,
+            from,
+            to,
+            owner: false,
+        }
+    }
+
+    /// A bar for work of which only the share that is done is known, 0 to 1.
+    #[must_use]
+    pub fn share(label: &str, show: Show) -> Self {
+        Self::simulated(label, 1.0, show)
     }
 
     /// Moves the bar to `value`, between 0 and the total, s or runs.
@@ -67,6 +95,7 @@ impl Progress {
         } else {
             0.0
         };
+        let share = self.from + share * (self.to - self.from);
         let length = self.bar.length().unwrap_or(STEPS);
         self.bar.set_position((share * length as f64).round() as u64);
     }
@@ -95,7 +124,9 @@ impl Progress {
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        if self.owner {
+            self.bar.finish_and_clear();
+        }
     }
 }
 
@@ -110,6 +141,11 @@ mod tests {
             progress.set(value);
             assert_eq!(progress.bar.position(), position);
         }
+        let part = progress.part(0.5, 0.75, 10.0);
+        part.set(4.0);
+        drop(part);
+        assert_eq!(progress.bar.position(), 600);
+        assert!(!progress.bar.is_finished());
         let runs = Progress::counted("study", 12, Show::Never);
         runs.set(3.0);
         assert_eq!(runs.bar.position(), 3);

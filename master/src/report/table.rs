@@ -44,7 +44,7 @@ pub(super) fn verdict(limit: &Limit) -> &'static str {
 }
 
 /// Lays out `rows` in columns: the first one flush left, all others flush right.
-fn aligned(rows: &[Vec<String>]) -> String {
+pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |j: usize| {
         rows.iter()

@@ -43,7 +43,7 @@ pub struct OutputDirectory {
     path: PathBuf,
 }
 
-fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> ResultsError {
+pub(crate) fn io(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> ResultsError {
     let path = path.to_owned();
     move |source| ResultsError::Io { path, action, source }
 }
@@ -160,7 +160,7 @@ impl OutputDirectory {
     }
 
     /// Writes a file beside its final place and moves it there when it is complete.
-    fn replace(
+    pub(crate) fn replace(
         &self,
         name: &str,
         content: impl FnOnce(&mut dyn Write, &Path) -> Result<(), ResultsError>,

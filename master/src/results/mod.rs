@@ -18,6 +18,7 @@ mod summary;
 pub(crate) mod tests;
 
 pub use animation::{Animation, DropperLine, Frame};
+pub(crate) use directory::io;
 pub use directory::{OutputDirectory, RunBundle};
 pub use error::ResultsError;
 pub use record::{LineGeometry, Record, StripRecord, SupportRecord};

@@ -13,7 +13,7 @@ use super::{escape, plot_html};
 use crate::results::{RunBundle, StripRecord};
 
 /// Colours of the curves, told apart with colour-blind eyes too; repeated when used up.
-pub(super) const COLOURS: [&str; 7] = [
+pub(crate) const COLOURS: [&str; 7] = [
     "#1f5fa8", "#d1661b", "#1d7a46", "#a0338a", "#8a6d00", "#3aa0c4", "#b3261e",
 ];
 
@@ -70,11 +70,11 @@ fn name(what: &str, label: &str) -> String {
 }
 
 /// Rounds for drawing, which keeps the page small: `per` steps per unit.
-fn rounded(values: &[f64], per: f64) -> Vec<f64> {
+pub(crate) fn rounded(values: &[f64], per: f64) -> Vec<f64> {
     values.iter().map(|v| (v * per).round() / per).collect()
 }
 
-fn axis(title: &str) -> Axis {
+pub(crate) fn axis(title: &str) -> Axis {
     Axis::new()
         .title(Title::with_text(title))
         .grid_color(GRID)
@@ -84,7 +84,7 @@ fn axis(title: &str) -> Axis {
         .auto_margin(true)
 }
 
-fn layout(x: Axis, y: Axis) -> Layout {
+pub(crate) fn layout(x: Axis, y: Axis) -> Layout {
     Layout::new()
         .x_axis(x)
         .y_axis(y)
@@ -107,7 +107,12 @@ fn layout(x: Axis, y: Axis) -> Layout {
         .show_legend(true)
 }
 
-fn finished(traces: impl IntoIterator<Item = Box<Scatter<f64, f64>>>, layout: Layout, id: &str, height: u32) -> String {
+pub(crate) fn finished(
+    traces: impl IntoIterator<Item = Box<Scatter<f64, f64>>>,
+    layout: Layout,
+    id: &str,
+    height: u32,
+) -> String {
     let mut plot = Plot::new();
     for trace in traces {
         plot.add_trace(trace);

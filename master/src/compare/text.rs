@@ -1,0 +1,116 @@
+//! The table on the terminal.
+
+use super::Comparison;
+use crate::report::aligned;
+use crate::table_of_runs::{Row, Status};
+
+/// Three significant digits, or `–`.
+pub(super) fn short(value: Option<f64>) -> String {
+    let Some(value) = value.filter(|value| value.is_finite()) else {
+        return "–".to_owned();
+    };
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if (1e-3..1e4).contains(&size) => {
+            let digits = (2 - size.log10().floor() as i32).max(0) as usize;
+            format!("{value:.digits$}")
+        }
+        _ => format!("{value:.1e}"),
+    }
+}
+
+/// Milliseconds without rounding noise.
+pub(super) fn milliseconds(step: Option<f64>) -> String {
+    step.map_or_else(|| "–".to_owned(), |step| format!("{}", (1e9 * step).round() / 1e6))
+}
+
+fn cells(row: &Row) -> Vec<String> {
+    vec![
+        row.algorithm.clone(),
+        milliseconds(row.macro_step),
+        milliseconds(row.micro_step),
+        row.status.map_or("not run", Status::name).to_owned(),
+        short(row.filtered_error),
+        row.order.map_or_else(String::new, |order| format!("{order:.1}")),
+        short(row.raw_error),
+        short(row.std_error),
+        row.loss.map_or_else(|| "–".to_owned(), |loss| format!("{loss:.2}")),
+        short(row.energy_residual),
+        row.wall.map_or_else(|| "–".to_owned(), |wall| format!("{wall:.2}")),
+        row.rollbacks.map_or_else(|| "–".to_owned(), |count| count.to_string()),
+    ]
+}
+
+/// The table of a comparison, no wider than 120 columns.
+#[must_use]
+pub fn text(comparison: &Comparison) -> String {
+    let mut text = comparison.scene.clone();
+    if !comparison.title.is_empty() {
+        text.push_str(&format!(": {}", comparison.title));
+    }
+    text.push('\n');
+    if !comparison.complete {
+        let made = comparison.rows.iter().filter(|row| row.status.is_some()).count();
+        text.push_str(&format!("INCOMPLETE: {made} of {} runs\n", comparison.rows.len()));
+    }
+    let head = [
+        "", "macro", "micro", "", "filtered", "", "raw", "σ", "loss", "energy", "wall", "roll-",
+    ];
+    let units = [
+        "", "ms", "ms", "status", "rms % σ", "order", "rms % σ", "%", "%", "J", "s", "backs",
+    ];
+    let mut rows: Vec<Vec<String>> = [head, units]
+        .iter()
+        .map(|cells| cells.iter().map(|cell| (*cell).to_owned()).collect())
+        .collect();
+    let mut mode = "";
+    for row in &comparison.rows {
+        if row.mode != mode {
+            mode = &row.mode;
+            rows.push(vec![format!("{mode}:")]);
+        }
+        let mut cells = cells(row);
+        cells[0] = format!("  {}", cells[0]);
+        rows.push(cells);
+    }
+    text.push('\n');
+    text.push_str(&aligned(&rows));
+    text.push_str(
+        "\n  Errors: rms of force against position over the evaluation range, in percent of the reference's σ (filtered); the\n  \
+         reference is the monolithic run at the same micro step. Order: between a macro step and the next smaller one.\n  \
+         Energy: what the coupling added.\n",
+    );
+    for note in &comparison.notes {
+        text.push_str(&format!("  {note}\n"));
+    }
+    for row in &comparison.rows {
+        let said = matches!(row.status, Some(Status::Limit | Status::Diverged | Status::Refused));
+        if said {
+            text.push_str(&wrapped(&format!(
+                "{} {} {} ms: {}",
+                row.mode,
+                row.algorithm,
+                milliseconds(row.macro_step),
+                row.reason
+            )));
+        }
+    }
+    text
+}
+
+/// A remark in lines of at most 116 characters, indented.
+fn wrapped(remark: &str) -> String {
+    let (mut text, mut line) = (String::new(), String::from(" "));
+    for word in remark.split_whitespace() {
+        if line.chars().count() + 1 + word.chars().count() > 116 {
+            text.push_str(&line);
+            text.push('\n');
+            line = String::from("   ");
+        }
+        line.push(' ');
+        line.push_str(word);
+    }
+    text.push_str(&line);
+    text.push('\n');
+    text
+}

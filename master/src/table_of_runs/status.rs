@@ -1,0 +1,84 @@
+//! How a run ended.
+
+use serde::Serialize;
+
+use super::{Errors, Row};
+
+/// Error of the filtered force above which a run has nothing to do with its reference, % of the reference's standard deviation.
+pub const RUNAWAY: f64 = 100.0;
+
+/// Error of the raw force above which the coupling rings, % of the reference's standard deviation (filtered).
+pub const RAW_ERROR: f64 = 100.0;
+
+/// Loss of contact beyond twice the reference's that counts as a bounce of the coupling's own making, % of the evaluation time.
+pub const LOSS: f64 = 0.1;
+
+/// The bounds in words, for help and pages.
+pub const STATUS_RULE: &str = "diverged: the run did not reach its end, or its filtered force is wrong by more than 100 % of the \
+    reference's standard deviation (rms). limit: it loses contact for more than twice the reference's time and 0.1 %, or its raw force \
+    is wrong by more than 100 %. refused: it cannot begin, the reason says why. stable: everything else";
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Nothing to report.
+    Stable,
+    /// Done, but the coupling rings or bounces.
+    Limit,
+    /// Not done, or nothing like the reference.
+    Diverged,
+    /// Cannot begin.
+    Refused,
+}
+
+impl Status {
+    /// The word of the table.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stable => "stable",
+            Self::Limit => "limit",
+            Self::Diverged => "diverged",
+            Self::Refused => "refused",
+        }
+    }
+
+    /// Decides on a run that has begun.
+    ///
+    /// `complete` is whether it reached its end, `errors` and `reference` are what it is compared with; a reference itself has
+    /// none. Returns the status, and the reason where it is not stable.
+    #[must_use]
+    pub fn of(row: &Row, complete: bool, errors: Option<&Errors>, reference: Option<&Row>) -> (Self, String) {
+        if !complete {
+            return (Self::Diverged, String::new());
+        }
+        let known = [row.mean, row.std]
+            .iter()
+            .all(|value| value.is_some_and(f64::is_finite));
+        if !known {
+            return (Self::Diverged, "the contact force is not finite".to_owned());
+        }
+        let Some(errors) = errors else {
+            return (Self::Stable, String::new());
+        };
+        let above = |error: Option<f64>, bound: f64| error.is_none_or(|error| error.is_nan() || error > bound);
+        if above(errors.filtered, RUNAWAY) {
+            let reason = format!("the filtered force is wrong by more than {RUNAWAY} % of the standard deviation");
+            return (Self::Diverged, reason);
+        }
+        let (loss, expected) = (
+            row.loss.unwrap_or(0.0),
+            reference.and_then(|row| row.loss).unwrap_or(0.0),
+        );
+        if loss > 2.0 * expected + LOSS {
+            let reason = format!("contact is lost for {loss:.2} % of the time, in the reference for {expected:.2} %");
+            return (Self::Limit, reason);
+        }
+        if above(errors.raw, RAW_ERROR) {
+            let reason = format!("the raw force is wrong by more than {RAW_ERROR} % of the standard deviation");
+            return (Self::Limit, reason);
+        }
+        (Self::Stable, String::new())
+    }
+}

@@ -1,0 +1,193 @@
+use std::path::Path;
+
+use super::*;
+
+/// The columns of tables that compare runs, as the command line promises them.
+const PROMISED: &str = "scene, mode, algorithm, extrapolation, macro_step_s, micro_step_s, elements_per_span, mesh, reduction, \
+    status, mean_N, std_N, max_N, min_N, loss_percent, uplift_m, reference, rms_error_filtered_percent_of_std, \
+    rms_error_raw_percent_of_std, std_error_percent, energy_residual_J, wall_s, repeats, real_time_factor, coordinates, \
+    macro_steps, micro_steps, newton_iterations, factorizations, rollbacks";
+
+fn csv(rows: &[Row], leading: &[Column], trailing: &[Column]) -> String {
+    let mut out = Vec::new();
+    write(&mut out, Path::new("table.csv"), rows, leading, trailing).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+#[test]
+fn the_table_begins_with_the_promised_columns() {
+    let promised: Vec<&str> = PROMISED.split(", ").collect();
+    let text = csv(&[], &[], &[]);
+    let written: Vec<&str> = text.trim_end().split(',').collect();
+    assert_eq!(written[..promised.len()], promised[..]);
+    assert_eq!(written[promised.len()..], ["observed_order", "reason"]);
+}
+
+#[test]
+fn a_cell_without_meaning_is_empty_and_numbers_read_back() {
+    let row = Row {
+        scene: "thesis, short".to_owned(),
+        macro_step: Some(1e-4),
+        std: Some(f64::NAN),
+        status: Some(Status::Limit),
+        rollbacks: Some(0),
+        ..Row::default()
+    };
+    let text = csv(std::slice::from_ref(&row), &[], &[]);
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let head = reader.headers().unwrap().clone();
+    let cells = reader.records().next().unwrap().unwrap();
+    let cell = |name: &str| &cells[head.iter().position(|column| column == name).unwrap()];
+    assert_eq!(cell("scene"), "thesis, short");
+    assert_eq!(cell("macro_step_s").parse::<f64>().unwrap(), 1e-4);
+    assert_eq!((cell("std_N"), cell("mean_N"), cell("wall_s")), ("", "", ""));
+    assert_eq!((cell("status"), cell("rollbacks")), ("limit", "0"));
+    let json = serde_json::to_value(&row).unwrap();
+    assert_eq!(json["status"], "limit");
+    assert!(json["std_N"].is_null());
+    assert_eq!(json.as_object().unwrap().len(), Row::COLUMNS.len());
+}
+
+#[test]
+fn other_columns_may_lead_and_follow() {
+    let column = |name: &'static str, cell: &str| (name, vec![cell.to_owned()]);
+    let text = csv(
+        &[Row::default()],
+        &[column("case", "head of 1 kg")],
+        &[column("passes", "1.5")],
+    );
+    let mut lines = text.lines();
+    let head = lines.next().unwrap();
+    assert!(head.starts_with("case,scene,mode") && head.ends_with(",reason,passes"));
+    let cells = lines.next().unwrap();
+    assert!(cells.starts_with("head of 1 kg,,") && cells.ends_with(",1.5"));
+}
+
+/// Samples of `force` at positions `step` m apart from `start` to `end` m.
+fn sampled(start: f64, end: f64, step: f64, force: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
+    let count = ((end - start) / step).round() as usize;
+    let x: Vec<f64> = (0..=count).map(|n| start + n as f64 * step).collect();
+    let force = x.iter().map(|x| force(*x)).collect();
+    (x, force)
+}
+
+#[test]
+fn the_pointwise_error_of_two_sines_is_the_known_one() {
+    // rms of sin(x) − sin(x − φ) over whole periods is √2 sin(φ/2).
+    let period = std::f64::consts::TAU;
+    let shift = 0.3;
+    let (x, expected) = sampled(0.0, 3.0 * period - period / 500.0, period / 500.0, |x| x.sin());
+    let found: Vec<f64> = x.iter().map(|x| (x - shift).sin()).collect();
+    let rms = pointwise_rms((&x, &expected), (&x, &found)).unwrap();
+    assert!((rms - 2.0_f64.sqrt() * (0.5 * shift).sin()).abs() < 1e-12, "{rms}");
+}
+
+#[test]
+fn equal_forces_at_other_samples_are_equal() {
+    // Linear interpolation of a parabola is off by width²/8 · curvature at most; of a straight line not at all.
+    let (x, expected) = sampled(10.0, 20.0, 0.07, |x| 3.0 * x - 7.0);
+    let (x_other, found) = sampled(9.9, 20.1, 0.05, |x| 3.0 * x - 7.0);
+    assert!(pointwise_rms((&x, &expected), (&x_other, &found)).unwrap() < 1e-12);
+    let (x, expected) = sampled(10.0, 20.0, 0.07, |x| x * x);
+    let (x_other, found) = sampled(9.9, 20.1, 0.05, |x| x * x);
+    let rms = pointwise_rms((&x, &expected), (&x_other, &found)).unwrap();
+    assert!(rms > 1e-5 && rms < 0.05 * 0.05 / 8.0 * 2.0, "{rms}");
+}
+
+#[test]
+fn a_run_that_ends_early_cannot_be_compared() {
+    let (x, expected) = sampled(0.0, 10.0, 0.1, |x| x);
+    assert_eq!(pointwise_rms((&x, &expected), (&x[..50], &expected[..50])), None);
+    assert_eq!(pointwise_rms((&x, &expected), (&[], &[])), None);
+}
+
+/// A curve of 1000 samples, 0.1 m apart; the outer fifths are not evaluated.
+fn curve(filtered: impl Fn(f64) -> f64, raw: impl Fn(f64) -> f64) -> Curve {
+    let (x, filtered) = sampled(0.0, 99.9, 0.1, filtered);
+    Curve {
+        raw: x.iter().map(|x| raw(*x)).collect(),
+        x,
+        filtered,
+        range: 200..800,
+    }
+}
+
+#[test]
+fn errors_are_in_percent_of_sigma_and_the_worst_pantograph_counts() {
+    // Six whole periods of 10 m are evaluated: σ = 20/√2.
+    let wave = |x: f64| 100.0 + 20.0 * (x * std::f64::consts::TAU / 10.0).sin();
+    let reference = [curve(wave, wave), curve(wave, wave)];
+    let run = [
+        curve(|x| wave(x) + 1.0, |x| wave(x) + 2.0),
+        curve(|x| 1.1 * wave(x) - 10.0, wave),
+    ];
+    let sigma = 20.0 / 2.0_f64.sqrt();
+    let errors = Errors::between(&reference, &run);
+    // The second differs by a tenth of its wave, 10 % of σ, the first by 1 N, 7 %.
+    assert!((errors.filtered.unwrap() - 10.0).abs() < 1e-9);
+    assert!((errors.raw.unwrap() - 100.0 * 2.0 / sigma).abs() < 1e-9);
+    assert!((errors.std.unwrap() - 10.0).abs() < 1e-9);
+    assert_eq!(Errors::between(&reference, &run[..1]), Errors::default());
+    // What happens outside the evaluation range has no part in it.
+    let outside = |x: f64| if (20.0..80.0).contains(&x) { wave(x) } else { 1e9 };
+    let errors = Errors::between(&reference[..1], &[curve(outside, outside)]);
+    assert_eq!((errors.filtered, errors.raw), (Some(0.0), Some(0.0)));
+}
+
+#[test]
+fn the_status_follows_the_stated_bounds() {
+    let row = |loss: f64| Row {
+        mean: Some(100.0),
+        std: Some(20.0),
+        loss: Some(loss),
+        ..Row::default()
+    };
+    let errors = |filtered: f64, raw: f64| Errors {
+        filtered: Some(filtered),
+        raw: Some(raw),
+        std: Some(0.0),
+    };
+    let reference = row(2.0);
+    let status =
+        |loss: f64, complete: bool, errors: Errors| Status::of(&row(loss), complete, Some(&errors), Some(&reference)).0;
+    assert_eq!(status(2.0, true, errors(5.0, 20.0)), Status::Stable);
+    assert_eq!(status(4.0 + 0.9 * LOSS, true, errors(5.0, 20.0)), Status::Stable);
+    assert_eq!(status(4.0 + 1.1 * LOSS, true, errors(5.0, 20.0)), Status::Limit);
+    assert_eq!(status(2.0, true, errors(5.0, 1.01 * RAW_ERROR)), Status::Limit);
+    assert_eq!(status(2.0, true, errors(1.01 * RUNAWAY, 300.0)), Status::Diverged);
+    assert_eq!(status(2.0, false, errors(5.0, 20.0)), Status::Diverged);
+    assert_eq!(status(2.0, true, errors(f64::NAN, 20.0)), Status::Diverged);
+    assert_eq!(status(2.0, true, Errors::default()), Status::Diverged);
+    // A reference is compared with nothing, but must have a force.
+    assert_eq!(Status::of(&row(50.0), true, None, None).0, Status::Stable);
+    assert_eq!(Status::of(&Row::default(), true, None, None).0, Status::Diverged);
+}
+
+#[test]
+fn orders_are_slopes_between_neighbours_of_the_same_method() {
+    let row = |algorithm: &str, step: f64, error: f64, status: Status| Row {
+        mode: "cosimulation".to_owned(),
+        algorithm: algorithm.to_owned(),
+        macro_step: Some(step),
+        filtered_error: Some(error),
+        status: Some(status),
+        ..Row::default()
+    };
+    let mut rows = [
+        row("jacobi", 4e-3, 6.0, Status::Stable),
+        row("auto", 1e-3, 0.5, Status::Stable),
+        row("jacobi", 1e-3, 1.5, Status::Stable),
+        row("auto", 2e-3, 2.0, Status::Stable),
+        row("auto", 4e-3, 90.0, Status::Limit),
+        row("auto", 8e-3, 95.0, Status::Stable),
+    ];
+    observed_orders(&mut rows);
+    let orders: Vec<Option<f64>> = rows.iter().map(|row| row.order).collect();
+    // Neither to nor across a run that is not stable.
+    for (index, expected) in [Some(1.0), None, None, Some(2.0), None, None].into_iter().enumerate() {
+        match (orders[index], expected) {
+            (Some(order), Some(expected)) => assert!((order - expected).abs() < 1e-12),
+            (order, expected) => assert_eq!(order, expected, "row {index}"),
+        }
+    }
+}
