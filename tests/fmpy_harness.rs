@@ -3,6 +3,8 @@ use component::{Component, Role};
 use integration_tests::fmus::{COARSE, Packaged, THESIS, tree};
 use integration_tests::python::{environment, run};
 use integration_tests::runs::EN_250;
+use master::package::{Libraries, archives};
+use master::simulation::Mode;
 use scene::{PantographModel, Scene};
 use std::fmt::Write as _;
 use std::fs;
@@ -152,6 +154,31 @@ fn write_other_scenes(scene: &Scene, plain: &str, folder: &Path) {
     fs::write(folder.join("longer.toml"), longer.to_toml()).unwrap();
 }
 
+/// The pair as a system structure, and the contact force of the master where both sides step at once with held inputs.
+fn write_system(text: &str, overrides: &[&str], name: &str, folder: &Path) {
+    let plain = [
+        "coupling.algorithm=jacobi",
+        "coupling.extrapolation=0",
+        "coupling.force=end",
+        "coupling.macro_step=0.001",
+        "run.duration=0.2",
+        "run.evaluate={ time = [0.1, 0.2] }",
+    ];
+    let scene = integration_tests::runs::scene_with(text, &[overrides, &plain[..]].concat());
+    let run = integration_tests::runs::run(scene.clone(), Mode::Cosimulation, &format!("ssp-{name}"));
+    let mut table = String::from("time,force");
+    for (time, force) in run.record.time.iter().zip(&run.record.pantographs[0].force) {
+        write!(table, "\n{time:?},{force:?}").unwrap();
+    }
+    fs::write(folder.join("system.jacobi.csv"), table).unwrap();
+    let scene = integration_tests::runs::prepared(scene, name).scene;
+    let own = archives(&scene, &Libraries::find(&|_| {}).unwrap()).unwrap();
+    let path = folder.join("system.ssp");
+    let exported = master::ssp::export(&scene, name, &own, Path::new("."), &[], &path).unwrap();
+    assert!(exported.notes.is_empty(), "{:?}", exported.notes);
+    fs::write(path, exported.archive).unwrap();
+}
+
 #[test]
 fn both_fmus_pass_the_checks_in_fmpy() {
     let interpreter = environment("fmpy", &tree().join("tests/fmpy/requirements.txt"));
@@ -165,6 +192,7 @@ fn both_fmus_pass_the_checks_in_fmpy() {
             write_trajectory::<vehicle::Subsystem>(&fmus.scene, plan, load, &folder);
         }
         let given = integration_tests::runs::scene_with(text, overrides);
+        write_system(text, overrides, name, &folder);
         write_other_scenes(&fmus.scene, &given.to_toml(), &folder);
         for identifier in ["Catenary", "Pantograph"] {
             fs::copy(fmus.path(identifier), folder.join(format!("{identifier}.fmu"))).unwrap();

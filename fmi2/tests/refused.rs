@@ -104,7 +104,7 @@ fn archives_are_refused_with_entry_and_limit() {
     let mut damaged = whole.clone();
     damaged[100] ^= 1;
     let cases: [(&str, Vec<u8>, &str); 17] = [
-        ("empty file", vec![], "is empty (0 bytes); an FMU is a zip archive"),
+        ("empty file", vec![], "is empty (0 bytes); a zip archive is expected"),
         (
             "text",
             b"title = \"a scene, no FMU\"\n".to_vec(),
@@ -238,7 +238,7 @@ fn model_descriptions_are_refused_with_line_and_value() {
     let deep = change("<ModelStructure>", &"<a>".repeat(80));
     let x = r#"name="x" valueReference="1""#;
     let cases: [(String, &str); 28] = [
-        (String::new(), "modelDescription.xml is empty"),
+        (String::new(), "is empty"),
         ("hello".into(), "text outside the root element"),
         ("<?xml version=\"1.0\"?>".into(), "there is no element"),
         (xml()[..600].to_owned(), "line "),

@@ -48,7 +48,7 @@ pub struct Common {
 enum Command {
     /// Runs a scene and writes its results
     Run {
-        /// Scene file
+        /// Scene file, or an .ssp
         #[arg(default_value = DEFAULT_SCENE)]
         scene: PathBuf,
         /// How line and pantographs are put together
@@ -68,6 +68,11 @@ enum Command {
         /// Also writes the model descriptions into this directory, with a placeholder for the GUID
         #[arg(long, value_name = "DIR", num_args = 0..=1, require_equals = true, default_missing_value = "modelDescription")]
         write_descriptions: Option<PathBuf>,
+    },
+    /// Writes the co-simulation of a scene as an .ssp (SSP 1.0) that other tools open
+    Export {
+        /// Scene file
+        scene: PathBuf,
     },
     /// Shows variables and capabilities of any FMI 2.0 FMU, and how it would be wired
     Inspect {
@@ -124,6 +129,7 @@ pub fn main() -> ExitCode {
             scene,
             write_descriptions,
         } => command::package::package(&scene, write_descriptions.as_deref(), &common),
+        Command::Export { scene } => command::export::export(&scene, &common),
         Command::Inspect { fmu } => command::inspect::inspect(&fmu, &common),
         Command::IsolatedFmu => isolation::serve().map_err(CommandError::Isolation),
         Command::Report { directories } => command::report::report(&directories, &common),

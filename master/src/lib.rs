@@ -16,6 +16,7 @@
 //! equilibrium   the state at t = 0
 //! standstill    the way of somebody else's pantograph to rest before that
 //! package       FMUs made from a scene
+//! ssp           the co-simulation as a system structure, and scenes made of somebody else's
 //! prepare       a scene resolved: statics, FMUs of somebody else, starts
 //! simulation    a resolved scene in a mode, to a record
 //! results       files of a run; statistics, standards and report make them
@@ -44,6 +45,7 @@ pub mod results;
 pub mod run;
 pub mod simulation;
 pub mod slave;
+pub mod ssp;
 pub mod standards;
 pub mod standstill;
 pub mod statistics;

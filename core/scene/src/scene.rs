@@ -114,13 +114,17 @@ impl Scene {
         if catenary.stagger.iter().any(|y| *y != catenary.stagger[0]) {
             return Some("catenary.stagger differs from support to support".to_owned());
         }
-        let wired = |key: &str| {
-            let third_party = self.pantographs.iter().position(|pantograph| {
-                matches!(&pantograph.model, PantographModel::ThirdParty(side) if side.outputs.contains_key(key))
-            });
-            third_party.map(|index| format!("pantograph[{}].outputs.{key} may tilt the strip", index + 1))
-        };
-        wired("roll").or_else(|| wired("roll_rate"))
+        self.pantographs.iter().enumerate().find_map(|(index, pantograph)| {
+            let PantographModel::ThirdParty(side) = &pantograph.model else {
+                return None;
+            };
+            let key = format!("pantograph[{}].outputs", index + 1);
+            if side.outputs.contains_key("roll") {
+                return Some(format!("{key}.roll may tilt the strip"));
+            }
+            // What is guessed for it may hold the roll angle.
+            side.outputs.is_empty().then(|| format!("{key} is left open"))
+        })
     }
 
     /// Resolves `model.reduce = "auto"`: only what changes nothing is left out.

@@ -1,6 +1,6 @@
 //! Unpacking an archive that is not trusted.
 
-use super::{ArchiveError, DESCRIPTION_FILE};
+use super::ArchiveError;
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{BufReader, Read, Write};
@@ -34,12 +34,13 @@ impl Default for Limits {
 const RATIO_FREE: u64 = 1 << 20;
 
 /// Unpacks the archive into a new private folder, which is removed when the result is dropped. All names are
-/// checked before the first byte is written; sizes are counted while inflating, because headers may lie.
+/// checked before the first byte is written; sizes are counted while inflating, because headers may lie. `root` is the
+/// file that every archive of its kind has at its root, such as [`DESCRIPTION_FILE`](super::DESCRIPTION_FILE).
 ///
 /// # Errors
 ///
 /// Whatever is wrong with the archive, naming the entry and the limit.
-pub fn extract(path: &Path, limits: &Limits) -> Result<TempDir, ArchiveError> {
+pub fn extract(path: &Path, root: &'static str, limits: &Limits) -> Result<TempDir, ArchiveError> {
     let unreadable = |problem| ArchiveError::Unreadable { problem };
     let file = File::open(path).map_err(unreadable)?;
     let metadata = file.metadata().map_err(unreadable)?;
@@ -63,8 +64,8 @@ pub fn extract(path: &Path, limits: &Limits) -> Result<TempDir, ArchiveError> {
         });
     }
     let names = inspected(&mut archive)?;
-    if !names.iter().any(|name| name == DESCRIPTION_FILE) {
-        return Err(ArchiveError::NoDescription);
+    if !names.iter().any(|name| name == root) {
+        return Err(ArchiveError::NoRoot { root });
     }
     if archive.has_overlapping_entries().map_err(not_zip)? {
         return Err(ArchiveError::Overlap);
@@ -145,8 +146,12 @@ fn inspected(archive: &mut ZipArchive<BufReader<File>>) -> Result<Vec<String>, A
     Ok(names)
 }
 
-/// Refuses names that leave the folder or are read differently elsewhere.
-pub(super) fn checked(name: &str) -> Result<(), ArchiveError> {
+/// Refuses names of entries that leave the folder or are read differently elsewhere.
+///
+/// # Errors
+///
+/// [`ArchiveError::Name`].
+pub fn checked(name: &str) -> Result<(), ArchiveError> {
     let refuse = |reason| {
         Err(ArchiveError::Name {
             entry: name.to_owned(),

@@ -1,10 +1,11 @@
-//! The `.fmu` archive [FMI 2.0, 2.3]: written reproducibly, read with suspicion.
+//! The `.fmu` archive [FMI 2.0, 2.3]: written reproducibly, read with suspicion. Other packages that are zip archives
+//! are written and read by the same functions.
 
 mod extract;
 mod package;
 
-pub use extract::{Limits, extract};
-pub use package::Package;
+pub use extract::{Limits, checked, extract};
+pub use package::{Package, write, zipped};
 
 use std::path::PathBuf;
 
@@ -55,7 +56,7 @@ pub enum ArchiveError {
         problem: std::io::Error,
     },
     /// No bytes.
-    #[error("is empty (0 bytes); an FMU is a zip archive")]
+    #[error("is empty (0 bytes); a zip archive is expected")]
     Empty,
     /// Not a zip archive, or a damaged one.
     #[error("is no intact zip archive: {problem}")]
@@ -134,9 +135,12 @@ pub enum ArchiveError {
         /// What the reader says.
         problem: String,
     },
-    /// There is no model description.
-    #[error("has no {DESCRIPTION_FILE} at its root")]
-    NoDescription,
+    /// The file that makes it an archive of its kind is missing.
+    #[error("has no {root} at its root")]
+    NoRoot {
+        /// Name of the file.
+        root: &'static str,
+    },
     /// A file cannot be written.
     #[error("{}: cannot be written: {problem}", target.display())]
     Unwritable {

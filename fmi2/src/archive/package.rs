@@ -42,31 +42,10 @@ impl Package {
     /// A description that cannot be read or lacks the placeholder; a file that cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let bytes = self.to_bytes(path)?;
-        let unwritable = |problem| Error::Archive {
+        write(path, &bytes).map_err(|problem| Error::Archive {
             path: path.to_owned(),
-            problem: ArchiveError::Unwritable {
-                target: path.to_owned(),
-                problem,
-            },
-        };
-        let folder = path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty())
-            .unwrap_or(Path::new("."));
-        std::fs::create_dir_all(folder).map_err(unwritable)?;
-        let mut file = tempfile::Builder::new()
-            .prefix(".fmu-")
-            .tempfile_in(folder)
-            .map_err(unwritable)?;
-        file.write_all(&bytes).map_err(unwritable)?;
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            let mode = std::fs::Permissions::from_mode(0o644);
-            file.as_file().set_permissions(mode).map_err(unwritable)?;
-        }
-        file.persist(path).map_err(|error| unwritable(error.error))?;
-        Ok(())
+            problem,
+        })
     }
 
     /// The FMU as bytes; `path` is for messages.
@@ -89,11 +68,7 @@ impl Package {
         let description = self.description.replacen(GUID_PLACEHOLDER, &guid, 1);
         entries.insert(DESCRIPTION_FILE.to_owned(), description.into_bytes());
         entries.insert(format!("resources/{GUID_FILE}"), format!("{guid}\n").into_bytes());
-        zipped(&entries).map_err(|error| {
-            refused(ArchiveError::NotZip {
-                problem: error.to_string(),
-            })
-        })
+        zipped(&entries).map_err(refused)
     }
 
     /// All entries but the resource with the GUID.
@@ -141,8 +116,48 @@ fn guid(entries: &BTreeMap<String, Vec<u8>>) -> String {
     text
 }
 
-/// Sorted entries, deflated, dated 1980-01-01, without extra fields.
-fn zipped(entries: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>, zip::result::ZipError> {
+/// Writes the bytes of an archive; an existing file is replaced when the new one is complete.
+///
+/// # Errors
+///
+/// A file or folder that cannot be written.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ArchiveError> {
+    let unwritable = |problem| ArchiveError::Unwritable {
+        target: path.to_owned(),
+        problem,
+    };
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(unwritable)?;
+    let mut file = tempfile::Builder::new()
+        .prefix(".archive-")
+        .tempfile_in(folder)
+        .map_err(unwritable)?;
+    file.write_all(bytes).map_err(unwritable)?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let mode = std::fs::Permissions::from_mode(0o644);
+        file.as_file().set_permissions(mode).map_err(unwritable)?;
+    }
+    file.persist(path).map_err(|error| unwritable(error.error))?;
+    Ok(())
+}
+
+/// The bytes of an archive: name and content of each entry; sorted, deflated, dated 1980-01-01, without extra fields.
+///
+/// # Errors
+///
+/// What the zip writer reports.
+pub fn zipped(entries: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>, ArchiveError> {
+    deflated(entries).map_err(|error| ArchiveError::NotZip {
+        problem: error.to_string(),
+    })
+}
+
+fn deflated(entries: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>, zip::result::ZipError> {
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, content) in entries {
         let mode = if name.starts_with("binaries/") { 0o755 } else { 0o644 };

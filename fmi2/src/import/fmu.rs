@@ -97,7 +97,7 @@ impl Fmu {
             path: path.clone(),
             problem,
         };
-        let mut folder = archive::extract(&path, &options.limits).map_err(refused)?;
+        let mut folder = archive::extract(&path, archive::DESCRIPTION_FILE, &options.limits).map_err(refused)?;
         let description = described(&path, folder.path())?;
         let resources = folder.path().join("resources");
         std::fs::create_dir_all(&resources).map_err(|problem| {

@@ -8,7 +8,7 @@ mod read;
 mod unit;
 mod variable;
 mod write;
-mod xml;
+pub mod xml;
 
 pub use unit::{BASE_UNITS, BaseUnit, DisplayUnit, Unit};
 pub use variable::{BaseType, Causality, Initial, Kind, RealAttributes, Variability, Variable};
@@ -252,7 +252,7 @@ impl ModelDescription {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DescriptionError {
     /// More bytes than are read.
-    #[error("modelDescription.xml has {size} bytes, the limit is {limit}")]
+    #[error("has {size} bytes, the limit is {limit}")]
     TooLarge {
         /// Bytes.
         size: usize,
@@ -260,10 +260,10 @@ pub enum DescriptionError {
         limit: usize,
     },
     /// No text at all.
-    #[error("modelDescription.xml is empty")]
+    #[error("is empty")]
     Empty,
     /// Bytes that are no text of the declared encoding.
-    #[error("modelDescription.xml is not {encoding}: bad byte at offset {offset}")]
+    #[error("is not {encoding}: bad byte at offset {offset}")]
     Encoding {
         /// Name of the encoding.
         encoding: String,

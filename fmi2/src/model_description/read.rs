@@ -15,7 +15,7 @@ const MAX_VARIABLES: usize = 1_000_000;
 type Result<T> = std::result::Result<T, DescriptionError>;
 
 pub(super) fn read(bytes: &[u8]) -> Result<ModelDescription> {
-    let root = xml::parse(bytes)?;
+    let root = xml::parse(bytes, xml::Annotations::Dropped)?;
     if root.name != "fmiModelDescription" {
         return Err(DescriptionError::WrongRoot {
             line: root.line,

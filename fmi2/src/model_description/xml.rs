@@ -1,4 +1,5 @@
-//! A bounded element tree: names, attributes and lines of a document; text and foreign content are dropped.
+//! A bounded element tree: names, attributes and lines of a document; text is dropped, foreign content where it is not asked
+//! for.
 
 use super::DescriptionError;
 use quick_xml::XmlVersion;
@@ -14,17 +15,31 @@ const MAX_ELEMENTS: usize = 4_000_000;
 /// Longest name, bytes; other attributes (lists of dependencies, start texts) may be as long as the document.
 const MAX_NAME: usize = 4096;
 
+/// Whether annotations are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Annotations {
+    /// With everything in them.
+    Kept,
+    /// The elements `Annotations` and `VendorAnnotations` stay empty.
+    Dropped,
+}
+
 /// An element with its attributes and children.
 #[derive(Debug, Default)]
-pub(super) struct Element {
+pub struct Element {
+    /// As it is written, prefix included.
     pub name: String,
+    /// Names as they are written, prefixes included, and values; declarations of namespaces are among them.
     pub attributes: Vec<(String, String)>,
+    /// In the order of the document.
     pub children: Vec<Element>,
     /// From 1.
     pub line: usize,
 }
 
 impl Element {
+    /// Value of an attribute.
+    #[must_use]
     pub fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes
             .iter()
@@ -32,6 +47,11 @@ impl Element {
             .map(|(_, value)| value.as_str())
     }
 
+    /// Value of an attribute that must be there.
+    ///
+    /// # Errors
+    ///
+    /// [`DescriptionError::MissingAttribute`].
     pub fn required(&self, name: &'static str) -> Result<&str, DescriptionError> {
         self.attribute(name).ok_or_else(|| DescriptionError::MissingAttribute {
             line: self.line,
@@ -40,6 +60,8 @@ impl Element {
         })
     }
 
+    /// The first child of that name.
+    #[must_use]
     pub fn child(&self, name: &str) -> Option<&Self> {
         self.children.iter().find(|child| child.name == name)
     }
@@ -70,7 +92,12 @@ impl Lines<'_> {
     }
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Element, DescriptionError> {
+/// Reads a document: UTF-8 with or without byte order mark, or Latin-1.
+///
+/// # Errors
+///
+/// A document that is too large, too deep, not well-formed, or that defines entities.
+pub fn parse(bytes: &[u8], annotations: Annotations) -> Result<Element, DescriptionError> {
     if bytes.len() > MAX_BYTES {
         return Err(DescriptionError::TooLarge {
             size: bytes.len(),
@@ -107,11 +134,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Element, DescriptionError> {
             Event::Empty(tag) => {
                 count += 1;
                 let element = open(&tag, line, stack.len(), count, root.is_some())?;
-                close(element, &mut stack, &mut root);
+                close(element, &mut stack, &mut root, annotations);
             }
             Event::End(_) => {
                 if let Some(element) = stack.pop() {
-                    close(element, &mut stack, &mut root);
+                    close(element, &mut stack, &mut root, annotations);
                 }
             }
             Event::DocType(declaration) => {
@@ -218,9 +245,10 @@ fn open(
     })
 }
 
-fn close(element: Element, stack: &mut [Element], root: &mut Option<Element>) {
+fn close(element: Element, stack: &mut [Element], root: &mut Option<Element>, annotations: Annotations) {
+    let drops = annotations == Annotations::Dropped;
     match stack.last_mut() {
-        Some(parent) if parent.name == "VendorAnnotations" || parent.name == "Annotations" => {}
+        Some(parent) if drops && matches!(parent.name.as_str(), "VendorAnnotations" | "Annotations") => {}
         Some(parent) => parent.children.push(element),
         None => *root = Some(element),
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{CommandError, SceneFile, print, print_json};
+use super::{CommandError, SceneFile, print, print_json, say};
 use crate::check::Report;
 use crate::cli::Common;
 use crate::simulation::prepare;
@@ -13,6 +13,7 @@ use crate::simulation::prepare;
 /// See [`CommandError`].
 pub fn check(path: &Path, common: &Common) -> Result<(), CommandError> {
     let file = SceneFile::read(path, common)?;
+    file.notes.iter().for_each(|note| say(common)(note));
     let prepared = prepare(file.scene, &file.name, &file.base, false);
     let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let report = Report::of(&prepared).map_err(|error| CommandError::from(error).in_scene(path))?;

@@ -1,6 +1,7 @@
 //! One file per subcommand.
 
 pub mod check;
+pub mod export;
 pub mod inspect;
 pub mod package;
 pub mod report;
@@ -10,12 +11,14 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use scene::Scene;
+use tempfile::TempDir;
 
 use crate::cli::Common;
 use crate::isolation::IsolationError;
 use crate::package::PackageError;
 use crate::results::ResultsError;
 use crate::simulation::SetupError;
+use crate::ssp::{self, SspError};
 
 /// Why a command ended without success.
 #[derive(Debug, thiserror::Error)]
@@ -44,6 +47,9 @@ pub enum CommandError {
     /// An FMU named on the command line.
     #[error(transparent)]
     FmuFile(Box<fmi2::Error>),
+    /// A system structure cannot be made or run.
+    #[error(transparent)]
+    Ssp(Box<SspError>),
     /// FMUs cannot be made.
     #[error(transparent)]
     Package(Box<PackageError>),
@@ -109,6 +115,12 @@ impl From<SetupError> for CommandError {
     }
 }
 
+impl From<SspError> for CommandError {
+    fn from(error: SspError) -> Self {
+        Self::Ssp(Box::new(error))
+    }
+}
+
 impl From<PackageError> for CommandError {
     fn from(error: PackageError) -> Self {
         Self::Package(Box::new(error))
@@ -123,13 +135,17 @@ pub struct SceneFile {
     pub name: String,
     /// Folder that paths in it are relative to.
     pub base: PathBuf,
+    /// The unpacked archive, where the scene was made of an `.ssp`.
+    pub unpacked: Option<TempDir>,
+    /// How such an archive was read.
+    pub notes: Vec<String>,
 }
 
 impl SceneFile {
-    /// Reads a scene; one of the source tree is found from anywhere.
+    /// Reads a scene, or makes one of an `.ssp`; one of the source tree is found from anywhere.
     ///
     /// # Errors
-    /// [`CommandError::Read`], [`SetupError::Scene`].
+    /// [`CommandError::Read`], [`SetupError::Scene`], [`CommandError::Ssp`].
     pub fn read(path: &Path, common: &Common) -> Result<Self, CommandError> {
         let in_tree = || {
             crate::package::source_tree()
@@ -141,6 +157,19 @@ impl SceneFile {
         } else {
             in_tree().unwrap_or_else(|| path.to_owned())
         };
+        if found
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("ssp"))
+        {
+            let imported = ssp::import(&found, &common.overrides)?;
+            return Ok(Self {
+                scene: imported.scene,
+                name: scene_name(&found),
+                base: imported.base,
+                unpacked: Some(imported.folder),
+                notes: imported.notes,
+            });
+        }
         let text = std::fs::read_to_string(&found).map_err(|source| CommandError::Read {
             path: path.to_owned(),
             source,
@@ -152,6 +181,8 @@ impl SceneFile {
             scene,
             name: scene_name(&found),
             base,
+            unpacked: None,
+            notes: Vec::new(),
         })
     }
 

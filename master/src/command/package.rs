@@ -14,6 +14,7 @@ use crate::simulation::{SetupError, prepare};
 /// See [`CommandError`].
 pub fn package(path: &Path, descriptions: Option<&Path>, common: &Common) -> Result<(), CommandError> {
     let file = SceneFile::read(path, common)?;
+    file.notes.iter().for_each(|note| say(common)(note));
     let prepared = prepare(file.scene, &file.name, &file.base, false);
     let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let libraries = Libraries::find(&say(common))?;

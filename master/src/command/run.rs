@@ -3,13 +3,13 @@
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use scene::{Line, PantographModel, Scene};
+use scene::{Line, PantographModel, Scene, ThirdParty};
 
 use super::{CommandError, SceneFile, print, print_json, say};
 use crate::cli::Common;
 use crate::package;
 use crate::report::{self, Progress, Show};
-use crate::results::OutputDirectory;
+use crate::results::{OutputDirectory, ResultsError};
 use crate::run::Watch;
 use crate::simulation::{FmuSource, Mode, prepare};
 
@@ -33,6 +33,7 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
         eprintln!("Ctrl-C is handled by somebody else");
     }
     let say = say(common);
+    file.notes.iter().for_each(|note| say(note));
     let logging = common.verbose > 1;
     let prepared = prepare(file.scene, &file.name, &file.base, logging);
     let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
@@ -50,8 +51,12 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
 
     let mut output = None;
     let finished = prepared.run(mode, &source, &watch, |scene| {
-        let text = relative_to(scene, &directory).to_toml();
         let opened = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
+        let mut scene = scene.clone();
+        if let Some(unpacked) = &file.unpacked {
+            keep_fmus(&mut scene, unpacked.path(), &directory).map_err(CommandError::Results)?;
+        }
+        let text = relative_to(&scene, &directory).to_toml();
         opened.begin(&text).map_err(CommandError::Directory)?;
         output = Some((opened, text));
         Ok::<(), CommandError>(())
@@ -76,6 +81,45 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
         None => Ok(()),
         Some(_) => Err(CommandError::Incomplete { directory, reason }),
     }
+}
+
+/// Copies the FMUs of an unpacked archive into the folder `fmu` of `directory`, so that its `scene.toml` can be run again
+/// without the archive, and makes the scene refer to them.
+fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(), ResultsError> {
+    let unpacked = real(unpacked);
+    let mut sides: Vec<&mut ThirdParty> = Vec::new();
+    if let Line::ThirdParty(side) = &mut scene.catenary {
+        sides.push(side);
+    }
+    sides.extend(
+        scene
+            .pantographs
+            .iter_mut()
+            .filter_map(|pantograph| match &mut pantograph.model {
+                PantographModel::ThirdParty(side) => Some(side),
+                _ => None,
+            }),
+    );
+    for side in sides {
+        let from = real(Path::new(&side.fmu));
+        let Ok(inside) = from.strip_prefix(&unpacked) else {
+            continue;
+        };
+        // The same tree as in the archive: no two files have one name.
+        let to = directory
+            .join("fmu")
+            .join(inside.strip_prefix("resources").unwrap_or(inside));
+        let failed = |action: &'static str, path: &Path| {
+            let path = path.to_owned();
+            move |source| ResultsError::Io { path, action, source }
+        };
+        if let Some(folder) = to.parent() {
+            std::fs::create_dir_all(folder).map_err(failed("create", folder))?;
+        }
+        std::fs::copy(&from, &to).map_err(failed("write", &to))?;
+        side.fmu = to.display().to_string();
+    }
+    Ok(())
 }
 
 /// The scene with the paths of its FMUs relative to `directory`.

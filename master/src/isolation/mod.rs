@@ -78,6 +78,12 @@ pub fn this_program_serves() {
     SERVES.store(true, Ordering::Relaxed);
 }
 
+/// Whether it has been said that this program has the subcommand.
+#[must_use]
+pub fn serves() -> bool {
+    SERVES.load(Ordering::Relaxed)
+}
+
 /// What the parent allows beyond the time limit before it kills the child.
 pub const GRACE: Duration = Duration::from_secs(2);
 

@@ -128,16 +128,12 @@ impl Probe {
     }
 }
 
-/// How instances are tried: in processes of their own, where there are such and this program is what runs; each call may take
+/// How instances are tried: in processes of their own where this program can start such; each call may take
 /// as long as `entry` says.
 #[must_use]
 pub fn isolation(entry: &ThirdParty) -> Option<Isolation> {
-    let runs_here = || {
-        let program = std::env::current_exe().ok()?;
-        (cfg!(unix) && program.file_stem()? == env!("CARGO_PKG_NAME")).then_some(())
-    };
     Isolation::of(entry).or_else(|| {
-        runs_here().map(|()| Isolation {
+        (cfg!(unix) && isolation::serves()).then(|| Isolation {
             time_limit: isolation::time_limit(entry),
             environment: std::collections::BTreeMap::new(),
         })

@@ -1,0 +1,52 @@
+//! `master export`.
+
+use std::path::Path;
+
+use super::{CommandError, SceneFile, print, print_json, say};
+use crate::cli::Common;
+use crate::package::{Libraries, archives};
+use crate::simulation::prepare;
+use crate::ssp::{self, SspError};
+use crate::third_party::ThirdPartyPantograph;
+
+/// Writes the co-simulation of a scene as an `.ssp`.
+///
+/// # Errors
+/// See [`CommandError`].
+pub fn export(path: &Path, common: &Common) -> Result<(), CommandError> {
+    let say = say(common);
+    let file = SceneFile::read(path, common)?;
+    file.notes.iter().for_each(|note| say(note));
+    let prepared = prepare(file.scene, &file.name, &file.base, false);
+    let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
+    let libraries = Libraries::find(&say)?;
+    let target = common
+        .out
+        .clone()
+        .unwrap_or_else(|| Path::new("results").join(&prepared.name));
+    let target = target.join(format!("{}.ssp", prepared.name));
+    let own = archives(&prepared.scene, &libraries)?;
+    let aligned: Vec<Option<f64>> = prepared.third_party.iter().map(aligned_offset).collect();
+    let exported = ssp::export(&prepared.scene, &prepared.name, &own, &file.base, &aligned, &target)?;
+    fmi2::archive::write(&target, &exported.archive).map_err(|problem| SspError::Archive {
+        path: target.clone(),
+        problem,
+    })?;
+    exported.notes.iter().for_each(|note| say(note));
+    if common.json {
+        let target = target.display().to_string();
+        print_json(&serde_json::json!({ "scene": prepared.name, "ssp": target, "notes": exported.notes }))?;
+    } else if !common.quiet {
+        print(&format!("{}\n", target.display()))?;
+    }
+    Ok(())
+}
+
+/// Offset of a pantograph's height as it stands under the wire, m.
+fn aligned_offset(pantograph: &Option<ThirdPartyPantograph>) -> Option<f64> {
+    let outputs = &pantograph.as_ref()?.wiring().outputs;
+    outputs
+        .iter()
+        .find(|wire| wire.name == "height")
+        .map(|wire| wire.offset)
+}

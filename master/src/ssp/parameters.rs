@@ -1,0 +1,240 @@
+//! Values of parameter sets, mapped, converted and handed to the components they are for [SSP 1.0, 5].
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use fmi2::import::Fmu;
+use fmi2::model_description::{BaseType, TypeShape, Unit, Variable};
+use scene::ParameterValue;
+
+use super::document::{Binding, Component, Linear, MappingEntry, Parameter, ParameterSet, Source, System, Value};
+use super::import::resource;
+use super::read::{self, File};
+use super::{STRUCTURE_FILE, SspError};
+
+/// Values of one component, by the names of its FMU's variables.
+pub(super) type Values = BTreeMap<String, ParameterValue>;
+
+/// An archive that is unpacked.
+#[derive(Clone, Copy)]
+pub(super) struct Unpacked<'a> {
+    pub archive: &'a Path,
+    pub folder: &'a Path,
+}
+
+impl<'a> Unpacked<'a> {
+    /// The description, for messages.
+    pub fn structure(self) -> File<'a> {
+        File {
+            archive: self.archive,
+            name: STRUCTURE_FILE,
+        }
+    }
+}
+
+/// Values of all components: those bound to the components themselves, then, stronger, those bound to the system. What
+/// fits nothing is told to `notes`.
+pub(super) fn values(
+    system: &System,
+    fmus: &[Fmu],
+    unpacked: Unpacked<'_>,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Values>, SspError> {
+    let mut all: Vec<Values> = vec![Values::new(); fmus.len()];
+    for (index, component) in system.components.iter().enumerate() {
+        for binding in &component.bindings {
+            let bound = Bound::load(binding, Some((component, &fmus[index])), unpacked)?;
+            for (name, parameter, entry) in bound.named() {
+                let target = (component, &fmus[index], name.as_str());
+                bound.apply(target, parameter, entry, unpacked, &mut all[index], notes)?;
+            }
+        }
+    }
+    for binding in &system.bindings {
+        let bound = Bound::load(binding, None, unpacked)?;
+        for (name, parameter, entry) in bound.named() {
+            let owner = |component: &Component| name.strip_prefix(&component.name)?.strip_prefix('.').map(str::len);
+            // The shortest rest belongs to the longest name.
+            let owners = system.components.iter().enumerate();
+            let found = owners
+                .filter_map(|(index, component)| Some((owner(component)?, index)))
+                .min();
+            let Some((rest, index)) = found else {
+                notes.push(format!("parameter \"{name}\" belongs to no component: not used"));
+                continue;
+            };
+            let target = (&system.components[index], &fmus[index], &name[name.len() - rest..]);
+            bound.apply(target, parameter, entry, unpacked, &mut all[index], notes)?;
+        }
+    }
+    Ok(all)
+}
+
+/// A binding with its files read.
+struct Bound {
+    prefix: String,
+    set: ParameterSet,
+    mapping: Option<Vec<MappingEntry>>,
+    /// File of the values, for messages.
+    file: String,
+}
+
+impl Bound {
+    fn load(
+        binding: &Binding,
+        component: Option<(&Component, &Fmu)>,
+        unpacked: Unpacked<'_>,
+    ) -> Result<Self, SspError> {
+        let structure = unpacked.structure();
+        let bytes = |uri: &str, in_component: bool| {
+            let folder = match (in_component, component) {
+                (false, _) => unpacked.folder,
+                (true, Some((_, fmu))) => fmu.folder(),
+                (true, None) => {
+                    let problem = "sourceBase = \"component\" has no meaning in a binding of the system";
+                    return Err(structure.refuse(binding.line, problem));
+                }
+            };
+            let path = resource(folder, uri).map_err(|problem| structure.refuse(binding.line, problem))?;
+            std::fs::read(path).map_err(|error| structure.refuse(binding.line, format!("source \"{uri}\": {error}")))
+        };
+        let named = |uri| File {
+            archive: unpacked.archive,
+            name: uri,
+        };
+        let (set, file) = match &binding.values {
+            Source::Inline(set) => (set.clone(), STRUCTURE_FILE.to_owned()),
+            Source::File(uri) => (read::parameter_set(&bytes(uri, false)?, named(uri))?, uri.clone()),
+            Source::InComponent(uri) => (read::parameter_set(&bytes(uri, true)?, named(uri))?, uri.clone()),
+        };
+        let mapping = match &binding.mapping {
+            None => None,
+            Some(Source::Inline(entries)) => Some(entries.clone()),
+            Some(Source::File(uri)) => Some(read::mapping(&bytes(uri, false)?, named(uri))?),
+            Some(Source::InComponent(uri)) => Some(read::mapping(&bytes(uri, true)?, named(uri))?),
+        };
+        Ok(Self {
+            prefix: binding.prefix.clone(),
+            set,
+            mapping,
+            file,
+        })
+    }
+
+    /// Parameters by the names they go by after prefix and mapping; one that no entry mentions keeps its name.
+    fn named(&self) -> Vec<(String, &Parameter, Option<&MappingEntry>)> {
+        let mut named = Vec::new();
+        for parameter in &self.set.parameters {
+            let name = format!("{}{}", self.prefix, parameter.name);
+            let entries = self.mapping.iter().flatten().filter(|entry| entry.source == name);
+            let before = named.len();
+            named.extend(entries.map(|entry| (entry.target.clone(), parameter, Some(entry))));
+            if named.len() == before {
+                named.push((name, parameter, None));
+            }
+        }
+        named
+    }
+
+    fn apply(
+        &self,
+        (component, fmu, name): (&Component, &Fmu, &str),
+        parameter: &Parameter,
+        entry: Option<&MappingEntry>,
+        unpacked: Unpacked<'_>,
+        values: &mut Values,
+        notes: &mut Vec<String>,
+    ) -> Result<(), SspError> {
+        let Some(variable) = fmu.description().variable(name) else {
+            let component = &component.name;
+            notes.push(format!(
+                "component \"{component}\" has no variable \"{name}\": its value is not used"
+            ));
+            return Ok(());
+        };
+        let value = self.value(fmu, variable, parameter, entry);
+        let value = value.map_err(|problem| {
+            let file = File {
+                archive: unpacked.archive,
+                name: &self.file,
+            };
+            let problem = format!("parameter \"{name}\" of component \"{}\": {problem}", component.name);
+            file.refuse(parameter.line, problem)
+        })?;
+        values.insert(name.to_owned(), value);
+        Ok(())
+    }
+
+    /// The value for a variable, in the variable's unit.
+    fn value(
+        &self,
+        fmu: &Fmu,
+        variable: &Variable,
+        parameter: &Parameter,
+        entry: Option<&MappingEntry>,
+    ) -> Result<ParameterValue, String> {
+        let map = entry.map_or(Linear::IDENTITY, |entry| entry.map);
+        let described = fmu.description();
+        let items = variable.declared_type.as_ref().and_then(|name| {
+            let definition = described.types.iter().find(|definition| definition.name == *name)?;
+            match &definition.shape {
+                TypeShape::Enumeration(items) => Some(items),
+                _ => None,
+            }
+        });
+        match (&parameter.value, variable.base_type()) {
+            (Value::Real { value, unit }, BaseType::Real) => {
+                let suppressed = entry.is_some_and(|entry| entry.suppress_unit_conversion);
+                let conversion = match unit {
+                    Some(unit) if !suppressed => {
+                        let theirs = described.unit_of(variable).cloned();
+                        let name = variable
+                            .unit()
+                            .map(str::to_owned)
+                            .or(theirs.as_ref().map(|unit| unit.name.clone()));
+                        convert(
+                            (unit, self.set.units.iter().find(|known| known.name == *unit)),
+                            (name.as_deref(), theirs.as_ref()),
+                        )?
+                    }
+                    _ => Linear::IDENTITY,
+                };
+                Ok(ParameterValue::Number(conversion.then(map).apply(*value)))
+            }
+            (Value::Integer(value), BaseType::Real | BaseType::Integer) => {
+                Ok(ParameterValue::Number(map.apply(f64::from(*value))))
+            }
+            (Value::Boolean(flag), BaseType::Boolean) => Ok(ParameterValue::Boolean(*flag)),
+            (Value::String(text), BaseType::String) => Ok(ParameterValue::String(text.clone())),
+            (Value::Enumeration(name), BaseType::Integer) => {
+                let item = items.into_iter().flatten().find(|item| item.name == *name);
+                let item = item.ok_or_else(|| format!("the item \"{name}\" is not defined in the FMU"))?;
+                Ok(ParameterValue::Number(f64::from(item.value)))
+            }
+            (_, expected) => Err(format!("the value must be of type {expected:?}, as the variable is")),
+        }
+    }
+}
+
+/// The map from one unit to another: identity where one of them is not known.
+pub(super) fn convert(
+    (from, from_unit): (&str, Option<&Unit>),
+    (to, to_unit): (Option<&str>, Option<&Unit>),
+) -> Result<Linear, String> {
+    if to == Some(from) {
+        return Ok(Linear::IDENTITY);
+    }
+    let (Some(from_unit), Some(to_unit)) = (from_unit, to_unit) else {
+        return Ok(Linear::IDENTITY);
+    };
+    if from_unit.base.is_none() || to_unit.base.is_none() {
+        return Ok(Linear::IDENTITY);
+    }
+    let (factor, offset) = from_unit.conversion_to(to_unit).ok_or_else(|| {
+        format!(
+            "the unit {from} cannot be converted to {}, the dimensions differ",
+            to.unwrap_or("1")
+        )
+    })?;
+    Ok(Linear { factor, offset })
+}
