@@ -289,7 +289,9 @@ outputs = { height = { variable = \"'Höhe 高さ'.z[1]\" }, velocity = { variab
 #[test]
 fn d5_names_types_and_annotations_of_any_kind_are_read() {
     let tried = Tried::new(&ornate());
-    assert_eq!(tried.run_with(ORNATE, &[]).done().force(), good_force(&[]));
+    // The wiring is written out here and guessed there, which decides whether the line has lateral coordinates: rounding.
+    let difference = |ended: Ended| rms(&ended.done().force(), &good_force(&[]));
+    assert!(difference(tried.run_with(ORNATE, &[])) < 1e-6);
     let (text, json) = tried.inspect();
     assert!(text.contains("'Höhe 高さ'.z[1]"), "{text}");
     let variables = json["variables"].as_array().unwrap();
@@ -300,7 +302,7 @@ fn d5_names_types_and_annotations_of_any_kind_are_read() {
     assert_eq!(height["unit"], "m", "of its declared type: {height}");
     // An alias and the enumeration's number are as good as any other variable; a wrong type is named.
     let alias = ORNATE.replace("{ variable = \"'Höhe 高さ'.z[1]\" }", "{ variable = \"z1, alias\" }");
-    assert_eq!(tried.run_with(&alias, &[]).done().force(), good_force(&[]));
+    assert!(difference(tried.run_with(&alias, &[])) < 1e-6);
     let wrong = ORNATE.replace("kind = 2", "kind = \"double arm\"");
     let ended = tried.run_with(&wrong, &[]);
     let _ = ended.refused(2, &["kind", "parameters"]);
