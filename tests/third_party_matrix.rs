@@ -131,16 +131,15 @@ fn d1_a_pantograph_of_one_step_runs_with_that_step_to_the_end() {
 }
 
 #[test]
-fn d1_a_pantograph_of_one_step_runs_with_another_macro_step_or_says_which_it_takes() {
+fn d1_a_longer_macro_step_is_cut_into_that_step_and_a_shorter_one_is_refused() {
     let tried = Tried::new(&of_one_step());
-    let ended = tried.run_with(PARAMETERS, &["coupling.macro_step=0.002"]);
-    if ended.code != Some(0) {
-        let _ = ended.failed(&[NAME, "macro_step", "0.001"]);
-    }
+    let longer = ["coupling.macro_step=0.002"];
+    let force = tried.run_with(PARAMETERS, &longer).done().force();
+    // The pieces follow the input where one step holds it: of second order in the macro step, on a force of 200 N.
+    let difference = rms(&force, &good_force(&longer));
+    assert!(difference < 2.0, "{difference} N");
     let ended = tried.run_with(PARAMETERS, &["coupling.macro_step=0.0005"]);
-    if ended.code != Some(0) {
-        let _ = ended.failed(&[NAME, "macro_step", "0.001"]);
-    }
+    let _ = ended.refused(2, &[NAME, "macro_step", "0.001"]);
 }
 
 // D2 -----------------------------------------------------------------------------------------------------------------------
@@ -181,7 +180,8 @@ fn d3_states_that_come_back_wrong_or_not_at_all_are_noticed() {
         // What needs no rollback is as good as ever.
         assert_eq!(tried.run().done().force(), good_force(&[]));
         let _ = tried.run_with(PARAMETERS, &["coupling.algorithm=\"auto\""]).done();
-        let _ = tried.inspect();
+        let (text, _) = tried.inspect();
+        assert!(text.contains("does not hold"), "{text}");
     }
 }
 
@@ -289,7 +289,9 @@ outputs = { height = { variable = \"'Höhe 高さ'.z[1]\" }, velocity = { variab
 #[test]
 fn d5_names_types_and_annotations_of_any_kind_are_read() {
     let tried = Tried::new(&ornate());
-    assert_eq!(tried.run_with(ORNATE, &[]).done().force(), good_force(&[]));
+    // The wiring is written out here and guessed there, which decides whether the line has lateral coordinates: rounding.
+    let difference = |ended: Ended| rms(&ended.done().force(), &good_force(&[]));
+    assert!(difference(tried.run_with(ORNATE, &[])) < 1e-6);
     let (text, json) = tried.inspect();
     assert!(text.contains("'Höhe 高さ'.z[1]"), "{text}");
     let variables = json["variables"].as_array().unwrap();
@@ -300,7 +302,7 @@ fn d5_names_types_and_annotations_of_any_kind_are_read() {
     assert_eq!(height["unit"], "m", "of its declared type: {height}");
     // An alias and the enumeration's number are as good as any other variable; a wrong type is named.
     let alias = ORNATE.replace("{ variable = \"'Höhe 高さ'.z[1]\" }", "{ variable = \"z1, alias\" }");
-    assert_eq!(tried.run_with(&alias, &[]).done().force(), good_force(&[]));
+    assert!(difference(tried.run_with(&alias, &[])) < 1e-6);
     let wrong = ORNATE.replace("kind = 2", "kind = \"double arm\"");
     let ended = tried.run_with(&wrong, &[]);
     let _ = ended.refused(2, &["kind", "parameters"]);
@@ -476,9 +478,8 @@ fn d10_a_discarded_step_is_shortened_where_both_sides_can_go_back() {
     let unable = Pantograph::new()
         .built_with(&["DISCARD_LONGER_THAN=6e-4"])
         .unable("canGetAndSetFMUstate", "ROLLBACK");
-    let ended = Tried::new(&unable)
-        .run()
-        .refused(1, &["pantograph 1", "fmi2Discard", "macro_step"]);
+    let tried = Tried::new(&unable);
+    let ended = tried.run().refused(1, &["pantograph 1", "fmi2Discard", "macro_step"]);
     let summary = ended.summary();
     assert_eq!(summary["complete"], false);
 }
@@ -497,7 +498,8 @@ fn d11_a_value_that_is_no_number_is_named_with_variable_and_time() {
     let tried = Tried::new(&Pantograph::new().built_with(&["NAN_AT=0.0"]));
     let ended = tried.run();
     let _ = ended.failed(&["pantograph", "z1", "NaN"]);
-    let _ = tried.inspect();
+    let (text, _) = tried.inspect();
+    assert!(text.contains("z1 = NaN"), "{text}");
 }
 
 // D12 ----------------------------------------------------------------------------------------------------------------------
@@ -530,7 +532,8 @@ fn d12_a_crash_or_endless_loop_before_the_first_step_is_named() {
             let tried = Tried::new(&Pantograph::new().built_with(&faults.each_ref().map(String::as_str)));
             let ended = tried.run_with(ISOLATED, &[]);
             let _ = ended.failed(&["two_mass", function]);
-            let _ = tried.inspect();
+            let (text, _) = tried.inspect();
+            assert!(text.contains(function), "{text}");
         }
     }
 }

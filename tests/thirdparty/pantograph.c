@@ -144,8 +144,7 @@ static void *log_elsewhere(void *pantograph) {
 
 /* What a pantograph has to say, in the way that was asked for. */
 static void chatter(Pantograph *p, const char *where) {
-    (void)p;
-    (void)where;
+    (void)p, (void)where;
 #ifdef LOG_ARGUMENTS
     p->callbacks.logger(p->callbacks.componentEnvironment, p->name, fmi2OK, "logEvents", "%s: %d masses, F = %f N, 100 %% of #r10#",
                         where, 2, p->state.force);
@@ -395,77 +394,34 @@ FMI2_EXPORT fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[
     return fmi2OK;
 }
 
-FMI2_EXPORT fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Integer value[]) {
-    Pantograph *p = c;
-    size_t i;
-    for (i = 0; i < n; i++) {
-        if (vr[i] != KIND) {
-            return refuse(p, "a value reference", vr[i]);
-        }
-        value[i] = p->state.kind;
+/* Getter and setter of the one variable of a type. */
+#define ACCESS(NAME, TYPE, REFERENCE, READ, WRITE)                                                              \
+    FMI2_EXPORT fmi2Status fmi2Get##NAME(fmi2Component c, const fmi2ValueReference vr[], size_t n, TYPE value[]) {       \
+        Pantograph *p = c;                                                                                      \
+        size_t i;                                                                                               \
+        for (i = 0; i < n; i++) {                                                                               \
+            if (vr[i] != REFERENCE) {                                                                           \
+                return refuse(p, "a value reference", vr[i]);                                                   \
+            }                                                                                                   \
+            value[i] = READ;                                                                                    \
+        }                                                                                                       \
+        return fmi2OK;                                                                                          \
+    }                                                                                                           \
+    FMI2_EXPORT fmi2Status fmi2Set##NAME(fmi2Component c, const fmi2ValueReference vr[], size_t n, const TYPE value[]) { \
+        Pantograph *p = c;                                                                                      \
+        size_t i;                                                                                               \
+        for (i = 0; i < n; i++) {                                                                               \
+            if (vr[i] != REFERENCE) {                                                                           \
+                return refuse(p, "a value reference", vr[i]);                                                   \
+            }                                                                                                   \
+            WRITE;                                                                                              \
+        }                                                                                                       \
+        return fmi2OK;                                                                                          \
     }
-    return fmi2OK;
-}
 
-FMI2_EXPORT fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer value[]) {
-    Pantograph *p = c;
-    size_t i;
-    for (i = 0; i < n; i++) {
-        if (vr[i] != KIND) {
-            return refuse(p, "a value reference", vr[i]);
-        }
-        p->state.kind = value[i];
-    }
-    return fmi2OK;
-}
-
-FMI2_EXPORT fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2Boolean value[]) {
-    Pantograph *p = c;
-    size_t i;
-    for (i = 0; i < n; i++) {
-        if (vr[i] != RAISED) {
-            return refuse(p, "a value reference", vr[i]);
-        }
-        value[i] = p->state.raised;
-    }
-    return fmi2OK;
-}
-
-FMI2_EXPORT fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Boolean value[]) {
-    Pantograph *p = c;
-    size_t i;
-    for (i = 0; i < n; i++) {
-        if (vr[i] != RAISED) {
-            return refuse(p, "a value reference", vr[i]);
-        }
-        p->state.raised = value[i];
-    }
-    return fmi2OK;
-}
-
-FMI2_EXPORT fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[]) {
-    Pantograph *p = c;
-    size_t i;
-    for (i = 0; i < n; i++) {
-        if (vr[i] != SERIAL) {
-            return refuse(p, "a value reference", vr[i]);
-        }
-        value[i] = p->serial;
-    }
-    return fmi2OK;
-}
-
-FMI2_EXPORT fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[]) {
-    Pantograph *p = c;
-    size_t i;
-    for (i = 0; i < n; i++) {
-        if (vr[i] != SERIAL) {
-            return refuse(p, "a value reference", vr[i]);
-        }
-        snprintf(p->serial, sizeof p->serial, "%s", value[i]);
-    }
-    return fmi2OK;
-}
+ACCESS(Integer, fmi2Integer, KIND, p->state.kind, p->state.kind = value[i])
+ACCESS(Boolean, fmi2Boolean, RAISED, p->state.raised, p->state.raised = value[i])
+ACCESS(String, fmi2String, SERIAL, p->serial, snprintf(p->serial, sizeof p->serial, "%s", value[i]))
 
 FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
     Pantograph *p = c;
@@ -615,12 +571,18 @@ FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2V
     return fmi2OK;
 }
 
-FMI2_EXPORT fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
-    (void)c;
-    (void)kind;
-    (void)value;
-    return fmi2Discard;
-}
+/* What there is no answer to. */
+#define NO_STATUS(NAME, TYPE)                                                                          \
+    FMI2_EXPORT fmi2Status NAME(fmi2Component c, const fmi2StatusKind kind, TYPE *value) {              \
+        (void)c;                                                                                       \
+        (void)kind;                                                                                    \
+        (void)value;                                                                                   \
+        return fmi2Discard;                                                                            \
+    }
+
+NO_STATUS(fmi2GetStatus, fmi2Status)
+NO_STATUS(fmi2GetIntegerStatus, fmi2Integer)
+NO_STATUS(fmi2GetStringStatus, fmi2String)
 
 FMI2_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
     if (kind != fmi2LastSuccessfulTime) {
@@ -630,13 +592,6 @@ FMI2_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind k
     return fmi2OK;
 }
 
-FMI2_EXPORT fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
-    (void)c;
-    (void)kind;
-    (void)value;
-    return fmi2Discard;
-}
-
 FMI2_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
     (void)c;
     if (kind != fmi2Terminated) {
@@ -644,11 +599,4 @@ FMI2_EXPORT fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKin
     }
     *value = 0;
     return fmi2OK;
-}
-
-FMI2_EXPORT fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
-    (void)c;
-    (void)kind;
-    (void)value;
-    return fmi2Discard;
 }
