@@ -231,8 +231,18 @@ fn a_scene_with_the_automatic_choice_runs_again_bit_for_bit_from_what_was_writte
         let again = scene::Scene::from_toml(&written, "scene.toml", &[]).unwrap();
         let second = run(again, Mode::Inprocess, "coupling");
         assert_eq!(first.summary.coupling.reason, second.summary.coupling.reason);
-        assert!(first.summary.coupling.reason.contains("omega h"), "{}", first.summary.coupling.reason);
-        let bits = |run: &Run| run.record.pantographs[0].force.iter().map(|force| force.to_bits()).collect::<Vec<_>>();
+        assert!(
+            first.summary.coupling.reason.contains("omega h"),
+            "{}",
+            first.summary.coupling.reason
+        );
+        let bits = |run: &Run| {
+            run.record.pantographs[0]
+                .force
+                .iter()
+                .map(|force| force.to_bits())
+                .collect::<Vec<_>>()
+        };
         assert_eq!(bits(&first), bits(&second));
     }
 }

@@ -339,8 +339,8 @@ impl Prepared {
             line: &mut *line,
             pantographs: &mut pantographs,
         };
-        self.scene.coupling = algorithm::resolve(&self.scene.coupling, &sides);
         let (mut algorithm, mut reason) = algorithm::build(&self.scene.coupling, &sides);
+        self.scene.coupling = algorithm::resolve(&self.scene.coupling, &sides);
         let outputs = interface::line_output_count(self.scene.pantographs.len(), supports.len());
         let mut exchange = Exchange::start(&mut sides, 0.0, outputs).map_err(SetupError::from)?;
         good(&self.scene)?;

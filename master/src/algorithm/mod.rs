@@ -215,12 +215,17 @@ pub trait Algorithm {
     }
 }
 
-/// `[coupling]` with the keys that `"auto"` decides on before the run; all else as it is.
+/// `[coupling]` with the keys that `"auto"` decides on before the run, and with the algorithm that stands in for one that
+/// needs more than the slaves can do; all else as it is.
 ///
 /// What it decides on in the run, see [`Auto`], it decides on again when the scene as written is run.
 #[must_use]
 pub fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> Coupling {
     let mut resolved = coupling.clone();
+    if coupling.algorithm == scene::Algorithm::Iterated && !sides.can_roll_back() {
+        resolved.algorithm = scene::Algorithm::GaussSeidel;
+        resolved.reason = "gauss_seidel in place of iterated, which the scene names";
+    }
     if coupling.algorithm != scene::Algorithm::Auto {
         return resolved;
     }
@@ -242,15 +247,16 @@ pub fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> Coupling {
 /// The algorithm that `[coupling]` asks for, and why, for the summary.
 #[must_use]
 pub fn build(coupling: &Coupling, sides: &Sides<'_>) -> (Box<dyn Algorithm>, String) {
+    let repeats = match coupling.algorithm {
+        scene::Algorithm::Jacobi | scene::Algorithm::GaussSeidel => false,
+        scene::Algorithm::Iterated | scene::Algorithm::InterfaceJacobian | scene::Algorithm::Auto => true,
+    };
     let coupling = &resolve(coupling, sides);
     let strips = sides.pantographs.len();
     let mut reason = coupling.reason.to_owned();
     let rollback = sides.can_roll_back();
     if let Some(slave) = sides.without_rollback()
-        && matches!(
-            coupling.algorithm,
-            scene::Algorithm::Iterated | scene::Algorithm::InterfaceJacobian | scene::Algorithm::Auto
-        )
+        && repeats
     {
         reason.push_str(&format!("; {slave} cannot go back to a saved state: one pass per step"));
     }
@@ -263,8 +269,8 @@ pub fn build(coupling: &Coupling, sides: &Sides<'_>) -> (Box<dyn Algorithm>, Str
             coupling.extrapolation,
             interpolated * coupling.extrapolation,
         ),
-        scene::Algorithm::Iterated if rollback => (Box::new(Iterated::new(coupling, strips)), 3, interpolated),
-        scene::Algorithm::GaussSeidel | scene::Algorithm::Iterated => (
+        scene::Algorithm::Iterated => (Box::new(Iterated::new(coupling, strips)), 3, interpolated),
+        scene::Algorithm::GaussSeidel => (
             Box::new(GaussSeidel::new(coupling, strips)),
             if pantograph_first { 3 } else { coupling.extrapolation },
             interpolated * if pantograph_first { coupling.extrapolation } else { 1 },
