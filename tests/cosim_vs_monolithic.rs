@@ -225,10 +225,10 @@ fn a_scene_with_the_automatic_choice_runs_again_bit_for_bit_from_what_was_writte
     ] {
         let keys = [&SHORT[..], &["run.duration=0.6", "run.evaluate={time=[0.1,0.5]}"], more].concat();
         let scene = scene_with(EN_250, &[&keys[..], &["coupling.algorithm=auto"]].concat());
-        let first = run(scene.clone(), Mode::Inprocess, "coupling");
-        let (_, written) = prepared_and_written(scene);
+        let first = run(scene, Mode::Inprocess, "coupling");
+        let written = &first.written;
         assert!(written.contains("algorithm = \"auto\""), "{written}");
-        let again = scene::Scene::from_toml(&written, "scene.toml", &[]).unwrap();
+        let again = scene::Scene::from_toml(written, "scene.toml", &[]).unwrap();
         let second = run(again, Mode::Inprocess, "coupling");
         assert_eq!(first.summary.coupling.reason, second.summary.coupling.reason);
         assert!(

@@ -19,6 +19,8 @@ pub const EN_300: &str = include_str!("../scenes/en50318-300.toml");
 pub struct Run {
     /// What the program would write.
     pub summary: Summary,
+    /// The scene as the program writes it.
+    pub written: String,
     /// Its series.
     pub record: Record,
     /// Low-pass filtered contact force of the first pantograph, whole record, N.
@@ -117,9 +119,13 @@ pub fn run_beside(scene: Scene, mode: Mode, name: &str, base: &Path) -> Run {
         say: &|_| {},
         logging: false,
     };
+    let mut written = String::new();
     let finished = prepare(scene, name, base, false)
         .unwrap()
-        .run(mode, &source, &watch, |_| Ok::<(), Box<SetupError>>(()))
+        .run(mode, &source, &watch, |scene| {
+            written = scene.to_toml();
+            Ok::<(), Box<SetupError>>(())
+        })
         .unwrap();
     assert!(finished.failure.is_none(), "{name}: {:?}", finished.failure);
     let info = &finished.info;
@@ -128,6 +134,7 @@ pub fn run_beside(scene: Scene, mode: Mode, name: &str, base: &Path) -> Run {
     assert!(!range.is_empty());
     Run {
         summary: Summary::new(info, &finished.record),
+        written,
         record: finished.record,
         filtered,
         range,

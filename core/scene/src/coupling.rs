@@ -6,7 +6,7 @@ use crate::keys::{Entry, Keys, Number};
 /// `[coupling]`.
 #[derive(Clone, Debug)]
 pub struct Coupling {
-    /// Which algorithm; `"auto"` is resolved when the slaves are known.
+    /// Which algorithm; with `"auto"` the other keys say what it begins with, which goes by the slaves.
     pub algorithm: Algorithm,
     /// Which side steps first where they step in turn.
     pub order: Order,

@@ -394,3 +394,19 @@ fn a_rotation_matrix_is_orthogonal_and_turns_about_minus_y_for_the_upper_bars() 
         assert!((value - expected).abs() < 1e-15, "rounding");
     }
 }
+
+#[test]
+fn exchange_keys_that_are_left_out_are_those_the_algorithm_uses() {
+    for (algorithm, expected) in [
+        ("jacobi", ("catenary_first", "mean", 1)),
+        ("gauss_seidel", ("catenary_first", "mean", 1)),
+        ("iterated", ("catenary_first", "mean", 1)),
+        ("interface_jacobian", ("pantograph_first", "interpolated", 2)),
+        ("auto", ("pantograph_first", "interpolated", 2)),
+    ] {
+        let scene = read(EN_250, &[&format!("coupling={{ algorithm = \"{algorithm}\" }}")]);
+        let coupling = &scene.coupling;
+        let found = (coupling.order.name(), coupling.force.name(), coupling.extrapolation);
+        assert_eq!(found, expected, "{algorithm}");
+    }
+}

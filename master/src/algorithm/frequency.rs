@@ -154,7 +154,7 @@ impl Sums {
         self.weight = KEPT * self.weight + 1.0;
         self.used += 1;
         let stiffness = self.force_penetration / self.penetration;
-        if self.used <= 4 * UNKNOWNS || !(stiffness > 0.0) {
+        if self.used <= 4 * UNKNOWNS || stiffness.is_nan() || stiffness <= 0.0 {
             return;
         }
         let found = |mass: f64| (stiffness / mass).sqrt();
@@ -179,10 +179,11 @@ impl Sums {
             if matrix[k][k] <= SMALLEST_PIVOT * self.matrix[k][k] {
                 continue;
             }
+            let pivot = matrix[k];
             for i in 0..k {
-                let factor = matrix[i][k] / matrix[k][k];
-                for j in 0..=k {
-                    matrix[i][j] -= factor * matrix[k][j];
+                let factor = matrix[i][k] / pivot[k];
+                for (entry, pivot) in matrix[i].iter_mut().zip(pivot) {
+                    *entry -= factor * pivot;
                 }
                 right[i] -= factor * right[k];
             }

@@ -191,3 +191,16 @@ fn orders_are_slopes_between_neighbours_of_the_same_method() {
         }
     }
 }
+
+#[test]
+fn a_coupling_that_adds_energy_is_not_plainly_stable() {
+    assert_eq!(Status::Stable.with_energy(0.05), (Status::Stable, String::new()));
+    let (status, reason) = Status::Stable.with_energy(0.134);
+    assert_eq!(status, Status::Limit);
+    assert_eq!(reason, "the coupling added 13.4 % of the work that crossed the contact");
+    let (status, reason) = Status::Stable.with_energy(-0.2);
+    assert_eq!(status, Status::Limit);
+    assert!(reason.contains("took 20.0 %"), "{reason}");
+    // A worse status stays, and so does its reason.
+    assert_eq!(Status::Diverged.with_energy(3.0), (Status::Diverged, String::new()));
+}

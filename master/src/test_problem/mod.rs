@@ -256,7 +256,7 @@ pub fn run(case: &Case, macro_step: f64) -> Outcome {
         let force = exchange.point(0).contact(0)[contact::FORCE];
         outcome.smallest_force = outcome.smallest_force.min(force);
         squares += (force - truth.at(end)).powi(2);
-        if !(force <= DIVERGED * largest) {
+        if force.is_nan() || force > DIVERGED * largest {
             outcome.failure = Some(format!("the contact force is {force} N at t = {end} s"));
             break;
         }
