@@ -60,7 +60,7 @@ enum Command {
     /// Runs a scene in all modes and with all coupling algorithms: differences and costs side by side
     #[command(after_long_help = compare_help())]
     Compare {
-        /// Scene file
+        /// Scene file, or an .ssp
         #[arg(required_unless_present = "test_problem", conflicts_with = "test_problem")]
         scene: Option<PathBuf>,
         /// Runs the coupling test problem instead of a scene: two masses under one wire mode
@@ -68,7 +68,7 @@ enum Command {
         test_problem: bool,
         /// Macro steps, in ms or with a unit (0.5, 0.5ms, 500us, 5e-4s), separated by commas
         /// [default: 0.1,0.2,0.5,1,2,5,10; of the test problem 0.2,1,2,5]
-        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = compare::macro_step)]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = compare::macro_step)]
         macro_steps: Vec<f64>,
         /// Times that every run is made; its wall time is the median
         #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
@@ -76,12 +76,12 @@ enum Command {
     },
     /// Solves the statics of a scene and says what will be modelled
     Check {
-        /// Scene file
+        /// Scene file, or an .ssp
         scene: PathBuf,
     },
     /// Writes Catenary.fmu and Pantograph.fmu for a scene
     Package {
-        /// Scene file
+        /// Scene file, or an .ssp
         #[arg(default_value = DEFAULT_SCENE)]
         scene: PathBuf,
         /// Also writes the model descriptions into this directory, with a placeholder for the GUID
@@ -90,7 +90,7 @@ enum Command {
     },
     /// Writes the co-simulation of a scene as an .ssp (SSP 1.0) that other tools open
     Export {
-        /// Scene file
+        /// Scene file, or an .ssp
         scene: PathBuf,
     },
     /// Shows variables and capabilities of any FMI 2.0 FMU, and how it would be wired

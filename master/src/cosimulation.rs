@@ -2,14 +2,20 @@
 
 use component::Component;
 use fmi2::import::{Fmu, StepOutcome};
-use fmi2::model_description::{BaseType, Causality, ModelDescription, Variable};
+use fmi2::model_description::{BaseType, Causality, Variable};
 use scene::{ParameterValue, Scene};
 
-use crate::instance::{self, FmuInstance, InstanceError, SavedState};
+use crate::instance::{FmuInstance, InstanceError, SavedState};
 use crate::isolation::{Isolation, IsolationError, Reported};
 use crate::results::Frame;
 use crate::slave::{Abilities, Slave, SlaveError, Work, finite};
-use crate::third_party::{Typed, typed};
+
+mod drawing;
+mod start;
+
+use drawing::{CoreDrawing, Drawing};
+pub use start::check_names;
+use start::{find, initialised, references};
 
 /// Why an FMU cannot take part.
 #[derive(Debug, thiserror::Error)]
@@ -143,183 +149,10 @@ pub struct FmuSlave {
     remarks: Vec<String>,
 }
 
-/// Draws pictures from states that an FMU has serialised.
-trait Drawing: Send {
-    /// Keeps a serialised state, and a place in the picture that it belongs to.
-    fn keep(&mut self, bytes: Vec<u8>, frame: &mut Frame);
-
-    /// Draws all states kept.
-    fn finish(&mut self, frames: &mut [Frame]);
-}
-
-/// A component like the one inside the FMU, which goes to the FMU's states when the run is over.
-struct CoreDrawing<C: Component> {
-    scene: Scene,
-    draw: fn(&mut C, &mut Frame),
-    /// Serialised states, each with the place of its pantograph in the picture.
-    kept: Vec<(Vec<u8>, usize)>,
-}
-
-impl<C: Component> Drawing for CoreDrawing<C> {
-    fn keep(&mut self, bytes: Vec<u8>, frame: &mut Frame) {
-        self.kept.push((bytes, frame.pantographs.len()));
-        if C::IDENTIFIER == vehicle::Subsystem::IDENTIFIER {
-            frame.pantographs.push(Vec::new());
-        }
-    }
-
-    fn finish(&mut self, frames: &mut [Frame]) {
-        let Ok(mut component) = C::build(&self.scene) else {
-            return;
-        };
-        for ((bytes, place), frame) in self.kept.drain(..).zip(frames) {
-            let Some(checkpoint) = fmu::checkpoint::<C>(&bytes) else {
-                continue;
-            };
-            if component.restore(&checkpoint).is_err() {
-                continue;
-            }
-            let mut own = Frame::default();
-            (self.draw)(&mut component, &mut own);
-            match own.pantographs.pop() {
-                Some(outline) => frame.pantographs[place] = outline,
-                None => {
-                    frame.contact_wire = own.contact_wire;
-                    frame.messenger_wire = own.messenger_wire;
-                    frame.droppers = own.droppers;
-                }
-            }
-        }
-    }
-}
-
 /// A step of which an FMU has completed a part only.
 #[derive(Debug, thiserror::Error)]
 #[error("fmi2DoStep returned fmi2Discard{0}")]
 struct Discarded(String);
-
-/// Finds a variable by name among those with the right type and causality.
-fn find<'a>(
-    description: &'a ModelDescription,
-    name: &str,
-    role: &'static str,
-    fits: impl Fn(&Variable) -> bool,
-) -> Result<&'a Variable, CosimulationError> {
-    let candidates = || description.variables.iter().filter(|variable| fits(variable));
-    candidates().find(|variable| variable.name == name).ok_or_else(|| {
-        let near = candidates()
-            .map(|variable| (strsim::jaro_winkler(&variable.name, name), &variable.name))
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        CosimulationError::NoVariable {
-            fmu: description.model_name.clone(),
-            role,
-            variable: name.to_owned(),
-            nearest: match near {
-                Some((likeness, name)) if likeness > 0.7 => format!(", did you mean \"{name}\"?"),
-                _ => String::new(),
-            },
-        }
-    })
-}
-
-/// Value references of real inputs or outputs.
-fn references(
-    description: &ModelDescription,
-    names: &[String],
-    causality: Causality,
-) -> Result<Vec<u32>, CosimulationError> {
-    let role = if causality == Causality::Input {
-        "real input"
-    } else {
-        "real output"
-    };
-    let fits = |variable: &Variable| {
-        variable.base_type() == BaseType::Real
-            && (variable.causality == causality
-                || (causality == Causality::Output && variable.causality == Causality::Local))
-    };
-    names
-        .iter()
-        .map(|name| find(description, name, role, fits).map(|variable| variable.value_reference))
-        .collect()
-}
-
-/// Refuses a role whose variables or parameters do not exist or have other types; nothing is executed.
-///
-/// # Errors
-/// [`CosimulationError::NoVariable`], [`CosimulationError::WrongType`].
-pub fn check_names(description: &ModelDescription, role: &Role) -> Result<(), CosimulationError> {
-    references(description, &role.inputs, Causality::Input)?;
-    references(description, &role.outputs, Causality::Output)?;
-    for (name, value) in &role.parameters {
-        parameter(description, name, value)?;
-    }
-    Ok(())
-}
-
-/// Reference and value of a parameter.
-fn parameter(
-    description: &ModelDescription,
-    name: &str,
-    value: &ParameterValue,
-) -> Result<(u32, Typed), CosimulationError> {
-    let fits = |variable: &Variable| {
-        matches!(
-            variable.causality,
-            Causality::Parameter | Causality::Input | Causality::Local
-        )
-    };
-    let variable = find(description, name, "parameter", fits)?;
-    let wrong = |expected| {
-        let (fmu, variable) = (description.model_name.clone(), name.to_owned());
-        CosimulationError::WrongType {
-            fmu,
-            variable,
-            value: value.clone(),
-            expected,
-        }
-    };
-    let value = typed(description, variable, value).map_err(wrong)?;
-    Ok((variable.value_reference, value))
-}
-
-/// Sets a parameter of any type.
-fn set_parameter(
-    instance: &mut dyn FmuInstance,
-    description: &ModelDescription,
-    name: &str,
-    value: &ParameterValue,
-) -> Result<(), CosimulationError> {
-    let (reference, value) = parameter(description, name, value)?;
-    let reference = [reference];
-    match value {
-        Typed::Real(value) => instance.set_real(&reference, &[value])?,
-        Typed::Integer(value) => instance.set_integer(&reference, &[value])?,
-        Typed::Boolean(value) => instance.set_boolean(&reference, &[value])?,
-        Typed::String(text) => instance.set_string(&reference, &[&text])?,
-    }
-    Ok(())
-}
-
-/// An instance at t = 0; `stop` is the stop time that it is told, s.
-fn initialised(
-    fmu: &Fmu,
-    role: &Role,
-    inputs: &[u32],
-    stop: Option<f64>,
-) -> Result<Box<dyn FmuInstance>, CosimulationError> {
-    let mut instance = instance::instantiate(fmu, &role.name, role.logging, role.isolation.as_ref())?;
-    for (name, value) in &role.parameters {
-        set_parameter(&mut *instance, fmu.description(), name, value)?;
-    }
-    instance.setup_experiment(0.0, stop, None)?;
-    instance.enter_initialization_mode()?;
-    if !role.initial.is_empty() {
-        instance.set_real(inputs, &role.initial)?;
-    }
-    instance.exit_initialization_mode()?;
-    Ok(instance)
-}
 
 impl FmuSlave {
     /// Makes an instance, sets its parameters and initialises it at t = 0.

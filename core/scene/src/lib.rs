@@ -61,4 +61,4 @@ pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
 pub use run::{Evaluate, Initialise, Run};
 pub use scene::{Line, Scene};
 pub use solver::{Formulation, Jacobian, Solver};
-pub use third_party::{Connection, Offset, ParameterValue, ThirdParty};
+pub use third_party::{Connection, Offset, ParameterValue, STEP_TIMEOUT, ThirdParty};

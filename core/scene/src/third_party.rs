@@ -5,6 +5,9 @@ use std::collections::BTreeMap;
 use crate::keys::{Entry, Keys, Number};
 use crate::tree::Value;
 
+/// Wall time that a call of an isolated FMU may take where a scene does not say it, s.
+pub const STEP_TIMEOUT: f64 = 60.0;
+
 /// An FMU with its wiring, in `[catenary]` or `[[pantograph]]`.
 ///
 /// Inputs and outputs are keyed by this program's names. A pantograph's inputs are `force`, `force_x`, `force_y`,
@@ -137,7 +140,7 @@ impl ThirdParty {
             step_timeout: keys.number(
                 "step_timeout",
                 was.map(|side| side.step_timeout),
-                Number::positive("s").default(60.0),
+                Number::positive("s").default(STEP_TIMEOUT),
             ),
             environment: keys.plain_map(
                 "environment",

@@ -12,6 +12,7 @@ pub mod xml;
 
 pub use unit::{BASE_UNITS, BaseUnit, DisplayUnit, Unit};
 pub use variable::{BaseType, Causality, Initial, Kind, RealAttributes, Variability, Variable};
+pub use write::escaped;
 
 use std::collections::BTreeSet;
 

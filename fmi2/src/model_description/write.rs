@@ -55,7 +55,9 @@ impl Tag {
     }
 }
 
-fn escaped(text: &str) -> String {
+/// `text` as the value of an XML attribute.
+#[must_use]
+pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{CommandError, SceneFile, interrupted, print, print_json, say};
+use super::{CommandError, SceneFile, interrupted, nothing_to_set, print, print_json, say};
 use crate::cli::Common;
 use crate::compare::{self, Comparison, Trial};
 use crate::package;
@@ -58,6 +58,7 @@ pub fn compare(path: &Path, macro_steps: &[f64], repeats: usize, common: &Common
 /// # Errors
 /// See [`CommandError`].
 pub fn test_problem(macro_steps: &[f64], repeats: usize, common: &Common) -> Result<(), CommandError> {
+    nothing_to_set("master compare --test-problem", common)?;
     let directory = common.out.clone().unwrap_or_else(|| "results/compare".into());
     let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
     remove(&directory.join(PAGE))?;
@@ -74,12 +75,7 @@ pub fn test_problem(macro_steps: &[f64], repeats: usize, common: &Common) -> Res
     };
     let trial = compare::trial(macro_steps, repeats, interrupted, &progress, &mut keep)?;
     progress.finish();
-    let page = compare::trial_page(&trial);
-    output
-        .replace(PAGE, |out, path| {
-            out.write_all(page.as_bytes()).map_err(results::io(path, "write"))
-        })
-        .map_err(CommandError::Results)?;
+    write_page(&output, &compare::trial_page(&trial))?;
     if common.json {
         print_json(&trial)?;
     } else if !common.quiet {
@@ -97,12 +93,7 @@ pub fn test_problem(macro_steps: &[f64], repeats: usize, common: &Common) -> Res
 
 /// Writes the page and prints the table; an incomplete comparison is a failure.
 fn finish(output: &OutputDirectory, comparison: &Comparison, common: &Common) -> Result<(), CommandError> {
-    let page = compare::page(comparison);
-    output
-        .replace(PAGE, |out, path| {
-            out.write_all(page.as_bytes()).map_err(results::io(path, "write"))
-        })
-        .map_err(CommandError::Results)?;
+    write_page(output, &compare::page(comparison))?;
     let directory = output.path();
     if common.json {
         print_json(comparison)?;
@@ -117,11 +108,19 @@ fn finish(output: &OutputDirectory, comparison: &Comparison, common: &Common) ->
     if comparison.complete {
         return Ok(());
     }
-    let made = comparison.rows.iter().filter(|row| row.status.is_some()).count();
+    let made = comparison.made();
     Err(CommandError::Incomplete {
         directory: directory.to_owned(),
         reason: format!("{made} of {} runs were made", comparison.rows.len()),
     })
+}
+
+fn write_page(output: &OutputDirectory, page: &str) -> Result<(), CommandError> {
+    output
+        .replace(PAGE, |out, path| {
+            out.write_all(page.as_bytes()).map_err(results::io(path, "write"))
+        })
+        .map_err(CommandError::Results)
 }
 
 fn write_table(output: &OutputDirectory, comparison: &Comparison) -> Result<(), CommandError> {

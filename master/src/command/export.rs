@@ -6,7 +6,7 @@ use super::{CommandError, SceneFile, print, print_json, say};
 use crate::cli::Common;
 use crate::package::{Libraries, archives};
 use crate::simulation::prepare;
-use crate::ssp::{self, SspError};
+use crate::ssp;
 use crate::third_party::ThirdPartyPantograph;
 
 /// Writes the co-simulation of a scene as an `.ssp`.
@@ -17,21 +17,15 @@ pub fn export(path: &Path, common: &Common) -> Result<(), CommandError> {
     let say = say(common);
     let file = SceneFile::read(path, common)?;
     file.notes.iter().for_each(|note| say(note));
+    let folder = file.output(common);
     let prepared = prepare(file.scene, &file.name, &file.base, false);
     let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let libraries = Libraries::find(&say)?;
-    let target = common
-        .out
-        .clone()
-        .unwrap_or_else(|| Path::new("results").join(&prepared.name));
-    let target = target.join(format!("{}.ssp", prepared.name));
+    let target = folder.join(format!("{}.ssp", prepared.name));
     let own = archives(&prepared.scene, &libraries)?;
     let aligned: Vec<Option<f64>> = prepared.third_party.iter().map(aligned_offset).collect();
     let exported = ssp::export(&prepared.scene, &prepared.name, &own, &file.base, &aligned, &target)?;
-    fmi2::archive::write(&target, &exported.archive).map_err(|problem| SspError::Archive {
-        path: target.clone(),
-        problem,
-    })?;
+    fmi2::archive::write(&target, &exported.archive).map_err(CommandError::Unwritten)?;
     exported.notes.iter().for_each(|note| say(note));
     if common.json {
         let target = target.display().to_string();

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use fmi2::import::Fmu;
 
-use super::{CommandError, print, print_json};
+use super::{CommandError, nothing_to_set, print, print_json};
 use crate::cli::Common;
 use crate::inspect;
 
@@ -13,6 +13,7 @@ use crate::inspect;
 /// # Errors
 /// See [`CommandError`].
 pub fn inspect(path: &Path, common: &Common) -> Result<(), CommandError> {
+    nothing_to_set("master inspect", common)?;
     let fmu = Fmu::open(path).map_err(|error| CommandError::FmuFile(Box::new(error)))?;
     let inspection = inspect::Inspection::of(&fmu);
     if common.json {

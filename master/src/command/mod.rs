@@ -34,6 +34,24 @@ pub enum CommandError {
         #[source]
         source: std::io::Error,
     },
+    /// A file that is no scene.
+    #[error("{}: {is}; expected a scene (.toml) or a system (.ssp){instead}", path.display())]
+    NoScene {
+        /// File.
+        path: PathBuf,
+        /// What it is.
+        is: &'static str,
+        /// What it is for.
+        instead: &'static str,
+    },
+    /// Overrides for a command that reads no scene.
+    #[error("--set {first}: {command} reads no scene whose keys could be set")]
+    NothingToSet {
+        /// The command.
+        command: &'static str,
+        /// The first override.
+        first: String,
+    },
     /// The run cannot begin.
     #[error(transparent)]
     Setup(Box<SetupError>),
@@ -52,6 +70,9 @@ pub enum CommandError {
     /// A system structure cannot be made or run.
     #[error(transparent)]
     Ssp(Box<SspError>),
+    /// An archive cannot be written; the reason names it.
+    #[error(transparent)]
+    Unwritten(fmi2::archive::ArchiveError),
     /// FMUs cannot be made.
     #[error(transparent)]
     Package(Box<PackageError>),
@@ -159,10 +180,7 @@ impl SceneFile {
         } else {
             in_tree().unwrap_or_else(|| path.to_owned())
         };
-        if found
-            .extension()
-            .is_some_and(|extension| extension.eq_ignore_ascii_case("ssp"))
-        {
+        if found.exists() && has_extension(&found, "ssp") {
             let imported = ssp::import(&found, &common.overrides)?;
             return Ok(Self {
                 scene: imported.scene,
@@ -172,10 +190,7 @@ impl SceneFile {
                 notes: imported.notes,
             });
         }
-        let text = std::fs::read_to_string(&found).map_err(|source| CommandError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
+        let text = scene_text(&found, path)?;
         let scene =
             Scene::from_toml(&text, &path.display().to_string(), &common.overrides).map_err(SetupError::from)?;
         let base = found.parent().unwrap_or(Path::new("")).to_owned();
@@ -195,6 +210,44 @@ impl SceneFile {
             .out
             .clone()
             .unwrap_or_else(|| Path::new("results").join(&self.name))
+    }
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    let extension = path.extension();
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+/// Text of the scene file `found`, `path` on the command line.
+fn scene_text(found: &Path, path: &Path) -> Result<String, CommandError> {
+    let bytes = std::fs::read(found).map_err(|source| CommandError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    let is_archive = bytes.starts_with(b"PK\x03\x04");
+    let (is, instead) = if has_extension(found, "fmu") {
+        let instead = "; `master inspect` shows an FMU and the lines that wire it into a scene";
+        ("is an FMU", instead)
+    } else if is_archive {
+        ("is a zip archive", "; a system needs a name that ends in .ssp")
+    } else {
+        match String::from_utf8(bytes) {
+            Ok(text) => return Ok(text),
+            Err(_) => ("is no text in UTF-8", ""),
+        }
+    };
+    let path = path.to_owned();
+    Err(CommandError::NoScene { path, is, instead })
+}
+
+/// Refuses overrides where there is no scene.
+///
+/// # Errors
+/// [`CommandError::NothingToSet`].
+pub fn nothing_to_set(command: &'static str, common: &Common) -> Result<(), CommandError> {
+    match common.overrides.first().cloned() {
+        Some(first) => Err(CommandError::NothingToSet { command, first }),
+        None => Ok(()),
     }
 }
 

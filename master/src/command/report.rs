@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{CommandError, print, print_json};
+use super::{CommandError, nothing_to_set, print, print_json};
 use crate::cli::Common;
 use crate::report::{self, table};
 use crate::results::{OutputDirectory, RunBundle};
@@ -12,6 +12,7 @@ use crate::results::{OutputDirectory, RunBundle};
 /// # Errors
 /// See [`CommandError`].
 pub fn report(directories: &[PathBuf], common: &Common) -> Result<(), CommandError> {
+    nothing_to_set("master report", common)?;
     let runs: Result<Vec<RunBundle>, _> = directories.iter().map(|directory| RunBundle::read(directory)).collect();
     let runs = runs.map_err(CommandError::Directory)?;
     let target = match (&common.out, directories) {

@@ -75,20 +75,7 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
 /// without the archive, and makes the scene refer to them.
 fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(), ResultsError> {
     let unpacked = real(unpacked);
-    let mut sides: Vec<&mut ThirdParty> = Vec::new();
-    if let Line::ThirdParty(side) = &mut scene.catenary {
-        sides.push(side);
-    }
-    sides.extend(
-        scene
-            .pantographs
-            .iter_mut()
-            .filter_map(|pantograph| match &mut pantograph.model {
-                PantographModel::ThirdParty(side) => Some(side),
-                _ => None,
-            }),
-    );
-    for side in sides {
+    for side in third_parties(scene) {
         let from = real(Path::new(&side.fmu));
         let Ok(inside) = from.strip_prefix(&unpacked) else {
             continue;
@@ -113,15 +100,24 @@ fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(),
 /// The scene with the paths of its FMUs relative to `directory`.
 fn relative_to(scene: &Scene, directory: &Path) -> Scene {
     let mut scene = scene.clone();
-    if let Line::ThirdParty(entry) = &mut scene.catenary {
-        entry.fmu = relative(Path::new(&entry.fmu), directory).display().to_string();
-    }
-    for pantograph in &mut scene.pantographs {
-        if let PantographModel::ThirdParty(entry) = &mut pantograph.model {
-            entry.fmu = relative(Path::new(&entry.fmu), directory).display().to_string();
-        }
+    for side in third_parties(&mut scene) {
+        side.fmu = relative(Path::new(&side.fmu), directory).display().to_string();
     }
     scene
+}
+
+/// The FMUs of others in a scene.
+fn third_parties(scene: &mut Scene) -> impl Iterator<Item = &mut ThirdParty> {
+    let line = match &mut scene.catenary {
+        Line::ThirdParty(side) => Some(side),
+        _ => None,
+    };
+    let pantographs = scene.pantographs.iter_mut();
+    line.into_iter()
+        .chain(pantographs.filter_map(|pantograph| match &mut pantograph.model {
+            PantographModel::ThirdParty(side) => Some(side),
+            _ => None,
+        }))
 }
 
 /// `path` seen from `folder`; as it is where the two have no common root.

@@ -52,6 +52,14 @@ pub struct Comparison {
     pub line: LineGeometry,
 }
 
+impl Comparison {
+    /// Number of runs that were made.
+    #[must_use]
+    pub fn made(&self) -> usize {
+        self.rows.iter().filter(|row| row.status.is_some()).count()
+    }
+}
+
 /// Solves the statics of a scene, which was read with these overrides, and plans its runs.
 ///
 /// The runs end when the last strip has left the evaluation range and the low-pass filter has settled.

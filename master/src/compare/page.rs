@@ -6,10 +6,10 @@ use plotly::common::{DashType, ExponentFormat, HoverInfo, Line, Marker, Mode as 
 use plotly::layout::{Axis, AxisType, HoverMode};
 
 use super::plan::{AUTO, algorithms};
-use super::text::milliseconds;
+use super::text::{milliseconds, significant};
 use super::{Comparison, SETTLE};
 use crate::report::plots::{COLOURS, axis, finished, layout, rounded};
-use crate::report::{Page, escape};
+use crate::report::{Page, escape, remarks};
 use crate::simulation::Mode;
 use crate::table_of_runs::{Row, STATUS_RULE, Status};
 
@@ -61,36 +61,19 @@ fn lead(comparison: &Comparison) -> String {
         html.push_str(&format!("<p class=\"soft\">{}</p>\n", escape(&comparison.source)));
     }
     if !comparison.complete {
-        let made = comparison.rows.iter().filter(|row| row.status.is_some()).count();
+        let made = comparison.made();
         html.push_str(&format!(
             "<p class=\"warning\">Incomplete: {made} of {} runs were made.</p>\n",
             comparison.rows.len()
         ));
     }
-    if !comparison.notes.is_empty() {
-        let notes: String = comparison
-            .notes
-            .iter()
-            .map(|note| format!("<li>{}</li>", escape(note)))
-            .collect();
-        html.push_str(&format!("<div class=\"notes\"><ul>{notes}</ul></div>\n"));
-    }
+    html.push_str(&remarks(&comparison.notes));
     html
 }
 
-/// Three significant digits for a person.
+/// Three significant digits, or nothing.
 fn number(value: Option<f64>) -> String {
-    let Some(value) = value.filter(|value| value.is_finite()) else {
-        return String::new();
-    };
-    match value.abs() {
-        0.0 => "0".to_owned(),
-        size if (1e-3..1e4).contains(&size) => {
-            let digits = (2 - size.log10().floor() as i32).max(0) as usize;
-            format!("{value:.digits$}")
-        }
-        _ => format!("{value:.1e}"),
-    }
+    significant(value).unwrap_or_default()
 }
 
 /// Error over macro step as a matrix: one line per algorithm.

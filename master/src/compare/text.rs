@@ -4,19 +4,22 @@ use super::Comparison;
 use crate::report::aligned;
 use crate::table_of_runs::{Row, Status};
 
-/// Three significant digits, or `–`.
-pub(super) fn short(value: Option<f64>) -> String {
-    let Some(value) = value.filter(|value| value.is_finite()) else {
-        return "–".to_owned();
-    };
-    match value.abs() {
+/// Three significant digits, where there is a number.
+pub(super) fn significant(value: Option<f64>) -> Option<String> {
+    let value = value.filter(|value| value.is_finite())?;
+    Some(match value.abs() {
         0.0 => "0".to_owned(),
         size if (1e-3..1e4).contains(&size) => {
             let digits = (2 - size.log10().floor() as i32).max(0) as usize;
             format!("{value:.digits$}")
         }
         _ => format!("{value:.1e}"),
-    }
+    })
+}
+
+/// The same, or `–`.
+pub(super) fn short(value: Option<f64>) -> String {
+    significant(value).unwrap_or_else(|| "–".to_owned())
 }
 
 /// Milliseconds without rounding noise.
@@ -50,7 +53,7 @@ pub fn text(comparison: &Comparison) -> String {
     }
     text.push('\n');
     if !comparison.complete {
-        let made = comparison.rows.iter().filter(|row| row.status.is_some()).count();
+        let made = comparison.made();
         text.push_str(&format!("INCOMPLETE: {made} of {} runs\n", comparison.rows.len()));
     }
     let head = [
@@ -86,12 +89,12 @@ pub fn text(comparison: &Comparison) -> String {
     for row in &comparison.rows {
         let said = matches!(row.status, Some(Status::Limit | Status::Diverged | Status::Refused));
         if said {
+            let step = row.macro_step.map(|step| format!(" {} ms", milliseconds(Some(step))));
+            let step = step.unwrap_or_default();
+            let algorithm = if row.algorithm.is_empty() { "" } else { " " };
             text.push_str(&wrapped(&format!(
-                "{} {} {} ms: {}",
-                row.mode,
-                row.algorithm,
-                milliseconds(row.macro_step),
-                row.reason
+                "{}{algorithm}{}{step}: {}",
+                row.mode, row.algorithm, row.reason
             )));
         }
     }

@@ -5,7 +5,7 @@
 //! whose libraries clash do not meet, and one that needs an environment gets it.
 //!
 //! ```text
-//! remote    an instance in a child, as seen from here
+//! remote    an instance in a child, as seen from here: the link, and its calls as requests
 //! process   the child: start, end, what it prints
 //! child     what the child does
 //! protocol  requests and replies

@@ -35,6 +35,16 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
+/// Remarks as a list; nothing where there are none.
+#[must_use]
+pub fn remarks(notes: &[String]) -> String {
+    if notes.is_empty() {
+        return String::new();
+    }
+    let items: String = notes.iter().map(|note| format!("<li>{}</li>", escape(note))).collect();
+    format!("<div class=\"notes\"><ul>{items}</ul></div>\n")
+}
+
 /// A plot as a piece of a [`Page`], in a box of `height` (CSS pixels). `id` must be unique in the
 /// page and made of letters, digits and `-`.
 #[must_use]

@@ -1,8 +1,8 @@
 //! The sections of the report that are text and tables.
 
-use super::escape;
 use super::plots::COLOURS;
 use super::table::{number, quantity_name, readable, verdict};
+use super::{escape, remarks};
 use crate::results::{RunBundle, Summary};
 use crate::statistics::ForceStatistics;
 
@@ -47,14 +47,7 @@ pub(super) fn lead(runs: &[RunBundle]) -> String {
                 escape(&s.incomplete_reason)
             ));
         }
-        if !s.notes.is_empty() {
-            let notes: String = s
-                .notes
-                .iter()
-                .map(|note| format!("<li>{}</li>", escape(note)))
-                .collect();
-            html.push_str(&format!("<div class=\"notes\"><ul>{notes}</ul></div>\n"));
-        }
+        html.push_str(&remarks(&s.notes));
     }
     html
 }

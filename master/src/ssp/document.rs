@@ -25,7 +25,7 @@ pub(super) struct Experiment {
 pub(super) struct Own {
     /// Resource with the resolved scene.
     pub scene: String,
-    /// [`digest`](super::import::digest) of the system that the scene stands for.
+    /// [`digest`](super::digest::digest) of the system that the scene stands for.
     pub digest: String,
     /// Settings of the coupling, for people: name and value.
     pub coupling: Vec<(String, String)>,

@@ -8,11 +8,11 @@ use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, Causality, Kind as VariableKind, ModelDescription, Unit, Variable};
 use scene::{Line, Offset, PantographModel, Scene, ThirdParty};
 
+use super::digest::digest_of;
 use super::document::{
     Binding, Component, Connection, Connector, Description, End, Experiment, Kind, Linear, Own, Parameter,
     ParameterSet, Source, System, Type, Value,
 };
-use super::import::digest_of;
 use super::{STRUCTURE_FILE, SspError, write};
 use crate::interface::{load, strip};
 

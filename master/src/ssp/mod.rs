@@ -6,19 +6,29 @@
 //! write       documents to XML
 //! read        XML to documents, names and lines kept for messages
 //! export      a scene to an archive
-//! import      an archive to a scene: which component is what
+//! unpacked    the files of an archive
+//! digest      what a system means, as one number
+//! import      an archive to a scene
+//! flows       its connections with their directions known, and which component is the line
+//! foreign     a system of anybody's FMUs as a line and pantographs
+//! to_scene    these as a scene
 //! signals     which quantity a connection carries
 //! parameters  values of parameter sets, mapped and converted
 //! ```
 //!
 //! Sections are those of the SSP 1.0 specification (Modelica Association, 2019).
 
+mod digest;
 mod document;
 mod export;
+mod flows;
+mod foreign;
 mod import;
 mod parameters;
 mod read;
 mod signals;
+mod to_scene;
+mod unpacked;
 mod write;
 
 use std::path::PathBuf;

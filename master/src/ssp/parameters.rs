@@ -1,36 +1,18 @@
 //! Values of parameter sets, mapped, converted and handed to the components they are for [SSP 1.0, 5].
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, TypeShape, Unit, Variable};
 use scene::ParameterValue;
 
 use super::document::{Binding, Component, Linear, MappingEntry, Parameter, ParameterSet, Source, System, Value};
-use super::import::resource;
 use super::read::{self, File};
+use super::unpacked::Unpacked;
 use super::{STRUCTURE_FILE, SspError};
 
 /// Values of one component, by the names of its FMU's variables.
 pub(super) type Values = BTreeMap<String, ParameterValue>;
-
-/// An archive that is unpacked.
-#[derive(Clone, Copy)]
-pub(super) struct Unpacked<'a> {
-    pub archive: &'a Path,
-    pub folder: &'a Path,
-}
-
-impl<'a> Unpacked<'a> {
-    /// The description, for messages.
-    pub fn structure(self) -> File<'a> {
-        File {
-            archive: self.archive,
-            name: STRUCTURE_FILE,
-        }
-    }
-}
 
 /// Values of all components: those bound to the components themselves, then, stronger, those bound to the system. What
 /// fits nothing is told to `notes`.
@@ -85,18 +67,16 @@ impl Bound {
         component: Option<(&Component, &Fmu)>,
         unpacked: Unpacked<'_>,
     ) -> Result<Self, SspError> {
-        let structure = unpacked.structure();
-        let bytes = |uri: &str, in_component: bool| {
-            let folder = match (in_component, component) {
-                (false, _) => unpacked.folder,
-                (true, Some((_, fmu))) => fmu.folder(),
-                (true, None) => {
-                    let problem = "sourceBase = \"component\" has no meaning in a binding of the system";
-                    return Err(structure.refuse(binding.line, problem));
-                }
-            };
-            let path = resource(folder, uri).map_err(|problem| structure.refuse(binding.line, problem))?;
-            std::fs::read(path).map_err(|error| structure.refuse(binding.line, format!("source \"{uri}\": {error}")))
+        let bytes = |uri: &str, in_component: bool| match (in_component, component) {
+            (false, _) => unpacked.content(uri, binding.line),
+            (true, Some((_, fmu))) => {
+                let folder = fmu.folder();
+                Unpacked { folder, ..unpacked }.content(uri, binding.line)
+            }
+            (true, None) => {
+                let problem = "sourceBase = \"component\" has no meaning in a binding of the system";
+                Err(unpacked.structure().refuse(binding.line, problem))
+            }
         };
         let named = |uri| File {
             archive: unpacked.archive,

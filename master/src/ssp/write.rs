@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use fmi2::model_description::BASE_UNITS;
+use fmi2::model_description::{BASE_UNITS, escaped};
 
 use super::document::{
     Binding, Component, Connection, Connector, Description, Linear, ParameterSet, Source, System, Type, Unit, Value,
@@ -45,23 +45,6 @@ impl Writer {
             self.element(name, &[], |writer| members.iter().for_each(|item| member(writer, item)));
         }
     }
-}
-
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\n' | '\r' | '\t' => {
-                let _ = write!(out, "&#{};", c as u32);
-            }
-            _ => out.push(c),
-        }
-    }
-    out
 }
 
 /// Shortest decimal form that reads back to the same bits.

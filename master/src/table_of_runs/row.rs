@@ -233,7 +233,10 @@ impl Row {
 
     /// Adds to what is to be said of the run.
     pub fn remark(&mut self, text: &str) {
-        if !self.reason.is_empty() && !text.is_empty() {
+        if text.is_empty() || self.reason.contains(text) {
+            return;
+        }
+        if !self.reason.is_empty() {
             self.reason.push_str("; ");
         }
         self.reason.push_str(text);
