@@ -16,7 +16,7 @@ use crate::package::{self, Libraries, PackageError};
 use crate::parallel;
 use crate::recorder::Recorder;
 use crate::results::{self, LineGeometry, Record, RunInfo};
-use crate::run::{self, Control, Controller, Failure, Outcome, Schedule, Watch};
+use crate::run::{self, Control, Controller, Estimate, Failure, Outcome, Schedule, Watch};
 use crate::slave::{Slave, SlaveError};
 use crate::standstill::{self, Standstill};
 use crate::third_party::{ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph};
@@ -263,9 +263,16 @@ impl Prepared {
             Some(contact) => (contact.stiffness, "contact.stiffness"),
             None => (USUAL_STIFFNESS, "assumed for a line that does not say its own"),
         };
+        // `coupling` is resolved: no `auto`.
+        let degree = coupling.extrapolation;
+        let (estimate, what) = match coupling.algorithm {
+            scene::Algorithm::InterfaceJacobian if sides.can_roll_back() && coupling.max_iterations > 1 => {
+                (Estimate::Course, "from the cubics that the line was given")
+            }
+            _ => (Estimate::Prediction { degree }, "from their extrapolation"),
+        };
         reason.push_str(&format!(
-            "; macro step from {} s to {} s by the strips' deviation from their extrapolation times {stiffness} N/m ({whose}), \
-             {} N in the mean",
+            "; macro step from {} s to {} s by the strips' deviation {what} times {stiffness} N/m ({whose}), {} N in the mean",
             asked.min, asked.max, asked.tolerance,
         ));
         if let Some(slave) = sides.without_rollback() {
@@ -281,7 +288,7 @@ impl Prepared {
             first: coupling.macro_step,
             micro_step: self.scene.solver.micro_step,
             stiffness,
-            degree: coupling.extrapolation,
+            estimate,
         })
     }
 

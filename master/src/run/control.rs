@@ -1,22 +1,40 @@
 //! The macro step follows the error that it makes.
 //!
-//! The error of a step is estimated without a further pass, from what the step has reached against what the last communication
-//! points, extrapolated with the degree of the exchange itself, had promised. It is the larger of two effects on the contact
-//! force:
+//! The error of a step is estimated without a further pass, as a height δ of the strip that is wrong, times the contact's
+//! stiffness k. What is wrong depends on the exchange ([`Estimate`]).
+//!
+//! Where the line is given the cubic through both ends of the strip's step, and what the loads leave undone is made up for, all that
+//! is missed is the part of the strip's course that is no cubic. In the mean over the step
 //!
 //! ```text
-//! e = max(k |z − z_p|, k h²/(6 m) |F − F_p|)  in N                                             (derived here)
+//! δ = c h⁴/720 |z⁗|,   z⁗ = (j − j₋)/(h/2 + h₋/2)                                                (derived here)
 //! ```
 //!
-//! The first is what the line sees when it learns where the strip has gone. The second is what a force that grows wrong by F − F_p
-//! over the step does to the height of a strip of mass m; m is the ratio of the changes of force and acceleration from step to
-//! step, fitted over the run. Where the contact has just opened or closed the deviation is of one sign, and not taken back in the
-//! next step: there its impulse counts, `e = h √(k/m)/2 |F − F_p|`, which the strip swings with. The force itself is no measure: droppers and the mesh of a line leave vibrations in it that no
-//! macro step resolves and that a collector head does not follow.
+//! with the jerks j and j₋ of the cubics of this step and the last one. It goes with h⁴ for a smooth force, with h³ where the
+//! contact opens or closes within the step, and takes no more than heights and velocities of the strip. The factor c is for what
+//! adds up in an oscillation that lasts.
+//!
+//! Elsewhere it is the larger of two:
+//!
+//! ```text
+//! δ = max(|z − z_p|, h²/(6 m) |F − F_p|)                                                       (derived here)
+//! ```
+//!
+//! against what the last communication points, extrapolated with the degree of the exchange itself, had promised. The first is
+//! what the line sees when it learns where the strip has gone. The second is what a force that grows wrong by F − F_p over the step
+//! does to the height of the strip. Where the contact has just opened or closed the deviation is of one sign, and not taken back
+//! in the next step: there its impulse counts, `k δ = h √(k/m)/2 |F − F_p|`, which the strip swings with.
+//!
+//! The mass m is the ratio of the changes of mean force and mean acceleration from step to step, fitted over the run. The force
+//! itself is no measure: droppers and the mesh of a line leave vibrations in it that no macro step resolves and that a collector
+//! head does not follow.
 //!
 //! The controller goes by the root mean square of the last errors, not by each of them, for errors that swing through zero would
 //! make it swing as well; the mean is carried over to other step lengths by the order of the error. Steps are whole multiples of
 //! the micro step, or its halves, quarters, …, so that no slave takes more micro steps than it would in one go.
+//!
+//! A step is refused for what happens within it only, an opening or a closing most often: once its time has passed in shorter steps, the
+//! step is what it was before.
 
 use crate::algorithm::{Exchange, Point, Polynomial, predicted_strips};
 use crate::interface::{contact, strip};
@@ -44,6 +62,10 @@ const REST: (u32, u32) = (8, 512);
 /// Part of the step that is tried after the contact has opened or closed.
 const AFTER_EVENT: f64 = 0.25;
 
+/// What misses in one step comes back in the next ones with the same phase: it stretches the period of the head on its contact, which
+/// rings for some 30 rad after a blow. Half of them count (–).
+const ADDED_UP: f64 = 16.0;
+
 /// Part of a step that counts as rounding.
 const ROUNDING: f64 = 1e-6;
 
@@ -64,8 +86,20 @@ pub struct Control {
     pub micro_step: f64,
     /// Contact stiffness, N/m.
     pub stiffness: f64,
-    /// Degree with which the exchange extrapolates, 0 to 2 (–).
-    pub degree: usize,
+    /// What the exchange leaves an error in.
+    pub estimate: Estimate,
+}
+
+/// What the error of a step is estimated from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Estimate {
+    /// Strips and forces against their extrapolation.
+    Prediction {
+        /// Degree with which the exchange extrapolates, 0 to 2 (–).
+        degree: usize,
+    },
+    /// The strip's course over the step, where the line gets the cubic through it and defects of the load are made up for.
+    Course,
 }
 
 /// Lengths that steps may have, in units of the smallest.
@@ -145,6 +179,8 @@ pub struct Controller {
     grew: bool,
     /// Refusals of the step under way.
     refusals: u32,
+    /// After a refusal: end of the step refused, its length, in units, and the mean square that went with it.
+    resume: Option<(u64, u64, f64)>,
 }
 
 impl Controller {
@@ -165,6 +201,7 @@ impl Controller {
             patience: REST.0,
             grew: false,
             refusals: 0,
+            resume: None,
         }
     }
 
@@ -184,9 +221,14 @@ impl Controller {
 
     /// Judges the step of `h` s that has just reached [`Exchange::reached`], and chooses the next one.
     pub fn judge(&mut self, exchange: &Exchange, h: f64) -> Verdict {
-        let error = self.error(exchange, h) / self.control.tolerance;
-        let event = (0..exchange.strip_count()).any(|i| switches(exchange, i));
-        self.judge_error(error, event)
+        let (height, event) = match self.control.estimate {
+            Estimate::Prediction { degree } => self.off_prediction(exchange, degree, h),
+            Estimate::Course => (off_course(exchange, h), false),
+        };
+        // Who cannot go back must not meet the end of a flight with a long step.
+        let flies =
+            !self.can_refuse && (0..exchange.strip_count()).any(|i| exchange.reached.contact(i)[contact::FORCE] <= 0.0);
+        self.judge_error(self.control.stiffness * height / self.control.tolerance, event, flies)
     }
 
     /// A step that could not be completed: whether it is to be repeated with a shorter one.
@@ -204,35 +246,39 @@ impl Controller {
         self.refusals = 0;
     }
 
-    /// Estimated error of the contact force, N.
-    fn error(&mut self, exchange: &Exchange, h: f64) -> f64 {
-        let Control { degree, stiffness, .. } = self.control;
+    /// By what the strips are off their prediction, m, and whether a contact has opened or closed.
+    fn off_prediction(&mut self, exchange: &Exchange, degree: usize, h: f64) -> (f64, bool) {
         predicted_strips(exchange, degree, &mut self.predicted);
-        let mut error = 0.0_f64;
+        let (mut height, mut event) = (0.0_f64, false);
         for i in 0..exchange.strip_count() {
             let predicted = self.predicted.at(i * strip::MOTION + strip::Z, h);
-            error = error.max((exchange.reached.strip(i)[strip::Z] - predicted).abs());
+            height = height.max((exchange.reached.strip(i)[strip::Z] - predicted).abs());
             let (deviation, used) = force_deviation(exchange, i, degree, h);
-            let blow = switches(exchange, i) || used < degree.min(exchange.known() - 1);
+            let switches = switches(exchange, i);
+            event |= switches;
+            let blow = switches || used < degree.min(exchange.known() - 1);
             // A blow reaches the strip a step later where the pantograph steps first: it says nothing on its mass.
             if !blow {
                 self.mobilities[i].update(exchange, i, h);
             }
             let mobility = self.mobilities[i].value();
-            error = error.max(if blow {
-                0.5 * h * (mobility / stiffness).sqrt() * deviation
+            height = height.max(if blow {
+                0.5 * h * (mobility / self.control.stiffness).sqrt() * deviation
             } else {
                 h * h / 6.0 * mobility * deviation
             });
         }
-        stiffness * error
+        (height, event)
     }
 
-    fn judge_error(&mut self, error: f64, event: bool) -> Verdict {
+    fn judge_error(&mut self, error: f64, event: bool, flies: bool) -> Verdict {
         let order = self.order();
         if error > REFUSED && self.can_refuse && self.step > self.grid.min && self.refusals < REFUSALS {
             self.refusals += 1;
             let ratio = error.powf(-1.0 / order).clamp(RATIO.0, 0.5);
+            if self.resume.is_none() {
+                self.resume = Some((self.now + self.step, self.step, self.mean_square));
+            }
             self.mean_square = self.mean_square.max(error * error);
             let shorter = self.grid.at_most(ratio * self.step as f64);
             self.go_to(shorter);
@@ -240,13 +286,21 @@ impl Controller {
         }
         self.now += self.step;
         self.rest += 1;
+        if let Some((end, step, mean_square)) = self.resume {
+            if self.now >= end {
+                (self.step, self.mean_square) = (step, mean_square.min(1.0));
+                self.resume = None;
+            }
+            self.refusals = 0;
+            return Verdict::Accepted;
+        }
         let square = error * error;
         let weight = if square > self.mean_square { WEIGHT.0 } else { WEIGHT.1 };
         self.mean_square += weight * (square - self.mean_square);
         let refused = std::mem::take(&mut self.refusals) > 0;
         if event {
             // What comes after a blow is not what came before it: small steps, and a mean that forgets at once.
-            if !refused {
+            if !refused && !flies {
                 self.go_to(self.grid.at_most(AFTER_EVENT * self.step as f64));
             }
             self.mean_square = self.mean_square.min(1.0);
@@ -257,7 +311,7 @@ impl Controller {
         let ratio = self.mean_square.max(1e-30).powf(-0.5 / order).clamp(RATIO.0, RATIO.1);
         let longer = self.grid.at_most(ratio * self.step as f64);
         let grows = ratio > DEAD_BAND.1 && longer > self.step && self.rest >= self.patience;
-        if ratio < DEAD_BAND.0 || (grows && !refused) {
+        if ratio < DEAD_BAND.0 || (grows && !refused && !flies) {
             self.go_to(self.grid.at_most(ratio * self.step as f64));
         }
         Verdict::Accepted
@@ -265,7 +319,10 @@ impl Controller {
 
     /// Power of the step that its error goes with.
     fn order(&self) -> f64 {
-        (self.control.degree + 1) as f64
+        match self.control.estimate {
+            Estimate::Prediction { degree } => (degree + 1) as f64,
+            Estimate::Course => 4.0,
+        }
     }
 
     fn go_to(&mut self, step: u64) {
@@ -296,13 +353,11 @@ impl Mobility {
     /// Takes the step just made into account.
     fn update(&mut self, exchange: &Exchange, i: usize, h: f64) {
         let (reached, now, before) = (&exchange.reached, exchange.point(0), exchange.point(1));
-        let force = |a: &Point, b: &Point| 0.5 * (a.contact(i)[contact::FORCE] + b.contact(i)[contact::FORCE]);
-        let velocity = |point: &Point| point.strip(i)[strip::VZ];
         if exchange.known() > 1 {
-            let change = force(now, reached) - force(before, now);
-            let acceleration = (velocity(reached) - velocity(now)) / h;
-            let old = (velocity(now) - velocity(before)) / (now.t - before.t);
-            self.along -= change * (acceleration - old);
+            let change = reached.contact(i)[contact::MEAN_FZ] - now.contact(i)[contact::MEAN_FZ];
+            let acceleration = (reached.strip(i)[strip::VZ] - now.strip(i)[strip::VZ]) / h;
+            let old = (now.strip(i)[strip::VZ] - before.strip(i)[strip::VZ]) / (now.t - before.t);
+            self.along += change * (acceleration - old);
             self.square += change * change;
         }
     }
@@ -335,6 +390,25 @@ fn force_deviation(exchange: &Exchange, i: usize, degree: usize, h: f64) -> (f64
         }
     }
     ((exchange.reached.contact(i)[contact::FORCE] - predicted).abs(), degree)
+}
+
+/// By what the strips are off the cubic that the line was given, m.
+fn off_course(exchange: &Exchange, h: f64) -> f64 {
+    if exchange.known() < 2 {
+        return 0.0;
+    }
+    let (before, now) = (exchange.point(1), exchange.point(0));
+    let last = now.t - before.t;
+    let change = |i| f64::abs(jerk(now, &exchange.reached, i, h) - jerk(before, now, i, last));
+    let most = (0..exchange.strip_count()).map(change).fold(0.0, f64::max);
+    ADDED_UP * h.powi(4) / 360.0 * most / (h + last)
+}
+
+/// Jerk of the cubic of strip `i` between two points `h` s apart, m/s³.
+fn jerk(from: &Point, to: &Point, i: usize, h: f64) -> f64 {
+    let (from, to) = (from.strip(i), to.strip(i));
+    let mean = (to[strip::Z] - from[strip::Z]) / h;
+    (from[strip::VZ] + to[strip::VZ] - 2.0 * mean) * 6.0 / (h * h)
 }
 
 /// Whether the contact of strip `i` opens or closes within the step just made.

@@ -1,13 +1,10 @@
-//! The controlled macro step, on the coupling test problem: a two-mass pantograph under one mode of a wire.
-//!
-//! Wire: 10 kg, 100 N·s/m, k(t) = 2500 (1 + a sin 2π f t) N/m. Contact: 50 kN/m in compression. Start: equilibrium at 110 N.
+//! The controlled macro step, on the coupling test problem.
 
-use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 
 use super::*;
 use crate::algorithm::Sides;
-use crate::interface::{contact, load, strip};
+use crate::interface::{contact, strip};
 use crate::parallel::Parallel;
 use crate::recorder::Recorder;
 use crate::report::Progress;
@@ -15,224 +12,16 @@ use crate::report::Show;
 use crate::results::LineGeometry;
 use crate::run::{Outcome, Steps, Watch, run_controlled};
 use crate::slave::{Abilities, Slave, SlaveError};
+use crate::test_problem::{Pantograph, Parameters, Switches, Wire, truth};
 
-const STIFFNESS: f64 = 5e4;
-const PRELOAD: f64 = 110.0;
-const WIRE: f64 = 2500.0;
-
-/// Amplitude (–) and frequency (Hz) of the wire's stiffness: never lost, and lost 16 % of the time.
-const CLOSED: (f64, f64) = (0.3, 1.1667);
-const BOUNCING: (f64, f64) = (1.5, 2.0);
-
-fn contact_force(z: f64, w: f64) -> f64 {
-    (STIFFNESS * (z - w)).max(0.0)
-}
-
-fn pantograph_rate(y: &[f64; 4], force: f64) -> [f64; 4] {
-    let [z1, v1, z2, v2] = *y;
-    let (spring, start) = (
-        4200.0 * (z1 - z2) + 10.0 * (v1 - v2),
-        PRELOAD / WIRE + PRELOAD / STIFFNESS,
-    );
-    let base = 50.0 * (z2 - start) + 90.0 * v2;
-    [v1, (PRELOAD - force - spring) / 7.2, v2, (spring - base) / 15.0]
-}
-
-fn wire_rate(y: &[f64; 2], force: f64, t: f64, (amplitude, frequency): (f64, f64)) -> [f64; 2] {
-    let k = WIRE * (1.0 + amplitude * (TAU * frequency * t).sin());
-    [y[1], (force - 100.0 * y[1] - k * y[0]) / 10.0]
-}
-
-/// One step of the classical Runge-Kutta method.
-fn rk4<const N: usize>(y: &[f64; N], t: f64, h: f64, rate: impl Fn(f64, &[f64; N]) -> [f64; N]) -> [f64; N] {
-    let at = |k: &[f64; N], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
-    let k1 = rate(t, y);
-    let k2 = rate(t + 0.5 * h, &at(&k1, 0.5 * h));
-    let k3 = rate(t + 0.5 * h, &at(&k2, 0.5 * h));
-    let k4 = rate(t + h, &at(&k3, h));
-    std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
-}
-
-fn start() -> ([f64; 4], [f64; 2]) {
-    let wire = PRELOAD / WIRE;
-    let strip = wire + PRELOAD / STIFFNESS;
-    ([strip, 0.0, strip, 0.0], [wire, 0.0])
-}
-
-/// Contact force every millisecond of both as one system.
-fn truth(drive: (f64, f64), duration: f64) -> Vec<f64> {
-    let (p, w) = start();
-    let mut y = [p[0], p[1], p[2], p[3], w[0], w[1]];
-    let h = 2e-5;
-    let mut forces = vec![contact_force(y[0], y[4])];
-    for n in 0..(duration / h).round() as usize {
-        y = rk4(&y, n as f64 * h, h, |t, y| {
-            let force = contact_force(y[0], y[4]);
-            let [a, b, c, d] = pantograph_rate(&[y[0], y[1], y[2], y[3]], force);
-            let [e, f] = wire_rate(&[y[4], y[5]], force, t, drive);
-            [a, b, c, d, e, f]
-        });
-        if (n + 1) % 50 == 0 {
-            forces.push(contact_force(y[0], y[4]));
-        }
-    }
-    forces
-}
-
-#[derive(Clone, Copy)]
-struct Likes {
-    rollback: bool,
-    variable_step: bool,
-}
-
-const ALL: Likes = Likes {
-    rollback: true,
-    variable_step: true,
+const BLIND: Switches = Switches {
+    rollback: false,
+    ..Switches::ALL
 };
 
-fn abilities(likes: Likes) -> Abilities {
-    Abilities {
-        rollback: likes.rollback,
-        input_derivatives: 3,
-        variable_step: likes.variable_step,
-    }
-}
-
-struct Wire {
-    y: [f64; 2],
-    kept: [f64; 2],
-    drive: (f64, f64),
-    inputs: Polynomial,
-    forces: [f64; contact::SAMPLE_COUNT],
-    mean: f64,
-    likes: Likes,
-}
-
-struct Head {
-    y: [f64; 4],
-    kept: [f64; 4],
-    inputs: Polynomial,
-    likes: Likes,
-}
-
-/// Parts of a step: a multiple of ten, none longer than 0.1 ms.
-fn parts(h: f64) -> usize {
-    10 * (h / 1e-3 - 1e-9).ceil().max(1.0) as usize
-}
-
-macro_rules! slave {
-    ($type:ty, $name:literal, $step:item, $outputs:item) => {
-        impl $type {
-            $step
-            $outputs
-        }
-        impl Slave for $type {
-            fn name(&self) -> &str {
-                $name
-            }
-            fn abilities(&self) -> Abilities {
-                abilities(self.likes)
-            }
-            fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError> {
-                self.inputs.clear(0);
-                self.inputs.value.copy_from_slice(values);
-                Ok(())
-            }
-            fn set_input_derivatives(&mut self, order: usize, values: &[f64]) -> Result<(), SlaveError> {
-                self.inputs.derivatives[order - 1].copy_from_slice(values);
-                Ok(())
-            }
-            fn do_step(&mut self, t: f64, h: f64) -> Result<(), SlaveError> {
-                self.go(t, h);
-                Ok(())
-            }
-            fn outputs(&mut self, values: &mut [f64]) -> Result<(), SlaveError> {
-                values.fill(0.0);
-                self.show(values);
-                Ok(())
-            }
-            fn save(&mut self) -> Result<(), SlaveError> {
-                assert!(self.likes.rollback);
-                self.kept = self.y;
-                Ok(())
-            }
-            fn restore(&mut self) -> Result<(), SlaveError> {
-                assert!(self.likes.rollback);
-                self.y = self.kept;
-                Ok(())
-            }
-        }
-    };
-}
-
-slave!(
-    Wire,
-    "wire",
-    fn go(&mut self, t: f64, h: f64) {
-        let n = parts(h);
-        let d = h / n as f64;
-        let (inputs, drive) = (&self.inputs, self.drive);
-        let force = |tau: f64, w: f64| contact_force(inputs.at(strip::Z, tau), w);
-        self.mean = 0.5 * force(0.0, self.y[0]);
-        for i in 0..n {
-            self.y = rk4(&self.y, i as f64 * d, d, |tau, y| {
-                wire_rate(y, force(tau, y[0]), t + tau, drive)
-            });
-            let now = force((i + 1) as f64 * d, self.y[0]);
-            self.mean += if i + 1 == n { 0.5 * now } else { now };
-            if (i + 1) % (n / 10) == 0 {
-                self.forces[(i + 1) / (n / 10) - 1] = now;
-            }
-        }
-        self.mean /= n as f64;
-    },
-    fn show(&self, values: &mut [f64]) {
-        values[contact::FORCE] = self.forces[contact::SAMPLE_COUNT - 1];
-        values[contact::FZ] = -values[contact::FORCE];
-        values[contact::MEAN_FZ] = -self.mean;
-        values[contact::SAMPLES..contact::SAMPLES + contact::SAMPLE_COUNT].copy_from_slice(&self.forces);
-    }
-);
-
-slave!(
-    Head,
-    "head",
-    fn go(&mut self, _t: f64, h: f64) {
-        let n = parts(h);
-        let d = h / n as f64;
-        let inputs = &self.inputs;
-        for i in 0..n {
-            self.y = rk4(&self.y, i as f64 * d, d, |tau, y| {
-                pantograph_rate(y, -inputs.at(load::FZ, tau))
-            });
-        }
-    },
-    fn show(&self, values: &mut [f64]) {
-        values[strip::Z] = self.y[0];
-        values[strip::VZ] = self.y[1];
-    }
-);
-
-fn slaves(drive: (f64, f64), likes: Likes, count: usize) -> (Wire, Vec<Box<dyn Slave>>) {
-    let (p, w) = start();
-    let wire = Wire {
-        y: w,
-        kept: w,
-        drive,
-        inputs: Polynomial::zeros(count * strip::MOTION),
-        forces: [PRELOAD; contact::SAMPLE_COUNT],
-        mean: PRELOAD,
-        likes,
-    };
-    let head = || -> Box<dyn Slave> {
-        Box::new(Head {
-            y: p,
-            kept: p,
-            inputs: Polynomial::zeros(load::COUNT),
-            likes,
-        })
-    };
-    (wire, (0..count).map(|_| head()).collect())
+fn slaves(parameters: Parameters, switches: Switches) -> (Wire, Vec<Box<dyn Slave>>) {
+    let head: Box<dyn Slave> = Box::new(Pantograph::new(parameters, switches));
+    (Wire::new(parameters, switches), vec![head])
 }
 
 fn coupling(algorithm: scene::Algorithm) -> scene::Coupling {
@@ -245,31 +34,35 @@ fn coupling(algorithm: scene::Algorithm) -> scene::Coupling {
         step_control: None,
         parallel: scene::Parallel::Never,
         max_iterations: 20,
-        force_tolerance: 1e-6,
+        force_tolerance: 1e-4,
         reason: "named",
     }
 }
 
-fn control(tolerance: f64, duration: f64) -> Control {
+const PREDICTION: Estimate = Estimate::Prediction { degree: 2 };
+
+fn control(tolerance: f64, duration: f64, estimate: Estimate) -> Control {
     Control {
         duration,
         tolerance,
         min: 1e-4,
-        max: 1e-2,
+        max: 2e-2,
         first: 1e-3,
         micro_step: 5e-4,
-        stiffness: STIFFNESS,
-        degree: 2,
+        stiffness: Parameters::CLOSED.contact_stiffness,
+        estimate,
     }
 }
 
-fn controlled(drive: (f64, f64), control: Control, likes: Likes) -> Outcome {
-    let (mut line, mut pantographs) = slaves(drive, likes, 1);
+/// With `auto` and steps that follow the error.
+fn perform(parameters: Parameters, control: Control, switches: Switches) -> Found {
+    let (line, mut pantographs) = slaves(parameters, switches);
+    let mut line = Noting::new(line);
     let mut sides = Sides {
         line: &mut line,
         pantographs: &mut pantographs,
     };
-    let (mut algorithm, _) = crate::algorithm::build(&coupling(scene::Algorithm::GaussSeidel), &sides);
+    let (mut algorithm, _) = crate::algorithm::build(&coupling(scene::Algorithm::Auto), &sides);
     let mut exchange = Exchange::start(&mut sides, 0.0, contact::COUNT).unwrap();
     let recorder = Recorder::new(control.duration, 1e-3, 1, &[], LineGeometry::default());
     let progress = Progress::simulated("", control.duration, Show::Never);
@@ -292,108 +85,296 @@ fn controlled(drive: (f64, f64), control: Control, likes: Likes) -> Outcome {
         outcome.simulated, control.duration,
         "the last step ends at the duration"
     );
-    outcome
-}
-
-fn rms(outcome: &Outcome, truth: &[f64]) -> f64 {
-    let found = &outcome.record.pantographs[0].force;
-    assert_eq!(found.len(), truth.len());
-    let sum: f64 = found.iter().zip(truth).map(|(a, b)| (a - b).powi(2)).sum();
-    (sum / truth.len() as f64).sqrt()
-}
-
-fn passes(outcome: &Outcome) -> u64 {
-    outcome.macro_steps + outcome.steps.refused
-}
-
-#[test]
-fn the_error_follows_the_tolerance_and_takes_few_passes() {
-    let truth = truth(CLOSED, 10.0);
-    let mut errors = Vec::new();
-    for tolerance in [0.1, 0.01, 0.001] {
-        let outcome = controlled(CLOSED, control(tolerance, 10.0), ALL);
-        let error = rms(&outcome, &truth);
-        println!(
-            "tolerance {tolerance} N: error {error:.5} N, {} passes, {} refused, {} turns, {:.5} to {:.5} s",
-            passes(&outcome),
-            outcome.steps.refused,
-            outcome.steps.turns,
-            outcome.steps.smallest,
-            outcome.steps.largest
-        );
-        assert!(error < 8.0 * tolerance, "tolerance {tolerance} N: error {error} N");
-        assert!(
-            outcome.steps.turns < outcome.macro_steps / 20,
-            "{} turns",
-            outcome.steps.turns
-        );
-        errors.push(error);
-    }
-    assert!(
-        errors[1] < 0.35 * errors[0] && errors[2] < 0.35 * errors[1],
-        "{errors:?}"
-    );
-    let outcome = controlled(CLOSED, control(0.004, 10.0), ALL);
-    let error = rms(&outcome, &truth);
-    println!("tolerance 0.004 N: error {error:.5} N, {} passes", passes(&outcome));
-    assert!(error <= 0.018, "{error} N");
-    assert!(passes(&outcome) <= 2500, "{} passes", passes(&outcome));
-}
-
-#[test]
-fn contact_that_is_lost_again_and_again_never_ends_a_run() {
-    let truth = truth(BOUNCING, 5.0);
-    let lost = truth.iter().filter(|&&force| force == 0.0).count();
-    assert!(lost > 500, "lost in {lost} of 5000 samples");
-    for tolerance in [10.0, 1.0, 0.1, 1e-6] {
-        let outcome = controlled(BOUNCING, control(tolerance, 5.0), ALL);
-        println!(
-            "tolerance {tolerance} N: error {:.4} N, {} steps, {} refused, {} turns, {:.5} to {:.5} s",
-            rms(&outcome, &truth),
-            outcome.macro_steps,
-            outcome.steps.refused,
-            outcome.steps.turns,
-            outcome.steps.smallest,
-            outcome.steps.largest
-        );
-        assert!(
-            outcome.steps.refused <= outcome.macro_steps / 4,
-            "{} refused",
-            outcome.steps.refused
-        );
-        assert!(
-            outcome.steps.smallest >= 1e-4 * 0.6,
-            "a step of half the smallest power of two at least"
-        );
+    // A step of the pantograph, those taken back included.
+    let passes = sides.pantographs[0].work().micro_steps;
+    Found {
+        outcome,
+        passes,
+        points: line.points,
     }
 }
 
+fn controlled(parameters: Parameters, control: Control, switches: Switches) -> Outcome {
+    perform(parameters, control, switches).outcome
+}
+
+/// What a run gave.
+struct Found {
+    outcome: Outcome,
+    passes: u64,
+    /// Times and contact forces at communication points, s and N.
+    points: Vec<(f64, f64)>,
+}
+
+impl Found {
+    /// rms error of the force at the communication points, each with the length of its step, N.
+    fn rms(&self, parameters: &Parameters) -> f64 {
+        let truth = truth(parameters);
+        let mut last = 0.0;
+        let square = |&(t, force): &(f64, f64)| (t - std::mem::replace(&mut last, t)) * (force - truth.at(t)).powi(2);
+        (self.points.iter().map(square).sum::<f64>() / self.outcome.simulated).sqrt()
+    }
+}
+
+/// A wire that notes its force at each end of a step that stands.
+struct Noting {
+    wire: Wire,
+    end: f64,
+    points: Vec<(f64, f64)>,
+    kept: f64,
+}
+
+impl Noting {
+    fn new(wire: Wire) -> Self {
+        Self {
+            wire,
+            end: 0.0,
+            points: Vec::new(),
+            kept: 0.0,
+        }
+    }
+}
+
+impl Slave for Noting {
+    fn name(&self) -> &str {
+        self.wire.name()
+    }
+    fn abilities(&self) -> Abilities {
+        self.wire.abilities()
+    }
+    fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError> {
+        self.wire.set_inputs(values)
+    }
+    fn set_input_derivatives(&mut self, order: usize, values: &[f64]) -> Result<(), SlaveError> {
+        self.wire.set_input_derivatives(order, values)
+    }
+    fn do_step(&mut self, t: f64, h: f64) -> Result<(), SlaveError> {
+        self.end = t + h;
+        self.wire.do_step(t, h)
+    }
+    fn outputs(&mut self, values: &mut [f64]) -> Result<(), SlaveError> {
+        self.wire.outputs(values)?;
+        if self.end > 0.0 {
+            self.points.push((self.end, values[contact::FORCE]));
+        }
+        Ok(())
+    }
+    fn save(&mut self) -> Result<(), SlaveError> {
+        self.kept = self.end;
+        self.wire.save()
+    }
+    fn restore(&mut self) -> Result<(), SlaveError> {
+        self.end = self.kept;
+        while self.points.last().is_some_and(|(t, _)| *t > self.kept) {
+            self.points.pop();
+        }
+        self.wire.restore()
+    }
+}
+
+/// Tolerance (N), bounds of the error in tolerances, most macro steps with those refused.
+fn follows(parameters: Parameters, control: Control, switches: Switches, bounds: (f64, f64), most: u64) {
+    let found = perform(parameters, control, switches);
+    let Outcome { macro_steps, steps, .. } = found.outcome;
+    let error = found.rms(&parameters) / control.tolerance;
+    println!(
+        "tolerance {} N: error {error:.3} tolerances, {macro_steps} steps, {} passes, {steps:?}",
+        control.tolerance, found.passes
+    );
+    assert!((bounds.0..=bounds.1).contains(&error), "{error} tolerances");
+    assert!(macro_steps + steps.refused <= most, "{macro_steps} steps");
+    assert!(
+        steps.refused <= macro_steps / 8 && steps.turns <= macro_steps / 8,
+        "{steps:?}"
+    );
+}
+
 #[test]
-fn without_rollback_no_step_is_refused_and_the_steps_still_adapt() {
-    let likes = Likes { rollback: false, ..ALL };
-    let truth = truth(BOUNCING, 3.0);
-    let outcome = controlled(BOUNCING, control(1.0, 3.0), likes);
-    assert_eq!((outcome.steps.refused, outcome.rollbacks), (0, 0));
+fn the_error_is_that_of_the_tolerance_while_contact_is_lost_again_and_again() {
+    let lost = truth(&Parameters::LOSING)
+        .forces()
+        .iter()
+        .filter(|force| **force == 0.0)
+        .count();
+    assert!(lost > 100_000, "lost for {lost} of 1000000 times");
+    for (tolerance, most) in [(3.0, 850), (1.0, 1050), (0.3, 1350), (0.1, 1750)] {
+        let control = control(tolerance, 10.0, Estimate::Course);
+        follows(Parameters::LOSING, control, Switches::ALL, (0.2, 2.0), most);
+    }
+}
+
+#[test]
+fn without_rollback_the_error_follows_the_tolerance_from_extrapolation() {
+    // Measured: 0.2 tolerances with the contact closed, 0.7 to 2.6 where it is lost, for errors that are not seen before they are made.
+    for (tolerance, most) in [(0.3, 1500), (0.03, 1400), (0.01, 1850), (0.003, 2600)] {
+        let control = control(tolerance, 10.0, PREDICTION);
+        follows(Parameters::CLOSED, control, BLIND, (0.1, 0.4), most);
+    }
+    for (tolerance, most) in [(1.0, 3000), (0.3, 4100), (0.1, 5000), (0.01, 9500)] {
+        let control = control(tolerance, 10.0, PREDICTION);
+        follows(Parameters::LOSING, control, BLIND, (0.3, 3.5), most);
+    }
+}
+
+/// 0.018 N took 2500 passes with the exchange that was best before.
+#[test]
+fn a_hundredth_of_a_newton_takes_few_passes() {
+    let control = control(0.01, 10.0, Estimate::Course);
+    let found = perform(Parameters::CLOSED, control, Switches::ALL);
+    let error = found.rms(&Parameters::CLOSED);
+    println!("{error} N, {} passes", found.passes);
     assert!(
-        outcome.steps.largest > 4.0 * outcome.steps.smallest,
-        "{:?}",
-        outcome.steps
+        error <= 0.018 && found.passes <= 1800,
+        "{error} N, {} passes",
+        found.passes
     );
-    let coarse = controlled(BOUNCING, control(30.0, 3.0), likes);
-    let errors = (rms(&outcome, &truth), rms(&coarse, &truth));
+}
+
+#[test]
+fn no_tolerance_ends_a_run_that_loses_contact() {
+    for tolerance in [1e3, 10.0, 1e-6] {
+        for (switches, estimate) in [(Switches::ALL, Estimate::Course), (BLIND, PREDICTION)] {
+            let outcome = controlled(Parameters::LOSING, control(tolerance, 1.5, estimate), switches);
+            assert!(outcome.steps.smallest >= 0.6e-4, "{:?}", outcome.steps);
+            assert_eq!(
+                outcome.steps.refused > 0,
+                switches.rollback && tolerance < 1.0,
+                "{:?}",
+                outcome.steps
+            );
+        }
+    }
+}
+
+#[test]
+fn equal_steps_are_as_exact_as_steps_of_any_length() {
+    // A change of step length must not cost what the exchange has gained: between the errors of the longest and the shortest.
+    let along = |pattern: &[f64]| {
+        let (mut line, mut pantographs) = slaves(Parameters::CLOSED, Switches::ALL);
+        let mut sides = Sides {
+            line: &mut line,
+            pantographs: &mut pantographs,
+        };
+        let (mut algorithm, _) = crate::algorithm::build(&coupling(scene::Algorithm::Auto), &sides);
+        let mut exchange = Exchange::start(&mut sides, 0.0, contact::COUNT).unwrap();
+        let truth = truth(&Parameters::CLOSED);
+        let (mut sum, mut count, mut t) = (0.0, 0, 0.0);
+        for h in pattern.iter().cycle() {
+            algorithm.step(&mut sides, &mut exchange, *h).unwrap();
+            t += h;
+            exchange.accept(t);
+            sum += (exchange.point(0).contact(0)[contact::FORCE] - truth.at(t)).powi(2);
+            count += 1;
+            if t > 5.0 {
+                break;
+            }
+        }
+        (sum / f64::from(count)).sqrt()
+    };
+    let (long, short, mixed) = (
+        along(&[4e-3]),
+        along(&[1e-3]),
+        along(&[4e-3, 4e-3, 1e-3, 5e-4, 5e-4, 2e-3]),
+    );
+    println!("{long} N, {short} N, mixed {mixed} N");
+    assert!(short < mixed && mixed < long, "{short} N, {mixed} N, {long} N");
+}
+
+/// The states are compared through what they lead to: every output of both sides, bit for bit.
+#[test]
+fn a_step_that_was_taken_back_leaves_no_trace() {
+    let through = |refuses: bool| {
+        let (mut line, mut pantographs) = slaves(Parameters::LOSING, Switches::ALL);
+        let mut sides = Sides {
+            line: &mut line,
+            pantographs: &mut pantographs,
+        };
+        // Gauss-Seidel keeps nothing from step to step but what is in the exchange.
+        let (mut algorithm, _) = crate::algorithm::build(&coupling(scene::Algorithm::GaussSeidel), &sides);
+        let mut exchange = Exchange::start(&mut sides, 0.0, contact::COUNT).unwrap();
+        let mut points = Vec::new();
+        for n in 1..=600 {
+            if refuses && n % 7 == 0 {
+                sides.save().unwrap();
+                algorithm.step(&mut sides, &mut exchange, 1e-2).unwrap();
+                sides.restore().unwrap();
+                let mut there = exchange.clone();
+                there.read_line(&mut sides).unwrap();
+                there.read_pantographs(&mut sides).unwrap();
+                assert_eq!(there.reached.line, exchange.point(0).line);
+                assert_eq!(there.reached.strips, exchange.point(0).strips);
+            }
+            algorithm.step(&mut sides, &mut exchange, 2e-3).unwrap();
+            exchange.accept(f64::from(n) * 2e-3);
+            points.push(exchange.point(0).clone());
+        }
+        points
+    };
+    assert_eq!(through(false), through(true));
+    let control = control(0.1, 5.0, Estimate::Course);
+    let outcome = controlled(Parameters::LOSING, control, Switches::ALL);
+    assert!(outcome.steps.refused > 0, "no step was refused");
+    let found = perform(Parameters::LOSING, control, Switches::ALL);
     assert!(
-        outcome.macro_steps > coarse.macro_steps && errors.0 < errors.1,
-        "{errors:?} N"
+        found.points.windows(2).all(|pair| pair[0].0 < pair[1].0),
+        "time goes on only"
     );
+}
+
+#[test]
+fn a_step_with_its_judgement_allocates_nothing() {
+    for algorithm in [scene::Algorithm::Auto, scene::Algorithm::GaussSeidel] {
+        let (mut line, mut pantographs) = slaves(Parameters::LOSING, Switches::ALL);
+        let mut sides = Sides {
+            line: &mut line,
+            pantographs: &mut pantographs,
+        };
+        let estimate = match algorithm {
+            scene::Algorithm::Auto => Estimate::Course,
+            _ => PREDICTION,
+        };
+        let (mut algorithm, _) = crate::algorithm::build(&coupling(algorithm), &sides);
+        let mut exchange = Exchange::start(&mut sides, 0.0, contact::COUNT).unwrap();
+        let mut recorder = Recorder::new(5.0, 1e-3, 1, &[], LineGeometry::default());
+        recorder.start(exchange.point(0));
+        let mut controller = Controller::new(control(0.1, 5.0, estimate), 1, true);
+        let (mut steps, mut refused) = (0, 0);
+        let mut go = |count: usize| {
+            for _ in 0..count {
+                let (end, h) = controller.next().unwrap();
+                sides.save().unwrap();
+                algorithm.step(&mut sides, &mut exchange, h).unwrap();
+                match controller.judge(&exchange, h) {
+                    Verdict::Accepted => {
+                        exchange.accept(end);
+                        recorder.step(exchange.point(1), exchange.point(0));
+                        steps += 1;
+                    }
+                    Verdict::Refused => {
+                        sides.restore().unwrap();
+                        refused += 1;
+                    }
+                }
+            }
+        };
+        go(20);
+        let allocated = allocation_counter::measure(|| go(300));
+        assert_eq!(allocated.count_total, 0, "{steps} steps, {refused} refused");
+        assert!(refused > 0 && steps > 200, "{steps} steps, {refused} refused");
+    }
 }
 
 #[test]
 fn steps_are_deterministic_and_end_at_any_duration() {
     for duration in [0.3, 0.31234, 0.1 + 0.2] {
-        let (one, two) = (
-            controlled(CLOSED, control(0.1, duration), ALL),
-            controlled(CLOSED, control(0.1, duration), ALL),
-        );
+        let run = || {
+            controlled(
+                Parameters::CLOSED,
+                control(0.1, duration, Estimate::Course),
+                Switches::ALL,
+            )
+        };
+        let (one, two) = (run(), run());
         assert_eq!(one.record, two.record);
         assert_eq!(one.steps, two.steps);
     }
@@ -405,7 +386,7 @@ fn steps_lie_on_the_grid_of_the_micro_step() {
         min,
         max,
         micro_step,
-        ..control(0.1, 1.0)
+        ..control(0.1, 1.0, Estimate::Course)
     };
     // Halves of the micro step below it, multiples above; never below `min`, never above `max`.
     for (control, lengths) in [
@@ -427,32 +408,37 @@ fn steps_lie_on_the_grid_of_the_micro_step() {
 }
 
 #[test]
-fn a_jump_is_refused_a_bounded_number_of_times_and_both_sides_are_taken_back() {
-    let mut controller = Controller::new(control(1.0, 10.0), 1, true);
-    let (mut refusals, (_, mut h)) = (0, controller.next().unwrap());
-    while controller.judge_error(1e6, false) == Verdict::Refused {
+fn a_jump_is_refused_a_bounded_number_of_times_and_the_step_comes_back_after_it() {
+    let mut controller = Controller::new(control(1.0, 10.0, Estimate::Course), 1, true);
+    let (mut refusals, (end, first)) = (0, controller.next().unwrap());
+    let mut h = first;
+    while controller.judge_error(1e6, false, false) == Verdict::Refused {
         refusals += 1;
         let (_, shorter) = controller.next().unwrap();
         assert!(shorter < h, "a refused step is repeated shorter");
         h = shorter;
     }
     assert!(refusals > 0 && refusals <= REFUSALS, "{refusals}");
-    // A run with refusals has the same slaves' states as the points that were accepted.
-    let outcome = controlled(BOUNCING, control(0.1, 5.0), ALL);
-    assert!(outcome.steps.refused > 0, "no step was refused");
-    assert_eq!(outcome.rollbacks, outcome.steps.refused);
+    while let (reached, length) = controller.next().unwrap()
+        && reached <= end + 1e-9
+    {
+        assert!(length < first);
+        controller.judge_error(0.5, false, false);
+    }
+    let (_, length) = controller.next().unwrap();
+    assert!((length - first).abs() < 1e-9, "{length} s");
 }
 
 /// Errors that swing through zero, as those of an oscillation do, and scatter.
 #[test]
 fn errors_that_swing_leave_the_step_alone() {
-    let mut controller = Controller::new(control(1.0, 100.0), 1, true);
+    let mut controller = Controller::new(control(1.0, 100.0, PREDICTION), 1, true);
     let mut steps = Steps::default();
     let scale = 1.0 / 3e-3_f64.powi(3);
     for n in 0..4000 {
         let (_, h) = controller.next().unwrap();
         let error = (1.3 * f64::from(n)).sin().abs() * scale * h.powi(3);
-        if controller.judge_error(error, false) == Verdict::Accepted {
+        if controller.judge_error(error, false, false) == Verdict::Accepted {
             steps.done(h);
         }
     }
@@ -469,7 +455,7 @@ impl Slave for Pair {
         "pair"
     }
     fn abilities(&self) -> Abilities {
-        abilities(ALL)
+        Switches::ALL.abilities()
     }
     fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError> {
         self.0.set_inputs(&values[..strip::MOTION])?;
@@ -504,19 +490,19 @@ fn slaves_on_threads_of_their_own_give_the_same_bits() {
         scene::Algorithm::Jacobi,
         scene::Algorithm::GaussSeidel,
         scene::Algorithm::Iterated,
+        scene::Algorithm::InterfaceJacobian,
     ] {
         let run_with = |threads: bool| {
-            let (first, mut pantographs) = slaves(CLOSED, ALL, 1);
-            let (second, more) = slaves(BOUNCING, ALL, 1);
-            let one = |mut wire: Wire| {
-                wire.inputs = Polynomial::zeros(strip::MOTION);
-                wire
-            };
-            let mut line = Pair(one(first), one(second));
+            let (first, mut pantographs) = slaves(Parameters::CLOSED, Switches::ALL);
+            let (second, more) = slaves(Parameters::LOSING, Switches::ALL);
+            let mut line = Pair(first, second);
             pantographs.extend(more);
             if threads {
                 let said = crate::parallel::arrange(&mut pantographs, &[true, true], true);
-                assert_eq!(said.as_deref(), Some("on threads of their own: head, head"));
+                assert_eq!(
+                    said.as_deref(),
+                    Some("on threads of their own: two-mass pantograph, two-mass pantograph")
+                );
             }
             let mut sides = Sides {
                 line: &mut line,
@@ -547,7 +533,7 @@ impl Slave for Failing {
         "failing"
     }
     fn abilities(&self) -> Abilities {
-        abilities(ALL)
+        Switches::ALL.abilities()
     }
     fn set_inputs(&mut self, _: &[f64]) -> Result<(), SlaveError> {
         Ok(())

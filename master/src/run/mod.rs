@@ -4,7 +4,7 @@ mod control;
 #[cfg(test)]
 mod tests;
 
-pub use control::{Control, Controller, Verdict};
+pub use control::{Control, Controller, Estimate, Verdict};
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;

@@ -27,7 +27,7 @@ impl Switches {
         rollback: true,
     };
 
-    fn abilities(self) -> Abilities {
+    pub(crate) fn abilities(self) -> Abilities {
         Abilities {
             rollback: self.rollback,
             input_derivatives: self.input_derivatives,
