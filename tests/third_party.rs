@@ -7,21 +7,9 @@ use integration_tests::fmus::tree;
 use integration_tests::installed::{Ended, Program};
 use integration_tests::python::{environment, run};
 use integration_tests::runs::rms;
-use integration_tests::vendor::{LINE, Pantograph, under_the_line};
+use integration_tests::vendor::{LINE, OWN, Pantograph, under_the_line};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-
-/// The pantograph of the tests, modelled here.
-const OWN: &str = "
-[[pantograph]]
-model = \"lumped\"
-strip = { width = 1.2 }
-masses = [7.2, 15.0]
-stiffnesses = [4200.0, 50.0]
-dampings = [10.0, 90.0]
-static_force = 120.0
-reference_height = 5.28
-";
 
 /// Where it starts under [`OWN`] and where the others do, unless they come to rest by themselves: contact closed, not in
 /// balance, so that it moves.

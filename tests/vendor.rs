@@ -11,6 +11,18 @@ use zip::write::SimpleFileOptions;
 /// A short line without a pantograph, as a scene.
 pub const LINE: &str = include_str!("thirdparty/line.toml");
 
+/// The pantograph that they all are, modelled here.
+pub const OWN: &str = "
+[[pantograph]]
+model = \"lumped\"
+strip = { width = 1.2 }
+masses = [7.2, 15.0]
+stiffnesses = [4200.0, 50.0]
+dampings = [10.0, 90.0]
+static_force = 120.0
+reference_height = 5.28
+";
+
 /// The scene of the short line and an FMU, with more keys of its table.
 #[must_use]
 pub fn under_the_line(fmu: &Path, more: &str) -> String {

@@ -255,3 +255,43 @@ fn a_start_without_balance_names_its_key() {
         "{said}"
     );
 }
+
+#[test]
+fn files_of_another_kind_are_named_with_what_would_be_right() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = |name: &str, content: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, content).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let fmu = made("x.fmu", b"PK\x03\x04");
+    let zip = made("x.toml", b"PK\x03\x04");
+    let bytes = made("y.toml", &[0xff, 0xfe, 0x00]);
+    let here = folder.path().to_str().unwrap();
+    for (arguments, said) in [
+        (
+            &["run", &fmu][..],
+            "is an FMU; expected a scene (.toml) or a system (.ssp)",
+        ),
+        (&["compare", &zip], "is a zip archive; expected"),
+        (&["check", &bytes], "is no text in UTF-8; expected"),
+        (&["report", here], "holds no summary.json; expected"),
+        (
+            &["inspect", &fmu, "--set", "a=1"],
+            "--set a=1: master inspect reads no scene",
+        ),
+        (&["compare", "--test-problem", "--set", "a=1"], "reads no scene"),
+        (
+            &["compare", &fmu, "--macro-steps", "-1"],
+            "must be a positive number in ms",
+        ),
+    ] {
+        let output = master(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(
+            text(&output.stderr).contains(said),
+            "{arguments:?}: {}",
+            text(&output.stderr)
+        );
+    }
+}

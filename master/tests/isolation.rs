@@ -2,6 +2,7 @@
 #![cfg(target_os = "linux")]
 
 use std::collections::BTreeMap;
+use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
@@ -424,6 +425,40 @@ fn an_isolated_fmu_that_hangs_at_its_end_does_not_keep_the_program() {
         ended.said()
     );
     assert_eq!(case.rows("out"), 101);
+}
+
+#[test]
+fn ctrl_c_keeps_the_results_of_an_isolated_run_and_leaves_no_child() {
+    let case = Case::isolated("", 1e9);
+    // Far longer than the test: slow enough to stay under the line.
+    let long = ["--set", "run.duration=60", "--set", "run.speed_kmh=5", "-q"];
+    let mut command = case.command("out", &long);
+    let mut master = command.stderr(Stdio::piped()).process_group(0).spawn().unwrap();
+    // The scene is written when the time loop begins.
+    let begin = Instant::now();
+    while !case.results("out").join("scene.toml").exists() {
+        let ended = master.try_wait().unwrap();
+        let waits = ended.is_none() && begin.elapsed() < Duration::from_secs(60);
+        assert!(waits, "the run does not begin: {ended:?}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(200));
+    assert_eq!(case.processes(), 2, "the FMU has a process of its own");
+    // As a terminal does: to the whole foreground group, which the child does not belong to.
+    let group = format!("-{}", master.id());
+    let sent = Command::new("kill").args(["-INT", "--", &group]).status().unwrap();
+    assert!(sent.success());
+    let output = master.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("interrupted at t = "), "{said}");
+    assert_eq!(case.processes(), 0, "no process is left");
+    let summary = case.summary("out");
+    assert_eq!(summary["complete"], false);
+    let reason = summary["incomplete_reason"].as_str().unwrap();
+    assert!(reason.starts_with("interrupted at t = "), "{reason}");
+    assert!(case.rows("out") > 10, "{} rows", case.rows("out"));
+    assert!(case.results("out").join("report.html").exists());
 }
 
 #[test]

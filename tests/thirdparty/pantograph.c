@@ -11,13 +11,10 @@
  * Runge-Kutta of order 4 with steps of at most SUBSTEP; the input follows its derivatives inside a step.
  *
  * What it does well or badly is chosen when it is built. Abilities, each 1 by default:
- *
  *     ROLLBACK       states can be saved and restored; 0: an error says that they cannot; 2: they come back without the speeds
  *     INTERPOLATE    input derivatives are followed
  *     DERIVATIVES    directional derivatives are given; 2: they are wrong
- *
  * Misbehaviour, absent by default:
- *
  *     ONLY_STEP=h                 refuses communication steps other than h
  *     REFUSE_NEGATIVE_START       refuses a start time below 0
  *     REFUSE_NONZERO_START        refuses a start time other than 0

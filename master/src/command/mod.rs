@@ -44,6 +44,12 @@ pub enum CommandError {
         /// What it is for.
         instead: &'static str,
     },
+    /// A directory without results.
+    #[error("{}: holds no {}; expected the output directory of a finished `master run`", path.display(), crate::results::SUMMARY)]
+    NoResults {
+        /// What was named.
+        path: PathBuf,
+    },
     /// Overrides for a command that reads no scene.
     #[error("--set {first}: {command} reads no scene whose keys could be set")]
     NothingToSet {

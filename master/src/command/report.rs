@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::{CommandError, nothing_to_set, print, print_json};
 use crate::cli::Common;
 use crate::report::{self, table};
-use crate::results::{OutputDirectory, RunBundle};
+use crate::results::{OutputDirectory, RunBundle, SUMMARY};
 
 /// Renders the page of finished runs again: one into its own directory, several overlaid into another one.
 ///
@@ -13,6 +13,9 @@ use crate::results::{OutputDirectory, RunBundle};
 /// See [`CommandError`].
 pub fn report(directories: &[PathBuf], common: &Common) -> Result<(), CommandError> {
     nothing_to_set("master report", common)?;
+    if let Some(path) = directories.iter().find(|path| !path.join(SUMMARY).is_file()) {
+        return Err(CommandError::NoResults { path: path.clone() });
+    }
     let runs: Result<Vec<RunBundle>, _> = directories.iter().map(|directory| RunBundle::read(directory)).collect();
     let runs = runs.map_err(CommandError::Directory)?;
     let target = match (&common.out, directories) {

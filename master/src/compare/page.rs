@@ -79,9 +79,7 @@ fn number(value: Option<f64>) -> String {
 /// Error over macro step as a matrix: one line per algorithm.
 fn best(comparison: &Comparison) -> String {
     let coupled: Vec<&Row> = coupled(comparison).collect();
-    let mut steps: Vec<f64> = coupled.iter().filter_map(|row| row.macro_step).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.dedup();
+    let steps = steps(comparison);
     if steps.is_empty() {
         return String::new();
     }
@@ -123,6 +121,27 @@ fn coupled(comparison: &Comparison) -> impl Iterator<Item = &Row> {
         .rows
         .iter()
         .filter(|row| row.mode == Mode::Cosimulation.name())
+}
+
+/// Macro steps of these, s.
+fn steps(comparison: &Comparison) -> Vec<f64> {
+    let mut steps: Vec<f64> = coupled(comparison).filter_map(|row| row.macro_step).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.dedup();
+    steps
+}
+
+/// The macro steps that were run, and no others.
+fn macro_step_axis(comparison: &Comparison) -> Axis {
+    let steps = steps(comparison);
+    logarithmic("macro step [ms]")
+        .tick_values(steps.iter().map(|step| 1e3 * step).collect())
+        .tick_text(steps.iter().map(|step| milliseconds(Some(*step))).collect())
+}
+
+/// Powers of ten only.
+fn decades(title: &str) -> Axis {
+    logarithmic(title).dtick(1.0)
 }
 
 fn logarithmic(title: &str) -> Axis {
@@ -193,8 +212,8 @@ fn error_plot(comparison: &Comparison) -> String {
         return String::new();
     }
     let layout = layout(
-        logarithmic("macro step [ms]"),
-        logarithmic("rms error of the filtered force [% of σ]"),
+        macro_step_axis(comparison),
+        decades("rms error of the filtered force [% of σ]"),
     );
     format!(
         "{}<p class=\"caption\">Filled marks: stable; open marks: limit or diverged. The orders between the marks are in the \
@@ -227,7 +246,7 @@ fn cost_plot(comparison: &Comparison) -> String {
     }
     let layout = layout(
         logarithmic("wall time of the time loop [s]"),
-        logarithmic("rms error of the filtered force [% of σ]"),
+        decades("rms error of the filtered force [% of σ]"),
     );
     format!(
         "{}<p class=\"caption\">Lower left is better. Dotted: what the monolithic runs cost.</p>\n",
@@ -242,10 +261,7 @@ fn energy_plot(comparison: &Comparison) -> String {
     if traces.is_empty() {
         return String::new();
     }
-    let layout = layout(
-        logarithmic("macro step [ms]"),
-        logarithmic("energy residual, absolute value [J]"),
-    );
+    let layout = layout(macro_step_axis(comparison), decades("|energy residual| [J]"));
     format!(
         "{}<p class=\"caption\">Work of the strip on the line plus work of the contact on the strip, whole run: a coupling \
          without error has 0, a positive value is energy that it has added. The sign is in the table and under the pointer.</p>\n",

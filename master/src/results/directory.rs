@@ -12,7 +12,8 @@ const SCENE: &str = "scene.toml";
 /// Record.
 const TIMESERIES: &str = "timeseries.csv";
 /// Figures.
-const SUMMARY: &str = "summary.json";
+/// Name of the summary in a directory of results.
+pub const SUMMARY: &str = "summary.json";
 /// Pictures.
 const ANIMATION: &str = "animation.json";
 /// Page for reading.

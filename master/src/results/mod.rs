@@ -19,7 +19,7 @@ pub(crate) mod tests;
 
 pub use animation::{Animation, DropperLine, Frame};
 pub(crate) use directory::io;
-pub use directory::{OutputDirectory, RunBundle};
+pub use directory::{OutputDirectory, RunBundle, SUMMARY};
 pub use error::ResultsError;
 pub use record::{LineGeometry, Record, StripRecord, SupportRecord};
 pub use series::{read_timeseries, write_timeseries};

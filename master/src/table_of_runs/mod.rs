@@ -5,8 +5,8 @@
 //! | [`Row`] | the columns |
 //! | [`Curve`] | the contact force of a run against position, and its difference from another run's |
 //! | [`Status`] | stable, limit, diverged or refused, by stated bounds |
-//! | [`Variant`], [`perform`] | a scene with some keys changed, run and timed |
-//! | [`write`] | the file |
+//! | [`Variant`], [`perform()`] | a scene with some keys changed, run and timed |
+//! | [`write()`] | the file |
 
 mod curve;
 mod perform;
