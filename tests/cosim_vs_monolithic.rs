@@ -215,3 +215,34 @@ fn fmus_repeat_the_run_of_their_components_bit_for_bit() {
         assert_eq!(work(&inside), work(&outside), "{algorithm}");
     }
 }
+
+/// What `auto` decides in the run it decides again: the scene as written gives the same force, bit for bit.
+#[test]
+fn a_scene_with_the_automatic_choice_runs_again_bit_for_bit_from_what_was_written() {
+    for more in [
+        &["coupling.macro_step=5e-3"][..],
+        &["coupling.macro_step=1e-2", "coupling.max_iterations=1"],
+    ] {
+        let keys = [&SHORT[..], &["run.duration=0.6", "run.evaluate={time=[0.1,0.5]}"], more].concat();
+        let scene = scene_with(EN_250, &[&keys[..], &["coupling.algorithm=auto"]].concat());
+        let first = run(scene.clone(), Mode::Inprocess, "coupling");
+        let (_, written) = prepared_and_written(scene);
+        assert!(written.contains("algorithm = \"auto\""), "{written}");
+        let again = scene::Scene::from_toml(&written, "scene.toml", &[]).unwrap();
+        let second = run(again, Mode::Inprocess, "coupling");
+        assert_eq!(first.summary.coupling.reason, second.summary.coupling.reason);
+        assert!(
+            first.summary.coupling.reason.contains("omega h"),
+            "{}",
+            first.summary.coupling.reason
+        );
+        let bits = |run: &Run| {
+            run.record.pantographs[0]
+                .force
+                .iter()
+                .map(|force| force.to_bits())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(bits(&first), bits(&second));
+    }
+}

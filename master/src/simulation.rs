@@ -339,8 +339,8 @@ impl Prepared {
             line: &mut *line,
             pantographs: &mut pantographs,
         };
-        self.scene.coupling = algorithm::resolve(&self.scene.coupling, &sides);
         let (mut algorithm, mut reason) = algorithm::build(&self.scene.coupling, &sides);
+        self.scene.coupling = algorithm::resolve(&self.scene.coupling, &sides);
         let outputs = interface::line_output_count(self.scene.pantographs.len(), supports.len());
         let mut exchange = Exchange::start(&mut sides, 0.0, outputs).map_err(SetupError::from)?;
         good(&self.scene)?;
@@ -364,10 +364,14 @@ impl Prepared {
             let schedule = self.schedule(sides.can_vary_step());
             run::run(&mut sides, &mut *algorithm, &mut exchange, recorder, schedule, watch)
         };
+        if let Some(report) = algorithm.report() {
+            reason.push_str(&format!("; {report}"));
+        }
         let coupling = results::Coupling {
             algorithm: self.scene.coupling.algorithm.name().to_owned(),
             reason,
             energy_residual: Some(outcome.energy_residual),
+            energy_share: outcome.energy_share,
         };
         Ok(self.finished(mode, outcome, coupling, setup))
     }
@@ -482,6 +486,7 @@ impl Prepared {
             algorithm: "none".to_owned(),
             reason: "line and pantographs are one system".to_owned(),
             energy_residual: Some(0.0),
+            energy_share: 0.0,
         };
         Ok(self.finished(Mode::Monolithic, outcome, coupling, setup))
     }
@@ -523,7 +528,7 @@ impl Prepared {
                 largest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.largest),
                 mean_macro_step_s: (outcome.macro_steps > 0).then(|| outcome.simulated / outcome.macro_steps as f64),
             },
-            notes: self.notes(),
+            notes: self.notes().into_iter().chain(outcome.coupling_notes).collect(),
         };
         let failure = outcome
             .failure

@@ -211,7 +211,7 @@ fn defaults_are_resolved_and_written_out() {
     for line in [
         "[coupling]",
         "algorithm = \"auto\"",
-        "force_tolerance = 0.0001",
+        "force_tolerance = 0.005",
         "[solver]",
         "jacobian = \"modified\"",
         "[model]",

@@ -25,13 +25,14 @@ pub struct Defect {
 }
 
 impl Defect {
-    /// The straight line that, added to the load of the next `h` s, takes both to zero; only the momentum with `degree` 0.
+    /// The straight line that, added to the load of the next `h` s, takes the momentum to zero and the share `position` of the
+    /// position defect at its end; only the momentum with `degree` 0.
     ///
     /// In terms of [`Shape`]: mean `p/h`, moment `(q + h p)/h²`.
     #[must_use]
-    pub fn correction(&self, h: f64, degree: usize) -> Shape {
+    pub fn correction(&self, h: f64, degree: usize, position: f64) -> Shape {
         let mean = self.momentum / h;
-        let moment = (self.position + h * self.momentum) / (h * h);
+        let moment = position * (self.position + h * self.momentum) / (h * h);
         let slope = if degree == 0 { 0.0 } else { 6.0 * (0.5 * mean - moment) };
         Shape([mean, slope, 0.0])
     }
@@ -160,16 +161,26 @@ impl Exchange {
         self.points[0].work() - self.start_work
     }
 
+    /// The energy that the coupling added, as a share of the work that crossed the contact (–).
+    #[must_use]
+    pub fn energy_share(&self) -> f64 {
+        if self.crossed > 0.0 {
+            self.energy_residual() / self.crossed
+        } else {
+            0.0
+        }
+    }
+
     /// What a reader must be told on the energy that the coupling added; nothing where it is a small share
     /// ([`ENERGY_SHARE`]) of the work that crossed the contact.
     #[must_use]
     pub fn energy_note(&self) -> Option<String> {
         let added = self.energy_residual();
-        let share = added.abs() / self.crossed;
+        let share = self.energy_share().abs();
         (share > ENERGY_SHARE).then(|| {
             format!(
-                "the coupling {} {:.3e} J, {:.2} % of the {:.3e} J that crossed the contact: the macro step is too long for \
-                 this algorithm",
+                "the coupling {} {:.3} J ({:.1} % of the {:.1} J of work that crossed the contact): a shorter \
+                 coupling.macro_step or another coupling.algorithm leaves less",
                 if added > 0.0 { "added" } else { "took" },
                 added.abs(),
                 100.0 * share,
@@ -202,8 +213,11 @@ impl Exchange {
     /// Makes what was reached the present point, at `t` in s.
     pub fn accept(&mut self, t: f64) {
         for i in 0..self.strip_count() {
-            let work = |point: &Point| point.contact(i)[contact::WORK];
-            self.crossed += (work(&self.reached) - work(&self.points[0])).abs();
+            // A line under a held strip sees no work.
+            let (to, from) = (&self.reached, &self.points[0]);
+            let line = to.contact(i)[contact::WORK] - from.contact(i)[contact::WORK];
+            let strip = to.strip(i)[strip::WORK] - from.strip(i)[strip::WORK];
+            self.crossed += line.abs().max(strip.abs());
         }
         self.reached.from = self.points[0].t;
         self.reached.t = t;

@@ -2,11 +2,11 @@
 
 use scene::{Coupling, Force};
 
-use crate::interface::{load, strip};
+use crate::interface::{contact, load, strip};
 
 use super::exchange::Defect;
 use super::waveform::{self, Shape, Waveform};
-use super::{Algorithm, CouplingError, Exchange, Polynomial, Sides, predict};
+use super::{Algorithm, CouplingError, Exchange, Frequency, Point, Polynomial, Sides, predict};
 
 /// Force components of a load.
 const AXES: usize = 3;
@@ -15,7 +15,15 @@ const AXES: usize = 3;
 const SOUNDING: f64 = 1.0;
 
 /// A secant over a smaller change of the mean force is noise, N.
-const SMALLEST_SECANT: f64 = 1e-4;
+const SMALLEST_SECANT: f64 = 1e-3;
+
+/// How the prediction's curvature and the correction of the position give way as `ωh` grows: `1/(1 + c (ωh)²)` (–).
+///
+/// The curvature that a parabola carries on is too large for an oscillation, and the correction of a position error acts as a
+/// spring of its own. With 0 and 0 the oscillation grows from `ωh` = 0.28 on (2e-4 per step at 0.5), with these nowhere below
+/// 1.2, with `ω` wrong by 30 % neither (spectral radius, [`super::stability`]); both are of second order in `h` beside 1, so
+/// that the order of convergence stays.
+const GIVES_WAY: (f64, f64) = (2.0, 0.3);
 
 /// Values that a secant may have: positive ones come from the contact's opening and closing only, and 1 has no solution.
 const SECANTS: std::ops::RangeInclusive<f64> = -100.0..=0.0;
@@ -43,6 +51,7 @@ const SECANTS: std::ops::RangeInclusive<f64> = -100.0..=0.0;
 /// by a rollback difference, updated by secants and kept from step to step (scaled by h²). The step is accepted when a
 /// further pass would change the force by no more than the tolerance: `|J r| ≤ tolerance`.
 pub struct InterfaceJacobian {
+    force: Force,
     degree: usize,
     carries: bool,
     extrapolation: usize,
@@ -59,6 +68,7 @@ pub struct InterfaceJacobian {
     jacobian_step: f64,
     /// Mean given and answered in the last pass, vertical, per strip, N.
     last: Vec<Option<(f64, f64)>>,
+    frequency: Frequency,
 }
 
 impl InterfaceJacobian {
@@ -66,6 +76,7 @@ impl InterfaceJacobian {
     #[must_use]
     pub fn new(coupling: &Coupling, strips: usize, rollback: bool) -> Self {
         Self {
+            force: coupling.force,
             degree: match coupling.force {
                 Force::Mean => 0,
                 Force::End => 1,
@@ -82,29 +93,43 @@ impl InterfaceJacobian {
             jacobian: vec![None; strips],
             jacobian_step: 0.0,
             last: vec![None; strips],
+            frequency: Frequency::new(strips),
         }
     }
 
-    /// `ωh` of the stiffest contact for a step of `h` s, where the Jacobian is known.
+    /// `ωh` of the stiffest contact for a step of `h` s, where it is known.
     #[must_use]
     pub fn stiffness(&self, h: f64) -> Option<f64> {
-        let scale = h / self.jacobian_step;
-        let known = self.jacobian.iter().flatten();
-        known.map(|j| scale * (-6.0 * j).max(0.0).sqrt()).reduce(f64::max)
+        (0..self.given.len())
+            .filter_map(|i| self.strip_stiffness(i, h))
+            .reduce(f64::max)
+    }
+
+    /// `ωh` of strip `i`. The Jacobian of later passes is no measure of it: there the moment changes with the mean.
+    fn strip_stiffness(&self, i: usize, h: f64) -> Option<f64> {
+        self.frequency.of(i).map(|frequency| h * frequency)
+    }
+
+    /// Takes in what the last steps say on the contact's frequency.
+    pub(super) fn observe(&mut self, exchange: &Exchange) {
+        self.frequency.observe(exchange);
     }
 
     /// Loads from what is known at the present point, and what the defects add to them.
     fn predict(&mut self, sides: &Sides<'_>, exchange: &Exchange, h: f64) {
         let (before, now) = (exchange.point(1), exchange.point(0));
-        for (i, (given, correction)) in self.given.iter_mut().zip(&mut self.correction).enumerate() {
+        for i in 0..self.given.len() {
+            let square = self.strip_stiffness(i, h).map_or(0.0, |number| number * number);
+            let (curvature, position) = (1.0 / (1.0 + GIVES_WAY.0 * square), 1.0 / (1.0 + GIVES_WAY.1 * square));
+            let (given, correction) = (&mut self.given[i], &mut self.correction[i]);
             let degree = self.degree.min(sides.pantographs[i].abilities().input_derivatives);
             // An opening or a closing in the last step says nothing on the next one.
             let smooth = exchange.known() > 1 && waveform::closed(before, now, i);
             let order = if smooth { self.extrapolation } else { 0 };
             for axis in 0..AXES {
-                let last = Waveform::of(before, now, i, axis);
-                correction[axis] = exchange.defect(i, axis).correction(h, degree);
-                given[axis] = Shape::carried_on(&last, now.t - before.t, h, order).truncated(degree);
+                let last = answer(before, now, i, axis, self.force);
+                correction[axis] = exchange.defect(i, axis).correction(h, degree, position);
+                given[axis] = Shape::carried_on(&last, now.t - before.t, h, order, curvature).truncated(degree);
                 given[axis].add(&correction[axis]);
             }
         }
@@ -132,9 +157,9 @@ impl InterfaceJacobian {
         Ok(())
     }
 
-    /// The vertical force that the line has answered with.
-    fn answer(exchange: &Exchange, i: usize, axis: usize) -> Waveform {
-        Waveform::of(exchange.point(0), &exchange.reached, i, axis)
+    /// The force that the line has answered with.
+    fn answer(&self, exchange: &Exchange, i: usize, axis: usize) -> Waveform {
+        answer(exchange.point(0), &exchange.reached, i, axis, self.force)
     }
 
     /// Sounds the Jacobians that are not known yet, all strips at once: how one answers to another is small.
@@ -146,7 +171,7 @@ impl InterfaceJacobian {
             return Ok(0);
         }
         for i in 0..self.given.len() {
-            self.last[i] = Some((self.given[i][load::FZ].mean(), Self::answer(exchange, i, load::FZ).mean));
+            self.last[i] = Some((self.given[i][load::FZ].mean(), self.answer(exchange, i, load::FZ).mean));
             self.given[i][load::FZ].0[0] += SOUNDING;
         }
         sides.restore()?;
@@ -154,6 +179,9 @@ impl InterfaceJacobian {
         self.secants(exchange, h);
         for i in 0..self.given.len() {
             self.given[i][load::FZ].0[0] -= SOUNDING;
+            if let Some(jacobian) = self.jacobian[i] {
+                self.frequency.sounded(i, (-6.0 * jacobian).max(0.0).sqrt() / h);
+            }
         }
         sides.restore()?;
         self.pass(sides, exchange, h)?;
@@ -162,16 +190,16 @@ impl InterfaceJacobian {
 
     /// Updates the Jacobians by the last two passes.
     fn secants(&mut self, exchange: &Exchange, h: f64) {
-        for (i, jacobian) in self.jacobian.iter_mut().enumerate() {
+        for i in 0..self.jacobian.len() {
             let given = self.given[i][load::FZ].mean();
-            let answered = Self::answer(exchange, i, load::FZ).mean;
+            let answered = self.answer(exchange, i, load::FZ).mean;
             if let Some((last_given, last_answered)) = self.last[i]
                 && (given - last_given).abs() > SMALLEST_SECANT
                 && waveform::closed(exchange.point(0), &exchange.reached, i)
             {
                 let secant = (answered - last_answered) / (given - last_given);
                 if SECANTS.contains(&secant) {
-                    *jacobian = Some(secant);
+                    self.jacobian[i] = Some(secant);
                 }
             }
             self.last[i] = Some((given, answered));
@@ -184,9 +212,11 @@ impl InterfaceJacobian {
         let mut gain = 0.0_f64;
         for (i, given) in self.given.iter().enumerate() {
             let held = self.degree.min(sides.pantographs[i].abilities().input_derivatives) == 0;
-            let factor = self.jacobian[i].map_or(1.0, f64::abs);
+            // What is not made up for in the next step must itself be small, and the Jacobian is that of a closed contact.
+            let known = self.carries && waveform::closed(exchange.point(0), &exchange.reached, i);
+            let factor = self.jacobian[i].filter(|_| known).map_or(1.0, f64::abs);
             for (axis, given) in given.iter().enumerate() {
-                let answer = Self::answer(exchange, i, axis);
+                let answer = self.answer(exchange, i, axis);
                 let correction = &self.correction[i][axis];
                 let mean = answer.mean - (given.mean() - correction.mean());
                 let moment = answer.moment - (given.moment() - correction.moment());
@@ -205,7 +235,7 @@ impl InterfaceJacobian {
             let degree = self.degree.min(sides.pantographs[i].abilities().input_derivatives);
             let jacobian = self.jacobian[i].unwrap_or(0.0);
             for axis in 0..AXES {
-                let answer = Self::answer(exchange, i, axis);
+                let answer = self.answer(exchange, i, axis);
                 let correction = self.correction[i][axis];
                 let residual = answer.mean - (self.given[i][axis].mean() - correction.mean());
                 let mut next = Shape::of(&answer).truncated(degree);
@@ -224,7 +254,7 @@ impl InterfaceJacobian {
         for (i, given) in self.given.iter().enumerate() {
             let degree = self.degree.min(sides.pantographs[i].abilities().input_derivatives);
             for (axis, given) in given.iter().enumerate() {
-                let answer = Self::answer(exchange, i, axis);
+                let answer = self.answer(exchange, i, axis);
                 let left = exchange.defect(i, axis);
                 let defect = Defect {
                     momentum: left.momentum + h * (answer.mean - given.mean()),
@@ -241,8 +271,18 @@ impl InterfaceJacobian {
     }
 }
 
+/// Course of a force over the step between two points: by its moments, or with [`Force::End`] the straight line from end to end.
+fn answer(from: &Point, to: &Point, i: usize, axis: usize, force: Force) -> Waveform {
+    if force == Force::End {
+        let [start, end] = [from, to].map(|point| point.contact(i)[contact::FX + axis]);
+        return Waveform::line(start, end);
+    }
+    Waveform::of(from, to, i, axis)
+}
+
 impl Algorithm for InterfaceJacobian {
     fn step(&mut self, sides: &mut Sides<'_>, exchange: &mut Exchange, h: f64) -> Result<u64, CouplingError> {
+        self.observe(exchange);
         let mut taken_back = 0;
         let repeats = self.passes > 1;
         if repeats {
@@ -291,5 +331,9 @@ impl Algorithm for InterfaceJacobian {
 
     fn saves(&self) -> bool {
         self.passes > 1
+    }
+
+    fn know(&mut self, frequency: f64) {
+        self.frequency.know(frequency);
     }
 }

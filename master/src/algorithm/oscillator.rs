@@ -40,6 +40,7 @@ pub(super) struct Head {
     pub(super) work: f64,
     pub(super) inputs: Inputs,
     pub(super) able: usize,
+    pub(super) variable_step: bool,
     pub(super) kept: (f64, f64, f64),
     /// Steps done, those taken back included.
     pub(super) steps: Arc<AtomicUsize>,
@@ -56,6 +57,7 @@ impl Head {
             work: 0.0,
             inputs,
             able: 3,
+            variable_step: true,
             kept: (0.0, 0.0, 0.0),
             steps: Arc::default(),
         }
@@ -71,7 +73,7 @@ impl Slave for Head {
         Abilities {
             rollback: true,
             input_derivatives: self.able,
-            variable_step: true,
+            variable_step: self.variable_step,
         }
     }
 

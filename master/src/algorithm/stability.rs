@@ -32,21 +32,29 @@ type Matrix = Vec<[f64; SIZE]>;
 /// # Errors
 /// Where the algorithm does not settle.
 pub fn spectral_radius(coupling: &Coupling, number: f64) -> Result<f64, CouplingError> {
+    spectral_radius_known_as(coupling, number, 1.0)
+}
+
+/// The same for an algorithm that takes the contact's frequency for `factor` times what it is (–).
+///
+/// # Errors
+/// Where the algorithm does not settle.
+pub fn spectral_radius_known_as(coupling: &Coupling, number: f64, factor: f64) -> Result<f64, CouplingError> {
     // Unit mass and stiffness: the step is ωh. Rows are columns here: the radius is that of the transpose.
     let mut coupling = coupling.clone();
     coupling.force_tolerance = 1e-9;
     coupling.max_iterations = if coupling.max_iterations == 1 { 1 } else { 200 };
-    let rest = step_from(&coupling, number, None)?;
+    let rest = step_from(&coupling, number, factor, None)?;
     let mut columns: Matrix = Vec::with_capacity(SIZE);
     for j in 0..SIZE {
-        let moved = step_from(&coupling, number, Some(j))?;
+        let moved = step_from(&coupling, number, factor, Some(j))?;
         columns.push(std::array::from_fn(|i| moved[i] - rest[i]));
     }
     Ok(radius(columns))
 }
 
 /// What is remembered after a step of `h` s from rest under a preload, with value `moved` of the memory moved by one.
-fn step_from(coupling: &Coupling, h: f64, moved: Option<usize>) -> Result<[f64; SIZE], CouplingError> {
+fn step_from(coupling: &Coupling, h: f64, frequency: f64, moved: Option<usize>) -> Result<[f64; SIZE], CouplingError> {
     let mut memory = [0.0; SIZE];
     for point in memory[..SIZE - 2].chunks_exact_mut(4) {
         // Unit stiffness: height and force are the same number.
@@ -66,6 +74,7 @@ fn step_from(coupling: &Coupling, h: f64, moved: Option<usize>) -> Result<[f64; 
         pantographs: &mut pantographs,
     };
     let (mut algorithm, _) = build(coupling, &sides);
+    algorithm.know(frequency);
     let mut exchange = Exchange::start(&mut sides, 0.0, line_output_count(1, 0))?;
     exchange.set_memory(&memory, h);
     algorithm.step(&mut sides, &mut exchange, h)?;

@@ -38,6 +38,17 @@ impl Waveform {
         }
     }
 
+    /// The straight line from start to end, N.
+    #[must_use]
+    pub fn line(start: f64, end: f64) -> Self {
+        Self {
+            start,
+            end,
+            mean: 0.5 * (start + end),
+            moment: start / 3.0 + end / 6.0,
+        }
+    }
+
     /// The parabola through start and end with this mean, all in N.
     #[must_use]
     pub fn parabola(start: f64, end: f64, mean: f64) -> Self {
@@ -114,18 +125,20 @@ impl Shape {
     }
 
     /// The parabola through start, mean and end of a step of `last` s, carried on over the next `h` s with degree `order`
-    /// (0: the end, 1: with the slope that end and mean give, 2: itself).
+    /// (0: the end, 1: with the slope that end and mean give, 2: the share `curvature` of itself and the rest as 1).
     #[must_use]
-    pub fn carried_on(waveform: &Waveform, last: f64, h: f64, order: usize) -> Self {
+    pub fn carried_on(waveform: &Waveform, last: f64, h: f64, order: usize, curvature: f64) -> Self {
         let Waveform { start, end, mean, .. } = *waveform;
         let ratio = if last > 0.0 { h / last } else { 0.0 };
         // About the end, per step of `h`: end + slope σ + square σ².
+        let line = 2.0 * (end - mean);
         let (slope, square) = match order {
             0 => (0.0, 0.0),
-            1 => (2.0 * (end - mean) * ratio, 0.0),
+            1 => (line * ratio, 0.0),
             _ => {
                 let square = 3.0 * (start + end) - 6.0 * mean;
-                ((end - start + square) * ratio, square * ratio * ratio)
+                let slope = line + curvature * (end - start + square - line);
+                (slope * ratio, curvature * square * ratio * ratio)
             }
         };
         Self([

@@ -127,12 +127,13 @@ fn run(case: &Case, macro_step: f64, repeats: usize) -> Run {
         (false, None) => Status::Limit,
         (true, None) => Status::Stable,
     };
+    let (status, energy) = status.with_energy(outcome.energy_share);
     let wall = walls[(walls.len() - 1) / 2];
     let mut reason = outcome.failure.unwrap_or_default();
-    if status == Status::Limit {
+    if status == Status::Limit && !outcome.stable {
         reason = "contact is lost, which the truth never does".to_owned();
     }
-    let row = Row {
+    let mut row = Row {
         scene: "test-problem".to_owned(),
         mode: Mode::Inprocess.name().to_owned(),
         algorithm: case.coupling.algorithm.name().to_owned(),
@@ -150,6 +151,8 @@ fn run(case: &Case, macro_step: f64, repeats: usize) -> Run {
         reason,
         ..Row::default()
     };
+    row.remark(&energy);
+    row.remark(&outcome.report.unwrap_or_default());
     Run {
         case: case.name.clone(),
         rms_error,

@@ -59,6 +59,9 @@ pub struct Coupling {
     /// Energy that the coupling added, J.
     #[serde(rename = "energy_residual_J")]
     pub energy_residual: Option<f64>,
+    /// The same as a share of the work that crossed the contact, –; not in the file, notes say it where it matters.
+    #[serde(skip)]
+    pub energy_share: f64,
 }
 
 /// What was modelled.

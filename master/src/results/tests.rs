@@ -67,6 +67,7 @@ pub(crate) fn run(complete: bool) -> (RunInfo, Record) {
             algorithm: "none".to_owned(),
             reason: "one system".to_owned(),
             energy_residual: Some(0.0),
+            energy_share: 0.0,
         },
         model: Model {
             coordinates: 120,

@@ -71,6 +71,10 @@ pub struct Outcome {
     pub failure: Option<Failure>,
     /// Energy that the coupling added, J.
     pub energy_residual: f64,
+    /// The same as a share of the work that crossed the contact (–).
+    pub energy_share: f64,
+    /// What a reader must be told on the coupling.
+    pub coupling_notes: Vec<String>,
     /// Simulated time, s.
     pub simulated: f64,
     /// Wall time of the time loop, s.
@@ -159,7 +163,7 @@ pub fn run(
             break;
         }
         let (end, h) = schedule.step(n);
-        if let Err(error) = under_way.advance(end, h, HALVINGS) {
+        if let Err(error) = under_way.in_parts(end, h) {
             under_way.failure = Some(error.into());
             break;
         }
@@ -236,6 +240,7 @@ struct UnderWay<'a, 'b> {
     recorder: Recorder,
     watch: &'a Watch<'a>,
     begin: Instant,
+    can_vary_step: bool,
     /// Whether every slave can go back and takes any step.
     can_roll_back: bool,
     /// Whether that takes a save before each step.
@@ -262,6 +267,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
         let can_roll_back = sides.can_roll_back() && sides.can_vary_step();
         Self {
             must_save: can_roll_back && !algorithm.saves(),
+            can_vary_step: sides.can_vary_step(),
             can_roll_back,
             sides,
             algorithm,
@@ -305,6 +311,20 @@ impl<'a, 'b> UnderWay<'a, 'b> {
     fn accept(&mut self, end: f64) {
         self.exchange.accept(end);
         self.recorder.step(self.exchange.point(1), self.exchange.point(0));
+    }
+
+    /// Advances to `end` over `h` s, in as many parts as the algorithm asks for.
+    fn in_parts(&mut self, end: f64, h: f64) -> Result<(), CouplingError> {
+        let parts = if self.can_vary_step {
+            self.algorithm.parts(self.exchange, h)
+        } else {
+            1
+        };
+        let part = h / parts as f64;
+        for left in (1..parts).rev() {
+            self.advance(end - left as f64 * part, part, HALVINGS)?;
+        }
+        self.advance(end, part, HALVINGS)
     }
 
     /// Advances to `end` over `h` s; a step that fails is taken back and done in two halves, `halvings` times at most, where
@@ -358,6 +378,13 @@ impl<'a, 'b> UnderWay<'a, 'b> {
             record,
             failure: self.failure,
             energy_residual: self.exchange.energy_residual(),
+            energy_share: self.exchange.energy_share(),
+            coupling_notes: self
+                .exchange
+                .energy_note()
+                .into_iter()
+                .chain(self.algorithm.warning())
+                .collect(),
             simulated: self.exchange.point(0).t,
             wall,
             macro_steps: self.macro_steps,
@@ -420,6 +447,8 @@ pub fn run_as_one(whole: &mut Monolithic, mut recorder: Recorder, schedule: Sche
         record: recorder.finish(),
         failure,
         energy_residual: 0.0,
+        energy_share: 0.0,
+        coupling_notes: Vec::new(),
         simulated: points[0].t,
         wall: begin.elapsed().as_secs_f64(),
         macro_steps,

@@ -18,4 +18,4 @@ mod tests;
 pub use curve::{Curve, Errors, pointwise_rms};
 pub use perform::{Performed, Stage, Variant, perform};
 pub use row::{Column, Row, observed_orders, write};
-pub use status::{LOSS, RAW_ERROR, RUNAWAY, STATUS_RULE, Status};
+pub use status::{ENERGY, LOSS, RAW_ERROR, RUNAWAY, STATUS_RULE, Status};

@@ -139,6 +139,8 @@ pub fn perform(
         reference.map(|(_, reference)| &reference.row),
     );
     row.remark(&reason);
+    let (status, reason) = status.with_energy(finished.info.coupling.energy_share);
+    row.remark(&reason);
     row.remark(&finished.info.incomplete_reason);
     if variant.mode != Mode::Monolithic {
         // That the table names it goes without saying; what follows may not.

@@ -13,10 +13,14 @@ pub const RAW_ERROR: f64 = 100.0;
 /// Loss of contact beyond twice the reference's that counts as a bounce of the coupling's own making, % of the evaluation time.
 pub const LOSS: f64 = 0.1;
 
+/// Energy that the coupling added or took beyond which the force is partly the coupling's own, % of the work that crossed the
+/// contact.
+pub const ENERGY: f64 = 10.0;
+
 /// The bounds in words, for help and pages.
 pub const STATUS_RULE: &str = "diverged: the run did not reach its end, or its filtered force is wrong by more than 100 % of the \
     reference's standard deviation (rms). limit: it loses contact for more than twice the reference's time and 0.1 %, or its raw force \
-    is wrong by more than 100 %. refused: it cannot begin, the reason says why. stable: everything else";
+    is wrong by more than 100 %, or the coupling added or took more than 10 % of the work that crossed the contact. refused: it cannot begin, the reason says why. stable: everything else";
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -80,5 +84,21 @@ impl Status {
             return (Self::Limit, reason);
         }
         (Self::Stable, String::new())
+    }
+
+    /// The status with regard to the energy that the coupling added, `share` of the work that crossed the contact (–), and the
+    /// reason where that changes it.
+    #[must_use]
+    pub fn with_energy(self, share: f64) -> (Self, String) {
+        let percent = 100.0 * share;
+        if self != Self::Stable || percent.abs() <= ENERGY {
+            return (self, String::new());
+        }
+        let verb = if share > 0.0 { "added" } else { "took" };
+        let reason = format!(
+            "the coupling {verb} {:.1} % of the work that crossed the contact",
+            percent.abs()
+        );
+        (Self::Limit, reason)
     }
 }

@@ -52,13 +52,13 @@ fn the_truth_has_the_published_statistics() {
 fn one_pass_without_rollback_stays_near_the_truth() {
     reaches(
         "auto, no rollback",
-        &[(1.0, 0.00001, 1.0), (2.0, 0.00005, 1.0), (5.0, 0.003, 1.0)],
+        &[(1.0, 0.00001, 1.0), (2.0, 0.00005, 1.0), (5.0, 0.004, 1.0)],
     );
 }
 
 #[test]
 fn with_rollback_steps_are_repeated_only_where_it_pays() {
-    reaches("auto", &[(1.0, 0.00001, 1.1), (2.0, 0.00005, 1.1), (5.0, 0.003, 1.1)]);
+    reaches("auto", &[(1.0, 0.00001, 1.1), (2.0, 0.00005, 1.1), (5.0, 0.004, 1.1)]);
 }
 
 #[test]
@@ -73,11 +73,11 @@ fn a_pantograph_that_holds_its_inputs_reaches_the_neutral_exchange() {
 fn lost_contact_is_followed() {
     reaches(
         "auto, contact lost",
-        &[(1.0, 0.003, 1.1), (2.0, 0.06, 1.5), (5.0, 0.2, 2.5)],
+        &[(1.0, 0.003, 1.1), (2.0, 0.06, 1.1), (5.0, 2.5, 1.1)],
     );
     reaches(
         "auto, one pass, contact lost",
-        &[(1.0, 0.005, 1.0), (2.0, 0.06, 1.0), (5.0, 2.0, 1.0)],
+        &[(1.0, 0.005, 1.0), (2.0, 0.06, 1.0), (5.0, 2.5, 1.0)],
     );
 }
 
@@ -85,7 +85,7 @@ fn lost_contact_is_followed() {
 #[test]
 fn a_stiff_contact_under_a_light_head_is_stable() {
     assert!(Parameters::STIFF.contact_frequency() * 2e-3 > 1.4);
-    reaches("auto, head 1 kg, contact 500 kN/m", &[(2.0, 0.01, 2.0)]);
+    reaches("auto, head 1 kg, contact 500 kN/m", &[(2.0, 0.25, 2.0)]);
 }
 
 /// The published prototypes: h321 is Gauss-Seidel, the pantograph first, with parabolic forces; "held" the common exchange.
@@ -106,6 +106,36 @@ fn the_common_exchanges_have_the_published_errors() {
 
 #[test]
 fn the_coupling_with_held_values_adds_energy_and_the_best_adds_none() {
-    assert!(run(&case("gauss_seidel, held"), 1e-3).energy_residual > 10.0);
+    let held = run(&case("gauss_seidel, held"), 2e-3);
+    assert!(held.energy_residual > 10.0);
+    let note = held.energy_note.expect("said");
+    assert!(
+        note.contains("the coupling added 16.") && note.contains("% of the"),
+        "{note}"
+    );
+    for name in [
+        "auto",
+        "auto, no rollback",
+        "auto, pantograph without input derivatives and rollback",
+    ] {
+        let auto = run(&case(name), 2e-3);
+        assert_eq!(auto.energy_note, None, "{name}");
+    }
     assert!(run(&case("auto"), 1e-3).energy_residual.abs() < 1e-7);
+}
+
+/// What is seen in the run is the head on the contact: √(k/m) h, with and without sounding.
+#[test]
+fn auto_sees_the_contact_of_the_test_problem() {
+    for (name, expected) in [
+        ("auto", 0.417),
+        ("auto, no rollback", 0.417),
+        ("auto, contact lost", 0.417),
+    ] {
+        let report = run(&case(name), 5e-3).report.unwrap();
+        let range = report.split("omega h ").nth(1).unwrap();
+        let mut ends = range.split(" to ").map(|text| text.parse::<f64>().unwrap());
+        let (low, high) = (ends.next().unwrap(), ends.next().unwrap());
+        assert!(low > 0.95 * expected && high < 1.05 * expected, "{name}: {report}");
+    }
 }
