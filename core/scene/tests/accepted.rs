@@ -189,7 +189,8 @@ fn defaults_are_resolved_and_written_out() {
         (2, 0.001, 20)
     );
     assert!(coupling.reason.starts_with("auto"), "{}", coupling.reason);
-    assert_eq!(read(EN_250, &[]).coupling.reason, "named in the scene");
+    let named = read(EN_250, &["coupling.algorithm=jacobi"]);
+    assert_eq!(named.coupling.reason, "named in the scene");
     assert_eq!(
         (
             scene.solver.micro_step,

@@ -71,12 +71,12 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("spans = 10", "spans = 0", &["catenary.spans = 0: must be a whole number from 1 to 1000"]),
     ("alpha = 0.0125", "alpha = -0.0125", &["catenary.damping.alpha = -0.0125 1/s: must be zero or positive, and finite"]),
     ("rho_inf = 0.9", "rho_inf = 1.1", &["solver.rho_inf = 1.1: must be from 0 to 1"]),
-    ("extrapolation = 1", "extrapolation = 3", &["coupling.extrapolation = 3: must be a whole number from 0 to 2"]),
+    ("algorithm = \"auto\"", "extrapolation = 3", &["coupling.extrapolation = 3: must be a whole number from 0 to 2"]),
     ("masses = [7.2, 15.0]", "masses = [7.2, 0.0]", &["pantograph[1].masses[2] = 0 kg: must be positive and finite"]),
     ("tension = 20000.0", "tension = 1e999", &["catenary.contact_wire.tension = inf N: must be positive and finite"]),
     ("title = \"EN 50318:2002 reference model, 250 km/h\"", "title = \"\"", &["title = \"\": must be one line that says what the scene is, not empty"]),
     // Words.
-    ("\"gauss_seidel\"", "\"jacobbi\"", &["coupling.algorithm = \"jacobbi\": unknown word, did you mean \"jacobi\"?", "must be one of \"auto\", \"jacobi\", \"gauss_seidel\", \"iterated\", \"interface_jacobian\""]),
+    ("\"auto\"", "\"jacobbi\"", &["coupling.algorithm = \"jacobbi\": unknown word, did you mean \"jacobi\"?", "must be one of \"auto\", \"jacobi\", \"gauss_seidel\", \"iterated\", \"interface_jacobian\""]),
     ("\"constant_tension\"", "\"free\"", &["catenary.wire_ends = \"free\": unknown word", "must be \"constant_tension\" or \"fixed\""]),
     ("model = \"lumped\"", "model = \"lumpd\"", &["pantograph[1].model = \"lumpd\": unknown word, did you mean \"lumped\"?"]),
     // Known, but not available.

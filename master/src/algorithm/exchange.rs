@@ -172,7 +172,7 @@ impl Exchange {
     }
 
     /// What a reader must be told on the energy that the coupling added; nothing where it is a small share
-    /// ([`ENERGY_SHARE`]) of the work that crossed the contact.
+    /// of the work that crossed the contact.
     #[must_use]
     pub fn energy_note(&self) -> Option<String> {
         let added = self.energy_residual();
