@@ -263,13 +263,17 @@ impl Prepared {
             Some(contact) => (contact.stiffness, "contact.stiffness"),
             None => (USUAL_STIFFNESS, "assumed for a line that does not say its own"),
         };
-        // `coupling` is resolved: no `auto`.
         let degree = coupling.extrapolation;
-        let (estimate, what) = match coupling.algorithm {
-            scene::Algorithm::InterfaceJacobian if sides.can_roll_back() && coupling.max_iterations > 1 => {
-                (Estimate::Course, "from the cubics that the line was given")
-            }
-            _ => (Estimate::Prediction { degree }, "from their extrapolation"),
+        // `auto` predicts with degree 2 where it repeats steps by Newton's method.
+        let newton = match coupling.algorithm {
+            scene::Algorithm::InterfaceJacobian => true,
+            scene::Algorithm::Auto => degree == 2,
+            _ => false,
+        };
+        let (estimate, what) = if newton && sides.can_roll_back() && coupling.max_iterations > 1 {
+            (Estimate::Course, "from the cubics that the line was given")
+        } else {
+            (Estimate::Prediction { degree }, "from their extrapolation")
         };
         reason.push_str(&format!(
             "; macro step from {} s to {} s by the strips' deviation {what} times {stiffness} N/m ({whose}), {} N in the mean",

@@ -13,7 +13,7 @@ use master::package::{self, Libraries};
 use master::report::{Progress, Show};
 use master::results::Record;
 use master::run::Watch;
-use master::simulation::{FmuSource, Mode, prepare};
+use master::simulation::{Finished, FmuSource, Mode, prepare};
 use master::slave::Slave;
 use scene::Scene;
 
@@ -170,6 +170,10 @@ fn both_sides_start_in_balance() {
 }
 
 fn run(mode: Mode, overrides: &[&str]) -> Record {
+    finish(mode, overrides).record
+}
+
+fn finish(mode: Mode, overrides: &[&str]) -> Finished {
     let folder = tempfile::tempdir().unwrap();
     let prepared = prepare(scene(overrides), "test", Path::new("."), false).unwrap();
     let progress = Progress::simulated("", 1.0, Show::Never);
@@ -186,7 +190,7 @@ fn run(mode: Mode, overrides: &[&str]) -> Record {
         .run(mode, &source, &watch, |_| Ok::<(), CommandError>(()))
         .unwrap();
     assert!(finished.info.complete, "{}", finished.info.incomplete_reason);
-    finished.record
+    finished
 }
 
 fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
@@ -200,6 +204,59 @@ fn cosimulation_and_inprocess_are_the_same_bit_for_bit() {
     assert_eq!(cosimulation.pantographs, inprocess.pantographs);
     assert_eq!(cosimulation.supports, inprocess.supports);
     assert_eq!(cosimulation.animation, inprocess.animation);
+}
+
+/// Steps that follow their error, through the FMUs: they are refused, repeated and counted, and end at the same forces.
+#[test]
+fn controlled_macro_steps_go_through_the_c_interface_bit_for_bit() {
+    let keys = [
+        "coupling.algorithm=\"auto\"",
+        "coupling.macro_step={ tolerance = 0.1, min = 5e-4, max = 0.01 }",
+    ];
+    let (cosimulation, inprocess) = (finish(Mode::Cosimulation, &keys), finish(Mode::Inprocess, &keys));
+    assert_eq!(cosimulation.record.pantographs, inprocess.record.pantographs);
+    let cost = |finished: &Finished| {
+        let cost = &finished.info.cost;
+        (
+            cost.macro_steps,
+            cost.refused_steps,
+            cost.smallest_macro_step_s,
+            cost.largest_macro_step_s,
+        )
+    };
+    assert_eq!(cost(&cosimulation), cost(&inprocess));
+    let (_, _, smallest, largest) = cost(&cosimulation);
+    assert!(
+        largest.unwrap() > 1.9 * smallest.unwrap(),
+        "{smallest:?} to {largest:?} s"
+    );
+    assert!(
+        cosimulation
+            .info
+            .coupling
+            .reason
+            .contains("macro step from 0.0005 s to 0.01 s"),
+        "{}",
+        cosimulation.info.coupling.reason
+    );
+}
+
+#[test]
+fn pantographs_on_threads_of_their_own_give_the_same_bits_in_every_mode() {
+    // Jacobi steps all slaves at once; with the others the line waits.
+    for algorithm in ["jacobi", "auto"] {
+        let algorithm = format!("coupling.algorithm=\"{algorithm}\"");
+        for mode in [Mode::Inprocess, Mode::Cosimulation] {
+            let with = |parallel: &str| {
+                let parallel = format!("coupling.parallel=\"{parallel}\"");
+                finish(mode, &[&algorithm, &parallel])
+            };
+            let (always, never) = (with("always"), with("never"));
+            assert_eq!(always.record, never.record);
+            let said = always.info.coupling.reason.contains("on threads of their own");
+            assert_eq!(said, algorithm.contains("jacobi"), "{}", always.info.coupling.reason);
+        }
+    }
 }
 
 /// With as many macro steps as internal ones, repeated to 1e-9 N, the forces at both sides are those of one system.

@@ -35,6 +35,12 @@
 //!
 //! A step is refused for what happens within it only, an opening or a closing most often: once its time has passed in shorter steps, the
 //! step is what it was before.
+//!
+//! What it is good for: an error that is known, with a contact that is lost again and again as well. It does not save steps on a line
+//! of even spans: on that of EN 50318 at 300 km/h (auto, micro step 0.5 ms) the error of fixed steps of 5 to 20 ms is spread so
+//! evenly along the track that the best possible distribution of steps would save 1 to 5 % of them for the raw force (19 % at
+//! 5 ms for the filtered one), and vibrations of the droppers make the controller more careful than it need be: 0.15 % of the
+//! filtered force's deviation in 1018 steps, where 350 steps of 10 ms reach 0.07 %.
 
 use crate::algorithm::{Exchange, Point, Polynomial, predicted_strips};
 use crate::interface::{contact, strip};
