@@ -212,7 +212,7 @@ fn defaults_are_resolved_and_written_out() {
     for line in [
         "[coupling]",
         "algorithm = \"auto\"",
-        "force_tolerance = 0.005",
+        "force_tolerance = 0.002",
         "[solver]",
         "jacobian = \"modified\"",
         "[model]",

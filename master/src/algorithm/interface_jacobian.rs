@@ -119,7 +119,9 @@ impl InterfaceJacobian {
     fn predict(&mut self, sides: &Sides<'_>, exchange: &Exchange, h: f64) {
         let (before, now) = (exchange.point(1), exchange.point(0));
         for i in 0..self.given.len() {
-            let square = self.strip_stiffness(i, h).map_or(0.0, |number| number * number);
+            // A step that is repeated where it must be is stable with all of it.
+            let number = self.strip_stiffness(i, h).filter(|_| self.passes == 1);
+            let square = number.map_or(0.0, |number| number * number);
             let (curvature, position) = (1.0 / (1.0 + GIVES_WAY.0 * square), 1.0 / (1.0 + GIVES_WAY.1 * square));
             let (given, correction) = (&mut self.given[i], &mut self.correction[i]);
             let degree = self.degree.min(sides.pantographs[i].abilities().input_derivatives);

@@ -79,7 +79,7 @@ fn coupling(algorithm: scene::Algorithm, order: Order, force: Force, extrapolati
         step_control: None,
         parallel: scene::Parallel::Never,
         max_iterations: 20,
-        force_tolerance: 5e-3,
+        force_tolerance: 2e-3,
         reason: "test problem",
     }
 }

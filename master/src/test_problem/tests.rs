@@ -73,7 +73,7 @@ fn a_pantograph_that_holds_its_inputs_reaches_the_neutral_exchange() {
 fn lost_contact_is_followed() {
     reaches(
         "auto, contact lost",
-        &[(1.0, 0.003, 1.1), (2.0, 0.06, 1.1), (5.0, 2.5, 1.1)],
+        &[(1.0, 0.003, 1.1), (2.0, 0.06, 1.1), (5.0, 0.5, 2.0)],
     );
     reaches(
         "auto, one pass, contact lost",
@@ -85,7 +85,7 @@ fn lost_contact_is_followed() {
 #[test]
 fn a_stiff_contact_under_a_light_head_is_stable() {
     assert!(Parameters::STIFF.contact_frequency() * 2e-3 > 1.4);
-    reaches("auto, head 1 kg, contact 500 kN/m", &[(2.0, 0.25, 2.0)]);
+    reaches("auto, head 1 kg, contact 500 kN/m", &[(2.0, 0.1, 2.0)]);
 }
 
 /// The published prototypes: h321 is Gauss-Seidel, the pantograph first, with parabolic forces; "held" the common exchange.
