@@ -282,6 +282,8 @@ fn the_repeated_exchange_of_interpolated_forces_is_the_monolithic_run() {
 fn contact_force_converges_to_the_monolithic_run() {
     let base = [
         "coupling.force=\"interpolated\"",
+        "coupling.algorithm=gauss_seidel",
+        "coupling.order=catenary_first",
         "coupling.extrapolation=2",
         "solver.micro_step=0.0005",
     ];

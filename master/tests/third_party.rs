@@ -371,7 +371,8 @@ fn claims_that_do_not_hold_are_not_built_on() {
         defines: &["INEXACT", "IGNORES"],
         ..Manners::default()
     };
-    let (_, notes) = with(inexact, WIRED, &["coupling.force=\"interpolated\""]);
+    let linear = ["coupling.algorithm=gauss_seidel", "coupling.force=interpolated"];
+    let (_, notes) = with(inexact, WIRED, &linear);
     assert!(
         notes.contains("it claims canGetAndSetFMUstate, which does not hold"),
         "{notes}"
