@@ -4,6 +4,9 @@
 //! anything: an algorithm that steps several slaves before it reads them has them step side by side without knowing. Every slave
 //! does the same operations in the same order as without threads, so that results are the same bit for bit.
 
+#[cfg(test)]
+mod tests;
+
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicU8, Ordering};

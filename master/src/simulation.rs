@@ -350,8 +350,9 @@ impl Prepared {
             line: &mut *line,
             pantographs: &mut pantographs,
         };
-        let (mut algorithm, mut reason) = algorithm::build(&self.scene.coupling, &sides);
-        self.scene.coupling = algorithm::resolve(&self.scene.coupling, &sides);
+        let (mut algorithm, choice) = algorithm::build(&self.scene.coupling, &sides);
+        let algorithm::Choice { coupling, mut reason } = choice;
+        self.scene.coupling = coupling;
         let outputs = interface::line_output_count(self.scene.pantographs.len(), supports.len());
         let mut exchange = Exchange::start(&mut sides, 0.0, outputs).map_err(SetupError::from)?;
         good(&self.scene)?;

@@ -1,19 +1,17 @@
 //! One suite for slaves of the core and slaves from FMUs, and the modes against each other.
 
+mod running;
+
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use fmi2::import::Fmu;
-use master::command::CommandError;
 use master::cosimulation::{FmuSlave, Role};
 use master::equilibrium;
 use master::inprocess::InProcess;
 use master::interface::{self, contact, load, strip};
 use master::package::{self, Libraries};
-use master::report::{Progress, Show};
 use master::results::Record;
-use master::run::Watch;
-use master::simulation::{Finished, FmuSource, Mode, prepare};
+use master::simulation::{Finished, Mode, prepare};
 use master::slave::Slave;
 use scene::Scene;
 
@@ -176,19 +174,7 @@ fn run(mode: Mode, overrides: &[&str]) -> Record {
 fn finish(mode: Mode, overrides: &[&str]) -> Finished {
     let folder = tempfile::tempdir().unwrap();
     let prepared = prepare(scene(overrides), "test", Path::new("."), false).unwrap();
-    let progress = Progress::simulated("", 1.0, Show::Never);
-    let watch = Watch {
-        interrupted: &AtomicBool::new(false),
-        progress: &progress,
-    };
-    let source = FmuSource {
-        folder: folder.path().to_owned(),
-        say: &|_| {},
-        logging: false,
-    };
-    let finished = prepared
-        .run(mode, &source, &watch, |_| Ok::<(), CommandError>(()))
-        .unwrap();
+    let finished = running::finished(prepared, folder.path(), mode, |_| {}).unwrap();
     assert!(finished.info.complete, "{}", finished.info.incomplete_reason);
     finished
 }
@@ -322,22 +308,11 @@ fn with_third_party(own: &Scene, more: &str) -> Scene {
 /// The record, the remarks, and where the first pantograph starts.
 fn run_in(folder: &Path, scene: Scene) -> (Record, Vec<String>, scene::Start) {
     let prepared = prepare(scene, "test", folder, false).unwrap();
-    let progress = Progress::simulated("", 1.0, Show::Never);
-    let watch = Watch {
-        interrupted: &AtomicBool::new(false),
-        progress: &progress,
-    };
-    let source = FmuSource {
-        folder: folder.join("packaged"),
-        say: &|_| {},
-        logging: false,
-    };
     let mut start = None;
-    let finished = prepared.run(Mode::Inprocess, &source, &watch, |scene| {
+    let finished = running::finished(prepared, folder, Mode::Inprocess, |scene| {
         start = scene.pantographs[0].start;
-        Ok::<(), CommandError>(())
-    });
-    let finished = finished.unwrap();
+    })
+    .unwrap();
     (finished.record, finished.info.notes, start.unwrap())
 }
 

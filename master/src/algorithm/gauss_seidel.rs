@@ -31,30 +31,52 @@ impl GaussSeidel {
 
 impl Algorithm for GaussSeidel {
     fn step(&mut self, sides: &mut Sides<'_>, exchange: &mut Exchange, h: f64) -> Result<u64, CouplingError> {
-        let t = exchange.point(0).t;
         match self.order {
             Order::CatenaryFirst => {
                 predict::strips(exchange, self.extrapolation, &mut self.strips);
-                self.strips.send(sides.line, h)?;
-                sides.line.do_step(t, h)?;
-                exchange.read_line(sides)?;
+                step_line(sides, exchange, &mut self.strips, h)?;
                 step_pantographs(sides, exchange, self.force, &mut self.load, h)?;
             }
             Order::PantographFirst => {
-                for (i, pantograph) in sides.pantographs.iter_mut().enumerate() {
-                    predict::load(exchange, i, self.force, self.extrapolation, h, &mut self.load);
-                    self.load.send(&mut **pantograph, h)?;
-                    pantograph.do_step(t, h)?;
-                }
-                exchange.read_pantographs(sides)?;
+                let degree = self.extrapolation;
+                step_pantographs_ahead(sides, exchange, self.force, degree, &mut self.load, h)?;
                 predict::hermite(exchange.point(0), &exchange.reached.strips, h, &mut self.strips);
-                self.strips.send(sides.line, h)?;
-                sides.line.do_step(t, h)?;
-                exchange.read_line(sides)?;
+                step_line(sides, exchange, &mut self.strips, h)?;
             }
         }
         Ok(0)
     }
+}
+
+/// Steps the line with the strips on these courses.
+pub(super) fn step_line(
+    sides: &mut Sides<'_>,
+    exchange: &mut Exchange,
+    strips: &mut Polynomial,
+    h: f64,
+) -> Result<(), CouplingError> {
+    strips.send(sides.line, h)?;
+    sides.line.do_step(exchange.point(0).t, h)?;
+    exchange.read_line(sides)?;
+    Ok(())
+}
+
+/// Steps all pantographs, each under the course that `course` writes for it.
+fn step_each(
+    sides: &mut Sides<'_>,
+    exchange: &mut Exchange,
+    load: &mut Polynomial,
+    h: f64,
+    course: impl Fn(&Exchange, usize, &mut Polynomial),
+) -> Result<(), CouplingError> {
+    let t = exchange.point(0).t;
+    for (i, pantograph) in sides.pantographs.iter_mut().enumerate() {
+        course(exchange, i, load);
+        load.send(&mut **pantograph, h)?;
+        pantograph.do_step(t, h)?;
+    }
+    exchange.read_pantographs(sides)?;
+    Ok(())
 }
 
 /// Steps all pantographs under the forces that the line has just put out.
@@ -65,12 +87,21 @@ pub(super) fn step_pantographs(
     load: &mut Polynomial,
     h: f64,
 ) -> Result<(), CouplingError> {
-    let t = exchange.point(0).t;
-    for (i, pantograph) in sides.pantographs.iter_mut().enumerate() {
+    step_each(sides, exchange, load, h, |exchange, i, load| {
         predict::known_load(exchange, i, force, h, load);
-        load.send(&mut **pantograph, h)?;
-        pantograph.do_step(t, h)?;
-    }
-    exchange.read_pantographs(sides)?;
-    Ok(())
+    })
+}
+
+/// Steps all pantographs under forces extrapolated with `degree`.
+pub(super) fn step_pantographs_ahead(
+    sides: &mut Sides<'_>,
+    exchange: &mut Exchange,
+    force: Force,
+    degree: usize,
+    load: &mut Polynomial,
+    h: f64,
+) -> Result<(), CouplingError> {
+    step_each(sides, exchange, load, h, |exchange, i, load| {
+        predict::load(exchange, i, force, degree, h, load);
+    })
 }

@@ -5,6 +5,7 @@ use scene::{Coupling, Force};
 use crate::interface::{contact, load, strip};
 
 use super::exchange::Defect;
+use super::gauss_seidel::step_line;
 use super::waveform::{self, Shape, Waveform};
 use super::{Algorithm, CouplingError, Exchange, Frequency, Point, Polynomial, Sides, predict};
 
@@ -17,7 +18,8 @@ const SOUNDING: f64 = 1.0;
 /// A secant over a smaller change of the mean force is noise, N.
 const SMALLEST_SECANT: f64 = 1e-3;
 
-/// How the prediction's curvature and the correction of the position give way as `ωh` grows: `1/(1 + c (ωh)²)` (–).
+/// How a single pass' prediction of the curvature and its correction of the position give way as `ωh` grows:
+/// `1/(1 + c (ωh)²)` (–).
 ///
 /// The curvature that a parabola carries on is too large for an oscillation, and the correction of a position error acts as a
 /// spring of its own. With 0 and 0 the oscillation grows from `ωh` = 0.28 on (2e-4 per step at 0.5), with these nowhere below
@@ -153,10 +155,7 @@ impl InterfaceJacobian {
         }
         exchange.read_pantographs(sides)?;
         predict::hermite(exchange.point(0), &exchange.reached.strips, h, &mut self.strips);
-        self.strips.send(sides.line, h)?;
-        sides.line.do_step(t, h)?;
-        exchange.read_line(sides)?;
-        Ok(())
+        step_line(sides, exchange, &mut self.strips, h)
     }
 
     /// The force that the line has answered with.

@@ -4,7 +4,7 @@ use scene::{Coupling, Force, Order};
 
 use crate::interface::{contact, load, strip};
 
-use super::gauss_seidel::step_pantographs;
+use super::gauss_seidel::{step_line, step_pantographs, step_pantographs_ahead};
 use super::{Algorithm, CouplingError, Exchange, Polynomial, Sides, predict};
 
 /// Bounds of the relaxation factor: below, the step would stand still; above, it would run away.
@@ -118,12 +118,8 @@ impl Algorithm for Iterated {
         sides.save()?;
         let mut taken_back = 0;
         if self.order == Order::PantographFirst {
-            for (i, pantograph) in sides.pantographs.iter_mut().enumerate() {
-                predict::load(exchange, i, self.force, self.extrapolation, h, &mut self.load);
-                self.load.send(&mut **pantograph, h)?;
-                pantograph.do_step(t, h)?;
-            }
-            exchange.read_pantographs(sides)?;
+            let degree = self.extrapolation;
+            step_pantographs_ahead(sides, exchange, self.force, degree, &mut self.load, h)?;
             predict::hermite(exchange.point(0), &exchange.reached.strips, h, &mut self.strips);
             sides.restore()?;
             taken_back = 1;
@@ -137,9 +133,7 @@ impl Algorithm for Iterated {
                 sides.restore()?;
                 predict::hermite(exchange.point(0), &self.guess, h, &mut self.strips);
             }
-            self.strips.send(sides.line, h)?;
-            sides.line.do_step(t, h)?;
-            exchange.read_line(sides)?;
+            step_line(sides, exchange, &mut self.strips, h)?;
             step_pantographs(sides, exchange, self.force, &mut self.load, h)?;
 
             let difference = self.force_change(exchange);

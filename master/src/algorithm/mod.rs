@@ -219,8 +219,7 @@ pub trait Algorithm {
 /// needs more than the slaves can do; all else as it is.
 ///
 /// What it decides on in the run, see [`Auto`], it decides on again when the scene as written is run.
-#[must_use]
-pub fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> Coupling {
+fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> Coupling {
     let mut resolved = coupling.clone();
     if coupling.algorithm == scene::Algorithm::Iterated && !sides.can_roll_back() {
         resolved.algorithm = scene::Algorithm::GaussSeidel;
@@ -244,14 +243,23 @@ pub fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> Coupling {
     resolved
 }
 
-/// The algorithm that `[coupling]` asks for, and why, for the summary.
+/// What was made of `[coupling]`.
+pub struct Choice {
+    /// The keys in use.
+    pub coupling: Coupling,
+    /// Why these, and what the slaves cannot do, for the summary.
+    pub reason: String,
+}
+
+/// The algorithm that `[coupling]` asks for.
 #[must_use]
-pub fn build(coupling: &Coupling, sides: &Sides<'_>) -> (Box<dyn Algorithm>, String) {
+pub fn build(coupling: &Coupling, sides: &Sides<'_>) -> (Box<dyn Algorithm>, Choice) {
     let repeats = match coupling.algorithm {
         scene::Algorithm::Jacobi | scene::Algorithm::GaussSeidel => false,
         scene::Algorithm::Iterated | scene::Algorithm::InterfaceJacobian | scene::Algorithm::Auto => true,
     };
-    let coupling = &resolve(coupling, sides);
+    let resolved = resolve(coupling, sides);
+    let coupling = &resolved;
     let strips = sides.pantographs.len();
     let mut reason = coupling.reason.to_owned();
     let rollback = sides.can_roll_back();
@@ -308,5 +316,9 @@ pub fn build(coupling: &Coupling, sides: &Sides<'_>) -> (Box<dyn Algorithm>, Str
             ));
         }
     }
-    (algorithm, reason)
+    let choice = Choice {
+        coupling: resolved,
+        reason,
+    };
+    (algorithm, choice)
 }

@@ -7,29 +7,6 @@ use super::Polynomial;
 use crate::interface::{contact, load, strip};
 use crate::slave::{Abilities, Slave, SlaveError};
 
-/// Inputs followed as polynomials, as a slave does.
-#[derive(Clone)]
-pub(super) struct Inputs {
-    pub(super) polynomial: Polynomial,
-}
-
-impl Inputs {
-    pub(super) fn new(size: usize) -> Self {
-        Self {
-            polynomial: Polynomial::zeros(size),
-        }
-    }
-
-    pub(super) fn set(&mut self, values: &[f64]) {
-        self.polynomial.clear(0);
-        self.polynomial.value.copy_from_slice(values);
-    }
-
-    pub(super) fn set_derivatives(&mut self, order: usize, values: &[f64]) {
-        self.polynomial.derivatives[order - 1].copy_from_slice(values);
-    }
-}
-
 /// `m z̈ = F + f₀`, integrated exactly for a force that is a polynomial of degree up to 3.
 #[derive(Clone)]
 pub(super) struct Head {
@@ -38,7 +15,7 @@ pub(super) struct Head {
     pub(super) z: f64,
     pub(super) v: f64,
     pub(super) work: f64,
-    pub(super) inputs: Inputs,
+    pub(super) inputs: Polynomial,
     pub(super) able: usize,
     pub(super) variable_step: bool,
     pub(super) kept: (f64, f64, f64),
@@ -48,7 +25,7 @@ pub(super) struct Head {
 
 impl Head {
     pub(super) fn new(mass: f64, z: f64) -> Self {
-        let inputs = Inputs::new(load::COUNT);
+        let inputs = Polynomial::zeros(load::COUNT);
         Self {
             mass,
             preload: 0.0,
@@ -78,18 +55,18 @@ impl Slave for Head {
     }
 
     fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError> {
-        self.inputs.set(values);
+        self.inputs.hold(values);
         Ok(())
     }
 
     fn set_input_derivatives(&mut self, order: usize, values: &[f64]) -> Result<(), SlaveError> {
         assert!(order <= self.able, "order {order} was not offered");
-        self.inputs.set_derivatives(order, values);
+        self.inputs.follow(order, values);
         Ok(())
     }
 
     fn do_step(&mut self, _t: f64, h: f64) -> Result<(), SlaveError> {
-        let force = &self.inputs.polynomial;
+        let force = &self.inputs;
         let [f1, f2, f3] = [0, 1, 2].map(|k| force.derivatives[k][load::FZ]);
         let f0 = force.value[load::FZ] + self.preload;
         let m = self.mass;
@@ -121,7 +98,7 @@ impl Slave for Head {
 /// A massless line: `F = k z(τ)` on the polynomial that it is given, exact mean.
 pub(super) struct Spring {
     pub(super) stiffness: f64,
-    pub(super) inputs: Inputs,
+    pub(super) inputs: Polynomial,
     pub(super) able: usize,
     pub(super) mean: f64,
     pub(super) end: f64,
@@ -136,7 +113,7 @@ pub(super) struct Spring {
 impl Spring {
     pub(super) fn new(stiffness: f64, z: f64) -> Self {
         let force = -stiffness * z;
-        let inputs = Inputs::new(strip::MOTION);
+        let inputs = Polynomial::zeros(strip::MOTION);
         Self {
             stiffness,
             inputs,
@@ -165,22 +142,22 @@ impl Slave for Spring {
     }
 
     fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError> {
-        self.inputs.set(values);
+        self.inputs.hold(values);
         Ok(())
     }
 
     fn set_input_derivatives(&mut self, order: usize, values: &[f64]) -> Result<(), SlaveError> {
         assert!(order <= self.able, "order {order} was not offered");
-        self.inputs.set_derivatives(order, values);
+        self.inputs.follow(order, values);
         Ok(())
     }
 
     fn do_step(&mut self, _t: f64, h: f64) -> Result<(), SlaveError> {
-        self.mean = -self.stiffness * self.inputs.polynomial.mean(strip::Z, h);
-        self.end = -self.stiffness * self.inputs.polynomial.at(strip::Z, h);
+        self.mean = -self.stiffness * self.inputs.mean(strip::Z, h);
+        self.end = -self.stiffness * self.inputs.at(strip::Z, h);
         for (j, sample) in self.samples.iter_mut().enumerate() {
             let part = (j + 1) as f64 / contact::SAMPLE_COUNT as f64;
-            *sample = self.stiffness * self.inputs.polynomial.at(strip::Z, part * h);
+            *sample = self.stiffness * self.inputs.at(strip::Z, part * h);
         }
         self.steps += 1;
         Ok(())
@@ -209,4 +186,14 @@ impl Slave for Spring {
         (self.mean, self.end, self.steps) = self.kept;
         Ok(())
     }
+}
+
+/// The bare oscillator of unit mass and stiffness (ω = 1), `away` m from rest under a preload in N: while the contact stays
+/// closed, what is a line's force can be told from what is open.
+pub(super) fn closed(away: f64, preload: f64) -> (Spring, Head) {
+    let mut line = Spring::new(1.0, preload + away);
+    line.shown = None;
+    let mut head = Head::new(1.0, preload + away);
+    head.preload = preload;
+    (line, head)
 }

@@ -39,6 +39,17 @@ impl Polynomial {
         self.degree = degree;
     }
 
+    /// Takes `values` at the start of a step and holds them, as a slave does when its inputs are set.
+    pub fn hold(&mut self, values: &[f64]) {
+        self.clear(0);
+        self.value.copy_from_slice(values);
+    }
+
+    /// Takes the derivatives of `order` (from 1), as a slave does when its input derivatives are set.
+    pub fn follow(&mut self, order: usize, values: &[f64]) {
+        self.derivatives[order - 1].copy_from_slice(values);
+    }
+
     /// Value of input `i` at `tau` s after the start.
     #[must_use]
     pub fn at(&self, i: usize, tau: f64) -> f64 {

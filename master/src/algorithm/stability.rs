@@ -9,8 +9,7 @@ use scene::Coupling;
 use crate::interface::line_output_count;
 use crate::slave::Slave;
 
-use super::oscillator::{Head, Spring};
-use super::{CouplingError, Exchange, Sides, build};
+use super::{CouplingError, Exchange, Sides, build, oscillator};
 
 /// Size of the matrix.
 const SIZE: usize = Exchange::MEMORY;
@@ -63,11 +62,8 @@ fn step_from(coupling: &Coupling, h: f64, frequency: f64, moved: Option<usize>) 
     if let Some(j) = moved {
         memory[j] += 1.0;
     }
-    let mut line = Spring::new(1.0, memory[0]);
-    line.shown = None;
-    let mut head = Head::new(1.0, memory[0]);
+    let (mut line, mut head) = oscillator::closed(memory[0] - PRELOAD, PRELOAD);
     head.v = memory[1];
-    head.preload = PRELOAD;
     let mut pantographs: Vec<Box<dyn Slave>> = vec![Box::new(head)];
     let mut sides = Sides {
         line: &mut line,

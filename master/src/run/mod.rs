@@ -1,10 +1,12 @@
 //! The time loop of a coupled run.
 
 mod control;
+mod stepper;
 #[cfg(test)]
 mod tests;
 
 pub use control::{Control, Controller, Estimate, Verdict};
+pub use stepper::Stepper;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -17,9 +19,6 @@ use crate::recorder::Recorder;
 use crate::report::Progress;
 use crate::results::{Frame, Record};
 use crate::slave::Work;
-
-/// How often a macro step that fails is halved before the run is given up: 1 ms becomes 16 µs.
-const HALVINGS: u32 = 6;
 
 /// Part of a step by which the duration may miss a whole number of them.
 const ROUNDING: f64 = 1e-9;
@@ -163,7 +162,7 @@ pub fn run(
             break;
         }
         let (end, h) = schedule.step(n);
-        if let Err(error) = under_way.in_parts(end, h) {
+        if let Err(error) = under_way.advance(end, h) {
             under_way.failure = Some(error.into());
             break;
         }
@@ -188,45 +187,9 @@ pub fn run_controlled(
         if under_way.interrupted() {
             break;
         }
-        match under_way.attempt(h) {
-            Ok(()) => {}
-            Err(error) if error.is_retryable() && under_way.can_roll_back && controller.shorten() => {
-                if let Err(error) = under_way.take_back() {
-                    under_way.failure = Some(error.into());
-                    break;
-                }
-                continue;
-            }
-            // A step of the shortest length must be done, in parts if need be.
-            Err(error) if error.is_retryable() && under_way.can_roll_back => {
-                let halves = under_way
-                    .take_back()
-                    .and_then(|()| under_way.in_halves(end, h, HALVINGS));
-                if let Err(error) = halves {
-                    under_way.failure = Some(error.into());
-                    break;
-                }
-                controller.skip();
-                under_way.done(end, h, controller.next().is_none());
-                continue;
-            }
-            Err(error) => {
-                under_way.failure = Some(error.into());
-                break;
-            }
-        }
-        match controller.judge(under_way.exchange, h) {
-            Verdict::Accepted => {
-                under_way.accept(end);
-                under_way.done(end, h, controller.next().is_none());
-            }
-            Verdict::Refused => {
-                under_way.steps.refused += 1;
-                if let Err(error) = under_way.take_back() {
-                    under_way.failure = Some(error.into());
-                    break;
-                }
-            }
+        if let Err(error) = under_way.advance_controlled(controller, end, h) {
+            under_way.failure = Some(error.into());
+            break;
         }
     }
     under_way.finish()
@@ -234,20 +197,12 @@ pub fn run_controlled(
 
 /// A coupled run between its start and its end.
 struct UnderWay<'a, 'b> {
-    sides: &'a mut Sides<'b>,
-    algorithm: &'a mut dyn Algorithm,
-    exchange: &'a mut Exchange,
+    stepper: Stepper<'a, 'b>,
     recorder: Recorder,
     watch: &'a Watch<'a>,
     begin: Instant,
-    can_vary_step: bool,
-    /// Whether every slave can go back and takes any step.
-    can_roll_back: bool,
-    /// Whether that takes a save before each step.
-    must_save: bool,
     failure: Option<Failure>,
     macro_steps: u64,
-    rollbacks: u64,
     steps: Steps,
     /// Simulated time that the bar shows, s.
     shown: f64,
@@ -264,20 +219,13 @@ impl<'a, 'b> UnderWay<'a, 'b> {
         let begin = Instant::now();
         recorder.start(exchange.point(0));
         draw(sides, exchange, &mut recorder);
-        let can_roll_back = sides.can_roll_back() && sides.can_vary_step();
         Self {
-            must_save: can_roll_back && !algorithm.saves(),
-            can_vary_step: sides.can_vary_step(),
-            can_roll_back,
-            sides,
-            algorithm,
-            exchange,
+            stepper: Stepper::new(sides, algorithm, exchange),
             recorder,
             watch,
             begin,
             failure: None,
             macro_steps: 0,
-            rollbacks: 0,
             steps: Steps::default(),
             shown: 0.0,
         }
@@ -287,65 +235,44 @@ impl<'a, 'b> UnderWay<'a, 'b> {
     fn interrupted(&mut self) -> bool {
         let interrupted = self.watch.interrupted.load(Ordering::Relaxed);
         if interrupted {
-            let t = self.exchange.point(0).t;
+            let t = self.stepper.exchange.point(0).t;
             self.failure = Some(Failure::Interrupted { t });
         }
         interrupted
     }
 
-    /// Steps both sides by `h` s; what they reach is not accepted yet.
-    fn attempt(&mut self, h: f64) -> Result<(), CouplingError> {
-        if self.must_save {
-            self.sides.save()?;
-        }
-        self.rollbacks += self.algorithm.step(self.sides, self.exchange, h)?;
-        Ok(())
+    /// Advances to `end` over `h` s.
+    fn advance(&mut self, end: f64, h: f64) -> Result<(), CouplingError> {
+        let recorder = &mut self.recorder;
+        self.stepper.advance(end, h, &mut |exchange| record(recorder, exchange))
     }
 
-    fn take_back(&mut self) -> Result<(), CouplingError> {
-        self.sides.restore()?;
-        self.rollbacks += 1;
-        Ok(())
-    }
-
-    fn accept(&mut self, end: f64) {
-        self.exchange.accept(end);
-        self.recorder.step(self.exchange.point(1), self.exchange.point(0));
-    }
-
-    /// Advances to `end` over `h` s, in as many parts as the algorithm asks for.
-    fn in_parts(&mut self, end: f64, h: f64) -> Result<(), CouplingError> {
-        let parts = if self.can_vary_step {
-            self.algorithm.parts(self.exchange, h)
-        } else {
-            1
-        };
-        let part = h / parts as f64;
-        for left in (1..parts).rev() {
-            self.advance(end - left as f64 * part, part, HALVINGS)?;
-        }
-        self.advance(end, part, HALVINGS)
-    }
-
-    /// Advances to `end` over `h` s; a step that fails is taken back and done in two halves, `halvings` times at most, where
-    /// every slave can go back and takes any step.
-    fn advance(&mut self, end: f64, h: f64, halvings: u32) -> Result<(), CouplingError> {
-        match self.attempt(h) {
-            Ok(()) => {
-                self.accept(end);
-                Ok(())
+    /// Tries the step that `controller` has chosen; it is done, or the controller chooses a shorter one.
+    fn advance_controlled(&mut self, controller: &mut Controller, end: f64, h: f64) -> Result<(), CouplingError> {
+        match self.stepper.attempt(h) {
+            Err(error) if self.stepper.can_retry(&error) => {
+                self.stepper.take_back()?;
+                if controller.shorten() {
+                    return Ok(());
+                }
+                // A step of the shortest length must be done, in parts if need be.
+                let recorder = &mut self.recorder;
+                self.stepper
+                    .advance_in_halves(end, h, &mut |exchange| record(recorder, exchange))?;
+                controller.skip();
             }
-            Err(error) if error.is_retryable() && self.can_roll_back && halvings > 0 => {
-                self.take_back()?;
-                self.in_halves(end, h, halvings)
+            result => {
+                result?;
+                if controller.judge(self.stepper.exchange, h) == Verdict::Refused {
+                    self.steps.refused += 1;
+                    return self.stepper.take_back();
+                }
+                self.stepper.exchange.accept(end);
+                record(&mut self.recorder, self.stepper.exchange);
             }
-            Err(error) => Err(error),
         }
-    }
-
-    fn in_halves(&mut self, end: f64, h: f64, halvings: u32) -> Result<(), CouplingError> {
-        self.advance(end - 0.5 * h, 0.5 * h, halvings - 1)?;
-        self.advance(end, 0.5 * h, halvings - 1)
+        self.done(end, h, controller.next().is_none());
+        Ok(())
     }
 
     /// Counts a macro step that ended at `end` after `h` s.
@@ -354,7 +281,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
         if !last || self.macro_steps == 1 {
             self.steps.done(h);
         }
-        draw(self.sides, self.exchange, &mut self.recorder);
+        draw(self.stepper.sides, self.stepper.exchange, &mut self.recorder);
         // The bar is redrawn ten times a second at most; a hundred updates per simulated second are enough.
         if end >= self.shown + 0.01 {
             self.shown = end;
@@ -364,10 +291,10 @@ impl<'a, 'b> UnderWay<'a, 'b> {
 
     fn finish(self) -> Outcome {
         let wall = self.begin.elapsed().as_secs_f64();
-        let mut work = self.sides.line.work();
+        let mut work = self.stepper.sides.line.work();
         let mut record = self.recorder.finish();
-        self.sides.line.finish_drawing(&mut record.animation.frames);
-        for pantograph in self.sides.pantographs.iter_mut() {
+        self.stepper.sides.line.finish_drawing(&mut record.animation.frames);
+        for pantograph in self.stepper.sides.pantographs.iter_mut() {
             let more = pantograph.work();
             work.micro_steps += more.micro_steps;
             work.newton_iterations += more.newton_iterations;
@@ -377,22 +304,28 @@ impl<'a, 'b> UnderWay<'a, 'b> {
         Outcome {
             record,
             failure: self.failure,
-            energy_residual: self.exchange.energy_residual(),
-            energy_share: self.exchange.energy_share(),
+            energy_residual: self.stepper.exchange.energy_residual(),
+            energy_share: self.stepper.exchange.energy_share(),
             coupling_notes: self
+                .stepper
                 .exchange
                 .energy_note()
                 .into_iter()
-                .chain(self.algorithm.warning())
+                .chain(self.stepper.algorithm.warning())
                 .collect(),
-            simulated: self.exchange.point(0).t,
+            simulated: self.stepper.exchange.point(0).t,
             wall,
             macro_steps: self.macro_steps,
-            rollbacks: self.rollbacks,
+            rollbacks: self.stepper.rollbacks,
             steps: self.steps,
             work,
         }
     }
+}
+
+/// Records the step to the present point.
+fn record(recorder: &mut Recorder, exchange: &Exchange) {
+    recorder.step(exchange.point(1), exchange.point(0));
 }
 
 fn draw(sides: &mut Sides<'_>, exchange: &Exchange, recorder: &mut Recorder) {

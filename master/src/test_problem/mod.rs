@@ -13,8 +13,9 @@ use std::sync::{Arc, Mutex};
 
 use scene::{Coupling, Force, Order};
 
-use crate::algorithm::{self, Algorithm, CouplingError, Exchange, Sides};
+use crate::algorithm::{self, Exchange, Sides};
 use crate::interface::{contact, line_output_count};
+use crate::run::Stepper;
 use crate::slave::Slave;
 
 pub use slaves::{Pantograph, Switches, Wire};
@@ -22,9 +23,6 @@ pub use system::{Parameters, Truth};
 
 /// Simulated time, s.
 pub const DURATION: f64 = 10.0;
-
-/// How often a macro step that fails is halved.
-const HALVINGS: u32 = 6;
 
 /// A force beyond this multiple of the largest true one has diverged.
 const DIVERGED: f64 = 10.0;
@@ -239,21 +237,16 @@ pub fn run(case: &Case, macro_step: f64) -> Outcome {
             return outcome;
         }
     };
+    let mut stepper = Stepper::new(&mut sides, &mut *algorithm, &mut exchange);
     let (mut squares, mut done) = (0.0, 0);
     for n in 1..=steps {
         let end = n as f64 * macro_step;
-        let parts = algorithm.parts(&exchange, macro_step);
-        let part = macro_step / parts as f64;
-        let result = (0..parts).rev().try_for_each(|left| {
-            let end = end - left as f64 * part;
-            advance(&mut *algorithm, &mut sides, &mut exchange, end, part, HALVINGS)
-        });
-        if let Err(error) = result {
+        if let Err(error) = stepper.advance(end, macro_step, &mut |_| {}) {
             outcome.failure = Some(error.to_string());
             break;
         }
         done = n;
-        let force = exchange.point(0).contact(0)[contact::FORCE];
+        let force = stepper.exchange.point(0).contact(0)[contact::FORCE];
         outcome.smallest_force = outcome.smallest_force.min(force);
         squares += (force - truth.at(end)).powi(2);
         if force.is_nan() || force > DIVERGED * largest {
@@ -271,31 +264,4 @@ pub fn run(case: &Case, macro_step: f64) -> Outcome {
     }
     outcome.passes_per_step = sides.pantographs[0].work().micro_steps as f64 / done.max(1) as f64;
     outcome
-}
-
-/// One macro step; halved where it fails and may be.
-fn advance(
-    algorithm: &mut dyn Algorithm,
-    sides: &mut Sides<'_>,
-    exchange: &mut Exchange,
-    end: f64,
-    h: f64,
-    halvings: u32,
-) -> Result<(), CouplingError> {
-    let may_halve = sides.can_roll_back() && halvings > 0;
-    if may_halve && !algorithm.saves() {
-        sides.save()?;
-    }
-    match algorithm.step(sides, exchange, h) {
-        Ok(_) => {
-            exchange.accept(end);
-            Ok(())
-        }
-        Err(error) if may_halve && error.is_retryable() => {
-            sides.restore()?;
-            advance(algorithm, sides, exchange, end - 0.5 * h, 0.5 * h, halvings - 1)?;
-            advance(algorithm, sides, exchange, end, 0.5 * h, halvings - 1)
-        }
-        Err(error) => Err(error),
-    }
 }

@@ -36,27 +36,12 @@ impl Switches {
     }
 }
 
-/// Inputs that are held or followed as polynomials.
-#[derive(Clone, Debug)]
-struct Inputs(Polynomial);
-
-impl Inputs {
-    fn set(&mut self, values: &[f64]) {
-        self.0.clear(0);
-        self.0.value.copy_from_slice(values);
-    }
-
-    fn set_derivatives(&mut self, order: usize, values: &[f64]) {
-        self.0.derivatives[order - 1].copy_from_slice(values);
-    }
-}
-
 /// The two-mass pantograph.
 #[derive(Clone, Debug)]
 pub struct Pantograph {
     parameters: Parameters,
     switches: Switches,
-    inputs: Inputs,
+    inputs: Polynomial,
     state: PantographState,
     work: f64,
     kept: (PantographState, f64),
@@ -71,7 +56,7 @@ impl Pantograph {
         Self {
             parameters,
             switches,
-            inputs: Inputs(Polynomial::zeros(load::COUNT)),
+            inputs: Polynomial::zeros(load::COUNT),
             state,
             work: 0.0,
             kept: (state, 0.0),
@@ -90,18 +75,18 @@ impl Slave for Pantograph {
     }
 
     fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError> {
-        self.inputs.set(values);
+        self.inputs.hold(values);
         Ok(())
     }
 
     fn set_input_derivatives(&mut self, order: usize, values: &[f64]) -> Result<(), SlaveError> {
-        self.inputs.set_derivatives(order, values);
+        self.inputs.follow(order, values);
         Ok(())
     }
 
     fn do_step(&mut self, _t: f64, h: f64) -> Result<(), SlaveError> {
         let steps = (h / SUBSTEP - 1e-9).ceil().max(1.0);
-        let (d, parameters, inputs) = (h / steps, self.parameters, &self.inputs.0);
+        let (d, parameters, inputs) = (h / steps, self.parameters, &self.inputs);
         for k in 0..steps as usize {
             let t = k as f64 * d;
             let mut all = [0.0; 5];
@@ -152,7 +137,7 @@ impl Slave for Pantograph {
 pub struct Wire {
     parameters: Parameters,
     switches: Switches,
-    inputs: Inputs,
+    inputs: Polynomial,
     now: WireNow,
     kept: WireNow,
 }
@@ -184,7 +169,7 @@ impl Wire {
         Self {
             parameters,
             switches,
-            inputs: Inputs(Polynomial::zeros(strip::MOTION)),
+            inputs: Polynomial::zeros(strip::MOTION),
             now,
             kept: now,
         }
@@ -201,19 +186,19 @@ impl Slave for Wire {
     }
 
     fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError> {
-        self.inputs.set(values);
+        self.inputs.hold(values);
         Ok(())
     }
 
     fn set_input_derivatives(&mut self, order: usize, values: &[f64]) -> Result<(), SlaveError> {
-        self.inputs.set_derivatives(order, values);
+        self.inputs.follow(order, values);
         Ok(())
     }
 
     fn do_step(&mut self, t0: f64, h: f64) -> Result<(), SlaveError> {
         let per_sample = (h / (contact::SAMPLE_COUNT as f64 * SUBSTEP) - 1e-9).ceil().max(1.0) as usize;
         let d = h / (per_sample * contact::SAMPLE_COUNT) as f64;
-        let (parameters, inputs) = (self.parameters, &self.inputs.0);
+        let (parameters, inputs) = (self.parameters, &self.inputs);
         let [first, second, third] = [0, 1, 2].map(|k| inputs.derivatives[k][strip::Z]);
         let velocity = |t: f64| first + t * (second + t * third / 2.0);
         let mut impulse = 0.0;

@@ -1,0 +1,36 @@
+//! Runs of prepared scenes, as the tests of slaves and of FMUs of others make them.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use master::command::CommandError;
+use master::report::{Progress, Show};
+use master::run::Watch;
+use master::simulation::{Finished, FmuSource, Mode, Prepared};
+use scene::Scene;
+
+/// Runs to the end, with packages in `folder`; `good` sees the scene as it is run.
+///
+/// # Errors
+/// What keeps the run from beginning.
+pub fn finished(
+    prepared: Prepared,
+    folder: &Path,
+    mode: Mode,
+    good: impl FnOnce(&Scene),
+) -> Result<Finished, CommandError> {
+    let progress = Progress::simulated("", 1.0, Show::Never);
+    let watch = Watch {
+        interrupted: &AtomicBool::new(false),
+        progress: &progress,
+    };
+    let source = FmuSource {
+        folder: folder.join("packaged"),
+        say: &|_| {},
+        logging: false,
+    };
+    prepared.run(mode, &source, &watch, |scene| {
+        good(scene);
+        Ok(())
+    })
+}
