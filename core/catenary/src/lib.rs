@@ -43,7 +43,7 @@ pub use exchange::SAMPLES;
 pub use line::{DropperSample, Line};
 pub use line_end::{LineEnd, LineEnds};
 pub use linear_line::{LinearDropper, LinearDroppers, LinearForce, LinearLine};
-pub use model::{CatenaryError, Model, contact_pair, static_line};
+pub use model::{CatenaryError, Model, contact_pair, scene_line, static_line};
 pub use overhead_line::OverheadLine;
 pub use registration_arm::RegistrationArms;
 pub use statics::{

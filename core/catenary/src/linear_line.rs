@@ -1,5 +1,5 @@
 //! A line with constant matrices and unilateral droppers.
-use crate::{Attachment, Curve, DropperLaw, Line, Tautness};
+use crate::{Attachment, Curve, DropperLaw, DropperSample, Line, Tautness};
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
 use std::sync::Arc;
 
@@ -193,6 +193,8 @@ pub struct LinearLine {
     force: LinearForce,
     droppers: LinearDroppers,
     contact_wire: Arc<dyn Curve>,
+    /// The line that this one stands for, where it stands for one: places only, never its forces.
+    shape: Option<Line>,
 }
 
 impl LinearLine {
@@ -203,7 +205,15 @@ impl LinearLine {
             force,
             droppers,
             contact_wire,
+            shape: None,
         }
+    }
+
+    /// The same with the places of wires, supports and droppers taken from `shape`, a line in the same coordinates.
+    #[must_use]
+    pub fn with_shape(mut self, shape: Line) -> Self {
+        self.shape = Some(shape);
+        self
     }
 
     /// The linearisation of `line` about its static state, sag and longitudinal coordinates included, in the same coordinates of
@@ -258,7 +268,30 @@ impl LinearLine {
             damping: SparseMatrix::from_entries(size, d),
             mass: SparseMatrix::from_entries(size, m),
         };
-        Self::new(force, LinearDroppers::new(law, droppers), line.contact_curve())
+        Self::new(force, LinearDroppers::new(law, droppers), line.contact_curve()).with_shape(line.clone())
+    }
+
+    /// The line that this one stands for, see [`LinearLine::with_shape`].
+    #[must_use]
+    pub fn shape(&self) -> Option<&Line> {
+        self.shape.as_ref()
+    }
+
+    /// See [`LinearLine::shape`].
+    pub fn shape_mut(&mut self) -> Option<&mut Line> {
+        self.shape.as_mut()
+    }
+
+    /// Both ends and the tension of every dropper; none without a shape.
+    #[must_use]
+    pub fn dropper_samples(&self, motion: &Motion<'_>) -> Vec<DropperSample> {
+        let ends = self.shape.iter().flat_map(|shape| shape.dropper_samples(motion));
+        ends.enumerate()
+            .map(|(index, ends)| DropperSample {
+                force: self.droppers.tension(index, motion),
+                ..ends
+            })
+            .collect()
     }
 
     /// Visits every contribution, always in the same order.
