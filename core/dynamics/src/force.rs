@@ -38,6 +38,19 @@ pub trait Force: Send {
         let _ = blocks;
     }
 
+    /// Whether [`Force::add_dynamic_force`] subtracts `M v̇` of this contribution itself; the answer never changes. Where it does
+    /// not, the solver multiplies the assembled matrix of [`Force::add_mass`].
+    fn multiplies_mass(&self) -> bool {
+        false
+    }
+
+    /// Adds `Q(t, q, v, u) − M v̇` to `force`, with `M` that of [`Force::add_mass`]: called in place of [`Force::add_force`] within
+    /// a time step where [`Force::multiplies_mass`], so that both are done in one pass over the elements.
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        let _ = v_dot;
+        self.add_force(motion, force);
+    }
+
     /// Potential energy, J; zero for forces without one.
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         let _ = motion;
