@@ -143,6 +143,12 @@ impl Topology {
         }
     }
 
+    /// How the line is discretised beyond the mesh of the scene.
+    #[must_use]
+    pub fn options(&self) -> LineOptions {
+        self.options
+    }
+
     /// Nominal x of the nodes, m.
     #[must_use]
     pub fn x(&self) -> &[f64] {

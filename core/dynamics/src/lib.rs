@@ -50,5 +50,5 @@ pub use newton::{Counters, Jacobian, NewtonOptions, StepError};
 pub use simulator::{Checkpoint, Simulator};
 pub use sparse::SparseMatrix;
 pub use statics::{StaticOptions, StaticReport, solve_static};
-pub use system::{Layout, System};
+pub use system::{Continuity, Layout, System};
 pub use updates::Updates;

@@ -34,7 +34,7 @@ choice! {
         /// The mechanism reduced to its one motion.
         Linkage = "linkage",
     }
-    unavailable: ["flat", "window", "linkage"]
+    unavailable: ["flat", "linkage"]
 }
 
 impl Entry for Model {

@@ -106,6 +106,11 @@ impl StaticLine {
         &self.system.line
     }
 
+    /// What the line is made of, for lines made otherwise from the same static state.
+    pub(crate) fn parts(&self) -> (&Catenary, &Arc<Topology>, &Equilibrium) {
+        (&self.catenary, &self.topology, &self.equilibrium)
+    }
+
     /// Number of coordinates, fixed ones included.
     #[must_use]
     pub fn coordinates(&self) -> usize {
