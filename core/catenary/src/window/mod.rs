@@ -47,23 +47,25 @@ use cut::Source;
 use dynamics::{Continuity, Force, Layout, Motion, SparseMatrix, State, Weights};
 use far::{FarField, Ground, Member};
 use nalgebra::Vector3;
-use plan::{Arrangement, Plan};
+use plan::{Arrangement, ModeCounts, Plan};
 use scene::{Catenary, Reduction, Scene, WireEnds};
 use std::ops::Range;
 use std::sync::Arc;
 
 /// Full spans beside those that strips are in.
-const BESIDE: usize = 1;
+#[allow(non_snake_case)] fn AHEAD_() -> usize { std::env::var("WIN_AHEAD").ok().and_then(|v| v.parse().ok()).unwrap_or(1) }
+#[allow(non_snake_case)] fn FRONT_() -> f64 { std::env::var("WIN_FRONT").ok().and_then(|v| v.parse().ok()).unwrap_or(1.2) }
+#[allow(non_snake_case)] fn BESIDE_() -> usize { std::env::var("WIN_BESIDE").ok().and_then(|v| v.parse().ok()).unwrap_or(2) }
 /// Reduced spans on either side of the window, at most.
-const REACH: usize = 16;
+#[allow(non_snake_case)] fn REACH_() -> usize { std::env::var("WIN_REACH").ok().and_then(|v| v.parse().ok()).unwrap_or(16) }
 /// Those of them, nearest to the window, that carry all waves up to the filter's frequency and more.
-const NEAR: usize = 6;
+#[allow(non_snake_case)] fn NEAR_() -> usize { std::env::var("WIN_NEAR").ok().and_then(|v| v.parse().ok()).unwrap_or(6) }
 /// Highest mode of a near span in units of the filter's frequency.
-const BAND: f64 = 1.5;
+#[allow(non_snake_case)] fn BAND_() -> f64 { std::env::var("WIN_BAND").ok().and_then(|v| v.parse().ok()).unwrap_or(1.5) }
 /// Highest mode of a far span, Hz.
-const LOW_BAND: f64 = 4.0;
+#[allow(non_snake_case)] fn LOW_BAND_() -> f64 { std::env::var("WIN_LOW_BAND").ok().and_then(|v| v.parse().ok()).unwrap_or(4.0) }
 /// Damping of modes in the last near span, 1/s.
-const SPONGE: f64 = 8.0;
+#[allow(non_snake_case)] fn SPONGE_() -> f64 { std::env::var("WIN_SPONGE").ok().and_then(|v| v.parse().ok()).unwrap_or(8.0) }
 /// Spans that differ by less in the static state are the same, m.
 const SAME: f64 = 1e-7;
 /// Spans at either end of a line that may differ from the periodic middle.
@@ -190,7 +192,7 @@ impl WindowedLine {
         let shortest = catenary.span_lengths.iter().copied().fold(f64::INFINITY, f64::min);
         let between = ((front - rear) / shortest).ceil() as usize;
         let stride = period.unwrap_or(1);
-        let window = (2 * BESIDE + 1 + between + stride - 1).min(spans);
+        let window = (BESIDE_() + AHEAD_() + 1 + between + stride - 1).min(spans);
 
         let position = layout.coordinates();
         layout.add_coordinates(1, "position of the window");
@@ -205,23 +207,30 @@ impl WindowedLine {
         } else {
             2
         };
-        let modes = [BAND * scene.run.low_pass_hz, LOW_BAND].map(|frequency| {
+        let modes_up_to = |frequency: f64| -> usize {
             let per_wire = wires.map(|wire| (2.0 * longest * frequency / wire.wave_speed()).ceil() as usize);
             (directions * per_wire.iter().sum::<usize>()).min(places.inner[0].len())
-        });
+        };
+        let slower = wires[0].wave_speed().min(wires[1].wave_speed());
+        let band = scene.run.low_pass_hz;
+        let modes = ModeCounts {
+            behind: modes_up_to(FRONT_() * band / (1.0 - scene.run.speed / slower).max(1e-3)),
+            ahead: modes_up_to(FRONT_() * band / (1.0 - scene.run.speed / slower).max(1e-3)),
+            far: modes_up_to(LOW_BAND_()),
+        };
         let plan = Plan {
             spans,
             window,
-            behind: BESIDE,
+            behind: BESIDE_(),
             stride,
-            reach: REACH,
-            near: NEAR,
+            reach: REACH_(),
+            near: NEAR_(),
             modes,
             at_support,
             first: position + 1 + count,
         };
         layout.add_coordinates(plan.most_coordinates(), "spans beyond the window");
-        let (classes, cells) = cells(&source, at_support, modes[0])?;
+        let (classes, cells) = cells(&source, at_support, modes.ahead.max(modes.behind))?;
         let supports_x = catenary.supports_x();
         let fixed = Fixed {
             catenary: catenary.clone(),
@@ -349,7 +358,7 @@ impl WindowedLine {
 
     /// Spans that a picture shows: all of a short line, the modelled ones of a long one.
     fn drawn(&self) -> Range<usize> {
-        let most = 2 * REACH + self.fixed.plan.window;
+        let most = 2 * REACH_() + self.fixed.plan.window;
         if self.fixed.plan.spans <= 2 * most {
             0..self.fixed.plan.spans
         } else {
@@ -381,10 +390,10 @@ impl Fixed {
             .map(|mode| {
                 if count <= plan.near {
                     0.0
-                } else if mode >= plan.modes[1] {
-                    SPONGE * (distance as f64 / plan.near as f64).powi(2)
+                } else if mode >= plan.modes.far {
+                    SPONGE_() * (distance as f64 / plan.near as f64).powi(2)
                 } else {
-                    SPONGE * (distance.saturating_sub(plan.near) as f64 / plan.reach as f64).powi(2)
+                    SPONGE_() * (distance.saturating_sub(plan.near) as f64 / plan.reach as f64).powi(2)
                 }
             })
             .collect()

@@ -18,6 +18,17 @@ pub(super) struct Arrangement {
     pub used: usize,
 }
 
+/// Modes that are kept of a reduced span.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ModeCounts {
+    /// Of a near span behind the window.
+    pub behind: usize,
+    /// Of a near span ahead of it.
+    pub ahead: usize,
+    /// Of a span further away.
+    pub far: usize,
+}
+
 /// The rules for a line.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
@@ -31,10 +42,10 @@ pub(super) struct Plan {
     pub stride: usize,
     /// Reduced spans on either side, at most.
     pub reach: usize,
-    /// Those of them, nearest to the window, with all modes.
+    /// Those of them, nearest to the window, that carry all waves of interest.
     pub near: usize,
-    /// Modes of a near span and of one further away.
-    pub modes: [usize; 2],
+    /// Modes of reduced spans.
+    pub modes: ModeCounts,
     /// Coordinates of a support.
     pub at_support: usize,
     /// First coordinate behind those of the window.
@@ -42,9 +53,16 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// Modes kept of the `distance`-th span from the window, counted from 1.
-    fn mode_count(&self, distance: usize) -> usize {
-        self.modes[usize::from(distance > self.near)]
+    /// Coordinates of the `distance`-th span behind the window, counted from 1, its outer support included.
+    fn behind(&self, distance: usize) -> usize {
+        let modes = if distance > self.near { self.modes.far } else { self.modes.behind };
+        modes + self.at_support
+    }
+
+    /// See [`Plan::behind`].
+    fn ahead(&self, distance: usize) -> usize {
+        let modes = if distance > self.near { self.modes.far } else { self.modes.ahead };
+        modes + self.at_support
     }
 
     /// Coordinates of all reduced spans at any position.
@@ -52,8 +70,9 @@ impl Plan {
         let positions = 0..=self.spans - self.window;
         let used = positions.map(|at| {
             let (left, right) = self.reduced(at);
-            let side = |count: usize| -> usize { (1..=count).map(|d| self.mode_count(d) + self.at_support).sum() };
-            side(left) + side(right)
+            let behind: usize = (1..=left).map(|distance| self.behind(distance)).sum();
+            let ahead: usize = (1..=right).map(|distance| self.ahead(distance)).sum();
+            behind + ahead
         });
         used.max().unwrap_or(0)
     }
@@ -78,17 +97,15 @@ impl Plan {
         let mut next = self.first;
         let mut take = |count: usize| {
             next += count;
-            next - count..next
+            (next - count..next - self.at_support, Some(next - self.at_support))
         };
         for distance in 1..=left {
             let span = left - distance;
-            modes[span] = take(self.mode_count(distance));
-            supports[span] = Some(take(self.at_support).start);
+            (modes[span], supports[span]) = take(self.behind(distance));
         }
         for distance in 1..=right {
             let span = left + self.window + distance - 1;
-            modes[span] = take(self.mode_count(distance));
-            supports[span + 1] = Some(take(self.at_support).start);
+            (modes[span], supports[span + 1]) = take(self.ahead(distance));
         }
         Arrangement {
             at,
@@ -124,7 +141,11 @@ mod tests {
             stride: 1,
             reach: 8,
             near: 4,
-            modes: [20, 5],
+            modes: ModeCounts {
+                behind: 10,
+                ahead: 20,
+                far: 5,
+            },
             at_support: 8,
             first: 1000,
         }
