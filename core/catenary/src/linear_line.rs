@@ -1,5 +1,5 @@
 //! A line with constant matrices and unilateral droppers.
-use crate::{Attachment, Curve, DropperLaw, DropperSample, Line, Tautness};
+use crate::{Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, Tautness, WireName};
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
 use std::sync::Arc;
 
@@ -223,17 +223,14 @@ impl LinearLine {
     /// dropper is part of `K`.
     #[must_use]
     pub fn about(line: &mut Line, layout: &Layout) -> Self {
-        let size = layout.coordinates();
+        let Matrices {
+            mut load,
+            mut stiffness,
+            mut damping,
+            mass,
+        } = Matrices::at_rest(line, layout);
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
-        let stiffness = Weights { q: 1.0, v: 0.0 };
-        let mut k = assembled(|blocks| line.forces(&mut |part| part.add_tangent(&motion, stiffness, blocks)));
-        let mut d = assembled(|blocks| {
-            line.forces(&mut |part| part.add_tangent(&motion, Weights { q: 0.0, v: 1.0 }, blocks));
-        });
-        let m = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
-        let mut load = vec![0.0; size];
-        line.forces(&mut |part| part.add_force(&motion, &mut load));
 
         // Spring and damper of the taut droppers are taken out again: they are unilateral.
         let law = line.droppers().law();
@@ -252,8 +249,8 @@ impl LinearLine {
                 for &(row, g_row) in &gradient {
                     load[row] += tension * g_row;
                     for &(column, g_column) in &gradient {
-                        k.push((row as u32, column as u32, -law.stiffness * g_row * g_column));
-                        d.push((row as u32, column as u32, -law.damping * g_row * g_column));
+                        stiffness.push((row as u32, column as u32, -law.stiffness * g_row * g_column));
+                        damping.push((row as u32, column as u32, -law.damping * g_row * g_column));
                     }
                 }
             }
@@ -262,13 +259,65 @@ impl LinearLine {
                 gradient,
             });
         }
-        let force = LinearForce {
+        let matrices = Matrices {
             load,
-            stiffness: SparseMatrix::from_entries(size, k),
-            damping: SparseMatrix::from_entries(size, d),
-            mass: SparseMatrix::from_entries(size, m),
+            stiffness,
+            damping,
+            mass,
         };
-        Self::new(force, LinearDroppers::new(law, droppers), line.contact_curve()).with_shape(line.clone())
+        Self::new(
+            matrices.force(),
+            LinearDroppers::new(law, droppers),
+            line.contact_curve(),
+        )
+        .with_shape(line.clone())
+    }
+
+    /// The line of a static state as two-dimensional programs take it: straight wires of constant tension with small slopes, that
+    /// move up and down only. Its coordinates are added to `layout`; those along the track are held.
+    ///
+    /// ```text
+    /// Q = −K q − D v,    K = Σ ∫ T s,ₓ s,ₓᵀ + EI s,ₓₓ s,ₓₓᵀ dx  + springs of supports and arms,    q = 0 in the static state
+    /// ```
+    ///
+    /// Droppers are vertical and carry their static forces at `q = 0`; contact sees the static heights of the contact wire. The sag
+    /// of the messenger wire, which couples lift and tension, is left out: this is not the linearisation of the line.
+    #[must_use]
+    pub fn flat(statics: &StaticLine, layout: &mut Layout) -> Self {
+        let first = layout.coordinates();
+        let line = statics.line_in(layout);
+        let held = layout.fixed().to_vec();
+        for name in WireName::BOTH {
+            for node in line.wire(name).geometry().nodes() {
+                for index in [node.map.position(0), node.map.slope(0)].into_iter().flatten() {
+                    if !held.contains(&index) {
+                        layout.fix(index);
+                    }
+                }
+            }
+        }
+        let mut matrices = Matrices::at_rest(&mut statics.straight_line(first), layout);
+        // The static state is at rest whatever the forces of straight wires are there.
+        matrices.load.fill(0.0);
+        let rest = layout.state_at_rest();
+        let motion = rest.motion(&[]);
+        let law = line.droppers().law();
+        let mut droppers = Vec::new();
+        for (index, dropper) in line.droppers().as_slice().iter().enumerate() {
+            let end = |node: &Attachment, sign: f64| node.coordinate(2).map(|index| (index, sign));
+            let ends = [end(&dropper.upper, 1.0), end(&dropper.lower, -1.0)];
+            let gradient: Vec<(usize, f64)> = ends.into_iter().flatten().collect();
+            let tension = line.droppers().tension(index, &motion);
+            for &(row, g) in &gradient {
+                matrices.load[row] += tension * g;
+            }
+            droppers.push(LinearDropper {
+                elongation: dropper.length(&motion) - dropper.unstressed_length,
+                gradient,
+            });
+        }
+        let curve = line.contact_curve();
+        Self::new(matrices.force(), LinearDroppers::new(law, droppers), curve).with_shape(line)
     }
 
     /// The line that this one stands for, see [`LinearLine::with_shape`].
@@ -322,6 +371,44 @@ impl LinearLine {
     #[must_use]
     pub fn energy(&self, motion: &Motion<'_>) -> f64 {
         self.force.energy(motion) + self.droppers.energy(motion)
+    }
+}
+
+/// What a line is at rest, as entries (row, column, value) that may repeat.
+struct Matrices {
+    load: Vec<f64>,
+    stiffness: Vec<(u32, u32, f64)>,
+    damping: Vec<(u32, u32, f64)>,
+    mass: Vec<(u32, u32, f64)>,
+}
+
+impl Matrices {
+    fn at_rest(line: &mut Line, layout: &Layout) -> Self {
+        let rest = layout.state_at_rest();
+        let motion = rest.motion(&[]);
+        let mut tangent =
+            |weights: Weights| assembled(|blocks| line.forces(&mut |part| part.add_tangent(&motion, weights, blocks)));
+        let stiffness = tangent(Weights { q: 1.0, v: 0.0 });
+        let damping = tangent(Weights { q: 0.0, v: 1.0 });
+        let mass = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
+        let mut load = vec![0.0; layout.coordinates()];
+        line.forces(&mut |part| part.add_force(&motion, &mut load));
+        Self {
+            load,
+            stiffness,
+            damping,
+            mass,
+        }
+    }
+
+    fn force(self) -> LinearForce {
+        let size = self.load.len();
+        LinearForce {
+            load: self.load,
+            stiffness: SparseMatrix::from_entries(size, self.stiffness),
+            damping: SparseMatrix::from_entries(size, self.damping),
+            mass: SparseMatrix::from_entries(size, self.mass),
+        }
     }
 }
 

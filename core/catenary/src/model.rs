@@ -69,7 +69,7 @@ impl System for Model {
 pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
     let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
     let options = LineOptions {
-        dimension: if scene.model.has(Reduction::Planar) {
+        dimension: if scene.is_planar() {
             Dimension::Planar
         } else {
             Dimension::Spatial
@@ -84,6 +84,9 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
 /// Every mode takes its line from here, so that `model.reduce` means the same in each.
 #[must_use]
 pub fn scene_line(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Box<dyn OverheadLine> {
+    if scene.model.has(Reduction::Flat) {
+        return Box::new(LinearLine::flat(statics, layout));
+    }
     let mut line = statics.line_in(layout);
     if scene.model.has(Reduction::Linearised) {
         return Box::new(LinearLine::about(&mut line, layout));
