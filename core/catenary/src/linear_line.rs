@@ -1,58 +1,8 @@
 //! A line with constant matrices and unilateral droppers.
+use crate::linear_force::LinearForce;
 use crate::{Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, Tautness, WireName};
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
 use std::sync::Arc;
-
-/// A force linear in coordinates and velocities.
-///
-/// ```text
-/// Q = Q₀ − K q − D v
-/// ```
-#[derive(Clone, Debug)]
-pub struct LinearForce {
-    /// `Q₀`, N.
-    pub load: Vec<f64>,
-    /// `K`, N/m.
-    pub stiffness: SparseMatrix,
-    /// `D`, N·s/m.
-    pub damping: SparseMatrix,
-    /// `M`, kg.
-    pub mass: SparseMatrix,
-}
-
-impl LinearForce {
-    fn add_rows(matrix: &SparseMatrix, weight: f64, blocks: &mut Blocks<'_>) {
-        for row in 0..matrix.size() {
-            for (column, value) in matrix.row(row) {
-                blocks.add(&[row], &[column], &[weight * value]);
-            }
-        }
-    }
-}
-
-impl Force for LinearForce {
-    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        for (row, value) in force.iter_mut().enumerate().take(self.load.len()) {
-            let pull: f64 = self.stiffness.row(row).map(|(column, k)| k * motion.q[column]).sum();
-            let drag: f64 = self.damping.row(row).map(|(column, d)| d * motion.v[column]).sum();
-            *value += self.load[row] - pull - drag;
-        }
-    }
-
-    fn add_tangent(&mut self, _motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
-        Self::add_rows(&self.stiffness, weights.q, blocks);
-        Self::add_rows(&self.damping, weights.v, blocks);
-    }
-
-    fn add_mass(&self, blocks: &mut Blocks<'_>) {
-        Self::add_rows(&self.mass, 1.0, blocks);
-    }
-
-    fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let work: f64 = self.load.iter().zip(motion.q).map(|(load, q)| load * q).sum();
-        0.5 * self.stiffness.quadratic_form(motion.q) - work
-    }
-}
 
 /// A dropper whose elongation is linear in the coordinates: `δ = δ₀ + g·q`, and whose force acts along `g`.
 #[derive(Clone, Debug, PartialEq)]
@@ -266,7 +216,7 @@ impl LinearLine {
             mass,
         };
         Self::new(
-            matrices.force(),
+            matrices.force(line),
             LinearDroppers::new(law, droppers),
             line.contact_curve(),
         )
@@ -317,7 +267,7 @@ impl LinearLine {
             });
         }
         let curve = line.contact_curve();
-        Self::new(matrices.force(), LinearDroppers::new(law, droppers), curve).with_shape(line)
+        Self::new(matrices.force(&line), LinearDroppers::new(law, droppers), curve).with_shape(line)
     }
 
     /// The line that this one stands for, see [`LinearLine::with_shape`].
@@ -401,14 +351,19 @@ impl Matrices {
         }
     }
 
-    fn force(self) -> LinearForce {
+    /// The force with its products arranged along the wires of `line`.
+    fn force(self, line: &Line) -> LinearForce {
         let size = self.load.len();
-        LinearForce {
-            load: self.load,
-            stiffness: SparseMatrix::from_entries(size, self.stiffness),
-            damping: SparseMatrix::from_entries(size, self.damping),
-            mass: SparseMatrix::from_entries(size, self.mass),
-        }
+        let matrix = |entries| SparseMatrix::from_entries(size, entries);
+        let chains =
+            WireName::BOTH.map(|name| line.wire(name).geometry().nodes().iter().map(|node| node.map).collect());
+        LinearForce::new(
+            self.load,
+            matrix(self.stiffness),
+            matrix(self.damping),
+            matrix(self.mass),
+        )
+        .with_chains(&chains)
     }
 }
 
