@@ -7,6 +7,7 @@ use crate::ancf::{CableSection, Components, EvenMatrix, GROUP, Lanes, Length, Sl
 use dynamics::Motion;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
 /// All elements of a wire, with two components where it stays in the plane of x and z.
 #[derive(Clone, Debug)]
@@ -29,16 +30,32 @@ impl Batch {
         }
     }
 
-    /// Adds the force of all elements, with that of inertia where accelerations are given.
-    pub fn add_force(&mut self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
-        self.add_force_on(Arch::new(), motion, v_dot, force);
+    /// Whether the coordinates ascend from node to node, so that a range of them is a part of the wire.
+    pub fn ascends(&self) -> bool {
+        match self {
+            Self::Planar(sweep) => sweep.places.ascend(),
+            Self::Spatial(sweep) => sweep.places.ascend(),
+        }
+    }
+
+    /// Adds the force of all elements, with that of inertia where accelerations are given. Only the entries `within` need be
+    /// right.
+    pub fn add_force(&mut self, within: Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+        self.add_force_on(Arch::new(), within, motion, v_dot, force);
     }
 
     /// The same with the registers of `arch`.
-    fn add_force_on(&mut self, arch: Arch, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+    fn add_force_on(
+        &mut self,
+        arch: Arch,
+        within: Range<usize>,
+        motion: &Motion<'_>,
+        v_dot: Option<&[f64]>,
+        force: &mut [f64],
+    ) {
         match self {
-            Self::Planar(sweep) => sweep.add_force(arch, motion, v_dot, force),
-            Self::Spatial(sweep) => sweep.add_force(arch, motion, v_dot, force),
+            Self::Planar(sweep) => sweep.add_force(arch, within, motion, v_dot, force),
+            Self::Spatial(sweep) => sweep.add_force(arch, within, motion, v_dot, force),
         }
     }
 }
@@ -123,15 +140,36 @@ impl<const D: usize> Sweep<D> {
         }
     }
 
-    fn add_force(&mut self, arch: Arch, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+    /// The groups that have to do with a range of coordinates.
+    fn groups_of(&self, within: &Range<usize>) -> Range<usize> {
+        let nodes = self.places.nodes_of(within);
+        if nodes.is_empty() {
+            return 0..0;
+        }
+        // Element i lies between the nodes i and i + 1.
+        let (first, end) = (nodes.start.saturating_sub(1), nodes.end.min(self.elements));
+        first / GROUP..end.div_ceil(GROUP)
+    }
+
+    fn add_force(
+        &mut self,
+        arch: Arch,
+        within: Range<usize>,
+        motion: &Motion<'_>,
+        v_dot: Option<&[f64]>,
+        force: &mut [f64],
+    ) {
+        let groups = self.groups_of(&within);
         match v_dot {
             Some(v_dot) => arch.dispatch(AddForce::<D, true> {
                 sweep: self,
+                groups,
                 values: [motion.q, motion.v, v_dot],
                 force,
             }),
             None => arch.dispatch(AddForce::<D, false> {
                 sweep: self,
+                groups,
                 values: [motion.q, motion.v, &[]],
                 force,
             }),
@@ -142,6 +180,7 @@ impl<const D: usize> Sweep<D> {
 /// The sweep, compiled once for each kind of vector registers.
 struct AddForce<'a, const D: usize, const DYNAMIC: bool> {
     sweep: &'a mut Sweep<D>,
+    groups: Range<usize>,
     /// `q`, `v`, and `v̇` where `DYNAMIC`.
     values: [&'a [f64]; 3],
     force: &'a mut [f64],
@@ -161,8 +200,9 @@ impl<const D: usize, const DYNAMIC: bool> WithSimd for AddForce<'_, D, DYNAMIC> 
             block,
         } = self.sweep;
         let [q, v, v_dot] = self.values;
-        for (number, groups) in groups.chunks(BLOCK / GROUP).enumerate() {
-            let first = number * BLOCK;
+        let start = self.groups.start * GROUP;
+        for (number, groups) in groups[self.groups].chunks(BLOCK / GROUP).enumerate() {
+            let first = start + number * BLOCK;
             let count = BLOCK.min(*elements - first);
             let nodes = (first, first + count);
             places.gather(nodes, q, &mut block.q);

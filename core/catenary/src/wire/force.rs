@@ -8,6 +8,7 @@ use crate::ancf::{
 };
 use dynamics::{Blocks, Force, Motion, Weights};
 use nalgebra::Matrix4;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Parameters of a wire's cross-section.
@@ -74,6 +75,9 @@ struct Element {
     length: f64,
     reference: Slopes,
 }
+
+/// All coordinates.
+const EVERYWHERE: Range<usize> = 0..usize::MAX;
 
 impl Wire {
     /// A wire of `section` along `geometry` in the gravity field `gravity` (m/s², downwards).
@@ -254,8 +258,8 @@ pub(super) fn element_matrix(length: f64, weights: &Products<f64>) -> Matrix4<f6
 
 impl Force for Wire {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        self.batch.add_force(motion, None, force);
-        self.layers.add_force(motion, None, force);
+        self.batch.add_force(EVERYWHERE, motion, None, force);
+        self.layers.add_force(EVERYWHERE, motion, None, force);
     }
 
     fn multiplies_mass(&self) -> bool {
@@ -263,8 +267,16 @@ impl Force for Wire {
     }
 
     fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.batch.add_force(motion, Some(v_dot), force);
-        self.layers.add_force(motion, Some(v_dot), force);
+        self.add_dynamic_force_within(EVERYWHERE, motion, v_dot, force);
+    }
+
+    fn evaluates_ranges(&self) -> bool {
+        self.batch.ascends()
+    }
+
+    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.batch.add_force(range.clone(), motion, Some(v_dot), force);
+        self.layers.add_force(range, motion, Some(v_dot), force);
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {

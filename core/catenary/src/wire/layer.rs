@@ -4,6 +4,7 @@ use super::force::Constants;
 use super::geometry::WireGeometry;
 use dynamics::{Blocks, Motion};
 use nalgebra::{Vector3, Vector4};
+use std::ops::Range;
 
 /// What all enrichments of a wire contribute, linearised at the nominal tension:
 ///
@@ -37,6 +38,8 @@ struct Row {
     load: f64,
     own: Entry,
     end: usize,
+    /// Smallest and largest of all coordinates concerned.
+    span: [usize; 2],
 }
 
 /// One enrichment on one of its elements.
@@ -173,6 +176,14 @@ impl Layers {
             load,
             own,
             end: self.entries.len(),
+            span: [
+                self.entries[first..]
+                    .iter()
+                    .fold(index, |least, entry| least.min(entry.index)),
+                self.entries[first..]
+                    .iter()
+                    .fold(index, |most, entry| most.max(entry.index)),
+            ],
         });
     }
 
@@ -202,11 +213,14 @@ impl Layers {
             .sum()
     }
 
-    /// Adds the forces of all layers, with those of inertia where accelerations are given.
-    #[inline]
-    pub fn add_force(&self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
-        let mut first = 0;
+    /// Adds the forces of all layers, with those of inertia where accelerations are given. Only the entries `within` need be right.
+    pub fn add_force(&self, within: Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+        let mut end = 0;
         for row in &self.rows {
+            let first = std::mem::replace(&mut end, row.end);
+            if row.span[1] < within.start || row.span[0] >= within.end {
+                continue;
+            }
             let at = |index: usize| {
                 let acceleration = v_dot.map_or(0.0, |v_dot| v_dot[index]);
                 [motion.q[index], motion.v[index], acceleration]
@@ -221,7 +235,6 @@ impl Layers {
                 force[entry.index] -= product(&entry.weights, own);
             }
             force[row.own.index] -= sum;
-            first = row.end;
         }
     }
 

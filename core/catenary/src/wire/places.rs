@@ -1,6 +1,7 @@
 //! Between the coordinates of a system and the arrays of a batch of elements.
 use super::node::WireNode;
 use crate::ancf::GROUP;
+use std::ops::Range;
 
 /// Elements that are gathered, evaluated and scattered together: their arrays stay in the nearest cache.
 pub(super) const BLOCK: usize = 8 * GROUP;
@@ -14,7 +15,7 @@ pub(super) type NodeArrays<const D: usize> = [[[f64; NODES]; D]; 2];
 /// Where the coordinates of the nodes stand among those of the system.
 #[derive(Clone, Debug)]
 pub(super) enum Places<const D: usize> {
-    /// The `2 D` coordinates of each node follow each other; the first of each.
+    /// The `2 D` coordinates of each node follow each other, and those of the node before; the first of each.
     Runs(Vec<u32>),
     /// Anywhere; `u32::MAX` stands for one that does not exist.
     Anywhere(Vec<[[u32; D]; 2]>),
@@ -35,10 +36,30 @@ impl<const D: usize> Places<D> {
             let run = node.as_flattened();
             run.windows(2).all(|pair| pair[0] != u32::MAX && pair[1] == pair[0] + 1)
         };
-        if places.iter().all(consecutive) {
+        let ascending = places.is_sorted_by_key(|node| node[0][0]);
+        if ascending && places.iter().all(consecutive) {
             Self::Runs(places.iter().map(|node| node[0][0]).collect())
         } else {
             Self::Anywhere(places)
+        }
+    }
+
+    /// Whether each node's coordinates follow those of the node before.
+    pub fn ascend(&self) -> bool {
+        match self {
+            Self::Runs(_) => true,
+            Self::Anywhere(_) => false,
+        }
+    }
+
+    /// The nodes with a coordinate in a range, or all.
+    pub fn nodes_of(&self, range: &Range<usize>) -> Range<usize> {
+        match self {
+            Self::Runs(starts) => {
+                let first = starts.partition_point(|&start| start as usize + 2 * D <= range.start);
+                first..starts.partition_point(|&start| (start as usize) < range.end)
+            }
+            Self::Anywhere(places) => 0..places.len(),
         }
     }
 

@@ -189,16 +189,16 @@ fn batches_give_the_force_of_element_by_element_on_every_kind_of_register() {
             wire.add_dynamic_force(&motion, &v_dot, &mut force);
             compare(&force, "widest registers");
             let mut scalar = vec![0.0; n];
-            wire.layers.add_force(&motion, Some(&v_dot), &mut scalar);
+            wire.layers.add_force(0..n, &motion, Some(&v_dot), &mut scalar);
             wire.batch
-                .add_force_on(Arch::Scalar, &motion, Some(&v_dot), &mut scalar);
+                .add_force_on(Arch::Scalar, 0..n, &motion, Some(&v_dot), &mut scalar);
             compare(&scalar, "one number at a time");
             #[cfg(target_arch = "x86_64")]
             if let Some(arch) = pulp::x86::V3::try_new() {
                 let mut four = vec![0.0; n];
-                wire.layers.add_force(&motion, Some(&v_dot), &mut four);
+                wire.layers.add_force(0..n, &motion, Some(&v_dot), &mut four);
                 wire.batch
-                    .add_force_on(Arch::V3(arch), &motion, Some(&v_dot), &mut four);
+                    .add_force_on(Arch::V3(arch), 0..n, &motion, Some(&v_dot), &mut four);
                 compare(&four, "registers of four");
             }
         }
@@ -231,4 +231,50 @@ fn a_wire_in_the_plane_has_two_components() {
         .map(|(_, geometry, _)| matches!(wire(geometry, LAWS[0]).batch, Batch::Planar(_)))
         .collect();
     assert_eq!(kinds, [true, false, false, false, false]);
+}
+
+#[test]
+fn a_range_of_coordinates_has_the_force_of_the_whole_evaluation() {
+    for (name, geometry, n) in wires() {
+        let mut wire = wire(&geometry, LAWS[0]);
+        assert_eq!(
+            wire.evaluates_ranges(),
+            ["planar", "spatial", "layers"].contains(&name),
+            "{name}"
+        );
+        let q: Vec<f64> = noise(n, 1).iter().map(|value| 0.02 * value).collect();
+        let (v, v_dot) = (noise(n, 2), noise(n, 3));
+        let motion = Motion {
+            t: 0.0,
+            q: &q,
+            v: &v,
+            rotation: &[],
+            u: &[],
+        };
+        let mut whole = vec![0.0; n];
+        wire.add_dynamic_force(&motion, &v_dot, &mut whole);
+        let scale = whole.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        for range in [
+            0..1,
+            0..n,
+            n - 1..n,
+            n - 31..n,
+            n / 2..n / 2 + 1,
+            n / 3..n / 2,
+            400..531,
+            7..7,
+        ] {
+            let mut part = vec![0.0; n];
+            wire.add_dynamic_force_within(range.clone(), &motion, &v_dot, &mut part);
+            for i in range.clone() {
+                let error = (part[i] - whole[i]).abs();
+                assert!(
+                    error < 1e-14 * scale,
+                    "{name}, {range:?}: {} against {} at {i}",
+                    part[i],
+                    whole[i]
+                );
+            }
+        }
+    }
 }
