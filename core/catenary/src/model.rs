@@ -1,11 +1,11 @@
 //! The line of a scene together with the strips on it.
 use crate::contact::STRIP_INPUTS;
 use crate::{
-    ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, OverheadLine, PenaltyContact, PrescribedStrip,
-    StaticLine, StaticsError, WindowedLine, adopt_state, follow_strips,
+    BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, OverheadLine,
+    PenaltyContact, PrescribedStrip, StaticLine, StaticsError, WindowedLine, adopt_state, follow_strips,
 };
 use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
-use scene::{Reduction, Scene};
+use scene::{Cure, Reduction, Scene};
 
 /// Why a line could not be modelled or started.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -13,6 +13,14 @@ pub enum CatenaryError {
     /// The scene names a third-party line.
     #[error("the scene's line is a third-party FMU: there is nothing to model")]
     ThirdPartyLine,
+    /// Values set since the scene was read contradict its mesh.
+    #[error("catenary.mesh.cures = \"{cure}\": must be left out: {obstacle}")]
+    Cure {
+        /// Which.
+        cure: Cure,
+        /// Why it cannot be.
+        obstacle: String,
+    },
     /// The static state was not found.
     #[error(transparent)]
     Statics(#[from] StaticsError),
@@ -76,14 +84,31 @@ impl System for Model {
 /// See [`CatenaryError`].
 pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
     let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
+    if let Some((cure, obstacle)) = scene.impossible_cures().into_iter().next() {
+        return Err(CatenaryError::Cure { cure, obstacle });
+    }
+    let mesh = &catenary.mesh;
     let options = LineOptions {
-        dimension: if scene.model.has(Reduction::Planar) {
+        dimension: if scene.is_planar() {
             Dimension::Planar
         } else {
             Dimension::Spatial
         },
-        ..LineOptions::default()
+        layers: if mesh.has(Cure::BendingLayers) {
+            BendingLayers::AtAttachments
+        } else {
+            BendingLayers::Absent
+        },
+        contact_compliance: mesh.has(Cure::ContactCompliance).then_some(scene.run.speed),
+        mass_correction: mesh.has(Cure::MassCorrection).then(|| MassCorrection {
+            step: scene.internal_step(),
+            rho_inf: scene.solver.rho_inf,
+        }),
     };
+    if scene.model.has(Reduction::Window) {
+        let together = WindowedLine::most_spans(scene, catenary);
+        return Ok(StaticLine::solve_long(catenary, options, together)?);
+    }
     Ok(StaticLine::solve(catenary, options)?)
 }
 
@@ -100,6 +125,9 @@ pub fn scene_line(
 ) -> Result<Box<dyn OverheadLine>, CatenaryError> {
     if scene.model.has(Reduction::Window) {
         return Ok(Box::new(WindowedLine::new(scene, statics, layout)?));
+    }
+    if scene.model.has(Reduction::Flat) {
+        return Ok(Box::new(LinearLine::flat(statics, layout)));
     }
     let mut line = statics.line_in(layout);
     if scene.model.has(Reduction::Linearised) {

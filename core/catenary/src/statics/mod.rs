@@ -4,6 +4,7 @@
 //! file                subject
 //! form_finding        contact wire held at its heights; lengths follow
 //! nodal_displacement  lengths given; shape follows
+//! repeat              long lines, known from short ones
 //! report              what was found, with the names of the result files
 //! error               why a line has no static state
 //! ```
@@ -11,17 +12,21 @@ mod error;
 mod form_finding;
 mod load;
 mod nodal_displacement;
+mod repeat;
 mod report;
 
 pub use error::StaticsError;
+pub(crate) use repeat::{MARGIN, Repeat};
 pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, TensionReport};
 
 use crate::line::Equilibrium;
-use crate::{Curve, CurveColumns, Line, LineOptions, Topology, WireName};
+use crate::window::{Cells, Source};
+use crate::{Curve, CurveColumns, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName};
 use dynamics::{Force, Layout, State, StaticOptions, System, solve_static};
 use load::DeadLoad;
+use nalgebra::Vector3;
 use scene::Catenary;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Force under which elasticity is measured, N.
 const ELASTICITY_FORCE: f64 = 100.0;
@@ -51,7 +56,14 @@ pub struct StaticLine {
     catenary: Catenary,
     topology: Arc<Topology>,
     equilibrium: Equilibrium,
+    /// The line itself, where a shorter one was solved in its place.
+    whole: Catenary,
+    repeat: Repeat,
+    /// Spans reduced to modes, once they were asked for.
+    cells: OnceLock<Cells>,
     system: Standalone,
+    /// Residual compliance of the contact wire under strips at rest.
+    at_rest: Option<Arc<ResidualCompliance>>,
     report: StaticsReport,
 }
 
@@ -78,12 +90,27 @@ impl StaticLine {
         let mut layout = Layout::new();
         let coordinates = topology.register(&mut layout);
         topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);
+        let line = Line::new(catenary, &topology, &equilibrium, 0);
+        let compliance = |speed: f64| {
+            let wire = line.wire(WireName::ContactWire);
+            ResidualCompliance::new(wire.geometry(), wire.section(), speed).map(Arc::new)
+        };
+        let at_rest = options.contact_compliance.and_then(|_| compliance(0.0));
+        let moving = options.contact_compliance.and_then(compliance);
         let mut line = Self {
             system: Standalone {
-                line: Line::new(catenary, &topology, &equilibrium, 0),
+                line: line.with_contact_compliance(moving),
                 layout,
                 load: DeadLoad::default(),
             },
+            at_rest,
+            whole: catenary.clone(),
+            repeat: Repeat::of_solved(&Source {
+                catenary,
+                topology: &topology,
+                equilibrium: &equilibrium,
+            }),
+            cells: OnceLock::new(),
             catenary: catenary.clone(),
             topology,
             equilibrium,
@@ -106,9 +133,27 @@ impl StaticLine {
         &self.system.line
     }
 
-    /// What the line is made of, for lines made otherwise from the same static state.
-    pub(crate) fn parts(&self) -> (&Catenary, &Arc<Topology>, &Equilibrium) {
-        (&self.catenary, &self.topology, &self.equilibrium)
+    /// What was solved, to be cut into pieces.
+    pub(crate) fn source(&self) -> Source<'_> {
+        Source {
+            catenary: &self.catenary,
+            topology: &self.topology,
+            equilibrium: &self.equilibrium,
+        }
+    }
+
+    /// The line itself, and which of its spans were solved.
+    pub(crate) fn whole(&self) -> (&Catenary, Repeat) {
+        (&self.whole, self.repeat)
+    }
+
+    pub(crate) fn shared(&self) -> (&Arc<Topology>, &Equilibrium) {
+        (&self.topology, &self.equilibrium)
+    }
+
+    /// Where reduced spans are kept between lines made from this static state.
+    pub(crate) fn cells(&self) -> &OnceLock<Cells> {
+        &self.cells
     }
 
     /// Number of coordinates, fixed ones included.
@@ -123,37 +168,54 @@ impl StaticLine {
         let first = layout.coordinates();
         let coordinates = self.topology.register(layout);
         self.topology.fix_ends(&coordinates, self.catenary.wire_ends, layout);
-        Line::new(&self.catenary, &self.topology, &self.equilibrium, first)
+        let line = Line::new(&self.catenary, &self.topology, &self.equilibrium, first)
+            .with_contact_compliance(self.system.line.compliance().cloned());
+        match self.topology.options().mass_correction {
+            None => line,
+            Some(correction) => line.with_mass_correction(correction),
+        }
     }
 
-    /// Static state with an upward force (N) on the contact wire at `x` (m).
-    ///
-    /// The force is held at the place along the track, not on a point of the wire.
-    ///
-    /// # Errors
-    /// See [`StaticsError`].
-    pub fn wire_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {
-        self.answer(x, force, self.system.layout.state_at_rest())
+    /// Straight level wires of the same nodes, at nominal tension and with slack droppers, in the coordinates of
+    /// [`StaticLine::line_in`] numbered from `first`.
+    pub(crate) fn straight_line(&self, first: usize) -> Line {
+        let (catenary, equilibrium) = (&self.catenary, &self.equilibrium);
+        let x = self.topology.x();
+        let lengths: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let straight = |wire: &WireGeometry| {
+            let start = wire.nodes()[0].position;
+            let map = |node: usize| wire.nodes()[node].map;
+            let enrichments = wire.enrichments().iter().map(|enrichment| Enrichment {
+                reference: 0.0,
+                ..*enrichment
+            });
+            WireGeometry::straight(start, Vector3::x(), &lengths, map).with_enrichments(enrichments.collect())
+        };
+        let straight = Equilibrium {
+            contact_wire: straight(&equilibrium.contact_wire),
+            messenger_wire: straight(&equilibrium.messenger_wire),
+            dropper_lengths: vec![2.0 * catenary.encumbrance; equilibrium.dropper_lengths.len()],
+            ..equilibrium.clone()
+        };
+        Line::new(catenary, &self.topology, &straight, first)
     }
 
-    /// Elasticity of the contact wire at each `x` (m): its rise under an upward force of 100 N, per newton. Slack droppers
-    /// are followed.
-    ///
-    /// # Errors
-    /// See [`StaticsError`].
-    pub fn elasticity(&self, x: &[f64]) -> Result<Vec<ElasticityReport>, StaticsError> {
-        let mut sorted = x.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        sorted.dedup();
+    fn solved_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {
+        let mut answer = self.answer(x, force, self.system.layout.state_at_rest())?;
+        answer.height += force * self.residual(self.system.line.compliance(), x, &answer.state);
+        Ok(answer)
+    }
+
+    fn solved_elasticity(&self, points: &[f64]) -> Result<Vec<ElasticityReport>, StaticsError> {
         let mut start = self.system.layout.state_at_rest();
         let rest = start.clone();
-        let mut reports = Vec::with_capacity(sorted.len());
-        for x in sorted {
+        let mut reports = Vec::with_capacity(points.len());
+        for &x in points {
             let answer = self.answer(x, ELASTICITY_FORCE, start)?;
             let rise = answer.height - self.height(x, &rest.q);
             reports.push(ElasticityReport {
                 x,
-                elasticity: rise / ELASTICITY_FORCE,
+                elasticity: rise / ELASTICITY_FORCE + self.residual(self.at_rest.as_ref(), x, &answer.state),
             });
             start = answer.state;
         }
@@ -165,7 +227,7 @@ impl StaticLine {
     pub fn elasticity_points(&self, first: usize, last: usize) -> Vec<f64> {
         let mut points = Vec::new();
         for span in first..=last {
-            let (left, right) = (self.catenary.support_x(span - 1), self.catenary.support_x(span));
+            let (left, right) = (self.whole.support_x(span - 1), self.whole.support_x(span));
             points.extend([0.0, 0.25, 0.5, 0.75, 1.0].map(|xi| left + (right - left) * xi));
             points.extend(self.catenary.droppers.positions.iter().map(|position| left + position));
         }
@@ -173,6 +235,13 @@ impl StaticLine {
         // A dropper at mid-span may differ from the quarter point by rounding.
         points.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
         points
+    }
+
+    /// Residual compliance at `x` (m), m/N; 0 where the line has none.
+    fn residual(&self, compliance: Option<&Arc<ResidualCompliance>>, x: f64, state: &State) -> f64 {
+        compliance.map_or(0.0, |compliance| {
+            compliance.at(self.system.line.contact_wire_s(x, &state.q)).value
+        })
     }
 
     /// Height of the contact wire at `x` (m) for coordinates `q`, m.
@@ -183,10 +252,6 @@ impl StaticLine {
     }
 
     fn answer(&self, x: f64, force: f64, mut state: State) -> Result<StaticAnswer, StaticsError> {
-        let length = self.catenary.length();
-        if !(0.0..=length).contains(&x) {
-            return Err(StaticsError::BesideTheLine { x, length });
-        }
         let mut system = self.system.clone();
         let curve: Arc<dyn Curve> = system.line.contact_curve();
         let options = StaticOptions::default();

@@ -1,7 +1,7 @@
 //! Pieces of a line in its static state.
 use crate::line::Equilibrium;
 use crate::topology::WireCoordinates;
-use crate::{Enrichment, Line, LineOptions, Topology, WireGeometry, WireNode};
+use crate::{Enrichment, Line, ResidualCompliance, Topology, WireGeometry, WireName, WireNode};
 use dynamics::Layout;
 use nalgebra::Vector3;
 use scene::{Catenary, WireEnds};
@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// A line whose static state is known, to be cut at its supports.
-pub(super) struct Source<'a> {
+pub(crate) struct Source<'a> {
     pub catenary: &'a Catenary,
     pub topology: &'a Topology,
     pub equilibrium: &'a Equilibrium,
@@ -25,18 +25,27 @@ impl Source<'_> {
             wire_ends: WireEnds::Fixed,
             ..self.catenary.clone()
         };
-        let topology = Arc::new(Topology::new(&catenary, self.options()));
+        let options = self.topology.options();
+        let topology = Arc::new(Topology::new(&catenary, *options));
         let mut layout = Layout::new();
         let coordinates = topology.register(&mut layout);
         let equilibrium = self.equilibrium_of(&spans, &coordinates);
-        (
-            Line::new(&catenary, &topology, &equilibrium, first),
-            layout.coordinates(),
-        )
+        let line = Line::new(&catenary, &topology, &equilibrium, first);
+        let line = match options.mass_correction {
+            None => line,
+            Some(correction) => line.with_mass_correction(correction),
+        };
+        (line, layout.coordinates())
     }
 
-    fn options(&self) -> LineOptions {
-        self.topology.options()
+    /// The same with the residual compliance of the contact wire, which nothing but contact asks for.
+    pub fn cut_for_contact(&self, spans: Range<usize>, first: usize) -> (Line, usize) {
+        let (line, count) = self.cut(spans, first);
+        let compliance = self.topology.options().contact_compliance.and_then(|speed| {
+            let wire = line.wire(WireName::ContactWire);
+            ResidualCompliance::new(wire.geometry(), wire.section(), speed).map(Arc::new)
+        });
+        (line.with_contact_compliance(compliance), count)
     }
 
     fn equilibrium_of(&self, spans: &Range<usize>, coordinates: &[WireCoordinates; 2]) -> Equilibrium {

@@ -1,6 +1,7 @@
 //! The spans far from the strips as one contribution.
 use super::cell::Cell;
 use dynamics::{Blocks, Force, Motion, Weights};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A reduced span in the coordinates of the system.
@@ -9,10 +10,14 @@ pub(super) struct Member {
     /// Coordinates of its left, then of its right support.
     pub supports: Vec<usize>,
     /// Coordinates of its first modes, as many as are kept.
-    pub modes: Vec<usize>,
+    pub modes: Range<usize>,
     /// Damping added to each mode, 1/s: the sponge.
     pub sponge: Vec<f64>,
 }
+
+/// Coordinates of both supports of a span, with and without lateral ones.
+const SPATIAL: usize = 24;
+const PLANAR: usize = 16;
 
 /// Spring, damper and mass between one coordinate and the ground.
 #[derive(Clone, Copy, Debug, Default)]
@@ -47,6 +52,7 @@ impl Member {
             }
         }
         blocks.add(&self.supports, &self.supports, scratch);
+        let modes: Vec<usize> = self.modes.clone().collect();
         scratch.clear();
         for row in 0..size {
             for mode in 0..self.modes.len() {
@@ -54,7 +60,7 @@ impl Member {
                 scratch.push(d * cell.damping_coupling[at] + m * cell.mass_coupling[at]);
             }
         }
-        blocks.add(&self.supports, &self.modes, scratch);
+        blocks.add(&self.supports, &modes, scratch);
         scratch.clear();
         for mode in 0..self.modes.len() {
             for row in 0..size {
@@ -62,32 +68,50 @@ impl Member {
                 scratch.push(d * cell.damping_coupling[at] + m * cell.mass_coupling[at]);
             }
         }
-        blocks.add(&self.modes, &self.supports, scratch);
-        for (i, &mode) in self.modes.iter().enumerate() {
+        blocks.add(&modes, &self.supports, scratch);
+        for (i, &mode) in modes.iter().enumerate() {
             let damping = cell.mode_damping[i] + self.sponge[i];
             blocks.add(&[mode], &[mode], &[k * cell.squares[i] + d * damping + m]);
         }
     }
 
-    fn add_force(&self, motion: &Motion<'_>, force: &mut [f64]) {
+    /// Adds `−K q − D v`, and `−M v̇` where `v_dot` is given.
+    fn add_force(&self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+        match self.supports.len() {
+            PLANAR => self.add_force_of::<PLANAR>(motion, v_dot, force),
+            _ => self.add_force_of::<SPATIAL>(motion, v_dot, force),
+        }
+    }
+
+    fn add_force_of<const N: usize>(&self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
         let cell = &self.cell;
-        let size = self.supports.len();
-        for (column, &from) in self.supports.iter().enumerate() {
-            let (q, v) = (motion.q[from], motion.v[from]);
-            let (k, d) = (cell.stiffness.column(column), cell.damping.column(column));
-            for row in 0..size {
-                force[self.supports[row]] -= k[row] * q + d[row] * v;
+        let gather = |values: &[f64]| -> [f64; N] { std::array::from_fn(|i| values[self.supports[i]]) };
+        let (q, v, a) = (gather(motion.q), gather(motion.v), v_dot.map_or([0.0; N], gather));
+        let mut on_supports = [0.0; N];
+        let columns = (cell.stiffness.as_slice().chunks_exact(N))
+            .zip(cell.damping.as_slice().chunks_exact(N))
+            .zip(cell.mass.as_slice().chunks_exact(N));
+        for (column, ((k, d), m)) in columns.enumerate() {
+            for i in 0..N {
+                on_supports[i] += k[i] * q[column] + d[i] * v[column] + m[i] * a[column];
             }
         }
-        for (i, &mode) in self.modes.iter().enumerate() {
-            let (q, v) = (motion.q[mode], motion.v[mode]);
-            let coupling = cell.damping_coupling.column(i);
-            let mut own = cell.squares[i] * q + (cell.mode_damping[i] + self.sponge[i]) * v;
-            for (row, &support) in self.supports.iter().enumerate() {
-                force[support] -= coupling[row] * v;
-                own += coupling[row] * motion.v[support];
+        let range = self.modes.clone();
+        let (q_m, v_m) = (&motion.q[range.clone()], &motion.v[range.clone()]);
+        let couplings = (cell.damping_coupling.as_slice().chunks_exact(N))
+            .zip(cell.mass_coupling.as_slice().chunks_exact(N))
+            .take(range.len());
+        for (i, (d, m)) in couplings.enumerate() {
+            let a_m = v_dot.map_or(0.0, |v_dot| v_dot[range.start + i]);
+            let mut own = cell.squares[i] * q_m[i] + (cell.mode_damping[i] + self.sponge[i]) * v_m[i] + a_m;
+            for j in 0..N {
+                on_supports[j] += d[j] * v_m[i] + m[j] * a_m;
+                own += d[j] * v[j] + m[j] * a[j];
             }
-            force[mode] -= own;
+            force[range.start + i] -= own;
+        }
+        for (&index, value) in self.supports.iter().zip(on_supports) {
+            force[index] -= value;
         }
     }
 
@@ -99,10 +123,10 @@ impl Member {
                 energy += 0.5 * cell.stiffness[(row, column)] * motion.q[from] * motion.q[to];
             }
         }
-        let modes = self.modes.iter().zip(&cell.squares);
+        let modes = self.modes.clone().zip(&cell.squares);
         energy
             + modes
-                .map(|(&mode, square)| 0.5 * square * motion.q[mode].powi(2))
+                .map(|(mode, square)| 0.5 * square * motion.q[mode].powi(2))
                 .sum::<f64>()
     }
 }
@@ -121,18 +145,33 @@ impl FarField {
     }
 }
 
-impl Force for FarField {
-    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+impl FarField {
+    fn add_all(&self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
         for member in &self.members {
-            member.add_force(motion, force);
+            member.add_force(motion, v_dot, force);
         }
         for ground in &self.grounds {
             let (q, v) = (motion.q[ground.index], motion.v[ground.index]);
-            force[ground.index] -= ground.stiffness * q + ground.damping * v;
+            let a = v_dot.map_or(0.0, |v_dot| v_dot[ground.index]);
+            force[ground.index] -= ground.stiffness * q + ground.damping * v + ground.mass * a;
         }
         for &(index, load) in &self.load {
             force[index] += load;
         }
+    }
+}
+
+impl Force for FarField {
+    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        self.add_all(motion, None, force);
+    }
+
+    fn multiplies_mass(&self) -> bool {
+        true
+    }
+
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.add_all(motion, Some(v_dot), force);
     }
 
     fn add_tangent(&mut self, _motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {

@@ -38,12 +38,13 @@ mod transfer;
 use crate::line::Equilibrium;
 use crate::line_end::HOLDING_STIFFNESS;
 use crate::linear_line::assembled;
+use crate::statics::Repeat;
 use crate::{
     Curve, Dimension, DropperSample, Line, LinearLine, OverheadLine, StaticLine, StaticsError, Topology, WireName,
 };
 use cell::{Cell, SpanMatrices};
 use curve::WindowCurve;
-use cut::Source;
+pub(crate) use cut::Source;
 use dynamics::{Continuity, Force, Layout, Motion, SparseMatrix, State, Weights};
 use far::{FarField, Ground, Member};
 use nalgebra::Vector3;
@@ -52,26 +53,23 @@ use scene::{Catenary, Reduction, Scene, WireEnds};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Full spans beside those that strips are in.
-#[allow(non_snake_case)] fn AHEAD_() -> usize { std::env::var("WIN_AHEAD").ok().and_then(|v| v.parse().ok()).unwrap_or(1) }
-#[allow(non_snake_case)] fn FRONT_() -> f64 { std::env::var("WIN_FRONT").ok().and_then(|v| v.parse().ok()).unwrap_or(1.2) }
-#[allow(non_snake_case)] fn BESIDE_() -> usize { std::env::var("WIN_BESIDE").ok().and_then(|v| v.parse().ok()).unwrap_or(2) }
-/// Reduced spans on either side of the window, at most.
-#[allow(non_snake_case)] fn REACH_() -> usize { std::env::var("WIN_REACH").ok().and_then(|v| v.parse().ok()).unwrap_or(16) }
-/// Those of them, nearest to the window, that carry all waves up to the filter's frequency and more.
-#[allow(non_snake_case)] fn NEAR_() -> usize { std::env::var("WIN_NEAR").ok().and_then(|v| v.parse().ok()).unwrap_or(6) }
-/// Highest mode of a near span in units of the filter's frequency.
-#[allow(non_snake_case)] fn BAND_() -> f64 { std::env::var("WIN_BAND").ok().and_then(|v| v.parse().ok()).unwrap_or(1.5) }
-/// Highest mode of a far span, Hz.
-#[allow(non_snake_case)] fn LOW_BAND_() -> f64 { std::env::var("WIN_LOW_BAND").ok().and_then(|v| v.parse().ok()).unwrap_or(4.0) }
+/// Full spans behind that of the last strip: its droppers still go slack there.
+const BEHIND: usize = 2;
+/// Full spans ahead of that of the first strip.
+const AHEAD: usize = 1;
+/// Reduced spans on either side of the window, at most: those of a tension length of 20 to 30 spans, so that its true ends are there.
+const REACH: usize = 30;
+/// Those of them, nearest to the window, that carry all waves of interest.
+const NEAR: usize = 6;
+/// Highest mode of a near span in units of the highest frequency that matters there: a force of the filter's frequency `f` that
+/// moves with `v` sends waves of frequency `f/(1 − v/c)` ahead, and meets such waves that come from behind.
+const BAND: f64 = 1.2;
+/// Highest mode of a span further away, Hz.
+const LOW_BAND: f64 = 4.0;
 /// Damping of modes in the last near span, 1/s.
-#[allow(non_snake_case)] fn SPONGE_() -> f64 { std::env::var("WIN_SPONGE").ok().and_then(|v| v.parse().ok()).unwrap_or(8.0) }
+const SPONGE: f64 = 5.0;
 /// Spans that differ by less in the static state are the same, m.
-const SAME: f64 = 1e-7;
-/// Spans at either end of a line that may differ from the periodic middle.
-const MARGIN: usize = 2;
-/// Longest period of a line that is looked for, spans.
-const LONGEST_PERIOD: usize = 8;
+pub(crate) const SAME: f64 = 1e-7;
 
 /// Where the coordinates of the window's own line stand; the same at every position.
 struct Places {
@@ -83,6 +81,30 @@ struct Places {
     inner: Vec<Range<usize>>,
 }
 
+/// The spans of a static state, reduced.
+#[derive(Clone, Debug)]
+pub(crate) struct Cells {
+    /// Modes of each cell.
+    modes: usize,
+    /// For each span its class.
+    classes: Vec<usize>,
+    /// The reduced span of each class.
+    cells: Vec<Arc<Cell>>,
+}
+
+/// What a window models of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WindowSize {
+    /// Spans modelled in full.
+    pub full: usize,
+    /// Spans reduced to supports and modes, at most.
+    pub reduced: usize,
+    /// Elements of both wires in the window.
+    pub elements: usize,
+    /// Coordinates, those included that are held.
+    pub coordinates: usize,
+}
+
 /// What does not change while the window moves.
 struct Fixed {
     catenary: Catenary,
@@ -90,11 +112,8 @@ struct Fixed {
     equilibrium: Equilibrium,
     linearised: bool,
     plan: Plan,
-    /// Spans after which the middle of the line repeats itself.
-    period: Option<usize>,
-    /// For each span of the static state its cell.
-    classes: Vec<usize>,
-    cells: Vec<Arc<Cell>>,
+    repeat: Repeat,
+    cells: Cells,
     /// x of all supports, m.
     supports_x: Vec<f64>,
     /// Coordinate of the distance travelled, m; those of the window follow.
@@ -125,18 +144,12 @@ impl Fixed {
         }
     }
 
-    /// The spans of the static state that stand for `count` spans of the line from `from` on; the first of them.
     fn source_of(&self, from: usize, count: usize) -> usize {
-        let (spans, known) = (self.plan.spans, self.catenary.spans());
-        match self.period {
-            Some(_) if from + count + MARGIN >= spans => known - (spans - from),
-            Some(period) if from > MARGIN => MARGIN + (from - MARGIN) % period,
-            _ => from,
-        }
+        self.repeat.source_of(from, count)
     }
 
     fn cell(&self, span: usize) -> &Arc<Cell> {
-        &self.cells[self.classes[self.source_of(span, 1)]]
+        &self.cells.cells[self.cells.classes[self.source_of(span, 1)]]
     }
 
     /// Everything that the matrices depend on.
@@ -145,7 +158,7 @@ impl Fixed {
         let classes = arrangement
             .modelled
             .clone()
-            .map(|span| self.classes[self.source_of(span, 1)]);
+            .map(|span| self.cells.classes[self.source_of(span, 1)]);
         let left = arrangement.window.start - arrangement.modelled.start;
         (
             source,
@@ -178,74 +191,34 @@ impl WindowedLine {
     /// # Errors
     /// [`StaticsError::Unstable`] where a span between its supports has no stable static state.
     pub fn new(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Result<Self, StaticsError> {
-        let (catenary, topology, equilibrium) = statics.parts();
-        let source = Source {
-            catenary,
-            topology,
-            equilibrium,
-        };
-        let spans = catenary.spans();
-        let period = period(&source);
-        let starts: Vec<f64> = (0..scene.pantographs.len()).map(|i| scene.strip_start_x(i)).collect();
-        let rear = starts.iter().copied().fold(f64::INFINITY, f64::min);
-        let front = starts.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let shortest = catenary.span_lengths.iter().copied().fold(f64::INFINITY, f64::min);
-        let between = ((front - rear) / shortest).ceil() as usize;
-        let stride = period.unwrap_or(1);
-        let window = (BESIDE_() + AHEAD_() + 1 + between + stride - 1).min(spans);
-
-        let position = layout.coordinates();
-        layout.add_coordinates(1, "position of the window");
-        let (line, count) = source.cut(0..window, position + 1);
-        layout.add_coordinates(count, "window of the line");
-        let places = places(&line);
-        let at_support = places.supports[0].len();
-        let wires = [&catenary.contact_wire, &catenary.messenger_wire];
-        let longest = catenary.span_lengths.iter().copied().fold(0.0, f64::max);
-        let directions = if topology.options().dimension == Dimension::Planar {
-            1
-        } else {
-            2
-        };
-        let modes_up_to = |frequency: f64| -> usize {
-            let per_wire = wires.map(|wire| (2.0 * longest * frequency / wire.wave_speed()).ceil() as usize);
-            (directions * per_wire.iter().sum::<usize>()).min(places.inner[0].len())
-        };
-        let slower = wires[0].wave_speed().min(wires[1].wave_speed());
-        let band = scene.run.low_pass_hz;
-        let modes = ModeCounts {
-            behind: modes_up_to(FRONT_() * band / (1.0 - scene.run.speed / slower).max(1e-3)),
-            ahead: modes_up_to(FRONT_() * band / (1.0 - scene.run.speed / slower).max(1e-3)),
-            far: modes_up_to(LOW_BAND_()),
-        };
-        let plan = Plan {
-            spans,
-            window,
-            behind: BESIDE_(),
-            stride,
-            reach: REACH_(),
-            near: NEAR_(),
-            modes,
-            at_support,
-            first: position + 1 + count,
-        };
-        layout.add_coordinates(plan.most_coordinates(), "spans beyond the window");
-        let (classes, cells) = cells(&source, at_support, modes.ahead.max(modes.behind))?;
+        let first = layout.coordinates();
+        let (plan, line) = plan_of(scene, statics, first);
+        let (catenary, repeat) = statics.whole();
+        let inner = plan.inner;
+        let window_first = plan.window_first();
+        let reduced = plan.coordinates() - inner;
+        layout.add_coordinates(window_first - first, "supports behind the window");
+        layout.add_coordinates(inner, "window of the line");
+        layout.add_coordinates(first + reduced - window_first, "spans beyond the window");
+        let position = layout.add_coordinates(1, "position of the window");
+        let cells = cells(statics, &plan)?;
         let supports_x = catenary.supports_x();
+        let (topology, equilibrium) = statics.shared();
         let fixed = Fixed {
-            catenary: catenary.clone(),
+            catenary: statics.source().catenary.clone(),
             topology: Arc::clone(topology),
             equilibrium: equilibrium.clone(),
             linearised: scene.model.has(Reduction::Linearised),
-            period,
-            classes,
+            repeat,
             cells,
             position,
-            places,
-            coordinates: position..layout.coordinates(),
+            places: places(&line, window_first),
+            coordinates: first..layout.coordinates(),
             supports_x,
             plan,
         };
+        let starts = (0..scene.pantographs.len()).map(|i| scene.strip_start_x(i));
+        let rear = starts.fold(f64::INFINITY, f64::min);
         let arrangement = fixed
             .plan
             .arrangement(fixed.plan.position(span_at(&fixed.supports_x, rear)));
@@ -263,20 +236,34 @@ impl WindowedLine {
         Ok(line)
     }
 
-    /// Spans modelled in full, and reduced ones at most.
+    /// What the window of a scene models, without making it.
     #[must_use]
-    pub fn spans(&self) -> (usize, usize) {
-        let plan = &self.fixed.plan;
-        (plan.window, (plan.spans - plan.window).min(2 * plan.reach))
+    pub fn size(scene: &Scene, statics: &StaticLine) -> WindowSize {
+        let (plan, line) = plan_of(scene, statics, 0);
+        WindowSize {
+            full: plan.window,
+            reduced: (plan.spans - plan.window).min(2 * plan.reach),
+            elements: line.topology().elements(),
+            coordinates: plan.coordinates() + 1,
+        }
+    }
+
+    /// Full spans that a window over the strips of a scene has, at most.
+    #[must_use]
+    pub fn most_spans(scene: &Scene, catenary: &Catenary) -> usize {
+        let starts = || (0..scene.pantographs.len()).map(|i| scene.strip_start_x(i));
+        let apart = starts().fold(f64::NEG_INFINITY, f64::max) - starts().fold(f64::INFINITY, f64::min);
+        let shortest = catenary.span_lengths.iter().copied().fold(f64::INFINITY, f64::min);
+        BEHIND + AHEAD + 1 + (apart / shortest).ceil() as usize + catenary.stagger.len() - 1
     }
 
     /// Makes all contributions for the present arrangement.
     fn build(&mut self) {
         let fixed = &self.fixed;
         let (plan, arrangement) = (&fixed.plan, &self.arrangement);
-        let first = fixed.position + 1;
+        let first = plan.window_first();
         let from = fixed.source_of(arrangement.at, plan.window);
-        let (mut line, count) = fixed.source().cut(from..from + plan.window, first);
+        let (mut line, count) = fixed.source().cut_for_contact(from..from + plan.window, first);
         self.inner = if fixed.linearised {
             let mut own = Layout::new();
             own.add_coordinates(first + count, "window");
@@ -308,7 +295,7 @@ impl WindowedLine {
             .filter(|span| !arrangement.window.contains(span))
         {
             let cell = Arc::clone(fixed.cell(span));
-            let modes: Vec<usize> = arrangement.modes[span - arrangement.modelled.start].clone().collect();
+            let modes = arrangement.modes[span - arrangement.modelled.start].clone();
             let supports = [span, span + 1]
                 .into_iter()
                 .filter_map(|support| fixed.support(arrangement, support));
@@ -319,8 +306,13 @@ impl WindowedLine {
                 cell,
             });
         }
-        self.held = vec![fixed.position];
-        self.held.extend(arrangement.used..fixed.coordinates.end);
+        let mut used = vec![false; fixed.coordinates.len()];
+        let window = first..first + count;
+        for index in arrangement.reduced(plan.at_support).chain(window) {
+            used[index - fixed.coordinates.start] = true;
+        }
+        let unused = fixed.coordinates.clone().zip(used).filter(|(_, used)| !used);
+        self.held = unused.map(|(index, _)| index).collect();
         for support in arrangement.modelled.start..=arrangement.modelled.end {
             let inside = arrangement.window.start < support && support < arrangement.window.end;
             if !inside {
@@ -358,7 +350,7 @@ impl WindowedLine {
 
     /// Spans that a picture shows: all of a short line, the modelled ones of a long one.
     fn drawn(&self) -> Range<usize> {
-        let most = 2 * REACH_() + self.fixed.plan.window;
+        let most = 2 * REACH + self.fixed.plan.window;
         if self.fixed.plan.spans <= 2 * most {
             0..self.fixed.plan.spans
         } else {
@@ -391,9 +383,9 @@ impl Fixed {
                 if count <= plan.near {
                     0.0
                 } else if mode >= plan.modes.far {
-                    SPONGE_() * (distance as f64 / plan.near as f64).powi(2)
+                    SPONGE * (distance as f64 / plan.near as f64).powi(2)
                 } else {
-                    SPONGE_() * (distance.saturating_sub(plan.near) as f64 / plan.reach as f64).powi(2)
+                    SPONGE * (distance.saturating_sub(plan.near) as f64 / plan.reach as f64).powi(2)
                 }
             })
             .collect()
@@ -467,24 +459,54 @@ fn span_at(supports_x: &[f64], x: f64) -> usize {
     right.saturating_sub(1).min(supports_x.len() - 2)
 }
 
-/// After how many spans the middle of a line repeats itself.
-fn period(source: &Source<'_>) -> Option<usize> {
-    let spans = source.catenary.spans();
-    let middle = MARGIN..spans.saturating_sub(MARGIN);
-    (1..=LONGEST_PERIOD)
-        .filter(|period| middle.len() >= 2 * period)
-        .find(|&period| {
-            let pairs = middle.start..middle.end - period;
-            pairs
-                .into_iter()
-                .all(|span| source.difference(span, span + period) <= SAME)
-        })
+/// The plan of a scene's window with coordinates from `first` on, and a window's line with coordinates from 0 on.
+fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
+    let source = statics.source();
+    let (catenary, repeat) = statics.whole();
+    let stride = repeat.period.unwrap_or(1);
+    let window = WindowedLine::most_spans(scene, catenary) + stride - catenary.stagger.len();
+    let window = window.min(repeat.known);
+    let (line, inner) = source.cut(0..window, 0);
+    let numbers = places(&line, 0);
+    let wires = [&catenary.contact_wire, &catenary.messenger_wire];
+    let longest = catenary.span_lengths.iter().copied().fold(0.0, f64::max);
+    let directions = if source.topology.options().dimension == Dimension::Planar {
+        1
+    } else {
+        2
+    };
+    let modes_up_to = |frequency: f64| -> usize {
+        let per_wire = wires.map(|wire| (2.0 * longest * frequency / wire.wave_speed()).ceil() as usize);
+        (directions * per_wire.iter().sum::<usize>()).min(numbers.inner[0].len())
+    };
+    let slower = wires[0].wave_speed().min(wires[1].wave_speed());
+    let shift = (1.0 - scene.run.speed / slower).max(1e-3);
+    let plan = Plan {
+        spans: repeat.spans,
+        window,
+        behind: BEHIND,
+        stride,
+        reach: REACH,
+        near: NEAR,
+        modes: ModeCounts {
+            near: modes_up_to(BAND * scene.run.low_pass_hz / shift),
+            far: modes_up_to(LOW_BAND),
+        },
+        at_support: numbers.supports[0].len(),
+        inner,
+        first,
+    };
+    (plan, line)
 }
 
-fn places(line: &Line) -> Places {
+/// Coordinates of a line whose coordinates are numbered from 0, moved on by `first`.
+fn places(line: &Line, first: usize) -> Places {
     let wires = WireName::BOTH.map(|name| line.wire(name).geometry());
     let nodes = line.topology().supports();
-    let at = |node: usize| wires.iter().flat_map(move |wire| wire.nodes()[node].map.indices());
+    let at = |node: usize| {
+        let indices = wires.iter().flat_map(move |wire| wire.nodes()[node].map.indices());
+        indices.map(move |index| first + index)
+    };
     let layers = |node: usize| {
         let of = wires.iter().flat_map(|wire| wire.enrichments());
         of.filter(|layer| layer.node == node)
@@ -492,8 +514,8 @@ fn places(line: &Line) -> Places {
             .collect::<Vec<_>>()
     };
     let inner = nodes.windows(2).map(|ends| {
-        let first = at(ends[0] + 1).min().unwrap_or(0);
-        first..at(ends[1]).min().unwrap_or(first)
+        let begin = at(ends[0] + 1).min().unwrap_or(0);
+        begin..at(ends[1]).min().unwrap_or(begin)
     });
     Places {
         supports: nodes.iter().map(|&node| at(node).collect()).collect(),
@@ -502,22 +524,30 @@ fn places(line: &Line) -> Places {
     }
 }
 
-/// For each span its class, and the reduced span of each class.
-fn cells(source: &Source<'_>, at_support: usize, modes: usize) -> Result<(Vec<usize>, Vec<Arc<Cell>>), StaticsError> {
+/// The reduced spans of a static state; made once for all lines from it.
+fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
+    let modes = plan.modes.near;
+    if let Some(known) = statics.cells().get().filter(|known| known.modes == modes) {
+        return Ok(known.clone());
+    }
+    let source = statics.source();
     let (mut classes, mut examples, mut cells) = (Vec::new(), Vec::new(), Vec::new());
     for span in 0..source.catenary.spans() {
         let known = examples
             .iter()
             .position(|&example| source.difference(example, span) <= SAME);
         if known.is_none() {
-            let matrices = matrices(source, span, at_support);
+            let matrices = matrices(&source, span, plan.at_support);
             let cell = Cell::new(&matrices, modes).ok_or(StaticsError::Unstable { span: span + 1 })?;
             examples.push(span);
             cells.push(Arc::new(cell));
         }
         classes.push(known.unwrap_or(examples.len() - 1));
     }
-    Ok((classes, cells))
+    let made = Cells { modes, classes, cells };
+    // A later one with other modes is not kept.
+    let _ = statics.cells().set(made.clone());
+    Ok(made)
 }
 
 fn matrices(source: &Source<'_>, span: usize, at_support: usize) -> SpanMatrices {
@@ -667,7 +697,7 @@ impl OverheadLine for WindowedLine {
         self.fixed.transfer(&self.arrangement, &next, state);
         state.q[self.fixed.position] = self.fixed.supports_x[at] - self.origin;
         let continuity = self.go_to(next);
-        for &index in &self.held[1..] {
+        for &index in self.held.iter().filter(|&&index| index != self.fixed.position) {
             for values in [&mut state.q, &mut state.v, &mut state.v_dot, &mut state.a] {
                 values[index] = 0.0;
             }

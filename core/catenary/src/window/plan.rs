@@ -14,17 +14,13 @@ pub(super) struct Arrangement {
     pub modes: Vec<Range<usize>>,
     /// For each support that is an end of reduced spans only its first coordinate.
     pub supports: Vec<Option<usize>>,
-    /// First coordinate that is not in use.
-    pub used: usize,
 }
 
 /// Modes that are kept of a reduced span.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ModeCounts {
-    /// Of a near span behind the window.
-    pub behind: usize,
-    /// Of a near span ahead of it.
-    pub ahead: usize,
+    /// Of a near span.
+    pub near: usize,
     /// Of a span further away.
     pub far: usize,
 }
@@ -48,31 +44,48 @@ pub(super) struct Plan {
     pub modes: ModeCounts,
     /// Coordinates of a support.
     pub at_support: usize,
-    /// First coordinate behind those of the window.
+    /// Coordinates of the window.
+    pub inner: usize,
+    /// The first coordinate of all.
     pub first: usize,
 }
 
 impl Plan {
-    /// Coordinates of the `distance`-th span behind the window, counted from 1, its outer support included.
-    fn behind(&self, distance: usize) -> usize {
-        let modes = if distance > self.near { self.modes.far } else { self.modes.behind };
-        modes + self.at_support
+    /// Modes of the `distance`-th span from the window, counted from 1.
+    fn mode_count(&self, distance: usize) -> usize {
+        if distance > self.near {
+            self.modes.far
+        } else {
+            self.modes.near
+        }
     }
 
-    /// See [`Plan::behind`].
-    fn ahead(&self, distance: usize) -> usize {
-        let modes = if distance > self.near { self.modes.far } else { self.modes.ahead };
-        modes + self.at_support
+    /// Reduced spans on one side, at most.
+    fn most(&self) -> usize {
+        self.reach.min(self.spans - self.window)
     }
 
-    /// Coordinates of all reduced spans at any position.
-    pub fn most_coordinates(&self) -> usize {
+    /// First coordinate of the window. All supports and the window follow one another along the track, so that only neighbours are
+    /// coupled there; modes come last.
+    pub fn window_first(&self) -> usize {
+        self.first + self.most() * self.at_support
+    }
+
+    fn modes_first(&self) -> usize {
+        self.window_first() + self.inner + self.most() * self.at_support
+    }
+
+    /// All coordinates at any position.
+    pub fn coordinates(&self) -> usize {
+        self.modes_first() - self.first + self.most_modes()
+    }
+
+    fn most_modes(&self) -> usize {
         let positions = 0..=self.spans - self.window;
         let used = positions.map(|at| {
             let (left, right) = self.reduced(at);
-            let behind: usize = (1..=left).map(|distance| self.behind(distance)).sum();
-            let ahead: usize = (1..=right).map(|distance| self.ahead(distance)).sum();
-            behind + ahead
+            let side = |count: usize| -> usize { (1..=count).map(|distance| self.mode_count(distance)).sum() };
+            side(left) + side(right)
         });
         used.max().unwrap_or(0)
     }
@@ -94,18 +107,20 @@ impl Plan {
         let modelled = at - left..window.end + right;
         let mut modes = vec![0..0; modelled.len()];
         let mut supports = vec![None; modelled.len() + 1];
-        let mut next = self.first;
+        let mut next = self.modes_first();
         let mut take = |count: usize| {
             next += count;
-            (next - count..next - self.at_support, Some(next - self.at_support))
+            next - count..next
         };
         for distance in 1..=left {
             let span = left - distance;
-            (modes[span], supports[span]) = take(self.behind(distance));
+            modes[span] = take(self.mode_count(distance));
+            supports[span] = Some(self.window_first() - distance * self.at_support);
         }
         for distance in 1..=right {
             let span = left + self.window + distance - 1;
-            (modes[span], supports[span + 1]) = take(self.ahead(distance));
+            modes[span] = take(self.mode_count(distance));
+            supports[span + 1] = Some(self.window_first() + self.inner + (distance - 1) * self.at_support);
         }
         Arrangement {
             at,
@@ -113,12 +128,18 @@ impl Plan {
             modelled,
             modes,
             supports,
-            used: next,
         }
     }
 }
 
 impl Arrangement {
+    /// Coordinates of all reduced spans, of `at_support` coordinates per support.
+    pub fn reduced(&self, at_support: usize) -> impl Iterator<Item = usize> + '_ {
+        let supports = self.supports.iter().flatten();
+        let supports = supports.flat_map(move |&first| first..first + at_support);
+        self.modes.iter().cloned().flatten().chain(supports)
+    }
+
     /// Distance of a modelled span from the window, from 1; 0 in the window.
     pub fn distance(&self, span: usize) -> usize {
         if span < self.window.start {
@@ -141,20 +162,17 @@ mod tests {
             stride: 1,
             reach: 8,
             near: 4,
-            modes: ModeCounts {
-                behind: 10,
-                ahead: 20,
-                far: 5,
-            },
+            modes: ModeCounts { near: 20, far: 5 },
             at_support: 8,
+            inner: 100,
             first: 1000,
         }
     }
 
     #[test]
     fn a_long_line_costs_as_much_as_a_longer_one() {
-        assert_eq!(plan(80).most_coordinates(), plan(2000).most_coordinates());
-        assert!(plan(10).most_coordinates() < plan(80).most_coordinates());
+        assert_eq!(plan(80).coordinates(), plan(2000).coordinates());
+        assert!(plan(10).coordinates() < plan(80).coordinates());
     }
 
     #[test]
@@ -163,18 +181,10 @@ mod tests {
             let plan = plan(spans);
             for at in 0..=spans - 3 {
                 let found = plan.arrangement(at);
-                let mut taken = vec![0; plan.most_coordinates()];
-                for (i, modes) in found.modes.iter().enumerate() {
-                    let own = modes
-                        .clone()
-                        .chain(found.supports[i].iter().flat_map(|&first| first..first + 8));
-                    own.for_each(|index| taken[index - 1000] += 1);
+                let mut taken = vec![false; plan.coordinates()];
+                for index in found.reduced(8).chain(plan.window_first()..plan.window_first() + 100) {
+                    assert!(!std::mem::replace(&mut taken[index - 1000], true));
                 }
-                if let Some(first) = found.supports[found.modelled.len()] {
-                    (first..first + 8).for_each(|index| taken[index - 1000] += 1);
-                }
-                assert!(taken[..found.used - 1000].iter().all(|&count| count == 1));
-                assert!(taken[found.used - 1000..].iter().all(|&count| count == 0));
                 assert!(found.modelled.start == at.saturating_sub(8) && found.modelled.end == (at + 11).min(spans));
             }
         }
