@@ -43,6 +43,7 @@ mod system;
 mod updates;
 mod woodbury;
 
+pub use block_tridiagonal::{BlockTridiagonal, LocalColumn};
 pub use blocks::Blocks;
 pub use constraint::{Constraint, JacobianRows, RowSink};
 pub use force::{Force, Weights};

@@ -131,7 +131,7 @@ impl Part {
     pub fn load(&mut self, right_side: &[f64], thresholds: Thresholds) {
         if self.in_blocks {
             if let Some(blocks) = &mut self.blocks {
-                blocks.load(&self.unknowns, right_side);
+                blocks.load(right_side);
             }
             return;
         }
@@ -175,7 +175,7 @@ impl Part {
     ) {
         if self.in_blocks {
             if let Some(blocks) = &mut self.blocks {
-                blocks.solve(&self.unknowns, thresholds.force, solution, &mut |inner, outer| {
+                blocks.solve(thresholds.force, solution, &mut |inner, outer| {
                     let whole = |range: Range<usize>| self.unknowns[range.start]..self.unknowns[range.end - 1] + 1;
                     changed(whole(inner), whole(outer));
                 });
