@@ -70,9 +70,17 @@ impl WithSimd for Factor<'_> {
         let matrix = self.0;
         let middle = matrix.middle;
         let last = matrix.blocks.len() - 1;
-        (0..middle).all(|i| eliminate(simd, matrix, i, i + 1))
-            && (middle + 1..=last).rev().all(|i| eliminate(simd, matrix, i, i - 1))
-            && invert(matrix, middle)
+        for i in 0..middle {
+            if !eliminate(simd, matrix, i, i + 1) {
+                return false;
+            }
+        }
+        for i in (middle + 1..=last).rev() {
+            if !eliminate(simd, matrix, i, i - 1) {
+                return false;
+            }
+        }
+        invert(matrix, middle)
     }
 }
 
@@ -90,11 +98,14 @@ fn eliminate<S: Simd>(simd: S, matrix: &mut BlockTridiagonal, i: usize, next: us
     let coupling = &coupling[..next.height * own.size];
     let transposed = &transposed[..own.height * next.size];
 
-    let (inverse, mirrored) = matrix.backward[own.backward..][..own.height * (own.size + next.size)]
-        .split_at_mut(own.height * own.size);
+    let (inverse, mirrored) =
+        matrix.backward[own.backward..][..own.height * (own.size + next.size)].split_at_mut(own.height * own.size);
     let forward = &mut matrix.forward[own.forward..own.forward + next.height * own.size];
     forward.fill(0.0);
-    for (target, column) in forward.chunks_exact_mut(next.height).zip(inverse.chunks_exact(own.height)) {
+    for (target, column) in forward
+        .chunks_exact_mut(next.height)
+        .zip(inverse.chunks_exact(own.height))
+    {
         add_product(simd, coupling, &column[..own.size], target);
         target.iter_mut().for_each(|value| *value = -*value);
     }
@@ -105,13 +116,17 @@ fn eliminate<S: Simd>(simd: S, matrix: &mut BlockTridiagonal, i: usize, next: us
         }
     }
     let schur = &mut matrix.assembled.diagonal[next.assembled..next.assembled + next.height * next.size];
-    for (target, column) in schur.chunks_exact_mut(next.height).zip(transposed.chunks_exact(own.height)) {
+    for (target, column) in schur
+        .chunks_exact_mut(next.height)
+        .zip(transposed.chunks_exact(own.height))
+    {
         add_product(simd, forward, &column[..own.size], target);
     }
     true
 }
 
 /// Writes the inverse of the block on the diagonal in front of the backward block; false where it is not positive definite.
+#[inline(always)]
 fn invert(matrix: &mut BlockTridiagonal, i: usize) -> bool {
     let Block {
         size,

@@ -7,7 +7,10 @@ struct Random(u64);
 impl Random {
     /// Uniform in −1…1.
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
@@ -15,6 +18,8 @@ impl Random {
         ((0.5 * (self.next() + 1.0) * end as f64) as usize).min(end - 1)
     }
 }
+
+type Runs = Vec<(Range<usize>, Range<usize>)>;
 
 /// A symmetric matrix in compressed columns, dense within blocks of `sizes` and between neighbours.
 struct Sample {
@@ -85,11 +90,14 @@ impl Sample {
         global
     }
 
-    fn solve(&self, matrix: &mut BlockTridiagonal, local: &[f64], threshold: f64) -> (Vec<f64>, Vec<Range<usize>>) {
+    /// The solution, and the runs of unknowns that were solved, alone and with those they couple with.
+    fn solve(&self, matrix: &mut BlockTridiagonal, local: &[f64], threshold: f64) -> (Vec<f64>, Runs) {
         let mut solution = self.global(&vec![0.0; local.len()]);
         let mut changed = Vec::new();
         matrix.load(&self.unknowns, &self.global(local));
-        matrix.solve(&self.unknowns, threshold, &mut solution, &mut |range| changed.push(range));
+        matrix.solve(&self.unknowns, threshold, &mut solution, &mut |inner, outer| {
+            changed.push((inner, outer))
+        });
         let solution = self.unknowns.iter().map(|&unknown| solution[unknown]).collect();
         (solution, changed)
     }
@@ -102,17 +110,35 @@ fn sizes(random: &mut Random, blocks: usize, largest: usize) -> Vec<usize> {
 #[test]
 fn solutions_agree_with_dense_cholesky_for_blocks_of_any_size() {
     let mut random = Random(1);
-    for (blocks, largest) in [(1, 1), (1, 9), (2, 5), (3, 8), (7, 3), (12, 12), (9, 17), (5, 40), (40, 8)] {
+    for (blocks, largest) in [
+        (1, 1),
+        (1, 9),
+        (2, 5),
+        (3, 8),
+        (7, 3),
+        (12, 12),
+        (9, 17),
+        (5, 40),
+        (40, 8),
+    ] {
         for spread in [false, true] {
             let sizes = sizes(&mut random, blocks, largest);
             let sample = Sample::new(&mut random, &sizes, 0.1, spread);
             let mut matrix = sample.factored();
             let b: Vec<f64> = (0..sample.unknowns.len()).map(|_| random.next()).collect();
-            let exact = sample.dense.clone().cholesky().unwrap().solve(&DVector::from_column_slice(&b));
+            let exact = sample
+                .dense
+                .clone()
+                .cholesky()
+                .unwrap()
+                .solve(&DVector::from_column_slice(&b));
             let (x, changed) = sample.solve(&mut matrix, &b, 0.0);
-            assert_eq!(changed, vec![0..b.len()]);
+            assert_eq!(changed, vec![(0..b.len(), 0..b.len())]);
             for (x, exact) in x.iter().zip(&exact) {
-                assert!((x - exact).abs() < 1e-12 * (1.0 + exact.abs()), "{blocks}, {largest}: {x} {exact}");
+                assert!(
+                    (x - exact).abs() < 1e-12 * (1.0 + exact.abs()),
+                    "{blocks}, {largest}: {x} {exact}"
+                );
             }
         }
     }
@@ -185,7 +211,16 @@ fn a_local_column_is_the_solution_down_to_where_it_has_decayed() {
     let size = sample.unknowns.len();
     let cholesky = sample.dense.clone().cholesky().unwrap();
     // Both halves, both ends, and on both sides of the middle.
-    for at in [0, 3, size / 5, size / 2 - 20, size / 2, size / 2 + 9, 4 * size / 5, size - 1] {
+    for at in [
+        0,
+        3,
+        size / 5,
+        size / 2 - 20,
+        size / 2,
+        size / 2 + 9,
+        4 * size / 5,
+        size - 1,
+    ] {
         let entries = [(at, 1.0), ((at + 9).min(size - 1), -0.5), (at, 0.25)];
         let mut u = DVector::zeros(size);
         entries.iter().for_each(|&(i, value)| u[i] += value);
@@ -207,7 +242,7 @@ fn a_local_column_is_the_solution_down_to_where_it_has_decayed() {
         matrix.load(&sample.unknowns, &sample.global(&b));
         let product = matrix.dot(&column);
         assert!((product - exact.dot(&DVector::from_column_slice(&b))).abs() < 1e-12);
-        matrix.solve(&sample.unknowns, 0.0, &mut sample.global(&b), &mut |_| ());
+        matrix.solve(&sample.unknowns, 0.0, &mut sample.global(&b), &mut |_, _| ());
     }
     let mut empty = LocalColumn::default();
     matrix.column(std::iter::empty(), 1e-14, &mut empty);
@@ -228,12 +263,14 @@ fn what_a_solution_leaves_out_is_of_the_order_of_its_threshold() {
         }
         let (x, changed) = sample.solve(&mut matrix, &b, threshold);
         assert_eq!(changed.len(), runs, "{changed:?}");
-        let inside = |i: usize| changed.iter().any(|range| range.contains(&i));
+        let inside = |i: usize| changed.iter().any(|(range, _)| range.contains(&i));
         assert!((0..size).all(|i| inside(i) == (x[i] != 0.0)));
         let left = (DVector::from_column_slice(&b) - &sample.dense * DVector::from_column_slice(&x)).amax();
-        assert!(left <= 4.0 * threshold, "{left:e} is left at a threshold of {threshold:e}");
-        for range in &changed {
-            let around = matrix.neighbourhood(range);
+        assert!(
+            left <= 4.0 * threshold,
+            "{left:e} is left at a threshold of {threshold:e}"
+        );
+        for (range, around) in &changed {
             let reached = |i: usize| (0..size).all(|row| around.contains(&row) || sample.dense[(row, i)] == 0.0);
             assert!(range.clone().all(reached), "{range:?}, {around:?}");
         }
