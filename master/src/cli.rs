@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 use crate::command::{self, CommandError};
-use crate::compare::{self, SETTLE};
+use crate::compare;
 use crate::isolation;
 use crate::simulation::Mode;
-use crate::table_of_runs::STATUS_RULE;
+use crate::table_of_runs::{SETTLE, STATUS_RULE, macro_step};
 
 /// Scene that is run when nothing is said.
 const DEFAULT_SCENE: &str = "scenes/thesis.toml";
@@ -68,7 +68,7 @@ enum Command {
         test_problem: bool,
         /// Macro steps, in ms or with a unit (0.5, 0.5ms, 500us, 5e-4s), separated by commas
         /// [default: 0.1,0.2,0.5,1,2,5,10; of the test problem 0.2,1,2,5]
-        #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = compare::macro_step)]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = macro_step)]
         macro_steps: Vec<f64>,
         /// Times that every run is made; its wall time is the median
         #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
