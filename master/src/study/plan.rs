@@ -206,15 +206,7 @@ pub fn plan(ground: &Ground, options: &Options) -> Vec<Planned> {
     mesh(&mut runs, options);
     micro_step(&mut runs, options);
     coupling(&mut runs, options);
-    for &rho_inf in &options.rho_inf {
-        runs.add(
-            Recipe {
-                rho_inf,
-                ..base(ground)
-            },
-            Sweep::RhoInf,
-        );
-    }
+    rho_inf(&mut runs, options);
     reductions(&mut runs, options);
     ladder(&mut runs, options);
     spans(&mut runs, options);
@@ -326,6 +318,24 @@ fn coupling(runs: &mut Runs<'_>, options: &Options) {
             with(scene::Algorithm::GaussSeidel.name(), Some(degree), middle),
             Sweep::Coupling,
         );
+    }
+}
+
+/// All on one mesh: with those cures that go with every one of them.
+fn rho_inf(runs: &mut Runs<'_>, options: &Options) {
+    let ground = runs.ground;
+    let with = |cures: &[String], rho_inf: f64| Recipe {
+        mesh: ground.mesh(ground.elements, cures.to_vec()),
+        rho_inf,
+        ..base(ground)
+    };
+    let goes = |cures: &Vec<String>| {
+        let mut all = options.rho_inf.iter();
+        all.all(|rho_inf| ground.takes(&ground.variant(&with(cures, *rho_inf)).overrides))
+    };
+    let cures = ground.cure_sets().into_iter().find(goes).unwrap_or_default();
+    for &rho_inf in &options.rho_inf {
+        runs.add(with(&cures, rho_inf), Sweep::RhoInf);
     }
 }
 

@@ -200,12 +200,24 @@ impl Ground {
         if !self.meshed {
             return None;
         }
-        let names = |cures: &[&str]| cures.iter().map(|cure| (*cure).to_owned()).collect::<Vec<_>>();
-        let found = CURES.iter().find(|cures| self.takes(&[cures_key(&names(cures))]));
-        match found {
-            Some(cures) => Some(names(cures)),
-            None => self.takes(&[cures_key(&[])]).then(Vec::new),
-        }
+        let found = self
+            .cure_sets()
+            .into_iter()
+            .find(|cures| self.takes(&self.at_base(cures_key(cures))));
+        found.or_else(|| self.takes(&self.at_base(cures_key(&[]))).then(Vec::new))
+    }
+
+    /// A key beside the mesh and the step of the base case, which the scene's own may not go with.
+    fn at_base(&self, key: String) -> Vec<String> {
+        let mesh = format!("catenary.mesh.elements_per_interval={}", self.elements);
+        vec![mesh, format!("solver.micro_step={:?}", self.micro_step), key]
+    }
+
+    /// Sets of cures that go together, best first.
+    #[must_use]
+    pub fn cure_sets(&self) -> Vec<Vec<String>> {
+        let names = |cures: &&[&str]| cures.iter().map(|cure| (*cure).to_owned()).collect();
+        CURES.iter().map(names).collect()
     }
 
     /// Whether the scene can be read with these keys too.

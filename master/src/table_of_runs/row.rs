@@ -87,7 +87,7 @@ columns! {
     micro_step: Option<f64> = "micro_step_s",
     /// Elements of the contact wire in a span, –.
     elements_per_span: Option<u64> = "elements_per_span",
-    /// What helps the elements, joined by `+`, or `plain`; `/full` where the axial strain is not the element mean.
+    /// What helps the elements, joined by `+`, or `plain`.
     mesh: String = "mesh",
     /// Reductions joined by `+`, or `none`.
     reduction: String = "reduction",
@@ -158,7 +158,7 @@ impl Row {
     pub fn planned(name: &str, scene: &Scene, mode: Mode, algorithm: &str) -> Self {
         let coupled = mode != Mode::Monolithic;
         let macro_step = scene.coupling.macro_step;
-        let micro = macro_step / (macro_step / scene.solver.micro_step - 1e-9).ceil().max(1.0);
+        let micro = scene.internal_step();
         let line = scene.modelled_line().map(|(line, _)| line);
         let reductions: Vec<&str> = scene
             .model
@@ -175,7 +175,7 @@ impl Row {
             micro_step: Some(micro),
             elements_per_span: line
                 .map(|line| ((line.droppers.positions.len() + 1) * line.mesh.elements_per_interval) as u64),
-            mesh: line.map_or_else(String::new, |line| mesh_name(&line.mesh)),
+            mesh: line.map_or_else(String::new, |line| line.mesh.name()),
             reduction: if reductions.is_empty() {
                 "none".to_owned()
             } else {
@@ -252,15 +252,6 @@ impl Row {
     pub fn method(&self) -> (&str, &str) {
         (&self.mode, &self.algorithm)
     }
-}
-
-/// What `mesh` is called in tables, besides its number of elements.
-fn mesh_name(mesh: &scene::Mesh) -> String {
-    let strain = match mesh.axial_strain {
-        scene::AxialStrain::Mean => String::new(),
-        other => format!("/{}", other.name()),
-    };
-    format!("plain{strain}")
 }
 
 /// Writes into each row the order of convergence that it shows together with the next smaller macro step of the same mode and
