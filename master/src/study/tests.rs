@@ -153,7 +153,7 @@ fn what_a_recipe_changes_does_not_make_another_scene() {
         assert_eq!(identity(&short(&[key])), own, "{key}");
     }
     for key in [
-        "run.speed_kmh=240",
+        "run.speed_kmh=61",
         "catenary.spans=4",
         "contact.stiffness=6e4",
         "pantograph[1].masses=[7, 15]",
