@@ -12,7 +12,7 @@ use crate::table_of_runs;
 impl From<StudyError> for CommandError {
     fn from(error: StudyError) -> Self {
         match error {
-            StudyError::Setup(error) => error.into(),
+            StudyError::Setup(error) => Self::Setup(error),
             StudyError::Results(error) => Self::Results(error),
         }
     }

@@ -30,10 +30,16 @@ const TIMED: f64 = 4e8;
 pub enum StudyError {
     /// The scene.
     #[error(transparent)]
-    Setup(#[from] SetupError),
+    Setup(Box<SetupError>),
     /// Its files.
     #[error(transparent)]
     Results(#[from] ResultsError),
+}
+
+impl From<SetupError> for StudyError {
+    fn from(error: SetupError) -> Self {
+        Self::Setup(Box::new(error))
+    }
 }
 
 /// A study that can begin.

@@ -31,7 +31,7 @@ const HIGHEST: f64 = 16.0;
 #[must_use]
 pub fn order([h1, h2, h3]: [f64; 3], [d12, d23]: [f64; 2]) -> Option<f64> {
     let falls = h1 > h2 && h2 > h3 && h3 > 0.0;
-    if !falls || !(d12 > 0.0 && d23 > 0.0) || !d12.is_finite() || !d23.is_finite() {
+    if !(falls && d12 > 0.0 && d23 > 0.0 && d12.is_finite() && d23.is_finite()) {
         return None;
     }
     let ratio = |p: f64| {

@@ -411,9 +411,12 @@ fn label_without(row: &Row, sweep: &str) -> String {
     format!("{}, {mesh}, {}", row.mesh, row.reduction)
 }
 
+/// Runs that differ in one size only: the sweep, what stays the same, and for each its size, the size as shown, its place.
+type Group = (&'static str, String, Vec<(f64, f64, usize)>);
+
 /// Orders of mesh and micro step from the runs that differ in nothing else.
 fn orders(state: &State) -> Vec<Order> {
-    let mut groups: Vec<(&'static str, String, Vec<(f64, f64, usize)>)> = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
     for (index, run) in state.runs.iter().enumerate() {
         let Some(made) = state.made[index]
             .as_ref()

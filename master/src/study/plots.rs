@@ -174,7 +174,8 @@ pub(super) fn precision(study: &Study) -> String {
 
 /// Curves of error over `x` through the rows of a sweep, one for each name.
 fn sweep(study: &Study, rows: &[&Entry], x: impl Fn(&Row) -> Option<f64>, name: impl Fn(&Row) -> String) -> Vec<Trace> {
-    let mut curves: Vec<(String, Vec<(f64, f64, &Entry)>)> = Vec::new();
+    type Points<'a> = Vec<(f64, f64, &'a Entry)>;
+    let mut curves: Vec<(String, Points<'_>)> = Vec::new();
     for entry in rows {
         let row = &entry.row;
         let ended = matches!(row.status, Some(Status::Stable | Status::Limit | Status::Diverged));

@@ -6,11 +6,14 @@ use serde::Serialize;
 
 use super::execute::StudyError;
 use super::plan::{Options, Planned, Sweep, base};
-use super::recipe::{Exchange, Family, Ground, Mesh, Recipe};
+use super::recipe::{Family, Ground, Mesh, Recipe};
 use crate::table_of_runs::{Attempt, Errors, Status};
 
 /// Most levels: each has twice the elements at half the micro step.
 const LEVELS: u32 = 8;
+
+/// Makes a run; nothing when the study is to end.
+pub type Run<'a> = dyn FnMut(&Planned) -> Result<Option<Arc<Attempt>>, StudyError> + 'a;
 
 /// How the mesh of a reference is refined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -86,17 +89,8 @@ fn level(ground: &Ground, family: Family, discretisation: Discretisation, number
         mesh,
         micro_step,
         reductions,
-        exchange: match ground.plain_exchange(micro_step) {
-            // Somebody else's side: the coupling is refined too, by an algorithm that repeats steps where it can.
-            Exchange::Of {
-                algorithm, macro_step, ..
-            } => Exchange::Of {
-                algorithm,
-                extrapolation: None,
-                macro_step,
-            },
-            other => other,
-        },
+        // Somebody else's side: the macro step is refined with the micro step.
+        exchange: ground.plain_exchange(micro_step),
         ..base(ground)
     };
     Planned::new(ground, recipe, Sweep::Reference)
@@ -119,7 +113,7 @@ pub fn refine(
     options: &Options,
     family: Family,
     discretisation: Discretisation,
-    run: &mut dyn FnMut(&Planned) -> Result<Option<Arc<Attempt>>, StudyError>,
+    run: &mut Run<'_>,
 ) -> Result<Option<Refinement>, StudyError> {
     let mut found = Refinement {
         family,
