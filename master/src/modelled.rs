@@ -3,6 +3,7 @@
 use catenary::{WindowSize, WindowedLine};
 use scene::{Initialise, PantographModel, Reduction, Start};
 
+use crate::mesh;
 use crate::results::{Model, Part};
 use crate::simulation::Prepared;
 use crate::standstill::{self, Standstill};
@@ -44,8 +45,9 @@ impl Prepared {
         let line = match &scene.catenary {
             scene::Line::ThirdParty(entry) => format!("FMU {}", entry.fmu),
             scene::Line::Modelled(_) => format!(
-                "{elements} cable elements in two wires, {} spans; {}; {}{}",
+                "{elements} cable elements in two wires, {} spans; mesh: {}; {}; {}{}",
                 statics.map_or(0, catenary::StaticLine::spans),
+                mesh::described(scene),
                 dimension(scene),
                 motion(scene),
                 window.map_or_else(String::new, |window| format!("; {}", around(window)))
@@ -94,16 +96,7 @@ impl Prepared {
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
-        if let (Some((catenary, _)), Some(statics)) = (self.scene.modelled_line(), &self.statics) {
-            let x = statics.line().topology().x();
-            let longest = x.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-            notes.extend(mesh_note(
-                longest,
-                catenary.contact_wire.wave_speed(),
-                self.scene.run.speed,
-                self.scene.run.low_pass_hz,
-            ));
-        }
+        notes.extend(mesh::expected_error(&self.scene));
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {
             if let (PantographModel::ThirdParty(_), Some(start)) = (&pantograph.model, pantograph.start) {
                 notes.push(format!(
@@ -202,56 +195,5 @@ fn third_party_start(initialise: Initialise, standstill: Option<Standstill>, sta
         (Initialise::Equilibrium, Some(found)) => {
             format!("at {height:.4} m and {force:.2} N {}", at_rest(found, force > 0.0))
         }
-    }
-}
-
-/// What a mesh with elements up to `longest` m can resolve: a force of frequency `f` that moves with `v` sends waves of length
-/// `(c − v)/f` ahead, which is where a mesh fails first.
-fn mesh_note(longest: f64, c: f64, v: f64, f: f64) -> Option<String> {
-    /// Elements per wave for an error of the filtered force of about one percent of its standard deviation, from
-    /// convergence studies of tensioned beams with cubic elements: 0.8 m for 1.9 m.
-    const FINE: f64 = 0.42;
-    let wave = (c - v) / f;
-    if wave <= 0.0 {
-        return Some(format!(
-            "the train is faster than the waves of the contact wire ({v:.1} m/s, {c:.1} m/s): no mesh resolves the waves ahead of it"
-        ));
-    }
-    let ratio = longest / wave;
-    let waves = format!(
-        "elements up to {longest:.2} m for waves of {wave:.2} m that a {f} Hz force sends ahead of the pantograph"
-    );
-    if ratio > 1.0 {
-        Some(format!(
-            "this mesh is far from converged: {waves}; the filtered force may be wrong by more than its own standard deviation"
-        ))
-    } else if ratio > FINE {
-        Some(format!(
-            "this mesh is not converged: {waves}; the filtered force is wrong by several percent of its standard deviation"
-        ))
-    } else {
-        None
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_mesh_is_judged_by_the_waves_ahead_of_the_pantograph() {
-        // 9 elements per span of 56.25 m at 200 km/h: waves of 3.4 m.
-        assert!(
-            mesh_note(6.25, 124.5, 55.56, 20.0)
-                .unwrap()
-                .contains("far from converged")
-        );
-        assert!(mesh_note(1.08, 121.7, 83.33, 20.0).unwrap().contains("several percent"));
-        assert_eq!(mesh_note(0.7, 121.7, 69.44, 20.0), None);
-        assert!(
-            mesh_note(0.7, 100.0, 120.0, 20.0)
-                .unwrap()
-                .contains("faster than the waves")
-        );
     }
 }

@@ -156,7 +156,7 @@ impl Part {
     pub fn load(&mut self, right_side: &[f64], thresholds: Thresholds) {
         if self.in_blocks {
             if let Some(blocks) = &mut self.blocks {
-                blocks.load(&self.unknowns, right_side);
+                blocks.load(right_side);
                 if let Some(leaves) = &mut self.leaves {
                     for (loaded, &unknown) in leaves.loaded.iter_mut().zip(&self.unknowns[leaves.core..]) {
                         let value = right_side[unknown];
@@ -207,7 +207,7 @@ impl Part {
     ) {
         if self.in_blocks {
             if let Some(blocks) = &mut self.blocks {
-                blocks.solve(&self.unknowns, thresholds.force, solution, &mut |inner, outer| {
+                blocks.solve(thresholds.force, solution, &mut |inner, outer| {
                     let whole = |range: Range<usize>| self.unknowns[range.start]..self.unknowns[range.end - 1] + 1;
                     changed(whole(inner), whole(outer));
                 });

@@ -168,8 +168,12 @@ impl StaticLine {
         let first = layout.coordinates();
         let coordinates = self.topology.register(layout);
         self.topology.fix_ends(&coordinates, self.catenary.wire_ends, layout);
-        let line = Line::new(&self.catenary, &self.topology, &self.equilibrium, first)
-            .with_contact_compliance(self.system.line.compliance().cloned());
+        self.cured(Line::new(&self.catenary, &self.topology, &self.equilibrium, first))
+    }
+
+    /// With the residual compliance and the corrected mass that the line is to move with.
+    fn cured(&self, line: Line) -> Line {
+        let line = line.with_contact_compliance(self.system.line.compliance().cloned());
         match self.topology.options().mass_correction {
             None => line,
             Some(correction) => line.with_mass_correction(correction),
@@ -197,7 +201,7 @@ impl StaticLine {
             dropper_lengths: vec![2.0 * catenary.encumbrance; equilibrium.dropper_lengths.len()],
             ..equilibrium.clone()
         };
-        Line::new(catenary, &self.topology, &straight, first)
+        self.cured(Line::new(catenary, &self.topology, &straight, first))
     }
 
     fn solved_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {
