@@ -16,7 +16,7 @@ mod repeat;
 mod report;
 
 pub use error::StaticsError;
-pub(crate) use repeat::{MARGIN, Repeat};
+pub(crate) use repeat::Repeat;
 pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, TensionReport};
 
 use crate::line::Equilibrium;
