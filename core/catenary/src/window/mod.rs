@@ -415,7 +415,7 @@ fn places(line: &Line, first: usize) -> Places {
     let layers = |node: usize| {
         let of = wires.iter().flat_map(|wire| wire.enrichments());
         of.filter(|layer| layer.node == node)
-            .map(|layer| layer.index)
+            .map(|layer| first + layer.index)
             .collect::<Vec<_>>()
     };
     let inner = nodes.windows(2).map(|ends| {
