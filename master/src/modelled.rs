@@ -1,5 +1,6 @@
 //! What a scene models, what it leaves out and why, and what its results are worth.
 
+use catenary::{WindowSize, WindowedLine};
 use scene::{Initialise, PantographModel, Reduction, Start};
 
 use crate::mesh;
@@ -12,8 +13,12 @@ impl Prepared {
     #[must_use]
     pub fn model(&self) -> Model {
         let scene = &self.scene;
-        let topology = self.statics.as_ref().map(|statics| statics.line().topology());
-        let mut coordinates = self.statics.as_ref().map_or(0, catenary::StaticLine::coordinates);
+        let window = self.window();
+        let mut coordinates = match (&self.statics, window) {
+            (_, Some(window)) => window.coordinates,
+            (Some(statics), None) => statics.coordinates(),
+            (None, None) => 0,
+        };
         let mut constraints = 0;
         let mut kinds = Vec::new();
         for (index, pantograph) in scene.pantographs.iter().enumerate() {
@@ -34,15 +39,18 @@ impl Prepared {
                 PantographModel::ThirdParty(entry) => format!("FMU {}", entry.fmu),
             });
         }
-        let elements = topology.map_or(0, |topology| topology.elements());
-        let line = match (&scene.catenary, topology) {
-            (scene::Line::ThirdParty(entry), _) => format!("FMU {}", entry.fmu),
-            (_, topology) => format!(
-                "{elements} cable elements in two wires, {} spans; mesh: {}; {}; {}",
-                topology.map_or(0, |topology| topology.supports().len() - 1),
+        let statics = self.statics.as_ref();
+        let elements = statics.map_or(0, catenary::StaticLine::elements);
+        let elements = window.map_or(elements, |window| window.elements);
+        let line = match &scene.catenary {
+            scene::Line::ThirdParty(entry) => format!("FMU {}", entry.fmu),
+            scene::Line::Modelled(_) => format!(
+                "{elements} cable elements in two wires, {} spans; mesh: {}; {}; {}{}",
+                statics.map_or(0, catenary::StaticLine::spans),
                 mesh::described(scene),
                 dimension(scene),
-                motion(scene)
+                motion(scene),
+                window.map_or_else(String::new, |window| format!("; {}", around(window)))
             ),
         };
         let part = |part: &str, modelled: bool, reason: String| Part {
@@ -75,6 +83,13 @@ impl Prepared {
                 absent("wind_wires", "wind"),
             ],
         }
+    }
+
+    /// What the window of the line models, where it has one.
+    fn window(&self) -> Option<WindowSize> {
+        let statics = self.statics.as_ref()?;
+        let asked = self.scene.model.has(Reduction::Window);
+        asked.then(|| WindowedLine::size(&self.scene, statics))
     }
 
     /// Remarks on what the results are worth.
@@ -156,6 +171,17 @@ fn motion(scene: &scene::Scene) -> String {
          model.reduce = \"auto\" does not choose it"
             .to_owned()
     }
+}
+
+/// What a window leaves out, and what that costs.
+fn around(window: WindowSize) -> String {
+    let WindowSize { full, reduced, .. } = window;
+    format!(
+        "window, asked for by model.reduce: {full} spans around the pantographs in full; up to {reduced} spans beyond linear, with \
+         their droppers taut, reduced to supports and modes. Measured error of the filtered force on ten spans of the EN 50318 line at \
+         300 km/h: 0.03 % of its standard deviation for the linearised line, 0.25 % for the nonlinear one. Where the line goes on \
+         beyond those spans it has no end: echoes of far ends are left out (0.7 % against 80 spans with constant tension)"
+    )
 }
 
 /// How somebody else's pantograph comes to its start.

@@ -96,7 +96,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle: known, but not modelled yet by this version: leave it out"]),
     ("[coupling]", "[track]\n[coupling]", &["track: known, but not modelled yet"]),
     ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind: known, but not modelled yet"]),
-    ("[coupling]", "[model]\nreduce = [\"window\"]\n[coupling]", &["model.reduce[1] = \"window\": not modelled yet by this version"]),
+    ("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]", &["model.reduce[1] = \"linkage\": not modelled yet by this version"]),
     ("[coupling]", "[model]\nreduce = [\"plannar\"]\n[coupling]", &["model.reduce[1] = \"plannar\": unknown word, did you mean \"planar\"?"]),
     ("[coupling]", "[model]\nreduce = \"all\"\n[coupling]", &["model.reduce = \"all\": unknown word", "must be one of \"auto\", \"none\", \"planar\""]),
     ("cures = \"auto\"", "cures = [\"bending_layer\"]", &["catenary.mesh.cures[1] = \"bending_layer\": unknown word, did you mean \"bending_layers\"?"]),
