@@ -1,11 +1,14 @@
 //! Line and pantographs as one system: no coupling, one integrator.
 
 use catenary::{CatenaryError, ContactPair, Line, StaticLine, StripStart, contact_pair};
-use dynamics::{Constraint, Counters, Force, Layout, Motion, Simulator, StepError, System};
+use dynamics::{
+    Checkpoint, Constraint, Counters, EnergyBalance, Force, Layout, Motion, Simulator, State, StepError, System,
+};
 use scene::{PantographModel as Entry, Scene};
 use vehicle::{PantographModel, VehicleError};
 
 use crate::algorithm::Point;
+use crate::hardship::{Hardship, Lifted};
 use crate::interface::{contact, line_output_count, strip};
 use crate::results::Frame;
 
@@ -66,6 +69,39 @@ impl System for Whole {
 pub struct Monolithic {
     simulator: Simulator<Whole>,
     supports: Vec<usize>,
+    micro_step: f64,
+    audit: Option<Audit>,
+    rehearsal: Option<Box<Checkpoint>>,
+    unrepeated: u64,
+}
+
+/// What is followed besides the contact.
+struct Audit {
+    balance: EnergyBalance,
+    slack: usize,
+}
+
+/// What was seen of one system.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Evidence {
+    /// Energy that nothing accounts for at the end, J; positive where the integration has made it.
+    pub residual: f64,
+    /// Its largest amount, J.
+    pub worst_residual: f64,
+    /// Work of prescribed motion and heat, their amounts summed step by step, J.
+    pub exchanged: f64,
+    /// Work of prescribed motion, J.
+    pub driven: f64,
+    /// Heat of dampers and friction, J.
+    pub dissipated: f64,
+    /// Largest violation of a constraint, m, and of its rate, m/s.
+    pub drift: [f64; 2],
+    /// Number of constraints.
+    pub constraints: usize,
+    /// Most droppers without tension at one time.
+    pub slack_droppers: usize,
+    /// Steps that did not come out the same when they were repeated from a saved state.
+    pub unrepeated: u64,
 }
 
 impl Monolithic {
@@ -140,6 +176,48 @@ impl Monolithic {
         Ok(Self {
             simulator,
             supports: supports.to_vec(),
+            micro_step: solver.micro_step,
+            audit: None,
+            rehearsal: None,
+            unrepeated: 0,
+        })
+    }
+
+    /// Puts a hardship on the run to come; steps are not discarded, as nobody could take them back.
+    pub fn endure(&mut self, hardship: &Hardship) {
+        if let Some(lift) = &hardship.lift {
+            for contact in &mut self.simulator.system.contacts {
+                let lift = lift.clone();
+                contact.replace_strip(|marker| Box::new(Lifted { marker, lift }));
+            }
+        }
+        self.rehearsal = hardship.rehearsed.then(Box::default);
+        self.audit = hardship.audited.then(|| Audit {
+            balance: self.simulator.energy_balance(),
+            slack: 0,
+        });
+    }
+
+    /// The internal step that a macro step of `h` s is made of, s.
+    #[must_use]
+    pub fn longest_step(&self, h: f64) -> f64 {
+        h / (h / self.micro_step - 1e-9).ceil().max(1.0)
+    }
+
+    /// What was seen of the run so far, where it was audited.
+    #[must_use]
+    pub fn evidence(&self) -> Option<Evidence> {
+        let Audit { balance, slack } = self.audit.as_ref()?;
+        Some(Evidence {
+            residual: balance.residual(),
+            worst_residual: balance.worst_residual(),
+            exchanged: balance.exchanged(),
+            driven: balance.driven(),
+            dissipated: balance.dissipated(),
+            drift: balance.drift(),
+            constraints: self.simulator.system.layout().constraints(),
+            slack_droppers: *slack,
+            unrepeated: self.unrepeated,
         })
     }
 
@@ -184,6 +262,7 @@ impl Monolithic {
         points: &mut [Point; 2],
         see: &mut dyn FnMut(&Point, &Point),
     ) -> Result<(), StepError> {
+        let first = self.rehearse(t, h)?;
         let supports = &self.supports;
         let mut steps = 0.0;
         let count = self.simulator.micro_steps(h) as f64;
@@ -196,7 +275,26 @@ impl Monolithic {
             straighten(previous, present);
             see(previous, present);
             points.swap(0, 1);
-        })
+        })?;
+        self.unrepeated += u64::from(first.is_some_and(|first| first != *self.simulator.state()));
+        if let Some(audit) = &mut self.audit {
+            self.simulator.balance(&mut audit.balance, h);
+            let (whole, motion) = self.simulator.parts();
+            audit.slack = audit.slack.max(whole.line.slack_count(&motion));
+        }
+        Ok(())
+    }
+
+    /// Makes the step to come and takes it back, where that was asked for; returns what it led to.
+    fn rehearse(&mut self, t: f64, h: f64) -> Result<Option<State>, StepError> {
+        let Some(checkpoint) = &mut self.rehearsal else {
+            return Ok(None);
+        };
+        self.simulator.save(checkpoint);
+        self.simulator.advance(t, h, &mut |_, _| {}, &mut |_, _, _| {})?;
+        let state = self.simulator.state().clone();
+        self.simulator.restore(checkpoint)?;
+        Ok(Some(state))
     }
 
     /// Work done by the solver.

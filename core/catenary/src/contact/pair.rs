@@ -1,7 +1,7 @@
 //! A strip against a wire, as a contribution of forces.
 use super::{ContactGeometry, PenaltyContact};
 use crate::{Curve, CurveColumns};
-use dynamics::{Columns, Force, Frame, Marker, Motion, Updates, Weights};
+use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -97,6 +97,12 @@ impl ContactPair {
     pub fn limit_stiffness(&mut self, limit: f64) -> bool {
         self.law.stiffness = self.stiffness.min(limit);
         self.stiffness > limit
+    }
+
+    /// Puts another marker in place of the strip's, made of it.
+    pub fn replace_strip(&mut self, other: impl FnOnce(Box<dyn Marker>) -> Box<dyn Marker>) {
+        let nowhere: Box<dyn Marker> = Box::new(super::PrescribedStrip { first: 0 });
+        self.strip = other(std::mem::replace(&mut self.strip, nowhere));
     }
 
     /// The strip's marker.
@@ -344,6 +350,28 @@ impl Force for ContactPair {
         self.state(motion)
             .filter(ContactState::closed)
             .map_or(0.0, |contact| self.law.energy(-contact.geometry.gap))
+    }
+
+    /// The strip's prescribed motion, along the track for one, presses on the wire's slope; the damper heats.
+    fn power(&self, motion: &Motion<'_>) -> Option<Power> {
+        let Some(contact) = self.state(motion).filter(ContactState::closed) else {
+            return Some(Power::default());
+        };
+        let geometry = &contact.geometry;
+        let lever = geometry.eta * geometry.axis;
+        let frame = self.strip.frame(motion);
+        let mut strip = Columns::default();
+        self.strip.columns(motion, &mut strip);
+        let total = frame.velocity + frame.angular_velocity.cross(&lever);
+        let free = |column: &dynamics::Column| {
+            motion.v[column.index] * (column.translation + column.rotation.cross(&lever)).dot(&geometry.normal)
+        };
+        let prescribed = geometry.normal.dot(&total) - strip.as_slice().iter().map(free).sum::<f64>();
+        let elastic = self.law.stiffness * (-geometry.gap).max(0.0);
+        Some(Power {
+            driven: contact.force * prescribed,
+            dissipated: (elastic - contact.force) * geometry.gap_rate,
+        })
     }
 
     fn save(&self, out: &mut Vec<f64>) {
