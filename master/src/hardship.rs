@@ -44,6 +44,14 @@ pub struct Discards {
     pub one_in: u64,
 }
 
+/// A start of the line at rest out of its equilibrium: half a sine in each span, neighbours against each other, both wires
+/// alike. That is nearly the first mode of a line of equal spans.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pluck {
+    /// m.
+    pub amplitude: f64,
+}
+
 /// What is done to a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hardship {
@@ -53,6 +61,8 @@ pub struct Hardship {
     pub discards: Option<Discards>,
     /// Every step is made, taken back and made again, and must come out the same bit for bit.
     pub rehearsed: bool,
+    /// Starts the line of one system out of its equilibrium.
+    pub pluck: Option<Pluck>,
     /// Whether the energy of the one system is followed; its macro step is then its micro step.
     pub audited: bool,
 }

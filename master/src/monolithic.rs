@@ -1,6 +1,6 @@
 //! Line and pantographs as one system: no coupling, one integrator.
 
-use catenary::{CatenaryError, ContactPair, Line, StaticLine, StripStart, contact_pair};
+use catenary::{CatenaryError, ContactPair, Line, StaticLine, StripStart, WireName, contact_pair};
 use dynamics::{
     Checkpoint, Constraint, Counters, EnergyBalance, Force, Layout, Motion, Simulator, State, StepError, System,
 };
@@ -184,7 +184,10 @@ impl Monolithic {
     }
 
     /// Puts a hardship on the run to come; steps are not discarded, as nobody could take them back.
-    pub fn endure(&mut self, hardship: &Hardship) {
+    ///
+    /// # Errors
+    /// A plucked line without accelerations at the start.
+    pub fn endure(&mut self, hardship: &Hardship) -> Result<(), MonolithicError> {
         if let Some(lift) = &hardship.lift {
             for contact in &mut self.simulator.system.contacts {
                 let lift = lift.clone();
@@ -192,10 +195,40 @@ impl Monolithic {
             }
         }
         self.rehearsal = hardship.rehearsed.then(Box::default);
+        if let Some(pluck) = hardship.pluck {
+            self.pluck(pluck.amplitude)?;
+        }
         self.audit = hardship.audited.then(|| Audit {
             balance: self.simulator.energy_balance(),
             slack: 0,
         });
+        Ok(())
+    }
+
+    /// See [`crate::hardship::Pluck`]; `amplitude` in m.
+    fn pluck(&mut self, amplitude: f64) -> Result<(), MonolithicError> {
+        let mut state = self.simulator.state().clone();
+        let line = &self.simulator.system.line;
+        let contact_wire = line.wire(WireName::ContactWire).geometry().nodes();
+        let topology = line.topology();
+        let supports: Vec<f64> = topology.supports().iter().map(|&node| contact_wire[node].position.x).collect();
+        for name in [WireName::ContactWire, WireName::MessengerWire] {
+            for node in line.wire(name).geometry().nodes() {
+                let x = node.position.x;
+                let span = supports.partition_point(|support| *support <= x).clamp(1, supports.len() - 1);
+                let (from, to) = (supports[span - 1], supports[span]);
+                let sign = if span % 2 == 1 { amplitude } else { -amplitude };
+                let wave = std::f64::consts::PI / (to - from);
+                if let Some(index) = node.map.position(2) {
+                    state.q[index] = sign * (wave * (x - from)).sin();
+                }
+                if let Some(index) = node.map.slope(2) {
+                    state.q[index] = sign * wave * (wave * (x - from)).cos();
+                }
+            }
+        }
+        self.simulator.set_state(state);
+        self.simulator.start_accelerations().map_err(MonolithicError::Start)
     }
 
     /// The internal step that a macro step of `h` s is made of, s.

@@ -499,7 +499,7 @@ impl Prepared {
             .into());
         };
         let mut whole = Monolithic::new(&self.scene, statics, supports).map_err(SetupError::from)?;
-        whole.endure(&self.hardship);
+        whole.endure(&self.hardship).map_err(SetupError::from)?;
         good(&self.scene)?;
         let setup = self.begin.elapsed().as_secs_f64();
         let mut schedule = self.schedule(true);

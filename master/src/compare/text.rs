@@ -5,7 +5,7 @@ use crate::report::aligned;
 use crate::table_of_runs::{Row, Status};
 
 /// Three significant digits, where there is a number.
-pub(super) fn significant(value: Option<f64>) -> Option<String> {
+pub(crate) fn significant(value: Option<f64>) -> Option<String> {
     let value = value.filter(|value| value.is_finite())?;
     Some(match value.abs() {
         0.0 => "0".to_owned(),
@@ -23,7 +23,7 @@ pub(super) fn short(value: Option<f64>) -> String {
 }
 
 /// Milliseconds without rounding noise.
-pub(super) fn milliseconds(step: Option<f64>) -> String {
+pub(crate) fn milliseconds(step: Option<f64>) -> String {
     step.map_or_else(|| "–".to_owned(), |step| format!("{}", (1e9 * step).round() / 1e6))
 }
 
@@ -102,7 +102,7 @@ pub fn text(comparison: &Comparison) -> String {
 }
 
 /// A remark in lines of at most 116 characters, indented.
-fn wrapped(remark: &str) -> String {
+pub(crate) fn wrapped(remark: &str) -> String {
     let (mut text, mut line) = (String::new(), String::from(" "));
     for word in remark.split_whitespace() {
         if line.chars().count() + 1 + word.chars().count() > 116 {
