@@ -142,8 +142,8 @@ fn stability_help() -> String {
     format!(
         "Every case is run as one system, in process with every coupling algorithm, and with the automatic choice through FMUs.\n\n\
          Status: {STATUS_RULE}.\n\n\
-         References: a coupled run is compared with the monolithic one at the same micro step, the monolithic one with itself at a \
-         quarter of the micro step. The monolithic one is also limit where the time integration made more than 1 % of the energy \
+         References: a coupled run is compared with the monolithic one at the same micro step, the monolithic one with itself at half the micro \
+         step. The monolithic one is also limit where the time integration made more than 1 % of the energy \
          exchanged; a coupled one is at most limit where the monolithic one is. A run that is not stable is repeated with shorter \
          steps until it is: its boundary.\n\n\
          Without --cases and --quick the boundaries are mapped by bisection: macro step against contact stiffness, head mass and \

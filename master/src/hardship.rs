@@ -161,9 +161,12 @@ impl Burdened {
         Self {
             inner,
             lift: hardship.lift.clone(),
-            dice: hardship
-                .discards
-                .map(|discards| (discards.seed.wrapping_add(number.wrapping_mul(0x9E37)), discards.one_in.max(2))),
+            dice: hardship.discards.map(|discards| {
+                (
+                    discards.seed.wrapping_add(number.wrapping_mul(0x9E37)),
+                    discards.one_in.max(2),
+                )
+            }),
             rehearsed: hardship.rehearsed,
             given: vec![Vec::new(); dynamics::MAX_ORDER + 1],
             orders: 0,

@@ -78,6 +78,7 @@ pub struct Monolithic {
 /// What is followed besides the contact.
 struct Audit {
     balance: EnergyBalance,
+    plucked: f64,
     slack: usize,
 }
 
@@ -90,6 +91,8 @@ pub struct Evidence {
     pub worst_residual: f64,
     /// Work of prescribed motion and heat, their amounts summed step by step, J.
     pub exchanged: f64,
+    /// Energy that the line was plucked with, J.
+    pub plucked: f64,
     /// Work of prescribed motion, J.
     pub driven: f64,
     /// Heat of dampers and friction, J.
@@ -195,12 +198,17 @@ impl Monolithic {
             }
         }
         self.rehearsal = hardship.rehearsed.then(Box::default);
+        let at_rest = hardship.audited.then(|| self.simulator.energy_balance().energy());
         if let Some(pluck) = hardship.pluck {
             self.pluck(pluck.amplitude)?;
         }
-        self.audit = hardship.audited.then(|| Audit {
-            balance: self.simulator.energy_balance(),
-            slack: 0,
+        self.audit = at_rest.map(|at_rest| {
+            let balance = self.simulator.energy_balance();
+            Audit {
+                plucked: balance.energy() - at_rest,
+                balance,
+                slack: 0,
+            }
         });
         Ok(())
     }
@@ -211,11 +219,17 @@ impl Monolithic {
         let line = &self.simulator.system.line;
         let contact_wire = line.wire(WireName::ContactWire).geometry().nodes();
         let topology = line.topology();
-        let supports: Vec<f64> = topology.supports().iter().map(|&node| contact_wire[node].position.x).collect();
+        let supports: Vec<f64> = topology
+            .supports()
+            .iter()
+            .map(|&node| contact_wire[node].position.x)
+            .collect();
         for name in [WireName::ContactWire, WireName::MessengerWire] {
             for node in line.wire(name).geometry().nodes() {
                 let x = node.position.x;
-                let span = supports.partition_point(|support| *support <= x).clamp(1, supports.len() - 1);
+                let span = supports
+                    .partition_point(|support| *support <= x)
+                    .clamp(1, supports.len() - 1);
                 let (from, to) = (supports[span - 1], supports[span]);
                 let sign = if span % 2 == 1 { amplitude } else { -amplitude };
                 let wave = std::f64::consts::PI / (to - from);
@@ -240,11 +254,16 @@ impl Monolithic {
     /// What was seen of the run so far, where it was audited.
     #[must_use]
     pub fn evidence(&self) -> Option<Evidence> {
-        let Audit { balance, slack } = self.audit.as_ref()?;
+        let Audit {
+            balance,
+            plucked,
+            slack,
+        } = self.audit.as_ref()?;
         Some(Evidence {
             residual: balance.residual(),
             worst_residual: balance.worst_residual(),
             exchanged: balance.exchanged(),
+            plucked: *plucked,
             driven: balance.driven(),
             dissipated: balance.dissipated(),
             drift: balance.drift(),

@@ -75,6 +75,12 @@ impl EnergyBalance {
         self.buffers[2] = v;
     }
 
+    /// Kinetic and potential energy, J; its zero is that of the contributions.
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        self.now
+    }
+
     /// Kinetic and potential energy more than at the start, J.
     #[must_use]
     pub fn gained(&self) -> f64 {
@@ -151,9 +157,18 @@ impl EnergyBalance {
         // Constraints work where what they hold on to moves: −λ · g_q v.
         let mut rates = vec![0.0; state.lambda.len()];
         visit_jacobian(system, &motion, &mut |row, columns, values| {
-            rates[row] += columns.iter().zip(values).map(|(&i, value)| value * motion.v[i]).sum::<f64>();
+            rates[row] += columns
+                .iter()
+                .zip(values)
+                .map(|(&i, value)| value * motion.v[i])
+                .sum::<f64>();
         });
-        driven -= state.lambda.iter().zip(&rates).map(|(lambda, rate)| lambda * rate).sum::<f64>();
+        driven -= state
+            .lambda
+            .iter()
+            .zip(&rates)
+            .map(|(lambda, rate)| lambda * rate)
+            .sum::<f64>();
         self.look_at_constraints(system, &motion, &rates);
         self.driven_power = driven;
         self.dissipated_power = dissipated;

@@ -1,8 +1,8 @@
 //! A system in time: sub-steps inside a communication step, with its state saved and restored as a whole.
 use crate::matrix::mass_matrix;
 use crate::{
-    Counters, EnergyBalance, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions, StaticReport, StepError,
-    System, solve_static,
+    Counters, EnergyBalance, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions, StaticReport,
+    StepError, System, solve_static,
 };
 use serde::{Deserialize, Serialize};
 

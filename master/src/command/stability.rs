@@ -1,6 +1,5 @@
 //! `master stability`.
 
-
 use super::{CommandError, interrupted, nothing_to_set, print, print_json};
 use crate::cli::Common;
 use crate::report::{Progress, Show};
@@ -75,7 +74,9 @@ fn chosen(names: &[String], quick: bool) -> Result<Vec<Case>, CommandError> {
     for name in names {
         if all.iter().all(|case| case.name != *name) {
             let known: Vec<&str> = all.iter().map(|case| case.name.as_str()).collect();
-            let near = known.iter().find(|known| known.contains(name.as_str()) || name.contains(**known));
+            let near = known
+                .iter()
+                .find(|known| known.contains(name.as_str()) || name.contains(**known));
             return Err(CommandError::NoCase {
                 name: name.clone(),
                 nearest: near.map_or_else(String::new, |near| format!(", did you mean {near}?")),

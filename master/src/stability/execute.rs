@@ -6,9 +6,10 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-use super::cases::{Case, Coupled};
+use super::cases::{Case, Coupled, Knob};
 use super::maps::{Map, Task, tasks};
 use super::trial::{Figures, Made, Way, make, refined, steps};
+use crate::compare::significant;
 use crate::report::Progress;
 use crate::simulation::Mode;
 use crate::table_of_runs::{Column, Row, Status};
@@ -20,7 +21,10 @@ const LIMIT: u64 = 300;
 pub const ALGORITHMS: [&str; 5] = ["jacobi", "gauss_seidel", "iterated", "interface_jacobian", "auto"];
 
 /// Halvings of the step in the search for a stable one.
-const HALVINGS: u32 = 4;
+const HALVINGS: u32 = 3;
+
+/// Bisections between the harmless and the hard value of a knob.
+const KNOB_BISECTIONS: u32 = 4;
 
 /// Bisections between the last stable step and the first one that is not.
 const BISECTIONS: u32 = 2;
@@ -161,9 +165,18 @@ pub fn execute<E>(
     progress: &Progress,
     keep: &mut dyn FnMut(&Hardships) -> Result<(), E>,
 ) -> Result<Hardships, E> {
-    let tasks = if plan.resolution > 0 { tasks(plan.resolution) } else { Vec::new() };
+    let tasks = if plan.resolution > 0 {
+        tasks(plan.resolution)
+    } else {
+        Vec::new()
+    };
     // The longest first, so that no worker is left with one at the end.
-    let mut jobs: Vec<Job<'_>> = plan.cases.iter().enumerate().map(|(i, case)| Job::Case(i, case)).collect();
+    let mut jobs: Vec<Job<'_>> = plan
+        .cases
+        .iter()
+        .enumerate()
+        .map(|(i, case)| Job::Case(i, case))
+        .collect();
     jobs.sort_by_key(|job| match job {
         Job::Case(_, case) => !case.slow,
         Job::Curve(..) => true,
@@ -182,7 +195,9 @@ pub fn execute<E>(
         for lines in &lines {
             lines_so_far.extend(lines.lock().unwrap_or_else(PoisonError::into_inner).iter().cloned());
         }
-        let points = curves.iter().map(|curve| curve.lock().unwrap_or_else(PoisonError::into_inner).clone());
+        let points = curves
+            .iter()
+            .map(|curve| curve.lock().unwrap_or_else(PoisonError::into_inner).clone());
         Hardships {
             complete,
             lines: lines_so_far,
@@ -219,7 +234,9 @@ pub fn execute<E>(
                 kept = finished;
                 if let Err(error) = keep(&table(false)) {
                     next.store(jobs.len(), Ordering::Relaxed);
-                    guards.iter().for_each(|guard| guard.stop.store(true, Ordering::Relaxed));
+                    guards
+                        .iter()
+                        .for_each(|guard| guard.stop.store(true, Ordering::Relaxed));
                     return Err(error);
                 }
             }
@@ -238,7 +255,9 @@ pub fn execute<E>(
     })?;
     let mut hardships = table(false);
     hardships.complete = hardships.lines.iter().all(|line| line.row.status.is_some())
-        && curves.iter().all(|curve| curve.lock().unwrap_or_else(PoisonError::into_inner).is_some());
+        && curves
+            .iter()
+            .all(|curve| curve.lock().unwrap_or_else(PoisonError::into_inner).is_some());
     keep(&hardships)?;
     Ok(hardships)
 }
@@ -271,7 +290,7 @@ fn run_case(plan: &Plan, case: &Case, guard: &Guard, interrupted: &AtomicBool, l
         if interrupted.load(Ordering::Relaxed) {
             return;
         }
-        if plan.boundaries && matches!(made.row.status, Some(Status::Limit | Status::Diverged)) {
+        if plan.boundaries && !case.slow && matches!(made.row.status, Some(Status::Limit | Status::Diverged)) {
             made.figures.boundary = bench.boundary(way);
         }
         if interrupted.load(Ordering::Relaxed) {
@@ -288,8 +307,8 @@ struct Bench<'a> {
     case: &'a Case,
     guard: &'a Guard,
     interrupted: &'a AtomicBool,
-    /// Micro step, s, and the one system at it.
-    judged: Vec<(f64, Made)>,
+    /// Keys, and the one system with them.
+    judged: Vec<(Vec<String>, Made)>,
 }
 
 impl Bench<'_> {
@@ -307,21 +326,28 @@ impl Bench<'_> {
         let Some((_, micro)) = steps(self.case, keys) else {
             return self.make(way, keys, None);
         };
-        let known = self.judged.iter().position(|(step, _)| *step == micro);
+        let is_step = |key: &&String| key.starts_with("coupling.macro_step") || key.starts_with("solver.micro_step");
+        let mut one_keys: Vec<String> = keys.iter().filter(|key| !is_step(key)).cloned().collect();
+        one_keys.extend([
+            format!("coupling.macro_step={micro:?}"),
+            format!("solver.micro_step={micro:?}"),
+        ]);
+        let known = self.judged.iter().position(|(keys, _)| *keys == one_keys);
         let index = known.unwrap_or_else(|| {
-            let mut finer_keys = keys.to_vec();
+            let mut finer_keys = one_keys.clone();
             finer_keys.extend(refined(micro));
             let finer = self.make(&Way::ONE, &finer_keys, None);
-            let name = format!("monolithic, micro step {:?} s", finer.row.micro_step.unwrap_or(f64::NAN));
-            let mut one_keys = keys.to_vec();
-            one_keys.extend([format!("coupling.macro_step={micro:?}"), format!("solver.micro_step={micro:?}")]);
+            let name = format!(
+                "monolithic, micro step {:?} s",
+                finer.row.micro_step.unwrap_or(f64::NAN)
+            );
             let judge = finer.is_stable().then_some((name.as_str(), &finer));
             let mut one = self.make(&Way::ONE, &one_keys, judge);
             if !finer.is_stable() && one.is_stable() {
                 one.row.status = Some(Status::Limit);
                 one.row.remark(&format!("at a finer micro step: {}", finer.row.reason));
             }
-            self.judged.push((micro, one));
+            self.judged.push((one_keys, one));
             self.judged.len() - 1
         });
         let one = &self.judged[index].1;
@@ -340,13 +366,51 @@ impl Bench<'_> {
         made
     }
 
-    /// The longest step at which a run that is not stable becomes so: macro and micro step shortened together, halved and then
-    /// bisected.
+    /// Where a run that is not stable becomes so.
     fn boundary(&mut self, way: &Way) -> String {
+        match self.case.knob {
+            Some(knob) => self.by_knob(way, &knob),
+            None => self.by_step(way),
+        }
+    }
+
+    /// The value of the knob between the harmless and the hard one, by bisection of its logarithm.
+    fn by_knob(&mut self, way: &Way, knob: &Knob) -> String {
+        let (name, unit) = knob.name.split_once(" [").unwrap_or((knob.name, "]"));
+        let unit = unit.trim_end_matches(']');
+        let shown = |value: f64| significant(Some(value)).unwrap_or_default();
+        let (mut good, mut bad) = (knob.harmless, knob.hard);
+        if !self.run(way, &[knob.set(good)]).is_stable() {
+            return format!("not stable at a {name} of {} {unit} either", shown(good));
+        }
+        for _ in 0..KNOB_BISECTIONS {
+            if self.interrupted.load(Ordering::Relaxed) {
+                return String::new();
+            }
+            let middle = (good * bad).sqrt();
+            if self.run(way, &[knob.set(middle)]).is_stable() {
+                good = middle;
+            } else {
+                bad = middle;
+            }
+        }
+        format!(
+            "stable at a {name} of {} {unit}, not at {} {unit}",
+            shown(good),
+            shown(bad)
+        )
+    }
+
+    /// The longest step: macro and micro step shortened together, halved and then bisected.
+    fn by_step(&mut self, way: &Way) -> String {
         let Some((macro_step, micro)) = steps(self.case, &[]) else {
             return String::new();
         };
-        let start = if way.mode == Mode::Monolithic { micro } else { macro_step };
+        let start = if way.mode == Mode::Monolithic {
+            micro
+        } else {
+            macro_step
+        };
         let keys = |step: f64| {
             vec![
                 format!("coupling.macro_step={step:?}"),
@@ -365,7 +429,11 @@ impl Bench<'_> {
             }
             unstable = step;
         }
-        let which = if way.mode == Mode::Monolithic { "micro step" } else { "macro step" };
+        let which = if way.mode == Mode::Monolithic {
+            "micro step"
+        } else {
+            "macro step"
+        };
         let milliseconds = |step: f64| format!("{} ms", (1e6 * step).round() / 1e3);
         let Some(mut stable) = stable else {
             return format!("not stable down to a {which} of {}", milliseconds(unstable));
@@ -378,6 +446,10 @@ impl Bench<'_> {
                 unstable = step;
             }
         }
-        format!("stable to a {which} of {}, not at {}", milliseconds(stable), milliseconds(unstable))
+        format!(
+            "stable to a {which} of {}, not at {}",
+            milliseconds(stable),
+            milliseconds(unstable)
+        )
     }
 }

@@ -127,7 +127,7 @@ const MAPS: [Titles; 4] = [
         x: "contact stiffness [N/m]",
         logarithmic: true,
         y: "longest micro step that resolves the raw force [ms]",
-        caption: "The short line as one system against itself at a quarter of the step: the raw force is right to its filtered \
+        caption: "The short line as one system against itself at half the step: the raw force is right to its filtered \
                   standard deviation.",
     },
 ];
@@ -278,7 +278,9 @@ fn longest_units(stable: &mut dyn FnMut(u32) -> bool) -> u32 {
 pub(super) fn coupling(algorithm: &str) -> Option<Coupling> {
     let case = Case::plain();
     let keys = [format!("coupling.algorithm=\"{algorithm}\"")];
-    super::trial::scene(&case, &Way::ONE, &keys).ok().map(|scene| scene.coupling)
+    super::trial::scene(&case, &Way::ONE, &keys)
+        .ok()
+        .map(|scene| scene.coupling)
 }
 
 impl Task {
@@ -382,7 +384,10 @@ fn micro_step(stiffness: f64, stop: &AtomicBool) -> f64 {
     let mut step = 4e-3;
     while step >= 1e-4 {
         let finer = one(&refined(step), None);
-        let keys = [format!("coupling.macro_step={step:?}"), format!("solver.micro_step={step:?}")];
+        let keys = [
+            format!("coupling.macro_step={step:?}"),
+            format!("solver.micro_step={step:?}"),
+        ];
         if one(&keys, Some(("", &finer))).is_stable() {
             return step;
         }

@@ -51,7 +51,10 @@ fn lead(hardships: &Hardships) -> String {
 /// A line of cells per case, coloured by status.
 fn overview(hardships: &Hardships) -> String {
     let ways = ways(hardships);
-    let head: String = ways.iter().map(|way| format!("<th>{}</th>", escape(&heading(way)))).collect();
+    let head: String = ways
+        .iter()
+        .map(|way| format!("<th>{}</th>", escape(&heading(way))))
+        .collect();
     let mut body = String::new();
     for lines in by_case(hardships) {
         let first = &lines[0];
@@ -61,7 +64,9 @@ fn overview(hardships: &Hardships) -> String {
             escape(&first.about)
         ));
         for way in &ways {
-            let line = lines.iter().find(|line| (&line.row.mode, &line.row.algorithm) == (&way.0, &way.1));
+            let line = lines
+                .iter()
+                .find(|line| (&line.row.mode, &line.row.algorithm) == (&way.0, &way.1));
             body.push_str(&line.map_or_else(|| "<td></td>".to_owned(), cell));
         }
         body.push_str("</tr>\n");
@@ -97,7 +102,10 @@ fn reasons(hardships: &Hardships) -> String {
                 reason.push_str(&format!(" – {}", line.figures.boundary));
             }
             let way = heading(&(line.row.mode.clone(), line.row.algorithm.clone()));
-            match found.iter_mut().find(|(name, known, _)| name == status.name() && *known == reason) {
+            match found
+                .iter_mut()
+                .find(|(name, known, _)| name == status.name() && *known == reason)
+            {
                 Some((_, _, ways)) => ways.push(way),
                 None => found.push((status.name().to_owned(), reason, vec![way])),
             }
@@ -134,7 +142,11 @@ fn drawn(map: &Map, index: usize) -> String {
         }
         let (what, stroke, mode) = match curve.kind {
             Kind::TestProblem => ("", Stroke::new().color(colour).width(2.0), Draw::LinesMarkers),
-            Kind::Theory => (", theory", Stroke::new().color(colour).width(1.2).dash(DashType::Dot), Draw::Lines),
+            Kind::Theory => (
+                ", theory",
+                Stroke::new().color(colour).width(1.2).dash(DashType::Dot),
+                Draw::Lines,
+            ),
             Kind::ShortLine if map.curves.iter().any(|other| other.kind != Kind::ShortLine) => {
                 (", line", Stroke::new().color(colour).width(0.0), Draw::Markers)
             }
@@ -144,7 +156,11 @@ fn drawn(map: &Map, index: usize) -> String {
         let said: Vec<String> = found()
             .map(|(x, step)| format!("{name}: {} → {} ms", number(Some(*x)), number(Some(1e3 * step))))
             .collect();
-        let symbol = if matches!(mode, Draw::Markers) { MarkerSymbol::X } else { MarkerSymbol::Circle };
+        let symbol = if matches!(mode, Draw::Markers) {
+            MarkerSymbol::X
+        } else {
+            MarkerSymbol::Circle
+        };
         traces.push(
             Scatter::new(x, y)
                 .mode(mode)
@@ -167,7 +183,12 @@ fn drawn(map: &Map, index: usize) -> String {
     let y = axis(map.y).type_(AxisType::Log).zero_line(false);
     format!(
         "{}<p class=\"caption\">{}</p>\n",
-        finished(traces, layout(x, y).hover_mode(HoverMode::Closest), &format!("plot-map-{index}"), 440),
+        finished(
+            traces,
+            layout(x, y).hover_mode(HoverMode::Closest),
+            &format!("plot-map-{index}"),
+            440
+        ),
         escape(map.caption)
     )
 }
@@ -197,7 +218,11 @@ fn table(hardships: &Hardships) -> String {
         .enumerate()
         .map(|(column, (name, unit))| {
             let class = if column < 2 { "" } else { " class=\"n\"" };
-            let unit = if unit.is_empty() { String::new() } else { format!("<br>{unit}") };
+            let unit = if unit.is_empty() {
+                String::new()
+            } else {
+                format!("<br>{unit}")
+            };
             format!("<th{class}>{name}{unit}</th>")
         })
         .collect();
@@ -242,7 +267,10 @@ fn figures(line: &Line) -> String {
         number(figures.drift),
         count(figures.slack_droppers),
     ];
-    let cells: String = cells.iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();
+    let cells: String = cells
+        .iter()
+        .map(|cell| format!("<td class=\"n\">{cell}</td>"))
+        .collect();
     format!(
         "<tr title=\"{}\"><td class=\"s\">{}</td><td class=\"c {status}\">{status}</td>{cells}</tr>\n",
         escape(&row.reason),
@@ -254,7 +282,7 @@ fn legend() -> String {
     format!(
         "<p>{}.</p>\n\
          <p>A coupled run is compared with the monolithic one at the same micro step, so that only the coupling differs; the \
-         monolithic one with itself at a quarter of the micro step. The monolithic one is also <b>limit</b> where the time \
+         monolithic one with itself at half the micro step. The monolithic one is also <b>limit</b> where the time \
          integration made more than 1 % of the energy that was exchanged; a coupled one is at most <b>limit</b> where the \
          monolithic one is. A run that is limit or diverged is repeated with shorter steps: its boundary.</p>\n\
          <p>Energy made: by the coupling, or in one system by the time integration, per second; there kinetic and potential energy \

@@ -42,13 +42,18 @@ pub fn text(hardships: &Hardships) -> String {
     let ways = ways(hardships);
     let mut rows = vec![
         std::iter::once(String::new())
-            .chain(ways.iter().map(|way| heading(way).replace("interface_jacobian", "jacobian")))
+            .chain(
+                ways.iter()
+                    .map(|way| heading(way).replace("interface_jacobian", "jacobian")),
+            )
             .collect::<Vec<String>>(),
     ];
     for lines in by_case(hardships) {
         let mut cells = vec![lines[0].case.clone()];
         for way in &ways {
-            let line = lines.iter().find(|line| (&line.row.mode, &line.row.algorithm) == (&way.0, &way.1));
+            let line = lines
+                .iter()
+                .find(|line| (&line.row.mode, &line.row.algorithm) == (&way.0, &way.1));
             cells.push(line.map_or_else(String::new, |line| {
                 line.row.status.map_or("not run", Status::name).to_owned()
             }));
@@ -58,7 +63,10 @@ pub fn text(hardships: &Hardships) -> String {
     text.push_str(&aligned(&rows));
     text.push('\n');
     for line in &hardships.lines {
-        if matches!(line.row.status, Some(Status::Limit | Status::Diverged | Status::Refused)) {
+        if matches!(
+            line.row.status,
+            Some(Status::Limit | Status::Diverged | Status::Refused)
+        ) {
             let boundary = if line.figures.boundary.is_empty() {
                 String::new()
             } else {
@@ -67,7 +75,10 @@ pub fn text(hardships: &Hardships) -> String {
             let added = line.figures.energy_growth.and_then(|growth| significant(Some(growth)));
             let added = added.map_or_else(String::new, |growth| format!(" ({growth} W)"));
             let way = heading(&(line.row.mode.clone(), line.row.algorithm.clone()));
-            text.push_str(&wrapped(&format!("{}, {way}: {}{added}{boundary}", line.case, line.row.reason)));
+            text.push_str(&wrapped(&format!(
+                "{}, {way}: {}{added}{boundary}",
+                line.case, line.row.reason
+            )));
         }
     }
     text

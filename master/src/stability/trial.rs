@@ -17,9 +17,9 @@ use crate::simulation::{FmuSource, Mode, SetupError, chain, prepare};
 use crate::table_of_runs::{Curve, Errors, Row, Status};
 
 /// Micro steps of the reference in one of the run.
-const REFINED: f64 = 4.0;
+const REFINED: f64 = 2.0;
 
-/// Energy that the integration may make, % of the work and heat that were exchanged.
+/// Energy that the integration may make, % of the work and heat that were exchanged and of the energy at the start.
 pub(super) const MADE: f64 = 1.0;
 
 /// A contact force beyond which nothing can be right, N: a hundred times what tears a contact wire off.
@@ -97,13 +97,7 @@ impl Made {
 ///
 /// Whatever happens, there is a row: a run that cannot begin is refused, one that panics has diverged.
 #[must_use]
-pub fn make(
-    case: &Case,
-    way: &Way,
-    keys: &[String],
-    judge: Option<(&str, &Made)>,
-    interrupted: &AtomicBool,
-) -> Made {
+pub fn make(case: &Case, way: &Way, keys: &[String], judge: Option<(&str, &Made)>, interrupted: &AtomicBool) -> Made {
     let run = || run(case, way, keys, judge, interrupted);
     catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().cloned();
@@ -149,11 +143,14 @@ pub(super) fn steps(case: &Case, keys: &[String]) -> Option<(f64, f64)> {
     row.macro_step.zip(row.micro_step)
 }
 
-/// The key that refines the micro step of a case for its reference.
+/// The keys that refine the micro step (s) of a run for its reference.
 #[must_use]
 pub fn refined(micro_step: f64) -> Vec<String> {
     let micro = micro_step / REFINED;
-    vec![format!("coupling.macro_step={micro:?}"), format!("solver.micro_step={micro:?}")]
+    vec![
+        format!("coupling.macro_step={micro:?}"),
+        format!("solver.micro_step={micro:?}"),
+    ]
 }
 
 fn run(case: &Case, way: &Way, keys: &[String], judge: Option<(&str, &Made)>, interrupted: &AtomicBool) -> Made {
@@ -170,7 +167,9 @@ fn run(case: &Case, way: &Way, keys: &[String], judge: Option<(&str, &Made)>, in
     };
     let folder = tempfile::tempdir();
     let source = FmuSource {
-        folder: folder.as_ref().map_or_else(|_| std::env::temp_dir(), |folder| folder.path().to_owned()),
+        folder: folder
+            .as_ref()
+            .map_or_else(|_| std::env::temp_dir(), |folder| folder.path().to_owned()),
         say: &|_| {},
         logging: false,
     };
@@ -195,7 +194,11 @@ fn run(case: &Case, way: &Way, keys: &[String], judge: Option<(&str, &Made)>, in
     };
     let info = &finished.info;
     let complete = finished.failure.is_none();
-    let curves = if complete { Curve::of(&info.evaluation, &finished.record) } else { Vec::new() };
+    let curves = if complete {
+        Curve::of(&info.evaluation, &finished.record)
+    } else {
+        Vec::new()
+    };
     let summary = Summary::new(info, &finished.record);
     row.take(info, &summary, info.cost.wall_s, 1);
     // Rows are made side by side: their times would say nothing.
@@ -209,7 +212,8 @@ fn run(case: &Case, way: &Way, keys: &[String], judge: Option<(&str, &Made)>, in
     let made = match (coupled, &finished.evidence) {
         (true, _) => info.coupling.energy_residual,
         (false, Some(evidence)) => {
-            share = evidence.residual / evidence.exchanged.max(f64::MIN_POSITIVE);
+            let all = evidence.exchanged + evidence.plucked;
+            share = if all > 0.0 { evidence.residual / all } else { 0.0 };
             Some(evidence.residual)
         }
         _ => None,
@@ -236,7 +240,10 @@ fn run(case: &Case, way: &Way, keys: &[String], judge: Option<(&str, &Made)>, in
         status = with_energy;
     } else if status == Status::Stable && 100.0 * share > MADE {
         status = Status::Limit;
-        row.remark(&format!("the time integration made {:.1} % of the energy exchanged", 100.0 * share));
+        row.remark(&format!(
+            "the time integration made {:.1} % of the energy exchanged",
+            100.0 * share
+        ));
     }
     if figures.largest_force.is_some_and(|force| force > ABSURD) {
         status = Status::Diverged;
@@ -244,7 +251,10 @@ fn run(case: &Case, way: &Way, keys: &[String], judge: Option<(&str, &Made)>, in
     }
     if let Some(evidence) = finished.evidence.filter(|evidence| evidence.unrepeated > 0) {
         status = Status::Diverged;
-        row.remark(&format!("{} steps did not repeat from a saved state", evidence.unrepeated));
+        row.remark(&format!(
+            "{} steps did not repeat from a saved state",
+            evidence.unrepeated
+        ));
     }
     row.remark(&info.incomplete_reason);
     if coupled {
@@ -271,16 +281,25 @@ fn judged(row: &Row, complete: bool, errors: Option<&Errors>, judge: Option<&Row
 
 /// What is known beforehand: the head on the contact's spring.
 fn theory(scene: &Scene, way: &Way, row: &Row) -> Figures {
-    let head = scene.pantographs.first().and_then(|pantograph| match &pantograph.model {
-        scene::PantographModel::Lumped(lumped) => lumped.masses.first().copied(),
-        scene::PantographModel::Linkage(linkage) => {
-            let head = linkage.bodies.iter().find(|body| body.name == linkage.strip.body);
-            head.map(|body| body.mass)
-        }
-        scene::PantographModel::ThirdParty(_) => None,
-    });
-    let omega = head.zip(scene.contact).map(|(mass, contact)| (contact.stiffness / mass).sqrt());
-    let step = if way.mode == Mode::Monolithic { row.micro_step } else { row.macro_step };
+    let head = scene
+        .pantographs
+        .first()
+        .and_then(|pantograph| match &pantograph.model {
+            scene::PantographModel::Lumped(lumped) => lumped.masses.first().copied(),
+            scene::PantographModel::Linkage(linkage) => {
+                let head = linkage.bodies.iter().find(|body| body.name == linkage.strip.body);
+                head.map(|body| body.mass)
+            }
+            scene::PantographModel::ThirdParty(_) => None,
+        });
+    let omega = head
+        .zip(scene.contact)
+        .map(|(mass, contact)| (contact.stiffness / mass).sqrt());
+    let step = if way.mode == Mode::Monolithic {
+        row.micro_step
+    } else {
+        row.macro_step
+    };
     let omega_h = omega.zip(step).map(|(omega, step)| omega * step);
     let coupled = way.mode != Mode::Monolithic;
     let amplification = omega_h.filter(|_| coupled).and_then(|number| {
