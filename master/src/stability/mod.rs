@@ -17,6 +17,8 @@ mod cases;
 mod execute;
 mod maps;
 mod page;
+#[cfg(test)]
+mod tests;
 mod text;
 mod trial;
 

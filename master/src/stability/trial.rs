@@ -98,7 +98,11 @@ impl Made {
 /// Whatever happens, there is a row: a run that cannot begin is refused, one that panics has diverged.
 #[must_use]
 pub fn make(case: &Case, way: &Way, keys: &[String], judge: Option<(&str, &Made)>, interrupted: &AtomicBool) -> Made {
-    let run = || run(case, way, keys, judge, interrupted);
+    caught(case, way, || run(case, way, keys, judge, interrupted))
+}
+
+/// What `run` returns, or the row of its panic.
+pub(super) fn caught(case: &Case, way: &Way, run: impl FnOnce() -> Made) -> Made {
     catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().cloned();
         let text = text.or_else(|| panic.downcast_ref::<&str>().map(ToString::to_string));
