@@ -1,6 +1,6 @@
 //! Line and pantographs as one system: no coupling, one integrator.
 
-use catenary::{CatenaryError, ContactPair, Line, StaticLine, StripStart, WireName, contact_pair};
+use catenary::{CatenaryError, ContactPair, OverheadLine, StaticLine, StripStart, WireName, contact_pair, scene_line};
 use dynamics::{
     Checkpoint, Constraint, Counters, EnergyBalance, Force, Layout, Motion, Simulator, State, StepError, System,
 };
@@ -38,7 +38,7 @@ pub enum MonolithicError {
 /// Line, pantographs and the contacts between them.
 struct Whole {
     layout: Layout,
-    line: Line,
+    line: Box<dyn OverheadLine>,
     pantographs: Vec<PantographModel>,
     contacts: Vec<ContactPair>,
 }
@@ -114,7 +114,7 @@ impl Monolithic {
     /// See [`MonolithicError`].
     pub fn new(scene: &Scene, statics: &StaticLine, supports: &[usize]) -> Result<Self, MonolithicError> {
         let mut layout = Layout::new();
-        let line = statics.line_in(&mut layout);
+        let line = scene_line(scene, statics, &mut layout);
         let mut pantographs = Vec::new();
         let mut starts = Vec::new();
         for (index, entry) in scene.pantographs.iter().enumerate() {
@@ -152,11 +152,13 @@ impl Monolithic {
             balanced &= (alone.contact(index).force - start.force).abs() < AT_REST;
         }
         let mut line = line;
-        line.set_uplift_reference(&state.q);
+        if let Some(shape) = line.shape_mut() {
+            shape.set_uplift_reference(&state.q);
+        }
         let contacts = pantographs
             .iter()
             .enumerate()
-            .map(|(index, pantograph)| contact_pair(scene, &line, index, pantograph.strip()));
+            .map(|(index, pantograph)| contact_pair(scene, &*line, index, pantograph.strip()));
         let contacts = contacts.collect::<Result<_, _>>()?;
         let whole = Whole {
             layout,
@@ -216,7 +218,9 @@ impl Monolithic {
     /// See [`crate::hardship::Pluck`]; `amplitude` in m.
     fn pluck(&mut self, amplitude: f64) -> Result<(), MonolithicError> {
         let mut state = self.simulator.state().clone();
-        let line = &self.simulator.system.line;
+        let Some(line) = self.simulator.system.line.shape() else {
+            return Ok(());
+        };
         let contact_wire = line.wire(WireName::ContactWire).geometry().nodes();
         let topology = line.topology();
         let supports: Vec<f64> = topology
@@ -358,7 +362,7 @@ impl Monolithic {
     /// Adds line and pantographs to a picture.
     pub fn draw(&mut self, frame: &mut Frame) {
         let (whole, motion) = self.simulator.parts();
-        crate::inprocess::draw_wires(&whole.line, &motion, frame);
+        crate::inprocess::draw_wires(&*whole.line, &motion, frame);
         for pantograph in &whole.pantographs {
             crate::inprocess::draw_outline(pantograph, &motion, frame);
         }
@@ -376,7 +380,7 @@ fn read(whole: &Whole, motion: &Motion<'_>, supports: &[usize], point: &mut Poin
         values[strip::ROLL] = frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]);
         let state = pair.state(motion);
         let on_strip = state.map(|state| state.force_on_strip());
-        let position = state.map_or(frame.position, |state| state.geometry.position());
+        let position = state.map_or(frame.position, |state| state.position());
         let force = state.map_or(0.0, |state| state.force);
         let values = &mut point.line[i * contact::COUNT..(i + 1) * contact::COUNT];
         for axis in 0..3 {
@@ -387,11 +391,12 @@ fn read(whole: &Whole, motion: &Motion<'_>, supports: &[usize], point: &mut Poin
         values[contact::X] = position.x;
         values[contact::Y] = position.y;
         values[contact::WIRE_Z] = position.z;
-        values[contact::GAP] = state.map_or(f64::MAX, |state| state.geometry.gap);
+        values[contact::GAP] = state.map_or(f64::MAX, |state| state.gap());
     }
+    let Some(shape) = whole.line.shape() else { return };
     let first = whole.contacts.len() * contact::COUNT;
     for (k, &support) in supports.iter().enumerate() {
-        point.line[first + k] = whole.line.uplift(support - 1, motion.q);
+        point.line[first + k] = shape.uplift(support - 1, motion.q);
     }
 }
 

@@ -16,6 +16,7 @@ mod dropper;
 mod exchange;
 mod line;
 mod line_end;
+mod linear_force;
 mod linear_line;
 mod model;
 mod overhead_line;
@@ -34,16 +35,17 @@ pub use ancf::{
 pub use anchor::Anchor;
 pub use attachment::Attachment;
 pub use contact::{
-    ContactGeometry, ContactPair, ContactState, ContactTangent, PenaltyContact, PrescribedStrip, STRIP_INPUTS,
-    Sensitivity,
+    Compliance, CompliantWire, ContactGeometry, ContactPair, ContactState, ContactTangent, PenaltyContact,
+    PrescribedStrip, ResidualCompliance, STRIP_INPUTS, Sensitivity,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
 pub use dropper::{Dropper, DropperLaw, Droppers, Tautness};
 pub use exchange::SAMPLES;
 pub use line::{DropperSample, Line};
 pub use line_end::{LineEnd, LineEnds};
-pub use linear_line::{LinearDropper, LinearDroppers, LinearForce, LinearLine};
-pub use model::{CatenaryError, Model, contact_pair, static_line};
+pub use linear_force::LinearForce;
+pub use linear_line::{LinearDropper, LinearDroppers, LinearLine};
+pub use model::{CatenaryError, Model, contact_pair, scene_line, static_line};
 pub use overhead_line::OverheadLine;
 pub use registration_arm::RegistrationArms;
 pub use statics::{
@@ -52,5 +54,5 @@ pub use statics::{
 };
 pub use subsystem::{Checkpoint, ContactOutputs, StripStart, Subsystem};
 pub use support::Supports;
-pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, Topology, WireName};
+pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, MassCorrection, Topology, WireName};
 pub use wire::{Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WirePoint, WireSection};

@@ -1,11 +1,11 @@
 //! The line of a scene together with the strips on it.
 use crate::contact::STRIP_INPUTS;
 use crate::{
-    ContactPair, ContactTangent, Dimension, LineOptions, OverheadLine, PenaltyContact, PrescribedStrip, StaticLine,
-    StaticsError,
+    BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, OverheadLine,
+    PenaltyContact, PrescribedStrip, StaticLine, StaticsError,
 };
 use dynamics::{Force, Layout, Marker, StepError, System};
-use scene::Scene;
+use scene::{Cure, Reduction, Scene};
 
 /// Why a line could not be modelled or started.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -13,6 +13,14 @@ pub enum CatenaryError {
     /// The scene names a third-party line.
     #[error("the scene's line is a third-party FMU: there is nothing to model")]
     ThirdPartyLine,
+    /// Values set since the scene was read contradict its mesh.
+    #[error("catenary.mesh.cures = \"{cure}\": must be left out: {obstacle}")]
+    Cure {
+        /// Which.
+        cure: Cure,
+        /// Why it cannot be.
+        obstacle: String,
+    },
     /// The static state was not found.
     #[error(transparent)]
     Statics(#[from] StaticsError),
@@ -68,15 +76,43 @@ impl System for Model {
 /// See [`CatenaryError`].
 pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
     let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
+    if let Some((cure, obstacle)) = scene.impossible_cures().into_iter().next() {
+        return Err(CatenaryError::Cure { cure, obstacle });
+    }
+    let mesh = &catenary.mesh;
     let options = LineOptions {
-        dimension: if scene.model.has(scene::Reduction::Planar) {
+        dimension: if scene.is_planar() {
             Dimension::Planar
         } else {
             Dimension::Spatial
         },
-        ..LineOptions::default()
+        layers: if mesh.has(Cure::BendingLayers) {
+            BendingLayers::AtAttachments
+        } else {
+            BendingLayers::Absent
+        },
+        contact_compliance: mesh.has(Cure::ContactCompliance).then_some(scene.run.speed),
+        mass_correction: mesh.has(Cure::MassCorrection).then(|| MassCorrection {
+            step: scene.internal_step(),
+            rho_inf: scene.solver.rho_inf,
+        }),
     };
     Ok(StaticLine::solve(catenary, options)?)
+}
+
+/// The line that a scene runs with, of a solved static state, its coordinates added to `layout`: all zero is the static state.
+///
+/// Every mode takes its line from here, so that `model.reduce` means the same in each.
+#[must_use]
+pub fn scene_line(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Box<dyn OverheadLine> {
+    if scene.model.has(Reduction::Flat) {
+        return Box::new(LinearLine::flat(statics, layout));
+    }
+    let mut line = statics.line_in(layout);
+    if scene.model.has(Reduction::Linearised) {
+        return Box::new(LinearLine::about(&mut line, layout));
+    }
+    Box::new(line)
 }
 
 /// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's law.

@@ -2,7 +2,7 @@
 use crate::contact::{ContactState, STRIP_INPUTS};
 use crate::exchange::{Exchange, SAMPLES, Tally};
 use crate::signals::input_direction;
-use crate::{CatenaryError, Model, OverheadLine, StaticLine};
+use crate::{CatenaryError, Model, OverheadLine, StaticLine, scene_line};
 use dynamics::{Counters, FollowedInput, Layout, Simulator, StaticOptions, StepError, System};
 use nalgebra::Vector3;
 use scene::Scene;
@@ -76,8 +76,8 @@ impl Subsystem {
     /// See [`CatenaryError`].
     pub fn new(scene: &Scene, statics: &StaticLine) -> Result<Self, CatenaryError> {
         let mut layout = Layout::new();
-        let line = statics.line_in(&mut layout);
-        Self::with_line(scene, layout, Box::new(line))
+        let line = scene_line(scene, statics, &mut layout);
+        Self::with_line(scene, layout, line)
     }
 
     /// The same with a line of any kind in its own layout, at rest where all coordinates are zero.
@@ -253,9 +253,9 @@ impl Subsystem {
             mean_on_strip: exchange.mean_on_strip,
             samples: exchange.samples,
             work: exchange.work,
-            position: contact.map_or(beyond, |c| c.geometry.position()),
-            wire_vz: contact.map_or(0.0, |c| c.geometry.wire.velocity.z),
-            gap: contact.map_or(f64::MAX, |c| c.geometry.gap),
+            position: contact.map_or(beyond, |c| c.position()),
+            wire_vz: contact.map_or(0.0, |c| c.wire_velocity().z),
+            gap: contact.map_or(f64::MAX, |c| c.gap()),
             closed: contact.is_some_and(|c| c.closed()),
         }
     }

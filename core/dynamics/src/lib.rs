@@ -21,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 mod balance;
+mod block_tridiagonal;
 mod blocks;
 mod constraint;
 mod factor;

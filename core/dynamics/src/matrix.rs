@@ -1,7 +1,7 @@
 //! The iteration matrix of a system: assembled into a pattern that is analysed once, factored part by part.
 use crate::constraint::RowSink;
 use crate::factor::{Shape, SparseFactor};
-use crate::{Blocks, JacobianRows, Motion, SparseMatrix, System, Weights};
+use crate::{Blocks, Force, JacobianRows, Motion, SparseMatrix, System, Weights};
 
 /// Unknowns that no contribution couples are factored separately: a line and a pantograph are two such parts, since contact
 /// enters as a low-rank term.
@@ -21,8 +21,10 @@ const SMALL: usize = 64;
 /// `[w_m M + w_q K + w_v D, s g_qᵀ; s g_q, 0]`, without the rows and columns of fixed coordinates.
 pub(crate) struct IterationMatrix {
     coordinates: usize,
-    /// Mass matrix with all rows, for products.
-    pub mass: SparseMatrix,
+    /// Trace of the mass matrix, kg.
+    mass_trace: f64,
+    /// Mass matrix, all rows, of the contributions that do not multiply theirs themselves.
+    pub multiplied_mass: SparseMatrix,
     mass_entries: Vec<(u32, f64)>,
     tangent_places: Vec<u32>,
     /// Two places per Jacobian entry: in `g_q` and in its transpose.
@@ -48,6 +50,7 @@ impl IterationMatrix {
             fixed[index] = true;
         }
         let mass = mass_matrix(system);
+        let multiplied_mass = selected_mass_matrix(system, |force| !force.multiplies_mass());
         let mut tangent = Vec::new();
         let mut blocks = Blocks::record(&mut tangent);
         system.forces(&mut |force| force.add_tangent(motion, Weights { q: 1.0, v: 1.0 }, &mut blocks));
@@ -110,7 +113,12 @@ impl IterationMatrix {
             tangent_places: tangent.iter().map(|&(row, column)| place(row, column)).collect(),
             jacobian_places: jacobian.iter().map(|&(row, column)| place(row, column)).collect(),
             values: vec![0.0; all.len()],
-            mass,
+            mass_trace: mass_places
+                .iter()
+                .filter(|(row, column, _)| row == column)
+                .map(|entry| entry.2)
+                .sum(),
+            multiplied_mass,
             parts,
         }
     }
@@ -163,16 +171,7 @@ impl IterationMatrix {
 
     /// Typical mass per coordinate, kg; scales constraint rows.
     pub fn mean_mass(&self) -> f64 {
-        let trace: f64 = (0..self.coordinates)
-            .map(|row| {
-                self.mass
-                    .row(row)
-                    .filter(|&(column, _)| column == row)
-                    .map(|(_, value)| value)
-                    .sum::<f64>()
-            })
-            .sum();
-        (trace / self.coordinates.max(1) as f64).max(f64::MIN_POSITIVE)
+        (self.mass_trace / self.coordinates.max(1) as f64).max(f64::MIN_POSITIVE)
     }
 }
 
@@ -263,13 +262,23 @@ pub(crate) fn visit_jacobian(system: &mut dyn System, motion: &Motion<'_>, sink:
 
 /// The constant mass matrix of a system, with all rows.
 pub(crate) fn mass_matrix(system: &mut dyn System) -> SparseMatrix {
+    selected_mass_matrix(system, |_| true)
+}
+
+/// The mass matrix of the contributions that are `selected`.
+fn selected_mass_matrix(system: &mut dyn System, selected: impl Fn(&dyn Force) -> bool) -> SparseMatrix {
+    let mut add_to = |blocks: &mut Blocks<'_>| {
+        system.forces(&mut |force| {
+            if selected(force) {
+                force.add_mass(blocks);
+            }
+        });
+    };
     let mut places = Vec::new();
-    let mut blocks = Blocks::record(&mut places);
-    system.forces(&mut |force| force.add_mass(&mut blocks));
+    add_to(&mut Blocks::record(&mut places));
     let order: Vec<u32> = (0..places.len() as u32).collect();
     let mut values = vec![0.0; places.len()];
-    let mut blocks = Blocks::add_to(&order, &mut values);
-    system.forces(&mut |force| force.add_mass(&mut blocks));
+    add_to(&mut Blocks::add_to(&order, &mut values));
     let entries = places
         .iter()
         .zip(&values)

@@ -156,12 +156,15 @@ impl Workspace {
     ) -> Residual {
         let (force, constraint) = self.residual.split_at_mut(self.coordinates);
         force.fill(0.0);
-        system.forces(&mut |contribution| contribution.add_force(motion, force));
+        system.forces(&mut |contribution| match v_dot {
+            Some(v_dot) if contribution.multiplies_mass() => contribution.add_dynamic_force(motion, v_dot, force),
+            _ => contribution.add_force(motion, force),
+        });
         for value in force.iter_mut() {
             *value = -*value;
         }
         if let Some(v_dot) = v_dot {
-            self.matrix.mass.multiply_add(v_dot, force);
+            self.matrix.multiplied_mass.multiply_add(v_dot, force);
         }
         visit_jacobian(system, motion, &mut |row, columns, values| {
             for (&column, &value) in columns.iter().zip(values) {

@@ -2,9 +2,7 @@
 
 use crate::error::What;
 use crate::write::{shown_key, shown_number};
-use crate::{
-    Catenary, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Reduction, Scene, Statics, ThirdParty, Wire,
-};
+use crate::{Catenary, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics, ThirdParty, Wire};
 
 /// Contradictions found so far: the key and what is wrong with it.
 pub(crate) type Found = Vec<(String, What)>;
@@ -44,6 +42,7 @@ impl Scene {
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {
             self.check_speed(&mut found);
+            self.check_cures(&mut found);
             self.check_strips_on_the_line(&mut found);
             self.check_evaluation(&mut found);
         }
@@ -61,16 +60,6 @@ impl Scene {
                     format!("must be less than {ahead} m, the offset of the pantograph before it: the first one leads"),
                 );
             }
-        }
-    }
-
-    fn check_reductions(&self, found: &mut Found) {
-        if self.model.has(Reduction::Planar)
-            && let Some(reason) = self.pushed_sideways()
-        {
-            let typed = format!("\"{}\"", Reduction::Planar);
-            let expected = format!("must be left out: {reason}");
-            refuse(found, "model.reduce", typed, expected);
         }
     }
 

@@ -3,9 +3,7 @@
 use crate::error::{SceneError, What};
 use crate::keys::{Entry, Keys, read, write};
 use crate::tree::{Sources, parse};
-use crate::{
-    Catenary, Contact, Coupling, Evaluate, Model, Pantograph, PantographModel, Reduction, Run, Solver, ThirdParty,
-};
+use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, ThirdParty};
 
 /// A scene: every value present, checked and in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,29 +105,18 @@ impl Scene {
         }
     }
 
-    /// Why the line cannot be planar: what pushes or leads it sideways; `None` where nothing does.
+    /// Internal time step of both sides, s: the macro step evenly divided into steps of at most `solver.micro_step`; where the
+    /// macro step is controlled, that of all macro steps that are not shorter than it.
     #[must_use]
-    pub fn pushed_sideways(&self) -> Option<String> {
-        let (catenary, _) = self.modelled_line()?;
-        if catenary.stagger.iter().any(|y| *y != catenary.stagger[0]) {
-            return Some("catenary.stagger differs from support to support".to_owned());
-        }
-        self.pantographs.iter().enumerate().find_map(|(index, pantograph)| {
-            let PantographModel::ThirdParty(side) = &pantograph.model else {
-                return None;
-            };
-            let tilts = side.outputs.contains_key("roll");
-            tilts.then(|| format!("pantograph[{}].outputs.roll may tilt the strip", index + 1))
-        })
-    }
-
-    /// Resolves `model.reduce = "auto"`: only what changes nothing is left out.
-    fn choose_reductions(&mut self) {
-        if std::mem::take(&mut self.model.unresolved)
-            && self.modelled_line().is_some()
-            && self.pushed_sideways().is_none()
-        {
-            self.model.reductions.push(Reduction::Planar);
+    pub fn internal_step(&self) -> f64 {
+        let micro_step = self.solver.micro_step;
+        match self.coupling.step_control {
+            Some(_) => micro_step,
+            // A rest of rounding makes no extra step.
+            None => {
+                let macro_step = self.coupling.macro_step;
+                macro_step / (macro_step / micro_step - 1e-9).ceil().max(1.0)
+            }
         }
     }
 
@@ -212,6 +199,7 @@ impl Entry for Scene {
             solver: keys.table_or_empty("solver", was.map(|scene| &scene.solver)),
         };
         scene.choose_reductions();
+        scene.choose_mesh();
         scene
     }
 }

@@ -96,7 +96,12 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[model]\nreduce = [\"window\"]\n[coupling]", &["model.reduce[1] = \"window\": not modelled yet by this version"]),
     ("[coupling]", "[model]\nreduce = [\"plannar\"]\n[coupling]", &["model.reduce[1] = \"plannar\": unknown word, did you mean \"planar\"?"]),
     ("[coupling]", "[model]\nreduce = \"all\"\n[coupling]", &["model.reduce = \"all\": unknown word", "must be one of \"auto\", \"none\", \"planar\""]),
-    ("element = \"cable\"", "element = \"cable\"\ncures = [\"kinks\"]", &["catenary.mesh.cures: known, but not modelled yet"]),
+    ("element = \"cable\"", "element = \"cable\"\ncures = [\"bending_layer\"]", &["catenary.mesh.cures[1] = \"bending_layer\": unknown word, did you mean \"bending_layers\"?"]),
+    ("element = \"cable\"", "element = \"cable\"\ncures = [\"dropper_compliance\"]", &["catenary.mesh.cures[1] = \"dropper_compliance\": not modelled yet", "\"mass_correction\""]),
+    ("element = \"cable\"", "element = \"cable\"\nerror_percent = 1.0", &["catenary.mesh.elements_per_interval: must be left out: catenary.mesh.error_percent chooses it"]),
+    ("elements_per_interval = 8", "error_percent = 1.0\ncures = \"none\"", &["catenary.mesh.cures: must be left out: catenary.mesh.error_percent chooses it"]),
+    ("elements_per_interval = 8", "error_percent = 0.0", &["catenary.mesh.error_percent = 0 %: must be positive"]),
+    ("elements_per_interval = 8", "", &["catenary.mesh.elements_per_interval is missing"]),
     ("[catenary]\n", "[catenary]\nfmu = \"line.fmu\"\n", &["catenary.spans: must be left out: fmu is given", "catenary.droppers: must be left out", "contact: must be left out: an FMU given as catenary has its own contact law"]),
     // Contradictions.
     ("duration = 7.0", "duration = 80.0", &["run.duration = 80 s: must be at most 8.352 s", "pantograph[1] would leave the line, which ends at 600 m"]),
@@ -403,11 +408,37 @@ fn no_line_left_out_and_no_value_replaced_makes_the_reader_panic() {
 }
 
 #[test]
-fn a_planar_line_with_stagger_is_refused() {
-    let overrides = ["catenary.stagger=[0.2, -0.2]", "model.reduce=[\"planar\"]"].map(str::to_owned);
+fn a_planar_or_flat_line_with_stagger_is_refused() {
+    for word in ["planar", "flat"] {
+        let reduce = format!("model.reduce=[\"{word}\"]");
+        let overrides = ["catenary.stagger=[0.2, -0.2]".to_owned(), reduce];
+        let error = Scene::from_toml(EN, "en50318-250.toml", &overrides)
+            .unwrap_err()
+            .to_string();
+        let expected =
+            format!("model.reduce = \"{word}\": must be left out: catenary.stagger differs from support to support");
+        assert!(error.contains(&expected), "{error}");
+    }
+}
+
+#[test]
+fn a_line_is_linear_in_one_way_only() {
+    let overrides = ["model.reduce=[\"linearised\", \"flat\"]".to_owned()];
     let error = Scene::from_toml(EN, "en50318-250.toml", &overrides)
         .unwrap_err()
         .to_string();
-    let expected = "model.reduce = \"planar\": must be left out: catenary.stagger differs from support to support";
+    let expected = "model.reduce = \"linearised\": must be left out: \"flat\" is another linear line; one of the two";
+    assert!(error.contains(expected), "{error}");
+}
+
+#[test]
+fn a_line_of_somebody_else_cannot_be_reduced() {
+    let (before, rest) = EN.split_once("[catenary]").unwrap();
+    let pantograph = &rest[rest.find("[[pantograph]]").unwrap()..];
+    let other = format!("{before}[catenary]\nfmu = \"line.fmu\"\n[model]\nreduce = [\"linearised\"]\n{pantograph}");
+    let error = Scene::from_toml(&other, "scene.toml", &["run.evaluate={ time = [2, 3] }".to_owned()])
+        .unwrap_err()
+        .to_string();
+    let expected = "model.reduce = \"linearised\": must be left out: the line is an FMU of somebody else";
     assert!(error.contains(expected), "{error}");
 }

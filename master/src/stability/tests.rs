@@ -8,7 +8,10 @@ use crate::table_of_runs::Status;
 
 /// The table of the cases that are named, without FMUs, made by so many workers.
 fn table(names: &[&str], boundaries: bool, workers: usize) -> Hardships {
-    let cases: Vec<Case> = cases(true).into_iter().filter(|case| names.contains(&case.name.as_str())).collect();
+    let cases: Vec<Case> = cases(true)
+        .into_iter()
+        .filter(|case| names.contains(&case.name.as_str()))
+        .collect();
     assert_eq!(cases.len(), names.len(), "{names:?}");
     let plan = Plan {
         cases,
@@ -18,14 +21,20 @@ fn table(names: &[&str], boundaries: bool, workers: usize) -> Hardships {
         workers,
     };
     let progress = Progress::share("", Show::Never);
-    let Ok(table) = execute(&plan, &AtomicBool::new(false), &progress, &mut |_| Ok::<(), Infallible>(()));
+    let Ok(table) = execute(&plan, &AtomicBool::new(false), &progress, &mut |_| {
+        Ok::<(), Infallible>(())
+    });
     assert!(table.complete);
     table
 }
 
 fn cells(table: &Hardships) -> Vec<String> {
     let (leading, trailing) = table.columns();
-    let more: Vec<String> = leading.into_iter().chain(trailing).flat_map(|(_, cells)| cells).collect();
+    let more: Vec<String> = leading
+        .into_iter()
+        .chain(trailing)
+        .flat_map(|(_, cells)| cells)
+        .collect();
     table.rows().iter().flat_map(|row| row.cells()).chain(more).collect()
 }
 
@@ -34,7 +43,11 @@ fn names_of_cases_differ_and_their_scenes_are_read_or_refused_for_a_reason_of_th
     let cases = cases(false);
     assert!(cases.len() >= 40, "{}", cases.len());
     for (index, case) in cases.iter().enumerate() {
-        assert!(cases[..index].iter().all(|other| other.name != case.name), "{}", case.name);
+        assert!(
+            cases[..index].iter().all(|other| other.name != case.name),
+            "{}",
+            case.name
+        );
         let refused = ["speed_1.05_c", "presag_5.4_m", "sliding_joint", "linkage_stops"].contains(&case.name.as_str());
         let scene = trial::scene(case, &Way::ONE, &[]);
         assert_eq!(scene.is_err(), refused, "{}: {:?}", case.name, scene.err());
@@ -55,7 +68,10 @@ fn hard_cases_end_with_a_status_and_figures_that_prove_it() {
     ];
     let table = table(&names, false, 2);
     for line in &table.lines {
-        let run = format!("{} {} {}: {}", line.case, line.row.mode, line.row.algorithm, line.row.reason);
+        let run = format!(
+            "{} {} {}: {}",
+            line.case, line.row.mode, line.row.algorithm, line.row.reason
+        );
         let refused = ["sliding_joint", "speed_1.05_c"].contains(&line.case.as_str());
         assert_eq!(line.row.status == Some(Status::Refused), refused, "{run}");
         if refused {
@@ -69,7 +85,10 @@ fn hard_cases_end_with_a_status_and_figures_that_prove_it() {
         }
         assert!(figures.energy_growth.is_some_and(f64::is_finite), "{run}");
         assert!(figures.largest_force.is_some_and(|force| force > 100.0), "{run}");
-        assert!(figures.most_iterations.is_some_and(|count| (1..=30).contains(&count)), "{run}");
+        assert!(
+            figures.most_iterations.is_some_and(|count| (1..=30).contains(&count)),
+            "{run}"
+        );
         assert!(line.row.std.is_some_and(|std| std > 0.0), "{run}");
         if line.row.mode == Mode::Inprocess.name() {
             assert!(figures.amplification.is_some_and(|growth| growth > 0.5), "{run}");
@@ -78,7 +97,11 @@ fn hard_cases_end_with_a_status_and_figures_that_prove_it() {
             assert!(line.row.rollbacks.is_some_and(|count| count > 100), "{run}");
         }
         if line.case.contains("lowered") || line.case.contains("impacts") {
-            assert!(line.row.loss.is_some_and(|loss| loss > 5.0), "{run}: {:?}", line.row.loss);
+            assert!(
+                line.row.loss.is_some_and(|loss| loss > 5.0),
+                "{run}: {:?}",
+                line.row.loss
+            );
         }
     }
 }
@@ -120,7 +143,12 @@ fn slaves_on_threads_of_their_own_compute_the_same_bits() {
         let run = |parallel: &str| {
             let keys = [format!("coupling.parallel=\"{parallel}\"")];
             let made = make(case, &way, &keys, None, &AtomicBool::new(false));
-            assert_eq!(made.row.status, Some(Status::Stable), "{algorithm}: {}", made.row.reason);
+            assert_eq!(
+                made.row.status,
+                Some(Status::Stable),
+                "{algorithm}: {}",
+                made.row.reason
+            );
             assert_eq!(made.curves.len(), 2);
             made.curves
         };
