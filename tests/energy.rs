@@ -44,7 +44,9 @@ fn run_scene(text: &str, overrides: &[&str], pluck: Option<Pluck>) -> (Finished,
 }
 
 /// No damping anywhere, a trapezoid in time, and the coarsest mesh.
-const UNDAMPED: [&str; 5] = [
+const UNDAMPED: [&str; 7] = [
+    "coupling.macro_step=5e-4",
+    "solver.micro_step=5e-4",
     "catenary.damping.alpha=0",
     "catenary.damping.beta=0",
     "pantograph.0.dampings=[0,0]",
@@ -59,6 +61,8 @@ fn with(more: &[&'static str]) -> Vec<&'static str> {
 #[test]
 fn an_undamped_line_without_contact_keeps_its_energy_for_100_seconds() {
     let keys = with(&[
+        "coupling.macro_step=1e-3",
+        "solver.micro_step=1e-3",
         "catenary.spans=2",
         "run.speed_kmh=1",
         "run.duration=100",
