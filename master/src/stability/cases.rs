@@ -342,14 +342,14 @@ pub fn cases(quick: bool) -> Vec<Case> {
         )
         .lifted(&LOWERED)
         .rehearsed(),
-        Case::new("discards", "each side discards one step in ten at random", &[]).discarding(10),
+        Case::new("discards", "each side discards one step in twenty at random", &[]).discarding(20),
         Case::new(
             "discards_in_impacts",
-            "one step in four discarded at random, in impacts",
+            "one step in twenty discarded at random, in impacts",
             &[],
         )
         .lifted(&LOWERED)
-        .discarding(4),
+        .discarding(20),
         // Line.
         Case::new(
             "dropper_1e7",
@@ -395,6 +395,7 @@ pub fn cases(quick: bool) -> Vec<Case> {
             &[
                 "catenary.contact_wire.tension=4000",
                 "catenary.messenger_wire.tension=3200",
+                "catenary.encumbrance=3.5",
                 "run.speed_kmh=165",
             ],
         ),
@@ -407,9 +408,9 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ],
         ),
         Case::new(
-            "presag_0.3_m",
-            "contact wire 0.3 m lower at mid-span",
-            &["catenary.presag=0.3"],
+            "presag_0.1_m",
+            "contact wire 0.1 m lower at mid-span",
+            &["catenary.presag=0.1"],
         ),
         Case::new(
             "presag_1_m",
@@ -464,17 +465,17 @@ pub fn cases(quick: bool) -> Vec<Case> {
         Case::linkage(
             "linkage_folded",
             "the linkage nearly folded",
-            &["catenary.contact_wire_height=4.2"],
+            &["catenary.contact_wire_height=3.8"],
         ),
         Case::linkage(
             "linkage_stretched",
             "the linkage near its singular position",
-            &["catenary.contact_wire_height=6.3"],
+            &["catenary.contact_wire_height=5.3"],
         ),
         Case::linkage(
             "linkage_out_of_reach",
             "a wire that the linkage does not reach",
-            &["catenary.contact_wire_height=7.5"],
+            &["catenary.contact_wire_height=5.8"],
         ),
         Case::linkage(
             "linkage_stops",
