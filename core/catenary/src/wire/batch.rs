@@ -287,25 +287,35 @@ impl<S: Simd> GroupLanes<S> {
         Lanes::load(self.simd, values, self.part)
     }
 
+    /// (Not by `array::map`: what is not inlined here knows no vector registers.)
+    #[inline(always)]
+    fn constants<const N: usize>(self, values: &[[f64; GROUP]; N]) -> [Lanes<S>; N] {
+        let mut lanes = [self.constant(&values[0]); N];
+        for i in 1..N {
+            lanes[i] = self.constant(&values[i]);
+        }
+        lanes
+    }
+
     #[inline(always)]
     fn vector<const D: usize>(self, values: &[[f64; GROUP]; D]) -> Components<Lanes<S>, D> {
-        Components(values.each_ref().map(|values| self.constant(values)))
+        Components(self.constants(values))
     }
 
     #[inline(always)]
     fn matrix(self, values: &EvenMatrix<[f64; GROUP]>) -> EvenMatrix<Lanes<S>> {
-        EvenMatrix(values.0.each_ref().map(|values| self.constant(values)))
+        EvenMatrix(self.constants(&values.0))
     }
 
     /// The values of the nodes `offset` places on from the first ones of the elements.
     #[inline(always)]
     fn nodes<const D: usize>(self, values: &[[f64; NODES]; D], offset: usize) -> Components<Lanes<S>, D> {
         let first = self.place * GROUP + offset;
-        Components(
-            values
-                .each_ref()
-                .map(|array| Lanes::load(self.simd, &array[first..first + GROUP], self.part)),
-        )
+        let mut lanes = [Lanes::load(self.simd, &values[0][first..first + GROUP], self.part); D];
+        for axis in 1..D {
+            lanes[axis] = Lanes::load(self.simd, &values[axis][first..first + GROUP], self.part);
+        }
+        Components(lanes)
     }
 
     #[inline(always)]
@@ -322,8 +332,8 @@ impl<S: Simd> GroupLanes<S> {
     #[inline(always)]
     fn store<const D: usize>(self, values: Components<Lanes<S>, D>, arrays: &mut [[f64; NODES]; D], offset: usize) {
         let first = self.place * GROUP + offset;
-        for (value, array) in values.0.into_iter().zip(arrays) {
-            value.store(&mut array[first..first + GROUP], self.part);
+        for axis in 0..D {
+            values.0[axis].store(&mut arrays[axis][first..first + GROUP], self.part);
         }
     }
 
