@@ -65,12 +65,17 @@ impl Scene {
     }
 
     fn check_reductions(&self, found: &mut Found) {
-        if self.model.has(Reduction::Planar)
-            && let Some(reason) = self.pushed_sideways()
-        {
-            let typed = format!("\"{}\"", Reduction::Planar);
-            let expected = format!("must be left out: {reason}");
-            refuse(found, "model.reduce", typed, expected);
+        for (reduction, reason) in [
+            (Reduction::Planar, self.pushed_sideways()),
+            (Reduction::Linkage, self.linkage_not_reducible()),
+        ] {
+            if self.model.has(reduction)
+                && let Some(reason) = reason
+            {
+                let typed = format!("\"{reduction}\"");
+                let expected = format!("must be left out: {reason}");
+                refuse(found, "model.reduce", typed, expected);
+            }
         }
     }
 

@@ -41,6 +41,7 @@ mod error;
 mod keys;
 mod linkage;
 mod model;
+mod one_motion;
 mod pantograph;
 mod run;
 mod scene;

@@ -34,7 +34,7 @@ choice! {
         /// The mechanism reduced to its one motion.
         Linkage = "linkage",
     }
-    unavailable: ["linearised", "flat", "window", "linkage"]
+    unavailable: ["linearised", "flat", "window"]
 }
 
 impl Entry for Model {

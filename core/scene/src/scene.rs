@@ -125,12 +125,36 @@ impl Scene {
 
     /// Resolves `model.reduce = "auto"`: only what changes nothing is left out.
     fn choose_reductions(&mut self) {
-        if std::mem::take(&mut self.model.unresolved)
-            && self.modelled_line().is_some()
-            && self.pushed_sideways().is_none()
-        {
+        if !std::mem::take(&mut self.model.unresolved) {
+            return;
+        }
+        if self.modelled_line().is_some() && self.pushed_sideways().is_none() {
             self.model.reductions.push(Reduction::Planar);
         }
+        if self.linkage_not_reducible().is_none() {
+            self.model.reductions.push(Reduction::Linkage);
+        }
+    }
+
+    /// Why the linkages cannot be reduced to one motion each; `None` where this changes nothing.
+    #[must_use]
+    pub fn linkage_not_reducible(&self) -> Option<String> {
+        let mut linkages = self
+            .pantographs
+            .iter()
+            .enumerate()
+            .filter_map(|(index, pantograph)| match &pantograph.model {
+                PantographModel::Linkage(linkage) => Some((index, linkage)),
+                _ => None,
+            })
+            .peekable();
+        if linkages.peek().is_none() {
+            return Some("no pantograph is a linkage".to_owned());
+        }
+        linkages.find_map(|(index, linkage)| {
+            let reason = linkage.motions_beyond_one()?;
+            Some(format!("pantograph[{}]: {reason}", index + 1))
+        })
     }
 
     /// x of the strip of pantograph `index` (from 0) at t = 0, m.
