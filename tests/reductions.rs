@@ -59,7 +59,10 @@ fn a_linkage_is_its_one_motion_where_the_joints_hold_the_strip() {
         };
         let (full, reduced) = (run("none"), run("[\"linkage\"]"));
         let (all, few) = (&full.summary.model, &reduced.summary.model);
-        assert_eq!((all.coordinates - few.coordinates, all.constraints, few.constraints), (34, 32, 0));
+        assert_eq!(
+            (all.coordinates - few.coordinates, all.constraints, few.constraints),
+            (34, 32, 0)
+        );
         let difference = reduced.raw_difference(&full);
         println!("{stagger}: {difference} N of sigma {} N", full.sigma());
         assert!(difference < 1e-3 * full.sigma(), "{difference} N");
@@ -69,9 +72,19 @@ fn a_linkage_is_its_one_motion_where_the_joints_hold_the_strip() {
 #[test]
 fn auto_reduces_a_linkage_and_says_why() {
     let scene = scene_with(THESIS, &[]);
-    let words: Vec<&str> = scene.model.reductions.iter().map(|reduction| reduction.name()).collect();
+    let words: Vec<&str> = scene
+        .model
+        .reductions
+        .iter()
+        .map(|reduction| reduction.name())
+        .collect();
     assert_eq!(words, ["planar", "linkage"]);
     let staggered = scene_with(THESIS, &["catenary.stagger=[0.2,-0.2]"]);
-    let words: Vec<&str> = staggered.model.reductions.iter().map(|reduction| reduction.name()).collect();
+    let words: Vec<&str> = staggered
+        .model
+        .reductions
+        .iter()
+        .map(|reduction| reduction.name())
+        .collect();
     assert_eq!(words, ["linkage"]);
 }
