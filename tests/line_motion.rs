@@ -225,3 +225,56 @@ fn the_linear_line_has_the_static_residual_and_tangent_of_the_line() {
     }
     assert_eq!(linear.line.droppers().slack_count(&state.motion(&[])), 0);
 }
+
+/// The difference of the forces of a line and its linearisation at `scale` times the displacements under a lifted contact wire, N.
+fn neglected(scale: f64) -> Vec<f64> {
+    let statics = solve(&short_line(3));
+    let mut exact = alone(&statics);
+    let mut linear = LinearLine::about(&mut exact.line, &exact.layout);
+    let mut state = exact.layout.state_at_rest();
+    let lifted = statics.wire_height_under(80.0, 100.0).unwrap().state.q;
+    for (q, lifted) in state.q.iter_mut().zip(&lifted) {
+        *q = scale * lifted;
+    }
+    let motion = state.motion(&[]);
+    assert_eq!(
+        (exact.line.slack_count(&motion), linear.droppers().slack_count(&motion)),
+        (0, 0)
+    );
+    let (mut a, mut b) = (vec![0.0; lifted.len()], vec![0.0; lifted.len()]);
+    exact.line.forces(&mut |part| part.add_force(&motion, &mut a));
+    linear.forces(&mut |part| part.add_force(&motion, &mut b));
+    a.iter().zip(&b).map(|(a, b)| a - b).collect()
+}
+
+#[test]
+fn what_the_linear_line_neglects_is_of_second_order() {
+    let norm = |force: Vec<f64>| force.iter().map(|f| f * f).sum::<f64>().sqrt();
+    let (whole, half, quarter) = (norm(neglected(0.4)), norm(neglected(0.2)), norm(neglected(0.1)));
+    assert!(whole > 1.0, "{whole} N");
+    for ratio in [whole / half, half / quarter] {
+        assert!((ratio - 4.0).abs() < 0.1, "{ratio}");
+    }
+}
+
+#[test]
+fn droppers_of_the_linear_line_go_slack_where_those_of_the_line_do() {
+    let statics = solve(&short_line(3));
+    let mut exact = alone(&statics);
+    let linear = LinearLine::about(&mut exact.line, &exact.layout);
+    let mut most = 0;
+    for lift in [5e-4, 2e-3, 1e-2] {
+        let mut state = gust(&exact, lift);
+        std::mem::swap(&mut state.q, &mut state.v);
+        let motion = state.motion(&[]);
+        let samples = exact.line.dropper_samples(&motion).zip(linear.dropper_samples(&motion));
+        for (exact, linear) in samples {
+            assert_eq!(exact.force == 0.0, linear.force == 0.0, "{exact:?} {linear:?}");
+            assert_eq!((exact.top, exact.bottom), (linear.top, linear.bottom));
+            assert!((exact.force - linear.force).abs() < 1e-3, "{exact:?} {linear:?}");
+        }
+        assert_eq!(exact.line.slack_count(&motion), linear.droppers().slack_count(&motion));
+        most = most.max(linear.droppers().slack_count(&motion));
+    }
+    assert!(most > 2, "{most} slack droppers");
+}

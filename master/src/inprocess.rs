@@ -1,6 +1,6 @@
 //! Slaves made of the core components, in this process and without any protocol.
 
-use catenary::{Line, WireName};
+use catenary::{OverheadLine, WireName};
 use component::{Component, Role};
 use dynamics::{Counters, Motion};
 use scene::Scene;
@@ -170,9 +170,7 @@ pub(crate) fn work(counters: Counters) -> Work {
 
 pub(crate) fn draw_line(line: &mut catenary::Subsystem, frame: &mut Frame) {
     let (line, motion) = line.line();
-    if let Some(shape) = line.shape() {
-        draw_wires(shape, &motion, frame);
-    }
+    draw_wires(line, &motion, frame);
 }
 
 pub(crate) fn draw_pantograph(pantograph: &mut vehicle::Subsystem, frame: &mut Frame) {
@@ -181,11 +179,12 @@ pub(crate) fn draw_pantograph(pantograph: &mut vehicle::Subsystem, frame: &mut F
 }
 
 /// Adds wires and droppers to a picture.
-pub(crate) fn draw_wires(line: &Line, motion: &Motion<'_>, frame: &mut Frame) {
+pub(crate) fn draw_wires(line: &dyn OverheadLine, motion: &Motion<'_>, frame: &mut Frame) {
+    let Some(shape) = line.shape() else { return };
     let wire = |name: WireName| {
-        let count = line.wire(name).geometry().nodes().len();
+        let count = shape.wire(name).geometry().nodes().len();
         let stride = count.div_ceil(WIRE_POINTS);
-        let points = line.polyline(name, motion.q).enumerate();
+        let points = shape.polyline(name, motion.q).enumerate();
         points
             .filter(|(i, _)| i % stride == 0 || i + 1 == count)
             .map(|(_, r)| (r.x, r.z))
@@ -195,6 +194,7 @@ pub(crate) fn draw_wires(line: &Line, motion: &Motion<'_>, frame: &mut Frame) {
     frame.messenger_wire = wire(WireName::MessengerWire);
     frame.droppers = line
         .dropper_samples(motion)
+        .iter()
         .map(|dropper| DropperLine {
             top: (dropper.top.x, dropper.top.z),
             bottom: (dropper.bottom.x, dropper.bottom.z),

@@ -37,9 +37,10 @@ impl Prepared {
         let line = match (&scene.catenary, topology) {
             (scene::Line::ThirdParty(entry), _) => format!("FMU {}", entry.fmu),
             (_, topology) => format!(
-                "{elements} cable elements in two wires, {} spans; {}",
+                "{elements} cable elements in two wires, {} spans; {}; {}",
                 topology.map_or(0, |topology| topology.supports().len() - 1),
-                dimension(scene)
+                dimension(scene),
+                motion(scene)
             ),
         };
         let part = |part: &str, modelled: bool, reason: String| Part {
@@ -137,7 +138,7 @@ fn at_rest(found: Standstill, in_contact: bool) -> String {
 
 /// Which coordinates the line has, and why.
 fn dimension(scene: &scene::Scene) -> String {
-    if scene.model.has(Reduction::Planar) {
+    if scene.is_planar() {
         return "planar: nothing pushes it sideways, so leaving out the lateral coordinates changes nothing".to_owned();
     }
     let reason = scene.pushed_sideways();
@@ -159,6 +160,23 @@ fn motions(scene: &scene::Scene) -> String {
         " with all their joints: {}",
         reason.unwrap_or_else(|| "asked for by model.reduce".to_owned())
     )
+}
+
+/// Which law of motion the line has, and what is known of its distance from the line as it is.
+fn motion(scene: &scene::Scene) -> String {
+    if scene.model.has(Reduction::Flat) {
+        "flat, asked for by model.reduce: straight wires that move up and down, for comparison with two-dimensional programs; the sag \
+         of the messenger wire is left out, which moved the force of EN 50318 lines by 14 to 20 % of its standard deviation"
+            .to_owned()
+    } else if scene.model.has(Reduction::Linearised) {
+        "linearised about the static state, asked for by model.reduce: constant stiffness, unilateral droppers and contact; how far \
+         that is from the nonlinear line only a run of both tells"
+            .to_owned()
+    } else {
+        "nonlinear: how far the line linearised about its static state would be from it only a run of both tells, so that \
+         model.reduce = \"auto\" does not choose it"
+            .to_owned()
+    }
 }
 
 /// How somebody else's pantograph comes to its start.

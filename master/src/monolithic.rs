@@ -1,6 +1,6 @@
 //! Line and pantographs as one system: no coupling, one integrator.
 
-use catenary::{CatenaryError, ContactPair, Line, StaticLine, StripStart, contact_pair};
+use catenary::{CatenaryError, ContactPair, OverheadLine, StaticLine, StripStart, contact_pair, scene_line};
 use dynamics::{Constraint, Counters, Force, Layout, Motion, Simulator, StepError, System};
 use scene::{PantographModel as Entry, Scene};
 use vehicle::{PantographModel, VehicleError};
@@ -35,7 +35,7 @@ pub enum MonolithicError {
 /// Line, pantographs and the contacts between them.
 struct Whole {
     layout: Layout,
-    line: Line,
+    line: Box<dyn OverheadLine>,
     pantographs: Vec<PantographModel>,
     contacts: Vec<ContactPair>,
 }
@@ -75,7 +75,7 @@ impl Monolithic {
     /// See [`MonolithicError`].
     pub fn new(scene: &Scene, statics: &StaticLine, supports: &[usize]) -> Result<Self, MonolithicError> {
         let mut layout = Layout::new();
-        let line = statics.line_in(&mut layout);
+        let line = scene_line(scene, statics, &mut layout);
         let mut pantographs = Vec::new();
         let mut starts = Vec::new();
         for (index, entry) in scene.pantographs.iter().enumerate() {
@@ -113,11 +113,13 @@ impl Monolithic {
             balanced &= (alone.contact(index).force - start.force).abs() < AT_REST;
         }
         let mut line = line;
-        line.set_uplift_reference(&state.q);
+        if let Some(shape) = line.shape_mut() {
+            shape.set_uplift_reference(&state.q);
+        }
         let contacts = pantographs
             .iter()
             .enumerate()
-            .map(|(index, pantograph)| contact_pair(scene, &line, index, pantograph.strip()));
+            .map(|(index, pantograph)| contact_pair(scene, &*line, index, pantograph.strip()));
         let contacts = contacts.collect::<Result<_, _>>()?;
         let whole = Whole {
             layout,
@@ -208,7 +210,7 @@ impl Monolithic {
     /// Adds line and pantographs to a picture.
     pub fn draw(&mut self, frame: &mut Frame) {
         let (whole, motion) = self.simulator.parts();
-        crate::inprocess::draw_wires(&whole.line, &motion, frame);
+        crate::inprocess::draw_wires(&*whole.line, &motion, frame);
         for pantograph in &whole.pantographs {
             crate::inprocess::draw_outline(pantograph, &motion, frame);
         }
@@ -239,9 +241,10 @@ fn read(whole: &Whole, motion: &Motion<'_>, supports: &[usize], point: &mut Poin
         values[contact::WIRE_Z] = position.z;
         values[contact::GAP] = state.map_or(f64::MAX, |state| state.geometry.gap);
     }
+    let Some(shape) = whole.line.shape() else { return };
     let first = whole.contacts.len() * contact::COUNT;
     for (k, &support) in supports.iter().enumerate() {
-        point.line[first + k] = whole.line.uplift(support - 1, motion.q);
+        point.line[first + k] = shape.uplift(support - 1, motion.q);
     }
 }
 

@@ -1,58 +1,8 @@
 //! A line with constant matrices and unilateral droppers.
-use crate::{Attachment, Curve, DropperLaw, Line, Tautness};
+use crate::linear_force::LinearForce;
+use crate::{Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, Tautness, WireName};
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
 use std::sync::Arc;
-
-/// A force linear in coordinates and velocities.
-///
-/// ```text
-/// Q = Q₀ − K q − D v
-/// ```
-#[derive(Clone, Debug)]
-pub struct LinearForce {
-    /// `Q₀`, N.
-    pub load: Vec<f64>,
-    /// `K`, N/m.
-    pub stiffness: SparseMatrix,
-    /// `D`, N·s/m.
-    pub damping: SparseMatrix,
-    /// `M`, kg.
-    pub mass: SparseMatrix,
-}
-
-impl LinearForce {
-    fn add_rows(matrix: &SparseMatrix, weight: f64, blocks: &mut Blocks<'_>) {
-        for row in 0..matrix.size() {
-            for (column, value) in matrix.row(row) {
-                blocks.add(&[row], &[column], &[weight * value]);
-            }
-        }
-    }
-}
-
-impl Force for LinearForce {
-    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        for (row, value) in force.iter_mut().enumerate().take(self.load.len()) {
-            let pull: f64 = self.stiffness.row(row).map(|(column, k)| k * motion.q[column]).sum();
-            let drag: f64 = self.damping.row(row).map(|(column, d)| d * motion.v[column]).sum();
-            *value += self.load[row] - pull - drag;
-        }
-    }
-
-    fn add_tangent(&mut self, _motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
-        Self::add_rows(&self.stiffness, weights.q, blocks);
-        Self::add_rows(&self.damping, weights.v, blocks);
-    }
-
-    fn add_mass(&self, blocks: &mut Blocks<'_>) {
-        Self::add_rows(&self.mass, 1.0, blocks);
-    }
-
-    fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let work: f64 = self.load.iter().zip(motion.q).map(|(load, q)| load * q).sum();
-        0.5 * self.stiffness.quadratic_form(motion.q) - work
-    }
-}
 
 /// A dropper whose elongation is linear in the coordinates: `δ = δ₀ + g·q`, and whose force acts along `g`.
 #[derive(Clone, Debug, PartialEq)]
@@ -193,6 +143,8 @@ pub struct LinearLine {
     force: LinearForce,
     droppers: LinearDroppers,
     contact_wire: Arc<dyn Curve>,
+    /// The line that this one stands for, where it stands for one: places only, never its forces.
+    shape: Option<Line>,
 }
 
 impl LinearLine {
@@ -203,7 +155,15 @@ impl LinearLine {
             force,
             droppers,
             contact_wire,
+            shape: None,
         }
+    }
+
+    /// The same with the places of wires, supports and droppers taken from `shape`, a line in the same coordinates.
+    #[must_use]
+    pub fn with_shape(mut self, shape: Line) -> Self {
+        self.shape = Some(shape);
+        self
     }
 
     /// The linearisation of `line` about its static state, sag and longitudinal coordinates included, in the same coordinates of
@@ -213,17 +173,14 @@ impl LinearLine {
     /// dropper is part of `K`.
     #[must_use]
     pub fn about(line: &mut Line, layout: &Layout) -> Self {
-        let size = layout.coordinates();
+        let Matrices {
+            mut load,
+            mut stiffness,
+            mut damping,
+            mass,
+        } = Matrices::at_rest(line, layout);
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
-        let stiffness = Weights { q: 1.0, v: 0.0 };
-        let mut k = assembled(|blocks| line.forces(&mut |part| part.add_tangent(&motion, stiffness, blocks)));
-        let mut d = assembled(|blocks| {
-            line.forces(&mut |part| part.add_tangent(&motion, Weights { q: 0.0, v: 1.0 }, blocks));
-        });
-        let m = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
-        let mut load = vec![0.0; size];
-        line.forces(&mut |part| part.add_force(&motion, &mut load));
 
         // Spring and damper of the taut droppers are taken out again: they are unilateral.
         let law = line.droppers().law();
@@ -242,8 +199,8 @@ impl LinearLine {
                 for &(row, g_row) in &gradient {
                     load[row] += tension * g_row;
                     for &(column, g_column) in &gradient {
-                        k.push((row as u32, column as u32, -law.stiffness * g_row * g_column));
-                        d.push((row as u32, column as u32, -law.damping * g_row * g_column));
+                        stiffness.push((row as u32, column as u32, -law.stiffness * g_row * g_column));
+                        damping.push((row as u32, column as u32, -law.damping * g_row * g_column));
                     }
                 }
             }
@@ -252,13 +209,88 @@ impl LinearLine {
                 gradient,
             });
         }
-        let force = LinearForce {
+        let matrices = Matrices {
             load,
-            stiffness: SparseMatrix::from_entries(size, k),
-            damping: SparseMatrix::from_entries(size, d),
-            mass: SparseMatrix::from_entries(size, m),
+            stiffness,
+            damping,
+            mass,
         };
-        Self::new(force, LinearDroppers::new(law, droppers), line.contact_curve())
+        Self::new(
+            matrices.force(line),
+            LinearDroppers::new(law, droppers),
+            line.contact_curve(),
+        )
+        .with_shape(line.clone())
+    }
+
+    /// The line of a static state as two-dimensional programs take it: straight wires of constant tension with small slopes, that
+    /// move up and down only. Its coordinates are added to `layout`; those along the track are held.
+    ///
+    /// ```text
+    /// Q = −K q − D v,    K = Σ ∫ T s,ₓ s,ₓᵀ + EI s,ₓₓ s,ₓₓᵀ dx  + springs of supports and arms,    q = 0 in the static state
+    /// ```
+    ///
+    /// Droppers are vertical and carry their static forces at `q = 0`; contact sees the static heights of the contact wire. The sag
+    /// of the messenger wire, which couples lift and tension, is left out: this is not the linearisation of the line.
+    #[must_use]
+    pub fn flat(statics: &StaticLine, layout: &mut Layout) -> Self {
+        let first = layout.coordinates();
+        let line = statics.line_in(layout);
+        let held = layout.fixed().to_vec();
+        for name in WireName::BOTH {
+            for node in line.wire(name).geometry().nodes() {
+                for index in [node.map.position(0), node.map.slope(0)].into_iter().flatten() {
+                    if !held.contains(&index) {
+                        layout.fix(index);
+                    }
+                }
+            }
+        }
+        let mut matrices = Matrices::at_rest(&mut statics.straight_line(first), layout);
+        // The static state is at rest whatever the forces of straight wires are there.
+        matrices.load.fill(0.0);
+        let rest = layout.state_at_rest();
+        let motion = rest.motion(&[]);
+        let law = line.droppers().law();
+        let mut droppers = Vec::new();
+        for (index, dropper) in line.droppers().as_slice().iter().enumerate() {
+            let end = |node: &Attachment, sign: f64| node.coordinate(2).map(|index| (index, sign));
+            let ends = [end(&dropper.upper, 1.0), end(&dropper.lower, -1.0)];
+            let gradient: Vec<(usize, f64)> = ends.into_iter().flatten().collect();
+            let tension = line.droppers().tension(index, &motion);
+            for &(row, g) in &gradient {
+                matrices.load[row] += tension * g;
+            }
+            droppers.push(LinearDropper {
+                elongation: dropper.length(&motion) - dropper.unstressed_length,
+                gradient,
+            });
+        }
+        let curve = line.contact_curve();
+        Self::new(matrices.force(&line), LinearDroppers::new(law, droppers), curve).with_shape(line)
+    }
+
+    /// The line that this one stands for, see [`LinearLine::with_shape`].
+    #[must_use]
+    pub fn shape(&self) -> Option<&Line> {
+        self.shape.as_ref()
+    }
+
+    /// See [`LinearLine::shape`].
+    pub fn shape_mut(&mut self) -> Option<&mut Line> {
+        self.shape.as_mut()
+    }
+
+    /// Both ends and the tension of every dropper; none without a shape.
+    #[must_use]
+    pub fn dropper_samples(&self, motion: &Motion<'_>) -> Vec<DropperSample> {
+        let ends = self.shape.iter().flat_map(|shape| shape.dropper_samples(motion));
+        ends.enumerate()
+            .map(|(index, ends)| DropperSample {
+                force: self.droppers.tension(index, motion),
+                ..ends
+            })
+            .collect()
     }
 
     /// Visits every contribution, always in the same order.
@@ -289,6 +321,49 @@ impl LinearLine {
     #[must_use]
     pub fn energy(&self, motion: &Motion<'_>) -> f64 {
         self.force.energy(motion) + self.droppers.energy(motion)
+    }
+}
+
+/// What a line is at rest, as entries (row, column, value) that may repeat.
+struct Matrices {
+    load: Vec<f64>,
+    stiffness: Vec<(u32, u32, f64)>,
+    damping: Vec<(u32, u32, f64)>,
+    mass: Vec<(u32, u32, f64)>,
+}
+
+impl Matrices {
+    fn at_rest(line: &mut Line, layout: &Layout) -> Self {
+        let rest = layout.state_at_rest();
+        let motion = rest.motion(&[]);
+        let mut tangent =
+            |weights: Weights| assembled(|blocks| line.forces(&mut |part| part.add_tangent(&motion, weights, blocks)));
+        let stiffness = tangent(Weights { q: 1.0, v: 0.0 });
+        let damping = tangent(Weights { q: 0.0, v: 1.0 });
+        let mass = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
+        let mut load = vec![0.0; layout.coordinates()];
+        line.forces(&mut |part| part.add_force(&motion, &mut load));
+        Self {
+            load,
+            stiffness,
+            damping,
+            mass,
+        }
+    }
+
+    /// The force with its products arranged along the wires of `line`.
+    fn force(self, line: &Line) -> LinearForce {
+        let size = self.load.len();
+        let matrix = |entries| SparseMatrix::from_entries(size, entries);
+        let chains =
+            WireName::BOTH.map(|name| line.wire(name).geometry().nodes().iter().map(|node| node.map).collect());
+        LinearForce::new(
+            self.load,
+            matrix(self.stiffness),
+            matrix(self.damping),
+            matrix(self.mass),
+        )
+        .with_chains(&chains)
     }
 }
 

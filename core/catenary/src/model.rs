@@ -1,11 +1,11 @@
 //! The line of a scene together with the strips on it.
 use crate::contact::STRIP_INPUTS;
 use crate::{
-    ContactPair, ContactTangent, Dimension, LineOptions, OverheadLine, PenaltyContact, PrescribedStrip, StaticLine,
-    StaticsError,
+    ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, OverheadLine, PenaltyContact, PrescribedStrip,
+    StaticLine, StaticsError,
 };
 use dynamics::{Force, Layout, Marker, StepError, System};
-use scene::Scene;
+use scene::{Reduction, Scene};
 
 /// Why a line could not be modelled or started.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -69,7 +69,7 @@ impl System for Model {
 pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
     let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
     let options = LineOptions {
-        dimension: if scene.model.has(scene::Reduction::Planar) {
+        dimension: if scene.is_planar() {
             Dimension::Planar
         } else {
             Dimension::Spatial
@@ -77,6 +77,21 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
         ..LineOptions::default()
     };
     Ok(StaticLine::solve(catenary, options)?)
+}
+
+/// The line that a scene runs with, of a solved static state, its coordinates added to `layout`: all zero is the static state.
+///
+/// Every mode takes its line from here, so that `model.reduce` means the same in each.
+#[must_use]
+pub fn scene_line(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Box<dyn OverheadLine> {
+    if scene.model.has(Reduction::Flat) {
+        return Box::new(LinearLine::flat(statics, layout));
+    }
+    let mut line = statics.line_in(layout);
+    if scene.model.has(Reduction::Linearised) {
+        return Box::new(LinearLine::about(&mut line, layout));
+    }
+    Box::new(line)
 }
 
 /// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's law.

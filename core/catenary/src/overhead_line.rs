@@ -1,9 +1,10 @@
 //! What contact and coupling need of a line, whatever it is made of.
-use crate::{Curve, Line, LinearLine};
+use crate::{Curve, DropperSample, Line, LinearLine};
 use dynamics::{Force, Motion};
 use std::sync::Arc;
 
-/// A line as the strips' side sees it: the nonlinear [`Line`] in any of its dimensions, or a [`LinearLine`].
+/// A line as the strips' side sees it: the nonlinear [`Line`] in any of its dimensions, or a [`LinearLine`]. The line of
+/// a scene is made by [`crate::scene_line`].
 pub trait OverheadLine: Send {
     /// Visits every contribution, always in the same order.
     fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force));
@@ -16,6 +17,9 @@ pub trait OverheadLine: Send {
 
     /// Potential energy, J.
     fn energy(&self, motion: &Motion<'_>) -> f64;
+
+    /// Both ends and the tension of every dropper, for pictures.
+    fn dropper_samples(&self, motion: &Motion<'_>) -> Vec<DropperSample>;
 
     /// The wires, supports and droppers behind, where the line has them: for uplift and pictures.
     fn shape(&self) -> Option<&Line>;
@@ -39,6 +43,10 @@ impl OverheadLine for Line {
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         self.energy(motion)
+    }
+
+    fn dropper_samples(&self, motion: &Motion<'_>) -> Vec<DropperSample> {
+        self.dropper_samples(motion).collect()
     }
 
     fn shape(&self) -> Option<&Line> {
@@ -67,11 +75,15 @@ impl OverheadLine for LinearLine {
         self.energy(motion)
     }
 
+    fn dropper_samples(&self, motion: &Motion<'_>) -> Vec<DropperSample> {
+        self.dropper_samples(motion)
+    }
+
     fn shape(&self) -> Option<&Line> {
-        None
+        self.shape()
     }
 
     fn shape_mut(&mut self) -> Option<&mut Line> {
-        None
+        self.shape_mut()
     }
 }

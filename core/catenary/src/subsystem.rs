@@ -2,7 +2,7 @@
 use crate::contact::{ContactState, STRIP_INPUTS};
 use crate::exchange::{Exchange, SAMPLES, Tally};
 use crate::signals::input_direction;
-use crate::{CatenaryError, Model, OverheadLine, StaticLine};
+use crate::{CatenaryError, Model, OverheadLine, StaticLine, scene_line};
 use dynamics::{Counters, FollowedInput, Layout, Simulator, StaticOptions, StepError, System};
 use nalgebra::Vector3;
 use scene::Scene;
@@ -76,8 +76,8 @@ impl Subsystem {
     /// See [`CatenaryError`].
     pub fn new(scene: &Scene, statics: &StaticLine) -> Result<Self, CatenaryError> {
         let mut layout = Layout::new();
-        let line = statics.line_in(&mut layout);
-        Self::with_line(scene, layout, Box::new(line))
+        let line = scene_line(scene, statics, &mut layout);
+        Self::with_line(scene, layout, line)
     }
 
     /// The same with a line of any kind in its own layout, at rest where all coordinates are zero.

@@ -51,6 +51,28 @@ pub trait Force: Send {
         self.add_force(motion, force);
     }
 
+    /// Whether [`Force::add_dynamic_force_within`] is cheaper than a whole evaluation; the answer never changes. Only for a
+    /// contribution that [`Force::multiplies_mass`] and whose force on a coordinate depends on no other coordinates than those that
+    /// the blocks of [`Force::add_tangent`] couple with it.
+    fn evaluates_ranges(&self) -> bool {
+        false
+    }
+
+    /// Adds to the entries `range` of `force` what [`Force::add_dynamic_force`] adds there; what it adds elsewhere is not used.
+    ///
+    /// Corrections after the first one of a step are often confined to the neighbourhood of the contact: the solver then evaluates
+    /// again only what has changed.
+    fn add_dynamic_force_within(
+        &mut self,
+        range: std::ops::Range<usize>,
+        motion: &Motion<'_>,
+        v_dot: &[f64],
+        force: &mut [f64],
+    ) {
+        let _ = range;
+        self.add_dynamic_force(motion, v_dot, force);
+    }
+
     /// Potential energy, J; zero for forces without one.
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         let _ = motion;

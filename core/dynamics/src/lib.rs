@@ -20,6 +20,7 @@
 //!   dissipation, Journal of Applied Mechanics 60, doi 10.1115/1.2900803.
 #![forbid(unsafe_code)]
 
+mod block_tridiagonal;
 mod blocks;
 mod constraint;
 mod factor;

@@ -2,9 +2,7 @@
 
 use crate::error::What;
 use crate::write::{shown_key, shown_number};
-use crate::{
-    Catenary, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Reduction, Scene, Statics, ThirdParty, Wire,
-};
+use crate::{Catenary, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics, ThirdParty, Wire};
 
 /// Contradictions found so far: the key and what is wrong with it.
 pub(crate) type Found = Vec<(String, What)>;
@@ -60,21 +58,6 @@ impl Scene {
                     shown_number(behind.offset_x, "m"),
                     format!("must be less than {ahead} m, the offset of the pantograph before it: the first one leads"),
                 );
-            }
-        }
-    }
-
-    fn check_reductions(&self, found: &mut Found) {
-        for (reduction, reason) in [
-            (Reduction::Planar, self.pushed_sideways()),
-            (Reduction::Linkage, self.linkage_not_reducible()),
-        ] {
-            if self.model.has(reduction)
-                && let Some(reason) = reason
-            {
-                let typed = format!("\"{reduction}\"");
-                let expected = format!("must be left out: {reason}");
-                refuse(found, "model.reduce", typed, expected);
             }
         }
     }

@@ -1,7 +1,9 @@
 //! `[model]`: what is left out to be faster.
 
+use crate::check::{Found, refuse};
 use crate::choice::choice;
 use crate::keys::{Entry, Keys};
+use crate::{PantographModel, Scene};
 
 /// `[model]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,16 +27,17 @@ choice! {
     pub enum Reduction {
         /// No lateral coordinates of the line: exact where nothing pushes it sideways.
         Planar = "planar",
-        /// The line linearised about its static state.
+        /// The line linearised about its static, sagging state: exact for small motion only.
         Linearised = "linearised",
-        /// The line as straight wires with small slopes.
+        /// The line as straight wires with small slopes that move up and down: what two-dimensional programs take for a line. It
+        /// is not the linearisation of the real one, whose sag couples lift and tension.
         Flat = "flat",
         /// Only the spans around the pantographs.
         Window = "window",
         /// The mechanism reduced to its one motion.
         Linkage = "linkage",
     }
-    unavailable: ["linearised", "flat", "window"]
+    unavailable: ["window"]
 }
 
 impl Entry for Model {
@@ -43,6 +46,85 @@ impl Entry for Model {
         Self {
             unresolved: chosen.is_none(),
             reductions: chosen.unwrap_or_default(),
+        }
+    }
+}
+
+impl Reduction {
+    /// Whether it is about the line.
+    fn of_the_line(self) -> bool {
+        matches!(self, Self::Planar | Self::Linearised | Self::Flat | Self::Window)
+    }
+}
+
+impl Scene {
+    /// Why the line cannot be planar: what pushes or leads it sideways; `None` where nothing does.
+    #[must_use]
+    pub fn pushed_sideways(&self) -> Option<String> {
+        let (catenary, _) = self.modelled_line()?;
+        if catenary.stagger.iter().any(|y| *y != catenary.stagger[0]) {
+            return Some("catenary.stagger differs from support to support".to_owned());
+        }
+        self.pantographs.iter().enumerate().find_map(|(index, pantograph)| {
+            let PantographModel::ThirdParty(side) = &pantograph.model else {
+                return None;
+            };
+            let tilts = side.outputs.contains_key("roll");
+            tilts.then(|| format!("pantograph[{}].outputs.roll may tilt the strip", index + 1))
+        })
+    }
+
+    /// Whether the line has no lateral coordinates; a flat line never has any.
+    #[must_use]
+    pub fn is_planar(&self) -> bool {
+        self.model.has(Reduction::Planar) || self.model.has(Reduction::Flat)
+    }
+
+    /// Resolves `model.reduce = "auto"`: only what changes nothing is left out.
+    ///
+    /// A linearised line is another line, and its distance from the nonlinear one is known from a run of both only (between one
+    /// and five percent of the standard deviation of the force on the lines of EN 50318, by their end conditions): it must be
+    /// asked for.
+    pub(crate) fn choose_reductions(&mut self) {
+        if !std::mem::take(&mut self.model.unresolved) {
+            return;
+        }
+        if self.modelled_line().is_some() && self.pushed_sideways().is_none() {
+            self.model.reductions.push(Reduction::Planar);
+        }
+        if self.linkage_not_reducible().is_none() {
+            self.model.reductions.push(Reduction::Linkage);
+        }
+    }
+
+    /// Reductions that this scene cannot have, alone or together.
+    pub(crate) fn check_reductions(&self, found: &mut Found) {
+        let mut left_out = |reduction: Reduction, reason: String| {
+            let expected = format!("must be left out: {reason}");
+            refuse(found, "model.reduce", format!("\"{reduction}\""), expected);
+        };
+        for &reduction in &self.model.reductions {
+            if reduction.of_the_line() && self.modelled_line().is_none() {
+                left_out(reduction, "the line is an FMU of somebody else".to_owned());
+                continue;
+            }
+            match reduction {
+                Reduction::Planar | Reduction::Flat => {
+                    if let Some(reason) = self.pushed_sideways() {
+                        left_out(reduction, reason);
+                    }
+                }
+                Reduction::Linearised if self.model.has(Reduction::Flat) => {
+                    let reason = "\"flat\" is another linear line; one of the two";
+                    left_out(reduction, reason.to_owned());
+                }
+                Reduction::Linkage => {
+                    if let Some(reason) = self.linkage_not_reducible() {
+                        left_out(reduction, reason);
+                    }
+                }
+                Reduction::Linearised | Reduction::Window => {}
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Whether a mechanism has only one motion that a contact force can excite.
 
-use crate::{JointKind, Linkage};
+use crate::{JointKind, Linkage, PantographModel, Scene};
 
 /// Below this an angle (rad), a length (m) or a ratio of inertias is zero.
 const NOTHING: f64 = 1e-9;
@@ -112,6 +112,27 @@ impl Linkage {
                 "{} joints hold {held} of the bodies' {coordinates} motions in the plane, not all but two",
                 self.joints.len()
             )
+        })
+    }
+}
+
+impl Scene {
+    /// Why the linkages cannot be reduced to one motion each; `None` where this changes nothing.
+    #[must_use]
+    pub fn linkage_not_reducible(&self) -> Option<String> {
+        let linkages = self.pantographs.iter().enumerate().filter_map(|(index, pantograph)| {
+            let PantographModel::Linkage(linkage) = &pantograph.model else {
+                return None;
+            };
+            Some((index, linkage))
+        });
+        let linkages: Vec<_> = linkages.collect();
+        if linkages.is_empty() {
+            return Some("no pantograph is a linkage".to_owned());
+        }
+        linkages.into_iter().find_map(|(index, linkage)| {
+            let reason = linkage.motions_beyond_one()?;
+            Some(format!("pantograph[{}]: {reason}", index + 1))
         })
     }
 }

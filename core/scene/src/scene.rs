@@ -3,9 +3,7 @@
 use crate::error::{SceneError, What};
 use crate::keys::{Entry, Keys, read, write};
 use crate::tree::{Sources, parse};
-use crate::{
-    Catenary, Contact, Coupling, Evaluate, Model, Pantograph, PantographModel, Reduction, Run, Solver, ThirdParty,
-};
+use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, ThirdParty};
 
 /// A scene: every value present, checked and in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,56 +103,6 @@ impl Scene {
             (Line::Modelled(catenary), Some(contact)) => Some((catenary, contact)),
             _ => None,
         }
-    }
-
-    /// Why the line cannot be planar: what pushes or leads it sideways; `None` where nothing does.
-    #[must_use]
-    pub fn pushed_sideways(&self) -> Option<String> {
-        let (catenary, _) = self.modelled_line()?;
-        if catenary.stagger.iter().any(|y| *y != catenary.stagger[0]) {
-            return Some("catenary.stagger differs from support to support".to_owned());
-        }
-        self.pantographs.iter().enumerate().find_map(|(index, pantograph)| {
-            let PantographModel::ThirdParty(side) = &pantograph.model else {
-                return None;
-            };
-            let tilts = side.outputs.contains_key("roll");
-            tilts.then(|| format!("pantograph[{}].outputs.roll may tilt the strip", index + 1))
-        })
-    }
-
-    /// Resolves `model.reduce = "auto"`: only what changes nothing is left out.
-    fn choose_reductions(&mut self) {
-        if !std::mem::take(&mut self.model.unresolved) {
-            return;
-        }
-        if self.modelled_line().is_some() && self.pushed_sideways().is_none() {
-            self.model.reductions.push(Reduction::Planar);
-        }
-        if self.linkage_not_reducible().is_none() {
-            self.model.reductions.push(Reduction::Linkage);
-        }
-    }
-
-    /// Why the linkages cannot be reduced to one motion each; `None` where this changes nothing.
-    #[must_use]
-    pub fn linkage_not_reducible(&self) -> Option<String> {
-        let mut linkages = self
-            .pantographs
-            .iter()
-            .enumerate()
-            .filter_map(|(index, pantograph)| match &pantograph.model {
-                PantographModel::Linkage(linkage) => Some((index, linkage)),
-                _ => None,
-            })
-            .peekable();
-        if linkages.peek().is_none() {
-            return Some("no pantograph is a linkage".to_owned());
-        }
-        linkages.find_map(|(index, linkage)| {
-            let reason = linkage.motions_beyond_one()?;
-            Some(format!("pantograph[{}]: {reason}", index + 1))
-        })
     }
 
     /// x of the strip of pantograph `index` (from 0) at t = 0, m.

@@ -403,12 +403,38 @@ fn no_line_left_out_and_no_value_replaced_makes_the_reader_panic() {
 }
 
 #[test]
-fn a_planar_line_with_stagger_is_refused() {
-    let overrides = ["catenary.stagger=[0.2, -0.2]", "model.reduce=[\"planar\"]"].map(str::to_owned);
+fn a_planar_or_flat_line_with_stagger_is_refused() {
+    for word in ["planar", "flat"] {
+        let reduce = format!("model.reduce=[\"{word}\"]");
+        let overrides = ["catenary.stagger=[0.2, -0.2]".to_owned(), reduce];
+        let error = Scene::from_toml(EN, "en50318-250.toml", &overrides)
+            .unwrap_err()
+            .to_string();
+        let expected =
+            format!("model.reduce = \"{word}\": must be left out: catenary.stagger differs from support to support");
+        assert!(error.contains(&expected), "{error}");
+    }
+}
+
+#[test]
+fn a_line_is_linear_in_one_way_only() {
+    let overrides = ["model.reduce=[\"linearised\", \"flat\"]".to_owned()];
     let error = Scene::from_toml(EN, "en50318-250.toml", &overrides)
         .unwrap_err()
         .to_string();
-    let expected = "model.reduce = \"planar\": must be left out: catenary.stagger differs from support to support";
+    let expected = "model.reduce = \"linearised\": must be left out: \"flat\" is another linear line; one of the two";
+    assert!(error.contains(expected), "{error}");
+}
+
+#[test]
+fn a_line_of_somebody_else_cannot_be_reduced() {
+    let (before, rest) = EN.split_once("[catenary]").unwrap();
+    let pantograph = &rest[rest.find("[[pantograph]]").unwrap()..];
+    let other = format!("{before}[catenary]\nfmu = \"line.fmu\"\n[model]\nreduce = [\"linearised\"]\n{pantograph}");
+    let error = Scene::from_toml(&other, "scene.toml", &["run.evaluate={ time = [2, 3] }".to_owned()])
+        .unwrap_err()
+        .to_string();
+    let expected = "model.reduce = \"linearised\": must be left out: the line is an FMU of somebody else";
     assert!(error.contains(expected), "{error}");
 }
 

@@ -1,8 +1,9 @@
 //! Axial laws.
 //!
 //! `X` is the arc length of the unstressed wire, `x = λ X` that at nominal tension: `r,_X = λ r,ₓ`.
-use super::slopes::{SlopeTangent, Slopes, TENSION, add_block, add_identity_blocks, weights};
-use nalgebra::{Matrix3, SVector, Vector3};
+use super::number::{Number, Space};
+use super::slopes::{Length, SlopeTangent, Slopes, TENSION, add_block, add_identity_blocks, weights};
+use nalgebra::{Matrix3, SVector};
 
 /// Five Gauss points on `0 ≤ ξ ≤ 1` with their weights: exact to degree nine.
 pub(crate) const FIVE_POINTS: [(f64, f64); 5] = [
@@ -71,78 +72,95 @@ pub(crate) struct Axial {
 }
 
 impl Axial {
-    /// `τ`, N: force per stretch of the parameter, `EA λ ε` for the mean strain.
+    /// `τ`, N, with gradient `τ r,ₓ` of the energy per `x` where `|r,ₓ|²` is `square`: at a point, or the mean of the element.
     #[inline(always)]
-    pub(super) fn mean_tau(&self, mean_square: f64) -> f64 {
-        0.5 * self.stiffness * self.stretch * (self.stretch * self.stretch * mean_square - 1.0)
+    pub(super) fn tau<N: Number>(&self, square: N) -> N {
+        let (ea, stretch) = (self.stiffness, self.stretch);
+        if self.law == AxialLaw::Engineering {
+            // ∂U/∂b = EA ε b/|b|
+            let norm = square.sqrt();
+            (norm * stretch - 1.0) * ea / norm
+        } else {
+            (square * (stretch * stretch) - 1.0) * (0.5 * ea * stretch)
+        }
     }
 
-    /// At a point with `b = r,ₓ`: energy per `x` (N), `τ` with gradient `τ b` (N), and `∂τ/∂(|b|²)` (N).
-    #[inline(always)]
-    fn at(&self, b: &Vector3<f64>) -> (f64, f64, f64) {
-        let (ea, stretch) = (self.stiffness, self.stretch);
-        let square = b.norm_squared();
+    /// `∂τ/∂(|r,ₓ|²)`, N.
+    pub(super) fn tau_rate(&self, square: f64) -> f64 {
         if self.law == AxialLaw::Engineering {
-            let norm = square.sqrt();
-            let strain = stretch * norm - 1.0;
-            let energy = 0.5 * ea / stretch * strain * strain;
-            // ∂U/∂b = EA ε b/|b| = EA (λ − 1/|b|) b
-            (energy, ea * strain / norm, 0.5 * ea / (square * norm))
+            // τ = EA (λ − 1/|b|)
+            0.5 * self.stiffness / (square * square.sqrt())
         } else {
-            let strain = 0.5 * (stretch * stretch * square - 1.0);
-            let energy = 0.5 * ea / stretch * strain * strain;
-            (energy, ea * stretch * strain, 0.5 * ea * stretch.powi(3))
+            0.5 * self.stiffness * self.stretch.powi(3)
         }
+    }
+
+    /// Energy per `x`, N.
+    fn energy_density(&self, square: f64) -> f64 {
+        let strain = if self.law == AxialLaw::Engineering {
+            self.stretch * square.sqrt() - 1.0
+        } else {
+            0.5 * (self.stretch * self.stretch * square - 1.0)
+        };
+        0.5 * self.stiffness / self.stretch * strain * strain
     }
 
     /// Strain energy, J, of an element of `length` in m.
     pub fn energy(&self, length: f64, slopes: &Slopes) -> f64 {
         if self.law == AxialLaw::Mean {
-            let strain = 0.5 * (self.stretch * self.stretch * slopes.mean_square() - 1.0);
-            return 0.5 * self.stiffness / self.stretch * length * strain * strain;
+            return length * self.energy_density(slopes.mean_square());
         }
         FIVE_POINTS
             .iter()
-            .map(|&(xi, w)| w * length * self.at(&slopes.r_x(&weights(xi).0)).0)
+            .map(|&(xi, w)| w * length * self.energy_density(slopes.r_x(&weights(xi).0).norm_squared()))
             .sum()
     }
 
-    /// Gradient of the energy, J per unit slope.
+    /// The tension `τ` (N) that acts throughout the element, zero where it is not the same in all points: those are left to
+    /// [`Axial::add_point_forces`].
     #[inline(always)]
-    pub fn force(&self, length: f64, slopes: &Slopes) -> Slopes {
+    pub fn common_tau<V: Space>(&self, slopes: &Slopes<V>) -> V::Number {
+        let square = slopes.mean_square();
         if self.law == AxialLaw::Mean {
-            let tau = self.mean_tau(slopes.mean_square());
-            return Slopes::zeros().plus(tau * length, &slopes.tension_gradient());
+            self.tau(square)
+        } else {
+            square.constant(0.0)
         }
-        let mut force = Slopes::zeros();
+    }
+
+    /// Adds the gradient of the energy, J per unit slope, of strains that are measured in points.
+    #[inline(always)]
+    pub fn add_point_forces<V: Space>(&self, length: Length<V::Number>, slopes: &Slopes<V>, force: &mut Slopes<V>) {
+        if self.law == AxialLaw::Mean {
+            return;
+        }
         for (xi, w) in FIVE_POINTS {
             let (at, _) = weights(xi);
             let b = slopes.r_x(&at);
-            let (_, tau, _) = self.at(&b);
-            force.add_r_x(&at, &(b * (tau * w * length)));
+            force.add_r_x(&at, b * (self.tau(b.dot(b)) * length.value * w));
         }
-        force
     }
 
     /// Second derivatives of the energy.
     pub fn tangent(&self, length: f64, slopes: &Slopes) -> SlopeTangent {
         let mut tangent = SlopeTangent::zeros();
         if self.law == AxialLaw::Mean {
-            let tau = self.mean_tau(slopes.mean_square());
-            add_identity_blocks(&mut tangent, tau * length, &TENSION);
-            // ∂τ = EA λ³ · (half gradient of the mean square)
-            let half = slopes.tension_gradient();
+            let square = slopes.mean_square();
+            add_identity_blocks(&mut tangent, self.tau(square) * length, &TENSION);
+            // ∂τ = 2 τ′ · (half gradient of the mean square)
+            let half = slopes.beam_gradient(1.0, 0.0);
             let mut g = SVector::<f64, 9>::zeros();
             for (i, part) in [half.chord, half.start, half.end].iter().enumerate() {
                 g.fixed_rows_mut::<3>(3 * i).copy_from(part);
             }
-            return tangent + g * g.transpose() * (self.stiffness * self.stretch.powi(3) * length);
+            return tangent + g * g.transpose() * (2.0 * self.tau_rate(square) * length);
         }
         for (xi, w) in FIVE_POINTS {
             let (at, _) = weights(xi);
             let b = slopes.r_x(&at);
-            let (_, tau, tau_square) = self.at(&b);
-            let block = (Matrix3::identity() * tau + b * b.transpose() * (2.0 * tau_square)) * (w * length);
+            let square = b.norm_squared();
+            let rate = b * b.transpose() * (2.0 * self.tau_rate(square));
+            let block = (Matrix3::identity() * self.tau(square) + rate) * (w * length);
             for i in 0..3 {
                 for j in 0..3 {
                     add_block(&mut tangent, i, j, &(block * (at[i] * at[j])));
@@ -154,16 +172,13 @@ impl Axial {
 
     /// Axial force, N, the mean over the element.
     pub fn tension(&self, slopes: &Slopes) -> f64 {
+        let at = |square: f64| self.tau(square) * square.sqrt();
         if self.law == AxialLaw::Mean {
-            let square = slopes.mean_square();
-            return self.mean_tau(square) * square.sqrt();
+            return at(slopes.mean_square());
         }
         FIVE_POINTS
             .iter()
-            .map(|&(xi, w)| {
-                let b = slopes.r_x(&weights(xi).0);
-                w * self.at(&b).1 * b.norm()
-            })
+            .map(|&(xi, w)| w * at(slopes.r_x(&weights(xi).0).norm_squared()))
             .sum()
     }
 }

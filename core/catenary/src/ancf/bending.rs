@@ -1,5 +1,6 @@
 //! Bending laws.
-use super::slopes::{BENDING, SlopeTangent, Slopes, add_block, add_identity_blocks, weights};
+use super::number::{Number, Space};
+use super::slopes::{BENDING, Length, SlopeTangent, Slopes, add_block, add_identity_blocks, weights};
 use nalgebra::{Matrix3, Vector3};
 
 /// Three Gauss points on `0 ≤ ξ ≤ 1` with their weights, as the published cable elements use them.
@@ -31,29 +32,43 @@ pub(crate) struct Bending {
     pub stiffness: f64,
 }
 
-/// `κ² = C/A − B²/A²` and its derivatives with respect to `A = b·b`, `B = b·c`, `C = c·c`; `b = r,ₓ`, `c = L r,ₓₓ`.
-struct Curvature {
-    square: f64,
-    a: f64,
-    b: f64,
-    c: f64,
+/// `κ² = C/A − B²/A²` and its first derivatives with respect to `A = b·b`, `B = b·c`, `C = c·c`; `b = r,ₓ`, `c = L r,ₓₓ`.
+struct Curvature<N = f64> {
+    square: N,
+    a: N,
+    b: N,
+    c: N,
+}
+
+impl<N: Number> Curvature<N> {
+    #[inline(always)]
+    fn new<V: Space<Number = N>>(b: V, c: V) -> Self {
+        let (bc, cc) = (b.dot(c), c.dot(c));
+        let square = b.dot(b);
+        let i = square.constant(1.0) / square;
+        let i2 = i * i;
+        Self {
+            square: b.cross_square(c) * i2,
+            a: bc * bc * i2 * i * 2.0 - cc * i2,
+            b: bc * i2 * -2.0,
+            c: i,
+        }
+    }
+}
+
+/// Second derivatives of `κ²` with respect to `A`, `B`, `C`, see [`Curvature`].
+struct CurvatureRates {
     aa: f64,
     ab: f64,
     ac: f64,
     bb: f64,
 }
 
-impl Curvature {
-    #[inline(always)]
+impl CurvatureRates {
     fn new(b: &Vector3<f64>, c: &Vector3<f64>) -> Self {
-        let (aa, bc, cc) = (b.norm_squared(), b.dot(c), c.norm_squared());
-        let i = 1.0 / aa;
+        let (bc, cc, i) = (b.dot(c), c.norm_squared(), 1.0 / b.norm_squared());
         let (i2, i3, i4) = (i * i, i * i * i, i * i * i * i);
         Self {
-            square: b.cross(c).norm_squared() * i2,
-            a: -cc * i2 + 2.0 * bc * bc * i3,
-            b: -2.0 * bc * i2,
-            c: i,
             aa: 2.0 * cc * i3 - 6.0 * bc * bc * i4,
             ab: 4.0 * bc * i3,
             ac: -i2,
@@ -76,29 +91,36 @@ impl Bending {
                 .iter()
                 .map(|&(xi, w)| {
                     let (at, bend) = weights(xi);
-                    factor * w * Curvature::new(&slopes.r_x(&at), &slopes.bend(&bend)).square
+                    factor * w * Curvature::new(slopes.r_x(&at), slopes.bend(&bend)).square
                 })
                 .sum(),
         }
     }
 
-    /// Gradient of the energy, J per unit slope.
+    /// `EI` where the energy is quadratic; zero where the curvature is measured in points: that is left to
+    /// [`Bending::add_point_forces`].
     #[inline(always)]
-    pub fn force(&self, length: f64, slopes: &Slopes) -> Slopes {
+    pub fn common_stiffness(&self) -> f64 {
         match self.law {
-            BendingLaw::Constant => Slopes::zeros().plus(self.stiffness / length, &slopes.bending_gradient()),
-            BendingLaw::Exact => {
-                let mut force = Slopes::zeros();
-                for (xi, w) in POINTS {
-                    let (at, bend) = weights(xi);
-                    let (b, c) = (slopes.r_x(&at), slopes.bend(&bend));
-                    let k = Curvature::new(&b, &c);
-                    let factor = 0.5 * self.stiffness / length * w;
-                    force.add_r_x(&at, &((b * (2.0 * k.a) + c * k.b) * factor));
-                    force.add_bend(&bend, &((b * k.b + c * (2.0 * k.c)) * factor));
-                }
-                force
-            }
+            BendingLaw::Constant => self.stiffness,
+            BendingLaw::Exact => 0.0,
+        }
+    }
+
+    /// Adds the gradient of the energy, J per unit slope, of a curvature that is measured in points.
+    #[inline(always)]
+    pub fn add_point_forces<V: Space>(&self, length: Length<V::Number>, slopes: &Slopes<V>, force: &mut Slopes<V>) {
+        if self.law == BendingLaw::Constant {
+            return;
+        }
+        for (xi, w) in POINTS {
+            let (at, bend) = weights(xi);
+            let (b, c) = (slopes.r_x(&at), slopes.bend(&bend));
+            let k = Curvature::new(b, c);
+            let factor = length.inverse * (self.stiffness * w);
+            let cross = k.b * factor * 0.5;
+            force.add_r_x(&at, (b * (k.a * factor)).plus(cross, c));
+            force.add_bend(&bend, (c * (k.c * factor)).plus(cross, b));
         }
     }
 
@@ -112,7 +134,7 @@ impl Bending {
         for (xi, w) in POINTS {
             let (at, bend) = weights(xi);
             let (b, c) = (slopes.r_x(&at), slopes.bend(&bend));
-            let k = Curvature::new(&b, &c);
+            let (k, rates) = (Curvature::new(b, c), CurvatureRates::new(&b, &c));
             let factor = 0.5 * self.stiffness / length * w;
             let (one, bb, bc, cc) = (
                 Matrix3::identity(),
@@ -121,9 +143,10 @@ impl Bending {
                 c * c.transpose(),
             );
             // Second derivatives of κ² with respect to (b, b), (b, c), (c, c).
-            let w_bb = one * (2.0 * k.a) + bb * (4.0 * k.aa) + (bc + bc.transpose()) * (2.0 * k.ab) + cc * k.bb;
-            let w_bc = one * k.b + bb * (2.0 * k.ab) + bc * (4.0 * k.ac) + bc.transpose() * k.bb;
-            let w_cc = one * (2.0 * k.c) + bb * k.bb;
+            let w_bb =
+                one * (2.0 * k.a) + bb * (4.0 * rates.aa) + (bc + bc.transpose()) * (2.0 * rates.ab) + cc * rates.bb;
+            let w_bc = one * k.b + bb * (2.0 * rates.ab) + bc * (4.0 * rates.ac) + bc.transpose() * rates.bb;
+            let w_cc = one * (2.0 * k.c) + bb * rates.bb;
             let bend = [0.0, bend[0], bend[1]];
             for i in 0..3 {
                 for j in 0..3 {

@@ -1,8 +1,9 @@
 //! One cable element.
 use super::axial::{Axial, AxialLaw, nominal_stretch};
 use super::bending::{Bending, BendingLaw};
+use super::number::Space;
 use super::shape::{bending_matrix, tension_matrix};
-use super::slopes::{SlopeTangent, Slopes};
+use super::slopes::{Length, SlopeTangent, Slopes};
 use nalgebra::{SMatrix, Vector3};
 
 /// The twelve coordinates as columns `r₁, r₁,ₓ, r₂, r₂,ₓ` [Thesis, Eq. (1)]; also a force on them (N, N·m, N, N·m).
@@ -41,11 +42,14 @@ impl CableSection {
         }
     }
 
-    /// Gradient of the strain energy of an element of `length` in m.
+    /// Gradient of the strain energy of an element.
     #[inline(always)]
-    pub(crate) fn slope_force(&self, length: f64, slopes: &Slopes) -> Slopes {
-        let force = self.axial.force(length, slopes);
-        force.plus(1.0, &self.bending.force(length, slopes))
+    pub(crate) fn slope_force<V: Space>(&self, length: Length<V::Number>, slopes: &Slopes<V>) -> Slopes<V> {
+        let tension = self.axial.common_tau(slopes) * length.value;
+        let mut force = slopes.beam_gradient(tension, length.inverse * self.bending.common_stiffness());
+        self.axial.add_point_forces(length, slopes, &mut force);
+        self.bending.add_point_forces(length, slopes, &mut force);
+        force
     }
 
     /// Second derivatives of the strain energy with respect to the node coordinates.
@@ -55,10 +59,10 @@ impl CableSection {
             return to_nodes(&self.slope_tangent(length, slopes), length);
         }
         // Constant matrices on each axis, and the change of the one axial force along its gradient.
-        let tau = axial.mean_tau(slopes.mean_square());
-        let matrix = tension_matrix(length) * tau + bending_matrix(length) * bending.stiffness;
-        let gradient = Coordinates::from_columns(&slopes.tension_gradient().on_nodes(length));
-        let rate = axial.stiffness * axial.stretch.powi(3) * length;
+        let square = slopes.mean_square();
+        let matrix = tension_matrix(length) * axial.tau(square) + bending_matrix(length) * bending.stiffness;
+        let gradient = Coordinates::from_columns(&slopes.beam_gradient(1.0, 0.0).on_nodes(Length::new(length)));
+        let rate = 2.0 * axial.tau_rate(square) * length;
         let mut tangent = Tangent::zeros();
         for (j, mut column) in tangent.column_iter_mut().enumerate() {
             let factor = rate * gradient[j];
@@ -96,7 +100,7 @@ pub struct Cable {
 impl Cable {
     fn slopes(&self, e: &Coordinates) -> Slopes {
         let column = |i: usize| Vector3::new(e[(0, i)], e[(1, i)], e[(2, i)]);
-        Slopes::new(&column(0), &column(1), &column(2), &column(3), self.length)
+        Slopes::new([0, 1, 2, 3].map(column), Length::new(self.length))
     }
 
     /// Strain energy, J.
@@ -108,8 +112,9 @@ impl Cable {
     /// `∂U/∂e`, the force of the element's strain (the wire feels its negative).
     #[must_use]
     pub fn force(&self, e: &Coordinates) -> Coordinates {
-        let force = self.section.slope_force(self.length, &self.slopes(e));
-        Coordinates::from_columns(&force.on_nodes(self.length))
+        let length = Length::new(self.length);
+        let force = self.section.slope_force(length, &self.slopes(e));
+        Coordinates::from_columns(&force.on_nodes(length))
     }
 
     /// `∂²U/∂e²`.

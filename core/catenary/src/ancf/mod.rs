@@ -11,10 +11,16 @@
 //! axial      axial laws (element mean, Green–Lagrange, engineering strain)
 //! bending    bending laws (|r,ₓₓ|², exact curvature)
 //! cable      one element: its laws together, energy, force and tangent in the twelve coordinates
+//! even       constant matrices of an element that are the same from either end, as batches of elements multiply them
+//! number     what laws compute with: the numbers and vectors of one element, or of several side by side
+//! lanes      several elements side by side in vector registers
 //! ```
 mod axial;
 mod bending;
 mod cable;
+mod even;
+mod lanes;
+mod number;
 mod shape;
 mod slopes;
 #[cfg(test)]
@@ -24,5 +30,8 @@ pub(crate) use axial::FIVE_POINTS;
 pub use axial::{AxialLaw, nominal_stretch};
 pub use bending::BendingLaw;
 pub use cable::{Cable, CableSection, Coordinates, Tangent};
+pub(crate) use even::EvenMatrix;
+pub(crate) use lanes::{Components, GROUP, Lanes};
+pub(crate) use number::Space;
 pub use shape::{ShapeFunctions, bending_matrix, mass_matrix, tension_matrix};
-pub(crate) use slopes::Slopes;
+pub(crate) use slopes::{Length, Slopes};

@@ -1,5 +1,26 @@
 //! What the strain of an element depends on.
+use super::number::{Number, Space};
 use nalgebra::{Matrix3, SMatrix, Vector3};
+
+/// Length of an element, m, and what laws divide by it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Length<N = f64> {
+    /// `L`, m.
+    pub value: N,
+    /// `1/L`, 1/m.
+    pub inverse: N,
+}
+
+impl<N: Number> Length<N> {
+    /// That of an element of `length` in m.
+    #[inline(always)]
+    pub fn new(length: N) -> Self {
+        Self {
+            value: length,
+            inverse: length.constant(1.0) / length,
+        }
+    }
+}
 
 /// The shape of an element without its place: every strain is a function of these three vectors (–).
 ///
@@ -12,13 +33,13 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 /// derived here from the Hermite polynomials; a wire that hardly bends has `a₁, a₂ ≈ 0`, so no digits cancel. The same type
 /// holds gradients with respect to the three vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slopes {
+pub struct Slopes<V = Vector3<f64>> {
     /// `p`, slope of the chord.
-    pub chord: Vector3<f64>,
+    pub chord: V,
     /// `a₁`, deviation of the start slope from the chord's.
-    pub start: Vector3<f64>,
+    pub start: V,
     /// `a₂`, deviation of the end slope.
-    pub end: Vector3<f64>,
+    pub end: V,
 }
 
 /// Second derivatives with respect to [`Slopes`], 9 × 9, symmetric: chord, start, end, three axes each.
@@ -33,12 +54,12 @@ pub(super) fn weights(xi: f64) -> ([f64; 3], [f64; 2]) {
     )
 }
 
-impl Slopes {
-    /// Slopes of the node coordinates; `length` of the element in m.
+impl<V: Space> Slopes<V> {
+    /// Slopes of the node coordinates `r₁, r₁,ₓ, r₂, r₂,ₓ`.
     #[inline(always)]
     #[must_use]
-    pub fn new(r1: &Vector3<f64>, r1_x: &Vector3<f64>, r2: &Vector3<f64>, r2_x: &Vector3<f64>, length: f64) -> Self {
-        let chord = (r2 - r1) * (1.0 / length);
+    pub fn new([r1, r1_x, r2, r2_x]: [V; 4], length: Length<V::Number>) -> Self {
+        let chord = (r2 - r1) * length.inverse;
         Self {
             chord,
             start: r1_x - chord,
@@ -46,89 +67,73 @@ impl Slopes {
         }
     }
 
-    /// No force.
-    #[must_use]
-    pub fn zeros() -> Self {
-        Self {
-            chord: Vector3::zeros(),
-            start: Vector3::zeros(),
-            end: Vector3::zeros(),
-        }
-    }
-
-    /// `r,ₓ`, with the weights of `p, a₁, a₂` at a point.
+    /// `r,ₓ`, with the weights of `p, a₁, a₂` at a point; the first is one.
     #[inline(always)]
-    pub(super) fn r_x(&self, weights: &[f64; 3]) -> Vector3<f64> {
-        self.chord * weights[0] + self.start * weights[1] + self.end * weights[2]
+    pub(super) fn r_x(&self, weights: &[f64; 3]) -> V {
+        self.chord + self.start.scaled(weights[1]) + self.end.scaled(weights[2])
     }
 
     /// `L r,ₓₓ`, with the weights of `a₁, a₂` at a point.
     #[inline(always)]
-    pub(super) fn bend(&self, weights: &[f64; 2]) -> Vector3<f64> {
-        self.start * weights[0] + self.end * weights[1]
+    pub(super) fn bend(&self, weights: &[f64; 2]) -> V {
+        self.start.scaled(weights[0]) + self.end.scaled(weights[1])
     }
 
     /// The mean of `|r,ₓ|²` over the element: `|p|² + (2/15)(|a₁|² + |a₂|²) − a₁·a₂/15`.
     #[inline(always)]
     #[must_use]
-    pub fn mean_square(&self) -> f64 {
-        self.chord.norm_squared() + (2.0 / 15.0) * (self.start.norm_squared() + self.end.norm_squared())
-            - (1.0 / 15.0) * self.start.dot(&self.end)
+    pub fn mean_square(&self) -> V::Number {
+        self.chord.dot(self.chord)
+            + ((self.start.dot(self.start) + self.end.dot(self.end)) * (2.0 / 15.0)
+                - self.start.dot(self.end) * (1.0 / 15.0))
     }
 
-    /// Half the gradient of [`Slopes::mean_square`]: the transverse force per tension and length.
+    /// Gradient of `½ t · mean |r,ₓ|² + ½ b · L ∫ |r,ₓₓ|² dx`, see [`Slopes::mean_square`]; the second is
+    /// `2 b (|a₁|² + a₁·a₂ + |a₂|²)`. With `t` a tension times `L` and `b` a bending stiffness over `L` the transverse force of a
+    /// tensioned beam.
     #[inline(always)]
     #[must_use]
-    pub fn tension_gradient(&self) -> Self {
+    pub fn beam_gradient(&self, t: V::Number, b: V::Number) -> Self {
+        let same = t * (4.0 / 30.0) + b * 4.0;
+        let other = b * 2.0 - t * (1.0 / 30.0);
         Self {
-            chord: self.chord,
-            start: (self.start * 4.0 - self.end) * (1.0 / 30.0),
-            end: (self.end * 4.0 - self.start) * (1.0 / 30.0),
+            chord: self.chord * t,
+            start: (self.start * same).plus(other, self.end),
+            end: (self.end * same).plus(other, self.start),
         }
     }
 
-    /// Gradient of `½ L ∫ |r,ₓₓ|² dx = 2 (|a₁|² + a₁·a₂ + |a₂|²)`: the force per bending stiffness, times the length.
+    /// The sum.
     #[inline(always)]
     #[must_use]
-    pub fn bending_gradient(&self) -> Self {
+    pub fn and(&self, other: &Self) -> Self {
         Self {
-            chord: Vector3::zeros(),
-            start: self.start * 4.0 + self.end * 2.0,
-            end: self.end * 4.0 + self.start * 2.0,
+            chord: self.chord + other.chord,
+            start: self.start + other.start,
+            end: self.end + other.end,
         }
     }
 
-    /// `self + factor · other`.
+    /// Adds `f` times the weights of a point: the gradient of a function of `r,ₓ` there. The first weight is one.
     #[inline(always)]
-    #[must_use]
-    pub fn plus(&self, factor: f64, other: &Self) -> Self {
-        Self {
-            chord: self.chord + other.chord * factor,
-            start: self.start + other.start * factor,
-            end: self.end + other.end * factor,
-        }
-    }
-
-    /// Adds `f` times the weights of a point: the gradient of a function of `r,ₓ` there.
-    #[inline(always)]
-    pub(super) fn add_r_x(&mut self, weights: &[f64; 3], f: &Vector3<f64>) {
-        self.chord += f * weights[0];
-        self.start += f * weights[1];
-        self.end += f * weights[2];
+    pub(super) fn add_r_x(&mut self, weights: &[f64; 3], f: V) {
+        self.chord = self.chord + f;
+        self.start = self.start + f.scaled(weights[1]);
+        self.end = self.end + f.scaled(weights[2]);
     }
 
     /// Adds `f` times the weights of a point: the gradient of a function of `L r,ₓₓ` there.
     #[inline(always)]
-    pub(super) fn add_bend(&mut self, weights: &[f64; 2], f: &Vector3<f64>) {
-        self.start += f * weights[0];
-        self.end += f * weights[1];
+    pub(super) fn add_bend(&mut self, weights: &[f64; 2], f: V) {
+        self.start = self.start + f.scaled(weights[0]);
+        self.end = self.end + f.scaled(weights[1]);
     }
 
     /// The gradient with respect to the node coordinates `r₁, r₁,ₓ, r₂, r₂,ₓ` (N, N·m, N, N·m for an energy's gradient).
     #[inline(always)]
     #[must_use]
-    pub fn on_nodes(&self, length: f64) -> [Vector3<f64>; 4] {
-        let pull = (self.chord - self.start - self.end) * (1.0 / length);
+    pub fn on_nodes(&self, length: Length<V::Number>) -> [V; 4] {
+        let pull = (self.chord - self.start - self.end) * length.inverse;
         [-pull, self.start, pull, self.end]
     }
 }
@@ -139,14 +144,14 @@ pub(super) fn add_block(tangent: &mut SlopeTangent, i: usize, j: usize, m: &Matr
     view += m;
 }
 
-/// The constant tangent of [`Slopes::tension_gradient`], as weights of identity blocks.
+/// The constant tangent of [`Slopes::beam_gradient`] for `t = 1`, as weights of identity blocks.
 pub(super) const TENSION: [[f64; 3]; 3] = [
     [1.0, 0.0, 0.0],
     [0.0, 4.0 / 30.0, -1.0 / 30.0],
     [0.0, -1.0 / 30.0, 4.0 / 30.0],
 ];
 
-/// The constant tangent of [`Slopes::bending_gradient`], as weights of identity blocks.
+/// The constant tangent of [`Slopes::beam_gradient`] for `b = 1`, as weights of identity blocks.
 pub(super) const BENDING: [[f64; 3]; 3] = [[0.0; 3], [0.0, 4.0, 2.0], [0.0, 2.0, 4.0]];
 
 /// Adds `factor · weights ⊗ I`.

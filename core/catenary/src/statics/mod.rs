@@ -17,9 +17,10 @@ pub use error::StaticsError;
 pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, TensionReport};
 
 use crate::line::Equilibrium;
-use crate::{Curve, CurveColumns, Line, LineOptions, Topology, WireName};
+use crate::{Curve, CurveColumns, Enrichment, Line, LineOptions, Topology, WireGeometry, WireName};
 use dynamics::{Force, Layout, State, StaticOptions, System, solve_static};
 use load::DeadLoad;
+use nalgebra::Vector3;
 use scene::Catenary;
 use std::sync::Arc;
 
@@ -119,6 +120,30 @@ impl StaticLine {
         let coordinates = self.topology.register(layout);
         self.topology.fix_ends(&coordinates, self.catenary.wire_ends, layout);
         Line::new(&self.catenary, &self.topology, &self.equilibrium, first)
+    }
+
+    /// Straight level wires of the same nodes, at nominal tension and with slack droppers, in the coordinates of
+    /// [`StaticLine::line_in`] numbered from `first`.
+    pub(crate) fn straight_line(&self, first: usize) -> Line {
+        let (catenary, equilibrium) = (&self.catenary, &self.equilibrium);
+        let x = self.topology.x();
+        let lengths: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let straight = |wire: &WireGeometry| {
+            let start = wire.nodes()[0].position;
+            let map = |node: usize| wire.nodes()[node].map;
+            let enrichments = wire.enrichments().iter().map(|enrichment| Enrichment {
+                reference: 0.0,
+                ..*enrichment
+            });
+            WireGeometry::straight(start, Vector3::x(), &lengths, map).with_enrichments(enrichments.collect())
+        };
+        let straight = Equilibrium {
+            contact_wire: straight(&equilibrium.contact_wire),
+            messenger_wire: straight(&equilibrium.messenger_wire),
+            dropper_lengths: vec![2.0 * catenary.encumbrance; equilibrium.dropper_lengths.len()],
+            ..equilibrium.clone()
+        };
+        Line::new(catenary, &self.topology, &straight, first)
     }
 
     /// Static state with an upward force (N) on the contact wire at `x` (m).

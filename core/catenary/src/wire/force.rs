@@ -1,10 +1,14 @@
 //! The forces of a wire: strain, weight, damping, inertia.
+use super::batch::Batch;
 use super::enrichment::Products;
 use super::geometry::WireGeometry;
 use super::layer::Layers;
-use crate::ancf::{AxialLaw, BendingLaw, CableSection, Slopes, Tangent, bending_matrix, mass_matrix, tension_matrix};
+use crate::ancf::{
+    AxialLaw, BendingLaw, CableSection, Length, Slopes, Tangent, bending_matrix, mass_matrix, tension_matrix,
+};
 use dynamics::{Blocks, Force, Motion, Weights};
-use nalgebra::{Matrix4, Vector3};
+use nalgebra::Matrix4;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Parameters of a wire's cross-section.
@@ -41,13 +45,28 @@ pub struct Wire {
     geometry: Arc<WireGeometry>,
     section: WireSection,
     laws: (AxialLaw, BendingLaw),
-    cable: CableSection,
     damping: Rayleigh,
     gravity: f64,
     /// `h²/6 · T`, N·s²: see [`Wire::with_mass_correction`].
     correction: f64,
+    pub(super) constants: Constants,
     elements: Vec<Element>,
-    layers: Layers,
+    pub(super) batch: Batch,
+    pub(super) layers: Layers,
+}
+
+/// What all elements of a wire have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Constants {
+    pub cable: CableSection,
+    /// Weight per length at nominal tension, N/m.
+    pub weight: f64,
+    /// `T` and `EI` as weights of the integrals.
+    pub stiffness: Products<f64>,
+    /// The weights of `D`.
+    pub damping: Products<f64>,
+    /// The weights of `M′`.
+    pub mass: Products<f64>,
 }
 
 /// Reference of one element.
@@ -56,6 +75,9 @@ struct Element {
     length: f64,
     reference: Slopes,
 }
+
+/// All coordinates.
+const EVERYWHERE: Range<usize> = 0..usize::MAX;
 
 impl Wire {
     /// A wire of `section` along `geometry` in the gravity field `gravity` (m/s², downwards).
@@ -67,45 +89,73 @@ impl Wire {
         gravity: f64,
         geometry: Arc<WireGeometry>,
     ) -> Self {
-        let cable = CableSection::new(
-            section.axial_stiffness,
-            section.bending_stiffness,
-            section.tension,
-            laws,
-        );
-        let count = geometry.lengths().len();
-        let elements = (0..count)
-            .map(|i| {
-                let length = geometry.lengths()[i];
-                let [r1, r1_x, r2, r2_x] = geometry.local_reference(i);
-                Element {
-                    length,
-                    reference: Slopes::new(&r1, &r1_x, &r2, &r2_x, length),
-                }
+        Self::assembled(section, damping, laws, gravity, 0.0, geometry)
+    }
+
+    fn assembled(
+        section: WireSection,
+        damping: Rayleigh,
+        laws: (AxialLaw, BendingLaw),
+        gravity: f64,
+        correction: f64,
+        geometry: Arc<WireGeometry>,
+    ) -> Self {
+        let elements = (geometry.lengths().iter().enumerate())
+            .map(|(i, &length)| Element {
+                length,
+                reference: Slopes::new(geometry.local_reference(i), Length::new(length)),
             })
             .collect();
-        let layers = Layers::new(&geometry);
+        let constants = Constants {
+            cable: CableSection::new(
+                section.axial_stiffness,
+                section.bending_stiffness,
+                section.tension,
+                laws,
+            ),
+            weight: section.mass_per_length * gravity,
+            stiffness: Products {
+                mass: 0.0,
+                tension: section.tension,
+                bending: section.bending_stiffness,
+            },
+            damping: Products {
+                mass: damping.alpha * section.mass_per_length,
+                tension: damping.beta * section.tension,
+                bending: damping.beta * section.bending_stiffness,
+            },
+            mass: Products {
+                mass: section.mass_per_length,
+                tension: -correction,
+                bending: 0.0,
+            },
+        };
         Self {
+            batch: Batch::new(&geometry, &constants),
+            layers: Layers::new(&geometry, &constants),
             geometry,
             section,
             laws,
-            cable,
             damping,
             gravity,
-            correction: 0.0,
+            correction,
+            constants,
             elements,
-            layers,
         }
     }
 
     /// The same wire on another geometry: other element lengths, or another configuration as the reference.
     #[must_use]
     pub fn with_geometry(&self, geometry: Arc<WireGeometry>) -> Self {
-        let wire = Self::new(self.section, self.damping, self.laws, self.gravity, geometry);
-        Self {
-            correction: self.correction,
-            ..wire
-        }
+        let Self {
+            section,
+            damping,
+            laws,
+            gravity,
+            correction,
+            ..
+        } = *self;
+        Self::assembled(section, damping, laws, gravity, correction, geometry)
     }
 
     /// The same wire with its inertia corrected for the time step `h` (s):
@@ -119,10 +169,15 @@ impl Wire {
     /// lengths per wave speed.
     #[must_use]
     pub fn with_mass_correction(self, h: f64) -> Self {
-        Self {
-            correction: h * h / 6.0 * self.section.tension,
-            ..self
-        }
+        let correction = h * h / 6.0 * self.section.tension;
+        let Self {
+            section,
+            damping,
+            laws,
+            gravity,
+            ..
+        } = self;
+        Self::assembled(section, damping, laws, gravity, correction, self.geometry)
     }
 
     /// The geometry.
@@ -140,44 +195,17 @@ impl Wire {
     /// Axial force of an element, N; its mean over the element.
     #[must_use]
     pub fn tension(&self, element: usize, q: &[f64]) -> f64 {
-        self.cable.axial.tension(&self.slopes(element, q))
+        self.constants.cable.axial.tension(&self.slopes(element, q))
     }
 
     /// Strain energy, J, enrichments included.
     #[must_use]
     pub fn strain_energy(&self, q: &[f64]) -> f64 {
-        let stiffness = self.stiffness_weights();
+        let Constants { cable, stiffness, .. } = &self.constants;
         let elements: f64 = (0..self.elements.len())
-            .map(|i| self.cable.slope_energy(self.elements[i].length, &self.slopes(i, q)))
+            .map(|i| cable.slope_energy(self.elements[i].length, &self.slopes(i, q)))
             .sum();
-        elements + self.layers.energy(&self.geometry, &stiffness, q)
-    }
-
-    /// `T` and `EI` as weights of the integrals.
-    pub(super) fn stiffness_weights(&self) -> Products<f64> {
-        Products {
-            mass: 0.0,
-            tension: self.section.tension,
-            bending: self.section.bending_stiffness,
-        }
-    }
-
-    /// The weights of `D`.
-    fn damping_weights(&self) -> Products<f64> {
-        Products {
-            mass: self.damping.alpha * self.section.mass_per_length,
-            tension: self.damping.beta * self.section.tension,
-            bending: self.damping.beta * self.section.bending_stiffness,
-        }
-    }
-
-    /// The weights of `M′`.
-    fn mass_weights(&self) -> Products<f64> {
-        Products {
-            mass: self.section.mass_per_length,
-            tension: -self.correction,
-            bending: 0.0,
-        }
+        elements + self.layers.energy(&self.geometry, stiffness, q)
     }
 
     fn slopes(&self, element: usize, q: &[f64]) -> Slopes {
@@ -185,16 +213,14 @@ impl Wire {
         let nodes = self.geometry.nodes();
         let (r1, r1_x) = nodes[element].map.gather(q);
         let (r2, r2_x) = nodes[element + 1].map.gather(q);
-        reference.plus(1.0, &Slopes::new(&r1, &r1_x, &r2, &r2_x, *length))
+        reference.and(&Slopes::new([r1, r1_x, r2, r2_x], Length::new(*length)))
     }
 
     /// Adds one component-wise matrix (the same for x, y, z) per element, and its layers.
     pub(super) fn add_constant(&self, weights: &Products<f64>, blocks: &mut Blocks<'_>) {
         let nodes = self.geometry.nodes();
         for (i, element) in self.elements.iter().enumerate() {
-            let matrix = mass_matrix(element.length) * weights.mass
-                + tension_matrix(element.length) * weights.tension
-                + bending_matrix(element.length) * weights.bending;
+            let matrix = element_matrix(element.length, weights);
             let (a, b) = (&nodes[i].map, &nodes[i + 1].map);
             for axis in 0..3 {
                 let index = [a.position(axis), a.slope(axis), b.position(axis), b.slope(axis)];
@@ -223,68 +249,53 @@ fn add_selected(blocks: &mut Blocks<'_>, index: &[Option<usize>], value: impl Fn
     blocks.add(&indices[..count], &indices[..count], &values[..count * count]);
 }
 
-/// The consistent mass of an element of length `l` times four node vectors, per mass per length.
-#[inline(always)]
-fn mass_times(l: f64, [r1, r1_x, r2, r2_x]: [&Vector3<f64>; 4]) -> [Vector3<f64>; 4] {
-    let (y1, y2, c) = (r1_x * l, r2_x * l, l / 420.0);
-    [
-        (r1 * 156.0 + y1 * 22.0 + r2 * 54.0 - y2 * 13.0) * c,
-        (r1 * 22.0 + y1 * 4.0 + r2 * 13.0 - y2 * 3.0) * (c * l),
-        (r1 * 54.0 + y1 * 13.0 + r2 * 156.0 - y2 * 22.0) * c,
-        (r1 * -13.0 - y1 * 3.0 - r2 * 22.0 + y2 * 4.0) * (c * l),
-    ]
+/// The integrals with these weights over an element of `length` in m.
+pub(super) fn element_matrix(length: f64, weights: &Products<f64>) -> Matrix4<f64> {
+    mass_matrix(length) * weights.mass
+        + tension_matrix(length) * weights.tension
+        + bending_matrix(length) * weights.bending
 }
 
 impl Force for Wire {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        let nodes = self.geometry.nodes();
-        let weight = self.section.mass_per_length * self.gravity;
-        let damping = self.damping_weights();
-        let (mut r1, mut r1_x) = nodes[0].map.gather(motion.q);
-        let (mut v1, mut v1_x) = nodes[0].map.gather(motion.v);
-        let (mut f1, mut m1) = (Vector3::zeros(), Vector3::zeros());
-        for (i, element) in self.elements.iter().enumerate() {
-            let next = &nodes[i + 1].map;
-            let (r2, r2_x) = next.gather(motion.q);
-            let (v2, v2_x) = next.gather(motion.v);
-            let l = element.length;
-            let slopes = element.reference.plus(1.0, &Slopes::new(&r1, &r1_x, &r2, &r2_x, l));
-            let rates = Slopes::new(&v1, &v1_x, &v2, &v2_x, l);
-            let total = self
-                .cable
-                .slope_force(l, &slopes)
-                .plus(damping.tension * l, &rates.tension_gradient())
-                .plus(damping.bending / l, &rates.bending_gradient());
-            let mut e = total.on_nodes(l);
-            let inertia = mass_times(l, [&v1, &v1_x, &v2, &v2_x]);
-            for (e, inertia) in e.iter_mut().zip(&inertia) {
-                *e += inertia * damping.mass;
-            }
-            // ∫ m g s dx
-            let (half, moment) = (0.5 * weight * l, weight * l * l / 12.0);
-            e[0].z += half;
-            e[1].z += moment;
-            e[2].z += half;
-            e[3].z -= moment;
-            nodes[i].map.scatter(&(f1 - e[0]), &(m1 - e[1]), force);
-            (f1, m1) = (-e[2], -e[3]);
-            (r1, r1_x, v1, v1_x) = (r2, r2_x, v2, v2_x);
-        }
-        nodes[self.elements.len()].map.scatter(&f1, &m1, force);
-        let load = self.section.mass_per_length * self.gravity;
-        let weights = (&self.stiffness_weights(), &damping);
-        self.layers.add_forces(&self.geometry, weights, load, motion, force);
+        self.batch.add_force(EVERYWHERE, motion, None, force);
+        self.layers.add_force(EVERYWHERE, motion, None, force);
+    }
+
+    fn multiplies_mass(&self) -> bool {
+        true
+    }
+
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.add_dynamic_force_within(EVERYWHERE, motion, v_dot, force);
+    }
+
+    fn evaluates_ranges(&self) -> bool {
+        self.batch.ascends()
+    }
+
+    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.batch.add_force(range.clone(), motion, Some(v_dot), force);
+        self.layers.add_force(range, motion, Some(v_dot), force);
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
-        let damping = self.damping_weights();
+        let Constants {
+            cable,
+            stiffness,
+            damping,
+            ..
+        } = &self.constants;
+        let rates = Products {
+            mass: weights.v * damping.mass,
+            tension: weights.v * damping.tension,
+            bending: weights.v * damping.bending,
+        };
         let nodes = self.geometry.nodes();
         for (i, element) in self.elements.iter().enumerate() {
             let slopes = self.slopes(i, motion.q);
-            let mut tangent: Tangent = self.cable.node_tangent(element.length, &slopes) * weights.q;
-            let rates: Matrix4<f64> = mass_matrix(element.length) * (weights.v * damping.mass)
-                + tension_matrix(element.length) * (weights.v * damping.tension)
-                + bending_matrix(element.length) * (weights.v * damping.bending);
+            let mut tangent: Tangent = cable.node_tangent(element.length, &slopes) * weights.q;
+            let rates = element_matrix(element.length, &rates);
             for row in 0..4 {
                 for column in 0..4 {
                     for axis in 0..3 {
@@ -308,23 +319,21 @@ impl Force for Wire {
                 add_selected(blocks, &index, |row, column| tangent[(row, column)]);
             }
         }
-        let stiffness = self.stiffness_weights();
         let weights = Products {
-            mass: weights.v * damping.mass,
-            tension: weights.q * stiffness.tension + weights.v * damping.tension,
-            bending: weights.q * stiffness.bending + weights.v * damping.bending,
+            mass: rates.mass,
+            tension: weights.q * stiffness.tension + rates.tension,
+            bending: weights.q * stiffness.bending + rates.bending,
         };
         self.layers.add_blocks(&self.geometry, &weights, blocks);
     }
 
     fn add_mass(&self, blocks: &mut Blocks<'_>) {
-        self.add_constant(&self.mass_weights(), blocks);
+        self.add_constant(&self.constants.mass, blocks);
     }
 
     /// Strain energy and the weight's potential relative to the reference, J.
     fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let nodes = self.geometry.nodes();
-        let weight = self.section.mass_per_length * self.gravity;
+        let (nodes, weight) = (self.geometry.nodes(), self.constants.weight);
         let elements: f64 = self
             .elements
             .iter()

@@ -1,8 +1,10 @@
 //! The forces of a wire's enrichments.
-use super::enrichment::{LayerIntegrals, Products, pair_integrals};
+use super::enrichment::{Enrichment, LayerIntegrals, Products, pair_integrals};
+use super::force::Constants;
 use super::geometry::WireGeometry;
 use dynamics::{Blocks, Motion};
 use nalgebra::{Vector3, Vector4};
+use std::ops::Range;
 
 /// What all enrichments of a wire contribute, linearised at the nominal tension:
 ///
@@ -15,6 +17,29 @@ use nalgebra::{Vector3, Vector4};
 pub(super) struct Layers {
     layers: Vec<ElementLayer>,
     pairs: Vec<LayerPair>,
+    rows: Vec<Row>,
+    entries: Vec<Entry>,
+}
+
+/// Stiffness, damping and mass between two coordinates.
+#[derive(Clone, Copy, Debug, Default)]
+struct Entry {
+    index: usize,
+    /// N/m-like, N·s/m-like, kg-like: the units of the two coordinates.
+    weights: [f64; 3],
+}
+
+/// Everything that one enrichment does, with its entries up to `end`.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    /// Reference value of the enrichment, –.
+    reference: f64,
+    /// Generalised force on the enrichment where all coordinates are zero, its own part `K a` not included, N·m.
+    load: f64,
+    own: Entry,
+    end: usize,
+    /// Smallest and largest of all coordinates concerned.
+    span: [usize; 2],
 }
 
 /// One enrichment on one of its elements.
@@ -47,10 +72,35 @@ impl ElementLayer {
         let d = &self.direction;
         Vector4::new(d.dot(&r1), d.dot(&r1_x), d.dot(&r2), d.dot(&r2_x))
     }
+
+    /// The coordinates of the element that the layer knows: number of the polynomial, axis, index. One in whose direction the
+    /// layer does not point is none of them: an exact zero stays in no pattern.
+    fn coordinates(&self, geometry: &WireGeometry) -> impl Iterator<Item = (usize, usize, usize)> + use<'_> {
+        let nodes = geometry.nodes();
+        let (a, b) = (nodes[self.element].map, nodes[self.element + 1].map);
+        (0..3).flat_map(move |axis| {
+            let index = [a.position(axis), a.slope(axis), b.position(axis), b.slope(axis)];
+            let known = index.map(|index| index.filter(|_| self.direction[axis] != 0.0));
+            let numbered = known.into_iter().enumerate();
+            numbered.filter_map(move |(function, index)| Some((function, axis, index?)))
+        })
+    }
+}
+
+/// Adds to the entry of the same coordinate from number `first` on, or a new one.
+fn add_entry(entries: &mut Vec<Entry>, first: usize, entry: Entry) {
+    match entries[first..].iter_mut().find(|known| known.index == entry.index) {
+        Some(known) => {
+            for (sum, weight) in known.weights.iter_mut().zip(entry.weights) {
+                *sum += weight;
+            }
+        }
+        None => entries.push(entry),
+    }
 }
 
 impl Layers {
-    pub fn new(geometry: &WireGeometry) -> Self {
+    pub fn new(geometry: &WireGeometry, constants: &Constants) -> Self {
         let (mut layers, mut pairs) = (Vec::new(), Vec::new());
         for (element, &length) in geometry.lengths().iter().enumerate() {
             let reference = geometry.local_reference(element);
@@ -81,7 +131,60 @@ impl Layers {
                 }
             }
         }
-        Self { layers, pairs }
+        let mut all = Self {
+            layers,
+            pairs,
+            rows: Vec::new(),
+            entries: Vec::new(),
+        };
+        for enrichment in geometry.enrichments() {
+            all.add_row(geometry, enrichment, constants);
+        }
+        all
+    }
+
+    /// Collects what the layers of one enrichment do.
+    fn add_row(&mut self, geometry: &WireGeometry, enrichment: &Enrichment, constants: &Constants) {
+        let index = enrichment.index;
+        let all = [&constants.stiffness, &constants.damping, &constants.mass];
+        let mut own = Entry {
+            index,
+            weights: [0.0; 3],
+        };
+        let (first, mut load) = (self.entries.len(), 0.0);
+        for layer in self.layers.iter().filter(|layer| layer.index == index) {
+            let shape = all.map(|weights| layer.integrals.shape.weighted(weights));
+            for (sum, weights) in own.weights.iter_mut().zip(all) {
+                *sum += layer.integrals.own.weighted(weights);
+            }
+            load += shape[0].dot(&layer.element_reference);
+            load += constants.weight * layer.direction.z * layer.integrals.area;
+            for (function, axis, index) in layer.coordinates(geometry) {
+                let weights = shape.map(|shape| shape[function] * layer.direction[axis]);
+                add_entry(&mut self.entries, first, Entry { index, weights });
+            }
+        }
+        // Each pair once, with the enrichment that comes first.
+        for pair in self.pairs.iter().filter(|pair| pair.indices[0] == index) {
+            let weights = all.map(|weights| pair.products.weighted(weights));
+            load += weights[0] * pair.references[1];
+            let index = pair.indices[1];
+            add_entry(&mut self.entries, first, Entry { index, weights });
+        }
+        self.rows.push(Row {
+            reference: enrichment.reference,
+            load,
+            own,
+            end: self.entries.len(),
+            span: [
+                self.entries[first..]
+                    .iter()
+                    .fold(index, |least, entry| least.min(entry.index)),
+                self.entries[first..]
+                    .iter()
+                    .fold(index, |most, entry| most.max(entry.index)),
+            ],
+        });
     }
 
     /// Strain energy, J.
@@ -110,60 +213,41 @@ impl Layers {
             .sum()
     }
 
-    /// Adds the forces of strain and damping (`weights` in this order) and of the weight per length `load` in N/m.
-    pub fn add_forces(
-        &self,
-        geometry: &WireGeometry,
-        weights: (&Products<f64>, &Products<f64>),
-        load: f64,
-        motion: &Motion<'_>,
-        force: &mut [f64],
-    ) {
-        let (stiffness, damping) = weights;
-        let nodes = geometry.nodes();
-        for layer in &self.layers {
-            let (shape, own) = (&layer.integrals.shape, &layer.integrals.own);
-            let (a, rate) = (layer.reference + motion.q[layer.index], motion.v[layer.index]);
-            let e = layer.element_reference + layer.along(geometry, motion.q);
-            let e_rate = layer.along(geometry, motion.v);
-            let (k, d) = (shape.weighted(stiffness), shape.weighted(damping));
-            let on_nodes = -(k * a + d * rate);
-            let [f1, m1, f2, m2] = [0, 1, 2, 3].map(|i| layer.direction * on_nodes[i]);
-            nodes[layer.element].map.scatter(&f1, &m1, force);
-            nodes[layer.element + 1].map.scatter(&f2, &m2, force);
-            let elastic = k.dot(&e) + own.weighted(stiffness) * a;
-            let damped = d.dot(&e_rate) + own.weighted(damping) * rate;
-            let weight = load * layer.direction.z * layer.integrals.area;
-            force[layer.index] -= elastic + damped + weight;
-        }
-        for pair in &self.pairs {
-            let (k, d) = (pair.products.weighted(stiffness), pair.products.weighted(damping));
-            for (to, from) in [(0, 1), (1, 0)] {
-                let source = pair.indices[from];
-                let (a, rate) = (pair.references[from] + motion.q[source], motion.v[source]);
-                force[pair.indices[to]] -= k * a + d * rate;
+    /// Adds the forces of all layers, with those of inertia where accelerations are given. Only the entries `within` need be right.
+    pub fn add_force(&self, within: Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+        let mut end = 0;
+        for row in &self.rows {
+            let first = std::mem::replace(&mut end, row.end);
+            if row.span[1] < within.start || row.span[0] >= within.end {
+                continue;
             }
+            let at = |index: usize| {
+                let acceleration = v_dot.map_or(0.0, |v_dot| v_dot[index]);
+                [motion.q[index], motion.v[index], acceleration]
+            };
+            let product = |[k, d, m]: &[f64; 3], [q, v, v_dot]: [f64; 3]| k * q + d * v + m * v_dot;
+            let mut own = at(row.own.index);
+            own[0] += row.reference;
+            let mut sum = row.load + product(&row.own.weights, own);
+            for entry in &self.entries[first..row.end] {
+                sum += product(&entry.weights, at(entry.index));
+                // What the references of the others do is part of `load`; the own one counts here.
+                force[entry.index] -= product(&entry.weights, own);
+            }
+            force[row.own.index] -= sum;
         }
     }
 
     /// Adds the matrix with these weights.
     pub fn add_blocks(&self, geometry: &WireGeometry, weights: &Products<f64>, blocks: &mut Blocks<'_>) {
-        let nodes = geometry.nodes();
         for layer in &self.layers {
             let own = [layer.integrals.own.weighted(weights)];
             blocks.add(&[layer.index], &[layer.index], &own);
             let coupling = layer.integrals.shape.weighted(weights);
-            let (a, b) = (&nodes[layer.element].map, &nodes[layer.element + 1].map);
-            for axis in 0..3 {
-                let index = [a.position(axis), a.slope(axis), b.position(axis), b.slope(axis)];
-                for (i, index) in index.into_iter().enumerate() {
-                    // An exact zero stays in no pattern: a vertical layer knows no x.
-                    let value = [coupling[i] * layer.direction[axis]];
-                    if let Some(index) = index.filter(|_| layer.direction[axis] != 0.0) {
-                        blocks.add(&[layer.index], &[index], &value);
-                        blocks.add(&[index], &[layer.index], &value);
-                    }
-                }
+            for (function, axis, index) in layer.coordinates(geometry) {
+                let value = [coupling[function] * layer.direction[axis]];
+                blocks.add(&[layer.index], &[index], &value);
+                blocks.add(&[index], &[layer.index], &value);
             }
         }
         for pair in &self.pairs {

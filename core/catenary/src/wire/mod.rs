@@ -1,9 +1,11 @@
 //! A wire: a chain of cable elements in the coordinates of a system.
+mod batch;
 mod enrichment;
 mod force;
 mod geometry;
 mod layer;
 mod node;
+mod places;
 mod point;
 #[cfg(test)]
 mod tests;

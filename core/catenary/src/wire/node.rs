@@ -68,17 +68,6 @@ impl NodeMap {
         });
         (Vector3::new(x, y, z), Vector3::new(x_s, y_s, z_s))
     }
-
-    /// Adds the node's part of a generalised force.
-    #[inline(always)]
-    pub(super) fn scatter(&self, position: &Vector3<f64>, slope: &Vector3<f64>, values: &mut [f64]) {
-        let parts = [position.x, position.y, position.z, slope.x, slope.y, slope.z];
-        for (index, part) in self.index.into_iter().zip(parts) {
-            if let Some(value) = values.get_mut(index) {
-                *value += part;
-            }
-        }
-    }
 }
 
 /// A node: its reference and its coordinates, which are displacements from the reference.

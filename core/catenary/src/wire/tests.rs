@@ -154,7 +154,7 @@ fn damping_is_the_weighted_sum_of_mass_and_static_transverse_tangent() {
         wire.add_force(&motion(&zero, &v), &mut moving);
         let force = DVector::from_vec(still) - DVector::from_vec(moving);
         let mass = dense(n, &mut |blocks| wire.add_mass(blocks));
-        let static_part = dense(n, &mut |blocks| wire.add_constant(&wire.stiffness_weights(), blocks));
+        let static_part = dense(n, &mut |blocks| wire.add_constant(&wire.constants.stiffness, blocks));
         let expected = (mass * DAMPING.alpha + static_part * DAMPING.beta) * DVector::from_vec(v);
         assert!((force - &expected).amax() < 1e-10 * expected.amax());
     }

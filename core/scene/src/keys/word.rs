@@ -58,7 +58,7 @@ impl Keys<'_> {
         }
     }
 
-    /// `"none"` (the empty list) or a list of words without repetition; `None` where it is `"auto"` or left out.
+    /// `"none"` (the empty list), one word, or a list of words without repetition; `None` where it is `"auto"` or left out.
     pub(crate) fn words<T: Choice>(&mut self, name: &str, was: Option<&[T]>) -> Option<Vec<T>> {
         let word_of = |value: &T| {
             T::NAMES
@@ -89,13 +89,21 @@ impl Keys<'_> {
         let expected = if available.is_empty() {
             "\"auto\", \"none\" or an empty list".to_string()
         } else {
-            format!("\"auto\", \"none\" or a list of {}", available.join(", "))
+            format!("\"auto\", \"none\", or one or a list of {}", available.join(", "))
         };
         let mut found = Vec::new();
         match self.node(name).cloned().map(|node| node.value) {
             None => return None,
             Some(Value::String(word)) if word == "auto" => return None,
             Some(Value::String(word)) if word == "none" => {}
+            Some(Value::String(typed)) if available.contains(&typed.as_str()) => {
+                found.extend(
+                    T::NAMES
+                        .iter()
+                        .filter(|(word, _)| *word == typed)
+                        .map(|(_, meaning)| *meaning),
+                );
+            }
             Some(Value::String(typed)) => {
                 let known: Vec<&'static str> = ["auto", "none"].into_iter().chain(available.iter().copied()).collect();
                 self.report(name, wrong_word(&typed, &known, T::UNAVAILABLE));

@@ -1,0 +1,86 @@
+//! What a law computes with: one number or one vector of an element, or those of several elements side by side.
+use nalgebra::Vector3;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// One number per element.
+pub(crate) trait Number:
+    Copy
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+{
+    /// `self · factor + term`; the product is not rounded where the machine can do so at no cost.
+    fn mul_add(self, factor: Self, term: Self) -> Self;
+
+    /// The square root.
+    fn sqrt(self) -> Self;
+
+    /// `value` for each of the elements that `self` belongs to.
+    fn constant(self, value: f64) -> Self;
+}
+
+/// One vector per element.
+pub(crate) trait Space:
+    Copy + Neg<Output = Self> + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Number, Output = Self>
+{
+    /// What a vector is multiplied with.
+    type Number: Number;
+
+    /// The scalar product.
+    fn dot(self, other: Self) -> Self::Number;
+
+    /// `self + other · factor`.
+    fn plus(self, factor: Self::Number, other: Self) -> Self;
+
+    /// `self · factor` with one factor for all elements.
+    fn scaled(self, factor: f64) -> Self;
+
+    /// `|self × other|²`.
+    fn cross_square(self, other: Self) -> Self::Number;
+}
+
+impl Number for f64 {
+    #[inline(always)]
+    fn mul_add(self, factor: Self, term: Self) -> Self {
+        // The fused product is a function call where the processor does not have it.
+        self * factor + term
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn constant(self, value: f64) -> Self {
+        value
+    }
+}
+
+impl Space for Vector3<f64> {
+    type Number = f64;
+
+    #[inline(always)]
+    fn dot(self, other: Self) -> f64 {
+        nalgebra::Matrix::dot(&self, &other)
+    }
+
+    #[inline(always)]
+    fn plus(self, factor: f64, other: Self) -> Self {
+        self + other * factor
+    }
+
+    #[inline(always)]
+    fn scaled(self, factor: f64) -> Self {
+        self * factor
+    }
+
+    #[inline(always)]
+    fn cross_square(self, other: Self) -> f64 {
+        self.cross(&other).norm_squared()
+    }
+}

@@ -1,0 +1,332 @@
+//! The elements of a wire in groups that fill vector registers: force, damping, weight and inertia in one sweep.
+use super::enrichment::Products;
+use super::force::{Constants, element_matrix};
+use super::geometry::WireGeometry;
+use super::places::{BLOCK, NODES, NodeArrays, Places};
+use crate::ancf::{CableSection, Components, EvenMatrix, GROUP, Lanes, Length, Slopes, Space};
+use dynamics::Motion;
+use nalgebra::Vector3;
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// All elements of a wire, with two components where it stays in the plane of x and z.
+#[derive(Clone, Debug)]
+pub(super) enum Batch {
+    Planar(Box<Sweep<2>>),
+    Spatial(Box<Sweep<3>>),
+}
+
+impl Batch {
+    pub fn new(geometry: &WireGeometry, constants: &Constants) -> Self {
+        let lateral = |element: usize| {
+            let [_, r1_x, r2, r2_x] = geometry.local_reference(element);
+            r1_x.y != 0.0 || r2.y != 0.0 || r2_x.y != 0.0
+        };
+        let moves = |node: &super::WireNode| node.map.position(1).or(node.map.slope(1)).is_some();
+        if geometry.nodes().iter().any(moves) || (0..geometry.lengths().len()).any(lateral) {
+            Self::Spatial(Box::new(Sweep::new(geometry, [0, 1, 2], constants)))
+        } else {
+            Self::Planar(Box::new(Sweep::new(geometry, [0, 2], constants)))
+        }
+    }
+
+    /// Whether the coordinates ascend from node to node, so that a range of them is a part of the wire.
+    pub fn ascends(&self) -> bool {
+        match self {
+            Self::Planar(sweep) => sweep.places.ascend(),
+            Self::Spatial(sweep) => sweep.places.ascend(),
+        }
+    }
+
+    /// Adds the force of all elements, with that of inertia where accelerations are given. Only the entries `within` need be
+    /// right.
+    pub fn add_force(&mut self, within: Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+        self.add_force_on(Arch::new(), within, motion, v_dot, force);
+    }
+
+    /// The same with the registers of `arch`.
+    fn add_force_on(
+        &mut self,
+        arch: Arch,
+        within: Range<usize>,
+        motion: &Motion<'_>,
+        v_dot: Option<&[f64]>,
+        force: &mut [f64],
+    ) {
+        match self {
+            Self::Planar(sweep) => sweep.add_force(arch, within, motion, v_dot, force),
+            Self::Spatial(sweep) => sweep.add_force(arch, within, motion, v_dot, force),
+        }
+    }
+}
+
+/// Constants of a group of elements.
+#[derive(Clone, Copy, Debug)]
+struct Group<const D: usize> {
+    length: Length<[f64; GROUP]>,
+    reference: Slopes<[[f64; GROUP]; D]>,
+    damping: EvenMatrix<[f64; GROUP]>,
+    mass: EvenMatrix<[f64; GROUP]>,
+}
+
+/// Arrays of a block of elements.
+#[derive(Clone, Debug)]
+struct Block<const D: usize> {
+    q: NodeArrays<D>,
+    v: NodeArrays<D>,
+    v_dot: NodeArrays<D>,
+    /// Forces of the elements on their first nodes.
+    start: NodeArrays<D>,
+    /// Forces of the elements on their second nodes, one place on: that of the node.
+    end: NodeArrays<D>,
+}
+
+/// Elements in `D` components.
+#[derive(Clone, Debug)]
+pub(super) struct Sweep<const D: usize> {
+    cable: CableSection,
+    weight: f64,
+    elements: usize,
+    groups: Vec<Group<D>>,
+    places: Places<D>,
+    block: Block<D>,
+}
+
+impl<const D: usize> Sweep<D> {
+    fn new(geometry: &WireGeometry, axes: [usize; D], constants: &Constants) -> Self {
+        let lengths = geometry.lengths();
+        let elements = lengths.len();
+        let group = |group: usize| {
+            // The last group repeats the last element; what it gives is not used.
+            let element = |lane: usize| (GROUP * group + lane).min(elements - 1);
+            let slopes = |lane: usize| {
+                let element = element(lane);
+                Slopes::new(geometry.local_reference(element), Length::new(lengths[element]))
+            };
+            let lanes = |value: &dyn Fn(usize) -> f64| std::array::from_fn(value);
+            let vector = |of: &dyn Fn(&Slopes) -> Vector3<f64>| axes.map(|axis| lanes(&|lane| of(&slopes(lane))[axis]));
+            let matrix = |weights: &Products<f64>| {
+                let of = |lane: usize| EvenMatrix::new(&element_matrix(lengths[element(lane)], weights));
+                EvenMatrix(std::array::from_fn(|i| lanes(&|lane| of(lane).0[i])))
+            };
+            Group {
+                length: Length {
+                    value: lanes(&|lane| lengths[element(lane)]),
+                    inverse: lanes(&|lane| 1.0 / lengths[element(lane)]),
+                },
+                reference: Slopes {
+                    chord: vector(&|slopes| slopes.chord),
+                    start: vector(&|slopes| slopes.start),
+                    end: vector(&|slopes| slopes.end),
+                },
+                damping: matrix(&constants.damping),
+                mass: matrix(&constants.mass),
+            }
+        };
+        let zeros = [[[0.0; NODES]; D]; 2];
+        Self {
+            cable: constants.cable,
+            weight: constants.weight,
+            elements,
+            groups: (0..elements.div_ceil(GROUP)).map(group).collect(),
+            places: Places::new(geometry.nodes(), axes),
+            block: Block {
+                q: zeros,
+                v: zeros,
+                v_dot: zeros,
+                start: zeros,
+                end: zeros,
+            },
+        }
+    }
+
+    /// The groups that have to do with a range of coordinates.
+    fn groups_of(&self, within: &Range<usize>) -> Range<usize> {
+        let nodes = self.places.nodes_of(within);
+        if nodes.is_empty() {
+            return 0..0;
+        }
+        // Element i lies between the nodes i and i + 1.
+        let (first, end) = (nodes.start.saturating_sub(1), nodes.end.min(self.elements));
+        first / GROUP..end.div_ceil(GROUP)
+    }
+
+    fn add_force(
+        &mut self,
+        arch: Arch,
+        within: Range<usize>,
+        motion: &Motion<'_>,
+        v_dot: Option<&[f64]>,
+        force: &mut [f64],
+    ) {
+        let groups = self.groups_of(&within);
+        match v_dot {
+            Some(v_dot) => arch.dispatch(AddForce::<D, true> {
+                sweep: self,
+                groups,
+                values: [motion.q, motion.v, v_dot],
+                force,
+            }),
+            None => arch.dispatch(AddForce::<D, false> {
+                sweep: self,
+                groups,
+                values: [motion.q, motion.v, &[]],
+                force,
+            }),
+        }
+    }
+}
+
+/// The sweep, compiled once for each kind of vector registers.
+struct AddForce<'a, const D: usize, const DYNAMIC: bool> {
+    sweep: &'a mut Sweep<D>,
+    groups: Range<usize>,
+    /// `q`, `v`, and `v̇` where `DYNAMIC`.
+    values: [&'a [f64]; 3],
+    force: &'a mut [f64],
+}
+
+impl<const D: usize, const DYNAMIC: bool> WithSimd for AddForce<'_, D, DYNAMIC> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Sweep {
+            cable,
+            weight,
+            elements,
+            groups,
+            places,
+            block,
+        } = self.sweep;
+        let [q, v, v_dot] = self.values;
+        let start = self.groups.start * GROUP;
+        for (number, groups) in groups[self.groups].chunks(BLOCK / GROUP).enumerate() {
+            let first = start + number * BLOCK;
+            let count = BLOCK.min(*elements - first);
+            let nodes = (first, first + count);
+            places.gather(nodes, q, &mut block.q);
+            places.gather(nodes, v, &mut block.v);
+            if DYNAMIC {
+                places.gather(nodes, v_dot, &mut block.v_dot);
+            }
+            for (place, group) in groups.iter().enumerate() {
+                for part in 0..Lanes::<S>::PARTS {
+                    let lanes = GroupLanes { simd, place, part };
+                    lanes.add_force::<D, DYNAMIC>(cable, *weight, group, block);
+                }
+            }
+            // The lanes beyond the last element belong to none; the first node ends no element of this block.
+            for array in block.start.as_flattened_mut() {
+                array[count] = 0.0;
+            }
+            for array in block.end.as_flattened_mut() {
+                array[0] = 0.0;
+            }
+            places.scatter(nodes, [&block.start, &block.end], self.force);
+        }
+    }
+}
+
+/// One register's worth of elements.
+#[derive(Clone, Copy)]
+struct GroupLanes<S> {
+    simd: S,
+    /// Group within its block.
+    place: usize,
+    /// Register within the group.
+    part: usize,
+}
+
+impl<S: Simd> GroupLanes<S> {
+    #[inline(always)]
+    fn constant(self, values: &[f64; GROUP]) -> Lanes<S> {
+        Lanes::load(self.simd, values, self.part)
+    }
+
+    #[inline(always)]
+    fn vector<const D: usize>(self, values: &[[f64; GROUP]; D]) -> Components<Lanes<S>, D> {
+        Components(values.each_ref().map(|values| self.constant(values)))
+    }
+
+    #[inline(always)]
+    fn matrix(self, values: &EvenMatrix<[f64; GROUP]>) -> EvenMatrix<Lanes<S>> {
+        EvenMatrix(values.0.each_ref().map(|values| self.constant(values)))
+    }
+
+    /// The values of the nodes `offset` places on from the first ones of the elements.
+    #[inline(always)]
+    fn nodes<const D: usize>(self, values: &[[f64; NODES]; D], offset: usize) -> Components<Lanes<S>, D> {
+        let first = self.place * GROUP + offset;
+        Components(
+            values
+                .each_ref()
+                .map(|array| Lanes::load(self.simd, &array[first..first + GROUP], self.part)),
+        )
+    }
+
+    #[inline(always)]
+    fn coordinates<const D: usize>(self, values: &NodeArrays<D>) -> [Components<Lanes<S>, D>; 4] {
+        let [r, r_x] = values;
+        [
+            self.nodes(r, 0),
+            self.nodes(r_x, 0),
+            self.nodes(r, 1),
+            self.nodes(r_x, 1),
+        ]
+    }
+
+    #[inline(always)]
+    fn store<const D: usize>(self, values: Components<Lanes<S>, D>, arrays: &mut [[f64; NODES]; D], offset: usize) {
+        let first = self.place * GROUP + offset;
+        for (value, array) in values.0.into_iter().zip(arrays) {
+            value.store(&mut array[first..first + GROUP], self.part);
+        }
+    }
+
+    /// Evaluates the elements and writes their forces on the nodes into the block.
+    #[inline(always)]
+    fn add_force<const D: usize, const DYNAMIC: bool>(
+        self,
+        cable: &CableSection,
+        weight: f64,
+        group: &Group<D>,
+        block: &mut Block<D>,
+    ) {
+        let length = Length {
+            value: self.constant(&group.length.value),
+            inverse: self.constant(&group.length.inverse),
+        };
+        let reference = Slopes {
+            chord: self.vector(&group.reference.chord),
+            start: self.vector(&group.reference.start),
+            end: self.vector(&group.reference.end),
+        };
+        let slopes = reference.and(&Slopes::new(self.coordinates(&block.q), length));
+        let mut rest = self.matrix(&group.damping).times(self.coordinates(&block.v));
+        if DYNAMIC {
+            rest = rest.and(self.matrix(&group.mass).times(self.coordinates(&block.v_dot)));
+        }
+        let strain = cable.slope_force(length, &slopes).on_nodes(length);
+        let [mut f1, mut m1, mut f2, mut m2] = add(strain, rest.on_nodes());
+        // ∫ m g s dx
+        let half = length.value * (0.5 * weight);
+        let moment = length.value * length.value * (weight / 12.0);
+        f1.0[D - 1] = f1.0[D - 1] + half;
+        m1.0[D - 1] = m1.0[D - 1] + moment;
+        f2.0[D - 1] = f2.0[D - 1] + half;
+        m2.0[D - 1] = m2.0[D - 1] - moment;
+        self.store(f1, &mut block.start[0], 0);
+        self.store(m1, &mut block.start[1], 0);
+        self.store(f2, &mut block.end[0], 1);
+        self.store(m2, &mut block.end[1], 1);
+    }
+}
+
+#[inline(always)]
+fn add<V: Space>([a, b, c, d]: [V; 4], [e, f, g, h]: [V; 4]) -> [V; 4] {
+    [a + e, b + f, c + g, d + h]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,112 @@
+//! Between the coordinates of a system and the arrays of a batch of elements.
+use super::node::WireNode;
+use crate::ancf::GROUP;
+use std::ops::Range;
+
+/// Elements that are gathered, evaluated and scattered together: their arrays stay in the nearest cache.
+pub(super) const BLOCK: usize = 8 * GROUP;
+
+/// Room for the nodes of a block and for the last lanes of those that follow them.
+pub(super) const NODES: usize = BLOCK + GROUP;
+
+/// Position and slope of the nodes of a block, `D` components each, one array per component.
+pub(super) type NodeArrays<const D: usize> = [[[f64; NODES]; D]; 2];
+
+/// Where the coordinates of the nodes stand among those of the system.
+#[derive(Clone, Debug)]
+pub(super) enum Places<const D: usize> {
+    /// The `2 D` coordinates of each node follow each other, and those of the node before; the first of each.
+    Runs(Vec<u32>),
+    /// Anywhere; `u32::MAX` stands for one that does not exist.
+    Anywhere(Vec<[[u32; D]; 2]>),
+}
+
+impl<const D: usize> Places<D> {
+    /// `axes` are those of the components.
+    pub fn new(nodes: &[WireNode], axes: [usize; D]) -> Self {
+        let places = nodes.iter().map(|node| {
+            let place = |index: Option<usize>| index.map_or(u32::MAX, |index| index as u32);
+            [
+                axes.map(|axis| place(node.map.position(axis))),
+                axes.map(|axis| place(node.map.slope(axis))),
+            ]
+        });
+        let places: Vec<[[u32; D]; 2]> = places.collect();
+        let consecutive = |node: &[[u32; D]; 2]| {
+            let run = node.as_flattened();
+            run.windows(2).all(|pair| pair[0] != u32::MAX && pair[1] == pair[0] + 1)
+        };
+        let ascending = places.is_sorted_by_key(|node| node[0][0]);
+        if ascending && places.iter().all(consecutive) {
+            Self::Runs(places.iter().map(|node| node[0][0]).collect())
+        } else {
+            Self::Anywhere(places)
+        }
+    }
+
+    /// Whether each node's coordinates follow those of the node before.
+    pub fn ascend(&self) -> bool {
+        match self {
+            Self::Runs(_) => true,
+            Self::Anywhere(_) => false,
+        }
+    }
+
+    /// The nodes with a coordinate in a range, or all.
+    pub fn nodes_of(&self, range: &Range<usize>) -> Range<usize> {
+        match self {
+            Self::Runs(starts) => {
+                let first = starts.partition_point(|&start| start as usize + 2 * D <= range.start);
+                first..starts.partition_point(|&start| (start as usize) < range.end)
+            }
+            Self::Anywhere(places) => 0..places.len(),
+        }
+    }
+
+    /// Copies the values of the nodes from `first` to `last` to arrays; what does not exist is zero.
+    #[inline(always)]
+    pub fn gather(&self, (first, last): (usize, usize), values: &[f64], arrays: &mut NodeArrays<D>) {
+        match self {
+            Self::Runs(starts) => {
+                for (i, &start) in starts[first..=last].iter().enumerate().take(NODES) {
+                    let run = &values[start as usize..][..2 * D];
+                    for (part, array) in arrays.as_flattened_mut().iter_mut().enumerate() {
+                        array[i] = run[part];
+                    }
+                }
+            }
+            Self::Anywhere(places) => {
+                for (i, node) in places[first..=last].iter().enumerate().take(NODES) {
+                    for (array, &place) in arrays.as_flattened_mut().iter_mut().zip(node.as_flattened()) {
+                        array[i] = values.get(place as usize).copied().unwrap_or(0.0);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes the forces in both arrays off those of the system.
+    #[inline(always)]
+    pub fn scatter(&self, (first, last): (usize, usize), [a, b]: [&NodeArrays<D>; 2], force: &mut [f64]) {
+        let (a, b) = (a.as_flattened(), b.as_flattened());
+        match self {
+            Self::Runs(starts) => {
+                for (i, &start) in starts[first..=last].iter().enumerate().take(NODES) {
+                    let run = &mut force[start as usize..][..2 * D];
+                    for (part, value) in run.iter_mut().enumerate() {
+                        *value -= a[part][i] + b[part][i];
+                    }
+                }
+            }
+            Self::Anywhere(places) => {
+                for (i, node) in places[first..=last].iter().enumerate().take(NODES) {
+                    for (part, &place) in node.as_flattened().iter().enumerate() {
+                        if let Some(value) = force.get_mut(place as usize) {
+                            *value -= a[part][i] + b[part][i];
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Products of small dense blocks in SIMD lanes.
+//!
+//! A block is stored column by column, its rows filled up with zeros to whole vectors.
+use super::structure::LARGEST;
+use pulp::Simd;
+
+/// `start + Σ columns[k] x[k]` for columns of `V` vectors, summed in `U` independent chains that hide the latency of the additions.
+#[inline(always)]
+fn chains<S: Simd, const V: usize, const U: usize>(
+    simd: S,
+    columns: &[S::f64s],
+    x: &[f64],
+    start: [S::f64s; V],
+) -> [S::f64s; V] {
+    let mut sums = [[simd.splat_f64s(0.0); V]; U];
+    sums[0] = start;
+    let mut groups = columns.chunks_exact(V * U);
+    let mut factors = x.chunks_exact(U);
+    for (columns, x) in groups.by_ref().zip(factors.by_ref()) {
+        for u in 0..U {
+            let factor = simd.splat_f64s(x[u]);
+            for v in 0..V {
+                sums[u][v] = simd.mul_add_e_f64s(columns[u * V + v], factor, sums[u][v]);
+            }
+        }
+    }
+    let rest = groups.remainder().chunks_exact(V).zip(factors.remainder());
+    for (sum, (column, &x)) in sums.iter_mut().zip(rest) {
+        let factor = simd.splat_f64s(x);
+        for v in 0..V {
+            sum[v] = simd.mul_add_e_f64s(column[v], factor, sum[v]);
+        }
+    }
+    let mut width = U;
+    while width > 1 {
+        width /= 2;
+        for u in 0..width {
+            for v in 0..V {
+                sums[u][v] = simd.add_f64s(sums[u][v], sums[u + width][v]);
+            }
+        }
+    }
+    sums[0]
+}
+
+/// A block and where the vector it multiplies begins.
+#[derive(Clone, Copy)]
+pub(super) struct Term<'a> {
+    /// Columns, rows filled up.
+    pub block: &'a [f64],
+    /// First entry of the factor in the common vector.
+    pub at: usize,
+    /// Columns of the block.
+    pub columns: usize,
+}
+
+impl Term<'_> {
+    #[inline(always)]
+    fn factors<'w>(&self, work: &'w [f64]) -> &'w [f64] {
+        &work[self.at..self.at + self.columns]
+    }
+}
+
+/// In one vector `work`: the `height` vectors of entries from `target` on become the sum of the products of two blocks with other
+/// parts of it, plus what they were where `keep`.
+#[inline(always)]
+pub(super) fn combine<S: Simd, const KEEP: bool>(
+    simd: S,
+    work: &mut [f64],
+    (target, height): (usize, usize),
+    terms: [Term<'_>; 2],
+) {
+    match height {
+        1 => in_registers::<S, KEEP, 1, 4>(simd, work, target, terms),
+        2 => in_registers::<S, KEEP, 2, 2>(simd, work, target, terms),
+        3 => in_registers::<S, KEEP, 3, 2>(simd, work, target, terms),
+        4 => in_registers::<S, KEEP, 4, 2>(simd, work, target, terms),
+        _ => {
+            let mut sum = [0.0; LARGEST];
+            let length = height * S::F64_LANES;
+            let sum = &mut sum[..length];
+            if KEEP {
+                sum.copy_from_slice(&work[target..target + length]);
+            }
+            for term in terms {
+                add_product(simd, term.block, term.factors(work), sum);
+            }
+            work[target..target + length].copy_from_slice(sum);
+        }
+    }
+}
+
+#[inline(always)]
+fn in_registers<S: Simd, const KEEP: bool, const V: usize, const U: usize>(
+    simd: S,
+    work: &mut [f64],
+    target: usize,
+    [first, second]: [Term<'_>; 2],
+) {
+    let range = target..target + V * S::F64_LANES;
+    let mut sum = [simd.splat_f64s(0.0); V];
+    if KEEP {
+        sum.copy_from_slice(S::as_simd_f64s(&work[range.clone()]).0);
+    }
+    // The chain of blocks hangs on the second term: the first is summed before it.
+    for term in [first, second] {
+        sum = chains::<S, V, U>(simd, S::as_simd_f64s(term.block).0, term.factors(work), sum);
+    }
+    S::as_mut_simd_f64s(&mut work[range]).0.copy_from_slice(&sum);
+}
+
+/// `y += block · x`; the length of `y` is that of the filled-up columns.
+#[inline(always)]
+pub(super) fn add_product<S: Simd>(simd: S, block: &[f64], x: &[f64], y: &mut [f64]) {
+    let block = S::as_simd_f64s(block).0;
+    let y = S::as_mut_simd_f64s(y).0;
+    for (column, &x) in block.chunks_exact(y.len()).zip(x) {
+        let factor = simd.splat_f64s(x);
+        for (y, &entry) in y.iter_mut().zip(column) {
+            *y = simd.mul_add_e_f64s(entry, factor, *y);
+        }
+    }
+}
+
+/// Largest absolute value.
+#[inline(always)]
+pub(super) fn largest<S: Simd>(simd: S, x: &[f64]) -> f64 {
+    let zero = simd.splat_f64s(0.0);
+    let vectors = S::as_simd_f64s(x).0.iter();
+    simd.reduce_max_f64s(vectors.fold(zero, |max, &x| simd.max_f64s(max, simd.abs_f64s(x))))
+}
+
+/// Largest absolute value of the products of entries.
+#[inline(always)]
+pub(super) fn largest_product<S: Simd>(simd: S, x: &[f64], weights: &[f64]) -> f64 {
+    let zero = simd.splat_f64s(0.0);
+    let pairs = S::as_simd_f64s(x).0.iter().zip(S::as_simd_f64s(weights).0);
+    simd.reduce_max_f64s(pairs.fold(zero, |max, (&x, &weight)| {
+        simd.max_f64s(max, simd.abs_f64s(simd.mul_f64s(x, weight)))
+    }))
+}
+
+/// Dot product of two vectors of whole lanes.
+#[inline(always)]
+pub(super) fn dot<S: Simd>(simd: S, x: &[f64], y: &[f64]) -> f64 {
+    let (x, y) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0);
+    let mut sums = [simd.splat_f64s(0.0); 4];
+    let (xs, ys) = (x.chunks_exact(4), y.chunks_exact(4));
+    for (sum, (&x, &y)) in sums.iter_mut().zip(xs.remainder().iter().zip(ys.remainder())) {
+        *sum = simd.mul_f64s(x, y);
+    }
+    for (x, y) in xs.zip(ys) {
+        for i in 0..4 {
+            sums[i] = simd.mul_add_e_f64s(x[i], y[i], sums[i]);
+        }
+    }
+    let [a, b, c, d] = sums;
+    simd.reduce_sum_f64s(simd.add_f64s(simd.add_f64s(a, b), simd.add_f64s(c, d)))
+}

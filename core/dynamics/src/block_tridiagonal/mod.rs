@@ -1,0 +1,330 @@
+//! Block-tridiagonal Cholesky factorisation with inverted diagonal blocks.
+//!
+//! A line is long and thin: its coordinates, taken along the track, fall into blocks of one node pair of which only neighbours
+//! couple. With `S` the Schur complements of block Cholesky the factored matrix is kept as
+//!
+//! ```text
+//! S₀ = A₀₀,   Fᵢ = Aᵢ₊₁,ᵢ Sᵢ⁻¹,   Sᵢ₊₁ = Aᵢ₊₁,ᵢ₊₁ − Fᵢ Aᵢ,ᵢ₊₁
+//! cᵢ₊₁ = bᵢ₊₁ − Fᵢ cᵢ,           xᵢ = Sᵢ⁻¹ cᵢ − Fᵢᵀ xᵢ₊₁
+//! ```
+//!
+//! so that a solution consists of products of small dense blocks in SIMD lanes. Elimination runs from both ends to the middle block:
+//! two chains of dependent products that hide each other's latency.
+mod buffer;
+mod factor;
+mod kernel;
+mod structure;
+mod sweep;
+
+use buffer::Buffer;
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// A symmetric positive definite matrix whose pattern falls into small blocks along a line.
+pub(crate) struct BlockTridiagonal {
+    arch: Arch,
+    blocks: Vec<Block>,
+    middle: usize,
+    /// Where each unknown stands in the filled-up vectors.
+    positions: Vec<u32>,
+    /// Block of each unknown.
+    block_of: Vec<u32>,
+    /// Per entry of the pattern, where it goes in `assembled`; the upper triangle is not used.
+    entries: Vec<Place>,
+    assembled: Assembled,
+    /// `−F` of each block but the middle one.
+    forward: Buffer,
+    /// `S⁻¹` and `−Fᵀ` side by side.
+    backward: Buffer,
+    /// Diagonal of the matrix: makes a change of an unknown a force.
+    diagonal: Buffer,
+    /// Right side, then solution; zero between two solutions.
+    work: Buffer,
+    active: Vec<bool>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    /// First unknown of the part.
+    first: usize,
+    /// Number of unknowns.
+    size: usize,
+    /// First entry in filled-up vectors.
+    at: usize,
+    /// Rows, filled up.
+    height: usize,
+    /// First number of its forward and backward blocks.
+    forward: usize,
+    backward: usize,
+    /// First number of its block on the diagonal and, if it is not the last, of its couplings with the next block.
+    assembled: usize,
+    coupling: usize,
+    /// Number of the first unknown in the whole system where they follow one another there.
+    run: Option<usize>,
+}
+
+/// The matrix in dense blocks, filled up.
+#[derive(Debug, Default)]
+struct Assembled {
+    /// `Aᵢᵢ`, then `Sᵢ`.
+    diagonal: Buffer,
+    /// `Aᵢ₊₁,ᵢ`
+    down: Buffer,
+    /// `Aᵢ,ᵢ₊₁`
+    up: Buffer,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Place {
+    Unused,
+    /// Both triangles of a block on the diagonal.
+    Diagonal(u32, u32),
+    /// In `down` and `up`.
+    Coupling(u32, u32),
+}
+
+/// `y = A⁻¹ u` of one local right side, without the blocks where it has decayed.
+#[derive(Debug, Default)]
+pub(crate) struct LocalColumn {
+    /// First entry in filled-up vectors.
+    first: usize,
+    values: Vec<f64>,
+}
+
+impl LocalColumn {
+    /// Number of entries that are kept.
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+}
+
+/// Vectors fill up to this many numbers.
+struct Lanes;
+
+impl WithSimd for Lanes {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        S::F64_LANES
+    }
+}
+
+impl BlockTridiagonal {
+    /// Analyses a symmetric pattern in compressed columns (row indices ascending); `unknowns[i]` is the number of unknown `i` in the
+    /// vectors of the whole system. `None` where the pattern does not fall into small blocks.
+    pub fn analyse(unknowns: &[usize], column_starts: &[usize], row_indices: &[usize]) -> Option<Self> {
+        let arch = Arch::new();
+        let lanes = arch.dispatch(Lanes);
+        let bounds = structure::cut(column_starts, row_indices, lanes)?;
+        let middle = (bounds.len() - 1) / 2;
+        let sizes: Vec<usize> = bounds.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let heights: Vec<usize> = sizes.iter().map(|size| size.next_multiple_of(lanes)).collect();
+        let (mut at, mut forward, mut backward, mut assembled, mut coupling) = (0, 0, 0, 0, 0);
+        let (mut down, mut up) = (0, 0);
+        let mut blocks = Vec::with_capacity(sizes.len());
+        for (i, (&size, &height)) in sizes.iter().zip(&heights).enumerate() {
+            let first = bounds[i];
+            let run = unknowns[first..first + size].windows(2).all(|pair| pair[1] == pair[0] + 1);
+            blocks.push(Block {
+                first,
+                size,
+                at,
+                height,
+                forward,
+                backward,
+                assembled,
+                coupling,
+                run: run.then(|| unknowns[first]),
+            });
+            let next = match i.cmp(&middle) {
+                std::cmp::Ordering::Less => Some(i + 1),
+                std::cmp::Ordering::Equal => None,
+                std::cmp::Ordering::Greater => Some(i - 1),
+            };
+            at += height;
+            forward += next.map_or(0, |next| heights[next] * size);
+            backward += height * (size + next.map_or(0, |next| sizes[next]));
+            assembled += height * size;
+            if i + 1 < sizes.len() {
+                // One start for both couplings: each gets the room of the larger one.
+                let room = (heights[i + 1] * size).max(height * sizes[i + 1]);
+                coupling += room;
+                (down, up) = (coupling, coupling);
+            }
+        }
+        let mut block_of = vec![0; unknowns.len()];
+        let mut positions = vec![0; unknowns.len()];
+        for (i, block) in blocks.iter().enumerate() {
+            for k in 0..block.size {
+                block_of[block.first + k] = i as u32;
+                positions[block.first + k] = (block.at + k) as u32;
+            }
+        }
+        let mut this = Self {
+            arch,
+            middle,
+            positions,
+            block_of,
+            entries: Vec::new(),
+            assembled: Assembled {
+                diagonal: Buffer::new(assembled),
+                down: Buffer::new(down),
+                up: Buffer::new(up),
+            },
+            forward: Buffer::new(forward),
+            backward: Buffer::new(backward),
+            diagonal: Buffer::new(at),
+            work: Buffer::new(at),
+            active: vec![false; blocks.len()],
+            blocks,
+        };
+        this.entries = this.places(column_starts, row_indices);
+        Some(this)
+    }
+
+    /// Number of blocks, and size of the largest one.
+    #[cfg(test)]
+    pub fn shape(&self) -> (usize, usize) {
+        let largest = self.blocks.iter().map(|block| block.size).max().unwrap_or(0);
+        (self.blocks.len(), largest)
+    }
+
+    /// Takes the right side of the next solution from a vector of the whole system.
+    pub fn load(&mut self, unknowns: &[usize], right_side: &[f64]) {
+        for block in &self.blocks {
+            let work = &mut self.work[block.at..block.at + block.size];
+            match block.run {
+                Some(run) => work.copy_from_slice(&right_side[run..run + block.size]),
+                None => {
+                    for (work, &unknown) in work.iter_mut().zip(&unknowns[block.first..]) {
+                        *work = right_side[unknown];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds to one entry of the loaded right side.
+    pub fn add(&mut self, unknown: usize, value: f64) {
+        self.work[self.positions[unknown] as usize] += value;
+    }
+
+    /// Product of the loaded right side with a local column.
+    pub fn dot(&self, column: &LocalColumn) -> f64 {
+        struct Dot<'a>(&'a [f64], &'a [f64]);
+        impl WithSimd for Dot<'_> {
+            type Output = f64;
+
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, simd: S) -> f64 {
+                kernel::dot(simd, self.0, self.1)
+            }
+        }
+        let work = &self.work[column.first..column.first + column.values.len()];
+        self.arch.dispatch(Dot(work, &column.values))
+    }
+
+    /// Solves for the loaded right side and writes the solution into a vector of the whole system; entries that are left out stay
+    /// as they are. `changed` sees the numbers of the first and (excluded) last unknown of every run of blocks that were solved.
+    ///
+    /// Blocks whose right side, after elimination, is nowhere above `threshold` are left out, as are those that a solution next to them
+    /// would change by a force below it: what is left of the right side there is of that order.
+    pub fn solve(
+        &mut self,
+        unknowns: &[usize],
+        threshold: f64,
+        solution: &mut [f64],
+        changed: &mut dyn FnMut(Range<usize>),
+    ) {
+        let hull = self.sweep(threshold, 0..self.blocks.len());
+        let mut from = None;
+        for i in hull.clone() {
+            let block = &self.blocks[i];
+            if self.active[i] {
+                let work = &self.work[block.at..block.at + block.size];
+                match block.run {
+                    Some(run) => solution[run..run + block.size].copy_from_slice(work),
+                    None => {
+                        for (&work, &unknown) in work.iter().zip(&unknowns[block.first..]) {
+                            solution[unknown] = work;
+                        }
+                    }
+                }
+                from.get_or_insert(block.first);
+            } else if let Some(from) = from.take() {
+                changed(from..block.first);
+            }
+        }
+        if let Some(from) = from {
+            let last = &self.blocks[hull.end - 1];
+            changed(from..last.first + last.size);
+        }
+        self.clear(&hull);
+    }
+
+    /// Solves for a right side of a few `entries` (unknown, value), down to where the solution has decayed to `relative` times the
+    /// largest entry, as a force.
+    pub fn column(&mut self, entries: impl Iterator<Item = (usize, f64)>, relative: f64, column: &mut LocalColumn) {
+        let (mut low, mut high, mut largest) = (usize::MAX, 0, 0.0_f64);
+        for (unknown, value) in entries {
+            let block = self.block_of[unknown] as usize;
+            (low, high) = (low.min(block), high.max(block));
+            self.add(unknown, value);
+            largest = largest.max(value.abs());
+        }
+        column.values.clear();
+        if low > high {
+            column.first = 0;
+            return;
+        }
+        let hull = self.sweep(relative * largest, low..high + 1);
+        let (first, end) = self.span(&hull);
+        column.first = first;
+        column.values.extend_from_slice(&self.work[first..end]);
+        self.clear(&hull);
+    }
+
+    /// Entry of a local column.
+    pub fn entry(&self, column: &LocalColumn, unknown: usize) -> f64 {
+        let position = self.positions[unknown] as usize;
+        position
+            .checked_sub(column.first)
+            .and_then(|place| column.values.get(place))
+            .copied()
+            .unwrap_or(0.0)
+    }
+
+    /// Unknowns that couple with `unknowns`, those included: of the blocks before to after theirs.
+    pub fn neighbourhood(&self, unknowns: &Range<usize>) -> Range<usize> {
+        let first = (self.block_of[unknowns.start] as usize).saturating_sub(1);
+        let last = (self.block_of[unknowns.end - 1] as usize + 1).min(self.blocks.len() - 1);
+        self.blocks[first].first..self.blocks[last].first + self.blocks[last].size
+    }
+
+    fn sweep(&mut self, threshold: f64, right_side: Range<usize>) -> Range<usize> {
+        let arch = self.arch;
+        arch.dispatch(sweep::Sweep {
+            matrix: self,
+            threshold,
+            right_side,
+        })
+    }
+
+    /// Range of filled-up vectors that a range of blocks takes.
+    fn span(&self, blocks: &Range<usize>) -> (usize, usize) {
+        if blocks.is_empty() {
+            return (0, 0);
+        }
+        let last = &self.blocks[blocks.end - 1];
+        (self.blocks[blocks.start].at, last.at + last.height)
+    }
+
+    fn clear(&mut self, hull: &Range<usize>) {
+        let (first, end) = self.span(hull);
+        self.work[first..end].fill(0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests;

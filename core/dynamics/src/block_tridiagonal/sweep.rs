@@ -1,0 +1,206 @@
+//! Elimination towards the middle block and substitution back to both ends.
+use super::kernel::{Term, combine, largest, largest_product};
+use super::{Block, BlockTridiagonal, Buffer};
+use pulp::{Simd, WithSimd};
+use std::ops::Range;
+
+/// Turns the right side in `work` into the solution. Blocks outside of `right_side` hold zeros. Returns the range of blocks outside
+/// of which the solution is zero; within it `active` says which blocks have one, and the others hold zeros.
+pub(super) struct Sweep<'a> {
+    pub matrix: &'a mut BlockTridiagonal,
+    pub threshold: f64,
+    pub right_side: Range<usize>,
+}
+
+struct Pass<'a, S> {
+    simd: S,
+    threshold: f64,
+    blocks: &'a [Block],
+    forward: &'a Buffer,
+    backward: &'a Buffer,
+    diagonal: &'a Buffer,
+    work: &'a mut [f64],
+    active: &'a mut [bool],
+    lanes: usize,
+}
+
+impl<S: Simd> Pass<'_, S> {
+    /// Whether the right side of block `i` is worth solving; where it is not it becomes zero.
+    #[inline(always)]
+    fn decide(&mut self, i: usize) -> bool {
+        let block = &self.blocks[i];
+        let own = &mut self.work[block.at..block.at + block.height];
+        let active = largest(self.simd, own) > self.threshold;
+        if !active {
+            own.fill(0.0);
+        }
+        self.active[i] = active;
+        active
+    }
+
+    /// `c_next −= F c`; returns whether there was anything to eliminate.
+    #[inline(always)]
+    fn eliminate(&mut self, i: usize, next: usize) -> bool {
+        if !self.decide(i) {
+            return false;
+        }
+        let (own, next) = (&self.blocks[i], &self.blocks[next]);
+        let length = next.height * own.size;
+        let first = Term {
+            block: &self.forward[own.forward..own.forward + length],
+            at: own.at,
+            columns: own.size,
+        };
+        let nothing = Term {
+            block: &[],
+            at: 0,
+            columns: 0,
+        };
+        combine::<S, true>(
+            self.simd,
+            self.work,
+            (next.at, next.height / self.lanes),
+            [nothing, first],
+        );
+        true
+    }
+
+    /// `x = S⁻¹ c − Fᵀ x_next`; `has_right_side` and `has_next` say which of the terms exist. Returns whether `x` is kept.
+    #[inline(always)]
+    fn substitute(&mut self, i: usize, next: Option<usize>, has_right_side: bool, has_next: bool) -> bool {
+        let block = &self.blocks[i];
+        if !has_right_side && !has_next {
+            self.active[i] = false;
+            return false;
+        }
+        let inverse = if has_right_side { block.height * block.size } else { 0 };
+        let skipped = block.backward + block.height * block.size;
+        let own = Term {
+            block: &self.backward[block.backward..block.backward + inverse],
+            at: block.at,
+            columns: if has_right_side { block.size } else { 0 },
+        };
+        let columns = next.filter(|_| has_next).map_or(0, |next| self.blocks[next].size);
+        let following = Term {
+            block: &self.backward[skipped..skipped + block.height * columns],
+            at: next.map_or(0, |next| self.blocks[next].at),
+            columns,
+        };
+        combine::<S, false>(
+            self.simd,
+            self.work,
+            (block.at, block.height / self.lanes),
+            [own, following],
+        );
+        if !has_right_side {
+            let range = block.at..block.at + block.height;
+            let force = largest_product(self.simd, &self.work[range.clone()], &self.diagonal[range.clone()]);
+            if force <= self.threshold {
+                self.work[range].fill(0.0);
+                self.active[i] = false;
+                return false;
+            }
+        }
+        self.active[i] = true;
+        true
+    }
+}
+
+impl WithSimd for Sweep<'_> {
+    type Output = Range<usize>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Range<usize> {
+        let BlockTridiagonal {
+            blocks,
+            middle,
+            forward,
+            backward,
+            diagonal,
+            work,
+            active,
+            ..
+        } = self.matrix;
+        let (middle, count) = (*middle, blocks.len());
+        let (low, high) = (self.right_side.start, self.right_side.end - 1);
+        let mut pass = Pass {
+            simd,
+            threshold: self.threshold,
+            blocks,
+            forward,
+            backward,
+            diagonal,
+            work: &mut *work,
+            active,
+            lanes: S::F64_LANES,
+        };
+
+        let (mut top, mut top_carries) = (low, false);
+        let (mut bottom, mut bottom_carries) = (high, false);
+        loop {
+            let top_runs = top < middle && (top_carries || top <= high);
+            let bottom_runs = bottom > middle && (bottom_carries || bottom >= low);
+            if !top_runs && !bottom_runs {
+                break;
+            }
+            if top_runs {
+                top_carries = pass.eliminate(top, top + 1);
+                top += 1;
+            }
+            if bottom_runs {
+                bottom_carries = pass.eliminate(bottom, bottom - 1);
+                bottom -= 1;
+            }
+        }
+        let reached = (low..=high).contains(&middle)
+            || (top == middle && top_carries)
+            || (bottom == middle && bottom_carries);
+        let has_middle = reached && pass.decide(middle);
+
+        let (mut first, mut last) = (usize::MAX, 0);
+        let mut include = |i: usize| {
+            first = first.min(i);
+            last = last.max(i + 1);
+        };
+        if has_middle {
+            pass.substitute(middle, None, true, false);
+            include(middle);
+        }
+        // Blocks of the two halves that elimination has visited: `low..top` and `bottom + 1..=high`.
+        let top_visited = low..top.max(low);
+        let bottom_visited = (bottom + 1).min(high + 1)..high + 1;
+        let mut top = if has_middle { middle } else { top_visited.end.min(middle) };
+        let mut bottom = if has_middle {
+            middle
+        } else {
+            (bottom_visited.start.max(middle + 1)) - 1
+        };
+        let (mut top_carries, mut bottom_carries) = (has_middle, has_middle);
+        loop {
+            let top_runs = top > 0 && (top_carries || top > low);
+            let bottom_runs = bottom + 1 < count && (bottom_carries || bottom < high);
+            if !top_runs && !bottom_runs {
+                break;
+            }
+            if top_runs {
+                let (i, next) = (top - 1, top);
+                let own = top_visited.contains(&i) && i < middle && pass.active[i];
+                top_carries = pass.substitute(i, Some(next), own, top_carries);
+                if top_carries {
+                    include(i);
+                }
+                top = i;
+            }
+            if bottom_runs {
+                let (i, next) = (bottom + 1, bottom);
+                let own = bottom_visited.contains(&i) && i > middle && pass.active[i];
+                bottom_carries = pass.substitute(i, Some(next), own, bottom_carries);
+                if bottom_carries {
+                    include(i);
+                }
+                bottom = i;
+            }
+        }
+        if first > last { 0..0 } else { first..last }
+    }
+}
