@@ -33,6 +33,8 @@ impl System for Whole {
 const PLANAR: LineOptions = LineOptions {
     dimension: Dimension::Planar,
     layers: BendingLayers::Absent,
+    contact_compliance: None,
+    mass_correction: None,
 };
 
 /// Which line runs.

@@ -228,7 +228,7 @@ fn read(whole: &Whole, motion: &Motion<'_>, supports: &[usize], point: &mut Poin
         values[strip::ROLL] = frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]);
         let state = pair.state(motion);
         let on_strip = state.map(|state| state.force_on_strip());
-        let position = state.map_or(frame.position, |state| state.geometry.position());
+        let position = state.map_or(frame.position, |state| state.position());
         let force = state.map_or(0.0, |state| state.force);
         let values = &mut point.line[i * contact::COUNT..(i + 1) * contact::COUNT];
         for axis in 0..3 {
@@ -239,7 +239,7 @@ fn read(whole: &Whole, motion: &Motion<'_>, supports: &[usize], point: &mut Poin
         values[contact::X] = position.x;
         values[contact::Y] = position.y;
         values[contact::WIRE_Z] = position.z;
-        values[contact::GAP] = state.map_or(f64::MAX, |state| state.geometry.gap);
+        values[contact::GAP] = state.map_or(f64::MAX, |state| state.gap());
     }
     let Some(shape) = whole.line.shape() else { return };
     let first = whole.contacts.len() * contact::COUNT;

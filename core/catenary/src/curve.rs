@@ -1,4 +1,5 @@
 //! A wire as the contact sees it.
+use crate::Compliance;
 use nalgebra::Vector3;
 
 /// One point of a curve and how it moves.
@@ -86,4 +87,9 @@ pub trait Curve: Send + Sync {
 
     /// Appends the columns at `s`.
     fn columns(&self, s: f64, columns: &mut CurveColumns);
+
+    /// What a strip's force at `s` moves the curve by beyond its coordinates; nothing of a curve that knows no more than they do.
+    fn compliance(&self, _s: f64) -> Compliance {
+        Compliance::default()
+    }
 }

@@ -35,8 +35,8 @@ pub use ancf::{
 pub use anchor::Anchor;
 pub use attachment::Attachment;
 pub use contact::{
-    ContactGeometry, ContactPair, ContactState, ContactTangent, PenaltyContact, PrescribedStrip, STRIP_INPUTS,
-    Sensitivity,
+    Compliance, CompliantWire, ContactGeometry, ContactPair, ContactState, ContactTangent, PenaltyContact,
+    PrescribedStrip, ResidualCompliance, STRIP_INPUTS, Sensitivity,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
 pub use dropper::{Dropper, DropperLaw, Droppers, Tautness};
@@ -54,5 +54,5 @@ pub use statics::{
 };
 pub use subsystem::{Checkpoint, ContactOutputs, StripStart, Subsystem};
 pub use support::Supports;
-pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, Topology, WireName};
+pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, MassCorrection, Topology, WireName};
 pub use wire::{Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WirePoint, WireSection};

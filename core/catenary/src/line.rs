@@ -1,8 +1,9 @@
 //! The overhead line as a list of contributions.
 use crate::topology::WireCoordinates;
 use crate::{
-    Anchor, Attachment, AxialLaw, BendingLaw, Curve, Dropper, DropperLaw, Droppers, Enrichment, LineEnd, LineEnds,
-    NodeMap, Rayleigh, RegistrationArms, Supports, Topology, Wire, WireGeometry, WireName, WireNode, WireSection,
+    Anchor, Attachment, AxialLaw, BendingLaw, CompliantWire, Curve, Dropper, DropperLaw, Droppers, Enrichment, LineEnd,
+    LineEnds, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance, Supports, Topology, Wire,
+    WireGeometry, WireName, WireNode, WireSection,
 };
 use dynamics::{Force, Motion};
 use nalgebra::Vector3;
@@ -78,6 +79,7 @@ pub struct Line {
     ends: LineEnds,
     /// Height of the contact wire at each support that uplift is counted from, m above the static height.
     uplift_reference: Vec<f64>,
+    compliance: Option<Arc<ResidualCompliance>>,
 }
 
 impl Line {
@@ -138,17 +140,32 @@ impl Line {
             arms: RegistrationArms::new(arms.collect(), arm.mass, catenary.gravity),
             ends: LineEnds::new(ends.collect()),
             uplift_reference: vec![0.0; topology.supports().len()],
+            compliance: None,
             topology: Arc::clone(topology),
             contact_wire,
             messenger_wire,
         }
     }
 
-    /// Uses the mass matrix that cancels the leading dispersion error of steps of `step` s, see [`Wire::with_mass_correction`].
+    /// Uses the mass matrix that cancels the leading dispersion error of the integrator's steps, see
+    /// [`Wire::with_mass_correction`].
+    ///
+    /// Generalised-α of step `h` turns `ω` into `ω (1 − (ωh)² (1/12 + 3/8 r²))`, `r = (1 − ρ)/(1 + ρ)`, `ρ` its spectral radius at
+    /// infinite frequency; the trapezoidal rule is `r = 0`. So the correction is that of the trapezoidal rule with the step
+    /// `h √(1 + 9/2 r²)`.
     #[must_use]
-    pub fn with_mass_correction(mut self, step: f64) -> Self {
+    pub fn with_mass_correction(mut self, MassCorrection { step, rho_inf }: MassCorrection) -> Self {
+        let r = (1.0 - rho_inf) / (1.0 + rho_inf);
+        let step = step * (1.0 + 4.5 * r * r).sqrt();
         self.contact_wire = self.contact_wire.with_mass_correction(step);
         self.messenger_wire = self.messenger_wire.with_mass_correction(step);
+        self
+    }
+
+    /// Lets the contact wire yield by what its mesh lacks under strips, see [`ResidualCompliance`].
+    #[must_use]
+    pub fn with_contact_compliance(mut self, compliance: Option<Arc<ResidualCompliance>>) -> Self {
+        self.compliance = compliance;
         self
     }
 
@@ -165,7 +182,20 @@ impl Line {
     /// The contact wire as contact sees it.
     #[must_use]
     pub fn contact_curve(&self) -> Arc<dyn Curve> {
-        Arc::clone(self.contact_wire.geometry()) as Arc<dyn Curve>
+        let geometry = Arc::clone(self.contact_wire.geometry());
+        match &self.compliance {
+            None => geometry,
+            Some(compliance) => Arc::new(CompliantWire {
+                geometry,
+                compliance: Arc::clone(compliance),
+            }),
+        }
+    }
+
+    /// What the contact wire's mesh lacks under strips.
+    #[must_use]
+    pub fn compliance(&self) -> Option<&Arc<ResidualCompliance>> {
+        self.compliance.as_ref()
     }
 
     /// One of the wires.
@@ -305,10 +335,7 @@ impl Line {
 
 /// One wire of the scene along `geometry`.
 pub(crate) fn wire(catenary: &Catenary, name: WireName, geometry: Arc<WireGeometry>) -> Wire {
-    let parameters = match name {
-        WireName::ContactWire => &catenary.contact_wire,
-        WireName::MessengerWire => &catenary.messenger_wire,
-    };
+    let parameters = name.parameters(catenary);
     let section = WireSection {
         axial_stiffness: parameters.axial_stiffness,
         bending_stiffness: parameters.bending_stiffness,

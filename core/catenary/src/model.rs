@@ -1,11 +1,11 @@
 //! The line of a scene together with the strips on it.
 use crate::contact::STRIP_INPUTS;
 use crate::{
-    ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, OverheadLine, PenaltyContact, PrescribedStrip,
-    StaticLine, StaticsError,
+    BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, OverheadLine,
+    PenaltyContact, PrescribedStrip, StaticLine, StaticsError,
 };
 use dynamics::{Force, Layout, Marker, StepError, System};
-use scene::{Reduction, Scene};
+use scene::{Cure, Reduction, Scene};
 
 /// Why a line could not be modelled or started.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -13,6 +13,14 @@ pub enum CatenaryError {
     /// The scene names a third-party line.
     #[error("the scene's line is a third-party FMU: there is nothing to model")]
     ThirdPartyLine,
+    /// Values set since the scene was read contradict its mesh.
+    #[error("catenary.mesh.cures = \"{cure}\": must be left out: {obstacle}")]
+    Cure {
+        /// Which.
+        cure: Cure,
+        /// Why it cannot be.
+        obstacle: String,
+    },
     /// The static state was not found.
     #[error(transparent)]
     Statics(#[from] StaticsError),
@@ -68,13 +76,26 @@ impl System for Model {
 /// See [`CatenaryError`].
 pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
     let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
+    if let Some((cure, obstacle)) = scene.impossible_cures().into_iter().next() {
+        return Err(CatenaryError::Cure { cure, obstacle });
+    }
+    let mesh = &catenary.mesh;
     let options = LineOptions {
         dimension: if scene.is_planar() {
             Dimension::Planar
         } else {
             Dimension::Spatial
         },
-        ..LineOptions::default()
+        layers: if mesh.has(Cure::BendingLayers) {
+            BendingLayers::AtAttachments
+        } else {
+            BendingLayers::Absent
+        },
+        contact_compliance: mesh.has(Cure::ContactCompliance).then_some(scene.run.speed),
+        mass_correction: mesh.has(Cure::MassCorrection).then(|| MassCorrection {
+            step: scene.internal_step(),
+            rho_inf: scene.solver.rho_inf,
+        }),
     };
     Ok(StaticLine::solve(catenary, options)?)
 }

@@ -253,9 +253,9 @@ impl Subsystem {
             mean_on_strip: exchange.mean_on_strip,
             samples: exchange.samples,
             work: exchange.work,
-            position: contact.map_or(beyond, |c| c.geometry.position()),
-            wire_vz: contact.map_or(0.0, |c| c.geometry.wire.velocity.z),
-            gap: contact.map_or(f64::MAX, |c| c.geometry.gap),
+            position: contact.map_or(beyond, |c| c.position()),
+            wire_vz: contact.map_or(0.0, |c| c.wire_velocity().z),
+            gap: contact.map_or(f64::MAX, |c| c.gap()),
             closed: contact.is_some_and(|c| c.closed()),
         }
     }

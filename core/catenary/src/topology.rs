@@ -24,13 +24,27 @@ pub enum BendingLayers {
     AtAttachments,
 }
 
+/// A mass matrix for one time step, see [`crate::Line::with_mass_correction`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MassCorrection {
+    /// Internal step of the integrator, s.
+    pub step: f64,
+    /// Its spectral radius at infinite frequency, –.
+    pub rho_inf: f64,
+}
+
 /// How a line is discretised, beyond the mesh of the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LineOptions {
     /// Coordinates per node.
     pub dimension: Dimension,
     /// Extra unknowns at attachments.
     pub layers: BendingLayers,
+    /// Speed of the strips for which the contact wire has its residual compliance, m/s, see [`crate::ResidualCompliance`];
+    /// statics other than those of the start have that of a strip at rest.
+    pub contact_compliance: Option<f64>,
+    /// Corrected inertia of the wires; no part of statics.
+    pub mass_correction: Option<MassCorrection>,
 }
 
 /// One of the two wires.
@@ -52,6 +66,15 @@ impl WireName {
         match self {
             Self::ContactWire => "contact_wire",
             Self::MessengerWire => "messenger_wire",
+        }
+    }
+
+    /// Its values in a scene.
+    #[must_use]
+    pub fn parameters(self, catenary: &Catenary) -> &scene::Wire {
+        match self {
+            Self::ContactWire => &catenary.contact_wire,
+            Self::MessengerWire => &catenary.messenger_wire,
         }
     }
 }
@@ -76,6 +99,8 @@ pub struct Topology {
     droppers: Vec<DropperPlace>,
     options: LineOptions,
     staggered: bool,
+    /// Whether each wire has bending stiffness; a string has no layers.
+    bends: [bool; 2],
 }
 
 /// The unknowns of one bending layer.
@@ -101,6 +126,7 @@ impl Topology {
     #[must_use]
     pub fn new(catenary: &Catenary, options: LineOptions) -> Self {
         let staggered = catenary.stagger.iter().any(|y| *y != catenary.stagger[0]);
+        let bends = WireName::BOTH.map(|name| name.parameters(catenary).bending_stiffness > 0.0);
         assert!(
             options.dimension == Dimension::Spatial || !staggered,
             "a staggered line has lateral coordinates"
@@ -140,7 +166,14 @@ impl Topology {
             droppers,
             options,
             staggered,
+            bends,
         }
+    }
+
+    /// How the line is discretised.
+    #[must_use]
+    pub fn options(&self) -> &LineOptions {
+        &self.options
     }
 
     /// Nominal x of the nodes, m.
@@ -190,13 +223,13 @@ impl Topology {
             } else {
                 1
             };
-            for (wire, name) in wires.iter_mut().zip(WireName::BOTH) {
+            for ((wire, name), bends) in wires.iter_mut().zip(WireName::BOTH).zip(self.bends) {
                 let name = format!("{}, span {span}, node {within}", name.name());
                 wire.nodes.push(match self.options.dimension {
                     Dimension::Spatial => NodeMap::spatial(layout.add_coordinates(6, name.clone())),
                     Dimension::Planar => NodeMap::planar(layout.add_coordinates(4, name.clone())),
                 });
-                for direction in self.layer_directions(node) {
+                for direction in self.layer_directions(node).into_iter().filter(|_| bends) {
                     let index = layout.add_coordinates(1, format!("{name}, bending layer"));
                     wire.layers.push(LayerCoordinate { node, index, direction });
                 }

@@ -2,6 +2,7 @@
 
 use crate::choice::choice;
 use crate::keys::{Entry, Keys, Length, Number};
+use crate::mesh::Mesh;
 
 /// `[catenary]`, the line as this program models it.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,17 +100,6 @@ pub struct Damping {
     pub beta: f64,
 }
 
-/// `[catenary.mesh]`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Mesh {
-    /// Element of both wires.
-    pub element: Element,
-    /// Elements between neighbouring droppers or supports, at least 1.
-    pub elements_per_interval: usize,
-    /// Axial strain measure.
-    pub axial_strain: AxialStrain,
-}
-
 choice! {
     /// `catenary.wire_ends`.
     pub enum WireEnds {
@@ -128,26 +118,6 @@ choice! {
         FormFinding = "form_finding",
         /// Dropper lengths are given, and the ends are displaced until the wires are tensioned.
         NodalDisplacement = "nodal_displacement",
-    }
-    unavailable: []
-}
-
-choice! {
-    /// `catenary.mesh.element`.
-    pub enum Element {
-        /// ANCF cable element: position and one gradient per node.
-        Cable = "cable",
-    }
-    unavailable: ["beam"]
-}
-
-choice! {
-    /// `catenary.mesh.axial_strain`.
-    pub enum AxialStrain {
-        /// Element mean of the Green-Lagrange strain.
-        Mean = "mean",
-        /// The strain at five Gauss points.
-        Full = "full",
     }
     unavailable: []
 }
@@ -202,7 +172,36 @@ impl Catenary {
     }
 }
 
+impl Catenary {
+    /// Lengths between neighbouring droppers and supports along the track, m, span after span.
+    pub fn intervals(&self) -> impl Iterator<Item = f64> + '_ {
+        self.span_lengths.iter().flat_map(|&span| {
+            let ends = self.droppers.positions.iter().copied().chain([span]);
+            let starts = std::iter::once(0.0).chain(self.droppers.positions.iter().copied());
+            starts.zip(ends).map(|(start, end)| end - start)
+        })
+    }
+
+    /// Length of the shortest element along the track, m.
+    #[must_use]
+    pub fn shortest_element(&self) -> f64 {
+        self.intervals().fold(f64::INFINITY, f64::min) / self.mesh.elements_per_interval as f64
+    }
+
+    /// Length of the longest element along the track, m.
+    #[must_use]
+    pub fn longest_element(&self) -> f64 {
+        self.intervals().fold(0.0, f64::max) / self.mesh.elements_per_interval as f64
+    }
+}
+
 impl Wire {
+    /// Bending length `√(EI/T)`, m: what a point force bends a tensioned wire over.
+    #[must_use]
+    pub fn bending_length(&self) -> f64 {
+        (self.bending_stiffness / self.tension).sqrt()
+    }
+
     /// Speed of transverse waves `√(T/m)`, m/s, bending neglected.
     #[must_use]
     pub fn wave_speed(&self) -> f64 {
@@ -212,8 +211,6 @@ impl Wire {
 
 /// More spans than any tensioning section has, and few enough to be numbered and stored.
 pub(crate) const MAX_SPANS: usize = 1000;
-/// Far beyond any converged mesh.
-const MAX_ELEMENTS_PER_INTERVAL: usize = 200;
 
 impl Entry for Catenary {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
@@ -353,23 +350,6 @@ impl Entry for Damping {
         Self {
             alpha: keys.number("alpha", was.map(|damping| damping.alpha), Number::not_negative("1/s")),
             beta: keys.number("beta", was.map(|damping| damping.beta), Number::not_negative("s")),
-        }
-    }
-}
-
-impl Entry for Mesh {
-    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
-        keys.unavailable("cures");
-        keys.unavailable("error_percent");
-        Self {
-            element: keys.word("element", was.map(|mesh| mesh.element), None),
-            elements_per_interval: keys.count(
-                "elements_per_interval",
-                was.map(|mesh| mesh.elements_per_interval),
-                1..=MAX_ELEMENTS_PER_INTERVAL,
-                None,
-            ),
-            axial_strain: keys.word("axial_strain", was.map(|mesh| mesh.axial_strain), None),
         }
     }
 }

@@ -42,6 +42,7 @@ impl Scene {
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {
             self.check_speed(&mut found);
+            self.check_cures(&mut found);
             self.check_strips_on_the_line(&mut found);
             self.check_evaluation(&mut found);
         }

@@ -40,6 +40,7 @@ mod coupling;
 mod error;
 mod keys;
 mod linkage;
+mod mesh;
 mod model;
 mod one_motion;
 mod pantograph;
@@ -50,13 +51,12 @@ mod third_party;
 mod tree;
 mod write;
 
-pub use catenary::{
-    AxialStrain, Catenary, Damping, Droppers, Element, Mesh, RegistrationArms, Statics, Supports, Wire, WireEnds,
-};
+pub use catenary::{Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
 pub use contact::{Contact, ContactLaw};
 pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};
 pub use error::{Place, Problem, SceneError, What};
 pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageStrip, Uplift};
+pub use mesh::{AxialStrain, Cure, Element, Mesh};
 pub use model::{Model, Reduction};
 pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
 pub use run::{Evaluate, Initialise, Run};

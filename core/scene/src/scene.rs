@@ -105,6 +105,21 @@ impl Scene {
         }
     }
 
+    /// Internal time step of both sides, s: the macro step evenly divided into steps of at most `solver.micro_step`; where the
+    /// macro step is controlled, that of all macro steps that are not shorter than it.
+    #[must_use]
+    pub fn internal_step(&self) -> f64 {
+        let micro_step = self.solver.micro_step;
+        match self.coupling.step_control {
+            Some(_) => micro_step,
+            // A rest of rounding makes no extra step.
+            None => {
+                let macro_step = self.coupling.macro_step;
+                macro_step / (macro_step / micro_step - 1e-9).ceil().max(1.0)
+            }
+        }
+    }
+
     /// x of the strip of pantograph `index` (from 0) at t = 0, m.
     #[must_use]
     pub fn strip_start_x(&self, index: usize) -> f64 {
@@ -184,6 +199,7 @@ impl Entry for Scene {
             solver: keys.table_or_empty("solver", was.map(|scene| &scene.solver)),
         };
         scene.choose_reductions();
+        scene.choose_mesh();
         scene
     }
 }

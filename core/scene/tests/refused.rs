@@ -96,7 +96,12 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[model]\nreduce = [\"window\"]\n[coupling]", &["model.reduce[1] = \"window\": not modelled yet by this version"]),
     ("[coupling]", "[model]\nreduce = [\"plannar\"]\n[coupling]", &["model.reduce[1] = \"plannar\": unknown word, did you mean \"planar\"?"]),
     ("[coupling]", "[model]\nreduce = \"all\"\n[coupling]", &["model.reduce = \"all\": unknown word", "must be one of \"auto\", \"none\", \"planar\""]),
-    ("element = \"cable\"", "element = \"cable\"\ncures = [\"kinks\"]", &["catenary.mesh.cures: known, but not modelled yet"]),
+    ("element = \"cable\"", "element = \"cable\"\ncures = [\"bending_layer\"]", &["catenary.mesh.cures[1] = \"bending_layer\": unknown word, did you mean \"bending_layers\"?"]),
+    ("element = \"cable\"", "element = \"cable\"\ncures = [\"dropper_compliance\"]", &["catenary.mesh.cures[1] = \"dropper_compliance\": not modelled yet", "\"mass_correction\""]),
+    ("element = \"cable\"", "element = \"cable\"\nerror_percent = 1.0", &["catenary.mesh.elements_per_interval: must be left out: catenary.mesh.error_percent chooses it"]),
+    ("elements_per_interval = 8", "error_percent = 1.0\ncures = \"none\"", &["catenary.mesh.cures: must be left out: catenary.mesh.error_percent chooses it"]),
+    ("elements_per_interval = 8", "error_percent = 0.0", &["catenary.mesh.error_percent = 0 %: must be positive"]),
+    ("elements_per_interval = 8", "", &["catenary.mesh.elements_per_interval is missing"]),
     ("[catenary]\n", "[catenary]\nfmu = \"line.fmu\"\n", &["catenary.spans: must be left out: fmu is given", "catenary.droppers: must be left out", "contact: must be left out: an FMU given as catenary has its own contact law"]),
     // Contradictions.
     ("duration = 7.0", "duration = 80.0", &["run.duration = 80 s: must be at most 8.352 s", "pantograph[1] would leave the line, which ends at 600 m"]),

@@ -158,7 +158,7 @@ impl Row {
     pub fn planned(name: &str, scene: &Scene, mode: Mode, algorithm: &str) -> Self {
         let coupled = mode != Mode::Monolithic;
         let macro_step = scene.coupling.macro_step;
-        let micro = macro_step / (macro_step / scene.solver.micro_step - 1e-9).ceil().max(1.0);
+        let micro = scene.internal_step();
         let line = scene.modelled_line().map(|(line, _)| line);
         let reductions: Vec<&str> = scene
             .model
@@ -175,15 +175,7 @@ impl Row {
             micro_step: Some(micro),
             elements_per_span: line
                 .map(|line| ((line.droppers.positions.len() + 1) * line.mesh.elements_per_interval) as u64),
-            mesh: line.map_or_else(String::new, |line| {
-                let mesh = line.mesh;
-                format!(
-                    "{}/{}/{}",
-                    mesh.element.name(),
-                    mesh.elements_per_interval,
-                    mesh.axial_strain.name()
-                )
-            }),
+            mesh: line.map_or_else(String::new, |line| line.mesh.name()),
             reduction: if reductions.is_empty() {
                 "none".to_owned()
             } else {

@@ -116,10 +116,11 @@ impl ContactGeometry {
         }
     }
 
-    /// Position of the contact on the wire, m.
+    /// `∂s/∂p`: what the contact's parameter on the wire gains per metre of a translation of the strip; the direction of the wire
+    /// across the strip, –.
     #[must_use]
-    pub fn position(&self) -> Vector3<f64> {
-        self.wire.r
+    pub fn tangent(&self) -> Vector3<f64> {
+        (self.wire.r_s - self.axis * self.axis.dot(&self.wire.r_s)) / self.slope
     }
 }
 

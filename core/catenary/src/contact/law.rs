@@ -39,6 +39,13 @@ impl PenaltyContact {
         }
     }
 
+    /// Slopes `(∂F/∂δ, ∂F/∂δ̇)` of the closed contact in series with a part that leaves it the `share` of the penetration, see
+    /// [`super::ContactState`].
+    #[must_use]
+    pub fn yielding(&self, share: f64) -> (f64, f64) {
+        (share * self.stiffness, share * share * self.damping)
+    }
+
     /// Energy `½ k δ²` stored in the closed contact, J.
     #[must_use]
     pub fn energy(&self, penetration: f64) -> f64 {

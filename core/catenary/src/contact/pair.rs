@@ -1,4 +1,5 @@
 //! A strip against a wire, as a contribution of forces.
+use super::state::{ContactState, Sensitivity, Variation, vary};
 use super::{ContactGeometry, PenaltyContact};
 use crate::{Curve, CurveColumns};
 use dynamics::{Columns, Force, Frame, Marker, Motion, Updates, Weights};
@@ -14,33 +15,6 @@ pub enum ContactTangent {
     Exact,
 }
 
-/// The contact at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ContactState {
-    /// Closest points.
-    pub geometry: ContactGeometry,
-    /// Contact force, N, ≥ 0.
-    pub force: f64,
-    /// `∂F/∂δ`, N/m.
-    pub stiffness: f64,
-    /// `∂F/∂δ̇`, N·s/m.
-    pub damping: f64,
-}
-
-impl ContactState {
-    /// Force on the strip, N, world frame.
-    #[must_use]
-    pub fn force_on_strip(&self) -> Vector3<f64> {
-        -self.force * self.geometry.normal
-    }
-
-    /// Whether wire and strip touch.
-    #[must_use]
-    pub fn closed(&self) -> bool {
-        self.force > 0.0
-    }
-}
-
 /// One strip on one wire.
 pub struct ContactPair {
     law: PenaltyContact,
@@ -52,21 +26,12 @@ pub struct ContactPair {
     tangent: ContactTangent,
     /// Parameter found at the last predicted motion: every search of a step starts here.
     s: f64,
+    /// Share of the penetration that the contact spring has there, see [`ContactState`].
+    share: f64,
     /// Counts the predicted directions, see [`Updates::rank_one`].
     version: u64,
     direction: Vec<(usize, f64)>,
     active: Option<f64>,
-}
-
-/// Change of the contact per unit of one local coordinate.
-#[derive(Clone, Copy, Debug, Default)]
-struct Variation {
-    s: f64,
-    eta: f64,
-    axis: Vector3<f64>,
-    normal: Vector3<f64>,
-    gap: f64,
-    gap_rate: f64,
 }
 
 impl ContactPair {
@@ -87,6 +52,7 @@ impl ContactPair {
             width,
             tangent,
             s: 0.0,
+            share: 1.0,
             version: 0,
             direction: Vec::new(),
             active: None,
@@ -112,19 +78,9 @@ impl ContactPair {
     pub fn state(&self, motion: &Motion<'_>) -> Option<ContactState> {
         let frame = self.strip.frame(motion);
         let geometry = ContactGeometry::search(&*self.curve, &frame, self.s, motion.q, motion.v)?;
-        let (delta, rate) = (-geometry.gap, -geometry.gap_rate);
         let beside = geometry.eta.abs() > 0.5 * self.width;
-        let (force, (stiffness, damping)) = if beside {
-            (0.0, (0.0, 0.0))
-        } else {
-            (self.law.normal_force(delta, rate), self.law.derivatives(delta, rate))
-        };
-        Some(ContactState {
-            geometry,
-            force,
-            stiffness,
-            damping,
-        })
+        let compliance = self.curve.compliance(geometry.s);
+        Some(ContactState::new(&self.law, geometry, &frame, compliance, beside))
     }
 
     /// Derivative of force, normal and position of the contact with respect to a unit motion of the strip with the wire held:
@@ -139,15 +95,11 @@ impl ContactPair {
         let frame = self.strip.frame(motion);
         let mut variation = vary(&contact.geometry, &frame, None, Some((translation, rotation)));
         variation.gap_rate -= contact.geometry.normal.dot(&velocity);
-        let force = -contact.stiffness * variation.gap - contact.damping * variation.gap_rate;
-        let wire = &contact.geometry.wire;
-        Sensitivity {
-            force,
-            force_on_strip: -force * contact.geometry.normal - contact.force * variation.normal,
-            gap: variation.gap,
-            position: variation.s * wire.r_s,
-            velocity: variation.s * wire.velocity_s,
-        }
+        contact.change(
+            &variation,
+            contact.geometry.tangent().dot(&velocity),
+            [Vector3::zeros(); 2],
+        )
     }
 
     /// Rates of the contact along the present motion; that of a damping force leaves out the accelerations.
@@ -161,14 +113,8 @@ impl ContactPair {
             Some((wire.velocity, wire.velocity_s)),
             Some((frame.velocity, frame.angular_velocity)),
         );
-        let force = -contact.stiffness * rate.gap;
-        Sensitivity {
-            force,
-            force_on_strip: -force * contact.geometry.normal - contact.force * rate.normal,
-            gap: rate.gap,
-            position: wire.velocity + rate.s * wire.r_s,
-            velocity: rate.s * wire.velocity_s,
-        }
+        let rate = Variation { gap_rate: 0.0, ..rate };
+        contact.change(&rate, 0.0, [wire.velocity, Vector3::zeros()])
     }
 
     /// `∂g/∂q`: the direction of the generalised contact force, as (index, value).
@@ -219,7 +165,7 @@ impl ContactPair {
                     -velocity,
                 )
             };
-            let force = -contact.stiffness * variation.gap - contact.damping * variation.gap_rate;
+            let force = contact.force_change(&variation, 0.0);
             let force_by_rate = -contact.damping * n.dot(&velocity);
             let change = weights.q * force + weights.v * force_by_rate;
             for (i, c) in wire.iter().enumerate() {
@@ -237,64 +183,12 @@ impl ContactPair {
     }
 }
 
-/// What [`ContactPair::sensitivity`] returns, each per unit of the strip's motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sensitivity {
-    /// Of the contact force, N.
-    pub force: f64,
-    /// Of the force on the strip, N.
-    pub force_on_strip: Vector3<f64>,
-    /// Of the gap, m.
-    pub gap: f64,
-    /// Of the contact's position on the wire, m.
-    pub position: Vector3<f64>,
-    /// Of the velocity of the wire there, m/s.
-    pub velocity: Vector3<f64>,
-}
-
-/// First variation of the contact [Thesis, Eq. (11)–(16), for the normal of this module]: `wire` is the change of `r` and `r_s`
-/// at fixed `s`, `strip` the translation and rotation of the strip.
-fn vary(
-    g: &ContactGeometry,
-    strip: &Frame,
-    wire: Option<(Vector3<f64>, Vector3<f64>)>,
-    moved: Option<(Vector3<f64>, Vector3<f64>)>,
-) -> Variation {
-    let (r, r_s) = wire.unwrap_or_default();
-    let (p, theta) = moved.unwrap_or_default();
-    let e = g.axis;
-    let axis = theta.cross(&e);
-    let w = g.wire.r - strip.position;
-    let d = w - g.eta * e;
-    let apart = r - p;
-    let d_change = apart - e * e.dot(&apart) - g.eta * axis - e * axis.dot(&w);
-    let s = -(d_change.dot(&g.wire.r_s) + d.dot(&r_s)) / g.slope;
-    let apart = apart + s * g.wire.r_s;
-    let eta = axis.dot(&w) + e.dot(&apart);
-    let normal = if g.normal_length > 0.0 {
-        let cross = (r_s + s * g.wire.r_ss).cross(&e) + g.wire.r_s.cross(&axis);
-        (cross - g.normal * g.normal.dot(&cross)) / g.normal_length
-    } else {
-        Vector3::zeros()
-    };
-    let lever = g.eta * e;
-    let relative = g.wire.velocity - strip.velocity - strip.angular_velocity.cross(&lever);
-    let turning = strip.angular_velocity.cross(&(eta * e + g.eta * axis));
-    Variation {
-        s,
-        eta,
-        axis,
-        normal,
-        gap: g.normal.dot(&(r - p)) - g.eta * g.normal.dot(&axis),
-        gap_rate: normal.dot(&relative) + g.normal.dot(&(s * g.wire.velocity_s - turning)),
-    }
-}
-
 impl Force for ContactPair {
     fn begin_step(&mut self, motion: &Motion<'_>) {
         self.active = None;
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
+            self.share = contact.share();
             let mut direction = std::mem::take(&mut self.direction);
             self.gap_gradient(&contact.geometry, motion, &mut direction);
             self.direction = direction;
@@ -314,7 +208,7 @@ impl Force for ContactPair {
         let geometry = &contact.geometry;
         let mut wire = CurveColumns::default();
         self.curve.columns(geometry.s, &mut wire);
-        let on_wire = contact.force * geometry.normal;
+        let on_wire = -contact.force_on_strip();
         for column in wire.as_slice() {
             force[column.index] += column.n.dot(&on_wire);
         }
@@ -327,7 +221,8 @@ impl Force for ContactPair {
         match self.tangent {
             ContactTangent::RankOne => {
                 if self.active.is_some_and(|force| force > 0.0) {
-                    let coefficient = weights.q * self.law.stiffness + weights.v * self.law.damping;
+                    let (q, v) = self.law.yielding(self.share);
+                    let coefficient = weights.q * q + weights.v * v;
                     updates.rank_one(0, self.version, coefficient, self.direction.iter().copied());
                 }
             }
@@ -343,7 +238,7 @@ impl Force for ContactPair {
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         self.state(motion)
             .filter(ContactState::closed)
-            .map_or(0.0, |contact| self.law.energy(-contact.geometry.gap))
+            .map_or(0.0, |contact| contact.share() * self.law.energy(-contact.geometry.gap))
     }
 
     fn save(&self, out: &mut Vec<f64>) {

@@ -17,7 +17,7 @@ pub use error::StaticsError;
 pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, TensionReport};
 
 use crate::line::Equilibrium;
-use crate::{Curve, CurveColumns, Enrichment, Line, LineOptions, Topology, WireGeometry, WireName};
+use crate::{Curve, CurveColumns, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName};
 use dynamics::{Force, Layout, State, StaticOptions, System, solve_static};
 use load::DeadLoad;
 use nalgebra::Vector3;
@@ -53,6 +53,8 @@ pub struct StaticLine {
     topology: Arc<Topology>,
     equilibrium: Equilibrium,
     system: Standalone,
+    /// Residual compliance of the contact wire under strips at rest.
+    at_rest: Option<Arc<ResidualCompliance>>,
     report: StaticsReport,
 }
 
@@ -79,12 +81,20 @@ impl StaticLine {
         let mut layout = Layout::new();
         let coordinates = topology.register(&mut layout);
         topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);
+        let line = Line::new(catenary, &topology, &equilibrium, 0);
+        let compliance = |speed: f64| {
+            let wire = line.wire(WireName::ContactWire);
+            ResidualCompliance::new(wire.geometry(), wire.section(), speed).map(Arc::new)
+        };
+        let at_rest = options.contact_compliance.and_then(|_| compliance(0.0));
+        let moving = options.contact_compliance.and_then(compliance);
         let mut line = Self {
             system: Standalone {
-                line: Line::new(catenary, &topology, &equilibrium, 0),
+                line: line.with_contact_compliance(moving),
                 layout,
                 load: DeadLoad::default(),
             },
+            at_rest,
             catenary: catenary.clone(),
             topology,
             equilibrium,
@@ -119,7 +129,12 @@ impl StaticLine {
         let first = layout.coordinates();
         let coordinates = self.topology.register(layout);
         self.topology.fix_ends(&coordinates, self.catenary.wire_ends, layout);
-        Line::new(&self.catenary, &self.topology, &self.equilibrium, first)
+        let line = Line::new(&self.catenary, &self.topology, &self.equilibrium, first)
+            .with_contact_compliance(self.system.line.compliance().cloned());
+        match self.topology.options().mass_correction {
+            None => line,
+            Some(correction) => line.with_mass_correction(correction),
+        }
     }
 
     /// Straight level wires of the same nodes, at nominal tension and with slack droppers, in the coordinates of
@@ -148,16 +163,20 @@ impl StaticLine {
 
     /// Static state with an upward force (N) on the contact wire at `x` (m).
     ///
-    /// The force is held at the place along the track, not on a point of the wire.
+    /// The force is held at the place along the track, not on a point of the wire. Where the contact wire has a residual
+    /// compliance it is that of the moving strips, which the run begins with: the height and the force are those of a strip at the
+    /// start.
     ///
     /// # Errors
     /// See [`StaticsError`].
     pub fn wire_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {
-        self.answer(x, force, self.system.layout.state_at_rest())
+        let mut answer = self.answer(x, force, self.system.layout.state_at_rest())?;
+        answer.height += force * self.residual(self.system.line.compliance(), x, &answer.state);
+        Ok(answer)
     }
 
-    /// Elasticity of the contact wire at each `x` (m): its rise under an upward force of 100 N, per newton. Slack droppers
-    /// are followed.
+    /// Elasticity of the contact wire at each `x` (m): its rise under an upward force of 100 N at rest, per newton, the residual
+    /// compliance included where the line has it. Slack droppers are followed.
     ///
     /// # Errors
     /// See [`StaticsError`].
@@ -173,7 +192,7 @@ impl StaticLine {
             let rise = answer.height - self.height(x, &rest.q);
             reports.push(ElasticityReport {
                 x,
-                elasticity: rise / ELASTICITY_FORCE,
+                elasticity: rise / ELASTICITY_FORCE + self.residual(self.at_rest.as_ref(), x, &answer.state),
             });
             start = answer.state;
         }
@@ -193,6 +212,13 @@ impl StaticLine {
         // A dropper at mid-span may differ from the quarter point by rounding.
         points.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
         points
+    }
+
+    /// Residual compliance at `x` (m), m/N; 0 where the line has none.
+    fn residual(&self, compliance: Option<&Arc<ResidualCompliance>>, x: f64, state: &State) -> f64 {
+        compliance.map_or(0.0, |compliance| {
+            compliance.at(self.system.line.contact_wire_s(x, &state.q)).value
+        })
     }
 
     /// Height of the contact wire at `x` (m) for coordinates `q`, m.

@@ -90,11 +90,14 @@ fn eliminate<S: Simd>(simd: S, matrix: &mut BlockTridiagonal, i: usize, next: us
     let coupling = &coupling[..next.height * own.size];
     let transposed = &transposed[..own.height * next.size];
 
-    let (inverse, mirrored) = matrix.backward[own.backward..][..own.height * (own.size + next.size)]
-        .split_at_mut(own.height * own.size);
+    let (inverse, mirrored) =
+        matrix.backward[own.backward..][..own.height * (own.size + next.size)].split_at_mut(own.height * own.size);
     let forward = &mut matrix.forward[own.forward..own.forward + next.height * own.size];
     forward.fill(0.0);
-    for (target, column) in forward.chunks_exact_mut(next.height).zip(inverse.chunks_exact(own.height)) {
+    for (target, column) in forward
+        .chunks_exact_mut(next.height)
+        .zip(inverse.chunks_exact(own.height))
+    {
         add_product(simd, coupling, &column[..own.size], target);
         target.iter_mut().for_each(|value| *value = -*value);
     }
@@ -105,7 +108,10 @@ fn eliminate<S: Simd>(simd: S, matrix: &mut BlockTridiagonal, i: usize, next: us
         }
     }
     let schur = &mut matrix.assembled.diagonal[next.assembled..next.assembled + next.height * next.size];
-    for (target, column) in schur.chunks_exact_mut(next.height).zip(transposed.chunks_exact(own.height)) {
+    for (target, column) in schur
+        .chunks_exact_mut(next.height)
+        .zip(transposed.chunks_exact(own.height))
+    {
         add_product(simd, forward, &column[..own.size], target);
     }
     true

@@ -125,7 +125,9 @@ impl BlockTridiagonal {
         let mut blocks = Vec::with_capacity(sizes.len());
         for (i, (&size, &height)) in sizes.iter().zip(&heights).enumerate() {
             let first = bounds[i];
-            let run = unknowns[first..first + size].windows(2).all(|pair| pair[1] == pair[0] + 1);
+            let run = unknowns[first..first + size]
+                .windows(2)
+                .all(|pair| pair[1] == pair[0] + 1);
             blocks.push(Block {
                 first,
                 size,

@@ -152,9 +152,8 @@ impl WithSimd for Sweep<'_> {
                 bottom -= 1;
             }
         }
-        let reached = (low..=high).contains(&middle)
-            || (top == middle && top_carries)
-            || (bottom == middle && bottom_carries);
+        let reached =
+            (low..=high).contains(&middle) || (top == middle && top_carries) || (bottom == middle && bottom_carries);
         let has_middle = reached && pass.decide(middle);
 
         let (mut first, mut last) = (usize::MAX, 0);
@@ -169,7 +168,11 @@ impl WithSimd for Sweep<'_> {
         // Blocks of the two halves that elimination has visited: `low..top` and `bottom + 1..=high`.
         let top_visited = low..top.max(low);
         let bottom_visited = (bottom + 1).min(high + 1)..high + 1;
-        let mut top = if has_middle { middle } else { top_visited.end.min(middle) };
+        let mut top = if has_middle {
+            middle
+        } else {
+            top_visited.end.min(middle)
+        };
         let mut bottom = if has_middle {
             middle
         } else {

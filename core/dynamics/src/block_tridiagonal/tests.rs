@@ -7,7 +7,10 @@ struct Random(u64);
 impl Random {
     /// Uniform in −1…1.
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
@@ -89,7 +92,9 @@ impl Sample {
         let mut solution = self.global(&vec![0.0; local.len()]);
         let mut changed = Vec::new();
         matrix.load(&self.unknowns, &self.global(local));
-        matrix.solve(&self.unknowns, threshold, &mut solution, &mut |range| changed.push(range));
+        matrix.solve(&self.unknowns, threshold, &mut solution, &mut |range| {
+            changed.push(range)
+        });
         let solution = self.unknowns.iter().map(|&unknown| solution[unknown]).collect();
         (solution, changed)
     }
@@ -102,17 +107,35 @@ fn sizes(random: &mut Random, blocks: usize, largest: usize) -> Vec<usize> {
 #[test]
 fn solutions_agree_with_dense_cholesky_for_blocks_of_any_size() {
     let mut random = Random(1);
-    for (blocks, largest) in [(1, 1), (1, 9), (2, 5), (3, 8), (7, 3), (12, 12), (9, 17), (5, 40), (40, 8)] {
+    for (blocks, largest) in [
+        (1, 1),
+        (1, 9),
+        (2, 5),
+        (3, 8),
+        (7, 3),
+        (12, 12),
+        (9, 17),
+        (5, 40),
+        (40, 8),
+    ] {
         for spread in [false, true] {
             let sizes = sizes(&mut random, blocks, largest);
             let sample = Sample::new(&mut random, &sizes, 0.1, spread);
             let mut matrix = sample.factored();
             let b: Vec<f64> = (0..sample.unknowns.len()).map(|_| random.next()).collect();
-            let exact = sample.dense.clone().cholesky().unwrap().solve(&DVector::from_column_slice(&b));
+            let exact = sample
+                .dense
+                .clone()
+                .cholesky()
+                .unwrap()
+                .solve(&DVector::from_column_slice(&b));
             let (x, changed) = sample.solve(&mut matrix, &b, 0.0);
             assert_eq!(changed, vec![0..b.len()]);
             for (x, exact) in x.iter().zip(&exact) {
-                assert!((x - exact).abs() < 1e-12 * (1.0 + exact.abs()), "{blocks}, {largest}: {x} {exact}");
+                assert!(
+                    (x - exact).abs() < 1e-12 * (1.0 + exact.abs()),
+                    "{blocks}, {largest}: {x} {exact}"
+                );
             }
         }
     }
@@ -185,7 +208,16 @@ fn a_local_column_is_the_solution_down_to_where_it_has_decayed() {
     let size = sample.unknowns.len();
     let cholesky = sample.dense.clone().cholesky().unwrap();
     // Both halves, both ends, and on both sides of the middle.
-    for at in [0, 3, size / 5, size / 2 - 20, size / 2, size / 2 + 9, 4 * size / 5, size - 1] {
+    for at in [
+        0,
+        3,
+        size / 5,
+        size / 2 - 20,
+        size / 2,
+        size / 2 + 9,
+        4 * size / 5,
+        size - 1,
+    ] {
         let entries = [(at, 1.0), ((at + 9).min(size - 1), -0.5), (at, 0.25)];
         let mut u = DVector::zeros(size);
         entries.iter().for_each(|&(i, value)| u[i] += value);
@@ -231,7 +263,10 @@ fn what_a_solution_leaves_out_is_of_the_order_of_its_threshold() {
         let inside = |i: usize| changed.iter().any(|range| range.contains(&i));
         assert!((0..size).all(|i| inside(i) == (x[i] != 0.0)));
         let left = (DVector::from_column_slice(&b) - &sample.dense * DVector::from_column_slice(&x)).amax();
-        assert!(left <= 4.0 * threshold, "{left:e} is left at a threshold of {threshold:e}");
+        assert!(
+            left <= 4.0 * threshold,
+            "{left:e} is left at a threshold of {threshold:e}"
+        );
         for range in &changed {
             let around = matrix.neighbourhood(range);
             let reached = |i: usize| (0..size).all(|row| around.contains(&row) || sample.dense[(row, i)] == 0.0);

@@ -1,0 +1,254 @@
+//! The contact at one instant, and how it changes.
+use super::{Compliance, ContactGeometry, PenaltyContact};
+use dynamics::Frame;
+use nalgebra::Vector3;
+
+/// The contact at one instant.
+///
+/// Where the curve has a residual compliance `g(s)`, see [`super::ResidualCompliance`], it is in series with the contact: of the
+/// penetration `δ` of the curve that the coordinates describe the contact has the share `p = c δ`, and the wire yields by `g F`,
+///
+/// ```text
+/// c = 1/(1 + k g),    F = k p + c d ṗ,    ṗ = c δ̇ + c_s ṡ δ,    never negative
+/// ```
+///
+/// `ṗ` is the rate along the path of the strip, `ṡ` its rate on the wire. The series of spring and damper with `g` is exact but for
+/// terms `(k g) (d ṗ/(k p))²` of `F`: at 20 Hz, with `d/k` = 2 ms and `k g` = 0.05, 0.3 %. The contact moves along a wire that yields
+/// more at one place than at another; so the strip is pushed to where it yields more, by `½ g_s F²`, and the force is the gradient of
+/// the energy `½ k c δ²`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactState {
+    /// Closest points of the strip and the curve that the coordinates describe.
+    pub geometry: ContactGeometry,
+    /// Residual compliance of the curve there.
+    pub compliance: Compliance,
+    /// Contact force, N, ≥ 0.
+    pub force: f64,
+    /// `∂F/∂δ`, N/m.
+    pub stiffness: f64,
+    /// `∂F/∂δ̇`, N·s/m.
+    pub damping: f64,
+    /// `∂F/∂s`, N/m.
+    by_place: f64,
+    /// `∂F/∂ṡ`, N·s/m.
+    by_slide: f64,
+    /// `c`, –.
+    share: f64,
+    /// `∂c/∂s`, 1/m.
+    share_s: f64,
+    /// `Ḟ` of the contact spring, N/s.
+    spring_rate: f64,
+    /// `ṡ`, m/s.
+    slide: f64,
+    /// `k`, N/m; zero where the contact is open.
+    spring: f64,
+}
+
+/// What [`super::ContactPair::sensitivity`] returns, each per unit of the strip's motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensitivity {
+    /// Of the contact force, N.
+    pub force: f64,
+    /// Of the force on the strip, N.
+    pub force_on_strip: Vector3<f64>,
+    /// Of the gap, m.
+    pub gap: f64,
+    /// Of the contact's position on the wire, m.
+    pub position: Vector3<f64>,
+    /// Of the velocity of the wire there, m/s.
+    pub velocity: Vector3<f64>,
+}
+
+/// Change of the contact per unit of one local coordinate.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Variation {
+    pub s: f64,
+    pub eta: f64,
+    pub axis: Vector3<f64>,
+    pub normal: Vector3<f64>,
+    pub gap: f64,
+    pub gap_rate: f64,
+}
+
+impl ContactState {
+    /// The contact under `law`; one `beside` the strip carries nothing.
+    pub(super) fn new(
+        law: &PenaltyContact,
+        geometry: ContactGeometry,
+        strip: &Frame,
+        compliance: Compliance,
+        beside: bool,
+    ) -> Self {
+        let (k, d) = (law.stiffness, law.damping);
+        let (delta, delta_rate) = (-geometry.gap, -geometry.gap_rate);
+        let share = 1.0 / (1.0 + k * compliance.value);
+        let share_s = -k * compliance.slope * share * share;
+        let slide = if compliance.slope == 0.0 || beside || delta <= 0.0 {
+            0.0
+        } else {
+            let wire = (geometry.wire.velocity, geometry.wire.velocity_s);
+            vary(
+                &geometry,
+                strip,
+                Some(wire),
+                Some((strip.velocity, strip.angular_velocity)),
+            )
+            .s
+        };
+        let (p, p_rate) = (share * delta, share * delta_rate + share_s * slide * delta);
+        let series = PenaltyContact {
+            stiffness: k,
+            damping: share * d,
+        };
+        let mut state = Self {
+            geometry,
+            compliance,
+            force: 0.0,
+            stiffness: 0.0,
+            damping: 0.0,
+            by_place: 0.0,
+            by_slide: 0.0,
+            share,
+            share_s,
+            spring_rate: 0.0,
+            slide,
+            spring: 0.0,
+        };
+        let force = series.normal_force(p, p_rate);
+        if force > 0.0 && !beside {
+            state.force = force;
+            state.stiffness = k * share + share * d * share_s * slide;
+            state.damping = share * share * d;
+            // The second derivative of the share is left out: it belongs to a term with the damping and is as small as that.
+            state.by_place = k * share_s * delta + d * (share_s * p_rate + share * share_s * delta_rate);
+            state.by_slide = share * d * share_s * delta;
+            state.spring_rate = k * p_rate;
+            state.spring = k;
+        }
+        state
+    }
+
+    /// Force on the strip, N, world frame.
+    #[must_use]
+    pub fn force_on_strip(&self) -> Vector3<f64> {
+        let normal = -self.force * self.geometry.normal;
+        if self.compliance.slope == 0.0 {
+            return normal;
+        }
+        normal + self.drive() * self.geometry.tangent()
+    }
+
+    /// `½ g_s F²`, N.
+    fn drive(&self) -> f64 {
+        0.5 * self.compliance.slope * self.force * self.force
+    }
+
+    /// Whether wire and strip touch.
+    #[must_use]
+    pub fn closed(&self) -> bool {
+        self.force > 0.0
+    }
+
+    /// Share of the penetration that the contact spring has, –; 1 without residual compliance.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        self.share
+    }
+
+    /// Position of the contact on the wire, m: that of the coordinates and what the wire yields beyond them.
+    #[must_use]
+    pub fn position(&self) -> Vector3<f64> {
+        self.geometry.wire.r + self.yielded() * self.geometry.normal
+    }
+
+    /// Gap, m, positive when open; the wire's yielding included.
+    #[must_use]
+    pub fn gap(&self) -> f64 {
+        self.geometry.gap + self.yielded()
+    }
+
+    /// `g F`, m.
+    fn yielded(&self) -> f64 {
+        self.compliance.value * self.force
+    }
+
+    /// Velocity of the wire's material at the contact, m/s.
+    ///
+    /// What the force moves at `x` is `g(x, x_c) F`; at the contact its rate at a fixed point of the wire is
+    /// `g Ḟ + ½ g_s ṡ F`, for `g(x, y)` is symmetric. `Ḟ` is that of the contact spring.
+    #[must_use]
+    pub fn wire_velocity(&self) -> Vector3<f64> {
+        let Compliance { value, slope } = self.compliance;
+        let rate = value * self.spring_rate + 0.5 * slope * self.slide * self.force;
+        self.geometry.wire.velocity + rate * self.geometry.normal
+    }
+
+    /// Change of the force; `slide` is the change of `ṡ`, m/s.
+    pub(super) fn force_change(&self, variation: &Variation, slide: f64) -> f64 {
+        -self.stiffness * variation.gap - self.damping * variation.gap_rate
+            + self.by_place * variation.s
+            + self.by_slide * slide
+    }
+
+    /// Change of everything; `slide` is the change of `ṡ` (m/s), `wire` that of the place and the velocity of the wire's material
+    /// (m, m/s). Second derivatives of the residual compliance are left out.
+    pub(super) fn change(&self, variation: &Variation, slide: f64, wire: [Vector3<f64>; 2]) -> Sensitivity {
+        let Compliance { value, slope } = self.compliance;
+        let normal = self.geometry.normal;
+        let force = self.force_change(variation, slide);
+        let yielded = value * force + slope * variation.s * self.force;
+        let drive = slope * self.force * force;
+        let at = &self.geometry.wire;
+        let spring_rate = self.spring
+            * (self.share * -variation.gap_rate
+                + self.share_s
+                    * (variation.s * -self.geometry.gap_rate - self.slide * variation.gap - slide * self.geometry.gap));
+        let rate = value * spring_rate
+            + slope * (variation.s * self.spring_rate + 0.5 * slide * self.force + 0.5 * self.slide * force);
+        Sensitivity {
+            force,
+            force_on_strip: -force * normal - self.force * variation.normal + drive * self.geometry.tangent(),
+            gap: variation.gap + yielded,
+            position: wire[0] + variation.s * at.r_s + yielded * normal + self.yielded() * variation.normal,
+            velocity: wire[1] + variation.s * at.velocity_s + rate * normal,
+        }
+    }
+}
+
+/// First variation of the contact [Thesis, Eq. (11)–(16), for the normal of this module]: `wire` is the change of `r` and `r_s`
+/// at fixed `s`, `strip` the translation and rotation of the strip.
+pub(super) fn vary(
+    g: &ContactGeometry,
+    strip: &Frame,
+    wire: Option<(Vector3<f64>, Vector3<f64>)>,
+    moved: Option<(Vector3<f64>, Vector3<f64>)>,
+) -> Variation {
+    let (r, r_s) = wire.unwrap_or_default();
+    let (p, theta) = moved.unwrap_or_default();
+    let e = g.axis;
+    let axis = theta.cross(&e);
+    let w = g.wire.r - strip.position;
+    let d = w - g.eta * e;
+    let apart = r - p;
+    let d_change = apart - e * e.dot(&apart) - g.eta * axis - e * axis.dot(&w);
+    let s = -(d_change.dot(&g.wire.r_s) + d.dot(&r_s)) / g.slope;
+    let apart = apart + s * g.wire.r_s;
+    let eta = axis.dot(&w) + e.dot(&apart);
+    let normal = if g.normal_length > 0.0 {
+        let cross = (r_s + s * g.wire.r_ss).cross(&e) + g.wire.r_s.cross(&axis);
+        (cross - g.normal * g.normal.dot(&cross)) / g.normal_length
+    } else {
+        Vector3::zeros()
+    };
+    let lever = g.eta * e;
+    let relative = g.wire.velocity - strip.velocity - strip.angular_velocity.cross(&lever);
+    let turning = strip.angular_velocity.cross(&(eta * e + g.eta * axis));
+    Variation {
+        s,
+        eta,
+        axis,
+        normal,
+        gap: g.normal.dot(&(r - p)) - g.eta * g.normal.dot(&axis),
+        gap_rate: normal.dot(&relative) + g.normal.dot(&(s * g.wire.velocity_s - turning)),
+    }
+}

@@ -1,0 +1,276 @@
+//! `[catenary.mesh]`: elements of the wires, and what makes up for their coarseness.
+
+use crate::check::{Found, refuse};
+use crate::choice::choice;
+use crate::error::What;
+use crate::keys::{Entry, Keys, Number};
+use crate::{Catenary, ContactLaw, Scene};
+
+/// `[catenary.mesh]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Element of both wires.
+    pub element: Element,
+    /// Elements between neighbouring droppers or supports, at least 1.
+    pub elements_per_interval: usize,
+    /// Axial strain measure.
+    pub axial_strain: AxialStrain,
+    /// What makes up for the coarseness of the mesh, in the order of [`Cure::ALL`]; empty is the plain mesh. `"auto"` is already
+    /// resolved.
+    pub cures: Vec<Cure>,
+    /// What is still to be chosen; only while a scene is read.
+    pub(crate) open: Option<Open>,
+}
+
+/// What a scene leaves to the program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Open {
+    /// The cures.
+    Cures,
+    /// Elements, cures and, where it is not given, the micro step, for an error of the filtered force of at most this, % of its
+    /// standard deviation.
+    Error(f64),
+}
+
+choice! {
+    /// `catenary.mesh.element`.
+    pub enum Element {
+        /// ANCF cable element: position and one gradient per node.
+        Cable = "cable",
+    }
+    unavailable: ["beam"]
+}
+
+choice! {
+    /// `catenary.mesh.axial_strain`.
+    pub enum AxialStrain {
+        /// Element mean of the Green-Lagrange strain.
+        Mean = "mean",
+        /// The strain at five Gauss points.
+        Full = "full",
+    }
+    unavailable: []
+}
+
+choice! {
+    /// An entry of `catenary.mesh.cures`.
+    pub enum Cure {
+        /// The contact point yields by what the mesh lacks of the wire's flexibility under a moving point force.
+        ContactCompliance = "contact_compliance",
+        /// One unknown per attachment and wire for the bend there, which is shorter than an element.
+        BendingLayers = "bending_layers",
+        /// Droppers yield by what the mesh lacks of the wires' flexibility.
+        DropperCompliance = "dropper_compliance",
+        /// A mass matrix that cancels the leading dispersion error of the time step.
+        MassCorrection = "mass_correction",
+    }
+    unavailable: ["dropper_compliance"]
+}
+
+/// Far beyond any converged mesh.
+const MAX_ELEMENTS_PER_INTERVAL: usize = 200;
+
+/// Least spectral radius of the integrator for the mass correction: below, numerical damping and not dispersion is the leading
+/// error of a step.
+const LEAST_RHO_INF: f64 = 0.9;
+
+/// Longest step for the mass correction, in travelling times of a wave through the shortest element: beyond, the corrected mass
+/// matrix is not positive definite. Its smallest eigenvalue vanishes at 0.38 without bending layers; with layers at the
+/// attachments of the standard's line and elements of up to 40 bending lengths at 0.21, 0.26, 0.28, 0.29, 0.30 for 1, 2, 3, 4, 6
+/// elements between them.
+fn longest_corrected_step(mesh: &Mesh, layers: bool) -> f64 {
+    match (layers, mesh.elements_per_interval) {
+        (false, _) => 0.31,
+        (true, 4..) => 0.28,
+        (true, _) => 0.20,
+    }
+}
+
+impl Mesh {
+    /// Whether a cure is in use.
+    #[must_use]
+    pub fn has(&self, cure: Cure) -> bool {
+        self.cures.contains(&cure)
+    }
+
+    /// The cures in a few words: `plain`, or their names joined by `+`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        if self.cures.is_empty() {
+            return "plain".to_owned();
+        }
+        let names: Vec<&str> = self.cures.iter().map(|cure| cure.name()).collect();
+        names.join("+")
+    }
+}
+
+impl Scene {
+    /// Why `cure` cannot be used in this scene's line beside `others`; `None` where it can.
+    fn cure_obstacle(&self, cure: Cure, others: &[Cure]) -> Option<String> {
+        let (catenary, contact) = self.modelled_line()?;
+        match cure {
+            Cure::ContactCompliance => {
+                let ContactLaw::Penalty = contact.law;
+                let (v, c) = (self.run.speed, catenary.contact_wire.wave_speed());
+                (v >= c).then(|| {
+                    format!(
+                        "the strip at {v:.2} m/s is not slower than the waves of the contact wire, √(tension / mass_per_length) = \
+                         {c:.2} m/s: no part of the wire answers it at once"
+                    )
+                })
+            }
+            Cure::BendingLayers => layers_obstacle(catenary),
+            Cure::DropperCompliance => Some("this version does not have it".to_owned()),
+            Cure::MassCorrection => {
+                let rho_inf = self.solver.rho_inf;
+                if rho_inf < LEAST_RHO_INF {
+                    return Some(format!(
+                        "solver.rho_inf = {rho_inf} is below {LEAST_RHO_INF}: the integrator's damping, not its dispersion, is the \
+                         error of a step"
+                    ));
+                }
+                let shortest = catenary.shortest_element();
+                let c = catenary
+                    .contact_wire
+                    .wave_speed()
+                    .max(catenary.messenger_wire.wave_speed());
+                let factor = longest_corrected_step(&catenary.mesh, others.contains(&Cure::BendingLayers));
+                let (step, limit) = (self.internal_step(), factor * shortest / c);
+                (step > limit).then(|| {
+                    format!(
+                        "internal steps of {:.4} ms are longer than {:.4} ms, {factor} of the time that a wave of {c:.1} m/s takes \
+                         through the shortest element, {shortest:.3} m: the corrected mass would not be positive",
+                        1e3 * step,
+                        1e3 * limit
+                    )
+                })
+            }
+        }
+    }
+
+    /// Resolves what `[catenary.mesh]` leaves open.
+    pub(crate) fn choose_mesh(&mut self) {
+        let crate::Line::Modelled(catenary) = &mut self.catenary else {
+            return;
+        };
+        match catenary.mesh.open.take() {
+            None => {}
+            Some(Open::Cures) => self.choose_cures(),
+            Some(Open::Error(_)) => self.choose_cures(),
+        }
+    }
+
+    /// Takes every cure that can be used.
+    fn choose_cures(&mut self) {
+        let mut cures = Vec::new();
+        for &cure in Cure::ALL {
+            if self.modelled_line().is_some() && self.cure_obstacle(cure, &cures).is_none() {
+                cures.push(cure);
+            }
+        }
+        if let crate::Line::Modelled(catenary) = &mut self.catenary {
+            catenary.mesh.cures = cures;
+        }
+    }
+
+    /// The cures that are not in use, each with why not.
+    #[must_use]
+    pub fn cures_left_out(&self) -> Vec<(Cure, String)> {
+        let Some((catenary, _)) = self.modelled_line() else {
+            return Vec::new();
+        };
+        let cures = &catenary.mesh.cures;
+        (Cure::ALL.iter())
+            .filter(|cure| !cures.contains(cure))
+            .map(|&cure| {
+                let obstacle = self.cure_obstacle(cure, cures);
+                (
+                    cure,
+                    obstacle.unwrap_or_else(|| "left out by catenary.mesh.cures".to_owned()),
+                )
+            })
+            .collect()
+    }
+
+    /// The cures in use that this scene cannot have, each with why not: none in a scene that was read and not changed.
+    #[must_use]
+    pub fn impossible_cures(&self) -> Vec<(Cure, String)> {
+        let Some((catenary, _)) = self.modelled_line() else {
+            return Vec::new();
+        };
+        let cures = &catenary.mesh.cures;
+        let obstacle = |&cure: &Cure| Some((cure, self.cure_obstacle(cure, cures)?));
+        cures.iter().filter_map(obstacle).collect()
+    }
+
+    pub(crate) fn check_cures(&self, found: &mut Found) {
+        for (cure, obstacle) in self.impossible_cures() {
+            let expected = format!("must be left out: {obstacle}");
+            refuse(found, "catenary.mesh.cures", format!("\"{cure}\""), expected);
+        }
+    }
+}
+
+fn layers_obstacle(catenary: &Catenary) -> Option<String> {
+    let wires = [
+        ("contact wire", &catenary.contact_wire),
+        ("messenger wire", &catenary.messenger_wire),
+    ];
+    if wires.iter().all(|(_, wire)| wire.bending_stiffness == 0.0) {
+        return Some("both wires are strings, bending_stiffness = 0: their kinks have no inside".to_owned());
+    }
+    let shortest = catenary.shortest_element();
+    wires.iter().find_map(|(name, wire)| {
+        let layer = wire.bending_length();
+        (layer > shortest).then(|| {
+            format!(
+                "the shortest element, {shortest:.4} m, is below the bending length of the {name}, √(bending_stiffness / tension) \
+                 = {layer:.4} m: the elements follow the bend themselves"
+            )
+        })
+    })
+}
+
+impl Entry for Mesh {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let element = keys.word("element", was.map(|mesh| mesh.element), Some(Element::Cable));
+        let axial_strain = keys.word(
+            "axial_strain",
+            was.map(|mesh| mesh.axial_strain),
+            Some(AxialStrain::Mean),
+        );
+        if keys.has("error_percent", false) {
+            for name in ["elements_per_interval", "cures"] {
+                if keys.has(name, false) {
+                    let because = "catenary.mesh.error_percent chooses it".to_owned();
+                    keys.report(name, What::LeaveOut { because });
+                }
+            }
+            let error = keys.number("error_percent", None, Number::positive("%"));
+            return Self {
+                element,
+                elements_per_interval: 1,
+                axial_strain,
+                cures: Vec::new(),
+                open: Some(Open::Error(error)),
+            };
+        }
+        let elements_per_interval = keys.count(
+            "elements_per_interval",
+            was.map(|mesh| mesh.elements_per_interval),
+            1..=MAX_ELEMENTS_PER_INTERVAL,
+            None,
+        );
+        let chosen = keys.words("cures", was.map(|mesh| mesh.cures.as_slice()));
+        let open = chosen.is_none().then_some(Open::Cures);
+        let mut cures = chosen.unwrap_or_default();
+        cures.sort_by_key(|cure| Cure::ALL.iter().position(|other| other == cure));
+        Self {
+            element,
+            elements_per_interval,
+            axial_strain,
+            cures,
+            open,
+        }
+    }
+}
