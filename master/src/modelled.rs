@@ -151,8 +151,8 @@ fn dimension(scene: &scene::Scene) -> String {
 /// How the motions of a linkage are counted, and why.
 fn motions(scene: &scene::Scene) -> String {
     if scene.model.has(Reduction::Linkage) {
-        return " in two coordinates, its one motion and the collector suspension: exact, the joints hold the strip in the plane \
-                of both"
+        return " in two coordinates, its one motion and the collector suspension: its joints hold the strip in the plane along the \
+                track, so leaving out all other motions changes nothing"
             .to_owned();
     }
     let reason = scene.linkage_not_reducible();

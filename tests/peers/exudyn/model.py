@@ -51,10 +51,8 @@ def contact_force(mbs, t, item, apart, rate, stiffness, damping, offset):
     return esym.Vector([0.0, stiffness[1] * esym.min(0.0, apart[1]), 0.0])
 
 
-def hermite(length, xi, order):
-    """The four cubics (or their first derivatives in x) at xi = x/length."""
-    if order == 0:
-        return np.array([1 - 3 * xi**2 + 2 * xi**3, length * (xi - 2 * xi**2 + xi**3), 3 * xi**2 - 2 * xi**3, length * (xi**3 - xi**2)])
+def slopes(length, xi):
+    """First derivatives in x of the four cubics of an element at xi = x/length."""
     return np.array([(6 * xi**2 - 6 * xi) / length, 1 - 4 * xi + 3 * xi**2, (6 * xi - 6 * xi**2) / length, 3 * xi**2 - 2 * xi])
 
 
@@ -98,8 +96,8 @@ class Wire:
         for i in range(len(x) - 1):
             dx = x[i + 1] - x[i]
             ends = np.array([height[i], slope[i], height[i + 1], slope[i + 1]])
-            slopes = np.array([hermite(dx, 0.5 * (1 + g), 1) @ ends for g in gauss])
-            arc = dx * float(weights @ np.sqrt(1 + slopes**2)) / 2
+            rise = np.array([slopes(dx, 0.5 * (1 + g)) @ ends for g in gauss])
+            arc = dx * float(weights @ np.sqrt(1 + rise**2)) / 2
             # The horizontal part of the force is the nominal tension.
             length = arc / (1 + tension * (arc / dx - 1) / stiffness)
             self.lengths.append(length)
@@ -187,6 +185,9 @@ class Line:
         self.dropper_nodes = np.array(droppers)
         self.unstressed = np.array([mbs.GetObjectParameter(d, "referenceLength") for d in self.droppers])
         self.taut = np.ones(len(droppers), dtype=bool)
+        ends = [4 * (self.dropper_nodes + wire * len(x)) for wire in (1, 0)]
+        # x and z of the upper and of the lower ends
+        self.places = np.stack([first + axis for first in ends for axis in (0, 1)])
 
         # Masses that rise and fall, head first; all springs unstretched at the reference height.
         pantograph = scene["pantograph"][0]
@@ -227,22 +228,26 @@ class Line:
     def place_contact(self, t):
         """Puts the contact on the wire's point at the strip's x at time `t`, as the wire moves on from the last step."""
         mbs, x = self.mbs, self.start_x + self.speed * t
+        q = mbs.systemData.GetODE2Coordinates()
+        v = mbs.systemData.GetODE2Coordinates_t()
+        h = self.scene["solver"]["micro_step"] if t > 0.0 else 0.0
         i = self.under
         if i is None:
             i = int(np.searchsorted(self.x, x, side="right")) - 1
-        q = mbs.systemData.GetODE2Coordinates()
-        if t > 0.0:
-            q = q + self.scene["solver"]["micro_step"] * mbs.systemData.GetODE2Coordinates_t()
         while True:
-            ends = q[4 * i : 4 * i + 8] + self.reference[4 * i : 4 * i + 8]
-            if x > ends[4]:
-                i += 1
-                continue
-            break
+            # x and its derivative in the element's parameter at both ends. Plain numbers: arrays of four would cost more.
+            x0, s0, x1, s1 = (float(self.reference[k] + q[k] + h * v[k]) for k in range(4 * i, 4 * i + 8, 2))
+            if x <= x1:
+                break
+            i += 1
         length = self.contact_wire.lengths[i]
-        xi = (x - ends[0]) / (ends[4] - ends[0])
+        xi = (x - x0) / (x1 - x0)
         for _ in range(3):
-            xi -= (hermite(length, xi, 0) @ ends[0::2] - x) / (hermite(length, xi, 1) @ ends[0::2] * length)
+            square, cube = xi * xi, xi * xi * xi
+            rise = 3 * square - 2 * cube
+            at = x0 + rise * (x1 - x0) + length * (s0 * (xi - 2 * square + cube) + s1 * (cube - square))
+            slope = 6 * (xi - square) * (x1 - x0) + length * (s0 * (1 - 4 * xi + 3 * square) + s1 * (3 * square - 2 * xi))
+            xi -= (at - x) / slope
         if i != self.under:
             if self.under is not None:
                 mbs.SetObjectParameter(self.contacts[self.under], "activeConnector", False)
@@ -277,10 +282,8 @@ class Line:
         return (q + self.reference)[first + 1 : first + 4 * len(self.x) : 4]
 
     def elongation(self, q):
-        n = 4 * len(self.x)
-        at = q + self.reference
-        low, high = at[:n].reshape(-1, 4)[self.dropper_nodes, :2], at[n : 2 * n].reshape(-1, 4)[self.dropper_nodes, :2]
-        return np.hypot(*(high - low).T) - self.unstressed
+        at = q[self.places] + self.reference[self.places]
+        return np.hypot(at[0] - at[2], at[1] - at[3]) - self.unstressed
 
     def find_form(self, statics, wire_height, cw, mw):
         """The droppers' unstressed lengths for a contact wire that is level, under the forces of arms and brackets that our statics
