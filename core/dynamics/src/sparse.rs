@@ -52,17 +52,28 @@ impl SparseMatrix {
 
     /// `y += A x`.
     pub fn multiply_add(&self, x: &[f64], y: &mut [f64]) {
-        for (row, target) in y.iter_mut().enumerate().take(self.size()) {
-            *target += self.row(row).map(|(column, value)| value * x[column]).sum::<f64>();
-        }
+        self.products(x).zip(y).for_each(|(product, target)| *target += product);
+    }
+
+    /// `y −= A x`.
+    pub fn multiply_subtract(&self, x: &[f64], y: &mut [f64]) {
+        self.products(x).zip(y).for_each(|(product, target)| *target -= product);
+    }
+
+    /// The entries of `A x`.
+    #[inline]
+    fn products<'a>(&'a self, x: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        self.starts.windows(2).map(|range| {
+            let columns = &self.columns[range[0]..range[1]];
+            let entries = columns.iter().zip(&self.values[range[0]..range[1]]);
+            entries.map(|(&column, value)| value * x[column as usize]).sum::<f64>()
+        })
     }
 
     /// `xᵀ A x`.
     #[must_use]
     pub fn quadratic_form(&self, x: &[f64]) -> f64 {
-        (0..self.size())
-            .map(|row| x[row] * self.row(row).map(|(column, value)| value * x[column]).sum::<f64>())
-            .sum()
+        self.products(x).zip(x).map(|(product, x)| product * x).sum()
     }
 }
 
@@ -86,6 +97,8 @@ mod tests {
         let mut y = [1.0; 3];
         a.multiply_add(&[1.0, 10.0, 100.0], &mut y);
         assert_eq!(y, [21.0, 1.0, 505.0]);
+        a.multiply_subtract(&[1.0, 10.0, 100.0], &mut y);
+        assert_eq!(y, [1.0; 3]);
         assert_eq!(a.row(0).count(), 1, "a sum of zero takes no place");
         assert_eq!(a.quadratic_form(&[1.0, 10.0, 100.0]), 20.0 + 400.0 + 50000.0);
     }

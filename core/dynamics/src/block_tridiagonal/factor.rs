@@ -70,9 +70,17 @@ impl WithSimd for Factor<'_> {
         let matrix = self.0;
         let middle = matrix.middle;
         let last = matrix.blocks.len() - 1;
-        (0..middle).all(|i| eliminate(simd, matrix, i, i + 1))
-            && (middle + 1..=last).rev().all(|i| eliminate(simd, matrix, i, i - 1))
-            && invert(matrix, middle)
+        for i in 0..middle {
+            if !eliminate(simd, matrix, i, i + 1) {
+                return false;
+            }
+        }
+        for i in (middle + 1..=last).rev() {
+            if !eliminate(simd, matrix, i, i - 1) {
+                return false;
+            }
+        }
+        invert(matrix, middle)
     }
 }
 
@@ -118,6 +126,7 @@ fn eliminate<S: Simd>(simd: S, matrix: &mut BlockTridiagonal, i: usize, next: us
 }
 
 /// Writes the inverse of the block on the diagonal in front of the backward block; false where it is not positive definite.
+#[inline(always)]
 fn invert(matrix: &mut BlockTridiagonal, i: usize) -> bool {
     let Block {
         size,

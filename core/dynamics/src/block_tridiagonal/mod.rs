@@ -93,6 +93,7 @@ pub(crate) struct LocalColumn {
 
 impl LocalColumn {
     /// Number of entries that are kept.
+    #[cfg(test)]
     pub fn len(&self) -> usize {
         self.values.len()
     }
@@ -228,7 +229,7 @@ impl BlockTridiagonal {
     }
 
     /// Solves for the loaded right side and writes the solution into a vector of the whole system; entries that are left out stay
-    /// as they are. `changed` sees the numbers of the first and (excluded) last unknown of every run of blocks that were solved.
+    /// as they are. `changed` sees the unknowns of every run of blocks that were solved, and those with the neighbours they couple with.
     ///
     /// Blocks whose right side, after elimination, is nowhere above `threshold` are left out, as are those that a solution next to them
     /// would change by a force below it: what is left of the right side there is of that order.
@@ -237,7 +238,7 @@ impl BlockTridiagonal {
         unknowns: &[usize],
         threshold: f64,
         solution: &mut [f64],
-        changed: &mut dyn FnMut(Range<usize>),
+        changed: &mut dyn FnMut(Range<usize>, Range<usize>),
     ) {
         let hull = self.sweep(threshold, 0..self.blocks.len());
         let mut from = None;
@@ -253,16 +254,44 @@ impl BlockTridiagonal {
                         }
                     }
                 }
-                from.get_or_insert(block.first);
+                from.get_or_insert(i);
             } else if let Some(from) = from.take() {
-                changed(from..block.first);
+                changed(
+                    self.unknowns_of(from, i - 1),
+                    self.unknowns_of(from.saturating_sub(1), i),
+                );
             }
         }
         if let Some(from) = from {
-            let last = &self.blocks[hull.end - 1];
-            changed(from..last.first + last.size);
+            let last = hull.end - 1;
+            let beyond = (last + 1).min(self.blocks.len() - 1);
+            changed(
+                self.unknowns_of(from, last),
+                self.unknowns_of(from.saturating_sub(1), beyond),
+            );
         }
         self.clear(&hull);
+    }
+
+    /// Solves for the loaded right side without leaving anything out; `solution` has one entry per unknown.
+    pub fn unload(&mut self, solution: &mut [f64]) {
+        let hull = self.sweep(0.0, 0..self.blocks.len());
+        for (value, &position) in solution.iter_mut().zip(&self.positions) {
+            *value = self.work[position as usize];
+        }
+        self.clear(&hull);
+    }
+
+    fn unknowns_of(&self, first: usize, last: usize) -> Range<usize> {
+        self.blocks[first].first..self.blocks[last].first + self.blocks[last].size
+    }
+
+    /// A column with room for all unknowns.
+    pub fn new_column(&self) -> LocalColumn {
+        LocalColumn {
+            first: 0,
+            values: Vec::with_capacity(self.work.len()),
+        }
     }
 
     /// Solves for a right side of a few `entries` (unknown, value), down to where the solution has decayed to `relative` times the
@@ -295,13 +324,6 @@ impl BlockTridiagonal {
             .and_then(|place| column.values.get(place))
             .copied()
             .unwrap_or(0.0)
-    }
-
-    /// Unknowns that couple with `unknowns`, those included: of the blocks before to after theirs.
-    pub fn neighbourhood(&self, unknowns: &Range<usize>) -> Range<usize> {
-        let first = (self.block_of[unknowns.start] as usize).saturating_sub(1);
-        let last = (self.block_of[unknowns.end - 1] as usize + 1).min(self.blocks.len() - 1);
-        self.blocks[first].first..self.blocks[last].first + self.blocks[last].size
     }
 
     fn sweep(&mut self, threshold: f64, right_side: Range<usize>) -> Range<usize> {
