@@ -40,6 +40,7 @@ pub mod inspect;
 pub mod instance;
 pub mod interface;
 pub mod isolation;
+mod mesh;
 mod modelled;
 pub mod monolithic;
 pub mod package;

@@ -368,7 +368,7 @@ impl Matrices {
 }
 
 /// Collects blocks as entries (row, column, value); `add` is called twice.
-fn assembled(mut add: impl FnMut(&mut Blocks<'_>)) -> Vec<(u32, u32, f64)> {
+pub(crate) fn assembled(mut add: impl FnMut(&mut Blocks<'_>)) -> Vec<(u32, u32, f64)> {
     let mut places = Vec::new();
     add(&mut Blocks::record(&mut places));
     let order: Vec<u32> = (0..places.len() as u32).collect();

@@ -1,6 +1,6 @@
 //! Generalized-α time integration of constrained systems.
 use crate::newton::{Jacobian, Since, Workspace, name};
-use crate::{Counters, Motion, NewtonOptions, State, StepError, System, Weights};
+use crate::{Continuity, Counters, Motion, NewtonOptions, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
@@ -444,6 +444,22 @@ impl GeneralizedAlpha {
         }
         self.workspace = Some(workspace);
         result
+    }
+
+    /// Takes note that the system is another one than in the last step; see [`Continuity`].
+    pub fn continue_with(&mut self, continuity: Continuity) {
+        match continuity {
+            Continuity::Kept => {}
+            Continuity::Moved => {
+                if let Some(workspace) = &mut self.workspace {
+                    workspace.forget();
+                }
+            }
+            Continuity::Replaced => {
+                self.workspace = None;
+                self.memory.linearisation = None;
+            }
+        }
     }
 
     /// What must be kept with the [`State`] so that a restored run repeats bit for bit.

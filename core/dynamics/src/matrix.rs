@@ -9,8 +9,9 @@ pub(crate) struct IterationMatrix {
     coordinates: usize,
     /// Trace of the mass matrix, kg.
     mass_trace: f64,
-    /// Mass matrix, all rows, of the contributions that do not multiply theirs themselves.
-    pub multiplied_mass: SparseMatrix,
+    /// Mass matrix of the contributions that do not multiply theirs themselves, and which of its rows are not empty.
+    multiplied_mass: SparseMatrix,
+    multiplied_rows: Vec<usize>,
     mass_entries: Vec<(u32, f64)>,
     tangent_places: Vec<u32>,
     /// Two places per Jacobian entry: in `g_q` and in its transpose.
@@ -106,6 +107,9 @@ impl IterationMatrix {
                 .filter(|(row, column, _)| row == column)
                 .map(|entry| entry.2)
                 .sum(),
+            multiplied_rows: (0..coordinates)
+                .filter(|&row| multiplied_mass.row(row).next().is_some())
+                .collect(),
             multiplied_mass,
             first_values,
             parts,
@@ -150,6 +154,13 @@ impl IterationMatrix {
                 .map_err(|unknown| Singular { unknown })?;
         }
         Ok(())
+    }
+
+    /// Subtracts `M v̇` of the contributions that do not do it themselves.
+    pub fn subtract_inertia(&self, v_dot: &[f64], force: &mut [f64]) {
+        for &row in &self.multiplied_rows {
+            force[row] -= self.multiplied_mass.row_product(row, v_dot);
+        }
     }
 
     /// Solves; `right_side` has one entry per coordinate and multiplier, those of fixed coordinates become zero.

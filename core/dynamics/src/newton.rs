@@ -227,7 +227,7 @@ impl Workspace {
                         contribution.add_force(motion, force);
                     }
                 });
-                self.matrix.multiplied_mass.multiply_subtract(v_dot, force);
+                self.matrix.subtract_inertia(v_dot, force);
             }
         }
         if let (Some(v_dot), Since::Correction) = (v_dot, since) {
@@ -257,30 +257,24 @@ impl Workspace {
             contribution.residual(motion, &mut constraint[first..next]);
             first = next;
         });
-        if v_dot.is_some() {
-            let local = &self.local_force;
-            self.arch.dispatch(Add {
-                target: force,
-                other: local,
-            });
-        }
         for &index in &self.fixed {
-            force[index] = 0.0;
+            (force[index], self.local_force[index]) = (0.0, 0.0);
         }
-        let in_tolerances = |values: &[f64], tolerance: f64| self.arch.dispatch(Largest(values)) / tolerance;
-        let of_forces = in_tolerances(force, options.tolerance);
-        let of_constraints = in_tolerances(constraint, options.constraint_tolerance);
-        let ratio = if of_forces.is_nan() || of_constraints.is_nan() {
-            f64::NAN
+        let other: &[f64] = if v_dot.is_some() { &self.local_force } else { &[] };
+        let of_forces = self.arch.dispatch(Add { target: force, other });
+        let of_constraints = self.arch.dispatch(Add {
+            target: constraint,
+            other: &[],
+        });
+        let ratios = [
+            of_forces / options.tolerance,
+            of_constraints / options.constraint_tolerance,
+        ];
+        let (ratio, start, value) = if ratios[1] > ratios[0] || ratios[1].is_nan() {
+            (ratios[1], self.coordinates, of_constraints)
         } else {
-            of_forces.max(of_constraints)
+            (ratios[0], 0, of_forces)
         };
-        let (values, start) = if of_constraints > of_forces || of_constraints.is_nan() {
-            (&*constraint, self.coordinates)
-        } else {
-            (&*force, 0)
-        };
-        let value = self.arch.dispatch(Largest(values));
         Residual { ratio, start, value }
     }
 
@@ -420,39 +414,37 @@ impl Workspace {
     }
 }
 
-/// `target += other`.
+/// `target += other` where there is another, and the largest absolute value of the sum; not a number where one of them is none or
+/// infinite.
 struct Add<'a> {
     target: &'a mut [f64],
     other: &'a [f64],
 }
 
 impl WithSimd for Add<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        for (target, other) in self.target.iter_mut().zip(self.other) {
-            *target += other;
-        }
-    }
-}
-
-/// Largest absolute value; not a number where one of them is none or infinite.
-struct Largest<'a>(&'a [f64]);
-
-impl WithSimd for Largest<'_> {
     type Output = f64;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let (vectors, rest) = S::as_simd_f64s(self.0);
         let zero = simd.splat_f64s(0.0);
         let (mut largest, mut spoilt) = (zero, zero);
-        for &x in vectors.iter().chain([&simd.partial_load_f64s(rest)]) {
+        let mut see = |x: S::f64s| {
             largest = simd.max_f64s(largest, simd.abs_f64s(x));
             // 0 · ∞ is not a number either.
             spoilt = simd.mul_add_e_f64s(x, zero, spoilt);
+        };
+        let (vectors, rest) = S::as_mut_simd_f64s(self.target);
+        if self.other.is_empty() {
+            vectors.iter().for_each(|&x| see(x));
+        } else {
+            let (others, other_rest) = S::as_simd_f64s(self.other);
+            for (x, &other) in vectors.iter_mut().zip(others) {
+                *x = simd.add_f64s(*x, other);
+                see(*x);
+            }
+            rest.iter_mut().zip(other_rest).for_each(|(x, other)| *x += other);
         }
+        see(simd.partial_load_f64s(rest));
         simd.reduce_max_f64s(largest) + simd.reduce_sum_f64s(spoilt)
     }
 }

@@ -1,6 +1,7 @@
 //! One part of the iteration matrix: unknowns that nothing but low-rank terms couples with others.
 use crate::block_tridiagonal::{BlockTridiagonal, LocalColumn};
 use crate::factor::{Shape, SparseFactor};
+use crate::leaves::Leaves;
 use std::ops::Range;
 
 /// A line and a pantograph are two parts, since contact enters as a low-rank term: each is factored and solved by itself.
@@ -14,6 +15,8 @@ pub(crate) struct Part {
     row_indices: Vec<usize>,
     shape: Shape,
     blocks: Option<BlockTridiagonal>,
+    /// Unknowns that are eliminated before the blocks; no low-rank term acts on them.
+    leaves: Option<Leaves>,
     sparse: Option<SparseFactor>,
     /// Which of the two factored last.
     in_blocks: bool,
@@ -53,9 +56,17 @@ impl Part {
         } else {
             Shape::General
         };
-        let blocks = (shape == Shape::Definite)
+        let mut blocks = (shape == Shape::Definite)
             .then(|| BlockTridiagonal::analyse(&unknowns, &column_starts, &row_indices))
             .flatten();
+        let mut leaves = None;
+        if blocks.is_none()
+            && shape == Shape::Definite
+            && let Some((found, starts, rows)) = Leaves::analyse(&column_starts, &row_indices)
+        {
+            blocks = BlockTridiagonal::analyse(&unknowns[..found.core], &starts, &rows);
+            leaves = blocks.is_some().then_some(found);
+        }
         Self {
             local: vec![0.0; unknowns.len()],
             coordinates,
@@ -64,6 +75,7 @@ impl Part {
             shape,
             in_blocks: blocks.is_some(),
             blocks,
+            leaves,
             sparse: None,
             unknowns,
         }
@@ -76,7 +88,11 @@ impl Part {
 
     /// Factors the matrix with these values; on failure an unknown that has no stiffness, or one of those that depend on each other.
     pub fn factor(&mut self, values: &[f64]) -> Result<(), usize> {
-        self.in_blocks = self.blocks.as_mut().is_some_and(|blocks| blocks.factor(values));
+        self.in_blocks = match (&mut self.blocks, &mut self.leaves) {
+            (Some(blocks), Some(leaves)) => leaves.reduce(values).is_some_and(|values| blocks.factor(values)),
+            (Some(blocks), None) => blocks.factor(values),
+            (None, _) => false,
+        };
         if !self.in_blocks {
             // What is not definite in blocks is not in faer's Cholesky either.
             let shape = if self.blocks.is_some() {
@@ -112,9 +128,18 @@ impl Part {
     /// Solves in place of `local`.
     fn solve_local(&mut self) {
         if self.in_blocks {
-            if let Some(blocks) = &mut self.blocks {
-                (0..self.local.len()).for_each(|i| blocks.add(i, self.local[i]));
-                blocks.unload(&mut self.local);
+            let Some(blocks) = &mut self.blocks else { return };
+            let core = self.leaves.as_ref().map_or(self.local.len(), |leaves| leaves.core);
+            let (core, rest) = self.local.split_at_mut(core);
+            core.iter().enumerate().for_each(|(i, &value)| blocks.add(i, value));
+            if let Some(leaves) = &mut self.leaves {
+                leaves.loaded.copy_from_slice(rest);
+                leaves.eliminate(|unknown, value| blocks.add(unknown, value));
+            }
+            blocks.unload(core);
+            if let Some(leaves) = &mut self.leaves {
+                rest.fill(0.0);
+                leaves.substitute(0.0, |unknown| core[unknown], |leaf, value| rest[leaf] = value);
             }
         } else if let Some(sparse) = &mut self.sparse {
             sparse.solve(&mut self.local);
@@ -131,7 +156,14 @@ impl Part {
     pub fn load(&mut self, right_side: &[f64], thresholds: Thresholds) {
         if self.in_blocks {
             if let Some(blocks) = &mut self.blocks {
-                blocks.load(&self.unknowns, right_side);
+                blocks.load(right_side);
+                if let Some(leaves) = &mut self.leaves {
+                    for (loaded, &unknown) in leaves.loaded.iter_mut().zip(&self.unknowns[leaves.core..]) {
+                        let value = right_side[unknown];
+                        *loaded = if value.abs() <= thresholds.force { 0.0 } else { value };
+                    }
+                    leaves.eliminate(|unknown, value| blocks.add(unknown, value));
+                }
             }
             return;
         }
@@ -175,10 +207,30 @@ impl Part {
     ) {
         if self.in_blocks {
             if let Some(blocks) = &mut self.blocks {
-                blocks.solve(&self.unknowns, thresholds.force, solution, &mut |inner, outer| {
+                blocks.solve(thresholds.force, solution, &mut |inner, outer| {
                     let whole = |range: Range<usize>| self.unknowns[range.start]..self.unknowns[range.end - 1] + 1;
                     changed(whole(inner), whole(outer));
                 });
+                if let Some(leaves) = &mut self.leaves {
+                    let (others, own) = self.unknowns.split_at(leaves.core);
+                    let mut range: Option<Range<usize>> = None;
+                    let mut found = std::mem::take(&mut self.local);
+                    found[..own.len()].fill(0.0);
+                    let set = |leaf: usize, value: f64| {
+                        found[leaf] = value;
+                        let first = range.as_ref().map_or(leaf, |range| range.start);
+                        range = Some(first..leaf + 1);
+                    };
+                    leaves.substitute(thresholds.force, |unknown| solution[others[unknown]], set);
+                    if let Some(range) = range {
+                        for leaf in range.clone() {
+                            solution[own[leaf]] = std::mem::take(&mut found[leaf]);
+                        }
+                        let range = own[range.start]..own[range.end - 1] + 1;
+                        changed(range.clone(), range);
+                    }
+                    self.local = found;
+                }
             }
             return;
         }

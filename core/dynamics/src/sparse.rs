@@ -52,28 +52,31 @@ impl SparseMatrix {
 
     /// `y += A x`.
     pub fn multiply_add(&self, x: &[f64], y: &mut [f64]) {
-        self.products(x).zip(y).for_each(|(product, target)| *target += product);
+        for (row, target) in y.iter_mut().enumerate().take(self.size()) {
+            *target += self.row_product(row, x);
+        }
     }
 
     /// `y −= A x`.
     pub fn multiply_subtract(&self, x: &[f64], y: &mut [f64]) {
-        self.products(x).zip(y).for_each(|(product, target)| *target -= product);
+        for (row, target) in y.iter_mut().enumerate().take(self.size()) {
+            *target -= self.row_product(row, x);
+        }
     }
 
-    /// The entries of `A x`.
+    /// One entry of `A x`.
     #[inline]
-    fn products<'a>(&'a self, x: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-        self.starts.windows(2).map(|range| {
-            let columns = &self.columns[range[0]..range[1]];
-            let entries = columns.iter().zip(&self.values[range[0]..range[1]]);
-            entries.map(|(&column, value)| value * x[column as usize]).sum::<f64>()
-        })
+    #[must_use]
+    pub fn row_product(&self, row: usize, x: &[f64]) -> f64 {
+        let range = self.starts[row]..self.starts[row + 1];
+        let entries = self.columns[range.clone()].iter().zip(&self.values[range]);
+        entries.map(|(&column, value)| value * x[column as usize]).sum()
     }
 
     /// `xᵀ A x`.
     #[must_use]
     pub fn quadratic_form(&self, x: &[f64]) -> f64 {
-        self.products(x).zip(x).map(|(product, x)| product * x).sum()
+        (0..self.size()).map(|row| x[row] * self.row_product(row, x)).sum()
     }
 }
 

@@ -288,3 +288,6 @@ impl Curve for CompliantWire {
         self.compliance.at(s)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -65,6 +65,11 @@ impl ContactPair {
         self.stiffness > limit
     }
 
+    /// Goes on with another wire, which continues the one before.
+    pub fn set_curve(&mut self, curve: Arc<dyn Curve>) {
+        self.curve = curve;
+    }
+
     /// The strip's marker.
     #[must_use]
     pub fn strip(&self, motion: &Motion<'_>) -> Frame {

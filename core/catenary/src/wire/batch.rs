@@ -119,27 +119,29 @@ impl<const D: usize> Sweep<D> {
         // The last group repeats the last element; what it gives is not used.
         let element = |group: usize, lane: usize| (GROUP * group + lane).min(elements - 1);
         let matrix = |group: usize, weights: &Products<f64>| {
-            let of = |lane: usize| EvenMatrix::new(&element_matrix(lengths[element(group, lane)], weights));
-            EvenMatrix(std::array::from_fn(|i| std::array::from_fn(|lane| of(lane).0[i])))
+            let matrices: [EvenMatrix; GROUP] = std::array::from_fn(|lane| {
+                let length = lengths[element(group, lane)];
+                EvenMatrix::new(&element_matrix(length, weights))
+            });
+            EvenMatrix(std::array::from_fn(|i| matrices.map(|matrix| matrix.0[i])))
         };
         let group = |group: usize| {
             let length = |lane: usize| lengths[element(group, lane)];
-            let slopes = |lane: usize| {
+            let slopes: [Slopes; GROUP] = std::array::from_fn(|lane| {
                 let element = element(group, lane);
                 Slopes::new(geometry.local_reference(element), Length::new(lengths[element]))
-            };
-            let vector = |of: &dyn Fn(&Slopes) -> Vector3<f64>| {
-                axes.map(|axis| std::array::from_fn(|lane| of(&slopes(lane))[axis]))
-            };
+            });
+            let vector =
+                |of: fn(&Slopes) -> Vector3<f64>| axes.map(|axis| slopes.each_ref().map(|slopes| of(slopes)[axis]));
             Group {
                 length: Length {
                     value: std::array::from_fn(length),
                     inverse: std::array::from_fn(|lane| 1.0 / length(lane)),
                 },
                 reference: Slopes {
-                    chord: vector(&|slopes| slopes.chord),
-                    start: vector(&|slopes| slopes.start),
-                    end: vector(&|slopes| slopes.end),
+                    chord: vector(|slopes| slopes.chord),
+                    start: vector(|slopes| slopes.start),
+                    end: vector(|slopes| slopes.end),
                 },
                 damping: matrix(group, &constants.damping),
                 mass: matrix(group, &constants.mass),

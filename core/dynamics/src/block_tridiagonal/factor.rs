@@ -32,6 +32,7 @@ impl BlockTridiagonal {
 
     /// Factors the matrix with these values, one per entry of the pattern; of each pair of entries that mirror each other the lower
     /// one counts. Returns false where the matrix is not positive definite.
+    #[must_use]
     pub fn factor(&mut self, values: &[f64]) -> bool {
         let assembled = &mut self.assembled;
         for buffer in [&mut assembled.diagonal, &mut assembled.down, &mut assembled.up] {

@@ -94,8 +94,8 @@ impl Sample {
     fn solve(&self, matrix: &mut BlockTridiagonal, local: &[f64], threshold: f64) -> (Vec<f64>, Runs) {
         let mut solution = self.global(&vec![0.0; local.len()]);
         let mut changed = Vec::new();
-        matrix.load(&self.unknowns, &self.global(local));
-        matrix.solve(&self.unknowns, threshold, &mut solution, &mut |inner, outer| {
+        matrix.load(&self.global(local));
+        matrix.solve(threshold, &mut solution, &mut |inner, outer| {
             changed.push((inner, outer))
         });
         let solution = self.unknowns.iter().map(|&unknown| solution[unknown]).collect();
@@ -239,10 +239,10 @@ fn a_local_column_is_the_solution_down_to_where_it_has_decayed() {
         // Its product with a right side is that of the exact column.
         matrix.column(entries.into_iter(), 1e-14, &mut column);
         let b: Vec<f64> = (0..size).map(|_| random.next()).collect();
-        matrix.load(&sample.unknowns, &sample.global(&b));
+        matrix.load(&sample.global(&b));
         let product = matrix.dot(&column);
         assert!((product - exact.dot(&DVector::from_column_slice(&b))).abs() < 1e-12);
-        matrix.solve(&sample.unknowns, 0.0, &mut sample.global(&b), &mut |_, _| ());
+        matrix.solve(0.0, &mut sample.global(&b), &mut |_, _| ());
     }
     let mut empty = LocalColumn::default();
     matrix.column(std::iter::empty(), 1e-14, &mut empty);
