@@ -34,7 +34,7 @@ impl Prepared {
                         coordinates += model.coordinates();
                         constraints += model.constraint_count();
                     }
-                    format!("linkage of {} bodies", linkage.bodies.len())
+                    format!("linkage of {} bodies{}", linkage.bodies.len(), motions(scene))
                 }
                 PantographModel::ThirdParty(entry) => format!("FMU {}", entry.fmu),
             });
@@ -152,6 +152,20 @@ fn dimension(scene: &scene::Scene) -> String {
     let reason = scene.pushed_sideways();
     format!(
         "spatial: {}",
+        reason.unwrap_or_else(|| "asked for by model.reduce".to_owned())
+    )
+}
+
+/// How the motions of a linkage are counted, and why.
+fn motions(scene: &scene::Scene) -> String {
+    if scene.model.has(Reduction::Linkage) {
+        return " in two coordinates, its one motion and the collector suspension: its joints hold the strip in the plane along the \
+                track, so leaving out all other motions changes nothing"
+            .to_owned();
+    }
+    let reason = scene.linkage_not_reducible();
+    format!(
+        " with all their joints: {}",
         reason.unwrap_or_else(|| "asked for by model.reduce".to_owned())
     )
 }
