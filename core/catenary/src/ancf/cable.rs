@@ -1,7 +1,7 @@
 //! One cable element.
 use super::axial::{Axial, AxialLaw, nominal_stretch};
 use super::bending::{Bending, BendingLaw};
-use super::number::Space;
+use super::number::{Number, Space};
 use super::shape::{bending_matrix, tension_matrix};
 use super::slopes::{Length, SlopeTangent, Slopes};
 use nalgebra::{SMatrix, Vector3};
@@ -52,10 +52,32 @@ impl CableSection {
         force
     }
 
+    /// Whether [`CableSection::slope_force_about`] holds: the laws in closed form.
+    pub(crate) fn is_closed(&self) -> bool {
+        (self.axial.law, self.bending.law) == (AxialLaw::Mean, BendingLaw::Constant)
+    }
+
+    /// What a small `change` of the slopes from `reference` adds to [`CableSection::slope_force`], to first order: the beam under
+    /// the tension of the reference, and the change of tension along the gradient there. For laws in closed form.
+    #[inline(always)]
+    pub(crate) fn slope_force_about<V: Space>(
+        &self,
+        length: Length<V::Number>,
+        reference: &Slopes<V>,
+        change: &Slopes<V>,
+    ) -> Slopes<V> {
+        let one = length.value.constant(1.0);
+        let gradient = reference.beam_gradient(one, length.value.constant(0.0));
+        let rate = gradient.dot(change) * (2.0 * self.axial.tau_rate(1.0));
+        let tension = self.axial.common_tau(reference) * length.value;
+        let force = change.beam_gradient(tension, length.inverse * self.bending.common_stiffness());
+        force.and(&gradient.times(rate * length.value))
+    }
+
     /// Second derivatives of the strain energy with respect to the node coordinates.
     pub(crate) fn node_tangent(&self, length: f64, slopes: &Slopes) -> Tangent {
         let (axial, bending) = (&self.axial, &self.bending);
-        if (axial.law, bending.law) != (AxialLaw::Mean, BendingLaw::Constant) {
+        if !self.is_closed() {
             return to_nodes(&self.slope_tangent(length, slopes), length);
         }
         // Constant matrices on each axis, and the change of the one axial force along its gradient.

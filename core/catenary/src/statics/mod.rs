@@ -131,6 +131,11 @@ impl StaticLine {
         self.topology.fix_ends(&coordinates, self.catenary.wire_ends, layout);
         let line = Line::new(&self.catenary, &self.topology, &self.equilibrium, first)
             .with_contact_compliance(self.system.line.compliance().cloned());
+        self.corrected(line)
+    }
+
+    /// A line with the mass matrix of its options.
+    fn corrected(&self, line: Line) -> Line {
         match self.topology.options().mass_correction {
             None => line,
             Some(correction) => line.with_mass_correction(correction),
@@ -158,7 +163,7 @@ impl StaticLine {
             dropper_lengths: vec![2.0 * catenary.encumbrance; equilibrium.dropper_lengths.len()],
             ..equilibrium.clone()
         };
-        Line::new(catenary, &self.topology, &straight, first)
+        self.corrected(Line::new(catenary, &self.topology, &straight, first))
     }
 
     /// Static state with an upward force (N) on the contact wire at `x` (m).
