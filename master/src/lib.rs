@@ -23,6 +23,7 @@
 //! results       files of a run; statistics, standards and report make them
 //! table_of_runs one row per run: columns, errors, status
 //! compare       all modes and algorithms on one scene
+//! study         speed against error: references, sweeps, Pareto front
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
 //! ```
 #![forbid(unsafe_code)]
@@ -54,6 +55,7 @@ pub mod ssp;
 pub mod standards;
 pub mod standstill;
 pub mod statistics;
+pub mod study;
 pub mod table_of_runs;
 pub mod test_problem;
 pub mod third_party;

@@ -1,9 +1,9 @@
-//! The lines of the shipped scenes: force, assembly, contact search and statics.
+//! The lines of the shipped scenes: force, assembly, factorisation, solution, contact search and statics.
 mod floor;
 
 use catenary::{Line, Model, StaticLine, static_line};
 use criterion::{Criterion, criterion_group, criterion_main};
-use dynamics::{Blocks, Force, Layout, Motion, Weights};
+use dynamics::{Blocks, FactoredMatrix, Force, Layout, Motion, Weights};
 use floor::{Floors, measure, settings};
 use scene::Scene;
 use std::hint::black_box;
@@ -87,6 +87,27 @@ fn lines(criterion: &mut Criterion) {
         let mut u = vec![0.0; 7 * scene.pantographs.len()];
         (u[0], u[2], u[3]) = (scene.strip_start_x(0), 5.0, scene.run.speed);
         let motion = Motion { u: &u, ..motion };
+        let mut matrix = FactoredMatrix::analyse(&mut model, &motion);
+        let assembly_and_factor = floor + n as f64 * floors.factor;
+        let mass_weight = 4e6;
+        measure(
+            criterion,
+            &format!("{name}: assembly and factor"),
+            Some(assembly_and_factor),
+            || {
+                let factored = matrix.factor(&mut model, black_box(&motion), mass_weight, weights);
+                factored.expect("a line that is held");
+            },
+        );
+        let mut solution = vec![0.0; n];
+        measure(
+            criterion,
+            &format!("{name}: solve"),
+            Some(n as f64 * floors.solve),
+            || {
+                matrix.solve(black_box(&v_dot), black_box(&mut solution));
+            },
+        );
         let contact = &mut model.contacts[0];
         measure(criterion, &format!("{name}: contact search and force"), None, || {
             contact.begin_step(black_box(&motion));

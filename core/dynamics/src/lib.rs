@@ -24,6 +24,7 @@ mod block_tridiagonal;
 mod blocks;
 mod constraint;
 mod factor;
+mod factored;
 mod force;
 mod input;
 mod integrator;
@@ -45,6 +46,7 @@ mod woodbury;
 
 pub use blocks::Blocks;
 pub use constraint::{Constraint, JacobianRows, RowSink};
+pub use factored::FactoredMatrix;
 pub use force::{Force, Weights};
 pub use input::{FollowedInput, MAX_ORDER};
 pub use integrator::{GeneralizedAlpha, Memory, Scheme};

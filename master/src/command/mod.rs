@@ -7,6 +7,7 @@ pub mod inspect;
 pub mod package;
 pub mod report;
 pub mod run;
+pub mod study;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

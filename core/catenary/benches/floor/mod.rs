@@ -1,4 +1,7 @@
 //! Measured times beside what is attainable.
+// Each bench uses a part of it.
+#![allow(dead_code)]
+
 use criterion::Criterion;
 use std::time::{Duration, Instant};
 

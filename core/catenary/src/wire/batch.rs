@@ -1,10 +1,12 @@
 //! The elements of a wire in groups that fill vector registers: force, damping, weight and inertia in one sweep.
+mod tangent;
+
 use super::enrichment::Products;
 use super::force::{Constants, element_matrix};
 use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, Places};
 use crate::ancf::{CableSection, Components, EvenMatrix, GROUP, Lanes, Length, Slopes, Space};
-use dynamics::Motion;
+use dynamics::{Blocks, Motion, Weights};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -52,6 +54,15 @@ impl Batch {
         self.add_force_on(Arch::new(), within, motion, v_dot, force);
     }
 
+    /// Adds the tangent of all elements where it is that of tensioned beams with their coordinates in order: whether it is, which
+    /// never changes.
+    pub fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) -> bool {
+        match self {
+            Self::Planar(sweep) => sweep.add_tangent::<8>(motion, weights, blocks),
+            Self::Spatial(sweep) => sweep.add_tangent::<12>(motion, weights, blocks),
+        }
+    }
+
     /// The same with the registers of `arch`.
     fn add_force_on(
         &mut self,
@@ -77,6 +88,14 @@ struct Group<const D: usize> {
     mass: EvenMatrix<[f64; GROUP]>,
 }
 
+/// What else the tangents of a group need.
+#[derive(Clone, Copy, Debug)]
+struct TangentGroup {
+    /// Per tension.
+    tension: EvenMatrix<[f64; GROUP]>,
+    bending: EvenMatrix<[f64; GROUP]>,
+}
+
 /// Arrays of a block of elements.
 #[derive(Clone, Debug)]
 struct Block<const D: usize> {
@@ -98,6 +117,7 @@ pub(super) struct Sweep<const D: usize> {
     weight: f64,
     elements: usize,
     groups: Vec<Group<D>>,
+    tangents: Vec<TangentGroup>,
     places: Places<D>,
     block: Block<D>,
 }
@@ -106,40 +126,60 @@ impl<const D: usize> Sweep<D> {
     fn new(geometry: &WireGeometry, axes: [usize; D], constants: &Constants) -> Self {
         let lengths = geometry.lengths();
         let elements = lengths.len();
+        // The last group repeats the last element; what it gives is not used.
+        let element = |group: usize, lane: usize| (GROUP * group + lane).min(elements - 1);
+        let matrix = |group: usize, weights: &Products<f64>| {
+            let of = |lane: usize| EvenMatrix::new(&element_matrix(lengths[element(group, lane)], weights));
+            EvenMatrix(std::array::from_fn(|i| std::array::from_fn(|lane| of(lane).0[i])))
+        };
         let group = |group: usize| {
-            // The last group repeats the last element; what it gives is not used.
-            let element = |lane: usize| (GROUP * group + lane).min(elements - 1);
+            let length = |lane: usize| lengths[element(group, lane)];
             let slopes = |lane: usize| {
-                let element = element(lane);
+                let element = element(group, lane);
                 Slopes::new(geometry.local_reference(element), Length::new(lengths[element]))
             };
-            let lanes = |value: &dyn Fn(usize) -> f64| std::array::from_fn(value);
-            let vector = |of: &dyn Fn(&Slopes) -> Vector3<f64>| axes.map(|axis| lanes(&|lane| of(&slopes(lane))[axis]));
-            let matrix = |weights: &Products<f64>| {
-                let of = |lane: usize| EvenMatrix::new(&element_matrix(lengths[element(lane)], weights));
-                EvenMatrix(std::array::from_fn(|i| lanes(&|lane| of(lane).0[i])))
+            let vector = |of: &dyn Fn(&Slopes) -> Vector3<f64>| {
+                axes.map(|axis| std::array::from_fn(|lane| of(&slopes(lane))[axis]))
             };
             Group {
                 length: Length {
-                    value: lanes(&|lane| lengths[element(lane)]),
-                    inverse: lanes(&|lane| 1.0 / lengths[element(lane)]),
+                    value: std::array::from_fn(length),
+                    inverse: std::array::from_fn(|lane| 1.0 / length(lane)),
                 },
                 reference: Slopes {
                     chord: vector(&|slopes| slopes.chord),
                     start: vector(&|slopes| slopes.start),
                     end: vector(&|slopes| slopes.end),
                 },
-                damping: matrix(&constants.damping),
-                mass: matrix(&constants.mass),
+                damping: matrix(group, &constants.damping),
+                mass: matrix(group, &constants.mass),
             }
         };
+        let tangent = |group: usize| TangentGroup {
+            tension: matrix(
+                group,
+                &Products {
+                    tension: 1.0,
+                    ..Products::default()
+                },
+            ),
+            bending: matrix(
+                group,
+                &Products {
+                    tension: 0.0,
+                    ..constants.stiffness
+                },
+            ),
+        };
+        let groups = elements.div_ceil(GROUP);
         let zeros = [[[0.0; NODES]; D]; 2];
         Self {
             cable: constants.cable,
             linear: false,
             weight: constants.weight,
             elements,
-            groups: (0..elements.div_ceil(GROUP)).map(group).collect(),
+            groups: (0..groups).map(group).collect(),
+            tangents: (0..groups).map(tangent).collect(),
             places: Places::new(geometry.nodes(), axes),
             block: Block {
                 q: zeros,
@@ -210,6 +250,7 @@ impl<const D: usize, const DYNAMIC: bool> WithSimd for AddForce<'_, D, DYNAMIC> 
             groups,
             places,
             block,
+            ..
         } = self.sweep;
         let [q, v, v_dot] = self.values;
         let start = self.groups.start * GROUP;
@@ -296,15 +337,13 @@ impl<S: Simd> GroupLanes<S> {
         }
     }
 
-    /// Evaluates the elements and writes their forces on the nodes into the block.
+    /// Length of the elements, their slopes in the reference, and the change of these.
     #[inline(always)]
-    fn add_force<const D: usize, const DYNAMIC: bool>(
+    fn slopes<const D: usize>(
         self,
-        (cable, linear): (&CableSection, bool),
-        weight: f64,
         group: &Group<D>,
-        block: &mut Block<D>,
-    ) {
+        block: &Block<D>,
+    ) -> (Length<Lanes<S>>, [Slopes<Components<Lanes<S>, D>>; 2]) {
         let length = Length {
             value: self.constant(&group.length.value),
             inverse: self.constant(&group.length.inverse),
@@ -314,7 +353,19 @@ impl<S: Simd> GroupLanes<S> {
             start: self.vector(&group.reference.start),
             end: self.vector(&group.reference.end),
         };
-        let change = Slopes::new(self.coordinates(&block.q), length);
+        (length, [reference, Slopes::new(self.coordinates(&block.q), length)])
+    }
+
+    /// Evaluates the elements and writes their forces on the nodes into the block.
+    #[inline(always)]
+    fn add_force<const D: usize, const DYNAMIC: bool>(
+        self,
+        (cable, linear): (&CableSection, bool),
+        weight: f64,
+        group: &Group<D>,
+        block: &mut Block<D>,
+    ) {
+        let (length, [reference, change]) = self.slopes(group, block);
         let mut rest = self.matrix(&group.damping).times(self.coordinates(&block.v));
         if DYNAMIC {
             rest = rest.and(self.matrix(&group.mass).times(self.coordinates(&block.v_dot)));

@@ -187,7 +187,7 @@ impl Wire {
     /// where the laws are not in closed form.
     #[must_use]
     pub(crate) fn linearised(&self) -> Option<Self> {
-        self.constants.cable.is_closed().then(|| {
+        self.constants.cable.is_beam().then(|| {
             let mut wire = self.clone();
             wire.linear = true;
             wire.batch.linearise();
@@ -255,6 +255,44 @@ impl Wire {
         }
         self.layers.add_blocks(&self.geometry, weights, blocks);
     }
+
+    /// Adds the tangent of the strain with `weight` and constant matrices with the weights `rates`, for any laws and coordinates.
+    pub(super) fn add_tangents_of_elements(
+        &self,
+        motion: &Motion<'_>,
+        weight: f64,
+        rates: &Products<f64>,
+        blocks: &mut Blocks<'_>,
+    ) {
+        let nodes = self.geometry.nodes();
+        for (i, element) in self.elements.iter().enumerate() {
+            let slopes = self.slopes(i, motion.q);
+            let mut tangent: Tangent = self.constants.cable.node_tangent(element.length, &slopes) * weight;
+            let rates = element_matrix(element.length, rates);
+            for row in 0..4 {
+                for column in 0..4 {
+                    for axis in 0..3 {
+                        tangent[(3 * row + axis, 3 * column + axis)] += rates[(row, column)];
+                    }
+                }
+            }
+            let (a, b) = (&nodes[i].map, &nodes[i + 1].map);
+            let index: [Option<usize>; 12] = std::array::from_fn(|k| {
+                let (map, axis) = (if k < 6 { a } else { b }, k % 3);
+                if k % 6 < 3 { map.position(axis) } else { map.slope(axis) }
+            });
+            if index.iter().all(Option::is_some) {
+                // Symmetric: column by column is row by row.
+                blocks.add(
+                    &index.map(Option::unwrap_or_default),
+                    &index.map(Option::unwrap_or_default),
+                    tangent.as_slice(),
+                );
+            } else {
+                add_selected(blocks, &index, |row, column| tangent[(row, column)]);
+            }
+        }
+    }
 }
 
 /// Adds the entries of a matrix whose row and column exist.
@@ -306,48 +344,20 @@ impl Force for Wire {
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
-        let Constants {
-            cable,
-            stiffness,
-            damping,
-            ..
-        } = &self.constants;
+        let Constants { stiffness, damping, .. } = &self.constants;
         let rates = Products {
             mass: weights.v * damping.mass,
             tension: weights.v * damping.tension,
             bending: weights.v * damping.bending,
         };
-        let nodes = self.geometry.nodes();
-        for (i, element) in self.elements.iter().enumerate() {
-            let slopes = if self.linear {
-                element.reference
-            } else {
-                self.slopes(i, motion.q)
-            };
-            let mut tangent: Tangent = cable.node_tangent(element.length, &slopes) * weights.q;
-            let rates = element_matrix(element.length, &rates);
-            for row in 0..4 {
-                for column in 0..4 {
-                    for axis in 0..3 {
-                        tangent[(3 * row + axis, 3 * column + axis)] += rates[(row, column)];
-                    }
-                }
-            }
-            let (a, b) = (&nodes[i].map, &nodes[i + 1].map);
-            let index: [Option<usize>; 12] = std::array::from_fn(|k| {
-                let (map, axis) = (if k < 6 { a } else { b }, k % 3);
-                if k % 6 < 3 { map.position(axis) } else { map.slope(axis) }
-            });
-            if index.iter().all(Option::is_some) {
-                // Symmetric: column by column is row by row.
-                blocks.add(
-                    &index.map(Option::unwrap_or_default),
-                    &index.map(Option::unwrap_or_default),
-                    tangent.as_slice(),
-                );
-            } else {
-                add_selected(blocks, &index, |row, column| tangent[(row, column)]);
-            }
+        // The tangent of a linear wire is that of its reference.
+        let reference = vec![0.0; if self.linear { motion.q.len() } else { 0 }];
+        let motion = &Motion {
+            q: if self.linear { &reference } else { motion.q },
+            ..*motion
+        };
+        if !self.batch.add_tangent(motion, weights, blocks) {
+            self.add_tangents_of_elements(motion, weights.q, &rates, blocks);
         }
         let weights = Products {
             mass: rates.mass,

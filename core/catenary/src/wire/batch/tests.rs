@@ -1,7 +1,8 @@
 use super::super::{Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WireSection};
 use super::*;
 use crate::ancf::{AxialLaw, BendingLaw, Cable, Coordinates};
-use dynamics::{Blocks, Force, Weights};
+use dynamics::{Blocks, Force};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// More than one block of elements, and a last group that is not full.
@@ -273,6 +274,70 @@ fn a_range_of_coordinates_has_the_force_of_the_whole_evaluation() {
                     "{name}, {range:?}: {} against {} at {i}",
                     part[i],
                     whole[i]
+                );
+            }
+        }
+    }
+}
+
+/// Rows, columns and values of what `add` puts into blocks, summed.
+fn entries(add: &dyn Fn(&mut Blocks<'_>)) -> BTreeMap<(u32, u32), f64> {
+    let mut places = Vec::new();
+    add(&mut Blocks::record(&mut places));
+    let order: Vec<u32> = (0..places.len() as u32).collect();
+    let mut values = vec![0.0; places.len()];
+    add(&mut Blocks::add_to(&order, &mut values));
+    let mut sums = BTreeMap::new();
+    for (place, value) in places.iter().zip(values) {
+        *sums.entry(*place).or_insert(0.0) += value;
+    }
+    sums
+}
+
+#[test]
+fn batches_give_the_tangent_of_element_by_element() {
+    for (name, geometry, n) in wires() {
+        for laws in LAWS {
+            let wire = wire(&geometry, laws);
+            let (q, v) = (
+                noise(n, 1).iter().map(|value| 0.02 * value).collect::<Vec<f64>>(),
+                vec![0.0; n],
+            );
+            let motion = Motion {
+                t: 0.0,
+                q: &q,
+                v: &v,
+                rotation: &[],
+                u: &[],
+            };
+            let weights = Weights { q: 0.9, v: 700.0 };
+            let mut blocks = Vec::new();
+            let mut batch = wire.batch.clone();
+            let batched = batch.add_tangent(&motion, weights, &mut Blocks::record(&mut blocks));
+            assert_eq!(batched, laws == LAWS[0] && wire.evaluates_ranges(), "{name}, {laws:?}");
+            if !batched {
+                continue;
+            }
+            let of_batches = entries(&|blocks| {
+                wire.batch.clone().add_tangent(&motion, weights, blocks);
+            });
+            let damping = &wire.constants.damping;
+            let rates = Products {
+                mass: weights.v * damping.mass,
+                tension: weights.v * damping.tension,
+                bending: weights.v * damping.bending,
+            };
+            let expected = entries(&|blocks| wire.add_tangents_of_elements(&motion, weights.q, &rates, blocks));
+            let scale = expected
+                .values()
+                .fold(0.0_f64, |largest, value| largest.max(value.abs()));
+            assert_eq!(of_batches.len(), expected.len());
+            for (place, value) in &expected {
+                let error = (of_batches[place] - value).abs();
+                assert!(
+                    error < 1e-13 * scale,
+                    "{name}, {laws:?}, {place:?}: {} against {value}",
+                    of_batches[place]
                 );
             }
         }
