@@ -106,7 +106,8 @@ impl<S: Simd> GroupLanes<S> {
         block: &Block<D>,
         parts: &mut Parts<D>,
     ) {
-        let (length, slopes) = self.slopes(group, block);
+        let (length, [reference, change]) = self.slopes(group, block);
+        let slopes = reference.and(&change);
         let Some(beam) = cable.beam_tangent(length, &slopes) else {
             return;
         };
