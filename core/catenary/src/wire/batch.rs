@@ -344,8 +344,8 @@ impl<S: Simd> GroupLanes<S> {
     #[inline(always)]
     fn store<const D: usize>(self, values: Components<Lanes<S>, D>, arrays: &mut [[f64; NODES]; D], offset: usize) {
         let first = self.place * GROUP + offset;
-        for axis in 0..D {
-            values.0[axis].store(&mut arrays[axis][first..first + GROUP], self.part);
+        for (axis, array) in arrays.iter_mut().enumerate() {
+            values.0[axis].store(&mut array[first..first + GROUP], self.part);
         }
     }
 
