@@ -53,7 +53,9 @@ impl LinearForce {
 
     /// Adds `Q₀ − K q − D v − M a` to the rows in `range`, `a` being left out where there is none; rows beyond may get a part.
     fn add(&self, range: Range<usize>, motion: &Motion<'_>, a: Option<&[f64]>, force: &mut [f64]) {
-        let range = range.start..range.end.min(self.load.len());
+        // Others may have coordinates behind these.
+        let end = range.end.min(self.load.len());
+        let range = range.start.min(end)..end;
         for (force, load) in force[range.clone()].iter_mut().zip(&self.load[range.clone()]) {
             *force += load;
         }

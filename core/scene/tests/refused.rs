@@ -71,7 +71,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("span_length = 60.0", "span_length = 0.0", &["catenary.span_length = 0 m: must be positive and finite"]),
     ("span_length = 60.0", "span_length = [60.0, 60.0]", &["catenary.span_length", "has 2 entries, must be a list of numbers in m, 10 of them"]),
     ("stagger = [0.0]", "stagger = []", &["catenary.stagger", "has 0 entries, must be a list of numbers in m, at least one"]),
-    ("spans = 10", "spans = 0", &["catenary.spans = 0: must be a whole number from 1 to 1000"]),
+    ("spans = 10", "spans = 0", &["catenary.spans = 0: must be a whole number from 1 to 5000"]),
     ("alpha = 0.0125", "alpha = -0.0125", &["catenary.damping.alpha = -0.0125 1/s: must be zero or positive, and finite"]),
     ("rho_inf = 0.9", "rho_inf = 1.1", &["solver.rho_inf = 1.1: must be from 0 to 1"]),
     ("algorithm = \"auto\"", "extrapolation = 3", &["coupling.extrapolation = 3: must be a whole number from 0 to 2"]),

@@ -5,7 +5,7 @@ use crate::window::{SAME, Source};
 use scene::Catenary;
 
 /// Spans at either end of a line that may differ from its periodic middle.
-pub(crate) const MARGIN: usize = 2;
+const MARGIN: usize = 2;
 /// Longest period that is looked for, spans.
 const LONGEST_PERIOD: usize = 8;
 /// Spans of the short line, at least.

@@ -24,32 +24,31 @@
 //! modes    lowest modes of a span
 //! cell     a reduced span
 //! far      all reduced spans as one contribution
+//! ends     what holds them
+//! overhead the whole in the place of any other line
 //! curve    the contact wire, with the window where it is
 //! transfer the state, taken along
 //! ```
 mod cell;
 mod curve;
 mod cut;
+mod ends;
 mod far;
 mod modes;
+mod overhead;
 mod plan;
 mod transfer;
 
 use crate::line::Equilibrium;
-use crate::line_end::HOLDING_STIFFNESS;
 use crate::linear_line::assembled;
 use crate::statics::Repeat;
-use crate::{
-    Curve, Dimension, DropperSample, Line, LinearLine, OverheadLine, StaticLine, StaticsError, Topology, WireName,
-};
+use crate::{Dimension, Line, LinearLine, OverheadLine, StaticLine, StaticsError, Topology, WireName};
 use cell::{Cell, SpanMatrices};
-use curve::WindowCurve;
 pub(crate) use cut::Source;
-use dynamics::{Continuity, Force, Layout, Motion, SparseMatrix, State, Weights};
-use far::{FarField, Ground, Member};
-use nalgebra::Vector3;
+use dynamics::{Continuity, Layout, Motion, SparseMatrix, Weights};
+use far::{FarField, Member};
 use plan::{Arrangement, ModeCounts, Plan};
-use scene::{Catenary, Reduction, Scene, WireEnds};
+use scene::{Catenary, Reduction, Scene};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -359,100 +358,6 @@ impl WindowedLine {
     }
 }
 
-impl Fixed {
-    /// Place of the vertical displacement among the coordinates of a node.
-    fn vertical(&self) -> usize {
-        if self.topology.options().dimension == Dimension::Planar {
-            1
-        } else {
-            2
-        }
-    }
-
-    /// Damping added to the modes of a reduced span: only where the modes beyond it are fewer, or where the line goes on unmodelled.
-    fn sponge(&self, arrangement: &Arrangement, span: usize, cell: &Cell) -> Vec<f64> {
-        let (plan, distance) = (&self.plan, arrangement.distance(span));
-        let count = if span < arrangement.window.start {
-            arrangement.window.start - arrangement.modelled.start
-        } else {
-            arrangement.modelled.end - arrangement.window.end
-        };
-        let modes = arrangement.modes[span - arrangement.modelled.start].len();
-        (0..modes.min(cell.mode_count()))
-            .map(|mode| {
-                if count <= plan.near {
-                    0.0
-                } else if mode >= plan.modes.far {
-                    SPONGE * (distance as f64 / plan.near as f64).powi(2)
-                } else {
-                    SPONGE * (distance.saturating_sub(plan.near) as f64 / plan.reach as f64).powi(2)
-                }
-            })
-            .collect()
-    }
-
-    /// Holds a support: its springs, or an end of what is modelled.
-    fn hold(&self, arrangement: &Arrangement, support: usize, grounds: &mut Vec<Ground>, held: &mut Vec<usize>) {
-        let Some(places) = self.support(arrangement, support) else {
-            return;
-        };
-        let places: Vec<usize> = places.collect();
-        let (contact, messenger) = places.split_at(places.len() / 2);
-        let vertical = self.vertical();
-        let transverse = 1..=vertical;
-        let catenary = &self.catenary;
-        let true_end = support == 0 || support == self.plan.spans;
-        let cut = support == arrangement.modelled.start || support == arrangement.modelled.end;
-        let wires = [(contact, &catenary.contact_wire), (messenger, &catenary.messenger_wire)];
-        if true_end || cut {
-            held.extend(
-                wires
-                    .iter()
-                    .flat_map(|(node, _)| node[transverse.clone()].iter().copied()),
-            );
-        }
-        if true_end {
-            for (node, _) in wires {
-                match catenary.wire_ends {
-                    WireEnds::Fixed => held.push(node[0]),
-                    WireEnds::ConstantTension => grounds.push(Ground {
-                        index: node[0],
-                        stiffness: HOLDING_STIFFNESS,
-                        ..Ground::default()
-                    }),
-                }
-            }
-        } else if cut {
-            for (node, wire) in wires {
-                grounds.push(Ground {
-                    index: node[0],
-                    stiffness: HOLDING_STIFFNESS,
-                    damping: (wire.axial_stiffness * wire.mass_per_length).sqrt(),
-                    mass: 0.0,
-                });
-            }
-        } else {
-            let (springs, arm) = (&catenary.supports, &catenary.registration_arms);
-            let mut ground = |index: usize, stiffness: f64, mass: f64| {
-                grounds.push(Ground {
-                    index,
-                    stiffness,
-                    damping: 0.0,
-                    mass,
-                });
-            };
-            ground(messenger[0], springs.messenger_longitudinal_stiffness, 0.0);
-            ground(messenger[vertical], springs.messenger_vertical_stiffness, 0.0);
-            ground(contact[0], 0.0, arm.mass);
-            ground(contact[vertical], arm.vertical_stiffness, arm.mass);
-            if vertical == 2 {
-                ground(messenger[1], springs.messenger_lateral_stiffness, 0.0);
-                ground(contact[1], arm.lateral_stiffness, arm.mass);
-            }
-        }
-    }
-}
-
 /// The span at `x`, from 0; the first or last one beyond the line.
 fn span_at(supports_x: &[f64], x: f64) -> usize {
     let right = supports_x.partition_point(|&support| support <= x);
@@ -571,154 +476,5 @@ fn matrices(source: &Source<'_>, span: usize, at_support: usize) -> SpanMatrices
         stiffness,
         damping,
         mass: SparseMatrix::from_entries(size, mass),
-    }
-}
-
-impl OverheadLine for WindowedLine {
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.inner.forces(visit);
-        visit(&mut self.far);
-    }
-
-    fn contact_curve(&self) -> Arc<dyn Curve> {
-        Arc::new(WindowCurve {
-            inner: self.inner.contact_curve(),
-            position: self.fixed.position,
-            origin: self.origin,
-        })
-    }
-
-    /// Reduced spans count none: theirs are taut.
-    fn slack_count(&self, motion: &Motion<'_>) -> usize {
-        self.inner.slack_count(motion)
-    }
-
-    fn energy(&self, motion: &Motion<'_>) -> f64 {
-        self.inner.energy(motion) + self.far.energy(motion)
-    }
-
-    fn dropper_samples(&self, motion: &Motion<'_>) -> Vec<DropperSample> {
-        let start = Vector3::x() * self.start();
-        let mut samples: Vec<DropperSample> = self.inner.dropper_samples(motion);
-        for sample in &mut samples {
-            sample.top += start;
-            sample.bottom += start;
-        }
-        let fixed = &self.fixed;
-        let [lower, upper] = [&fixed.equilibrium.contact_wire, &fixed.equilibrium.messenger_wire];
-        for span in self.drawn().filter(|span| !self.arrangement.window.contains(span)) {
-            let from = fixed.source_of(span, 1);
-            let shift = Vector3::x() * (fixed.supports_x[span] - fixed.topology.x()[fixed.topology.supports()[from]]);
-            let droppers = fixed.topology.droppers().iter();
-            samples.extend(
-                droppers
-                    .filter(|place| place.span == from + 1)
-                    .map(|place| DropperSample {
-                        top: upper.nodes()[place.node].position + shift,
-                        bottom: lower.nodes()[place.node].position + shift,
-                        // Static: it carries the wire.
-                        force: fixed.catenary.droppers.stiffness,
-                    }),
-            );
-        }
-        samples
-    }
-
-    fn shape(&self) -> Option<&Line> {
-        None
-    }
-
-    fn shape_mut(&mut self) -> Option<&mut Line> {
-        None
-    }
-
-    fn support_count(&self) -> usize {
-        self.fixed.supports_x.len()
-    }
-
-    fn set_uplift_reference(&mut self, q: &[f64]) {
-        self.uplift_reference.fill(0.0);
-        for support in self.arrangement.modelled.start..=self.arrangement.modelled.end {
-            self.uplift_reference[support] = self.raised(support, q);
-        }
-    }
-
-    /// A support that is not modelled at present stands at its static height.
-    fn uplift(&self, support: usize, q: &[f64]) -> f64 {
-        self.raised(support, q) - self.uplift_reference[support]
-    }
-
-    fn uplift_rate(&self, support: usize, v: &[f64]) -> f64 {
-        self.raised(support, v)
-    }
-
-    /// Reduced spans and those beyond are drawn at rest.
-    fn polyline(&self, name: WireName, q: &[f64], most: usize) -> Vec<Vector3<f64>> {
-        let fixed = &self.fixed;
-        let drawn = self.drawn();
-        let nodes = fixed.topology.supports();
-        let stride = ((nodes[1] - nodes[0]) * drawn.len()).div_ceil(most).max(1);
-        let own = self.inner.shape().map(|line| line.wire(name).geometry());
-        let rest = match name {
-            WireName::ContactWire => &fixed.equilibrium.contact_wire,
-            WireName::MessengerWire => &fixed.equilibrium.messenger_wire,
-        };
-        let mut points = Vec::new();
-        for span in drawn.clone() {
-            let from = fixed.source_of(span, 1);
-            let last = usize::from(span + 1 == drawn.end);
-            let range = nodes[from]..nodes[from + 1] + last;
-            let within = span.wrapping_sub(self.arrangement.at);
-            for node in range
-                .clone()
-                .filter(|node| (node - range.start) % stride == 0 || *node == nodes[from + 1])
-            {
-                points.push(match own {
-                    Some(own) if self.arrangement.window.contains(&span) => {
-                        let own = &own.nodes()[(nodes[1] - nodes[0]) * within + node - range.start];
-                        own.at(q).0 + Vector3::x() * self.start()
-                    }
-                    _ => {
-                        let left = fixed.topology.x()[nodes[from]];
-                        rest.nodes()[node].position + Vector3::x() * (fixed.supports_x[span] - left)
-                    }
-                });
-            }
-        }
-        points
-    }
-
-    fn follow(&mut self, (rear, _): (f64, f64), state: &mut State) -> Continuity {
-        let at = self.fixed.plan.position(span_at(&self.fixed.supports_x, rear));
-        if at <= self.arrangement.at {
-            return Continuity::Kept;
-        }
-        let next = self.fixed.plan.arrangement(at);
-        self.fixed.transfer(&self.arrangement, &next, state);
-        state.q[self.fixed.position] = self.fixed.supports_x[at] - self.origin;
-        let continuity = self.go_to(next);
-        for &index in self.held.iter().filter(|&&index| index != self.fixed.position) {
-            for values in [&mut state.q, &mut state.v, &mut state.v_dot, &mut state.a] {
-                values[index] = 0.0;
-            }
-        }
-        let motion = state.motion(&[]);
-        self.inner.forces(&mut |part| part.end_step(&motion));
-        continuity
-    }
-
-    fn adopt(&mut self, state: &State) -> Continuity {
-        let x = self.origin + state.q[self.fixed.position];
-        // Supports are metres apart.
-        let at = self.fixed.supports_x.partition_point(|&support| support < x - 1e-3);
-        if at == self.arrangement.at {
-            return Continuity::Kept;
-        }
-        let next = self.fixed.plan.arrangement(at);
-        self.go_to(next)
-    }
-
-    fn held(&self) -> Option<(Range<usize>, &[usize])> {
-        Some((self.fixed.coordinates.clone(), &self.held))
     }
 }
