@@ -266,10 +266,9 @@ impl Force for ContactPair {
         let free =
             |column: &dynamics::Column| motion.v[column.index] * (column.translation + column.rotation.cross(&lever));
         let prescribed = total - strip.as_slice().iter().map(free).sum::<Vector3<f64>>();
-        let elastic = contact.share() * self.law.stiffness * (-geometry.gap).max(0.0);
         Some(Power {
             driven: -contact.force_on_strip().dot(&prescribed),
-            dissipated: (elastic - contact.force) * geometry.gap_rate,
+            dissipated: contact.dissipation(),
         })
     }
 
