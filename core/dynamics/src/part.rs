@@ -159,8 +159,8 @@ impl Part {
                 blocks.load(right_side);
                 if let Some(leaves) = &mut self.leaves {
                     for (loaded, &unknown) in leaves.loaded.iter_mut().zip(&self.unknowns[leaves.core..]) {
-                        let value = right_side[unknown];
-                        *loaded = if value.abs() <= thresholds.force { 0.0 } else { value };
+                        // However small: hundreds of them act on the same few unknowns.
+                        *loaded = right_side[unknown];
                     }
                     leaves.eliminate(|unknown, value| blocks.add(unknown, value));
                 }
@@ -221,7 +221,7 @@ impl Part {
                         let first = range.as_ref().map_or(leaf, |range| range.start);
                         range = Some(first..leaf + 1);
                     };
-                    leaves.substitute(thresholds.force, |unknown| solution[others[unknown]], set);
+                    leaves.substitute(0.0, |unknown| solution[others[unknown]], set);
                     if let Some(range) = range {
                         for leaf in range.clone() {
                             solution[own[leaf]] = std::mem::take(&mut found[leaf]);

@@ -1,5 +1,5 @@
 //! The contact wire of a window.
-use crate::{Curve, CurveColumns, CurvePoint};
+use crate::{Compliance, Curve, CurveColumns, CurvePoint};
 use std::sync::Arc;
 
 /// The contact wire within the window, which starts at x = 0 in its own numbers, where it stands along the track: at `origin` plus
@@ -28,5 +28,9 @@ impl Curve for WindowCurve {
 
     fn columns(&self, s: f64, columns: &mut CurveColumns) {
         self.inner.columns(s, columns);
+    }
+
+    fn compliance(&self, s: f64) -> Compliance {
+        self.inner.compliance(s)
     }
 }
