@@ -293,6 +293,9 @@ struct GroupLanes<S> {
     part: usize,
 }
 
+/// Slopes of several elements side by side.
+type LaneSlopes<S, const D: usize> = Slopes<Components<Lanes<S>, D>>;
+
 impl<S: Simd> GroupLanes<S> {
     #[inline(always)]
     fn constant(self, values: &[f64; GROUP]) -> Lanes<S> {
@@ -351,11 +354,7 @@ impl<S: Simd> GroupLanes<S> {
 
     /// Length of the elements, their slopes in the reference, and the change of these.
     #[inline(always)]
-    fn slopes<const D: usize>(
-        self,
-        group: &Group<D>,
-        block: &Block<D>,
-    ) -> (Length<Lanes<S>>, [Slopes<Components<Lanes<S>, D>>; 2]) {
+    fn slopes<const D: usize>(self, group: &Group<D>, block: &Block<D>) -> (Length<Lanes<S>>, [LaneSlopes<S, D>; 2]) {
         let length = Length {
             value: self.constant(&group.length.value),
             inverse: self.constant(&group.length.inverse),
