@@ -370,6 +370,14 @@ pub fn cases(quick: bool) -> Vec<Case> {
             ],
         ),
         Case::new(
+            "two_elements_per_span",
+            "one dropper and two elements per span and wire",
+            &[
+                "catenary.droppers.positions=[25]",
+                "catenary.mesh.elements_per_interval=1",
+            ],
+        ),
+        Case::new(
             "one_element_per_span",
             "one element per span and no dropper",
             &[
