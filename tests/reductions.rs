@@ -1,5 +1,6 @@
 //! What `model.reduce` leaves out changes the result by no more than it says.
 use catenary::{Checkpoint, StripStart, Subsystem};
+use integration_tests::fmus::THESIS;
 use integration_tests::runs::{EN_300, Run, run, scene_with};
 use master::simulation::Mode;
 
@@ -395,4 +396,52 @@ fn a_long_line_known_from_a_short_one_is_the_long_line() {
             assert!((a - b).abs() < 1e-3, "{x} m: {a} m, {b} m");
         }
     }
+}
+
+/// A mechanism that its joints hold in one plane has one motion, whatever pushes its strip: the rest is the step's error, which the
+/// same scheme makes of second order in 36 constrained coordinates and in two free ones.
+#[test]
+fn a_linkage_is_its_one_motion_where_the_joints_hold_the_strip() {
+    for stagger in ["[0.0]", "[0.2,-0.2]"] {
+        let run = |words: &str| {
+            let overrides = [
+                "catenary.spans=5".to_owned(),
+                "run.duration=2.5".to_owned(),
+                "run.evaluate={time=[0.3,2.4]}".to_owned(),
+                format!("catenary.stagger={stagger}"),
+                format!("model.reduce={words}"),
+            ];
+            let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+            run(scene_with(THESIS, &overrides), Mode::Monolithic, "reductions")
+        };
+        let (full, reduced) = (run("none"), run("[\"linkage\"]"));
+        let (all, few) = (&full.summary.model, &reduced.summary.model);
+        assert_eq!(
+            (all.coordinates - few.coordinates, all.constraints, few.constraints),
+            (34, 32, 0)
+        );
+        let difference = reduced.raw_difference(&full);
+        println!("{stagger}: {difference} N of sigma {} N", full.sigma());
+        assert!(difference < 1e-3 * full.sigma(), "{difference} N");
+    }
+}
+
+#[test]
+fn auto_reduces_a_linkage_and_says_why() {
+    let scene = scene_with(THESIS, &[]);
+    let words: Vec<&str> = scene
+        .model
+        .reductions
+        .iter()
+        .map(|reduction| reduction.name())
+        .collect();
+    assert_eq!(words, ["planar", "linkage"]);
+    let staggered = scene_with(THESIS, &["catenary.stagger=[0.2,-0.2]"]);
+    let words: Vec<&str> = staggered
+        .model
+        .reductions
+        .iter()
+        .map(|reduction| reduction.name())
+        .collect();
+    assert_eq!(words, ["linkage"]);
 }

@@ -114,6 +114,16 @@ enum Command {
         #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = positive)]
         window_spans: Vec<usize>,
     },
+    /// Runs the hard cases: what is stable, and where it stops being so
+    #[command(after_long_help = stability_help())]
+    Stability {
+        /// Cases to run, separated by commas [default: all]
+        #[arg(long, value_name = "LIST", value_delimiter = ',')]
+        cases: Vec<String>,
+        /// Shortens the longest cases, and draws no maps
+        #[arg(long)]
+        quick: bool,
+    },
     /// Solves the statics of a scene and says what will be modelled
     Check {
         /// Scene file, or an .ssp
@@ -211,6 +221,21 @@ fn or<T: Clone>(typed: Vec<T>, default: &[T]) -> Vec<T> {
     if typed.is_empty() { default.to_vec() } else { typed }
 }
 
+/// What `stability` does, at the end of its help.
+fn stability_help() -> String {
+    format!(
+        "Every case is run as one system, in process with every coupling algorithm, and with the automatic choice through FMUs.\n\n\
+         Status: {STATUS_RULE}.\n\n\
+         References: a coupled run is compared with the monolithic one at the same micro step, the monolithic one with itself at half the micro \
+         step. The monolithic one is also limit where the time integration made more than 1 % of the energy \
+         exchanged; a coupled one is at most limit where the monolithic one is. A run that is not stable is repeated with shorter \
+         steps until it is: its boundary.\n\n\
+         Without --cases and --quick the boundaries are mapped by bisection: macro step against contact stiffness, head mass and \
+         speed, micro step against contact stiffness.\n\n\
+         Runs are made side by side, one per core: they have no wall times, and the table is the same for any number of cores."
+    )
+}
+
 /// `--mode`.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum ModeArgument {
@@ -302,6 +327,7 @@ pub fn main() -> ExitCode {
             };
             command::study::study(&scene, options, &common)
         }
+        Command::Stability { cases, quick } => command::stability::stability(&cases, quick, &common),
         Command::Check { scene } => command::check::check(&scene, &common),
         Command::Package {
             scene,

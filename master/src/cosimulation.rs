@@ -384,6 +384,7 @@ impl Slave for FmuSlave {
                 micro_steps,
                 newton_iterations,
                 factorizations,
+                most_iterations: 0,
             };
         }
         Work::default()

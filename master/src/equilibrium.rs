@@ -190,10 +190,58 @@ pub fn resolve(scene: &mut Scene, statics: &StaticLine) -> Result<(), Equilibriu
     Ok(())
 }
 
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// How far strips must rise per newton that is missing, m/N, by Broyden's method [Broyden, Math. Comp. 19 (1965)]; with one strip a
+/// secant.
+struct Compliance {
+    rows: Vec<Vec<f64>>,
+}
+
+impl Compliance {
+    /// Of strips that do not see each other, on these stiffnesses (N/m).
+    fn diagonal(stiffness: &[f64]) -> Self {
+        let row = |i: usize| {
+            (0..stiffness.len())
+                .map(|j| if i == j { 1.0 / stiffness[i] } else { 0.0 })
+                .collect()
+        };
+        Self {
+            rows: (0..stiffness.len()).map(row).collect(),
+        }
+    }
+
+    fn times(&self, forces: &[f64]) -> Vec<f64> {
+        let product = |row: &Vec<f64>| row.iter().zip(forces).map(|(a, b)| a * b).sum();
+        self.rows.iter().map(product).collect()
+    }
+
+    /// Takes in that a rise (m) has changed the missing forces by `change` (N), where that tells more than rounding and more than
+    /// a contact that has just closed.
+    fn learn(&mut self, rise: &[f64], change: &[f64]) {
+        let square: f64 = rise.iter().map(|s| s * s).sum();
+        let expected = self.times(change);
+        let along: f64 = rise.iter().zip(&expected).map(|(s, y)| s * y).sum();
+        if square < 1e-18 || along > -0.1 * square {
+            return;
+        }
+        let left: Vec<f64> = (0..rise.len())
+            .map(|j| rise.iter().zip(&self.rows).map(|(s, row)| s * row[j]).sum())
+            .collect();
+        for (row, (s, y)) in self.rows.iter_mut().zip(rise.iter().zip(&expected)) {
+            for (entry, left) in row.iter_mut().zip(&left) {
+                *entry -= (s + y) * left / along;
+            }
+        }
+    }
+}
+
 /// Moves the strips of `sides` until the line presses on each as hard as its pantograph pushes.
 ///
-/// Each correction takes the line's own stiffness under one strip, contact included; strips far apart do not see each
-/// other, so it is nearly Newton's method.
+/// The first correction takes the line's own stiffness under each strip, contact included; how strips in one span see each other
+/// is learnt from the corrections.
 fn balance(
     scene: &Scene,
     statics: &StaticLine,
@@ -222,41 +270,31 @@ fn balance(
         debug_assert_eq!(side.x, strips[side.index].x);
     }
     let (mut residual, mut worst) = (f64::INFINITY, 0);
-    let mut last: Vec<Option<(f64, f64)>> = vec![None; sides.len()];
+    let mut compliance = Compliance::diagonal(&stiffness);
+    let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
     for _ in 0..ITERATIONS {
         line.start(strips)?;
         residual = 0.0;
-        let mut moves = Vec::with_capacity(sides.len());
-        for (k, side) in sides.iter().enumerate() {
-            let height = strips[side.index].height;
-            let missing = side.force(height)? - line.contact(side.index).force;
+        let heights: Vec<f64> = sides.iter().map(|side| strips[side.index].height).collect();
+        let mut missing = Vec::with_capacity(sides.len());
+        for (side, height) in sides.iter().zip(&heights) {
+            let here = side.force(*height)? - line.contact(side.index).force;
             // Also a difference that is no number.
-            if missing.abs() > residual || missing.is_nan() {
-                (residual, worst) = (missing.abs(), side.index);
+            if here.abs() > residual || here.is_nan() {
+                (residual, worst) = (here.abs(), side.index);
             }
-            // A secant of the last two heights where they tell more than rounding; else the stiffness of one strip alone.
-            let slope = match last[k] {
-                Some((before, was)) if sides.len() == 1 && (height - before).abs() > 1e-9 => {
-                    (was - missing) / (height - before)
-                }
-                _ => stiffness[k],
-            };
-            last[k] = Some((height, missing));
-            moves.push(
-                missing
-                    / if slope > 0.1 * stiffness[k] {
-                        slope
-                    } else {
-                        stiffness[k]
-                    },
-            );
+            missing.push(here);
         }
         if residual <= TOLERANCE {
             return Ok(());
         }
-        for (side, change) in sides.iter().zip(moves) {
+        if let Some((before, was)) = &last {
+            compliance.learn(&difference(&heights, before), &difference(&missing, was));
+        }
+        for (side, change) in sides.iter().zip(compliance.times(&missing)) {
             strips[side.index].height += change;
         }
+        last = Some((heights, missing));
     }
     Err(EquilibriumError::NotConverged {
         start_x: scene.run.start_x,
@@ -265,4 +303,40 @@ fn balance(
         residual,
         iterations: ITERATIONS,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_that_see_each_other_come_to_rest_by_what_is_learnt() {
+        // Missing forces b − K x of two springs that are coupled as strongly as two strips in one span.
+        let (stiffness, b) = ([[2000.0, 1700.0], [1700.0, 2100.0]], [110.0, 120.0]);
+        let missing = |x: &[f64]| -> Vec<f64> {
+            (0..2)
+                .map(|i| b[i] - stiffness[i][0] * x[0] - stiffness[i][1] * x[1])
+                .collect()
+        };
+        let mut compliance = Compliance::diagonal(&[2000.0, 2100.0]);
+        let mut x = vec![0.0, 0.0];
+        let mut last = missing(&x);
+        let mut steps = 0;
+        while last.iter().any(|force| force.abs() > 1e-9) {
+            let rise = compliance.times(&last);
+            x = x.iter().zip(&rise).map(|(x, s)| x + s).collect();
+            let now = missing(&x);
+            compliance.learn(&rise, &difference(&now, &last));
+            last = now;
+            steps += 1;
+            assert!(steps <= 8, "{last:?}");
+        }
+    }
+
+    #[test]
+    fn one_strip_is_a_secant() {
+        let mut compliance = Compliance::diagonal(&[1000.0]);
+        compliance.learn(&[0.01], &[-20.0]);
+        assert!((compliance.times(&[4.0])[0] - 0.002).abs() < 1e-15);
+    }
 }

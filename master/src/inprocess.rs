@@ -165,6 +165,7 @@ pub(crate) fn work(counters: Counters) -> Work {
         micro_steps: counters.micro_steps,
         newton_iterations: counters.newton_iterations,
         factorizations: counters.factorizations,
+        most_iterations: counters.most_iterations,
     }
 }
 

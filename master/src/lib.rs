@@ -19,9 +19,11 @@
 //! ssp           the co-simulation as a system structure, and scenes made of somebody else's
 //! prepare       a scene resolved: statics, FMUs of somebody else, starts
 //! simulation    a resolved scene in a mode, to a record
+//! hardship      what is done to a run on purpose, to see whether it survives
 //! test_problem  two small slaves and their truth: what a coupling algorithm is worth
 //! results       files of a run; statistics, standards and report make them
 //! table_of_runs one row per run: columns, errors, status
+//! stability     the hard cases, and where runs stop being stable
 //! compare       all modes and algorithms on one scene
 //! study         speed against error: references, sweeps, Pareto front
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
@@ -35,6 +37,7 @@ pub mod command;
 pub mod compare;
 pub mod cosimulation;
 pub mod equilibrium;
+pub mod hardship;
 pub mod inprocess;
 pub mod inspect;
 pub mod instance;
@@ -53,6 +56,7 @@ pub mod run;
 pub mod simulation;
 pub mod slave;
 pub mod ssp;
+pub mod stability;
 pub mod standards;
 pub mod standstill;
 pub mod statistics;

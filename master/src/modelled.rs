@@ -34,7 +34,7 @@ impl Prepared {
                         coordinates += model.coordinates();
                         constraints += model.constraint_count();
                     }
-                    format!("linkage of {} bodies", linkage.bodies.len())
+                    format!("linkage of {} bodies{}", linkage.bodies.len(), motions(scene))
                 }
                 PantographModel::ThirdParty(entry) => format!("FMU {}", entry.fmu),
             });
@@ -156,18 +156,37 @@ fn dimension(scene: &scene::Scene) -> String {
     )
 }
 
+/// How the motions of a linkage are counted, and why.
+fn motions(scene: &scene::Scene) -> String {
+    if scene.model.has(Reduction::Linkage) {
+        return " in two coordinates, its one motion and the collector suspension: its joints hold the strip in the plane along the \
+                track, so leaving out all other motions changes nothing"
+            .to_owned();
+    }
+    let reason = scene.linkage_not_reducible();
+    format!(
+        " with all their joints: {}",
+        reason.unwrap_or_else(|| "asked for by model.reduce".to_owned())
+    )
+}
+
 /// Which law of motion the line has, and what is known of its distance from the line as it is.
+///
+/// Distances are rms differences of the 20 Hz force from runs of the same scene with the nonlinear line, on one mesh and step, in
+/// percent of its standard deviation.
 fn motion(scene: &scene::Scene) -> String {
     if scene.model.has(Reduction::Flat) {
         "flat, asked for by model.reduce: straight wires that move up and down, for comparison with two-dimensional programs; the sag \
-         of the messenger wire is left out, which moved the force of EN 50318 lines by 14 to 20 % of its standard deviation"
+         of the messenger wire is left out, which moves the force of EN 50318 lines by 2 % of its standard deviation with wire ends of \
+         constant tension and by 10 to 19 % with fixed ones, that of the thesis by 22 %"
             .to_owned()
     } else if scene.model.has(Reduction::Linearised) {
-        "linearised about the static state, asked for by model.reduce: constant stiffness, unilateral droppers and contact; how far \
-         that is from the nonlinear line only a run of both tells"
+        "linearised about the static state, asked for by model.reduce: constant stiffness, unilateral droppers and contact; that moves \
+         the force of EN 50318 lines by 0.5 to 1.4 % of its standard deviation, that of the thesis by 4 %, on other lines only a run \
+         without it tells"
             .to_owned()
     } else {
-        "nonlinear: how far the line linearised about its static state would be from it only a run of both tells, so that \
+        "nonlinear: how far the line linearised about its static state would be from it is known from a run of both only, so that \
          model.reduce = \"auto\" does not choose it"
             .to_owned()
     }

@@ -1,14 +1,18 @@
 //! Line and pantographs as one system: no coupling, one integrator.
 
 use catenary::{
-    CatenaryError, ContactPair, OverheadLine, StaticLine, StripStart, adopt_state, contact_pair, follow_strips,
-    scene_line,
+    CatenaryError, ContactPair, OverheadLine, StaticLine, StripStart, WireName, adopt_state, contact_pair,
+    follow_strips, scene_line,
 };
-use dynamics::{Constraint, Continuity, Counters, Force, Layout, Motion, Simulator, State, StepError, System};
+use dynamics::{
+    Checkpoint, Constraint, Continuity, Counters, EnergyBalance, Force, Layout, Motion, Simulator, State, StepError,
+    System,
+};
 use scene::{PantographModel as Entry, Scene};
 use vehicle::{PantographModel, VehicleError};
 
 use crate::algorithm::Point;
+use crate::hardship::{Hardship, Lifted};
 use crate::interface::{contact, line_output_count, strip};
 use crate::results::Frame;
 
@@ -77,6 +81,42 @@ impl System for Whole {
 pub struct Monolithic {
     simulator: Simulator<Whole>,
     supports: Vec<usize>,
+    micro_step: f64,
+    audit: Option<Audit>,
+    rehearsal: Option<Box<Checkpoint>>,
+    unrepeated: u64,
+}
+
+/// What is followed besides the contact.
+struct Audit {
+    balance: EnergyBalance,
+    plucked: f64,
+    slack: usize,
+}
+
+/// What was seen of one system.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Evidence {
+    /// Energy that nothing accounts for at the end, J; positive where the integration has made it.
+    pub residual: f64,
+    /// Its largest amount, J.
+    pub worst_residual: f64,
+    /// Work of prescribed motion and heat, their amounts summed step by step, J.
+    pub exchanged: f64,
+    /// Energy that the line was plucked with, J.
+    pub plucked: f64,
+    /// Work of prescribed motion, J.
+    pub driven: f64,
+    /// Heat of dampers and friction, J.
+    pub dissipated: f64,
+    /// Largest violation of a constraint, m, and of its rate, m/s.
+    pub drift: [f64; 2],
+    /// Number of constraints.
+    pub constraints: usize,
+    /// Most droppers without tension at one time.
+    pub slack_droppers: usize,
+    /// Steps that did not come out the same when they were repeated from a saved state.
+    pub unrepeated: u64,
 }
 
 impl Monolithic {
@@ -151,6 +191,99 @@ impl Monolithic {
         Ok(Self {
             simulator,
             supports: supports.to_vec(),
+            micro_step: solver.micro_step,
+            audit: None,
+            rehearsal: None,
+            unrepeated: 0,
+        })
+    }
+
+    /// Puts a hardship on the run to come; steps are not discarded, as nobody could take them back.
+    ///
+    /// # Errors
+    /// A plucked line without accelerations at the start.
+    pub fn endure(&mut self, hardship: &Hardship) -> Result<(), MonolithicError> {
+        if let Some(lift) = &hardship.lift {
+            for contact in &mut self.simulator.system.contacts {
+                let lift = lift.clone();
+                contact.replace_strip(|marker| Box::new(Lifted { marker, lift }));
+            }
+        }
+        self.rehearsal = hardship.rehearsed.then(Box::default);
+        let at_rest = hardship.audited.then(|| self.simulator.energy_balance().energy());
+        if let Some(pluck) = hardship.pluck {
+            self.pluck(pluck.amplitude)?;
+        }
+        self.audit = at_rest.map(|at_rest| {
+            let balance = self.simulator.energy_balance();
+            Audit {
+                plucked: balance.energy() - at_rest,
+                balance,
+                slack: 0,
+            }
+        });
+        Ok(())
+    }
+
+    /// See [`crate::hardship::Pluck`]; `amplitude` in m.
+    fn pluck(&mut self, amplitude: f64) -> Result<(), MonolithicError> {
+        let mut state = self.simulator.state().clone();
+        let Some(line) = self.simulator.system.line.shape() else {
+            return Ok(());
+        };
+        let contact_wire = line.wire(WireName::ContactWire).geometry().nodes();
+        let topology = line.topology();
+        let supports: Vec<f64> = topology
+            .supports()
+            .iter()
+            .map(|&node| contact_wire[node].position.x)
+            .collect();
+        for name in [WireName::ContactWire, WireName::MessengerWire] {
+            for node in line.wire(name).geometry().nodes() {
+                let x = node.position.x;
+                let span = supports
+                    .partition_point(|support| *support <= x)
+                    .clamp(1, supports.len() - 1);
+                let (from, to) = (supports[span - 1], supports[span]);
+                let sign = if span % 2 == 1 { amplitude } else { -amplitude };
+                let wave = std::f64::consts::PI / (to - from);
+                if let Some(index) = node.map.position(2) {
+                    state.q[index] = sign * (wave * (x - from)).sin();
+                }
+                if let Some(index) = node.map.slope(2) {
+                    state.q[index] = sign * wave * (wave * (x - from)).cos();
+                }
+            }
+        }
+        self.simulator.set_state(state);
+        self.simulator.start_accelerations().map_err(MonolithicError::Start)
+    }
+
+    /// The internal step that a macro step of `h` s is made of, s.
+    #[must_use]
+    pub fn longest_step(&self, h: f64) -> f64 {
+        h / (h / self.micro_step - 1e-9).ceil().max(1.0)
+    }
+
+    /// What was seen of the run so far, where it was audited.
+    #[must_use]
+    pub fn evidence(&self) -> Option<Evidence> {
+        let Audit {
+            balance,
+            plucked,
+            slack,
+        } = self.audit.as_ref()?;
+        Some(Evidence {
+            residual: balance.residual(),
+            worst_residual: balance.worst_residual(),
+            exchanged: balance.exchanged(),
+            plucked: *plucked,
+            driven: balance.driven(),
+            dissipated: balance.dissipated(),
+            drift: balance.drift(),
+            constraints: self.simulator.system.layout().constraints(),
+            slack_droppers: *slack,
+            unrepeated: self.unrepeated,
         })
     }
 
@@ -195,6 +328,7 @@ impl Monolithic {
         points: &mut [Point; 2],
         see: &mut dyn FnMut(&Point, &Point),
     ) -> Result<(), StepError> {
+        let first = self.rehearse(t, h)?;
         let supports = &self.supports;
         let mut steps = 0.0;
         let count = self.simulator.micro_steps(h) as f64;
@@ -207,7 +341,26 @@ impl Monolithic {
             straighten(previous, present);
             see(previous, present);
             points.swap(0, 1);
-        })
+        })?;
+        self.unrepeated += u64::from(first.is_some_and(|first| first != *self.simulator.state()));
+        if let Some(audit) = &mut self.audit {
+            self.simulator.balance(&mut audit.balance, h);
+            let (whole, motion) = self.simulator.parts();
+            audit.slack = audit.slack.max(whole.line.slack_count(&motion));
+        }
+        Ok(())
+    }
+
+    /// Makes the step to come and takes it back, where that was asked for; returns what it led to.
+    fn rehearse(&mut self, t: f64, h: f64) -> Result<Option<State>, StepError> {
+        let Some(checkpoint) = &mut self.rehearsal else {
+            return Ok(None);
+        };
+        self.simulator.save(checkpoint);
+        self.simulator.advance(t, h, &mut |_, _| {}, &mut |_, _, _| {})?;
+        let state = self.simulator.state().clone();
+        self.simulator.restore(checkpoint)?;
+        Ok(Some(state))
     }
 
     /// Work done by the solver.

@@ -10,6 +10,7 @@ use scene::{Connection, Line, PantographModel, Scene, Start, ThirdParty};
 
 use crate::cosimulation::CosimulationError;
 use crate::equilibrium;
+use crate::hardship::Hardship;
 use crate::isolation;
 use crate::simulation::{Prepared, SetupError};
 use crate::third_party::{
@@ -77,6 +78,7 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
         third_party,
         line,
         begin,
+        hardship: Hardship::default(),
     })
 }
 

@@ -9,9 +9,10 @@ use scene::{Evaluate, Initialise, Scene, SceneError};
 use crate::algorithm::{self, CouplingError, Exchange, Sides};
 use crate::cosimulation::{CosimulationError, FmuSlave, Role};
 use crate::equilibrium::EquilibriumError;
+use crate::hardship::Hardship;
 use crate::inprocess::{self, InProcess, of_pantograph};
 use crate::interface;
-use crate::monolithic::{Monolithic, MonolithicError};
+use crate::monolithic::{Evidence, Monolithic, MonolithicError};
 use crate::package::{self, Libraries, PackageError};
 use crate::parallel;
 use crate::recorder::Recorder;
@@ -156,6 +157,8 @@ pub struct Prepared {
     pub(crate) third_party: Vec<Option<ThirdPartyPantograph>>,
     pub(crate) line: Option<ThirdPartyLine>,
     pub(crate) begin: Instant,
+    /// What is done to the run on purpose.
+    pub hardship: Hardship,
 }
 
 /// Numbers (from 1) of the supports that bound the evaluated spans.
@@ -196,6 +199,10 @@ pub struct Finished {
     pub record: Record,
     /// Why it is incomplete.
     pub failure: Option<Box<dyn std::error::Error + Send + Sync>>,
+    /// Most Newton iterations of one internal step; 0 where FMUs do not say.
+    pub most_iterations: u64,
+    /// What was seen of one system besides, where that was asked for.
+    pub evidence: Option<Evidence>,
 }
 
 /// Where co-simulation takes its FMUs from.
@@ -241,7 +248,11 @@ impl Prepared {
     /// Which pantographs are to step on threads of their own. That goes by the scene alone, not by the machine.
     fn own_threads(&self) -> Vec<bool> {
         let pays = |pantograph: &scene::Pantograph| match self.scene.coupling.parallel {
-            scene::Parallel::Auto => matches!(pantograph.model, scene::PantographModel::Linkage(_)),
+            // A linkage in two coordinates costs less than a thread.
+            scene::Parallel::Auto => {
+                matches!(pantograph.model, scene::PantographModel::Linkage(_))
+                    && !self.scene.model.has(scene::Reduction::Linkage)
+            }
             scene::Parallel::Always => true,
             scene::Parallel::Never => false,
         };
@@ -340,10 +351,12 @@ impl Prepared {
             self.standstill = Some(found);
         }
         let own_threads = self.own_threads();
+        let outputs = interface::line_output_count(self.scene.pantographs.len(), supports.len());
         let (mut line, mut pantographs) = match mode {
             Mode::Cosimulation => self.fmu_slaves(supports, line, third_party, source)?,
             _ => self.core_slaves(supports, line, third_party)?,
         };
+        self.hardship.put_on(&mut line, &mut pantographs, outputs);
         let beside_the_line = self.scene.coupling.algorithm == scene::Algorithm::Jacobi;
         let threads = parallel::arrange(&mut pantographs, &own_threads, beside_the_line);
         let mut sides = Sides {
@@ -353,7 +366,6 @@ impl Prepared {
         let (mut algorithm, choice) = algorithm::build(&self.scene.coupling, &sides);
         let algorithm::Choice { coupling, mut reason } = choice;
         self.scene.coupling = coupling;
-        let outputs = interface::line_output_count(self.scene.pantographs.len(), supports.len());
         let mut exchange = Exchange::start(&mut sides, 0.0, outputs).map_err(SetupError::from)?;
         good(&self.scene)?;
         let setup = self.begin.elapsed().as_secs_f64();
@@ -385,7 +397,7 @@ impl Prepared {
             energy_residual: Some(outcome.energy_residual),
             energy_share: outcome.energy_share,
         };
-        Ok(self.finished(mode, outcome, coupling, setup))
+        Ok(self.finished(mode, outcome, coupling, setup, None))
     }
 
     /// Line and pantographs of the core.
@@ -491,19 +503,31 @@ impl Prepared {
             .into());
         };
         let mut whole = Monolithic::new(&self.scene, statics, supports).map_err(SetupError::from)?;
+        whole.endure(&self.hardship).map_err(SetupError::from)?;
         good(&self.scene)?;
         let setup = self.begin.elapsed().as_secs_f64();
-        let outcome = run::run_as_one(&mut whole, self.recorder(supports), self.schedule(true), watch);
+        let mut schedule = self.schedule(true);
+        if self.hardship.audited {
+            schedule.macro_step = whole.longest_step(schedule.macro_step);
+        }
+        let outcome = run::run_as_one(&mut whole, self.recorder(supports), schedule, watch);
         let coupling = results::Coupling {
             algorithm: "none".to_owned(),
             reason: "line and pantographs are one system".to_owned(),
             energy_residual: Some(0.0),
             energy_share: 0.0,
         };
-        Ok(self.finished(Mode::Monolithic, outcome, coupling, setup))
+        Ok(self.finished(Mode::Monolithic, outcome, coupling, setup, whole.evidence()))
     }
 
-    fn finished(&self, mode: Mode, outcome: Outcome, coupling: results::Coupling, setup: f64) -> Finished {
+    fn finished(
+        &self,
+        mode: Mode,
+        outcome: Outcome,
+        coupling: results::Coupling,
+        setup: f64,
+        evidence: Option<Evidence>,
+    ) -> Finished {
         let scene = &self.scene;
         let info = RunInfo {
             scene: self.name.clone(),
@@ -549,6 +573,8 @@ impl Prepared {
             info,
             record: outcome.record,
             failure,
+            most_iterations: outcome.work.most_iterations,
+            evidence,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Droppers: the ties between messenger wire and contact wire.
 use crate::Attachment;
-use dynamics::{Blocks, Force, Motion, Updates, Weights};
+use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
@@ -166,6 +166,8 @@ pub struct Droppers {
     assembled: Vec<Assembled>,
     /// What each dropper was at the beginning of the present step.
     at_start: Vec<Tautness>,
+    /// What each dropper was at the beginning of the step that has just ended: with it the force at its end was found.
+    during: Vec<Tautness>,
     /// Increases with every assembled tangent.
     version: u64,
 }
@@ -183,6 +185,7 @@ impl Droppers {
             gravity,
             assembled: vec![slack; droppers.len()],
             at_start: vec![Tautness::Taut; droppers.len()],
+            during: vec![Tautness::Taut; droppers.len()],
             droppers,
             version: 0,
         }
@@ -320,7 +323,21 @@ impl Force for Droppers {
             .sum()
     }
 
+    /// The part of the force that is not the spring's, as it was in the step that has just ended.
+    fn power(&self, motion: &Motion<'_>) -> Option<Power> {
+        let heat = self.droppers.iter().zip(&self.during).map(|(dropper, &during)| {
+            let pose = dropper.pose(motion);
+            let elastic = self.law.stiffness * pose.elongation.max(0.0);
+            (self.law.force(during, pose.elongation, pose.rate) - elastic) * pose.rate
+        });
+        Some(Power {
+            driven: 0.0,
+            dissipated: heat.sum(),
+        })
+    }
+
     fn end_step(&mut self, motion: &Motion<'_>) {
+        self.during.copy_from_slice(&self.at_start);
         for (at_start, dropper) in self.at_start.iter_mut().zip(&self.droppers) {
             *at_start = Tautness::of(dropper.length(motion) - dropper.unstressed_length);
         }

@@ -34,6 +34,8 @@ pub struct Work {
     pub newton_iterations: u64,
     /// Factorisations of an iteration matrix.
     pub factorizations: u64,
+    /// Most Newton iterations of one internal step; 0 where that is not known.
+    pub most_iterations: u64,
 }
 
 /// A simulation unit made from a scene.

@@ -2,8 +2,8 @@
 //! in its plane with 8 elements per dropper interval.
 use criterion::{Criterion, criterion_group, criterion_main};
 use dynamics::{
-    BlockTridiagonal, Blocks, Force, GeneralizedAlpha, Layout, LocalColumn, Motion, NewtonOptions, SparseMatrix,
-    System, Updates, Weights,
+    BlockTridiagonal, Blocks, Force, GeneralizedAlpha, Layout, Motion, NewtonOptions, SparseMatrix, System, Updates,
+    Weights,
 };
 use std::hint::black_box;
 use std::ops::Range;

@@ -12,6 +12,15 @@ pub struct Weights {
     pub v: f64,
 }
 
+/// Power that crosses the boundary of a system at one contribution, W.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Power {
+    /// Brought in by prescribed motion.
+    pub driven: f64,
+    /// Turned into heat.
+    pub dissipated: f64,
+}
+
 /// A contribution that adds a generalised force, its tangent, and its (constant) inertia.
 ///
 /// Sign: `Q` acts *on* the coordinates, so a spring adds `−k q` and its tangent block is `+k`.
@@ -77,6 +86,13 @@ pub trait Force: Send {
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         let _ = motion;
         0.0
+    }
+
+    /// What this contribution exchanges with the outside at `motion`, where it knows that itself; `None` stands for a potential
+    /// and losses that end with the velocities: the losses are then `Q(q, v) − Q(q, 0)`.
+    fn power(&self, motion: &Motion<'_>) -> Option<Power> {
+        let _ = motion;
+        None
     }
 
     /// Called once per step with the predicted motion, before the first force of the step: contact search and the like.

@@ -167,7 +167,9 @@ impl GeneralizedAlpha {
             result
         });
         self.counters.micro_steps += 1;
-        self.counters.newton_iterations += workspace.counters.newton_iterations - before.newton_iterations;
+        let iterations = workspace.counters.newton_iterations - before.newton_iterations;
+        self.counters.newton_iterations += iterations;
+        self.counters.most_iterations = self.counters.most_iterations.max(iterations);
         self.counters.factorizations += workspace.counters.factorizations - before.factorizations;
         self.counters.solves += workspace.counters.solves - before.solves;
         self.workspace = Some(workspace);

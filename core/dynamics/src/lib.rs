@@ -20,6 +20,7 @@
 //!   dissipation, Journal of Applied Mechanics 60, doi 10.1115/1.2900803.
 #![forbid(unsafe_code)]
 
+mod balance;
 mod block_tridiagonal;
 mod blocks;
 mod constraint;
@@ -45,11 +46,12 @@ mod system;
 mod updates;
 mod woodbury;
 
+pub use balance::EnergyBalance;
 pub use block_tridiagonal::{BlockTridiagonal, LocalColumn};
 pub use blocks::Blocks;
 pub use constraint::{Constraint, JacobianRows, RowSink};
 pub use factored::FactoredMatrix;
-pub use force::{Force, Weights};
+pub use force::{Force, Power, Weights};
 pub use input::{FollowedInput, MAX_ORDER};
 pub use integrator::{GeneralizedAlpha, Memory, Scheme};
 pub use marker::{Column, Columns, Frame, Marker};

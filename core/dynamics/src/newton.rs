@@ -101,6 +101,9 @@ pub struct Counters {
     pub factorizations: u64,
     /// Solutions with the factors.
     pub solves: u64,
+    /// Most Newton corrections of one time step.
+    #[serde(default)]
+    pub most_iterations: u64,
 }
 
 /// Size of the residual in units of its tolerance, and where it is largest.

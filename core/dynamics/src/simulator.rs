@@ -1,8 +1,8 @@
 //! A system in time: sub-steps inside a communication step, with its state saved and restored as a whole.
 use crate::matrix::mass_matrix;
 use crate::{
-    Continuity, Counters, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions, StaticReport,
-    StepError, System, solve_static,
+    Continuity, Counters, EnergyBalance, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions,
+    StaticReport, StepError, System, solve_static,
 };
 use serde::{Deserialize, Serialize};
 
@@ -136,6 +136,16 @@ impl<S: System> Simulator<S> {
         if continuity == Continuity::Replaced {
             self.mass = None;
         }
+    }
+
+    /// Begins to follow the energy from the present state on.
+    pub fn energy_balance(&mut self) -> EnergyBalance {
+        EnergyBalance::start(&mut self.system, &self.state, &self.u)
+    }
+
+    /// Takes the internal step of `dt` s that has just been made into an energy balance.
+    pub fn balance(&mut self, balance: &mut EnergyBalance, dt: f64) {
+        balance.step(&mut self.system, &self.state, &self.u, dt);
     }
 
     /// Work done so far.

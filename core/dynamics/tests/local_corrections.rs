@@ -60,10 +60,9 @@ impl Force for Chain {
         self.within += range.len();
         self.add(range.clone(), motion, Some(v_dot), force);
         // What stands beside the range is nobody's.
-        for beside in [range.start.checked_sub(1), Some(range.end).filter(|&end| end < NODES)] {
-            if let Some(beside) = beside {
-                force[beside] = f64::NAN;
-            }
+        let ends = [range.start.checked_sub(1), Some(range.end).filter(|&end| end < NODES)];
+        for beside in ends.into_iter().flatten() {
+            force[beside] = f64::NAN;
         }
     }
 

@@ -43,6 +43,7 @@ mod linkage;
 mod mesh;
 mod mesh_error;
 mod model;
+mod one_motion;
 mod pantograph;
 mod run;
 mod scene;

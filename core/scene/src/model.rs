@@ -37,7 +37,7 @@ choice! {
         /// The mechanism reduced to its one motion.
         Linkage = "linkage",
     }
-    unavailable: ["linkage"]
+    unavailable: []
 }
 
 impl Entry for Model {
@@ -87,11 +87,14 @@ impl Scene {
     /// asked for. So must a window: its error is below 0.3 % on the lines it was measured on, but it grows with droppers that go slack
     /// beyond it and with echoes of far ends, which no rule bounds beforehand.
     pub(crate) fn choose_reductions(&mut self) {
-        if std::mem::take(&mut self.model.unresolved)
-            && self.modelled_line().is_some()
-            && self.pushed_sideways().is_none()
-        {
+        if !std::mem::take(&mut self.model.unresolved) {
+            return;
+        }
+        if self.modelled_line().is_some() && self.pushed_sideways().is_none() {
             self.model.reductions.push(Reduction::Planar);
+        }
+        if self.linkage_not_reducible().is_none() {
+            self.model.reductions.push(Reduction::Linkage);
         }
     }
 
@@ -116,11 +119,16 @@ impl Scene {
                     let reason = "\"flat\" is another linear line; one of the two";
                     left_out(reduction, reason.to_owned());
                 }
+                Reduction::Linkage => {
+                    if let Some(reason) = self.linkage_not_reducible() {
+                        left_out(reduction, reason);
+                    }
+                }
                 Reduction::Window if self.model.has(Reduction::Flat) => {
                     let reason = "\"flat\" is a line for comparisons, always whole; one of the two";
                     left_out(reduction, reason.to_owned());
                 }
-                Reduction::Linearised | Reduction::Window | Reduction::Linkage => {}
+                Reduction::Linearised | Reduction::Window => {}
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Every refusal names file, line, key, value, unit and what would be right.
 
-use scene::Scene;
+use scene::{Reduction, Scene};
 
 const EN: &str = include_str!("../../../scenes/en50318-250.toml");
 const THESIS: &str = include_str!("../../../scenes/thesis.toml");
@@ -96,7 +96,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle: known, but not modelled yet by this version: leave it out"]),
     ("[coupling]", "[track]\n[coupling]", &["track: known, but not modelled yet"]),
     ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind: known, but not modelled yet"]),
-    ("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]", &["model.reduce[1] = \"linkage\": not modelled yet by this version"]),
+    ("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]", &["model.reduce = \"linkage\": must be left out: no pantograph is a linkage"]),
     ("[coupling]", "[model]\nreduce = [\"plannar\"]\n[coupling]", &["model.reduce[1] = \"plannar\": unknown word, did you mean \"planar\"?"]),
     ("[coupling]", "[model]\nreduce = \"all\"\n[coupling]", &["model.reduce = \"all\": unknown word", "must be one of \"auto\", \"none\", \"planar\""]),
     ("cures = \"auto\"", "cures = [\"bending_layer\"]", &["catenary.mesh.cures[1] = \"bending_layer\": unknown word, did you mean \"bending_layers\"?"]),
@@ -503,4 +503,59 @@ fn an_error_that_no_mesh_makes_is_refused() {
             "with solver.micro_step = 5 ms",
         ],
     );
+}
+
+/// A scene with the six-body linkage, its text changed in one place.
+fn reduced_thesis(from: &str, to: &str, reduce: &str) -> Result<Scene, String> {
+    assert_eq!(THESIS.matches(from).count(), 1, "{from}");
+    let overrides = [format!("model.reduce={reduce}")];
+    Scene::from_toml(&THESIS.replace(from, to), "thesis.toml", &overrides).map_err(|error| error.to_string())
+}
+
+#[test]
+fn a_linkage_that_may_move_otherwise_than_in_its_plane_is_not_reduced() {
+    let cases = [
+        (
+            r#"kind = "revolute"                       # Table 3: lower arm, upper arm
+first = "lower_arm"
+second = "upper_arm"
+point = [10.58842934, 0.0, 4.26522551]  # K, derived: where the axes of both arms meet
+axis = [0.0, 1.0, 0.0]"#,
+            r#"kind = "spherical"
+first = "lower_arm"
+second = "upper_arm"
+point = [10.58842934, 0.0, 4.26522551]"#,
+            "\"pan_head\" may leave the plane: revolute and prismatic joints alone do not join it to the base",
+        ),
+        (
+            "kind = \"spherical\"                      # Table 3: plunger, upper link",
+            "kind = \"revolute\"\naxis = [0.0, 1.0, 0.1]",
+            "joints[6].axis of the revolute joint is not lateral",
+        ),
+        (
+            "axis = [0.0, 0.0, 1.0]                  # chosen: vertical",
+            "axis = [1.0, 0.0, 0.5]",
+            "the axis of the collector suspension is far from vertical",
+        ),
+        (
+            "position = [10.96436876, 0.0, 3.81940451]",
+            "position = [10.96436876, 0.1, 3.81940451]",
+            "the centre of mass of \"lower_link\" is beside the middle",
+        ),
+        (
+            "orientation = [1.5707963267948966, 0.6234559506, -1.5707963267948966]",
+            "orientation = [1.5, 0.6234559506, -1.5]",
+            "the lateral axis of \"lower_link\" is not one of its principal axes",
+        ),
+    ];
+    for (from, to, reason) in cases {
+        assert_eq!(
+            reduced_thesis(from, to, "auto").unwrap().model.reductions,
+            [Reduction::Planar],
+            "{to}"
+        );
+        let told = reduced_thesis(from, to, "[\"planar\",\"linkage\"]").unwrap_err();
+        let expected = format!("model.reduce = \"linkage\": must be left out: pantograph[1]: {reason}");
+        assert!(told.contains(&expected), "{told}");
+    }
 }

@@ -145,6 +145,7 @@ impl Component for Subsystem {
             micro_steps: counters.micro_steps,
             newton_iterations: counters.newton_iterations,
             factorizations: counters.factorizations,
+            most_iterations: counters.most_iterations,
         }
     }
 }

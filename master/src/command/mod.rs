@@ -7,6 +7,7 @@ pub mod inspect;
 pub mod package;
 pub mod report;
 pub mod run;
+pub mod stability;
 pub mod study;
 
 use std::io::Write as _;
@@ -50,6 +51,16 @@ pub enum CommandError {
     NoResults {
         /// What was named.
         path: PathBuf,
+    },
+    /// A case that does not exist.
+    #[error("--cases {name}: there is no such case{nearest}; the cases are {known}")]
+    NoCase {
+        /// As typed.
+        name: String,
+        /// `, did you mean …`, or nothing.
+        nearest: String,
+        /// All names.
+        known: String,
     },
     /// Overrides for a command that reads no scene.
     #[error("--set {first}: {command} reads no scene whose keys could be set")]

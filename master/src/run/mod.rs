@@ -299,6 +299,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
             work.micro_steps += more.micro_steps;
             work.newton_iterations += more.newton_iterations;
             work.factorizations += more.factorizations;
+            work.most_iterations = work.most_iterations.max(more.most_iterations);
             pantograph.finish_drawing(&mut record.animation.frames);
         }
         Outcome {

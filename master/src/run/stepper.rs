@@ -5,6 +5,10 @@ use crate::algorithm::{Algorithm, CouplingError, Exchange, Sides};
 /// How often a macro step that fails is halved before it is given up: 1 ms becomes 16 µs.
 const HALVINGS: u32 = 6;
 
+/// How often a part that cannot be halved any more is tried again before the step is given up: an FMU may discard a step for a
+/// reason of its own that does not come back.
+const RETRIES: u32 = 8;
+
 /// Both sides between two communication points.
 pub struct Stepper<'a, 'b> {
     /// Line and pantographs.
@@ -104,17 +108,24 @@ impl<'a, 'b> Stepper<'a, 'b> {
         halvings: u32,
         accepted: &mut dyn FnMut(&Exchange),
     ) -> Result<(), CouplingError> {
-        match self.attempt(h) {
-            Ok(()) => {
-                self.exchange.accept(end);
-                accepted(self.exchange);
-                Ok(())
+        let mut retries = RETRIES;
+        loop {
+            match self.attempt(h) {
+                Ok(()) => {
+                    self.exchange.accept(end);
+                    accepted(self.exchange);
+                    return Ok(());
+                }
+                Err(error) if halvings > 0 && self.can_retry(&error) => {
+                    self.take_back()?;
+                    return self.in_halves(end, h, halvings, accepted);
+                }
+                Err(error) if retries > 0 && self.can_retry(&error) => {
+                    self.take_back()?;
+                    retries -= 1;
+                }
+                Err(error) => return Err(error),
             }
-            Err(error) if halvings > 0 && self.can_retry(&error) => {
-                self.take_back()?;
-                self.in_halves(end, h, halvings, accepted)
-            }
-            Err(error) => Err(error),
         }
     }
 

@@ -66,6 +66,11 @@ fn lead(study: &Study) -> String {
     html
 }
 
+/// Text whose long names may be broken at their joints.
+fn breakable(text: &str) -> String {
+    escape(text).replace('+', "+<wbr>").replace('_', "_<wbr>")
+}
+
 /// One line per class, one column per target.
 fn recommended(study: &Study) -> String {
     if study.recommendations.is_empty() {
@@ -92,7 +97,7 @@ fn recommended(study: &Study) -> String {
                     format!(
                         "<b>{}</b><br>{}<br><span class=\"soft\">{} % of σ</span>",
                         speed(factor),
-                        escape(&study.label(row)),
+                        breakable(&study.label(row)),
                         number(row.filtered_error)
                     )
                 }
@@ -114,8 +119,8 @@ fn references(study: &Study) -> String {
     for reference in &study.references {
         if reference.row.is_some() {
             html.push_str(&format!(
-                "<p><b>{}</b><br>σ {} N, {}.</p>\n",
-                escape(&reference.name),
+                "<h3>{}</h3><p>σ {} N, {}.</p>\n",
+                breakable(&reference.name),
                 number(reference.std),
                 escape(&known(reference))
             ));
@@ -201,13 +206,11 @@ const COLUMNS: &Cells = &[
     ("elements", "per span", false, |_, entry| {
         count(entry.row.elements_per_span)
     }),
-    ("mesh", "", true, |_, entry| escape(&entry.row.mesh.replace('+', " + "))),
+    ("mesh", "", true, |_, entry| breakable(&entry.row.mesh)),
     ("micro", "ms", false, |_, entry| step(entry.row.micro_step)),
     ("coupling", "macro step ms", true, |_, entry| exchange(&entry.row)),
     ("ρ∞", "", false, |_, entry| format!("{}", entry.rho_inf)),
-    ("reductions", "", true, |_, entry| {
-        escape(&entry.row.reduction.replace('+', " + "))
-    }),
+    ("reductions", "", true, |_, entry| breakable(&entry.row.reduction)),
     ("status", "", true, |_, entry| status(&entry.row)),
     ("error", "% of σ", false, |_, entry| number(entry.row.filtered_error)),
     ("raw error", "% of σ", false, |_, entry| number(entry.row.raw_error)),

@@ -203,7 +203,12 @@ pub fn truth(parameters: &Parameters) -> Arc<Truth> {
 /// Runs a case with communication points every `macro_step` s.
 #[must_use]
 pub fn run(case: &Case, macro_step: f64) -> Outcome {
-    let truth = truth(&case.parameters);
+    run_against(&truth(&case.parameters), case, macro_step)
+}
+
+/// The same against a truth that is at hand, for as long as it goes.
+#[must_use]
+pub fn run_against(truth: &Truth, case: &Case, macro_step: f64) -> Outcome {
     let mut line = Wire::new(case.parameters, case.line);
     let mut pantographs: Vec<Box<dyn Slave>> = vec![Box::new(Pantograph::new(case.parameters, case.pantograph))];
     let mut sides = Sides {
@@ -215,7 +220,7 @@ pub fn run(case: &Case, macro_step: f64) -> Outcome {
         ..case.coupling.clone()
     };
     let (mut algorithm, _) = algorithm::build(&coupling, &sides);
-    let steps = (DURATION / macro_step).round() as usize;
+    let steps = (truth.duration() / macro_step).round() as usize;
     let largest = truth.forces().iter().fold(0.0_f64, |max, force| max.max(*force));
     let smallest = truth.forces().iter().fold(f64::INFINITY, |min, force| min.min(*force));
     let mut outcome = Outcome {

@@ -162,6 +162,12 @@ impl Truth {
         self.forces[before] + part * (self.forces[before + 1] - self.forces[before])
     }
 
+    /// How far it goes, s.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        (self.forces.len() - 1) as f64 * TRUTH_STEP
+    }
+
     /// Contact forces every 10 µs, N.
     #[must_use]
     pub fn forces(&self) -> &[f64] {

@@ -56,7 +56,9 @@ pub fn measure(criterion: &mut Criterion, name: &str, floor: Option<f64>, mut ro
             wall
         });
     });
-    print(name, best, floor);
+    if best.is_finite() {
+        print(name, best, floor);
+    }
 }
 
 /// Prints a time in s beside its floor. `cargo test` runs benches too, without the flag that `cargo bench` gives: then nothing.

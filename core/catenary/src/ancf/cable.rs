@@ -74,6 +74,23 @@ impl CableSection {
         (self.axial.law, self.bending.law) == (AxialLaw::Mean, BendingLaw::Constant)
     }
 
+    /// What a small `change` of the slopes from `reference` adds to [`CableSection::slope_force`], to first order: the beam under
+    /// the tension of the reference, and the change of tension along the gradient there. Only where it [`CableSection::is_beam`].
+    #[inline(always)]
+    pub(crate) fn slope_force_about<V: Space>(
+        &self,
+        length: Length<V::Number>,
+        reference: &Slopes<V>,
+        change: &Slopes<V>,
+    ) -> Slopes<V> {
+        let one = length.value.constant(1.0);
+        let gradient = reference.beam_gradient(one, one.constant(0.0));
+        let rate = length.value * (self.axial.stiffness * self.axial.stretch.powi(3));
+        let tension = self.axial.common_tau(reference) * length.value;
+        let force = change.beam_gradient(tension, length.inverse * self.bending.common_stiffness());
+        force.and(&gradient.times(gradient.dot(change) * rate))
+    }
+
     /// What is not constant in the tangent of an element where it [`CableSection::is_beam`], else none.
     #[inline(always)]
     pub(crate) fn beam_tangent<V: Space>(

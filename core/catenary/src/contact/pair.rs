@@ -2,7 +2,7 @@
 use super::state::{ContactState, Sensitivity, Variation, vary};
 use super::{ContactGeometry, PenaltyContact};
 use crate::{Curve, CurveColumns};
-use dynamics::{Columns, Force, Frame, Marker, Motion, Updates, Weights};
+use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -68,6 +68,12 @@ impl ContactPair {
     /// Goes on with another wire, which continues the one before.
     pub fn set_curve(&mut self, curve: Arc<dyn Curve>) {
         self.curve = curve;
+    }
+
+    /// Puts another marker in place of the strip's, made of it.
+    pub fn replace_strip(&mut self, other: impl FnOnce(Box<dyn Marker>) -> Box<dyn Marker>) {
+        let nowhere: Box<dyn Marker> = Box::new(super::PrescribedStrip { first: 0 });
+        self.strip = other(std::mem::replace(&mut self.strip, nowhere));
     }
 
     /// The strip's marker.
@@ -244,6 +250,26 @@ impl Force for ContactPair {
         self.state(motion)
             .filter(ContactState::closed)
             .map_or(0.0, |contact| contact.share() * self.law.energy(-contact.geometry.gap))
+    }
+
+    /// The strip's prescribed motion, along the track for one, presses on the wire's slope; the damper heats.
+    fn power(&self, motion: &Motion<'_>) -> Option<Power> {
+        let Some(contact) = self.state(motion).filter(ContactState::closed) else {
+            return Some(Power::default());
+        };
+        let geometry = &contact.geometry;
+        let lever = geometry.eta * geometry.axis;
+        let frame = self.strip.frame(motion);
+        let mut strip = Columns::default();
+        self.strip.columns(motion, &mut strip);
+        let total = frame.velocity + frame.angular_velocity.cross(&lever);
+        let free =
+            |column: &dynamics::Column| motion.v[column.index] * (column.translation + column.rotation.cross(&lever));
+        let prescribed = total - strip.as_slice().iter().map(free).sum::<Vector3<f64>>();
+        Some(Power {
+            driven: -contact.force_on_strip().dot(&prescribed),
+            dissipated: contact.dissipation(),
+        })
     }
 
     fn save(&self, out: &mut Vec<f64>) {

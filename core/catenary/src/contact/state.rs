@@ -143,6 +143,15 @@ impl ContactState {
         0.5 * self.compliance.slope * self.force * self.force
     }
 
+    /// Power that the damper of the closed contact turns into heat, W: what the contact takes up beyond what its spring stores, in
+    /// the normal direction and along the wire.
+    #[must_use]
+    pub fn dissipation(&self) -> f64 {
+        let spring = -self.spring * self.share * self.geometry.gap;
+        let along = 0.5 * self.compliance.slope * (self.force * self.force - spring * spring);
+        (spring - self.force) * self.geometry.gap_rate - along * self.slide
+    }
+
     /// Whether wire and strip touch.
     #[must_use]
     pub fn closed(&self) -> bool {

@@ -60,7 +60,7 @@ impl StaticLine {
     /// The static state of a line of which at most `together` consecutive spans are looked at at a time.
     ///
     /// Where it is long and its spans are equally long, a line of a few dozen spans is solved in its place if the middle of that one
-    /// repeats itself to [`SAME`] with the period of the stagger: so does then that of the long line, whose end effects end in the
+    /// repeats itself to `SAME` with the period of the stagger: so does then that of the long line, whose end effects end in the
     /// same spans. Memory and time do not grow with the number of spans.
     ///
     /// # Errors

@@ -122,7 +122,7 @@ struct Fixed {
     coordinates: Range<usize>,
 }
 
-/// A line of which a window around the strips is modelled in full; see the [module](self).
+/// A line of which a window around the strips is modelled in full.
 pub struct WindowedLine {
     fixed: Fixed,
     /// x of the window's left support at the start, m.

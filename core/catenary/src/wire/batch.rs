@@ -40,6 +40,14 @@ impl Batch {
         }
     }
 
+    /// Evaluates the strain to first order in the displacements from now on, without the force of the reference.
+    pub fn linearise(&mut self) {
+        match self {
+            Self::Planar(sweep) => sweep.linear = true,
+            Self::Spatial(sweep) => sweep.linear = true,
+        }
+    }
+
     /// Adds the force of all elements, with that of inertia where accelerations are given. Only the entries `within` need be
     /// right.
     pub fn add_force(&mut self, within: Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
@@ -104,6 +112,8 @@ struct Block<const D: usize> {
 #[derive(Clone, Debug)]
 pub(super) struct Sweep<const D: usize> {
     cable: CableSection,
+    /// Whether the strain is that of first order, see [`Batch::linearise`].
+    linear: bool,
     weight: f64,
     elements: usize,
     groups: Vec<Group<D>>,
@@ -167,6 +177,7 @@ impl<const D: usize> Sweep<D> {
         let zeros = [[[0.0; NODES]; D]; 2];
         Self {
             cable: constants.cable,
+            linear: false,
             weight: constants.weight,
             elements,
             groups: (0..groups).map(group).collect(),
@@ -235,6 +246,7 @@ impl<const D: usize, const DYNAMIC: bool> WithSimd for AddForce<'_, D, DYNAMIC> 
     fn with_simd<S: Simd>(self, simd: S) {
         let Sweep {
             cable,
+            linear,
             weight,
             elements,
             groups,
@@ -256,7 +268,7 @@ impl<const D: usize, const DYNAMIC: bool> WithSimd for AddForce<'_, D, DYNAMIC> 
             for (place, group) in groups.iter().enumerate() {
                 for part in 0..Lanes::<S>::PARTS {
                     let lanes = GroupLanes { simd, place, part };
-                    lanes.add_force::<D, DYNAMIC>(cable, *weight, group, block);
+                    lanes.add_force::<D, DYNAMIC>((cable, *linear), *weight, group, block);
                 }
             }
             // The lanes beyond the last element belong to none; the first node ends no element of this block.
@@ -281,31 +293,44 @@ struct GroupLanes<S> {
     part: usize,
 }
 
+/// Slopes of several elements side by side.
+type LaneSlopes<S, const D: usize> = Slopes<Components<Lanes<S>, D>>;
+
 impl<S: Simd> GroupLanes<S> {
     #[inline(always)]
     fn constant(self, values: &[f64; GROUP]) -> Lanes<S> {
         Lanes::load(self.simd, values, self.part)
     }
 
+    /// (Not by `array::map`: what is not inlined here knows no vector registers.)
+    #[inline(always)]
+    fn constants<const N: usize>(self, values: &[[f64; GROUP]; N]) -> [Lanes<S>; N] {
+        let mut lanes = [self.constant(&values[0]); N];
+        for i in 1..N {
+            lanes[i] = self.constant(&values[i]);
+        }
+        lanes
+    }
+
     #[inline(always)]
     fn vector<const D: usize>(self, values: &[[f64; GROUP]; D]) -> Components<Lanes<S>, D> {
-        Components(values.each_ref().map(|values| self.constant(values)))
+        Components(self.constants(values))
     }
 
     #[inline(always)]
     fn matrix(self, values: &EvenMatrix<[f64; GROUP]>) -> EvenMatrix<Lanes<S>> {
-        EvenMatrix(values.0.each_ref().map(|values| self.constant(values)))
+        EvenMatrix(self.constants(&values.0))
     }
 
     /// The values of the nodes `offset` places on from the first ones of the elements.
     #[inline(always)]
     fn nodes<const D: usize>(self, values: &[[f64; NODES]; D], offset: usize) -> Components<Lanes<S>, D> {
         let first = self.place * GROUP + offset;
-        Components(
-            values
-                .each_ref()
-                .map(|array| Lanes::load(self.simd, &array[first..first + GROUP], self.part)),
-        )
+        let mut lanes = [Lanes::load(self.simd, &values[0][first..first + GROUP], self.part); D];
+        for axis in 1..D {
+            lanes[axis] = Lanes::load(self.simd, &values[axis][first..first + GROUP], self.part);
+        }
+        Components(lanes)
     }
 
     #[inline(always)]
@@ -322,18 +347,14 @@ impl<S: Simd> GroupLanes<S> {
     #[inline(always)]
     fn store<const D: usize>(self, values: Components<Lanes<S>, D>, arrays: &mut [[f64; NODES]; D], offset: usize) {
         let first = self.place * GROUP + offset;
-        for (value, array) in values.0.into_iter().zip(arrays) {
-            value.store(&mut array[first..first + GROUP], self.part);
+        for (axis, array) in arrays.iter_mut().enumerate() {
+            values.0[axis].store(&mut array[first..first + GROUP], self.part);
         }
     }
 
-    /// Length and present slopes of the elements.
+    /// Length of the elements, their slopes in the reference, and the change of these.
     #[inline(always)]
-    fn slopes<const D: usize>(
-        self,
-        group: &Group<D>,
-        block: &Block<D>,
-    ) -> (Length<Lanes<S>>, Slopes<Components<Lanes<S>, D>>) {
+    fn slopes<const D: usize>(self, group: &Group<D>, block: &Block<D>) -> (Length<Lanes<S>>, [LaneSlopes<S, D>; 2]) {
         let length = Length {
             value: self.constant(&group.length.value),
             inverse: self.constant(&group.length.inverse),
@@ -343,24 +364,29 @@ impl<S: Simd> GroupLanes<S> {
             start: self.vector(&group.reference.start),
             end: self.vector(&group.reference.end),
         };
-        (length, reference.and(&Slopes::new(self.coordinates(&block.q), length)))
+        (length, [reference, Slopes::new(self.coordinates(&block.q), length)])
     }
 
     /// Evaluates the elements and writes their forces on the nodes into the block.
     #[inline(always)]
     fn add_force<const D: usize, const DYNAMIC: bool>(
         self,
-        cable: &CableSection,
+        (cable, linear): (&CableSection, bool),
         weight: f64,
         group: &Group<D>,
         block: &mut Block<D>,
     ) {
-        let (length, slopes) = self.slopes(group, block);
+        let (length, [reference, change]) = self.slopes(group, block);
         let mut rest = self.matrix(&group.damping).times(self.coordinates(&block.v));
         if DYNAMIC {
             rest = rest.and(self.matrix(&group.mass).times(self.coordinates(&block.v_dot)));
         }
-        let strain = cable.slope_force(length, &slopes).on_nodes(length);
+        let strain = if linear {
+            cable.slope_force_about(length, &reference, &change)
+        } else {
+            cable.slope_force(length, &reference.and(&change))
+        };
+        let strain = strain.on_nodes(length);
         let [mut f1, mut m1, mut f2, mut m2] = add(strain, rest.on_nodes());
         // ∫ m g s dx
         let half = length.value * (0.5 * weight);

@@ -50,6 +50,8 @@ pub struct Wire {
     /// `h²/6 · T`, N·s²: see [`Wire::with_mass_correction`].
     correction: f64,
     pub(super) constants: Constants,
+    /// Whether the strain is that of first order, see [`Wire::linearised`].
+    linear: bool,
     elements: Vec<Element>,
     pub(super) batch: Batch,
     pub(super) layers: Layers,
@@ -140,6 +142,7 @@ impl Wire {
             gravity,
             correction,
             constants,
+            linear: false,
             elements,
         }
     }
@@ -180,6 +183,18 @@ impl Wire {
         Self::assembled(section, damping, laws, gravity, correction, self.geometry)
     }
 
+    /// The wire whose strain is linear in the displacements from the reference, and whose force there is its weight alone; none
+    /// where the laws are not in closed form.
+    #[must_use]
+    pub(crate) fn linearised(&self) -> Option<Self> {
+        self.constants.cable.is_beam().then(|| {
+            let mut wire = self.clone();
+            wire.linear = true;
+            wire.batch.linearise();
+            wire
+        })
+    }
+
     /// The geometry.
     #[must_use]
     pub fn geometry(&self) -> &Arc<WireGeometry> {
@@ -202,18 +217,29 @@ impl Wire {
     #[must_use]
     pub fn strain_energy(&self, q: &[f64]) -> f64 {
         let Constants { cable, stiffness, .. } = &self.constants;
-        let elements: f64 = (0..self.elements.len())
-            .map(|i| cable.slope_energy(self.elements[i].length, &self.slopes(i, q)))
-            .sum();
+        let energy = |i: usize| {
+            let Element { length, reference } = &self.elements[i];
+            if self.linear {
+                let change = self.change(i, q);
+                0.5 * change.dot(&cable.slope_force_about(Length::new(*length), reference, &change))
+            } else {
+                cable.slope_energy(*length, &self.slopes(i, q))
+            }
+        };
+        let elements: f64 = (0..self.elements.len()).map(energy).sum();
         elements + self.layers.energy(&self.geometry, stiffness, q)
     }
 
     fn slopes(&self, element: usize, q: &[f64]) -> Slopes {
-        let Element { length, reference } = &self.elements[element];
+        self.elements[element].reference.and(&self.change(element, q))
+    }
+
+    /// Change of the slopes from the reference.
+    fn change(&self, element: usize, q: &[f64]) -> Slopes {
         let nodes = self.geometry.nodes();
         let (r1, r1_x) = nodes[element].map.gather(q);
         let (r2, r2_x) = nodes[element + 1].map.gather(q);
-        reference.and(&Slopes::new([r1, r1_x, r2, r2_x], Length::new(*length)))
+        Slopes::new([r1, r1_x, r2, r2_x], Length::new(self.elements[element].length))
     }
 
     /// Adds one component-wise matrix (the same for x, y, z) per element, and its layers.
@@ -323,6 +349,12 @@ impl Force for Wire {
             mass: weights.v * damping.mass,
             tension: weights.v * damping.tension,
             bending: weights.v * damping.bending,
+        };
+        // The tangent of a linear wire is that of its reference.
+        let reference = vec![0.0; if self.linear { motion.q.len() } else { 0 }];
+        let motion = &Motion {
+            q: if self.linear { &reference } else { motion.q },
+            ..*motion
         };
         if !self.batch.add_tangent(motion, weights, blocks) {
             self.add_tangents_of_elements(motion, weights.q, &rates, blocks);

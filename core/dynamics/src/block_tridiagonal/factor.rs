@@ -145,7 +145,7 @@ fn invert(matrix: &mut BlockTridiagonal, i: usize) -> bool {
         for j in 0..k {
             pivot -= a[j * height + k] * a[j * height + k];
         }
-        if !(pivot > 4.0 * f64::EPSILON * diagonal) || !pivot.is_finite() {
+        if !pivot.is_finite() || pivot <= 4.0 * f64::EPSILON * diagonal {
             return false;
         }
         let scale = 1.0 / pivot.sqrt();

@@ -25,18 +25,19 @@ fn chains<S: Simd, const V: usize, const U: usize>(
         }
     }
     let rest = groups.remainder().chunks_exact(V).zip(factors.remainder());
-    for (sum, (column, &x)) in sums.iter_mut().zip(rest) {
+    for (sums, (column, &x)) in sums.iter_mut().zip(rest) {
         let factor = simd.splat_f64s(x);
-        for v in 0..V {
-            sum[v] = simd.mul_add_e_f64s(column[v], factor, sum[v]);
+        for (sum, &entry) in sums.iter_mut().zip(column) {
+            *sum = simd.mul_add_e_f64s(entry, factor, *sum);
         }
     }
     let mut width = U;
     while width > 1 {
         width /= 2;
-        for u in 0..width {
-            for v in 0..V {
-                sums[u][v] = simd.add_f64s(sums[u][v], sums[u + width][v]);
+        let (low, high) = sums.split_at_mut(width);
+        for (low, high) in low.iter_mut().zip(high) {
+            for (sum, &mut other) in low.iter_mut().zip(high) {
+                *sum = simd.add_f64s(*sum, other);
             }
         }
     }

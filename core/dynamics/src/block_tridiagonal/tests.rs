@@ -153,9 +153,10 @@ fn the_lower_triangle_alone_counts() {
     let (x, _) = sample.solve(&mut matrix, &b, 0.0);
     let mut upper_wrong = sample.values.clone();
     for column in 0..48 {
-        for k in sample.starts[column]..sample.starts[column + 1] {
-            if sample.rows[k] < column {
-                upper_wrong[k] = 1e3;
+        let range = sample.starts[column]..sample.starts[column + 1];
+        for (value, &row) in upper_wrong[range.clone()].iter_mut().zip(&sample.rows[range]) {
+            if row < column {
+                *value = 1e3;
             }
         }
     }

@@ -106,12 +106,13 @@ impl<S: Simd> GroupLanes<S> {
         block: &Block<D>,
         parts: &mut Parts<D>,
     ) {
-        let (length, slopes) = self.slopes(group, block);
+        let (length, [reference, change]) = self.slopes(group, block);
+        let slopes = reference.and(&change);
         let Some(beam) = cable.beam_tangent(length, &slopes) else {
             return;
         };
-        let [tension, bending, damping] =
-            [&constant.tension, &constant.bending, &group.damping].map(|m| self.matrix(m));
+        let (tension, bending) = (self.matrix(&constant.tension), self.matrix(&constant.bending));
+        let damping = self.matrix(&group.damping);
         for i in 0..6 {
             let stiffness = (tension.0[i] * beam.tension + bending.0[i]) * weights.q;
             let sum = stiffness + damping.0[i] * weights.v;

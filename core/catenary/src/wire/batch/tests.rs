@@ -343,3 +343,59 @@ fn batches_give_the_tangent_of_element_by_element() {
         }
     }
 }
+
+fn moving<'a>(q: &'a [f64], v: &'a [f64]) -> Motion<'a> {
+    Motion {
+        t: 0.0,
+        q,
+        v,
+        rotation: &[],
+        u: &[],
+    }
+}
+
+#[test]
+fn a_linearised_wire_has_the_tangent_of_its_reference_everywhere() {
+    for (name, geometry, n) in wires() {
+        for laws in LAWS {
+            let plain = wire(&geometry, laws);
+            let Some(mut linear) = plain.linearised() else {
+                assert!(laws != (AxialLaw::Mean, BendingLaw::Constant));
+                continue;
+            };
+            let zero = vec![0.0; n];
+            let (q, v, v_dot) = (noise(n, 1), noise(n, 2), noise(n, 3));
+            let (mut expected, mut force) = (vec![0.0; n], vec![0.0; n]);
+            linear.add_force(&moving(&zero, &zero), &mut expected);
+            linear.add_dynamic_force(&moving(&q, &v), &v_dot, &mut force);
+            let tangent = |q: f64, v: f64| {
+                let (plain, zero) = (plain.clone(), zero.clone());
+                move |blocks: &mut Blocks<'_>| {
+                    plain
+                        .clone()
+                        .add_tangent(&moving(&zero, &zero), Weights { q, v }, blocks)
+                }
+            };
+            subtract(&tangent(1.0, 0.0), &q, &mut expected);
+            subtract(&tangent(0.0, 1.0), &v, &mut expected);
+            subtract(&|blocks| plain.add_mass(blocks), &v_dot, &mut expected);
+            let scale = expected.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+            for (i, (a, b)) in force.iter().zip(&expected).enumerate() {
+                assert!((a - b).abs() < 1e-12 * scale, "{name}, {laws:?}, {i}: {a} against {b}");
+            }
+            // The force is the gradient of the energy, a quadratic one: no truncation error.
+            let energy = |size: f64| {
+                let there: Vec<f64> = q.iter().map(|q| size * q).collect();
+                linear.energy(&moving(&there, &zero))
+            };
+            let slope = (energy(1.0) - energy(-1.0)) / 2.0;
+            let mut at_rest = vec![0.0; n];
+            linear.clone().add_force(&moving(&zero, &zero), &mut at_rest);
+            let work: f64 = at_rest.iter().zip(&q).map(|(f, q)| f * q).sum();
+            assert!(
+                (slope + work).abs() < 1e-9 * energy(1.0).abs(),
+                "{name}: {slope} {work}"
+            );
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Energy: what a line keeps without damping, and where the energy of a run goes.
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use master::hardship::{Hardship, Pluck};
+use master::monolithic::Evidence;
+use master::report::{Progress, Show};
+use master::run::Watch;
+use master::simulation::{Finished, FmuSource, Mode, prepare};
+use scene::Scene;
+
+const SHORT_LINE: &str = include_str!("../master/src/stability/base.toml");
+
+/// A run as one system with its energy followed.
+fn run(overrides: &[&str], pluck: Option<Pluck>) -> (Finished, Evidence) {
+    run_scene(SHORT_LINE, overrides, pluck)
+}
+
+fn run_scene(text: &str, overrides: &[&str], pluck: Option<Pluck>) -> (Finished, Evidence) {
+    let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
+    let scene = Scene::from_toml(text, "short line", &overrides).unwrap();
+    let mut prepared = prepare(scene, "short line", Path::new("."), false).unwrap();
+    prepared.hardship = Hardship {
+        pluck,
+        audited: true,
+        ..Hardship::default()
+    };
+    let source = FmuSource {
+        folder: std::env::temp_dir(),
+        say: &|_| {},
+        logging: false,
+    };
+    let progress = Progress::share("", Show::Never);
+    let watch = Watch {
+        interrupted: &AtomicBool::new(false),
+        progress: &progress,
+    };
+    let finished = prepared
+        .run(Mode::Monolithic, &source, &watch, |_| {
+            Ok::<(), Box<dyn std::error::Error>>(())
+        })
+        .unwrap();
+    assert!(finished.failure.is_none(), "{:?}", finished.failure);
+    let evidence = finished.evidence.unwrap();
+    (finished, evidence)
+}
+
+/// No damping anywhere, a trapezoid in time, and the coarsest mesh.
+const UNDAMPED: [&str; 7] = [
+    "coupling.macro_step=5e-4",
+    "solver.micro_step=5e-4",
+    "catenary.damping.alpha=0",
+    "catenary.damping.beta=0",
+    "pantograph.0.dampings=[0,0]",
+    "solver.rho_inf=1",
+    "catenary.mesh.elements_per_interval=1",
+];
+
+fn with(more: &[&'static str]) -> Vec<&'static str> {
+    UNDAMPED.iter().chain(more).copied().collect()
+}
+
+#[test]
+fn an_undamped_line_without_contact_keeps_its_energy_for_100_seconds() {
+    let keys = with(&[
+        "coupling.macro_step=1e-3",
+        "solver.micro_step=1e-3",
+        "catenary.spans=2",
+        "run.speed_kmh=1",
+        "run.duration=100",
+        "run.evaluate={time=[10,90]}",
+        "run.initialise=\"as_given\"",
+        "pantograph.0.reference_height=4.5",
+        "pantograph.0.static_force=1",
+        "pantograph.0.stiffnesses=[4200,5000]",
+    ]);
+    let (finished, evidence) = run(&keys, Some(Pluck { amplitude: 0.05 }));
+    assert!(finished.record.pantographs[0].force.iter().all(|force| *force == 0.0));
+    // Half sines in taut wires: (T₁ + T₂)/4 (π a/L)² per metre, and what the sagging messenger wire adds.
+    let slope = std::f64::consts::PI * 0.05 / 50.0;
+    let strings = 36_000.0 / 4.0 * slope * slope * 100.0;
+    assert!(
+        (evidence.plucked / strings - 1.0).abs() < 0.3,
+        "{} J, as strings {strings} J",
+        evidence.plucked
+    );
+    let lost = evidence.worst_residual / evidence.plucked;
+    println!("{} J, worst {lost:.1e} of it", evidence.plucked);
+    assert!(lost < 1e-3, "{lost}");
+}
+
+#[test]
+fn energy_is_accounted_for_to_a_thousandth_with_every_damper() {
+    // What is damped, and the micro step: the damper of a dropper acts or does not over a whole step.
+    let cases: [(&[&str], &str); 5] = [
+        (&[], "nothing"),
+        (
+            &["catenary.damping.alpha=0.0125", "catenary.damping.beta=1e-4"],
+            "wires",
+        ),
+        (&["pantograph.0.dampings=[10,90]"], "pantograph"),
+        (&["contact.damping=200"], "contact"),
+        (
+            &[
+                "catenary.droppers.damping=100",
+                "coupling.macro_step=2.5e-4",
+                "solver.micro_step=2.5e-4",
+            ],
+            "droppers",
+        ),
+    ];
+    for (keys, damped) in cases {
+        let (finished, evidence) = run(&with(keys), None);
+        let left = evidence.worst_residual / evidence.exchanged;
+        println!(
+            "{damped}: driven {:.3} J, heat {:.3} J, left over {left:.1e}",
+            evidence.driven, evidence.dissipated
+        );
+        assert!(left < 1e-3, "{damped}: {evidence:?}");
+        assert!(
+            evidence.driven > 1.0,
+            "{damped}: the train does work, {} J",
+            evidence.driven
+        );
+        assert_eq!(
+            evidence.dissipated > 1e-3,
+            damped != "nothing",
+            "{damped}: {}",
+            evidence.dissipated
+        );
+        assert!(finished.record.pantographs[0].force.iter().any(|force| *force > 150.0));
+    }
+}
+
+#[test]
+fn numerical_damping_shows_as_a_loss() {
+    let (_, evidence) = run(&with(&["solver.rho_inf=0.5"]), None);
+    let left = evidence.residual / evidence.exchanged;
+    // Four times what the trapezoid leaves over, and of the other sign than energy that is made.
+    assert!(left < -1.2e-3, "{left}");
+}
+
+#[test]
+fn the_joints_of_a_linkage_take_and_give_no_energy() {
+    let scene = include_str!("../scenes/thesis.toml");
+    let keys = [
+        "catenary.spans=3",
+        "run.start_x=20",
+        "run.duration=1",
+        "run.evaluate={time=[0.2,0.8]}",
+        "solver.rho_inf=1",
+        "catenary.droppers.damping=0",
+    ];
+    let (_, evidence) = run_scene(scene, &keys, None);
+    let left = evidence.worst_residual / evidence.exchanged;
+    println!(
+        "linkage: driven {:.3} J, heat {:.3} J, left over {left:.1e}",
+        evidence.driven, evidence.dissipated
+    );
+    assert!(left < 1e-3, "{evidence:?}");
+    assert!(evidence.drift[0] < 1e-9 && evidence.constraints > 20, "{evidence:?}");
+}
