@@ -6,7 +6,7 @@ use master::hardship::{Hardship, Pluck};
 use master::monolithic::Evidence;
 use master::report::{Progress, Show};
 use master::run::Watch;
-use master::simulation::{Finished, FmuSource, Mode, SetupError, prepare};
+use master::simulation::{Finished, FmuSource, Mode, prepare};
 use scene::Scene;
 
 const SHORT_LINE: &str = include_str!("../master/src/stability/base.toml");
@@ -36,7 +36,9 @@ fn run_scene(text: &str, overrides: &[&str], pluck: Option<Pluck>) -> (Finished,
         progress: &progress,
     };
     let finished = prepared
-        .run(Mode::Monolithic, &source, &watch, |_| Ok::<(), SetupError>(()))
+        .run(Mode::Monolithic, &source, &watch, |_| {
+            Ok::<(), Box<dyn std::error::Error>>(())
+        })
         .unwrap();
     assert!(finished.failure.is_none(), "{:?}", finished.failure);
     let evidence = finished.evidence.unwrap();

@@ -77,6 +77,7 @@ fn released(jump: f64, damping: f64) -> (Pantograph, State) {
         start_x: 10.0,
         speed: scene.run.speed,
         gravity: 9.81,
+        one_motion: false,
     };
     let mut layout = Layout::new();
     let mut model = PantographModel::new(&scene.pantographs[0].model, placement, "pantograph 1", &mut layout).unwrap();

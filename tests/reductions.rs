@@ -1,5 +1,6 @@
 //! What `model.reduce` leaves out changes the result by no more than it says.
 use catenary::{Checkpoint, StripStart, Subsystem};
+use integration_tests::fmus::THESIS;
 use integration_tests::runs::{EN_300, Run, run, scene_with};
 use master::simulation::Mode;
 
@@ -138,4 +139,293 @@ fn a_linearised_line_taken_back_repeats_bit_for_bit() {
     other.restore_from(&checkpoint).unwrap();
     assert_eq!(course(&mut other, 150), first, "in another instance");
     assert!(slack > 0, "no dropper went slack");
+}
+
+/// A run with the window against the same one without it, both with `words` as further reductions: rms difference of the filtered
+/// force in percent of its standard deviation, and the largest difference of the raw force in the evaluated time, N.
+fn windowed(words: &str, more: &[&str]) -> (f64, f64) {
+    windowed_scene(EN_300, words, more)
+}
+
+fn windowed_scene(text: &str, words: &str, more: &[&str]) -> (f64, f64) {
+    let of = |words: &str| {
+        let reduce = format!("model.reduce=[{words}]");
+        let overrides = [&["catenary.mesh.elements_per_interval=2", &reduce], more].concat();
+        run(scene_with(text, &overrides), Mode::Monolithic, "reductions-window")
+    };
+    let (whole, window) = (of(words), of(&format!("{words}, \"window\"")));
+    assert!(window.summary.model.parts[0].reason.contains("in full"));
+    let uplift = |run: &Run, support: usize| -> f64 {
+        let uplift = &run.record.supports[support].uplift;
+        uplift.iter().fold(0.0, |max: f64, u| max.max(*u))
+    };
+    for support in 0..whole.record.supports.len() {
+        let (a, b) = (uplift(&whole, support), uplift(&window, support));
+        // A support that the window has left rings on in a linear span.
+        assert!((a - b).abs() < 1e-3, "support {support}: {a} m, {b} m");
+    }
+    let strips = whole.record.pantographs.iter().zip(&window.record.pantographs);
+    let largest = strips
+        .flat_map(|(a, b)| a.force.iter().zip(&b.force))
+        .fold(0.0, |max: f64, (a, b)| max.max((a - b).abs()));
+    let difference = 100.0 * window.filtered_difference(&whole) / whole.sigma();
+    println!("{words}: {difference:.4} % of σ, {largest:.4} N");
+    (difference, largest)
+}
+
+/// From the first span to the last one: both true ends, and a border of spans every 0.72 s, where nothing jumps.
+#[test]
+fn a_window_travels_from_end_to_end_without_a_trace_on_a_linearised_line() {
+    let more = [
+        "catenary.spans=7",
+        "run.start_x=30",
+        "run.duration=4.2",
+        "run.evaluate={time=[0.2,4.0]}",
+    ];
+    let (difference, largest) = windowed("\"planar\", \"linearised\"", &more);
+    assert!(difference < 0.1 && largest < 0.5, "{difference} %, {largest} N");
+}
+
+/// What is left beside the modes is that spans beyond the window are linear.
+#[test]
+fn a_window_of_the_nonlinear_line_differs_by_less_than_it_says() {
+    let more = [
+        "catenary.spans=8",
+        "run.start_x=140",
+        "run.duration=1.6",
+        "run.evaluate={time=[0.2,1.5]}",
+    ];
+    let (difference, largest) = windowed("\"planar\"", &more);
+    assert!(difference < 0.3 && largest < 1.0, "{difference} %, {largest} N");
+}
+
+#[test]
+fn a_window_follows_a_staggered_line() {
+    let more = [
+        "catenary.spans=9",
+        "catenary.stagger=[0.2,-0.2]",
+        "run.start_x=200",
+        "run.duration=1.0",
+        "run.evaluate={time=[0.1,0.9]}",
+    ];
+    let (difference, largest) = windowed("\"linearised\"", &more);
+    assert!(difference < 0.3 && largest < 1.0, "{difference} %, {largest} N");
+}
+
+#[test]
+fn a_window_holds_several_pantographs() {
+    let second = r#"
+[[pantograph]]
+model = "lumped"
+offset_x = -85.0
+static_force = 120.0
+strip = { width = 1.2 }
+masses = [7.2, 15.0]
+stiffnesses = [4200.0, 50.0]
+dampings = [10.0, 90.0]
+"#;
+    let more = [
+        "catenary.spans=9",
+        "run.start_x=230",
+        "run.duration=1.0",
+        "run.evaluate={time=[0.1,0.9]}",
+    ];
+    let (difference, largest) = windowed_scene(&format!("{EN_300}{second}"), "\"planar\", \"linearised\"", &more);
+    assert!(difference < 0.3 && largest < 1.0, "{difference} %, {largest} N");
+}
+
+/// On a line that goes on beyond what is modelled nothing comes back from there.
+#[test]
+fn nothing_comes_back_from_the_end_of_what_is_modelled_on_a_long_line() {
+    let more = [
+        "catenary.spans=90",
+        "catenary.mesh.elements_per_interval=1",
+        "run.start_x=2650",
+        "run.duration=1.5",
+        "run.evaluate={time=[0.3,1.4]}",
+    ];
+    let (difference, largest) = windowed("\"planar\", \"linearised\"", &more);
+    assert!(difference < 0.5 && largest < 2.0, "{difference} %, {largest} N");
+}
+
+/// A window that travels, gone back over one of its moves: on a short line the spans beyond it become other ones, in the middle of a
+/// long one they stay.
+#[test]
+fn a_window_taken_back_over_a_border_of_spans_repeats_bit_for_bit() {
+    for (spans, start) in [("10", "run.start_x=290"), ("80", "run.start_x=2390")] {
+        let scene = scene_with(
+            EN_300,
+            &[
+                &format!("catenary.spans={spans}"),
+                start,
+                "run.duration=0.4",
+                "run.evaluate={time=[0.1,0.3]}",
+                "catenary.mesh.elements_per_interval=1",
+                "model.reduce=[\"planar\", \"window\"]",
+            ],
+        );
+        let statics = catenary::static_line(&scene).unwrap();
+        let (x, speed) = (scene.strip_start_x(0), scene.run.speed);
+        let height = statics.wire_height_under(x, 110.0).unwrap().height;
+        let new = || {
+            let mut line = Subsystem::new(&scene, &statics).unwrap();
+            line.start(&[StripStart {
+                x,
+                y: 0.0,
+                height,
+                speed,
+            }])
+            .unwrap();
+            line
+        };
+        let course = |line: &mut Subsystem, steps: std::ops::Range<usize>| -> Vec<f64> {
+            steps
+                .map(|n| {
+                    let t = n as f64 * 1e-3;
+                    line.set_strip_input(0, 2, height + 0.01 * (30.0 * t).sin().powi(2));
+                    line.set_strip_input(0, 0, x + speed * t);
+                    line.advance_to(t, 1e-3).unwrap();
+                    line.contact(0).force
+                })
+                .collect()
+        };
+        let mut line = new();
+        // The borders are at 0.12 s and 0.84 s.
+        course(&mut line, 0..60);
+        let (mut before, mut after) = (Checkpoint::default(), Checkpoint::default());
+        line.save_to(&mut before);
+        let mut first = course(&mut line, 60..200);
+        line.save_to(&mut after);
+        let second = course(&mut line, 200..300);
+        line.restore_from(&before).unwrap();
+        assert_eq!(course(&mut line, 60..200), first, "{spans} spans, back over the border");
+        line.restore_from(&after).unwrap();
+        assert_eq!(course(&mut line, 200..300), second, "{spans} spans, beyond the border");
+        let mut other = new();
+        other.restore_from(&after).unwrap();
+        assert_eq!(
+            course(&mut other, 200..300),
+            second,
+            "{spans} spans, in another instance"
+        );
+        first.extend(second);
+        assert!(first.iter().any(|force| *force > 0.0));
+    }
+}
+
+#[test]
+fn a_windowed_line_is_as_large_whatever_the_number_of_spans() {
+    let size = |spans: usize| {
+        let scene = scene_with(
+            EN_300,
+            &[
+                &format!("catenary.spans={spans}"),
+                &format!("run.start_x={}", 30 * spans),
+                "run.duration=0.4",
+                "run.evaluate={time=[0.1,0.3]}",
+                "catenary.mesh.elements_per_interval=1",
+                "model.reduce=[\"planar\", \"window\"]",
+            ],
+        );
+        let statics = catenary::static_line(&scene).unwrap();
+        assert_eq!((statics.spans(), statics.report().supports.len()), (spans, spans + 1));
+        let line = Subsystem::new(&scene, &statics).unwrap();
+        let said = catenary::WindowedLine::size(&scene, &statics);
+        assert_eq!(said.coordinates, line.coordinates());
+        // The equilibrium kept is that of as many spans, too.
+        (line.coordinates(), statics.coordinates(), said.full)
+    };
+    let expected = size(80);
+    assert_eq!(expected.2, 4);
+    for spans in [400, 2000] {
+        assert_eq!(size(spans), expected, "{spans} spans");
+    }
+}
+
+/// The middle of a long line stands for its like, and its ends are those of any line.
+#[test]
+fn a_long_line_known_from_a_short_one_is_the_long_line() {
+    for (stagger, spans) in [("[0.0]", 40), ("[0.2,-0.2]", 41), ("[0.2,0.0,-0.2]", 43)] {
+        let overrides = [
+            format!("catenary.spans={spans}"),
+            format!("catenary.stagger={stagger}"),
+            "catenary.mesh.elements_per_interval=1".to_owned(),
+        ];
+        let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+        let scene = |reduce| scene_with(EN_300, &[&overrides[..], &[reduce]].concat());
+        let [whole, short] = ["model.reduce=\"none\"", "model.reduce=[\"window\"]"]
+            .map(|reduce| catenary::static_line(&scene(reduce)).unwrap());
+        assert!(short.coordinates() < whole.coordinates());
+        let (a, b) = (whole.report(), short.report());
+        assert_eq!(
+            (a.droppers.len(), a.supports.len()),
+            (b.droppers.len(), b.supports.len())
+        );
+        for (a, b) in a.droppers.iter().zip(&b.droppers) {
+            assert!(a.span == b.span && (a.x - b.x).abs() < 1e-9);
+            assert!(
+                (a.length - b.length).abs() < 1e-7 && (a.force - b.force).abs() < 1e-3,
+                "{a:?} {b:?}"
+            );
+        }
+        for (a, b) in a.supports.iter().zip(&b.supports) {
+            assert!((a.x - b.x).abs() < 1e-9 && (a.contact_wire_z - b.contact_wire_z).abs() < 1e-7);
+            assert!(
+                (a.messenger_reaction - b.messenger_reaction).abs() < 1e-2,
+                "{a:?} {b:?}"
+            );
+        }
+        for x in [30.0, 1215.0, 60.0 * f64::from(spans) - 20.0] {
+            let [a, b] = [&whole, &short].map(|line| line.wire_height_under(x, 100.0).unwrap().height);
+            assert!((a - b).abs() < 1e-3, "{x} m: {a} m, {b} m");
+        }
+    }
+}
+
+/// A mechanism that its joints hold in one plane has one motion, whatever pushes its strip: the rest is the step's error, which the
+/// same scheme makes of second order in 36 constrained coordinates and in two free ones.
+#[test]
+fn a_linkage_is_its_one_motion_where_the_joints_hold_the_strip() {
+    for stagger in ["[0.0]", "[0.2,-0.2]"] {
+        let run = |words: &str| {
+            let overrides = [
+                "catenary.spans=5".to_owned(),
+                "run.duration=2.5".to_owned(),
+                "run.evaluate={time=[0.3,2.4]}".to_owned(),
+                format!("catenary.stagger={stagger}"),
+                format!("model.reduce={words}"),
+            ];
+            let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+            run(scene_with(THESIS, &overrides), Mode::Monolithic, "reductions")
+        };
+        let (full, reduced) = (run("none"), run("[\"linkage\"]"));
+        let (all, few) = (&full.summary.model, &reduced.summary.model);
+        assert_eq!(
+            (all.coordinates - few.coordinates, all.constraints, few.constraints),
+            (34, 32, 0)
+        );
+        let difference = reduced.raw_difference(&full);
+        println!("{stagger}: {difference} N of sigma {} N", full.sigma());
+        assert!(difference < 1e-3 * full.sigma(), "{difference} N");
+    }
+}
+
+#[test]
+fn auto_reduces_a_linkage_and_says_why() {
+    let scene = scene_with(THESIS, &[]);
+    let words: Vec<&str> = scene
+        .model
+        .reductions
+        .iter()
+        .map(|reduction| reduction.name())
+        .collect();
+    assert_eq!(words, ["planar", "linkage"]);
+    let staggered = scene_with(THESIS, &["catenary.stagger=[0.2,-0.2]"]);
+    let words: Vec<&str> = staggered
+        .model
+        .reductions
+        .iter()
+        .map(|reduction| reduction.name())
+        .collect();
+    assert_eq!(words, ["linkage"]);
 }

@@ -1,32 +1,43 @@
-//! Whole runs of the thesis line: monolithic, in-process and co-simulated by turns, so that all see the same machine.
+//! Whole runs of the shipped lines: monolithic, in-process and co-simulated by turns, so that all see the same machine.
 //!
 //! Prints the median real-time factor of each mode (wall seconds of the time loop per simulated second) and its ratio to the
-//! monolithic one.
+//! monolithic one; the time of one monolithic step beside the sum of its floors; and what the FMI layer takes per macro step.
+
+#[path = "../../core/catenary/benches/floor/mod.rs"]
+mod floor;
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use floor::Floors;
 use master::package;
 use master::report::{Progress, Show};
+use master::results::RunInfo;
 use master::run::Watch;
 use master::simulation::{FmuSource, Mode, prepare};
 use scene::Scene;
 
 const REPEATS: usize = 5;
-const SCENE: &str = include_str!("../../scenes/thesis.toml");
+const SCENES: [(&str, &str, f64); 2] = [
+    ("thesis", include_str!("../../scenes/thesis.toml"), 4.0),
+    ("en50318-300", include_str!("../../scenes/en50318-300.toml"), 2.0),
+];
 
-fn real_time_factor(mode: Mode) -> f64 {
-    let overrides = ["run.duration=4.0", "run.evaluate={time=[1.0,4.0]}"].map(String::from);
-    let scene = Scene::from_toml(SCENE, "thesis.toml", &overrides).expect("the shipped scene is good");
-    let prepared = prepare(scene, "thesis", Path::new("."), false).expect("the shipped scene has an equilibrium");
+fn run((name, text, duration): (&str, &str, f64), mode: Mode) -> RunInfo {
+    let overrides = [
+        format!("run.duration={duration}"),
+        format!("run.evaluate={{time=[1.0,{duration}]}}"),
+    ];
+    let scene = Scene::from_toml(text, &format!("{name}.toml"), &overrides).expect("the shipped scene is good");
+    let prepared = prepare(scene, name, Path::new("."), false).expect("the shipped scene has an equilibrium");
     let interrupted = AtomicBool::new(false);
-    let progress = Progress::simulated("thesis", 4.0, Show::Never);
+    let progress = Progress::simulated(name, duration, Show::Never);
     let watch = Watch {
         interrupted: &interrupted,
         progress: &progress,
     };
     let source = FmuSource {
-        folder: package::folder("bench-thesis"),
+        folder: package::folder(&format!("bench-{name}")),
         say: &|_| {},
         logging: false,
     };
@@ -34,7 +45,13 @@ fn real_time_factor(mode: Mode) -> f64 {
         .run(mode, &source, &watch, |_| Ok::<(), Box<dyn std::error::Error>>(()))
         .expect("the run starts");
     assert!(finished.failure.is_none(), "the run is complete");
-    finished.info.cost.real_time_factor.expect("a run of 4 s has a factor")
+    finished.info
+}
+
+/// The sum of what a step needs at least: two forces of all elements and two solutions.
+fn step_floor(info: &RunInfo) -> f64 {
+    let floors = Floors::here();
+    2.0 * (info.model.elements as f64 * floors.force + info.model.coordinates as f64 * floors.solve)
 }
 
 fn main() {
@@ -43,22 +60,48 @@ fn main() {
         return;
     }
     let modes = [Mode::Monolithic, Mode::Inprocess, Mode::Cosimulation];
-    let mut factors = modes.map(|_| Vec::new());
-    for _ in 0..REPEATS {
-        for (mode, factors) in modes.iter().zip(&mut factors) {
-            factors.push(real_time_factor(*mode));
+    for scene in SCENES {
+        let mut walls = modes.map(|_| Vec::new());
+        let mut infos = modes.map(|_| None);
+        for _ in 0..REPEATS {
+            for ((mode, walls), info) in modes.iter().zip(&mut walls).zip(&mut infos) {
+                let done = run(scene, *mode);
+                walls.push(done.cost.wall_s);
+                *info = Some(done);
+            }
         }
-    }
-    let medians = factors.map(|mut factors| {
-        factors.sort_by(f64::total_cmp);
-        factors[REPEATS / 2]
-    });
-    println!("thesis line, 4 s at 1 ms, median of {REPEATS} runs each");
-    for (mode, median) in modes.iter().zip(medians) {
+        let medians = walls.map(|mut walls| {
+            walls.sort_by(f64::total_cmp);
+            walls[REPEATS / 2]
+        });
+        let [monolithic, _, coupled] = infos.map(|info| info.expect("every mode has run"));
+        let (name, _, duration) = scene;
+        println!("{name}: {duration} s, median of {REPEATS} runs each");
+        for (mode, median) in modes.iter().zip(medians) {
+            println!(
+                "{:<14} real-time factor {:.3}, {:.2} x monolithic",
+                mode.name(),
+                median / duration,
+                median / medians[0]
+            );
+        }
+        let cost = &monolithic.cost;
+        let steps = cost.micro_steps as f64;
         println!(
-            "{:<14} real-time factor {median:.3}, {:.2} x monolithic",
-            mode.name(),
-            median / medians[0]
+            "{:.2} Newton iterations per step, {} factorisations",
+            cost.newton_iterations as f64 / steps,
+            cost.factorizations
+        );
+        floor::print(
+            &format!("{name}: one monolithic step"),
+            medians[0] / steps,
+            Some(step_floor(&monolithic)),
+        );
+        let round_trips = coupled.cost.macro_steps as f64;
+        floor::print(
+            &format!("{name}: FMI round trip of both sides, what co-simulation takes beyond in-process coupling"),
+            (medians[2] - medians[1]) / round_trips,
+            None,
         );
     }
 }

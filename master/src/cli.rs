@@ -6,10 +6,11 @@ use std::process::ExitCode;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 
 use crate::command::{self, CommandError};
-use crate::compare::{self, SETTLE};
+use crate::compare;
 use crate::isolation;
 use crate::simulation::Mode;
-use crate::table_of_runs::STATUS_RULE;
+use crate::study::Options;
+use crate::table_of_runs::{SETTLE, STATUS_RULE, macro_step};
 
 /// Scene that is run when nothing is said.
 const DEFAULT_SCENE: &str = "scenes/thesis.toml";
@@ -68,11 +69,50 @@ enum Command {
         test_problem: bool,
         /// Macro steps, in ms or with a unit (0.5, 0.5ms, 500us, 5e-4s), separated by commas
         /// [default: 0.1,0.2,0.5,1,2,5,10; of the test problem 0.2,1,2,5]
-        #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = compare::macro_step)]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = macro_step)]
         macro_steps: Vec<f64>,
         /// Times that every run is made; its wall time is the median
         #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
         repeats: u16,
+    },
+    /// Speed against error: sweeps mesh, steps, coupling and reductions against a converged reference
+    #[command(after_long_help = study_help())]
+    Study {
+        /// Scene file, or an .ssp
+        scene: PathBuf,
+        /// Elements per dropper interval, separated by commas [default: 1,2,4,8,16]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = positive)]
+        elements: Vec<usize>,
+        /// Micro steps, in ms or with a unit, separated by commas [default: 0.25,0.5,1,2]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = macro_step)]
+        micro_steps: Vec<f64>,
+        /// Macro steps, in ms or with a unit, separated by commas [default: 1,2,5]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = macro_step)]
+        macro_steps: Vec<f64>,
+        /// Spectral radii of generalised-α at infinite frequency, separated by commas [default: 0.5,0.8,0.9,1]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = spectral_radius)]
+        rho_inf: Vec<f64>,
+        /// Sets of reductions joined by + and separated by commas: none,planar,linearised+window
+        #[arg(long, value_name = "LIST", value_delimiter = ',')]
+        reductions: Vec<String>,
+        /// Times that every run is timed, one run at a time; its wall time is the median
+        #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u16).range(1..))]
+        repeats: u16,
+        /// Fewer runs: less of the mesh, of couplings and of the ladder
+        #[arg(long)]
+        quick: bool,
+        /// Difference of two successive levels at which the reference has converged, % of its standard deviation
+        #[arg(long, value_name = "PERCENT", default_value_t = Options::TOLERANCE, value_parser = above_zero)]
+        reference_tolerance: f64,
+        /// Most work of one run of the reference, coordinates times micro steps
+        #[arg(long, value_name = "WORK", default_value_t = Options::WORK, value_parser = above_zero)]
+        reference_work: f64,
+        /// Also measures the cost of the whole line at these numbers of spans: 10,20,40,80
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = positive)]
+        spans: Vec<usize>,
+        /// Also measures the cost of a window at these numbers of spans: 80,400,2000
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = positive)]
+        window_spans: Vec<usize>,
     },
     /// Runs the hard cases: what is stable, and where it stops being so
     #[command(after_long_help = stability_help())]
@@ -137,6 +177,50 @@ fn compare_help() -> String {
     )
 }
 
+/// What `study` does, at the end of its help.
+fn study_help() -> String {
+    format!(
+        "Reference: elements doubled and micro step halved until two successive levels agree within the tolerance; the nonlinear \
+         line with two meshes (cured and plain), which confirm each other. Their last difference is stated as what is not known \
+         of the reference. Linearised and flat lines have references of their own.\n\n\
+         Runs: a base case that resolves the waves ahead of the pantograph and the band of the low-pass filter; sweeps that \
+         change one thing of it; a ladder of balanced recipes for each class of reductions. They end when the last strip has left \
+         the evaluation range and the low-pass filter has settled ({SETTLE} periods of its cut-off).\n\n\
+         Errors are computed on all cores at once, wall times one run at a time afterwards. Every run is kept in the folder study \
+         of the output directory: a study that was ended goes on where it was, with the same program.\n\n\
+         Status: {STATUS_RULE}."
+    )
+}
+
+/// A number of things, at least one.
+fn positive(text: &str) -> Result<usize, String> {
+    match text.trim().parse() {
+        Ok(count) if count > 0 => Ok(count),
+        _ => Err("must be a whole number, at least 1".to_owned()),
+    }
+}
+
+/// A number above zero.
+fn above_zero(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a number above 0".to_owned()),
+    }
+}
+
+/// A spectral radius, –.
+fn spectral_radius(text: &str) -> Result<f64, String> {
+    match text.trim().parse() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("must be a number from 0 to 1".to_owned()),
+    }
+}
+
+/// What was typed, or the default where nothing was.
+fn or<T: Clone>(typed: Vec<T>, default: &[T]) -> Vec<T> {
+    if typed.is_empty() { default.to_vec() } else { typed }
+}
+
 /// What `stability` does, at the end of its help.
 fn stability_help() -> String {
     format!(
@@ -192,17 +276,56 @@ pub fn main() -> ExitCode {
             macro_steps,
             repeats,
         } => {
-            let or = |default: &[f64]| {
-                if macro_steps.is_empty() {
-                    default.to_vec()
-                } else {
-                    macro_steps.clone()
-                }
-            };
+            let repeats = repeats.into();
             match scene {
-                Some(scene) => command::compare::compare(&scene, &or(&compare::MACRO_STEPS), repeats.into(), &common),
-                None => command::compare::test_problem(&or(&compare::TRIAL_STEPS), repeats.into(), &common),
+                Some(scene) => {
+                    command::compare::compare(&scene, &or(macro_steps, &compare::MACRO_STEPS), repeats, &common)
+                }
+                None => command::compare::test_problem(&or(macro_steps, &compare::TRIAL_STEPS), repeats, &common),
             }
+        }
+        Command::Study {
+            scene,
+            elements,
+            micro_steps,
+            macro_steps,
+            rho_inf,
+            reductions,
+            repeats,
+            quick,
+            reference_tolerance,
+            reference_work,
+            spans,
+            window_spans,
+        } => {
+            let options = Options {
+                elements: or(
+                    elements,
+                    if quick {
+                        &Options::QUICK_ELEMENTS
+                    } else {
+                        &Options::ELEMENTS
+                    },
+                ),
+                micro_steps: or(
+                    micro_steps,
+                    if quick {
+                        &Options::QUICK_MICRO_STEPS
+                    } else {
+                        &Options::MICRO_STEPS
+                    },
+                ),
+                macro_steps: or(macro_steps, &Options::MACRO_STEPS),
+                rho_inf: or(rho_inf, if quick { &[] } else { &Options::RHO_INF }),
+                reductions,
+                repeats: repeats.into(),
+                quick,
+                tolerance: reference_tolerance,
+                work: reference_work,
+                spans,
+                window_spans,
+            };
+            command::study::study(&scene, options, &common)
         }
         Command::Stability { cases, quick } => command::stability::stability(&cases, quick, &common),
         Command::Check { scene } => command::check::check(&scene, &common),

@@ -181,15 +181,9 @@ pub(crate) fn draw_pantograph(pantograph: &mut vehicle::Subsystem, frame: &mut F
 
 /// Adds wires and droppers to a picture.
 pub(crate) fn draw_wires(line: &dyn OverheadLine, motion: &Motion<'_>, frame: &mut Frame) {
-    let Some(shape) = line.shape() else { return };
     let wire = |name: WireName| {
-        let count = shape.wire(name).geometry().nodes().len();
-        let stride = count.div_ceil(WIRE_POINTS);
-        let points = shape.polyline(name, motion.q).enumerate();
-        points
-            .filter(|(i, _)| i % stride == 0 || i + 1 == count)
-            .map(|(_, r)| (r.x, r.z))
-            .collect()
+        let points = line.polyline(name, motion.q, WIRE_POINTS);
+        points.iter().map(|r| (r.x, r.z)).collect()
     };
     frame.contact_wire = wire(WireName::ContactWire);
     frame.messenger_wire = wire(WireName::MessengerWire);

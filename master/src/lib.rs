@@ -25,6 +25,7 @@
 //! table_of_runs one row per run: columns, errors, status
 //! stability     the hard cases, and where runs stop being stable
 //! compare       all modes and algorithms on one scene
+//! study         speed against error: references, sweeps, Pareto front
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
 //! ```
 #![forbid(unsafe_code)]
@@ -42,6 +43,7 @@ pub mod inspect;
 pub mod instance;
 pub mod interface;
 pub mod isolation;
+mod mesh;
 mod modelled;
 pub mod monolithic;
 pub mod package;
@@ -58,6 +60,7 @@ pub mod stability;
 pub mod standards;
 pub mod standstill;
 pub mod statistics;
+pub mod study;
 pub mod table_of_runs;
 pub mod test_problem;
 pub mod third_party;

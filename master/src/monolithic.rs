@@ -1,8 +1,12 @@
 //! Line and pantographs as one system: no coupling, one integrator.
 
-use catenary::{CatenaryError, ContactPair, OverheadLine, StaticLine, StripStart, WireName, contact_pair, scene_line};
+use catenary::{
+    CatenaryError, ContactPair, OverheadLine, StaticLine, StripStart, WireName, adopt_state, contact_pair,
+    follow_strips, scene_line,
+};
 use dynamics::{
-    Checkpoint, Constraint, Counters, EnergyBalance, Force, Layout, Motion, Simulator, State, StepError, System,
+    Checkpoint, Constraint, Continuity, Counters, EnergyBalance, Force, Layout, Motion, Simulator, State, StepError,
+    System,
 };
 use scene::{PantographModel as Entry, Scene};
 use vehicle::{PantographModel, VehicleError};
@@ -63,6 +67,14 @@ impl System for Whole {
             pantograph.constraints(visit);
         }
     }
+
+    fn follow(&mut self, state: &mut State, u: &[f64]) -> Continuity {
+        follow_strips(&mut *self.line, &mut self.contacts, &mut self.layout, state, u)
+    }
+
+    fn adopt(&mut self, state: &State) -> Continuity {
+        adopt_state(&mut *self.line, &mut self.contacts, &mut self.layout, state)
+    }
 }
 
 /// A scene as one system in time.
@@ -114,7 +126,7 @@ impl Monolithic {
     /// See [`MonolithicError`].
     pub fn new(scene: &Scene, statics: &StaticLine, supports: &[usize]) -> Result<Self, MonolithicError> {
         let mut layout = Layout::new();
-        let line = scene_line(scene, statics, &mut layout);
+        let line = scene_line(scene, statics, &mut layout)?;
         let mut pantographs = Vec::new();
         let mut starts = Vec::new();
         for (index, entry) in scene.pantographs.iter().enumerate() {
@@ -152,9 +164,7 @@ impl Monolithic {
             balanced &= (alone.contact(index).force - start.force).abs() < AT_REST;
         }
         let mut line = line;
-        if let Some(shape) = line.shape_mut() {
-            shape.set_uplift_reference(&state.q);
-        }
+        line.set_uplift_reference(&state.q);
         let contacts = pantographs
             .iter()
             .enumerate()
@@ -393,10 +403,9 @@ fn read(whole: &Whole, motion: &Motion<'_>, supports: &[usize], point: &mut Poin
         values[contact::WIRE_Z] = position.z;
         values[contact::GAP] = state.map_or(f64::MAX, |state| state.gap());
     }
-    let Some(shape) = whole.line.shape() else { return };
     let first = whole.contacts.len() * contact::COUNT;
     for (k, &support) in supports.iter().enumerate() {
-        point.line[first + k] = shape.uplift(support - 1, motion.q);
+        point.line[first + k] = whole.line.uplift(support - 1, motion.q);
     }
 }
 

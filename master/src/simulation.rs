@@ -248,7 +248,11 @@ impl Prepared {
     /// Which pantographs are to step on threads of their own. That goes by the scene alone, not by the machine.
     fn own_threads(&self) -> Vec<bool> {
         let pays = |pantograph: &scene::Pantograph| match self.scene.coupling.parallel {
-            scene::Parallel::Auto => matches!(pantograph.model, scene::PantographModel::Linkage(_)),
+            // A linkage in two coordinates costs less than a thread.
+            scene::Parallel::Auto => {
+                matches!(pantograph.model, scene::PantographModel::Linkage(_))
+                    && !self.scene.model.has(scene::Reduction::Linkage)
+            }
             scene::Parallel::Always => true,
             scene::Parallel::Never => false,
         };

@@ -1,7 +1,10 @@
-//! Force and tangent of a wire of 360 elements, the size of a contact wire of forty short spans.
+//! Force and tangent of a wire of 360 elements, as many as both wires of the thesis line have.
+mod floor;
+
 use catenary::{AxialLaw, BendingLaw, NodeMap, Rayleigh, Wire, WireGeometry, WireSection};
 use criterion::{Criterion, criterion_group, criterion_main};
 use dynamics::{Blocks, Force, Motion, Weights};
+use floor::{Floors, measure, settings};
 use nalgebra::Vector3;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -30,6 +33,7 @@ fn wire(laws: (AxialLaw, BendingLaw), planar: bool) -> Wire {
 }
 
 fn element(criterion: &mut Criterion) {
+    let floors = Floors::here();
     let default = (AxialLaw::Mean, BendingLaw::Constant);
     for (name, laws, planar) in [
         ("mean, constant", default, false),
@@ -39,8 +43,8 @@ fn element(criterion: &mut Criterion) {
     ] {
         let mut wire = wire(laws, planar);
         let n = 6 * (ELEMENTS + 1);
-        let q: Vec<f64> = (0..n).map(|i| 1e-3 * (i as f64).sin()).collect();
-        let v: Vec<f64> = (0..n).map(|i| 1e-2 * (i as f64).cos()).collect();
+        let wave = |size: f64, phase: f64| -> Vec<f64> { (0..n).map(|i| size * (i as f64 + phase).sin()).collect() };
+        let (q, v, v_dot) = (wave(1e-3, 0.0), wave(1e-2, 1.0), wave(1.0, 2.0));
         let motion = Motion {
             t: 0.0,
             q: &q,
@@ -49,22 +53,41 @@ fn element(criterion: &mut Criterion) {
             u: &[],
         };
         let mut force = vec![0.0; n];
-        criterion.bench_function(&format!("force of 360 elements: {name}"), |bencher| {
-            bencher.iter(|| wire.add_force(black_box(&motion), black_box(&mut force)));
+        let elements = ELEMENTS as f64;
+        let mut floor = Some(elements * floors.force).filter(|_| laws == default);
+        measure(criterion, &format!("force of 360 elements: {name}"), floor, || {
+            wire.add_force(black_box(&motion), black_box(&mut force));
         });
+        measure(
+            criterion,
+            &format!("force and inertia of 360 elements: {name}"),
+            floor,
+            || {
+                wire.add_dynamic_force(black_box(&motion), black_box(&v_dot), black_box(&mut force));
+            },
+        );
         let mut places = Vec::new();
         let weights = Weights { q: 1.0, v: 1e3 };
         wire.add_tangent(&motion, weights, &mut Blocks::record(&mut places));
         let positions: Vec<u32> = (0..places.len() as u32).collect();
         let mut values = vec![0.0; places.len()];
-        criterion.bench_function(&format!("tangent of 360 elements: {name}"), |bencher| {
-            bencher.iter(|| {
+        floor = Some(elements * floors.force_and_tangent).filter(|_| laws == default);
+        measure(
+            criterion,
+            &format!("force and tangent of 360 elements: {name}"),
+            floor,
+            || {
+                wire.add_force(black_box(&motion), black_box(&mut force));
                 let mut blocks = Blocks::add_to(&positions, &mut values);
                 wire.add_tangent(black_box(&motion), weights, &mut blocks);
-            });
-        });
+            },
+        );
     }
 }
 
-criterion_group!(benches, element);
+criterion_group! {
+    name = benches;
+    config = settings();
+    targets = element
+}
 criterion_main!(benches);

@@ -9,14 +9,18 @@ use nalgebra::{Matrix3, Vector3};
 pub struct Attachment {
     /// Position for zero displacement, m.
     pub reference: Vector3<f64>,
-    coordinates: [Option<usize>; 3],
+    /// `usize::MAX` stands for one that does not exist: no vector is as long.
+    coordinates: [usize; 3],
 }
 
 impl Attachment {
     /// A node at `reference` (m) whose displacements along x, y, z are these coordinates.
     #[must_use]
     pub fn new(reference: Vector3<f64>, coordinates: [Option<usize>; 3]) -> Self {
-        Self { reference, coordinates }
+        Self {
+            reference,
+            coordinates: coordinates.map(|index| index.unwrap_or(usize::MAX)),
+        }
     }
 
     /// A node of a wire.
@@ -32,11 +36,12 @@ impl Attachment {
     /// Index of the displacement along `axis` (0, 1, 2 for x, y, z).
     #[must_use]
     pub fn coordinate(&self, axis: usize) -> Option<usize> {
-        self.coordinates[axis]
+        Some(self.coordinates[axis]).filter(|&index| index != usize::MAX)
     }
 
-    fn gather(&self, values: &[f64]) -> Vector3<f64> {
-        Vector3::from(self.coordinates.map(|index| index.map_or(0.0, |index| values[index])))
+    /// The node's three entries of `values`, one per coordinate of the system; zero where a coordinate does not exist.
+    pub(crate) fn gather(&self, values: &[f64]) -> Vector3<f64> {
+        Vector3::from(self.coordinates.map(|index| values.get(index).copied().unwrap_or(0.0)))
     }
 
     /// Displacement from the reference position, m.
@@ -62,13 +67,16 @@ impl Attachment {
         self.coordinates
             .into_iter()
             .enumerate()
-            .filter_map(|(axis, index)| Some((index?, axis)))
+            .filter(|&(_, index)| index != usize::MAX)
+            .map(|(axis, index)| (index, axis))
     }
 
     /// Adds a force (N) on the node to the generalised force.
     pub fn add_force(&self, force: &Vector3<f64>, out: &mut [f64]) {
-        for (index, axis) in self.columns() {
-            out[index] += force[axis];
+        for (&index, part) in self.coordinates.iter().zip(force) {
+            if let Some(value) = out.get_mut(index) {
+                *value += part;
+            }
         }
     }
 

@@ -2,6 +2,7 @@
 use crate::Attachment;
 use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
 use nalgebra::{Matrix3, Vector3};
+use std::ops::Range;
 
 /// What a dropper was at the beginning of a time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,8 +113,7 @@ struct Pose {
 
 impl Dropper {
     fn pose(&self, motion: &Motion<'_>) -> Pose {
-        let between = (self.upper.reference - self.lower.reference)
-            + (self.upper.displacement(motion) - self.lower.displacement(motion));
+        let between = self.between(motion);
         let length = between.norm();
         let direction = if length > 0.0 { between / length } else { Vector3::z() };
         let velocity = self.upper.velocity(motion) - self.lower.velocity(motion);
@@ -126,10 +126,22 @@ impl Dropper {
         }
     }
 
+    /// From the lower to the upper node, m.
+    fn between(&self, motion: &Motion<'_>) -> Vector3<f64> {
+        (self.upper.reference - self.lower.reference)
+            + (self.upper.displacement(motion) - self.lower.displacement(motion))
+    }
+
     /// Present length, m.
     #[must_use]
     pub fn length(&self, motion: &Motion<'_>) -> f64 {
-        self.pose(motion).length
+        self.between(motion).norm()
+    }
+
+    /// Whether it has to do with a range of coordinates.
+    fn is_within(&self, range: &Range<usize>) -> bool {
+        let columns = self.upper.columns().chain(self.lower.columns());
+        columns.fold(false, |within, (index, _)| within | range.contains(&index))
     }
 }
 
@@ -207,14 +219,48 @@ impl Droppers {
     }
 }
 
+impl Droppers {
+    /// Adds the force of one dropper.
+    fn add_one(&self, index: usize, motion: &Motion<'_>, force: &mut [f64]) {
+        let dropper = &self.droppers[index];
+        let pose = dropper.pose(motion);
+        let pull = self.law.force(self.at_start[index], pose.elongation, pose.rate) * pose.direction;
+        let weight = Vector3::new(0.0, 0.0, 0.5 * dropper.mass * self.gravity);
+        dropper.upper.add_force(&(-pull - weight), force);
+        dropper.lower.add_force(&(pull - weight), force);
+    }
+}
+
 impl Force for Droppers {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        for index in 0..self.droppers.len() {
+            self.add_one(index, motion, force);
+        }
+    }
+
+    fn multiplies_mass(&self) -> bool {
+        true
+    }
+
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.add_dynamic_force_within(0..usize::MAX, motion, v_dot, force);
+    }
+
+    fn evaluates_ranges(&self) -> bool {
+        true
+    }
+
+    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
         for (index, dropper) in self.droppers.iter().enumerate() {
-            let pose = dropper.pose(motion);
-            let pull = self.law.force(self.at_start[index], pose.elongation, pose.rate) * pose.direction;
-            let weight = Vector3::new(0.0, 0.0, 0.5 * dropper.mass * self.gravity);
-            dropper.upper.add_force(&(-pull - weight), force);
-            dropper.lower.add_force(&(pull - weight), force);
+            if !dropper.is_within(&range) {
+                continue;
+            }
+            self.add_one(index, motion, force);
+            if dropper.mass > 0.0 {
+                for end in [&dropper.upper, &dropper.lower] {
+                    end.add_force(&(end.gather(v_dot) * (-0.5 * dropper.mass)), force);
+                }
+            }
         }
     }
 
@@ -293,7 +339,7 @@ impl Force for Droppers {
     fn end_step(&mut self, motion: &Motion<'_>) {
         self.during.copy_from_slice(&self.at_start);
         for (at_start, dropper) in self.at_start.iter_mut().zip(&self.droppers) {
-            *at_start = Tautness::of(dropper.pose(motion).elongation);
+            *at_start = Tautness::of(dropper.length(motion) - dropper.unstressed_length);
         }
     }
 

@@ -26,6 +26,7 @@ mod statics;
 mod subsystem;
 mod support;
 mod topology;
+mod window;
 mod wire;
 
 pub use ancf::{
@@ -46,7 +47,7 @@ pub use line_end::{LineEnd, LineEnds};
 pub use linear_force::LinearForce;
 pub use linear_line::{LinearDropper, LinearDroppers, LinearLine};
 pub use model::{CatenaryError, Model, contact_pair, scene_line, static_line};
-pub use overhead_line::OverheadLine;
+pub use overhead_line::{OverheadLine, adopt_state, follow_strips};
 pub use registration_arm::RegistrationArms;
 pub use statics::{
     DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport, SupportReport,
@@ -55,4 +56,5 @@ pub use statics::{
 pub use subsystem::{Checkpoint, ContactOutputs, StripStart, Subsystem};
 pub use support::Supports;
 pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, MassCorrection, Topology, WireName};
+pub use window::{WindowSize, WindowedLine};
 pub use wire::{Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WirePoint, WireSection};

@@ -173,6 +173,11 @@ impl Line {
     pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         visit(&mut self.contact_wire);
         visit(&mut self.messenger_wire);
+        self.attachments(visit);
+    }
+
+    /// Visits all but the wires.
+    pub(crate) fn attachments(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         visit(&mut self.droppers);
         visit(&mut self.supports);
         visit(&mut self.arms);

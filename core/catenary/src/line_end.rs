@@ -25,7 +25,7 @@ pub struct LineEnds {
 }
 
 /// `k`, N/m.
-const HOLDING_STIFFNESS: f64 = 10.0;
+pub(crate) const HOLDING_STIFFNESS: f64 = 10.0;
 
 impl LineEnds {
     /// The sliding ends; none where the ends are fixed.

@@ -1,6 +1,6 @@
 //! A line with constant matrices and unilateral droppers.
 use crate::linear_force::LinearForce;
-use crate::{Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, Tautness, WireName};
+use crate::{Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, Tautness, Wire, WireName};
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
 use std::sync::Arc;
 
@@ -140,6 +140,8 @@ impl Force for LinearDroppers {
 /// origin make other linear lines.
 #[derive(Clone)]
 pub struct LinearLine {
+    /// Linear by themselves; all else is in `force`.
+    wires: Vec<Wire>,
     force: LinearForce,
     droppers: LinearDroppers,
     contact_wire: Arc<dyn Curve>,
@@ -152,6 +154,7 @@ impl LinearLine {
     #[must_use]
     pub fn new(force: LinearForce, droppers: LinearDroppers, contact_wire: Arc<dyn Curve>) -> Self {
         Self {
+            wires: Vec::new(),
             force,
             droppers,
             contact_wire,
@@ -173,12 +176,7 @@ impl LinearLine {
     /// dropper is part of `K`.
     #[must_use]
     pub fn about(line: &mut Line, layout: &Layout) -> Self {
-        let Matrices {
-            mut load,
-            mut stiffness,
-            mut damping,
-            mass,
-        } = Matrices::at_rest(line, layout);
+        let mut linear = Linear::at_rest(line, layout);
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
 
@@ -197,10 +195,14 @@ impl LinearLine {
             let tension = line.droppers().tension(index, &motion);
             if tension > 0.0 {
                 for &(row, g_row) in &gradient {
-                    load[row] += tension * g_row;
+                    linear.load[row] += tension * g_row;
                     for &(column, g_column) in &gradient {
-                        stiffness.push((row as u32, column as u32, -law.stiffness * g_row * g_column));
-                        damping.push((row as u32, column as u32, -law.damping * g_row * g_column));
+                        linear
+                            .stiffness
+                            .push((row as u32, column as u32, -law.stiffness * g_row * g_column));
+                        linear
+                            .damping
+                            .push((row as u32, column as u32, -law.damping * g_row * g_column));
                     }
                 }
             }
@@ -209,18 +211,9 @@ impl LinearLine {
                 gradient,
             });
         }
-        let matrices = Matrices {
-            load,
-            stiffness,
-            damping,
-            mass,
-        };
-        Self::new(
-            matrices.force(line),
-            LinearDroppers::new(law, droppers),
-            line.contact_curve(),
-        )
-        .with_shape(line.clone())
+        linear
+            .with(LinearDroppers::new(law, droppers), line.contact_curve(), layout)
+            .with_shape(line.clone())
     }
 
     /// The line of a static state as two-dimensional programs take it: straight wires of constant tension with small slopes, that
@@ -246,9 +239,9 @@ impl LinearLine {
                 }
             }
         }
-        let mut matrices = Matrices::at_rest(&mut statics.straight_line(first), layout);
+        let mut linear = Linear::at_rest(&mut statics.straight_line(first), layout);
         // The static state is at rest whatever the forces of straight wires are there.
-        matrices.load.fill(0.0);
+        linear.load.fill(0.0);
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
         let law = line.droppers().law();
@@ -259,15 +252,16 @@ impl LinearLine {
             let gradient: Vec<(usize, f64)> = ends.into_iter().flatten().collect();
             let tension = line.droppers().tension(index, &motion);
             for &(row, g) in &gradient {
-                matrices.load[row] += tension * g;
+                linear.load[row] += tension * g;
             }
             droppers.push(LinearDropper {
                 elongation: dropper.length(&motion) - dropper.unstressed_length,
                 gradient,
             });
         }
-        let curve = line.contact_curve();
-        Self::new(matrices.force(&line), LinearDroppers::new(law, droppers), curve).with_shape(line)
+        linear
+            .with(LinearDroppers::new(law, droppers), line.contact_curve(), layout)
+            .with_shape(line)
     }
 
     /// The line that this one stands for, see [`LinearLine::with_shape`].
@@ -295,6 +289,9 @@ impl LinearLine {
 
     /// Visits every contribution, always in the same order.
     pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        for wire in &mut self.wires {
+            visit(wire);
+        }
         visit(&mut self.force);
         visit(&mut self.droppers);
     }
@@ -303,12 +300,6 @@ impl LinearLine {
     #[must_use]
     pub fn contact_curve(&self) -> Arc<dyn Curve> {
         Arc::clone(&self.contact_wire)
-    }
-
-    /// The linear part.
-    #[must_use]
-    pub fn linear_force(&self) -> &LinearForce {
-        &self.force
     }
 
     /// The droppers.
@@ -320,30 +311,43 @@ impl LinearLine {
     /// Potential energy, J; zero at rest but for the droppers' strain.
     #[must_use]
     pub fn energy(&self, motion: &Motion<'_>) -> f64 {
-        self.force.energy(motion) + self.droppers.energy(motion)
+        let wires: f64 = self.wires.iter().map(|wire| wire.energy(motion)).sum();
+        wires + self.force.energy(motion) + self.droppers.energy(motion)
     }
 }
 
-/// What a line is at rest, as entries (row, column, value) that may repeat.
-struct Matrices {
+/// What a line is to first order but for its droppers' springs: its wires, where they can be linear by themselves, and matrices
+/// of all else as entries (row, column, value) that may repeat.
+struct Linear {
+    wires: Vec<Wire>,
+    /// Force of the whole line at rest, N.
     load: Vec<f64>,
     stiffness: Vec<(u32, u32, f64)>,
     damping: Vec<(u32, u32, f64)>,
     mass: Vec<(u32, u32, f64)>,
 }
 
-impl Matrices {
+impl Linear {
     fn at_rest(line: &mut Line, layout: &Layout) -> Self {
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
-        let mut tangent =
-            |weights: Weights| assembled(|blocks| line.forces(&mut |part| part.add_tangent(&motion, weights, blocks)));
-        let stiffness = tangent(Weights { q: 1.0, v: 0.0 });
-        let damping = tangent(Weights { q: 0.0, v: 1.0 });
-        let mass = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
         let mut load = vec![0.0; layout.coordinates()];
         line.forces(&mut |part| part.add_force(&motion, &mut load));
+        let wires: Option<Vec<Wire>> = WireName::BOTH
+            .iter()
+            .map(|&name| line.wire(name).linearised())
+            .collect();
+        let mut in_matrices = |visit: &mut dyn FnMut(&mut dyn Force)| match &wires {
+            Some(_) => line.attachments(visit),
+            None => line.forces(visit),
+        };
+        let mut tangent =
+            |weights: Weights| assembled(|blocks| in_matrices(&mut |part| part.add_tangent(&motion, weights, blocks)));
+        let stiffness = tangent(Weights { q: 1.0, v: 0.0 });
+        let damping = tangent(Weights { q: 0.0, v: 1.0 });
+        let mass = assembled(|blocks| in_matrices(&mut |part| part.add_mass(blocks)));
         Self {
+            wires: wires.unwrap_or_default(),
             load,
             stiffness,
             damping,
@@ -351,24 +355,33 @@ impl Matrices {
         }
     }
 
-    /// The force with its products arranged along the wires of `line`.
-    fn force(self, line: &Line) -> LinearForce {
-        let size = self.load.len();
-        let matrix = |entries| SparseMatrix::from_entries(size, entries);
-        let chains =
-            WireName::BOTH.map(|name| line.wire(name).geometry().nodes().iter().map(|node| node.map).collect());
-        LinearForce::new(
+    /// The line with these droppers.
+    fn with(mut self, droppers: LinearDroppers, contact_wire: Arc<dyn Curve>, layout: &Layout) -> LinearLine {
+        let rest = layout.state_at_rest();
+        let motion = rest.motion(&[]);
+        let mut of_wires = vec![0.0; self.load.len()];
+        for wire in &mut self.wires {
+            wire.add_force(&motion, &mut of_wires);
+        }
+        for (load, of_wires) in self.load.iter_mut().zip(&of_wires) {
+            *load -= of_wires;
+        }
+        let matrix = |entries| SparseMatrix::from_entries(of_wires.len(), entries);
+        let force = LinearForce::new(
             self.load,
             matrix(self.stiffness),
             matrix(self.damping),
             matrix(self.mass),
-        )
-        .with_chains(&chains)
+        );
+        LinearLine {
+            wires: self.wires,
+            ..LinearLine::new(force, droppers, contact_wire)
+        }
     }
 }
 
 /// Collects blocks as entries (row, column, value); `add` is called twice.
-fn assembled(mut add: impl FnMut(&mut Blocks<'_>)) -> Vec<(u32, u32, f64)> {
+pub(crate) fn assembled(mut add: impl FnMut(&mut Blocks<'_>)) -> Vec<(u32, u32, f64)> {
     let mut places = Vec::new();
     add(&mut Blocks::record(&mut places));
     let order: Vec<u32> = (0..places.len() as u32).collect();

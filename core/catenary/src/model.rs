@@ -2,9 +2,9 @@
 use crate::contact::STRIP_INPUTS;
 use crate::{
     BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, OverheadLine,
-    PenaltyContact, PrescribedStrip, StaticLine, StaticsError,
+    PenaltyContact, PrescribedStrip, StaticLine, StaticsError, WindowedLine, adopt_state, follow_strips,
 };
-use dynamics::{Force, Layout, Marker, StepError, System};
+use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
 use scene::{Cure, Reduction, Scene};
 
 /// Why a line could not be modelled or started.
@@ -68,6 +68,14 @@ impl System for Model {
             visit(contact);
         }
     }
+
+    fn follow(&mut self, state: &mut State, u: &[f64]) -> Continuity {
+        follow_strips(&mut *self.line, &mut self.contacts, &mut self.layout, state, u)
+    }
+
+    fn adopt(&mut self, state: &State) -> Continuity {
+        adopt_state(&mut *self.line, &mut self.contacts, &mut self.layout, state)
+    }
 }
 
 /// The static state of a scene's line.
@@ -97,22 +105,35 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
             rho_inf: scene.solver.rho_inf,
         }),
     };
+    if scene.model.has(Reduction::Window) {
+        let together = WindowedLine::most_spans(scene, catenary);
+        return Ok(StaticLine::solve_long(catenary, options, together)?);
+    }
     Ok(StaticLine::solve(catenary, options)?)
 }
 
 /// The line that a scene runs with, of a solved static state, its coordinates added to `layout`: all zero is the static state.
 ///
 /// Every mode takes its line from here, so that `model.reduce` means the same in each.
-#[must_use]
-pub fn scene_line(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Box<dyn OverheadLine> {
+///
+/// # Errors
+/// See [`WindowedLine::new`].
+pub fn scene_line(
+    scene: &Scene,
+    statics: &StaticLine,
+    layout: &mut Layout,
+) -> Result<Box<dyn OverheadLine>, CatenaryError> {
+    if scene.model.has(Reduction::Window) {
+        return Ok(Box::new(WindowedLine::new(scene, statics, layout)?));
+    }
     if scene.model.has(Reduction::Flat) {
-        return Box::new(LinearLine::flat(statics, layout));
+        return Ok(Box::new(LinearLine::flat(statics, layout)));
     }
     let mut line = statics.line_in(layout);
     if scene.model.has(Reduction::Linearised) {
-        return Box::new(LinearLine::about(&mut line, layout));
+        return Ok(Box::new(LinearLine::about(&mut line, layout)));
     }
-    Box::new(line)
+    Ok(Box::new(line))
 }
 
 /// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's law.

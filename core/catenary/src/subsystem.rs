@@ -76,7 +76,7 @@ impl Subsystem {
     /// See [`CatenaryError`].
     pub fn new(scene: &Scene, statics: &StaticLine) -> Result<Self, CatenaryError> {
         let mut layout = Layout::new();
-        let line = scene_line(scene, statics, &mut layout);
+        let line = scene_line(scene, statics, &mut layout)?;
         Self::with_line(scene, layout, line)
     }
 
@@ -147,9 +147,7 @@ impl Subsystem {
             limit *= 4.0;
         }
         let q = self.simulator.state().q.clone();
-        if let Some(shape) = self.simulator.system.line.shape_mut() {
-            shape.set_uplift_reference(&q);
-        }
+        self.simulator.system.line.set_uplift_reference(&q);
         self.outputs.fill(None);
         for strip in 0..self.exchanges.len() {
             let contact = self.evaluate(strip);
@@ -291,13 +289,13 @@ impl Subsystem {
     /// own.
     pub fn support_uplift(&mut self, k: usize) -> f64 {
         let (model, motion) = self.simulator.parts();
-        model.line.shape().map_or(0.0, |shape| shape.uplift(k, motion.q))
+        model.line.uplift(k, motion.q)
     }
 
     /// Rate of [`Subsystem::support_uplift`], m/s.
     pub fn support_uplift_rate(&mut self, k: usize) -> f64 {
         let (model, motion) = self.simulator.parts();
-        model.line.shape().map_or(0.0, |shape| shape.uplift_rate(k, motion.v))
+        model.line.uplift_rate(k, motion.v)
     }
 
     /// Number of strips.
@@ -309,7 +307,7 @@ impl Subsystem {
     /// Number of supports.
     #[must_use]
     pub fn supports(&self) -> usize {
-        self.simulator.system.line.shape().map_or(0, crate::Line::support_count)
+        self.simulator.system.line.support_count()
     }
 
     /// Number of droppers without force.

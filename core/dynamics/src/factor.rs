@@ -70,6 +70,11 @@ impl SparseFactor {
         self.lu.get_or_insert_with(|| Lu::analyse(pattern)).factor(matrix)
     }
 
+    /// Whether the last factors are those of a symmetric matrix.
+    pub fn is_symmetric(&self) -> bool {
+        !self.general
+    }
+
     /// Solves in place with the last factors.
     pub fn solve(&mut self, right_side: &mut [f64]) {
         let rows = right_side.len();

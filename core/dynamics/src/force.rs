@@ -61,8 +61,8 @@ pub trait Force: Send {
     }
 
     /// Whether [`Force::add_dynamic_force_within`] is cheaper than a whole evaluation; the answer never changes. Only for a
-    /// contribution that [`Force::multiplies_mass`] and whose force on a coordinate depends on no other coordinates than those that
-    /// the blocks of [`Force::add_tangent`] couple with it.
+    /// contribution that [`Force::multiplies_mass`] and whose force on a coordinate depends on no inputs, and on no other coordinates
+    /// than those that the blocks of [`Force::add_tangent`] couple with it.
     fn evaluates_ranges(&self) -> bool {
         false
     }

@@ -1,7 +1,8 @@
 //! Generalized-α time integration of constrained systems.
-use crate::newton::{Jacobian, Workspace, name};
-use crate::{Counters, Motion, NewtonOptions, State, StepError, System, Weights};
+use crate::newton::{Jacobian, Since, Workspace, name};
+use crate::{Continuity, Counters, Motion, NewtonOptions, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
+use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -135,16 +136,12 @@ impl GeneralizedAlpha {
         t_end: f64,
         h: f64,
     ) -> Result<(), StepError> {
-        self.start.copy_from(state);
         self.start_history.clear();
         system.forces(&mut |force| force.save(&mut self.start_history));
         let result = self.attempt(system, state, u, t_end, h);
         match &result {
             Ok(()) => self.memory.last_h = Some(h),
-            Err(_) => {
-                state.copy_from(&self.start);
-                restore_history(system, &self.start_history);
-            }
+            Err(_) => restore_history(system, &self.start_history),
         }
         result
     }
@@ -162,7 +159,13 @@ impl GeneralizedAlpha {
             None => Workspace::new(system, &state.motion(u)),
         };
         let before = workspace.counters;
-        let result = self.iterate(&mut workspace, system, state, u, t_end, h);
+        let result = self.ensure_factor(&mut workspace, system, state, u, h).and_then(|()| {
+            let result = self.iterate(&mut workspace, system, state, u, t_end, h);
+            if result.is_err() {
+                std::mem::swap(state, &mut self.start);
+            }
+            result
+        });
         self.counters.micro_steps += 1;
         let iterations = workspace.counters.newton_iterations - before.newton_iterations;
         self.counters.newton_iterations += iterations;
@@ -187,7 +190,6 @@ impl GeneralizedAlpha {
             q: 1.0,
             v: velocity_rate,
         };
-        self.ensure_factor(workspace, system, state, u, h)?;
         self.predict(system, state, t_end, h);
         system.forces(&mut |force| force.begin_step(&state.motion(u)));
         let n = state.q.len();
@@ -198,12 +200,17 @@ impl GeneralizedAlpha {
         self.residuals.clear();
         for iteration in 0..=options.max_iterations {
             let motion = state.motion(u);
-            let residual = workspace.residual(system, &motion, Some(&state.v_dot), &state.lambda, &options);
+            let since = if iteration == 0 {
+                Since::Anything
+            } else {
+                Since::Correction
+            };
+            let residual = workspace.residual(system, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
             self.residuals.push(residual.value);
             if !residual.ratio.is_finite() {
                 return Err(StepError::NotFinite {
                     t: t_end,
-                    coordinate: name(system, residual.worst),
+                    coordinate: name(system, workspace.worst(&residual)),
                 });
             }
             if residual.ratio <= 1.0 {
@@ -211,17 +218,18 @@ impl GeneralizedAlpha {
                 return Ok(());
             }
             if iteration == options.max_iterations {
+                let worst = workspace.worst(&residual);
                 return Err(StepError::NotConverged {
                     t: t_end,
                     h,
                     iterations: iteration,
                     residual: residual.value,
-                    tolerance: if residual.worst < n {
+                    tolerance: if worst < n {
                         options.tolerance
                     } else {
                         options.constraint_tolerance
                     },
-                    coordinate: name(system, residual.worst),
+                    coordinate: name(system, worst),
                 });
             }
             let slow = iteration >= 6 && residual.ratio > SLOW * last_ratio && residual.ratio > 10.0;
@@ -240,14 +248,8 @@ impl GeneralizedAlpha {
                 };
             }
             last_ratio = residual.ratio;
-            workspace.correct(system, &motion, weights)?;
-            self.apply(
-                &workspace.correction,
-                damping,
-                (mass_rate, velocity_rate),
-                system,
-                state,
-            );
+            workspace.correct(system, &motion, weights, Some(&options))?;
+            self.apply(workspace, damping, (mass_rate, velocity_rate), system, state);
         }
         unreachable!("the last pass returns")
     }
@@ -313,24 +315,28 @@ impl GeneralizedAlpha {
         workspace.factor(system, &motion, mass_rate, weights)
     }
 
-    /// Predicts the end of the step with the auxiliary acceleration kept.
+    /// Predicts the end of the step with the auxiliary acceleration kept; the start goes to `self.start`.
     fn predict(&mut self, system: &dyn System, state: &mut State, t_end: f64, h: f64) {
-        let alpha_f = self.scheme.alpha_f;
-        if let Some(last_h) = self.memory.last_h
-            && (last_h - h).abs() > 1e-9 * h
-        {
-            // a approximates v̇ at t + (α_m − α_f) h, so its distance from v̇ goes with the step.
-            for (a, v_dot) in state.a.iter_mut().zip(&state.v_dot) {
-                *a = v_dot + (*a - v_dot) * (h / last_h);
-            }
+        if self.start.q.len() == state.q.len() {
+            std::mem::swap(&mut self.start, state);
+            state.lambda.clone_from(&self.start.lambda);
+            state.rotation.clone_from(&self.start.rotation);
+        } else {
+            self.start.copy_from(state);
         }
+        // a approximates v̇ at t + (α_m − α_f) h, so its distance from v̇ goes with the step.
+        let stretch = match self.memory.last_h {
+            Some(last_h) if (last_h - h).abs() > 1e-9 * h => h / last_h,
+            _ => 1.0,
+        };
         state.t = t_end;
-        for i in 0..state.q.len() {
-            let a = state.a[i];
-            state.q[i] += h * (state.v[i] + 0.5 * h * a);
-            state.v[i] += h * a;
-            state.v_dot[i] = (a - alpha_f * state.v_dot[i]) / (1.0 - alpha_f);
-        }
+        Arch::new().dispatch(Predict {
+            start: &self.start,
+            end: state,
+            h,
+            alpha_f: self.scheme.alpha_f,
+            stretch,
+        });
         for &index in system.layout().fixed() {
             state.q[index] = self.start.q[index];
             state.v[index] = 0.0;
@@ -349,7 +355,7 @@ impl GeneralizedAlpha {
     /// Applies a Newton correction to the end of the step.
     fn apply(
         &mut self,
-        correction: &[f64],
+        workspace: &Workspace,
         damping: f64,
         (mass_rate, velocity_rate): (f64, f64),
         system: &dyn System,
@@ -357,15 +363,18 @@ impl GeneralizedAlpha {
     ) {
         let n = state.q.len();
         let Scheme { alpha_m, alpha_f, .. } = self.scheme;
-        let a_per_v_dot = (1.0 - alpha_f) / (1.0 - alpha_m);
-        for (i, &correction) in correction[..n].iter().enumerate() {
-            let change = damping * correction;
-            state.q[i] += change;
-            state.v[i] += velocity_rate * change;
-            state.v_dot[i] += mass_rate * change;
-            state.a[i] += a_per_v_dot * mass_rate * change;
+        for range in workspace.changed() {
+            Arch::new().dispatch(Apply {
+                correction: &workspace.correction[range.clone()],
+                damping,
+                rates: [velocity_rate, mass_rate, (1.0 - alpha_f) / (1.0 - alpha_m) * mass_rate],
+                q: &mut state.q[range.clone()],
+                v: &mut state.v[range.clone()],
+                v_dot: &mut state.v_dot[range.clone()],
+                a: &mut state.a[range],
+            });
         }
-        for (lambda, change) in state.lambda.iter_mut().zip(&correction[n..]) {
+        for (lambda, change) in state.lambda.iter_mut().zip(&workspace.correction[n..]) {
             *lambda += damping * change;
         }
         for (k, &first) in system.layout().rotations().iter().enumerate() {
@@ -439,6 +448,22 @@ impl GeneralizedAlpha {
         result
     }
 
+    /// Takes note that the system is another one than in the last step; see [`Continuity`].
+    pub fn continue_with(&mut self, continuity: Continuity) {
+        match continuity {
+            Continuity::Kept => {}
+            Continuity::Moved => {
+                if let Some(workspace) = &mut self.workspace {
+                    workspace.forget();
+                }
+            }
+            Continuity::Replaced => {
+                self.workspace = None;
+                self.memory.linearisation = None;
+            }
+        }
+    }
+
     /// What must be kept with the [`State`] so that a restored run repeats bit for bit.
     pub fn save(&self, system: &mut dyn System, memory: &mut Memory) {
         memory.linearisation.clone_from(&self.memory.linearisation);
@@ -481,6 +506,84 @@ impl GeneralizedAlpha {
         }
         restore_history(system, &memory.history);
         Ok(())
+    }
+}
+
+/// Newmark's prediction in one pass.
+struct Predict<'a> {
+    start: &'a State,
+    end: &'a mut State,
+    h: f64,
+    alpha_f: f64,
+    /// Ratio of this step to the one that `a` belongs to.
+    stretch: f64,
+}
+
+impl WithSimd for Predict<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self {
+            start,
+            end,
+            h,
+            alpha_f,
+            stretch,
+        } = self;
+        let n = start.q.len();
+        let (q, v, v_dot, a) = (&start.q[..n], &start.v[..n], &start.v_dot[..n], &start.a[..n]);
+        let ends = (&mut end.q[..n], &mut end.v[..n], &mut end.v_dot[..n], &mut end.a[..n]);
+        let (q_end, v_end, v_dot_end, a_end) = ends;
+        for i in 0..n {
+            let a = if stretch == 1.0 {
+                a[i]
+            } else {
+                v_dot[i] + (a[i] - v_dot[i]) * stretch
+            };
+            q_end[i] = q[i] + h * (v[i] + 0.5 * h * a);
+            v_end[i] = v[i] + h * a;
+            v_dot_end[i] = (a - alpha_f * v_dot[i]) / (1.0 - alpha_f);
+            a_end[i] = a;
+        }
+    }
+}
+
+/// A correction of positions with what follows for their rates, in one pass.
+struct Apply<'a> {
+    correction: &'a [f64],
+    damping: f64,
+    /// Change of `v`, `v̇` and `a` per change of `q`.
+    rates: [f64; 3],
+    q: &'a mut [f64],
+    v: &'a mut [f64],
+    v_dot: &'a mut [f64],
+    a: &'a mut [f64],
+}
+
+impl WithSimd for Apply<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self {
+            correction,
+            damping,
+            rates,
+            q,
+            v,
+            v_dot,
+            a,
+        } = self;
+        let n = correction.len();
+        let (q, v, v_dot, a) = (&mut q[..n], &mut v[..n], &mut v_dot[..n], &mut a[..n]);
+        for i in 0..n {
+            let change = damping * correction[i];
+            q[i] += change;
+            v[i] += rates[0] * change;
+            v_dot[i] += rates[1] * change;
+            a[i] += rates[2] * change;
+        }
     }
 }
 

@@ -1,36 +1,36 @@
 //! The iteration matrix of a system: assembled into a pattern that is analysed once, factored part by part.
 use crate::constraint::RowSink;
-use crate::factor::{Shape, SparseFactor};
+use crate::part::{Part, Thresholds};
+use crate::pattern::Pattern;
 use crate::{Blocks, Force, JacobianRows, Motion, SparseMatrix, System, Weights};
-
-/// Unknowns that no contribution couples are factored separately: a line and a pantograph are two such parts, since contact
-/// enters as a low-rank term.
-struct Part {
-    /// Unknowns of the part: coordinates first, then multipliers (numbered after all coordinates).
-    unknowns: Vec<usize>,
-    /// Where its values start in the common array.
-    first_value: usize,
-    values: usize,
-    factors: SparseFactor,
-    right_side: Vec<f64>,
-}
-
-/// Parts up to this size are factored by LU whatever they are: it costs nothing there.
-const SMALL: usize = 64;
 
 /// `[w_m M + w_q K + w_v D, s g_qᵀ; s g_q, 0]`, without the rows and columns of fixed coordinates.
 pub(crate) struct IterationMatrix {
     coordinates: usize,
     /// Trace of the mass matrix, kg.
     mass_trace: f64,
-    /// Mass matrix, all rows, of the contributions that do not multiply theirs themselves.
-    pub multiplied_mass: SparseMatrix,
+    /// Mass matrix of the contributions that do not multiply theirs themselves, and which of its rows are not empty.
+    multiplied_mass: SparseMatrix,
+    multiplied_rows: Vec<usize>,
     mass_entries: Vec<(u32, f64)>,
     tangent_places: Vec<u32>,
     /// Two places per Jacobian entry: in `g_q` and in its transpose.
     jacobian_places: Vec<u32>,
     values: Vec<f64>,
-    parts: Vec<Part>,
+    /// First of `values` of each part, and their number.
+    first_values: Vec<usize>,
+    pub parts: Vec<Part>,
+    pub places: Places,
+}
+
+/// Per unknown its part and its number there; none for a fixed coordinate.
+pub(crate) struct Places(Vec<Option<(u32, u32)>>);
+
+impl Places {
+    /// Part of an unknown and its number there.
+    pub fn of(&self, unknown: usize) -> Option<(usize, usize)> {
+        self.0[unknown].map(|(part, local)| (part as usize, local as usize))
+    }
 }
 
 /// The factored matrix is singular.
@@ -45,9 +45,9 @@ impl IterationMatrix {
     pub fn analyse(system: &mut dyn System, motion: &Motion<'_>) -> Self {
         let coordinates = system.layout().coordinates();
         let size = coordinates + system.layout().constraints();
-        let mut fixed = vec![false; size];
+        let mut free = vec![true; size];
         for &index in system.layout().fixed() {
-            fixed[index] = true;
+            free[index] = false;
         }
         let mass = mass_matrix(system);
         let multiplied_mass = selected_mass_matrix(system, |force| !force.multiplies_mass());
@@ -68,40 +68,29 @@ impl IterationMatrix {
             })
             .collect();
 
-        let kept = |row: u32, column: u32| !fixed[row as usize] && !fixed[column as usize];
-        let mut links = Links::new(size);
-        let entries = || {
-            mass_places
-                .iter()
-                .map(|&(row, column, _)| (row, column))
-                .chain(tangent.iter().copied())
-                .chain(jacobian.iter().copied())
-                .filter(|&(row, column)| kept(row, column))
-        };
-        for (row, column) in entries() {
-            links.join(row as usize, column as usize);
-        }
-        // Every free unknown has a diagonal entry, so that the pattern is structurally regular.
-        let diagonal = (0..size as u32).filter(|&i| !fixed[i as usize]).map(|i| (i, i));
-        let mut all: Vec<(u32, u32)> = entries().chain(diagonal).collect();
-        all.sort_by_key(|&(row, column)| (links.root(column as usize), column, row));
-        all.dedup();
-
-        let mut parts = Vec::new();
-        let mut start = 0;
-        while start < all.len() {
-            let root = links.root(all[start].1 as usize);
-            let end = start + all[start..].partition_point(|&(_, column)| links.root(column as usize) <= root);
-            parts.push(Part::new(&all[start..end], start, (coordinates, size)));
-            start = end;
+        let kept = |row: u32, column: u32| free[row as usize] && free[column as usize];
+        let entries = (mass_places.iter().map(|&(row, column, _)| (row, column)))
+            .chain(tangent.iter().copied())
+            .chain(jacobian.iter().copied())
+            .filter(|&(row, column)| kept(row, column));
+        let pattern = Pattern::new(&free, entries);
+        let mut parts = Vec::with_capacity(pattern.sets.len());
+        let mut first_values = vec![0];
+        let mut places = vec![None; size];
+        for unknowns in &pattern.sets {
+            for (i, &unknown) in unknowns.iter().enumerate() {
+                places[unknown] = Some((parts.len() as u32, i as u32));
+            }
+            let part = part(&pattern, unknowns, &places, coordinates);
+            first_values.push(first_values[parts.len()] + part.entries());
+            parts.push(part);
         }
         let place = |row: u32, column: u32| {
-            if !kept(row, column) {
-                return Blocks::skipped();
+            if kept(row, column) {
+                pattern.place(row, column)
+            } else {
+                Blocks::skipped()
             }
-            let key = (links.root(column as usize), column, row);
-            all.binary_search_by_key(&key, |&(row, column)| (links.root(column as usize), column, row))
-                .expect("every entry was put into the pattern") as u32
         };
         Self {
             coordinates,
@@ -112,14 +101,19 @@ impl IterationMatrix {
                 .collect(),
             tangent_places: tangent.iter().map(|&(row, column)| place(row, column)).collect(),
             jacobian_places: jacobian.iter().map(|&(row, column)| place(row, column)).collect(),
-            values: vec![0.0; all.len()],
+            values: vec![0.0; pattern.len()],
             mass_trace: mass_places
                 .iter()
                 .filter(|(row, column, _)| row == column)
                 .map(|entry| entry.2)
                 .sum(),
+            multiplied_rows: (0..coordinates)
+                .filter(|&row| multiplied_mass.row(row).next().is_some())
+                .collect(),
             multiplied_mass,
+            first_values,
             parts,
+            places: Places(places),
         }
     }
 
@@ -155,17 +149,26 @@ impl IterationMatrix {
                 }
             }
         });
-        for part in &mut self.parts {
-            part.factor(&self.values)?;
+        for (part, range) in self.parts.iter_mut().zip(self.first_values.windows(2)) {
+            part.factor(&self.values[range[0]..range[1]])
+                .map_err(|unknown| Singular { unknown })?;
         }
         Ok(())
     }
 
-    /// Solves in place; `right_side` has one entry per coordinate and multiplier, those of fixed coordinates become zero.
+    /// Subtracts `M v̇` of the contributions that do not do it themselves.
+    pub fn subtract_inertia(&self, v_dot: &[f64], force: &mut [f64]) {
+        for &row in &self.multiplied_rows {
+            force[row] -= self.multiplied_mass.row_product(row, v_dot);
+        }
+    }
+
+    /// Solves; `right_side` has one entry per coordinate and multiplier, those of fixed coordinates become zero.
     pub fn solve(&mut self, right_side: &[f64], solution: &mut [f64]) {
         solution.fill(0.0);
         for part in &mut self.parts {
-            part.solve(right_side, solution);
+            part.load(right_side, Thresholds::default());
+            part.solve(Thresholds::default(), solution, &mut |_, _| ());
         }
     }
 
@@ -175,79 +178,15 @@ impl IterationMatrix {
     }
 }
 
-impl Part {
-    fn new(entries: &[(u32, u32)], first_value: usize, (coordinates, size): (usize, usize)) -> Self {
-        let mut unknowns: Vec<usize> = entries.iter().map(|&(_, column)| column as usize).collect();
-        unknowns.dedup();
-        let mut local = vec![usize::MAX; size];
-        for (i, &unknown) in unknowns.iter().enumerate() {
-            local[unknown] = i;
-        }
-        let mut starts = vec![0; unknowns.len() + 1];
-        for &(_, column) in entries {
-            starts[local[column as usize] + 1] += 1;
-        }
-        for i in 0..unknowns.len() {
-            starts[i + 1] += starts[i];
-        }
-        // Multipliers make a matrix indefinite, turning bodies make it unsymmetric; structures are neither.
-        let bare = unknowns.iter().all(|&unknown| unknown < coordinates);
-        let shape = if bare && unknowns.len() > SMALL {
-            Shape::Definite
-        } else {
-            Shape::General
-        };
-        let rows = entries.iter().map(|&(row, _)| local[row as usize]).collect();
-        Self {
-            factors: SparseFactor::analyse(unknowns.len(), starts, rows, shape),
-            right_side: vec![0.0; unknowns.len()],
-            first_value,
-            values: entries.len(),
-            unknowns,
-        }
+/// The part of one set of coupled unknowns; `places` holds their local numbers.
+fn part(pattern: &Pattern, unknowns: &[usize], places: &[Option<(u32, u32)>], coordinates: usize) -> Part {
+    let (mut starts, mut rows) = (vec![0], Vec::new());
+    for &unknown in unknowns {
+        let local = |&row: &u32| places[row as usize].map(|(_, local)| local as usize);
+        rows.extend(pattern.column(unknown).iter().filter_map(local));
+        starts.push(rows.len());
     }
-
-    fn factor(&mut self, values: &[f64]) -> Result<(), Singular> {
-        if !self
-            .factors
-            .factor(&values[self.first_value..self.first_value + self.values])
-        {
-            return Err(Singular {
-                unknown: self.unknowns[0],
-            });
-        }
-        // faer divides by a zero pivot without complaint: a right side without symmetry shows it.
-        for (i, value) in self.right_side.iter_mut().enumerate() {
-            *value = 1.0 + 0.1 * ((i * 7 % 11) as f64);
-        }
-        self.factors.solve(&mut self.right_side);
-        let worst = (0..self.unknowns.len())
-            .max_by(|&i, &j| {
-                let size = |k: usize| {
-                    let value = self.right_side[k].abs();
-                    if value.is_nan() { f64::INFINITY } else { value }
-                };
-                size(i).total_cmp(&size(j))
-            })
-            .unwrap_or(0);
-        if self.right_side.iter().all(|value| value.is_finite()) {
-            Ok(())
-        } else {
-            Err(Singular {
-                unknown: self.unknowns[worst],
-            })
-        }
-    }
-
-    fn solve(&mut self, right_side: &[f64], solution: &mut [f64]) {
-        for (value, &unknown) in self.right_side.iter_mut().zip(&self.unknowns) {
-            *value = right_side[unknown];
-        }
-        self.factors.solve(&mut self.right_side);
-        for (value, &unknown) in self.right_side.iter().zip(&self.unknowns) {
-            solution[unknown] = *value;
-        }
-    }
+    Part::new(unknowns.to_vec(), starts, rows, coordinates)
 }
 
 /// Calls `sink(equation, columns, values)` for every block row of all constraints.
@@ -284,30 +223,4 @@ fn selected_mass_matrix(system: &mut dyn System, selected: impl Fn(&dyn Force) -
         .zip(&values)
         .map(|(&(row, column), &value)| (row, column, value));
     SparseMatrix::from_entries(system.layout().coordinates(), entries.collect())
-}
-
-/// Union of coupled unknowns; the root of a set is its smallest member.
-struct Links {
-    parent: Vec<usize>,
-}
-
-impl Links {
-    fn new(size: usize) -> Self {
-        Self {
-            parent: (0..size).collect(),
-        }
-    }
-
-    fn root(&self, mut i: usize) -> usize {
-        while self.parent[i] != i {
-            i = self.parent[i];
-        }
-        i
-    }
-
-    fn join(&mut self, i: usize, j: usize) {
-        let (i, j) = (self.root(i), self.root(j));
-        let (low, high) = (i.min(j), i.max(j));
-        self.parent[high] = low;
-    }
 }

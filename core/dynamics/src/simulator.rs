@@ -1,8 +1,8 @@
 //! A system in time: sub-steps inside a communication step, with its state saved and restored as a whole.
 use crate::matrix::mass_matrix;
 use crate::{
-    Counters, EnergyBalance, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions, StaticReport,
-    StepError, System, solve_static,
+    Continuity, Counters, EnergyBalance, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions,
+    StaticReport, StepError, System, solve_static,
 };
 use serde::{Deserialize, Serialize};
 
@@ -125,8 +125,17 @@ impl<S: System> Simulator<S> {
             self.integrator
                 .step(&mut self.system, &mut self.state, &self.u, t + tau, dt)?;
             after(&mut self.system, self.state.motion(&self.u), dt);
+            let continuity = self.system.follow(&mut self.state, &self.u);
+            self.continue_with(continuity);
         }
         Ok(())
+    }
+
+    fn continue_with(&mut self, continuity: Continuity) {
+        self.integrator.continue_with(continuity);
+        if continuity == Continuity::Replaced {
+            self.mass = None;
+        }
     }
 
     /// Begins to follow the energy from the present state on.
@@ -159,6 +168,8 @@ impl<S: System> Simulator<S> {
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), StepError> {
         self.state.copy_from(&checkpoint.state);
         self.u.clone_from(&checkpoint.u);
+        let continuity = self.system.adopt(&self.state);
+        self.continue_with(continuity);
         self.integrator
             .restore(&mut self.system, &self.state, &self.u, &checkpoint.memory)
     }

@@ -53,16 +53,30 @@ impl SparseMatrix {
     /// `y += A x`.
     pub fn multiply_add(&self, x: &[f64], y: &mut [f64]) {
         for (row, target) in y.iter_mut().enumerate().take(self.size()) {
-            *target += self.row(row).map(|(column, value)| value * x[column]).sum::<f64>();
+            *target += self.row_product(row, x);
         }
+    }
+
+    /// `y −= A x`.
+    pub fn multiply_subtract(&self, x: &[f64], y: &mut [f64]) {
+        for (row, target) in y.iter_mut().enumerate().take(self.size()) {
+            *target -= self.row_product(row, x);
+        }
+    }
+
+    /// One entry of `A x`.
+    #[inline]
+    #[must_use]
+    pub fn row_product(&self, row: usize, x: &[f64]) -> f64 {
+        let range = self.starts[row]..self.starts[row + 1];
+        let entries = self.columns[range.clone()].iter().zip(&self.values[range]);
+        entries.map(|(&column, value)| value * x[column as usize]).sum()
     }
 
     /// `xᵀ A x`.
     #[must_use]
     pub fn quadratic_form(&self, x: &[f64]) -> f64 {
-        (0..self.size())
-            .map(|row| x[row] * self.row(row).map(|(column, value)| value * x[column]).sum::<f64>())
-            .sum()
+        (0..self.size()).map(|row| x[row] * self.row_product(row, x)).sum()
     }
 }
 
@@ -86,6 +100,8 @@ mod tests {
         let mut y = [1.0; 3];
         a.multiply_add(&[1.0, 10.0, 100.0], &mut y);
         assert_eq!(y, [21.0, 1.0, 505.0]);
+        a.multiply_subtract(&[1.0, 10.0, 100.0], &mut y);
+        assert_eq!(y, [1.0; 3]);
         assert_eq!(a.row(0).count(), 1, "a sum of zero takes no place");
         assert_eq!(a.quadratic_form(&[1.0, 10.0, 100.0]), 20.0 + 400.0 + 50000.0);
     }

@@ -1,5 +1,5 @@
 //! Static equilibrium by Newton's method.
-use crate::newton::{Workspace, name};
+use crate::newton::{Since, Workspace, name};
 use crate::{NewtonOptions, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -74,11 +74,11 @@ fn solve(
     let mut stagnant = 0;
     for iteration in 0..=newton.max_iterations {
         let motion = state.motion(u);
-        let residual = workspace.residual(system, &motion, None, &state.lambda, newton);
+        let residual = workspace.residual(system, &motion, None, &state.lambda, (newton, Since::Anything));
         if !residual.ratio.is_finite() {
             return Err(StepError::NotFinite {
                 t: state.t,
-                coordinate: name(system, residual.worst),
+                coordinate: name(system, workspace.worst(&residual)),
             });
         }
         if residual.ratio <= 1.0 {
@@ -95,13 +95,13 @@ fn solve(
                 iterations: iteration,
                 residual: residual.value,
                 tolerance: newton.tolerance,
-                coordinate: name(system, residual.worst),
+                coordinate: name(system, workspace.worst(&residual)),
             });
         }
         stagnant = if residual.ratio < 0.9 * best { 0 } else { stagnant + 1 };
         best = best.min(residual.ratio);
         workspace.factor(system, &motion, options.mass_shift, weights)?;
-        workspace.correct(system, &motion, weights)?;
+        workspace.correct(system, &motion, weights, None)?;
         let n = state.q.len();
         let largest = workspace.correction[..n]
             .iter()

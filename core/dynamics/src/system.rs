@@ -1,6 +1,7 @@
 //! A system: its coordinates, and how the solver reaches its contributions.
 use crate::{Constraint, Force, State};
 use nalgebra::UnitQuaternion;
+use std::ops::Range;
 
 /// The coordinates of a system, built up part by part: a line and a pantograph may share one layout.
 #[derive(Clone, Debug, Default)]
@@ -49,6 +50,12 @@ impl Layout {
         self.fixed.push(index);
     }
 
+    /// Holds exactly these of the coordinates within `range`, whatever was held there before.
+    pub fn fix_within(&mut self, range: Range<usize>, fixed: &[usize]) {
+        self.fixed.retain(|index| !range.contains(index));
+        self.fixed.extend_from_slice(fixed);
+    }
+
     /// Number of generalised velocities.
     #[must_use]
     pub fn coordinates(&self) -> usize {
@@ -89,6 +96,17 @@ impl Layout {
     }
 }
 
+/// How a system goes on after a completed step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Continuity {
+    /// As it was.
+    Kept,
+    /// The state was moved among the coordinates; the matrices are the same ones.
+    Moved,
+    /// The contributions or the fixed coordinates are others now; the number of coordinates is the same.
+    Replaced,
+}
+
 /// A mechanical system as solvers see it: contributions in a fixed order over one layout.
 pub trait System {
     /// The coordinates.
@@ -100,5 +118,18 @@ pub trait System {
     /// Visits every constraint, always in the same order; their equations follow one another in this order.
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
         let _ = visit;
+    }
+
+    /// Called after each completed step within [`crate::Simulator::advance`]: a system that models only the neighbourhood of
+    /// something that moves follows it here, and takes the state along.
+    fn follow(&mut self, state: &mut State, u: &[f64]) -> Continuity {
+        let _ = (state, u);
+        Continuity::Kept
+    }
+
+    /// Goes to where the system was in `state`, which is restored next: the way back of [`System::follow`].
+    fn adopt(&mut self, state: &State) -> Continuity {
+        let _ = state;
+        Continuity::Kept
     }
 }

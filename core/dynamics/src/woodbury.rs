@@ -1,24 +1,33 @@
 //! Solutions with a factored matrix plus low-rank terms.
 use crate::Updates;
-use crate::matrix::IterationMatrix;
+use crate::lu::Lu;
+use crate::matrix::{IterationMatrix, Places};
+use crate::part::{Part, Piece, Thresholds};
+use std::ops::Range;
 
-/// Solves `(A₀ + U C Uᵀ) x = b` by the Sherman–Morrison–Woodbury formula
+/// Solves `(A + U C Uᵀ) x = b` by the Sherman–Morrison–Woodbury formula in the form
 ///
 /// ```text
-/// x = y − Y (I + C UᵀY)⁻¹ C Uᵀ y,    y = A₀⁻¹ b,    Y = A₀⁻¹ U
+/// (I + C UᵀY) z = C Uᵀ A⁻¹ b,    x = A⁻¹ (b − U z),    Y = A⁻¹ U
 /// ```
 ///
-/// and keeps the columns of `Y` as long as their rows do not change.
+/// in which `z` are the forces of the low-rank terms. With a symmetric `A` one has `Uᵀ A⁻¹ b = Yᵀ b`, so that there is one solution,
+/// and it reaches no further than its right side. Columns of `Y` are kept as long as their rows do not change.
 #[derive(Debug, Default)]
 pub(crate) struct Woodbury {
-    /// Sorted by key.
     columns: Vec<Column>,
+    /// Places in `columns`, sorted by key.
+    by_key: Vec<usize>,
     /// For each row of the updates its place in `columns`.
     places: Vec<usize>,
-    system: Vec<f64>,
-    right_side: Vec<f64>,
-    gram: Vec<f64>,
-    scratch: Vec<f64>,
+    /// `uᵢ · yⱼ` of columns `i` and `j`; not a number where it has not been computed since one of them changed.
+    gram: Vec<Vec<f64>>,
+    lu: Lu,
+    /// What `lu` was made of: rows and coefficients.
+    rows: Vec<(u64, u64)>,
+    coefficients: Vec<f64>,
+    products: Vec<f64>,
+    z: Vec<f64>,
     /// Solutions computed, for the work counters.
     pub solves: u64,
 }
@@ -27,7 +36,22 @@ pub(crate) struct Woodbury {
 struct Column {
     key: u64,
     version: Option<u64>,
-    y: Vec<f64>,
+    /// Number of its part, and the column there.
+    pieces: Vec<(usize, Piece)>,
+}
+
+/// Entries (local number, value) of a row in one part.
+fn entries<'a>(
+    places: &'a Places,
+    updates: &'a Updates,
+    row: usize,
+    part: usize,
+) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let row = updates.rows[row];
+    (row.start..row.end).filter_map(move |k| {
+        let (number, local) = places.of(updates.indices[k])?;
+        (number == part).then_some((local, updates.values[k]))
+    })
 }
 
 impl Woodbury {
@@ -36,130 +60,161 @@ impl Woodbury {
         for column in &mut self.columns {
             column.version = None;
         }
+        self.rows.clear();
     }
 
-    /// Solves; returns false where the updated matrix is singular.
-    pub fn solve(&mut self, matrix: &mut IterationMatrix, updates: &Updates, b: &[f64], x: &mut [f64]) -> bool {
-        matrix.solve(b, x);
+    /// Solves; `x` must be zero and stays so where there is nothing above the thresholds to solve. `changed` sees the ranges of
+    /// unknowns with a solution and of those whose equations it enters. Returns false where the updated matrix is singular.
+    pub fn solve(
+        &mut self,
+        matrix: &mut IterationMatrix,
+        updates: &Updates,
+        b: &[f64],
+        thresholds: Thresholds,
+        x: &mut [f64],
+        changed: &mut dyn FnMut(Range<usize>, Range<usize>),
+    ) -> bool {
+        let IterationMatrix { parts, places, .. } = matrix;
+        self.refresh(parts, places, updates);
         self.solves += 1;
+        for part in parts.iter_mut() {
+            part.load(b, thresholds);
+        }
+        let regular = updates.rank() == 0 || self.update(parts, places, updates);
+        for part in parts {
+            part.solve(thresholds, x, changed);
+        }
+        regular
+    }
+
+    /// Takes the forces of the low-rank terms out of the loaded right side.
+    fn update(&mut self, parts: &mut [Part], places: &Places, updates: &Updates) -> bool {
         let rank = updates.rank();
-        if rank == 0 {
-            return true;
+        self.products.clear();
+        for row in 0..rank {
+            let pieces = self.columns[self.places[row]].pieces.iter();
+            let product = pieces.map(|(part, piece)| parts[*part].product(piece, entries(places, updates, row, *part)));
+            self.products.push(product.sum());
         }
-        self.refresh(matrix, updates, b.len());
-        self.gram.resize(rank * rank, 0.0);
-        self.right_side.resize(rank, 0.0);
-        self.system.resize(rank * rank, 0.0);
-        self.scratch.resize(rank, 0.0);
-        for i in 0..rank {
-            for j in 0..rank {
-                self.gram[i * rank + j] = dot(updates, i, &self.columns[self.places[j]].y);
-            }
-            self.scratch[i] = dot(updates, i, x);
-        }
-        // (I + C G) z = C Uᵀ y
-        self.system.fill(0.0);
-        for core in &updates.cores {
-            let c = &updates.core_values[core.start..core.start + core.size * core.size];
-            for i in 0..core.size {
-                let row = core.first_row + i;
-                let mut sum = 0.0;
-                for k in 0..core.size {
-                    let value = c[i * core.size + k];
-                    let inner = core.first_row + k;
-                    sum += value * self.scratch[inner];
-                    for j in 0..rank {
-                        self.system[row * rank + j] += value * self.gram[inner * rank + j];
-                    }
-                }
-                self.right_side[row] = sum;
-            }
-        }
-        for i in 0..rank {
-            self.system[i * rank + i] += 1.0;
-        }
-        if !solve_dense(&mut self.system, &mut self.right_side, rank) {
+        if !self.factor(parts, places, updates) {
             return false;
         }
-        for (&place, &z) in self.places.iter().zip(&self.right_side) {
+        // (I + C G) z = C Uᵀ A⁻¹ b
+        self.z.clear();
+        for core in &updates.cores {
+            let rows = core.first_row..core.first_row + core.size;
+            let c = &updates.core_values[core.start..core.start + core.size * core.size];
+            self.z.extend(c.chunks_exact(core.size).map(|c| {
+                c.iter()
+                    .zip(&self.products[rows.clone()])
+                    .map(|(c, s)| c * s)
+                    .sum::<f64>()
+            }));
+        }
+        self.lu.solve(&mut self.z);
+        for row in 0..rank {
+            let z = self.z[row];
             if z != 0.0 {
-                for (target, y) in x.iter_mut().zip(&self.columns[place].y) {
-                    *target -= z * y;
+                for (part, piece) in &self.columns[self.places[row]].pieces {
+                    parts[*part].subtract(z, piece, entries(places, updates, row, *part));
                 }
             }
         }
         true
     }
 
-    fn refresh(&mut self, matrix: &mut IterationMatrix, updates: &Updates, size: usize) {
-        self.places.clear();
-        for row in &updates.rows {
-            if let Err(place) = self.columns.binary_search_by_key(&row.key, |column| column.key) {
-                let column = Column {
-                    key: row.key,
-                    version: None,
-                    y: vec![0.0; size],
-                };
-                self.columns.insert(place, column);
+    /// Factors `I + C G`, unless it is the matrix factored last.
+    fn factor(&mut self, parts: &[Part], places: &Places, updates: &Updates) -> bool {
+        let rank = updates.rank();
+        let rows = || updates.rows.iter().map(|row| (row.key, row.version));
+        if self.rows.iter().copied().eq(rows()) && self.coefficients == updates.core_values {
+            return true;
+        }
+        self.rows.clear();
+        for i in 0..rank {
+            for j in 0..rank {
+                let (left, right) = (self.places[i], self.places[j]);
+                if self.gram[left][right].is_nan() {
+                    let pieces = self.columns[right].pieces.iter();
+                    let product = pieces.map(|(part, piece)| {
+                        let own = entries(places, updates, i, *part);
+                        own.map(|(unknown, value)| value * parts[*part].entry(piece, unknown))
+                            .sum::<f64>()
+                    });
+                    self.gram[left][right] = product.sum();
+                }
             }
         }
-        for row in &updates.rows {
-            let place = self
-                .columns
-                .binary_search_by_key(&row.key, |column| column.key)
-                .expect("inserted above");
-            self.places.push(place);
-            if self.columns[place].version == Some(row.version) {
-                continue;
+        let system = self.lu.matrix(rank);
+        for core in &updates.cores {
+            let c = &updates.core_values[core.start..core.start + core.size * core.size];
+            for i in 0..core.size {
+                let row = core.first_row + i;
+                let target = &mut system[row * rank..(row + 1) * rank];
+                for k in 0..core.size {
+                    let gram = &self.gram[self.places[core.first_row + k]];
+                    for (target, &place) in target.iter_mut().zip(&self.places) {
+                        *target += c[i * core.size + k] * gram[place];
+                    }
+                }
             }
-            self.scratch.resize(size, 0.0);
-            self.scratch.fill(0.0);
-            for k in row.start..row.end {
-                self.scratch[updates.indices[k]] += updates.values[k];
-            }
-            let column = &mut self.columns[place];
-            matrix.solve(&self.scratch, &mut column.y);
-            column.version = Some(row.version);
-            self.solves += 1;
         }
-    }
-}
-
-fn dot(updates: &Updates, row: usize, x: &[f64]) -> f64 {
-    let row = updates.rows[row];
-    (row.start..row.end)
-        .map(|k| updates.values[k] * x[updates.indices[k]])
-        .sum()
-}
-
-/// Gaussian elimination with partial pivoting on a small dense matrix (row by row); false where it is singular.
-fn solve_dense(a: &mut [f64], b: &mut [f64], n: usize) -> bool {
-    for column in 0..n {
-        let pivot = (column..n)
-            .max_by(|&i, &j| a[i * n + column].abs().total_cmp(&a[j * n + column].abs()))
-            .expect("the range is not empty");
-        if a[pivot * n + column] == 0.0 || !a[pivot * n + column].is_finite() {
+        (0..rank).for_each(|i| system[i * rank + i] += 1.0);
+        if !self.lu.factor() {
             return false;
         }
-        if pivot != column {
-            for k in 0..n {
-                a.swap(pivot * n + k, column * n + k);
+        self.rows.extend(rows());
+        self.coefficients.clone_from(&updates.core_values);
+        true
+    }
+
+    /// Finds the columns of all rows, and solves for those that have changed.
+    fn refresh(&mut self, parts: &mut [Part], places: &Places, updates: &Updates) {
+        self.places.clear();
+        for (row, &identity) in updates.rows.iter().enumerate() {
+            let found = self
+                .by_key
+                .binary_search_by_key(&identity.key, |&place| self.columns[place].key);
+            let place = match found {
+                Ok(at) => self.by_key[at],
+                Err(at) => self.insert(at, identity.key),
+            };
+            self.places.push(place);
+            if self.columns[place].version == Some(identity.version) {
+                continue;
             }
-            b.swap(pivot, column);
-        }
-        for row in column + 1..n {
-            let factor = a[row * n + column] / a[column * n + column];
-            if factor != 0.0 {
-                for k in column..n {
-                    a[row * n + k] -= factor * a[column * n + k];
-                }
-                b[row] -= factor * b[column];
+            let column = &mut self.columns[place];
+            // A column that no longer reaches a part keeps its memory there for later.
+            for (number, part) in parts.iter_mut().enumerate() {
+                let at = column.pieces.iter().position(|(of, _)| *of == number);
+                let at = match at {
+                    Some(at) => at,
+                    None if entries(places, updates, row, number).next().is_none() => continue,
+                    None => {
+                        column.pieces.push((number, part.new_piece()));
+                        column.pieces.len() - 1
+                    }
+                };
+                part.column(entries(places, updates, row, number), &mut column.pieces[at].1);
             }
+            column.version = Some(identity.version);
+            self.solves += 1;
+            self.gram[place].fill(f64::NAN);
+            self.gram.iter_mut().for_each(|gram| gram[place] = f64::NAN);
         }
     }
-    for row in (0..n).rev() {
-        let sum: f64 = (row + 1..n).map(|k| a[row * n + k] * b[k]).sum();
-        b[row] = (b[row] - sum) / a[row * n + row];
+
+    /// Adds a column whose key belongs at place `at` of the sorted keys.
+    fn insert(&mut self, at: usize, key: u64) -> usize {
+        let place = self.columns.len();
+        self.columns.push(Column {
+            key,
+            version: None,
+            pieces: Vec::new(),
+        });
+        self.by_key.insert(at, place);
+        self.gram.iter_mut().for_each(|gram| gram.push(f64::NAN));
+        self.gram.push(vec![f64::NAN; place + 1]);
+        place
     }
-    true
 }

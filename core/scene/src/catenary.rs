@@ -210,7 +210,7 @@ impl Wire {
 }
 
 /// More spans than any tensioning section has, and few enough to be numbered and stored.
-pub(crate) const MAX_SPANS: usize = 1000;
+pub(crate) const MAX_SPANS: usize = 5000;
 
 impl Entry for Catenary {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {

@@ -141,7 +141,7 @@ choice! {
 choice! {
     /// `coupling.parallel`: whether slaves that may step at the same time do, on threads of their own. Results are the same.
     pub enum Parallel {
-        /// Where that pays: pantographs of model `"linkage"`.
+        /// Where that pays: pantographs of model `"linkage"` with all their bodies.
         Auto = "auto",
         /// All pantographs, FMUs of others included.
         Always = "always",

@@ -216,6 +216,13 @@ impl Keys<'_> {
         }
     }
 
+    /// Reports a problem with the key of this `path` below this table, at its place.
+    pub(crate) fn report_path(&mut self, path: &str, what: What) {
+        if let Side::Read { table, report, .. } = &mut self.side {
+            report.push((table.place_of(path), path.to_owned(), what));
+        }
+    }
+
     fn problem(&mut self, at: At, key: String, what: What) {
         if let Side::Read { report, .. } = &mut self.side {
             report.push((at, key, what));

@@ -149,28 +149,55 @@ impl Scene {
     }
 
     /// Resolves what `[catenary.mesh]` leaves open.
-    pub(crate) fn choose_mesh(&mut self) {
+    pub(crate) fn choose_mesh(&mut self, keys: &mut Keys) {
+        let step_is_given = !std::mem::take(&mut self.solver.open_step);
         let crate::Line::Modelled(catenary) = &mut self.catenary else {
             return;
         };
         match catenary.mesh.open.take() {
             None => {}
             Some(Open::Cures) => self.choose_cures(),
-            Some(Open::Error(_)) => self.choose_cures(),
+            Some(Open::Error(error)) => match self.mesh_for(error, step_is_given) {
+                Ok(choice) => {
+                    self.set_elements(choice.elements_per_interval);
+                    self.set_cures(choice.cures);
+                    self.solver.micro_step = choice.micro_step;
+                }
+                Err(expected) => {
+                    let value = format!("{error} %");
+                    keys.report_path("catenary.mesh.error_percent", What::Refused { value, expected });
+                }
+            },
         }
     }
 
+    pub(crate) fn set_elements(&mut self, elements_per_interval: usize) {
+        if let crate::Line::Modelled(catenary) = &mut self.catenary {
+            catenary.mesh.elements_per_interval = elements_per_interval;
+        }
+    }
+
+    fn set_cures(&mut self, cures: Vec<Cure>) {
+        if let crate::Line::Modelled(catenary) = &mut self.catenary {
+            catenary.mesh.cures = cures;
+        }
+    }
+
+    /// The cures in use; none in somebody else's line.
+    #[must_use]
+    pub fn cures(&self) -> &[Cure] {
+        self.modelled_line().map_or(&[], |(line, _)| &line.mesh.cures)
+    }
+
     /// Takes every cure that can be used.
-    fn choose_cures(&mut self) {
+    pub(crate) fn choose_cures(&mut self) {
         let mut cures = Vec::new();
         for &cure in Cure::ALL {
             if self.modelled_line().is_some() && self.cure_obstacle(cure, &cures).is_none() {
                 cures.push(cure);
             }
         }
-        if let crate::Line::Modelled(catenary) = &mut self.catenary {
-            catenary.mesh.cures = cures;
-        }
+        self.set_cures(cures);
     }
 
     /// The cures that are not in use, each with why not.

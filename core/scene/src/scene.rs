@@ -199,7 +199,7 @@ impl Entry for Scene {
             solver: keys.table_or_empty("solver", was.map(|scene| &scene.solver)),
         };
         scene.choose_reductions();
-        scene.choose_mesh();
+        scene.choose_mesh(keys);
         scene
     }
 }

@@ -411,3 +411,118 @@ fn exchange_keys_that_are_left_out_are_those_the_algorithm_uses() {
         assert_eq!(found, expected, "{algorithm}");
     }
 }
+
+#[test]
+fn a_mesh_takes_every_cure_that_it_can_have() {
+    use scene::Cure;
+    let all = [Cure::ContactCompliance, Cure::BendingLayers, Cure::MassCorrection];
+    let cures = |text: &str, overrides: &[&str]| read(text, overrides).cures().to_vec();
+    assert_eq!(cures(EN_250, &[]), all);
+    assert_eq!(cures(EN_250, &["catenary.mesh.cures=auto"]), all);
+    assert!(cures(EN_250, &["catenary.mesh.cures=none"]).is_empty());
+    assert!(cures(THESIS, &[]).is_empty());
+    // In one order, whatever that of the file.
+    let two = "catenary.mesh.cures=[\"mass_correction\", \"contact_compliance\"]";
+    assert_eq!(cures(EN_250, &[two]), [Cure::ContactCompliance, Cure::MassCorrection]);
+    for (overrides, left_out, reason) in [
+        (
+            &["solver.rho_inf=0.8"][..],
+            Cure::MassCorrection,
+            "solver.rho_inf = 0.8 is below 0.9",
+        ),
+        (
+            &["solver.micro_step=0.002", "coupling.macro_step=0.002"],
+            Cure::MassCorrection,
+            "internal steps of 2.0000 ms are longer than 1.4311 ms",
+        ),
+        (
+            &[
+                "catenary.contact_wire.bending_stiffness=0",
+                "catenary.messenger_wire.bending_stiffness=0",
+            ],
+            Cure::BendingLayers,
+            "both wires are strings",
+        ),
+        (
+            &["catenary.mesh.elements_per_interval=64"],
+            Cure::BendingLayers,
+            "is below the bending length",
+        ),
+        (
+            &[
+                "run.speed_kmh=450",
+                "run.allow_supercritical=true",
+                "run.duration=4",
+                "run.evaluate={time=[1,3]}",
+            ],
+            Cure::ContactCompliance,
+            "is not slower than the waves",
+        ),
+    ] {
+        let scene = read(EN_250, overrides);
+        let reasons = scene.cures_left_out();
+        let found = reasons.iter().find(|(cure, _)| *cure == left_out).expect("left out");
+        assert!(found.1.contains(reason), "{}", found.1);
+        assert_eq!(read(&scene.to_toml(), &[]), scene);
+    }
+    let written = read(EN_250, &[]).to_toml();
+    let line = "cures = [\"contact_compliance\", \"bending_layers\", \"mass_correction\"]";
+    assert!(written.lines().any(|written| written == line), "{written}");
+}
+
+#[test]
+fn the_internal_step_divides_the_macro_step() {
+    for (overrides, step) in [
+        (&[][..], 1e-3),
+        (&["coupling.macro_step=0.0025"], 2.5e-3 / 3.0),
+        (&["coupling.macro_step=0.0002"], 2e-4),
+        (&["coupling.macro_step={tolerance=1.0}"], 1e-3),
+    ] {
+        assert_eq!(read(EN_250, overrides).internal_step(), step);
+    }
+}
+
+/// The mesh of a scene without one that asks for an error.
+fn for_error(text: &str, error: f64, more: &[&str]) -> Scene {
+    let mesh = format!("catenary.mesh={{error_percent={error}}}");
+    let overrides = [&[mesh.as_str()], more].concat();
+    read(text, &overrides)
+}
+
+#[test]
+fn a_mesh_follows_the_error_that_is_asked_for() {
+    let text = &EN_300.replace("micro_step = 0.001", "# micro_step left out");
+    assert_ne!(text, EN_300);
+    let mut last = 0;
+    for error in [10.0, 3.0, 1.0, 0.5, 0.35] {
+        let scene = for_error(text, error, &[]);
+        let expected = scene.expected_mesh_error().unwrap();
+        let elements = scene.modelled_line().unwrap().0.mesh.elements_per_interval;
+        assert!(expected.total() <= error, "{error} %: {expected:?}");
+        assert!(elements >= last, "{error} %: {elements} after {last}");
+        last = elements;
+        // What is written is the choice, and reads as the same.
+        assert_eq!(read(&scene.to_toml(), &[]), scene);
+        assert!(!scene.to_toml().contains("error_percent"));
+    }
+    let scene = for_error(text, 1.0, &[]);
+    let mesh = &scene.modelled_line().unwrap().0.mesh;
+    assert_eq!(
+        (mesh.elements_per_interval, mesh.cures.len(), scene.solver.micro_step),
+        (8, 3, 1e-3)
+    );
+    // Slower trains shorten no waves; a lower pass asks for less.
+    let elements = |more: &[&str]| {
+        for_error(text, 1.0, more)
+            .modelled_line()
+            .unwrap()
+            .0
+            .mesh
+            .elements_per_interval
+    };
+    assert!(elements(&["run.speed_kmh=200", "run.duration=3", "run.evaluate={time=[1,2]}"]) < 8);
+    assert!(elements(&["run.low_pass_hz=10"]) < 8);
+    // A step that is given stays.
+    let given = for_error(EN_300, 1.0, &["solver.micro_step=0.0005"]);
+    assert_eq!(given.solver.micro_step, 5e-4);
+}

@@ -1,6 +1,6 @@
 //! Every refusal names file, line, key, value, unit and what would be right.
 
-use scene::Scene;
+use scene::{Reduction, Scene};
 
 const EN: &str = include_str!("../../../scenes/en50318-250.toml");
 const THESIS: &str = include_str!("../../../scenes/thesis.toml");
@@ -32,6 +32,9 @@ fn at(text: &str, what: &str) -> String {
         text[..offset].lines().count() + usize::from(text[..offset].ends_with('\n'))
     )
 }
+
+/// The mesh of the scene.
+const MESH: &str = "elements_per_interval = 8               # chosen with the cures: the force is 0.7 % of its standard deviation from the converged one\ncures = \"auto\"";
 
 /// (what is replaced, by what, fragments of the message), on the EN 50318 scene.
 #[rustfmt::skip]
@@ -68,7 +71,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("span_length = 60.0", "span_length = 0.0", &["catenary.span_length = 0 m: must be positive and finite"]),
     ("span_length = 60.0", "span_length = [60.0, 60.0]", &["catenary.span_length", "has 2 entries, must be a list of numbers in m, 10 of them"]),
     ("stagger = [0.0]", "stagger = []", &["catenary.stagger", "has 0 entries, must be a list of numbers in m, at least one"]),
-    ("spans = 10", "spans = 0", &["catenary.spans = 0: must be a whole number from 1 to 1000"]),
+    ("spans = 10", "spans = 0", &["catenary.spans = 0: must be a whole number from 1 to 5000"]),
     ("alpha = 0.0125", "alpha = -0.0125", &["catenary.damping.alpha = -0.0125 1/s: must be zero or positive, and finite"]),
     ("rho_inf = 0.9", "rho_inf = 1.1", &["solver.rho_inf = 1.1: must be from 0 to 1"]),
     ("algorithm = \"auto\"", "extrapolation = 3", &["coupling.extrapolation = 3: must be a whole number from 0 to 2"]),
@@ -76,7 +79,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("tension = 20000.0", "tension = 1e999", &["catenary.contact_wire.tension = inf N: must be positive and finite"]),
     ("title = \"EN 50318:2002 reference model, 250 km/h\"", "title = \"\"", &["title = \"\": must be one line that says what the scene is, not empty"]),
     // Words.
-    ("\"auto\"", "\"jacobbi\"", &["coupling.algorithm = \"jacobbi\": unknown word, did you mean \"jacobi\"?", "must be one of \"auto\", \"jacobi\", \"gauss_seidel\", \"iterated\", \"interface_jacobian\""]),
+    ("algorithm = \"auto\"", "algorithm = \"jacobbi\"", &["coupling.algorithm = \"jacobbi\": unknown word, did you mean \"jacobi\"?", "must be one of \"auto\", \"jacobi\", \"gauss_seidel\", \"iterated\", \"interface_jacobian\""]),
     ("\"constant_tension\"", "\"free\"", &["catenary.wire_ends = \"free\": unknown word", "must be \"constant_tension\" or \"fixed\""]),
     ("model = \"lumped\"", "model = \"lumpd\"", &["pantograph[1].model = \"lumpd\": unknown word, did you mean \"lumped\"?"]),
     // Known, but not available.
@@ -93,15 +96,16 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle: known, but not modelled yet by this version: leave it out"]),
     ("[coupling]", "[track]\n[coupling]", &["track: known, but not modelled yet"]),
     ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind: known, but not modelled yet"]),
-    ("[coupling]", "[model]\nreduce = [\"window\"]\n[coupling]", &["model.reduce[1] = \"window\": not modelled yet by this version"]),
+    ("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]", &["model.reduce = \"linkage\": must be left out: no pantograph is a linkage"]),
     ("[coupling]", "[model]\nreduce = [\"plannar\"]\n[coupling]", &["model.reduce[1] = \"plannar\": unknown word, did you mean \"planar\"?"]),
     ("[coupling]", "[model]\nreduce = \"all\"\n[coupling]", &["model.reduce = \"all\": unknown word", "must be one of \"auto\", \"none\", \"planar\""]),
-    ("element = \"cable\"", "element = \"cable\"\ncures = [\"bending_layer\"]", &["catenary.mesh.cures[1] = \"bending_layer\": unknown word, did you mean \"bending_layers\"?"]),
-    ("element = \"cable\"", "element = \"cable\"\ncures = [\"dropper_compliance\"]", &["catenary.mesh.cures[1] = \"dropper_compliance\": not modelled yet", "\"mass_correction\""]),
-    ("element = \"cable\"", "element = \"cable\"\nerror_percent = 1.0", &["catenary.mesh.elements_per_interval: must be left out: catenary.mesh.error_percent chooses it"]),
-    ("elements_per_interval = 8", "error_percent = 1.0\ncures = \"none\"", &["catenary.mesh.cures: must be left out: catenary.mesh.error_percent chooses it"]),
-    ("elements_per_interval = 8", "error_percent = 0.0", &["catenary.mesh.error_percent = 0 %: must be positive"]),
-    ("elements_per_interval = 8", "", &["catenary.mesh.elements_per_interval is missing"]),
+    ("cures = \"auto\"", "cures = [\"bending_layer\"]", &["catenary.mesh.cures[1] = \"bending_layer\": unknown word, did you mean \"bending_layers\"?"]),
+    ("cures = \"auto\"", "cures = [\"dropper_compliance\"]", &["catenary.mesh.cures[1] = \"dropper_compliance\": not modelled yet", "\"mass_correction\""]),
+    ("cures = \"auto\"", "error_percent = 1.0", &["catenary.mesh.elements_per_interval: must be left out: catenary.mesh.error_percent chooses it"]),
+    ("elements_per_interval = 8", "error_percent = 1.0", &["catenary.mesh.cures: must be left out: catenary.mesh.error_percent chooses it"]),
+    (MESH, "error_percent = 0.0", &["catenary.mesh.error_percent = 0 %: must be positive"]),
+    (MESH, "error_percent = 0.1", &["catenary.mesh.error_percent = 0.1 %: must be at least 0.3 %"]),
+    (MESH, "", &["catenary.mesh.elements_per_interval is missing"]),
     ("[catenary]\n", "[catenary]\nfmu = \"line.fmu\"\n", &["catenary.spans: must be left out: fmu is given", "catenary.droppers: must be left out", "contact: must be left out: an FMU given as catenary has its own contact law"]),
     // Contradictions.
     ("duration = 7.0", "duration = 80.0", &["run.duration = 80 s: must be at most 8.352 s", "pantograph[1] would leave the line, which ends at 600 m"]),
@@ -441,4 +445,117 @@ fn a_line_of_somebody_else_cannot_be_reduced() {
         .to_string();
     let expected = "model.reduce = \"linearised\": must be left out: the line is an FMU of somebody else";
     assert!(error.contains(expected), "{error}");
+}
+
+#[test]
+fn a_cure_that_cannot_be_is_refused_with_its_reason() {
+    let cures = "catenary.mesh.cures=[\"contact_compliance\", \"bending_layers\", \"mass_correction\"]";
+    for (more, what, reason) in [
+        (
+            &["solver.micro_step=0.002", "coupling.macro_step=0.002"][..],
+            "\"mass_correction\": must be left out: internal steps of 2.0000 ms are longer than 1.4311 ms",
+            "the corrected mass would not be positive",
+        ),
+        (
+            &["solver.rho_inf=0.5"],
+            "\"mass_correction\": must be left out: solver.rho_inf = 0.5",
+            "below 0.9",
+        ),
+        (
+            &[
+                "run.speed_kmh=450",
+                "run.allow_supercritical=true",
+                "run.duration=4",
+                "run.evaluate={time=[1,3]}",
+            ],
+            "\"contact_compliance\": must be left out: the strip at 125.00 m/s",
+            "√(tension / mass_per_length)",
+        ),
+        (
+            &["catenary.mesh.elements_per_interval=64"],
+            "\"bending_layers\": must be left out: the shortest element, 0.0781 m",
+            "contact wire",
+        ),
+    ] {
+        let message = message(EN, &[&[cures], more].concat());
+        holds(&message, &["catenary.mesh.cures = ", what, reason]);
+    }
+}
+
+#[test]
+fn an_error_that_no_mesh_makes_is_refused() {
+    let mesh = "catenary.mesh={error_percent=1.0}";
+    let fast = [
+        "run.speed_kmh=450",
+        "run.allow_supercritical=true",
+        "run.duration=4",
+        "run.evaluate={time=[1,3]}",
+    ];
+    holds(
+        &message(EN, &[&[mesh], &fast[..]].concat()),
+        &["catenary.mesh.error_percent = 1 %: no rule is known for 450.0 km/h on wires with waves of 438.2"],
+    );
+    let long = ["solver.micro_step=0.005", "coupling.macro_step=0.005"];
+    holds(
+        &message(EN, &[&[mesh], &long[..]].concat()),
+        &[
+            "catenary.mesh.error_percent = 1 %: must be at least",
+            "with solver.micro_step = 5 ms",
+        ],
+    );
+}
+
+/// A scene with the six-body linkage, its text changed in one place.
+fn reduced_thesis(from: &str, to: &str, reduce: &str) -> Result<Scene, String> {
+    assert_eq!(THESIS.matches(from).count(), 1, "{from}");
+    let overrides = [format!("model.reduce={reduce}")];
+    Scene::from_toml(&THESIS.replace(from, to), "thesis.toml", &overrides).map_err(|error| error.to_string())
+}
+
+#[test]
+fn a_linkage_that_may_move_otherwise_than_in_its_plane_is_not_reduced() {
+    let cases = [
+        (
+            r#"kind = "revolute"                       # Table 3: lower arm, upper arm
+first = "lower_arm"
+second = "upper_arm"
+point = [10.58842934, 0.0, 4.26522551]  # K, derived: where the axes of both arms meet
+axis = [0.0, 1.0, 0.0]"#,
+            r#"kind = "spherical"
+first = "lower_arm"
+second = "upper_arm"
+point = [10.58842934, 0.0, 4.26522551]"#,
+            "\"pan_head\" may leave the plane: revolute and prismatic joints alone do not join it to the base",
+        ),
+        (
+            "kind = \"spherical\"                      # Table 3: plunger, upper link",
+            "kind = \"revolute\"\naxis = [0.0, 1.0, 0.1]",
+            "joints[6].axis of the revolute joint is not lateral",
+        ),
+        (
+            "axis = [0.0, 0.0, 1.0]                  # chosen: vertical",
+            "axis = [1.0, 0.0, 0.5]",
+            "the axis of the collector suspension is far from vertical",
+        ),
+        (
+            "position = [10.96436876, 0.0, 3.81940451]",
+            "position = [10.96436876, 0.1, 3.81940451]",
+            "the centre of mass of \"lower_link\" is beside the middle",
+        ),
+        (
+            "orientation = [1.5707963267948966, 0.6234559506, -1.5707963267948966]",
+            "orientation = [1.5, 0.6234559506, -1.5]",
+            "the lateral axis of \"lower_link\" is not one of its principal axes",
+        ),
+    ];
+    for (from, to, reason) in cases {
+        assert_eq!(
+            reduced_thesis(from, to, "auto").unwrap().model.reductions,
+            [Reduction::Planar],
+            "{to}"
+        );
+        let told = reduced_thesis(from, to, "[\"planar\",\"linkage\"]").unwrap_err();
+        let expected = format!("model.reduce = \"linkage\": must be left out: pantograph[1]: {reason}");
+        assert!(told.contains(&expected), "{told}");
+    }
 }

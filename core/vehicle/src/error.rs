@@ -49,6 +49,12 @@ pub enum VehicleError {
         /// Where.
         coordinate: String,
     },
+    /// The mechanism has other motions than one.
+    #[error("the linkage cannot be reduced to one motion: {reason}; leave \"linkage\" out of model.reduce")]
+    NotReducible {
+        /// Why.
+        reason: String,
+    },
     /// A chain element that only pushes would have to pull, or nothing carries the difference to the static force.
     #[error(
         "no equilibrium under a contact force of {force:.3} N: the raised pantograph exerts {static_force:.3} N at rest"

@@ -4,8 +4,9 @@
 //! this frame is inertial; only the markers that the outside sees ([`Travelling`]) add the travel. Statics are rest in this
 //! frame, and no digits are lost to the distance covered.
 //!
-//! [`PantographModel`] builds either kind of pantograph from its scene entry into a shared [`dynamics::Layout`]:
-//! [`pantograph::Lumped`], masses one above the other, or [`pantograph::Linkage`], rigid bodies and joints.
+//! [`PantographModel`] builds each kind of pantograph from its scene entry into a shared [`dynamics::Layout`]:
+//! [`pantograph::Lumped`], masses one above the other; [`pantograph::Linkage`], rigid bodies and joints;
+//! [`pantograph::ReducedLinkage`], the latter in the two coordinates that its joints leave.
 //!
 //! # Sources
 //! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at

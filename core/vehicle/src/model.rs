@@ -1,6 +1,6 @@
-//! Either kind of pantograph, from its scene entry.
+//! Any kind of pantograph, from its scene entry.
 use crate::multibody::AppliedForce;
-use crate::pantograph::{Equilibrium, Linkage, Lumped};
+use crate::pantograph::{Equilibrium, Linkage, Lumped, ReducedLinkage};
 use crate::{Base, Travelling, VehicleError};
 use dynamics::{Constraint, Force, Layout, Marker, Motion, State};
 use nalgebra::Vector3;
@@ -15,6 +15,8 @@ pub struct Placement {
     pub speed: f64,
     /// Gravitational acceleration, m/s²; a lumped pantograph's static force already contains its weight.
     pub gravity: f64,
+    /// Whether a linkage is reduced to its one motion (`model.reduce`).
+    pub one_motion: bool,
 }
 
 /// A pantograph on its base.
@@ -29,6 +31,7 @@ pub struct PantographModel {
 enum Kind {
     Lumped(Lumped),
     Linkage(Box<Linkage>),
+    Reduced(Box<ReducedLinkage>),
 }
 
 impl PantographModel {
@@ -39,6 +42,9 @@ impl PantographModel {
     pub fn new(entry: &Entry, placement: Placement, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
         let kind = match entry {
             Entry::Lumped(entry) => Kind::Lumped(Lumped::new(entry, name, layout)?),
+            Entry::Linkage(entry) if placement.one_motion => {
+                Kind::Reduced(Box::new(ReducedLinkage::new(entry, placement.gravity, name, layout)?))
+            }
             Entry::Linkage(entry) => Kind::Linkage(Box::new(Linkage::new(entry, placement.gravity, name, layout)?)),
             Entry::ThirdParty(entry) => {
                 return Err(VehicleError::ThirdParty { fmu: entry.fmu.clone() });
@@ -47,6 +53,7 @@ impl PantographModel {
         let strip_x = match &kind {
             Kind::Lumped(_) => 0.0,
             Kind::Linkage(linkage) => linkage.reference_strip_position().x,
+            Kind::Reduced(linkage) => linkage.reference_strip_position().x,
         };
         let base = Base {
             start_x: placement.start_x - strip_x,
@@ -60,13 +67,14 @@ impl PantographModel {
         match &mut self.kind {
             Kind::Lumped(lumped) => lumped.forces(visit),
             Kind::Linkage(linkage) => linkage.forces(visit),
+            Kind::Reduced(linkage) => visit(linkage.as_mut()),
         }
     }
 
     /// Visits every constraint in a fixed order.
     pub fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
         match &mut self.kind {
-            Kind::Lumped(_) => {}
+            Kind::Lumped(_) | Kind::Reduced(_) => {}
             Kind::Linkage(linkage) => linkage.constraints(visit),
         }
     }
@@ -79,6 +87,7 @@ impl PantographModel {
         match &self.kind {
             Kind::Lumped(lumped) => lumped.equilibrium_at_force(force),
             Kind::Linkage(linkage) => linkage.equilibrium_at_force(force),
+            Kind::Reduced(linkage) => linkage.equilibrium_at_force(force),
         }
     }
 
@@ -92,15 +101,20 @@ impl PantographModel {
         match &self.kind {
             Kind::Lumped(lumped) => lumped.equilibrium_at_height(height),
             Kind::Linkage(linkage) => linkage.equilibrium_at_height(height),
+            Kind::Reduced(linkage) => linkage.equilibrium_at_height(height),
         }
     }
 
     /// Writes `equilibrium` into the pantograph's part of `state`, and puts the base where the strip is at the start x at
     /// t = 0. Markers taken before this call keep the old base.
     pub fn set_initial(&mut self, equilibrium: &Equilibrium, state: &mut State) {
-        let (offsets, strip_x) = match &self.kind {
+        let (offsets, strip_x) = match &mut self.kind {
             Kind::Lumped(lumped) => (lumped.offsets(), 0.0),
             Kind::Linkage(linkage) => (linkage.offsets(), linkage.strip_position(equilibrium).x),
+            Kind::Reduced(linkage) => {
+                linkage.start_at(equilibrium);
+                (linkage.offsets(), linkage.strip_position(equilibrium).x)
+            }
         };
         equilibrium.write(offsets, state);
         self.base.start_x = self.placement.start_x - strip_x;
@@ -115,6 +129,10 @@ impl PantographModel {
                 base: self.base,
             }),
             Kind::Linkage(linkage) => Box::new(Travelling {
+                marker: linkage.strip(),
+                base: self.base,
+            }),
+            Kind::Reduced(linkage) => Box::new(Travelling {
                 marker: linkage.strip(),
                 base: self.base,
             }),
@@ -146,11 +164,21 @@ impl PantographModel {
                 ]
             }
             Kind::Linkage(linkage) => linkage.outline(motion),
+            Kind::Reduced(linkage) => linkage.outline(motion),
         };
         for point in lines.iter_mut().flatten() {
             *point += travelled;
         }
         lines
+    }
+
+    /// The mechanism in two coordinates, where it is reduced to them.
+    #[must_use]
+    pub fn reduced_linkage(&self) -> Option<&ReducedLinkage> {
+        match &self.kind {
+            Kind::Reduced(linkage) => Some(linkage),
+            Kind::Lumped(_) | Kind::Linkage(_) => None,
+        }
     }
 
     /// The base.
@@ -159,11 +187,11 @@ impl PantographModel {
         self.base
     }
 
-    /// The mechanism, where it is one.
+    /// The mechanism, where it is one with all its bodies.
     #[must_use]
     pub fn linkage(&self) -> Option<&Linkage> {
         match &self.kind {
-            Kind::Lumped(_) => None,
+            Kind::Lumped(_) | Kind::Reduced(_) => None,
             Kind::Linkage(linkage) => Some(linkage),
         }
     }
@@ -174,6 +202,7 @@ impl PantographModel {
         match &self.kind {
             Kind::Lumped(lumped) => lumped.reference_height(),
             Kind::Linkage(linkage) => linkage.base_z(),
+            Kind::Reduced(linkage) => linkage.base_z(),
         }
     }
 
@@ -183,6 +212,7 @@ impl PantographModel {
         match &self.kind {
             Kind::Lumped(lumped) => lumped.static_force(),
             Kind::Linkage(linkage) => linkage.uplift_force(),
+            Kind::Reduced(linkage) => linkage.uplift_force(),
         }
     }
 
@@ -192,6 +222,7 @@ impl PantographModel {
         match &self.kind {
             Kind::Lumped(lumped) => lumped.reference_force(),
             Kind::Linkage(linkage) => linkage.static_force(),
+            Kind::Reduced(linkage) => linkage.static_force(),
         }
     }
 
@@ -201,6 +232,7 @@ impl PantographModel {
         match &self.kind {
             Kind::Lumped(lumped) => lumped.reference_height(),
             Kind::Linkage(linkage) => linkage.reference_height(),
+            Kind::Reduced(linkage) => linkage.reference_height(),
         }
     }
 
@@ -210,6 +242,7 @@ impl PantographModel {
         match &self.kind {
             Kind::Lumped(lumped) => lumped.coordinates(),
             Kind::Linkage(linkage) => linkage.coordinates(),
+            Kind::Reduced(_) => 2,
         }
     }
 
@@ -217,7 +250,7 @@ impl PantographModel {
     #[must_use]
     pub fn constraint_count(&self) -> usize {
         match &self.kind {
-            Kind::Lumped(_) => 0,
+            Kind::Lumped(_) | Kind::Reduced(_) => 0,
             Kind::Linkage(linkage) => linkage.constraint_count(),
         }
     }

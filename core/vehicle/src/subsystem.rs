@@ -45,6 +45,7 @@ pub fn placement(scene: &Scene, index: usize) -> Placement {
         start_x: scene.strip_start_x(index),
         speed: scene.run.speed,
         gravity: scene.modelled_line().map_or(GRAVITY, |(line, _)| line.gravity),
+        one_motion: scene.model.has(scene::Reduction::Linkage),
     }
 }
 

@@ -8,6 +8,7 @@ pub mod package;
 pub mod report;
 pub mod run;
 pub mod stability;
+pub mod study;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

@@ -11,6 +11,7 @@ use crate::report::{self, Progress, Show};
 use crate::results::{OutputDirectory, ResultsError};
 use crate::run::Watch;
 use crate::simulation::{FmuSource, Mode, prepare};
+use crate::study;
 
 /// Runs a scene and writes its results.
 ///
@@ -23,6 +24,10 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
     let say = say(common);
     file.notes.iter().for_each(|note| say(note));
     let logging = common.verbose > 1;
+    let default = Path::new("results").join(&file.name);
+    let standing = [&directory, &default]
+        .into_iter()
+        .find_map(|folder| study::standing(folder, &file.scene, mode));
     let prepared = prepare(file.scene, &file.name, &file.base, logging);
     let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let show = if common.quiet { Show::Never } else { Show::OnTerminal };
@@ -49,7 +54,8 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
         output = Some((opened, text));
         Ok::<(), CommandError>(())
     });
-    let finished = finished.map_err(|error| error.in_scene(path))?;
+    let mut finished = finished.map_err(|error| error.in_scene(path))?;
+    finished.info.notes.extend(standing);
     progress.finish();
     let (output, text) = output.expect("a run that ended has begun");
     let reason = finished.info.incomplete_reason.clone();

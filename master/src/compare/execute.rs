@@ -6,16 +6,14 @@ use std::sync::atomic::AtomicBool;
 use scene::Scene;
 use serde::Serialize;
 
-use super::plan::{AUTO, Group, Keys, Planned, groups, plan};
+use super::plan::{Group, Planned, groups, plan};
 use crate::report::Progress;
 use crate::results::LineGeometry;
 use crate::run::Watch;
 use crate::simulation::{Mode, SetupError, prepare};
-use crate::table_of_runs::{Curve, Errors, Performed, Row, Stage, Status, observed_orders, perform, pointwise_rms};
-
-/// Periods of the low-pass filter's cut-off that a run goes on after the evaluation range, –: what follows has no part in the
-/// figures, and the filter has forgotten its end by a factor of exp(−24).
-pub const SETTLE: f64 = 10.0;
+use crate::table_of_runs::{
+    AUTO, Curve, Errors, Keys, Performed, Row, Stage, Status, observed_orders, perform, pointwise_rms, settled,
+};
 
 /// A comparison that can begin.
 pub struct Script {
@@ -74,9 +72,7 @@ pub fn script(
     overrides: &[String],
     logging: bool,
 ) -> Result<Script, SetupError> {
-    let evaluated = (0..scene.pantographs.len()).map(|index| scene.evaluation_time(index).1);
-    let end = evaluated.fold(0.0, f64::max) + SETTLE / scene.run.low_pass_hz;
-    scene.run.duration = scene.run.duration.min(end);
+    scene.run.duration = settled(&scene);
     let scene = prepare(scene, name, base, logging)?.scene;
     let groups = groups(macro_steps, scene.solver.micro_step);
     let runs = plan(&groups, scene.run.duration, &Keys::of(&scene, overrides));

@@ -16,9 +16,8 @@ mod tests;
 mod text;
 mod trial;
 
-pub use execute::{Comparison, SETTLE, Script, compare, script};
+pub use execute::{Comparison, Script, compare, script};
 pub use page::page;
-pub use plan::{AUTO, Group, Keys, MACRO_STEPS, Planned, algorithms, groups, macro_step, plan};
+pub use plan::{Group, MACRO_STEPS, Planned, algorithms, groups, plan};
 pub use text::text;
-pub(crate) use text::{milliseconds, significant, wrapped};
 pub use trial::{TRIAL_STEPS, Trial, trial, trial_page, trial_text};

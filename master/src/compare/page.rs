@@ -2,16 +2,15 @@
 
 use plotly::Scatter;
 use plotly::color::NamedColor;
-use plotly::common::{DashType, ExponentFormat, HoverInfo, Line, Marker, Mode as Draw, Visible};
-use plotly::layout::{Axis, AxisType, HoverMode};
+use plotly::common::{DashType, HoverInfo, Line, Marker, Mode as Draw, Visible};
+use plotly::layout::{Axis, HoverMode};
 
-use super::plan::{AUTO, algorithms};
-use super::text::{milliseconds, significant};
-use super::{Comparison, SETTLE};
-use crate::report::plots::{COLOURS, axis, finished, layout, rounded};
+use super::Comparison;
+use super::plan::algorithms;
+use crate::report::plots::{COLOURS, axis, decades, finished, layout, logarithmic, rounded};
 use crate::report::{Page, escape, remarks};
 use crate::simulation::Mode;
-use crate::table_of_runs::{Row, STATUS_RULE, Status};
+use crate::table_of_runs::{AUTO, Row, SETTLE, STATUS_RULE, Status, milliseconds, significant};
 
 /// Colour of the monolithic runs.
 const REFERENCE: &str = "#1c2430";
@@ -137,18 +136,6 @@ fn macro_step_axis(comparison: &Comparison) -> Axis {
     logarithmic("macro step [ms]")
         .tick_values(steps.iter().map(|step| 1e3 * step).collect())
         .tick_text(steps.iter().map(|step| milliseconds(Some(*step))).collect())
-}
-
-/// Powers of ten only.
-fn decades(title: &str) -> Axis {
-    logarithmic(title).dtick(1.0)
-}
-
-fn logarithmic(title: &str) -> Axis {
-    axis(title)
-        .type_(AxisType::Log)
-        .zero_line(false)
-        .exponent_format(ExponentFormat::Power)
 }
 
 /// One curve per algorithm through `point` of each row that ended; open marks where the run is not stable.

@@ -5,7 +5,7 @@ use scene::Scene;
 use super::*;
 use crate::report::{Progress, Show};
 use crate::simulation::{Mode, SetupError};
-use crate::table_of_runs::{Row, Stage, Status};
+use crate::table_of_runs::{AUTO, Keys, Row, SETTLE, Stage, Status, macro_step};
 
 #[test]
 fn short_macro_steps_do_not_make_the_long_ones_dear() {

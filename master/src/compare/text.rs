@@ -2,30 +2,7 @@
 
 use super::Comparison;
 use crate::report::aligned;
-use crate::table_of_runs::{Row, Status};
-
-/// Three significant digits, where there is a number.
-pub(crate) fn significant(value: Option<f64>) -> Option<String> {
-    let value = value.filter(|value| value.is_finite())?;
-    Some(match value.abs() {
-        0.0 => "0".to_owned(),
-        size if (1e-3..1e4).contains(&size) => {
-            let digits = (2 - size.log10().floor() as i32).max(0) as usize;
-            format!("{value:.digits$}")
-        }
-        _ => format!("{value:.1e}"),
-    })
-}
-
-/// The same, or `–`.
-pub(super) fn short(value: Option<f64>) -> String {
-    significant(value).unwrap_or_else(|| "–".to_owned())
-}
-
-/// Milliseconds without rounding noise.
-pub(crate) fn milliseconds(step: Option<f64>) -> String {
-    step.map_or_else(|| "–".to_owned(), |step| format!("{}", (1e9 * step).round() / 1e6))
-}
+use crate::table_of_runs::{Row, Status, milliseconds, short, wrapped};
 
 fn cells(row: &Row) -> Vec<String> {
     vec![
@@ -98,22 +75,5 @@ pub fn text(comparison: &Comparison) -> String {
             )));
         }
     }
-    text
-}
-
-/// A remark in lines of at most 116 characters, indented.
-pub(crate) fn wrapped(remark: &str) -> String {
-    let (mut text, mut line) = (String::new(), String::from(" "));
-    for word in remark.split_whitespace() {
-        if line.chars().count() + 1 + word.chars().count() > 116 {
-            text.push_str(&line);
-            text.push('\n');
-            line = String::from("   ");
-        }
-        line.push(' ');
-        line.push_str(word);
-    }
-    text.push_str(&line);
-    text.push('\n');
     text
 }

@@ -5,11 +5,10 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::text::{milliseconds, short};
 use crate::report::{Page, Progress, aligned, escape};
 use crate::simulation::Mode;
 use crate::statistics::ForceStatistics;
-use crate::table_of_runs::{Column, Row, Status};
+use crate::table_of_runs::{Column, Row, Status, milliseconds, short};
 use crate::test_problem::{self, Case};
 
 /// Macro steps when nothing is said, s: those that other masters have been measured at.

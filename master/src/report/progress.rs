@@ -1,6 +1,7 @@
 //! The progress bar of a run.
 
 use std::io::IsTerminal;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -23,6 +24,10 @@ pub struct Progress {
     to: f64,
     /// Whether the bar goes with it.
     owner: bool,
+    /// Share of the bar that is done by parts that run side by side.
+    sum: Arc<Mutex<f64>>,
+    /// For such a part, what it has added to the sum.
+    added: Option<Mutex<f64>>,
 }
 
 /// Steps of a full bar.
@@ -67,6 +72,8 @@ impl Progress {
             from: 0.0,
             to: 1.0,
             owner: true,
+            sum: Arc::default(),
+            added: None,
         }
     }
 
@@ -79,7 +86,28 @@ impl Progress {
             from,
             to,
             owner: false,
+            sum: Arc::default(),
+            added: None,
         }
+    }
+
+    /// The same bar for one of several runs side by side: its values from 0 to `total` add up to `share` of the bar.
+    #[must_use]
+    pub fn beside(&self, share: f64, total: f64) -> Self {
+        Self {
+            bar: self.bar.clone(),
+            total,
+            from: 0.0,
+            to: share,
+            owner: false,
+            sum: Arc::clone(&self.sum),
+            added: Some(Mutex::new(0.0)),
+        }
+    }
+
+    /// Moves the bar to the end of this part.
+    pub fn fill(&self) {
+        self.set(self.total);
     }
 
     /// A bar for work of which only the share that is done is known, 0 to 1.
@@ -95,7 +123,14 @@ impl Progress {
         } else {
             0.0
         };
-        let share = self.from + share * (self.to - self.from);
+        let mut share = self.from + share * (self.to - self.from);
+        if let Some(added) = &self.added {
+            let mut added = added.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut sum = self.sum.lock().unwrap_or_else(PoisonError::into_inner);
+            *sum += share - *added;
+            *added = share;
+            share = *sum;
+        }
         let length = self.bar.length().unwrap_or(STEPS);
         self.bar.set_position((share * length as f64).round() as u64);
     }
@@ -146,6 +181,14 @@ mod tests {
         drop(part);
         assert_eq!(progress.bar.position(), 600);
         assert!(!progress.bar.is_finished());
+        let bar = Progress::share("study", Show::Never);
+        let (one, other) = (bar.beside(0.5, 2.0), bar.beside(0.25, 10.0));
+        one.set(1.0);
+        other.set(10.0);
+        one.set(1.6);
+        assert_eq!(bar.bar.position(), 650);
+        one.fill();
+        assert_eq!(bar.bar.position(), 750);
         let runs = Progress::counted("study", 12, Show::Never);
         runs.set(3.0);
         assert_eq!(runs.bar.position(), 3);

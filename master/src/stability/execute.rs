@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::cases::{Case, Coupled, Knob};
-use super::maps::{Map, Task, tasks};
+use super::maps::{Boundary, Map, Task, tasks};
 use super::trial::{Figures, Made, Way, make, refined, steps};
-use crate::compare::significant;
 use crate::report::Progress;
 use crate::simulation::Mode;
+use crate::table_of_runs::significant;
 use crate::table_of_runs::{Column, Row, Status};
 
 /// Wall time after which a run is ended, s: the longest one needs a tenth of it.
@@ -187,7 +187,7 @@ pub fn execute<E>(
         .iter()
         .map(|case| Mutex::new(plan.ways(case).iter().map(|way| planned(case, way)).collect()))
         .collect();
-    let curves: Vec<Mutex<Option<Vec<(f64, f64)>>>> = tasks.iter().map(|_| Mutex::new(None)).collect();
+    let curves: Vec<Mutex<Option<Boundary>>> = tasks.iter().map(|_| Mutex::new(None)).collect();
     let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let guards: Vec<Guard> = (0..plan.workers.max(1)).map(|_| Guard::default()).collect();
     let table = |complete: bool| {

@@ -47,6 +47,9 @@ pub enum Kind {
     Theory,
 }
 
+/// Points (x, y) of a boundary in a map.
+pub type Boundary = Vec<(f64, f64)>;
+
 /// The boundary of one algorithm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curve {
@@ -55,7 +58,7 @@ pub struct Curve {
     /// What it was found with.
     pub kind: Kind,
     /// The quantity of the map's axis, and the longest stable step there, s; 0 where none was found.
-    pub points: Vec<(f64, f64)>,
+    pub points: Boundary,
 }
 
 /// Longest stable steps over one quantity.
@@ -193,7 +196,7 @@ pub fn tasks(resolution: usize) -> Vec<Task> {
 
 /// The maps with the curves that have been found.
 #[must_use]
-pub fn assemble(tasks: &[Task], points: Vec<Option<Vec<(f64, f64)>>>) -> Vec<Map> {
+pub fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
     let mut maps: Vec<Map> = MAPS
         .iter()
         .map(|titles| Map {
@@ -288,7 +291,7 @@ pub(super) fn coupling(algorithm: &str) -> Option<Coupling> {
 
 impl Task {
     /// Finds the points; `None` where somebody asked for an end.
-    pub(super) fn points(&self, stop: &AtomicBool, interrupted: &AtomicBool) -> Option<Vec<(f64, f64)>> {
+    pub(super) fn points(&self, stop: &AtomicBool, interrupted: &AtomicBool) -> Option<Boundary> {
         let ended = || stop.load(Ordering::Relaxed) || interrupted.load(Ordering::Relaxed);
         let growth = match self.kind {
             Kind::Theory => growth(&coupling(self.algorithm)?),

@@ -7,10 +7,10 @@ use plotly::layout::{AxisType, HoverMode};
 use super::execute::{ALGORITHMS, Hardships, Line};
 use super::maps::{Kind, Map};
 use super::text::{by_case, heading, ways};
-use crate::compare::{milliseconds, significant};
 use crate::report::plots::{COLOURS, axis, finished, layout};
 use crate::report::{Page, escape};
 use crate::table_of_runs::{STATUS_RULE, Status};
+use crate::table_of_runs::{milliseconds, significant};
 
 /// The page of the hard cases.
 #[must_use]

@@ -1,9 +1,9 @@
 //! The table on the terminal.
 
 use super::execute::{Hardships, Line};
-use crate::compare::{significant, wrapped};
 use crate::report::aligned;
 use crate::table_of_runs::Status;
+use crate::table_of_runs::{significant, wrapped};
 
 /// The ways of running a case, in the order of the columns.
 pub(super) fn ways(hardships: &Hardships) -> Vec<(String, String)> {

@@ -40,6 +40,22 @@ impl Curve {
             .collect::<Option<_>>()
             .unwrap_or_default()
     }
+
+    /// The evaluation range with a few samples on both sides, so that every position of it lies between two samples of another
+    /// run: all that a comparison needs.
+    #[must_use]
+    pub fn cut(&self) -> Self {
+        /// Samples beyond the range, –: a strip swings along the track by less than it travels in these.
+        const MARGIN: usize = 16;
+        let from = self.range.start.saturating_sub(MARGIN);
+        let to = (self.range.end + MARGIN).min(self.x.len());
+        Self {
+            x: self.x[from..to].to_vec(),
+            raw: self.raw[from..to].to_vec(),
+            filtered: self.filtered[from..to].to_vec(),
+            range: self.range.start - from..self.range.end - from,
+        }
+    }
 }
 
 /// Differences of a run from its reference, % of the reference's standard deviation of the filtered force.

@@ -5,10 +5,13 @@
 //! | [`Row`] | the columns |
 //! | [`Curve`] | the contact force of a run against position, and its difference from another run's |
 //! | [`Status`] | stable, limit, diverged or refused, by stated bounds |
-//! | [`Variant`], [`perform()`] | a scene with some keys changed, run and timed |
+//! | [`Variant`], [`attempt()`], [`perform()`] | a scene with some keys changed, run once, or run and timed |
+//! | [`Keys`] | what a scene's own keys mean for such a variant |
 //! | [`write()`] | the file |
 
 mod curve;
+mod format;
+mod keys;
 mod perform;
 mod row;
 mod status;
@@ -16,6 +19,8 @@ mod status;
 mod tests;
 
 pub use curve::{Curve, Errors, pointwise_rms};
-pub use perform::{Performed, Stage, Variant, perform};
+pub(crate) use format::{milliseconds, short, significant, wrapped};
+pub use keys::{AUTO, Keys, macro_step};
+pub use perform::{Attempt, Performed, SETTLE, Stage, Variant, attempt, median, perform, settled};
 pub use row::{Column, Row, observed_orders, write};
 pub use status::{ENERGY, LOSS, RAW_ERROR, RUNAWAY, STATUS_RULE, Status};

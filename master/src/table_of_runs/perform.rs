@@ -75,9 +75,110 @@ impl Variant {
     }
 }
 
-/// Makes the runs of a variant, one at a time, and compares the first of them with `reference`.
+/// One run of a variant, not judged yet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attempt {
+    /// Its figures and its cost; a status only where it was refused.
+    pub row: Row,
+    /// Its contact forces; none where it cannot be compared.
+    pub curves: Vec<Curve>,
+    /// Whether it reached its end.
+    pub complete: bool,
+    /// Whether it was ended from outside: there is nothing to judge then.
+    pub interrupted: bool,
+    /// Energy that the coupling added, as a share of the work that crossed the contact (–).
+    pub energy_share: f64,
+    /// Why it ended early, what an automatic choice came to.
+    pub remarks: Vec<String>,
+    /// Wall time of statics and loading, s.
+    pub setup: f64,
+}
+
+impl Attempt {
+    /// The row with status and errors; `reference` is what the run is compared with: name, row, contact forces.
+    #[must_use]
+    pub fn judged(&self, reference: Option<(&str, &Row, &[Curve])>) -> Row {
+        let mut row = self.row.clone();
+        if row.status == Some(Status::Refused) || self.interrupted {
+            return row;
+        }
+        let errors = reference
+            .filter(|_| self.complete)
+            .map(|(_, _, curves)| Errors::between(curves, &self.curves));
+        if let (Some(errors), Some((name, _, _))) = (&errors, reference) {
+            row.take_errors(errors, name);
+        }
+        let (status, reason) = Status::of(&row, self.complete, errors.as_ref(), reference.map(|(_, row, _)| row));
+        row.remark(&reason);
+        let (status, reason) = status.with_energy(self.energy_share);
+        row.remark(&reason);
+        self.remarks.iter().for_each(|remark| row.remark(remark));
+        row.status = Some(status);
+        row
+    }
+}
+
+/// Makes one run of a variant; `begin` is called when the time loop is about to begin.
 ///
 /// A run that cannot begin is refused, with its reason; what concerns all runs alike is an error.
+///
+/// # Errors
+/// FMUs that cannot be made.
+pub fn attempt(
+    stage: &Stage<'_>,
+    variant: &Variant,
+    watch: &Watch<'_>,
+    begin: &mut dyn FnMut(),
+) -> Result<Attempt, SetupError> {
+    let mut attempt = Attempt {
+        row: variant.planned(stage),
+        curves: Vec::new(),
+        complete: false,
+        interrupted: false,
+        energy_share: 0.0,
+        remarks: Vec::new(),
+        setup: 0.0,
+    };
+    let source = FmuSource {
+        folder: stage.fmus.clone(),
+        say: stage.say,
+        logging: stage.logging,
+    };
+    let run = variant.scene(stage).and_then(|scene| {
+        let prepared = prepare(scene, stage.name, stage.base, stage.logging)?;
+        prepared.run(variant.mode, &source, watch, |_| {
+            begin();
+            Ok::<(), SetupError>(())
+        })
+    });
+    let finished = match run {
+        Ok(finished) => finished,
+        Err(error @ (SetupError::Package(_) | SetupError::FmuFile(_))) => return Err(error),
+        Err(error) => {
+            attempt.interrupted = matches!(error, SetupError::Interrupted { .. });
+            attempt.row.status = (!attempt.interrupted).then_some(Status::Refused);
+            attempt.row.remark(&crate::simulation::chain(&error));
+            return Ok(attempt);
+        }
+    };
+    attempt.complete = finished.failure.is_none();
+    attempt.interrupted = !attempt.complete && watch.interrupted.load(Ordering::Relaxed);
+    attempt.curves = Curve::of(&finished.info.evaluation, &finished.record);
+    attempt.energy_share = finished.info.coupling.energy_share;
+    attempt.setup = finished.info.cost.setup_s;
+    let summary = Summary::new(&finished.info, &finished.record);
+    attempt.row.take(&finished.info, &summary, finished.info.cost.wall_s, 1);
+    attempt.remarks.push(finished.info.incomplete_reason.clone());
+    if variant.mode != Mode::Monolithic {
+        // That the table names it goes without saying; what follows may not.
+        let coupling = &finished.info.coupling.reason;
+        let said = coupling.strip_prefix("named in the scene").unwrap_or(coupling);
+        attempt.remarks.push(said.trim_start_matches("; ").to_owned());
+    }
+    Ok(attempt)
+}
+
+/// Makes the runs of a variant, one at a time, and compares the first of them with `reference`.
 ///
 /// # Errors
 /// FMUs that cannot be made.
@@ -87,77 +188,44 @@ pub fn perform(
     reference: Option<(&str, &Performed)>,
     watch: &Watch<'_>,
 ) -> Result<Performed, SetupError> {
-    let mut row = variant.planned(stage);
-    let refused = |mut row: Row, reason: String| {
-        row.status = Some(Status::Refused);
-        row.remark(&reason);
-        Performed {
-            row,
-            curves: Vec::new(),
-            interrupted: false,
+    let first = attempt(stage, variant, watch, &mut || {})?;
+    let mut walls: Vec<f64> = first.row.wall.into_iter().collect();
+    for _ in 1..stage.repeats {
+        if !first.complete {
+            break;
         }
-    };
-    let source = FmuSource {
-        folder: stage.fmus.clone(),
-        say: stage.say,
-        logging: stage.logging,
-    };
-    let (mut walls, mut first) = (Vec::new(), None);
-    for _ in 0..stage.repeats.max(1) {
-        let run = variant.scene(stage).and_then(|scene| {
-            let prepared = prepare(scene, stage.name, stage.base, stage.logging)?;
-            prepared.run(variant.mode, &source, watch, |_| Ok::<(), SetupError>(()))
-        });
-        let finished = match run {
-            Ok(finished) => finished,
-            Err(error @ (SetupError::Package(_) | SetupError::FmuFile(_))) => return Err(error),
-            Err(error) => return Ok(refused(row, crate::simulation::chain(&error))),
-        };
-        walls.push(finished.info.cost.wall_s);
-        let failed = finished.failure.is_some();
-        first.get_or_insert(finished);
-        if failed {
+        let again = attempt(stage, variant, watch, &mut || {})?;
+        walls.extend(again.row.wall);
+        if !again.complete {
             break;
         }
     }
-    let finished = first.expect("at least one run");
-    let complete = finished.failure.is_none();
-    let interrupted = !complete && watch.interrupted.load(Ordering::Relaxed);
-    let curves = Curve::of(&finished.info.evaluation, &finished.record);
-    let summary = Summary::new(&finished.info, &finished.record);
-    row.take(&finished.info, &summary, median(&mut walls), walls.len());
-    let errors = reference
-        .filter(|_| complete)
-        .map(|(_, reference)| Errors::between(&reference.curves, &curves));
-    if let (Some(errors), Some((name, _))) = (&errors, reference) {
-        row.take_errors(errors, name);
+    let mut row = first.judged(reference.map(|(name, run)| (name, &run.row, &*run.curves)));
+    if !walls.is_empty() {
+        row.timed(&mut walls);
     }
-    let (status, reason) = Status::of(
-        &row,
-        complete,
-        errors.as_ref(),
-        reference.map(|(_, reference)| &reference.row),
-    );
-    row.remark(&reason);
-    let (status, reason) = status.with_energy(finished.info.coupling.energy_share);
-    row.remark(&reason);
-    row.remark(&finished.info.incomplete_reason);
-    if variant.mode != Mode::Monolithic {
-        // That the table names it goes without saying; what follows may not.
-        let coupling = &finished.info.coupling.reason;
-        let said = coupling.strip_prefix("named in the scene").unwrap_or(coupling);
-        row.remark(said.trim_start_matches("; "));
-    }
-    row.status = (!interrupted).then_some(status);
     Ok(Performed {
         row,
-        curves,
-        interrupted,
+        curves: first.curves,
+        interrupted: first.interrupted,
     })
 }
 
+/// Periods of the low-pass filter's cut-off that a run goes on after the evaluation range, –: what follows has no part in the
+/// figures, and the filter has forgotten its end by a factor of exp(−24).
+pub const SETTLE: f64 = 10.0;
+
+/// Duration of a run in s that ends when the last strip has left the evaluation range and the low-pass filter has settled; not
+/// longer than the scene's.
+#[must_use]
+pub fn settled(scene: &Scene) -> f64 {
+    let evaluated = (0..scene.pantographs.len()).map(|index| scene.evaluation_time(index).1);
+    let end = evaluated.fold(0.0, f64::max) + SETTLE / scene.run.low_pass_hz;
+    scene.run.duration.min(end)
+}
+
 /// Median of some numbers, the lower one of the middle two.
-fn median(values: &mut [f64]) -> f64 {
+pub fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get((values.len().max(1) - 1) / 2).copied().unwrap_or(f64::NAN)
 }

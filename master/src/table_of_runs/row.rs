@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use scene::Scene;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Errors, Status};
 use crate::results::{ResultsError, RunInfo, Summary};
@@ -52,7 +52,7 @@ macro_rules! columns {
         ///
         /// Forces are those of the first pantograph after the low-pass filter, over the evaluation range; losses of contact
         /// are those of the raw force. Errors are the largest of all pantographs.
-        #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         pub struct Row {
             $($(#[$meta])* #[serde(rename = $name)] pub $field: $type,)+
         }
@@ -87,7 +87,7 @@ columns! {
     micro_step: Option<f64> = "micro_step_s",
     /// Elements of the contact wire in a span, –.
     elements_per_span: Option<u64> = "elements_per_span",
-    /// Kind of element, elements between droppers, axial strain: `cable/8/mean`.
+    /// What helps the elements, joined by `+`, or `plain`.
     mesh: String = "mesh",
     /// Reductions joined by `+`, or `none`.
     reduction: String = "reduction",
@@ -213,6 +213,19 @@ impl Row {
         self.micro_steps = Some(info.cost.micro_steps);
         self.newton_iterations = Some(info.cost.newton_iterations);
         self.factorizations = Some(info.cost.factorizations);
+    }
+
+    /// Takes in the wall times of all runs that were timed, s; there is at least one.
+    pub fn timed(&mut self, walls: &mut [f64]) {
+        let was = self.wall;
+        let wall = super::median(walls);
+        // Wall time over simulated time: both grow alike.
+        self.real_time_factor = match (self.real_time_factor, was) {
+            (Some(factor), Some(was)) if was > 0.0 => Some(factor / was * wall),
+            (factor, _) => factor,
+        };
+        self.wall = Some(wall);
+        self.repeats = Some(walls.len() as u64);
     }
 
     /// Takes in the errors against the run that is called `reference`.

@@ -1,6 +1,6 @@
 //! How a run ended.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Errors, Row};
 
@@ -23,7 +23,7 @@ pub const STATUS_RULE: &str = "diverged: the run did not reach its end, or its f
     is wrong by more than 100 %, or the coupling added or took more than 10 % of the work that crossed the contact. refused: it cannot begin, the reason says why. stable: everything else";
 
 /// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// Nothing to report.

@@ -74,7 +74,7 @@ pub(crate) struct Axial {
 impl Axial {
     /// `τ`, N, with gradient `τ r,ₓ` of the energy per `x` where `|r,ₓ|²` is `square`: at a point, or the mean of the element.
     #[inline(always)]
-    pub(super) fn tau<N: Number>(&self, square: N) -> N {
+    fn tau<N: Number>(&self, square: N) -> N {
         let (ea, stretch) = (self.stiffness, self.stretch);
         if self.law == AxialLaw::Engineering {
             // ∂U/∂b = EA ε b/|b|
@@ -86,7 +86,7 @@ impl Axial {
     }
 
     /// `∂τ/∂(|r,ₓ|²)`, N.
-    pub(super) fn tau_rate(&self, square: f64) -> f64 {
+    fn tau_rate(&self, square: f64) -> f64 {
         if self.law == AxialLaw::Engineering {
             // τ = EA (λ − 1/|b|)
             0.5 * self.stiffness / (square * square.sqrt())

@@ -1,7 +1,7 @@
 //! One cable element.
 use super::axial::{Axial, AxialLaw, nominal_stretch};
 use super::bending::{Bending, BendingLaw};
-use super::number::Space;
+use super::number::{Number, Space};
 use super::shape::{bending_matrix, tension_matrix};
 use super::slopes::{Length, SlopeTangent, Slopes};
 use nalgebra::{SMatrix, Vector3};
@@ -17,6 +17,22 @@ pub type Tangent = SMatrix<f64, 12, 12>;
 pub struct CableSection {
     pub(crate) axial: Axial,
     pub(crate) bending: Bending,
+}
+
+/// The tangent of a tensioned beam: constant matrices on each axis, and the change of its one tension along the gradient of the
+/// mean strain.
+///
+/// ```text
+/// K = (τ ∫ s,ₓ s,ₓᵀ dx + EI ∫ s,ₓₓ s,ₓₓᵀ dx) ⊗ I + κ g gᵀ
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BeamTangent<V: Space> {
+    /// `τ`, N.
+    pub tension: V::Number,
+    /// `g` on `r₁, r₁,ₓ, r₂, r₂,ₓ`: 1/m, –, 1/m, –.
+    pub gradient: [V; 4],
+    /// `κ`, N·m.
+    pub rate: V::Number,
 }
 
 impl CableSection {
@@ -52,20 +68,57 @@ impl CableSection {
         force
     }
 
+    /// Whether the laws are the mean strain and the constant bending law.
+    #[inline(always)]
+    pub(crate) fn is_beam(&self) -> bool {
+        (self.axial.law, self.bending.law) == (AxialLaw::Mean, BendingLaw::Constant)
+    }
+
+    /// What a small `change` of the slopes from `reference` adds to [`CableSection::slope_force`], to first order: the beam under
+    /// the tension of the reference, and the change of tension along the gradient there. Only where it [`CableSection::is_beam`].
+    #[inline(always)]
+    pub(crate) fn slope_force_about<V: Space>(
+        &self,
+        length: Length<V::Number>,
+        reference: &Slopes<V>,
+        change: &Slopes<V>,
+    ) -> Slopes<V> {
+        let one = length.value.constant(1.0);
+        let gradient = reference.beam_gradient(one, one.constant(0.0));
+        let rate = length.value * (self.axial.stiffness * self.axial.stretch.powi(3));
+        let tension = self.axial.common_tau(reference) * length.value;
+        let force = change.beam_gradient(tension, length.inverse * self.bending.common_stiffness());
+        force.and(&gradient.times(gradient.dot(change) * rate))
+    }
+
+    /// What is not constant in the tangent of an element where it [`CableSection::is_beam`], else none.
+    #[inline(always)]
+    pub(crate) fn beam_tangent<V: Space>(
+        &self,
+        length: Length<V::Number>,
+        slopes: &Slopes<V>,
+    ) -> Option<BeamTangent<V>> {
+        if !self.is_beam() {
+            return None;
+        }
+        let one = length.value.constant(1.0);
+        Some(BeamTangent {
+            tension: self.axial.common_tau(slopes),
+            gradient: slopes.beam_gradient(one, one.constant(0.0)).on_nodes(length),
+            rate: length.value * (self.axial.stiffness * self.axial.stretch.powi(3)),
+        })
+    }
+
     /// Second derivatives of the strain energy with respect to the node coordinates.
     pub(crate) fn node_tangent(&self, length: f64, slopes: &Slopes) -> Tangent {
-        let (axial, bending) = (&self.axial, &self.bending);
-        if (axial.law, bending.law) != (AxialLaw::Mean, BendingLaw::Constant) {
+        let Some(beam) = self.beam_tangent(Length::new(length), slopes) else {
             return to_nodes(&self.slope_tangent(length, slopes), length);
-        }
-        // Constant matrices on each axis, and the change of the one axial force along its gradient.
-        let square = slopes.mean_square();
-        let matrix = tension_matrix(length) * axial.tau(square) + bending_matrix(length) * bending.stiffness;
-        let gradient = Coordinates::from_columns(&slopes.beam_gradient(1.0, 0.0).on_nodes(Length::new(length)));
-        let rate = 2.0 * axial.tau_rate(square) * length;
+        };
+        let matrix = tension_matrix(length) * beam.tension + bending_matrix(length) * self.bending.stiffness;
+        let gradient = Coordinates::from_columns(&beam.gradient);
         let mut tangent = Tangent::zeros();
         for (j, mut column) in tangent.column_iter_mut().enumerate() {
-            let factor = rate * gradient[j];
+            let factor = beam.rate * gradient[j];
             for i in 0..12 {
                 column[i] = factor * gradient[i];
             }

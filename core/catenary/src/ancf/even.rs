@@ -56,6 +56,20 @@ impl<N: Number> EvenMatrix<N> {
     }
 }
 
+impl EvenMatrix {
+    /// The sixteen entries, row by row.
+    #[inline(always)]
+    pub fn entries(&self) -> [[f64; 4]; 4] {
+        let c = &self.0;
+        [
+            [c[0] + c[2], c[1] + c[3], c[0] - c[2], c[3] - c[1]],
+            [c[3] + c[1], c[4] + c[5], c[1] - c[3], c[4] - c[5]],
+            [c[0] - c[2], c[1] - c[3], c[0] + c[2], -c[1] - c[3]],
+            [c[3] - c[1], c[4] - c[5], -c[1] - c[3], c[4] + c[5]],
+        ]
+    }
+}
+
 impl<V: Space> EvenProduct<V> {
     /// The sum of two products.
     #[inline(always)]
@@ -89,6 +103,9 @@ mod tests {
             let e = Vector4::new(0.3, -1.1, 0.7, 0.45);
             let [x, y, z] = [0.0, 1.0, -2.0].map(|factor| e * factor);
             let nodes = [0, 1, 2, 3].map(|i| Vector3::new(x[i], y[i], z[i]));
+            let entries = EvenMatrix::new(&matrix).entries();
+            let back = Matrix4::from_fn(|row, column| entries[row][column]);
+            assert!((back - matrix).amax() < 1e-15 * matrix.amax());
             let product = EvenMatrix::new(&matrix).times(nodes).on_nodes();
             let expected = matrix * e;
             for (part, expected) in product.iter().zip(expected.iter()) {

@@ -103,6 +103,24 @@ impl<V: Space> Slopes<V> {
         }
     }
 
+    /// The product with a number.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn times(&self, factor: V::Number) -> Self {
+        Self {
+            chord: self.chord * factor,
+            start: self.start * factor,
+            end: self.end * factor,
+        }
+    }
+
+    /// The scalar product of all three vectors.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn dot(&self, other: &Self) -> V::Number {
+        self.chord.dot(other.chord) + self.start.dot(other.start) + self.end.dot(other.end)
+    }
+
     /// The sum.
     #[inline(always)]
     #[must_use]

@@ -27,7 +27,7 @@ pub struct Compliance {
 /// G_v(x, x) = x (L − x) / (T_v L) − (λ_v/T_v) sinh(x/λ_v) sinh((L − x)/λ_v) / sinh(L/λ_v),    λ_v = √(EI/T_v)
 /// ```
 ///
-/// `g_v ≥ 0`, for the mesh is a subspace (Rayleigh–Ritz). `g_v` is local: what is farther away than [`NEIGHBOURS`] elements
+/// `g_v ≥ 0`, for the mesh is a subspace (Rayleigh–Ritz). `g_v` is local: what is farther away than `NEIGHBOURS` elements
 /// changes no digit that matters. So it is found from a patch of the wire around each element, and elements whose patches are alike
 /// share it: a line of any number of equal spans has the patches of one span and of both ends. Within an element `g_v` is evaluated in
 /// closed form, from the inverse for the element's own coordinates.
@@ -288,3 +288,6 @@ impl Curve for CompliantWire {
         self.compliance.at(s)
     }
 }
+
+#[cfg(test)]
+mod tests;

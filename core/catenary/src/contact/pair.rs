@@ -65,6 +65,11 @@ impl ContactPair {
         self.stiffness > limit
     }
 
+    /// Goes on with another wire, which continues the one before.
+    pub fn set_curve(&mut self, curve: Arc<dyn Curve>) {
+        self.curve = curve;
+    }
+
     /// Puts another marker in place of the strip's, made of it.
     pub fn replace_strip(&mut self, other: impl FnOnce(Box<dyn Marker>) -> Box<dyn Marker>) {
         let nowhere: Box<dyn Marker> = Box::new(super::PrescribedStrip { first: 0 });

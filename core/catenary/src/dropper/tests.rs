@@ -223,3 +223,25 @@ fn a_damper_acts_only_in_steps_that_its_dropper_begins_taut() {
     assert_eq!(closed, LAW.stiffness * pose.elongation + LAW.damping * pose.rate);
     assert!(pose.elongation > 0.0 && closed != closing);
 }
+
+#[test]
+fn the_dynamic_force_takes_the_mass_of_its_ends_into_account_within_any_range() {
+    let mut droppers = batch(0.4);
+    let at = state(TAUT, MOVING);
+    let v_dot = [3.0, -4.0, 5.0, -6.0, 7.0, -8.0];
+    let mut expected = force(&mut droppers, &at);
+    for (force, v_dot) in expected.iter_mut().zip(v_dot) {
+        *force -= 0.2 * v_dot;
+    }
+    let mut whole = [0.0; 6];
+    droppers.add_dynamic_force(&at.motion(&[]), &v_dot, &mut whole);
+    for (a, b) in whole.iter().zip(expected) {
+        assert!((a - b).abs() < 1e-12 * 4e3, "{a} against {b}");
+    }
+    let mut part = [0.0; 6];
+    droppers.add_dynamic_force_within(5..9, &at.motion(&[]), &v_dot, &mut part);
+    assert_eq!(part[5], whole[5]);
+    let mut nothing = [0.0; 6];
+    droppers.add_dynamic_force_within(6..9, &at.motion(&[]), &v_dot, &mut nothing);
+    assert_eq!(nothing, [0.0; 6]);
+}

@@ -34,6 +34,14 @@ pub enum StaticsError {
         /// Force it would push with, N.
         force: f64,
     },
+    /// A span cannot stand between its supports.
+    #[error(
+        "span {span}, held at its supports, has no stable static state: a wire without tension, or a dropper too short"
+    )]
+    Unstable {
+        /// Span, from 1.
+        span: usize,
+    },
     /// The messenger wire sags to the contact wire or below it.
     #[error(
         "dropper {dropper} of span {span} at x = {x} m would be {length:.4} m long: the messenger wire sags too low; more \

@@ -4,6 +4,7 @@
 //! file                subject
 //! form_finding        contact wire held at its heights; lengths follow
 //! nodal_displacement  lengths given; shape follows
+//! repeat              long lines, known from short ones
 //! report              what was found, with the names of the result files
 //! error               why a line has no static state
 //! ```
@@ -11,18 +12,21 @@ mod error;
 mod form_finding;
 mod load;
 mod nodal_displacement;
+mod repeat;
 mod report;
 
 pub use error::StaticsError;
+pub(crate) use repeat::Repeat;
 pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, TensionReport};
 
 use crate::line::Equilibrium;
+use crate::window::{Cells, Source};
 use crate::{Curve, CurveColumns, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName};
 use dynamics::{Force, Layout, State, StaticOptions, System, solve_static};
 use load::DeadLoad;
 use nalgebra::Vector3;
 use scene::Catenary;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Force under which elasticity is measured, N.
 const ELASTICITY_FORCE: f64 = 100.0;
@@ -52,6 +56,11 @@ pub struct StaticLine {
     catenary: Catenary,
     topology: Arc<Topology>,
     equilibrium: Equilibrium,
+    /// The line itself, where a shorter one was solved in its place.
+    whole: Catenary,
+    repeat: Repeat,
+    /// Spans reduced to modes, once they were asked for.
+    cells: OnceLock<Cells>,
     system: Standalone,
     /// Residual compliance of the contact wire under strips at rest.
     at_rest: Option<Arc<ResidualCompliance>>,
@@ -95,6 +104,13 @@ impl StaticLine {
                 load: DeadLoad::default(),
             },
             at_rest,
+            whole: catenary.clone(),
+            repeat: Repeat::of_solved(&Source {
+                catenary,
+                topology: &topology,
+                equilibrium: &equilibrium,
+            }),
+            cells: OnceLock::new(),
             catenary: catenary.clone(),
             topology,
             equilibrium,
@@ -117,6 +133,29 @@ impl StaticLine {
         &self.system.line
     }
 
+    /// What was solved, to be cut into pieces.
+    pub(crate) fn source(&self) -> Source<'_> {
+        Source {
+            catenary: &self.catenary,
+            topology: &self.topology,
+            equilibrium: &self.equilibrium,
+        }
+    }
+
+    /// The line itself, and which of its spans were solved.
+    pub(crate) fn whole(&self) -> (&Catenary, Repeat) {
+        (&self.whole, self.repeat)
+    }
+
+    pub(crate) fn shared(&self) -> (&Arc<Topology>, &Equilibrium) {
+        (&self.topology, &self.equilibrium)
+    }
+
+    /// Where reduced spans are kept between lines made from this static state.
+    pub(crate) fn cells(&self) -> &OnceLock<Cells> {
+        &self.cells
+    }
+
     /// Number of coordinates, fixed ones included.
     #[must_use]
     pub fn coordinates(&self) -> usize {
@@ -129,8 +168,12 @@ impl StaticLine {
         let first = layout.coordinates();
         let coordinates = self.topology.register(layout);
         self.topology.fix_ends(&coordinates, self.catenary.wire_ends, layout);
-        let line = Line::new(&self.catenary, &self.topology, &self.equilibrium, first)
-            .with_contact_compliance(self.system.line.compliance().cloned());
+        self.cured(Line::new(&self.catenary, &self.topology, &self.equilibrium, first))
+    }
+
+    /// With the residual compliance and the corrected mass that the line is to move with.
+    fn cured(&self, line: Line) -> Line {
+        let line = line.with_contact_compliance(self.system.line.compliance().cloned());
         match self.topology.options().mass_correction {
             None => line,
             Some(correction) => line.with_mass_correction(correction),
@@ -158,36 +201,20 @@ impl StaticLine {
             dropper_lengths: vec![2.0 * catenary.encumbrance; equilibrium.dropper_lengths.len()],
             ..equilibrium.clone()
         };
-        Line::new(catenary, &self.topology, &straight, first)
+        self.cured(Line::new(catenary, &self.topology, &straight, first))
     }
 
-    /// Static state with an upward force (N) on the contact wire at `x` (m).
-    ///
-    /// The force is held at the place along the track, not on a point of the wire. Where the contact wire has a residual
-    /// compliance it is that of the moving strips, which the run begins with: the height and the force are those of a strip at the
-    /// start.
-    ///
-    /// # Errors
-    /// See [`StaticsError`].
-    pub fn wire_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {
+    fn solved_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {
         let mut answer = self.answer(x, force, self.system.layout.state_at_rest())?;
         answer.height += force * self.residual(self.system.line.compliance(), x, &answer.state);
         Ok(answer)
     }
 
-    /// Elasticity of the contact wire at each `x` (m): its rise under an upward force of 100 N at rest, per newton, the residual
-    /// compliance included where the line has it. Slack droppers are followed.
-    ///
-    /// # Errors
-    /// See [`StaticsError`].
-    pub fn elasticity(&self, x: &[f64]) -> Result<Vec<ElasticityReport>, StaticsError> {
-        let mut sorted = x.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        sorted.dedup();
+    fn solved_elasticity(&self, points: &[f64]) -> Result<Vec<ElasticityReport>, StaticsError> {
         let mut start = self.system.layout.state_at_rest();
         let rest = start.clone();
-        let mut reports = Vec::with_capacity(sorted.len());
-        for x in sorted {
+        let mut reports = Vec::with_capacity(points.len());
+        for &x in points {
             let answer = self.answer(x, ELASTICITY_FORCE, start)?;
             let rise = answer.height - self.height(x, &rest.q);
             reports.push(ElasticityReport {
@@ -204,7 +231,7 @@ impl StaticLine {
     pub fn elasticity_points(&self, first: usize, last: usize) -> Vec<f64> {
         let mut points = Vec::new();
         for span in first..=last {
-            let (left, right) = (self.catenary.support_x(span - 1), self.catenary.support_x(span));
+            let (left, right) = (self.whole.support_x(span - 1), self.whole.support_x(span));
             points.extend([0.0, 0.25, 0.5, 0.75, 1.0].map(|xi| left + (right - left) * xi));
             points.extend(self.catenary.droppers.positions.iter().map(|position| left + position));
         }
@@ -229,10 +256,6 @@ impl StaticLine {
     }
 
     fn answer(&self, x: f64, force: f64, mut state: State) -> Result<StaticAnswer, StaticsError> {
-        let length = self.catenary.length();
-        if !(0.0..=length).contains(&x) {
-            return Err(StaticsError::BesideTheLine { x, length });
-        }
         let mut system = self.system.clone();
         let curve: Arc<dyn Curve> = system.line.contact_curve();
         let options = StaticOptions::default();

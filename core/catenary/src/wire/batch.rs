@@ -1,10 +1,12 @@
 //! The elements of a wire in groups that fill vector registers: force, damping, weight and inertia in one sweep.
+mod tangent;
+
 use super::enrichment::Products;
 use super::force::{Constants, element_matrix};
 use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, Places};
 use crate::ancf::{CableSection, Components, EvenMatrix, GROUP, Lanes, Length, Slopes, Space};
-use dynamics::Motion;
+use dynamics::{Blocks, Motion, Weights};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -38,10 +40,27 @@ impl Batch {
         }
     }
 
+    /// Evaluates the strain to first order in the displacements from now on, without the force of the reference.
+    pub fn linearise(&mut self) {
+        match self {
+            Self::Planar(sweep) => sweep.linear = true,
+            Self::Spatial(sweep) => sweep.linear = true,
+        }
+    }
+
     /// Adds the force of all elements, with that of inertia where accelerations are given. Only the entries `within` need be
     /// right.
     pub fn add_force(&mut self, within: Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
         self.add_force_on(Arch::new(), within, motion, v_dot, force);
+    }
+
+    /// Adds the tangent of all elements where it is that of tensioned beams with their coordinates in order: whether it is, which
+    /// never changes.
+    pub fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) -> bool {
+        match self {
+            Self::Planar(sweep) => sweep.add_tangent::<8>(motion, weights, blocks),
+            Self::Spatial(sweep) => sweep.add_tangent::<12>(motion, weights, blocks),
+        }
     }
 
     /// The same with the registers of `arch`.
@@ -69,6 +88,14 @@ struct Group<const D: usize> {
     mass: EvenMatrix<[f64; GROUP]>,
 }
 
+/// What else the tangents of a group need.
+#[derive(Clone, Copy, Debug)]
+struct TangentGroup {
+    /// Per tension.
+    tension: EvenMatrix<[f64; GROUP]>,
+    bending: EvenMatrix<[f64; GROUP]>,
+}
+
 /// Arrays of a block of elements.
 #[derive(Clone, Debug)]
 struct Block<const D: usize> {
@@ -85,9 +112,12 @@ struct Block<const D: usize> {
 #[derive(Clone, Debug)]
 pub(super) struct Sweep<const D: usize> {
     cable: CableSection,
+    /// Whether the strain is that of first order, see [`Batch::linearise`].
+    linear: bool,
     weight: f64,
     elements: usize,
     groups: Vec<Group<D>>,
+    tangents: Vec<TangentGroup>,
     places: Places<D>,
     block: Block<D>,
 }
@@ -96,39 +126,62 @@ impl<const D: usize> Sweep<D> {
     fn new(geometry: &WireGeometry, axes: [usize; D], constants: &Constants) -> Self {
         let lengths = geometry.lengths();
         let elements = lengths.len();
+        // The last group repeats the last element; what it gives is not used.
+        let element = |group: usize, lane: usize| (GROUP * group + lane).min(elements - 1);
+        let matrix = |group: usize, weights: &Products<f64>| {
+            let matrices: [EvenMatrix; GROUP] = std::array::from_fn(|lane| {
+                let length = lengths[element(group, lane)];
+                EvenMatrix::new(&element_matrix(length, weights))
+            });
+            EvenMatrix(std::array::from_fn(|i| matrices.map(|matrix| matrix.0[i])))
+        };
         let group = |group: usize| {
-            // The last group repeats the last element; what it gives is not used.
-            let element = |lane: usize| (GROUP * group + lane).min(elements - 1);
-            let slopes = |lane: usize| {
-                let element = element(lane);
+            let length = |lane: usize| lengths[element(group, lane)];
+            let slopes: [Slopes; GROUP] = std::array::from_fn(|lane| {
+                let element = element(group, lane);
                 Slopes::new(geometry.local_reference(element), Length::new(lengths[element]))
-            };
-            let lanes = |value: &dyn Fn(usize) -> f64| std::array::from_fn(value);
-            let vector = |of: &dyn Fn(&Slopes) -> Vector3<f64>| axes.map(|axis| lanes(&|lane| of(&slopes(lane))[axis]));
-            let matrix = |weights: &Products<f64>| {
-                let of = |lane: usize| EvenMatrix::new(&element_matrix(lengths[element(lane)], weights));
-                EvenMatrix(std::array::from_fn(|i| lanes(&|lane| of(lane).0[i])))
-            };
+            });
+            let vector =
+                |of: fn(&Slopes) -> Vector3<f64>| axes.map(|axis| slopes.each_ref().map(|slopes| of(slopes)[axis]));
             Group {
                 length: Length {
-                    value: lanes(&|lane| lengths[element(lane)]),
-                    inverse: lanes(&|lane| 1.0 / lengths[element(lane)]),
+                    value: std::array::from_fn(length),
+                    inverse: std::array::from_fn(|lane| 1.0 / length(lane)),
                 },
                 reference: Slopes {
-                    chord: vector(&|slopes| slopes.chord),
-                    start: vector(&|slopes| slopes.start),
-                    end: vector(&|slopes| slopes.end),
+                    chord: vector(|slopes| slopes.chord),
+                    start: vector(|slopes| slopes.start),
+                    end: vector(|slopes| slopes.end),
                 },
-                damping: matrix(&constants.damping),
-                mass: matrix(&constants.mass),
+                damping: matrix(group, &constants.damping),
+                mass: matrix(group, &constants.mass),
             }
         };
+        let tangent = |group: usize| TangentGroup {
+            tension: matrix(
+                group,
+                &Products {
+                    tension: 1.0,
+                    ..Products::default()
+                },
+            ),
+            bending: matrix(
+                group,
+                &Products {
+                    tension: 0.0,
+                    ..constants.stiffness
+                },
+            ),
+        };
+        let groups = elements.div_ceil(GROUP);
         let zeros = [[[0.0; NODES]; D]; 2];
         Self {
             cable: constants.cable,
+            linear: false,
             weight: constants.weight,
             elements,
-            groups: (0..elements.div_ceil(GROUP)).map(group).collect(),
+            groups: (0..groups).map(group).collect(),
+            tangents: (0..groups).map(tangent).collect(),
             places: Places::new(geometry.nodes(), axes),
             block: Block {
                 q: zeros,
@@ -193,11 +246,13 @@ impl<const D: usize, const DYNAMIC: bool> WithSimd for AddForce<'_, D, DYNAMIC> 
     fn with_simd<S: Simd>(self, simd: S) {
         let Sweep {
             cable,
+            linear,
             weight,
             elements,
             groups,
             places,
             block,
+            ..
         } = self.sweep;
         let [q, v, v_dot] = self.values;
         let start = self.groups.start * GROUP;
@@ -213,7 +268,7 @@ impl<const D: usize, const DYNAMIC: bool> WithSimd for AddForce<'_, D, DYNAMIC> 
             for (place, group) in groups.iter().enumerate() {
                 for part in 0..Lanes::<S>::PARTS {
                     let lanes = GroupLanes { simd, place, part };
-                    lanes.add_force::<D, DYNAMIC>(cable, *weight, group, block);
+                    lanes.add_force::<D, DYNAMIC>((cable, *linear), *weight, group, block);
                 }
             }
             // The lanes beyond the last element belong to none; the first node ends no element of this block.
@@ -238,31 +293,44 @@ struct GroupLanes<S> {
     part: usize,
 }
 
+/// Slopes of several elements side by side.
+type LaneSlopes<S, const D: usize> = Slopes<Components<Lanes<S>, D>>;
+
 impl<S: Simd> GroupLanes<S> {
     #[inline(always)]
     fn constant(self, values: &[f64; GROUP]) -> Lanes<S> {
         Lanes::load(self.simd, values, self.part)
     }
 
+    /// (Not by `array::map`: what is not inlined here knows no vector registers.)
+    #[inline(always)]
+    fn constants<const N: usize>(self, values: &[[f64; GROUP]; N]) -> [Lanes<S>; N] {
+        let mut lanes = [self.constant(&values[0]); N];
+        for i in 1..N {
+            lanes[i] = self.constant(&values[i]);
+        }
+        lanes
+    }
+
     #[inline(always)]
     fn vector<const D: usize>(self, values: &[[f64; GROUP]; D]) -> Components<Lanes<S>, D> {
-        Components(values.each_ref().map(|values| self.constant(values)))
+        Components(self.constants(values))
     }
 
     #[inline(always)]
     fn matrix(self, values: &EvenMatrix<[f64; GROUP]>) -> EvenMatrix<Lanes<S>> {
-        EvenMatrix(values.0.each_ref().map(|values| self.constant(values)))
+        EvenMatrix(self.constants(&values.0))
     }
 
     /// The values of the nodes `offset` places on from the first ones of the elements.
     #[inline(always)]
     fn nodes<const D: usize>(self, values: &[[f64; NODES]; D], offset: usize) -> Components<Lanes<S>, D> {
         let first = self.place * GROUP + offset;
-        Components(
-            values
-                .each_ref()
-                .map(|array| Lanes::load(self.simd, &array[first..first + GROUP], self.part)),
-        )
+        let mut lanes = [Lanes::load(self.simd, &values[0][first..first + GROUP], self.part); D];
+        for axis in 1..D {
+            lanes[axis] = Lanes::load(self.simd, &values[axis][first..first + GROUP], self.part);
+        }
+        Components(lanes)
     }
 
     #[inline(always)]
@@ -279,20 +347,14 @@ impl<S: Simd> GroupLanes<S> {
     #[inline(always)]
     fn store<const D: usize>(self, values: Components<Lanes<S>, D>, arrays: &mut [[f64; NODES]; D], offset: usize) {
         let first = self.place * GROUP + offset;
-        for (value, array) in values.0.into_iter().zip(arrays) {
-            value.store(&mut array[first..first + GROUP], self.part);
+        for (axis, array) in arrays.iter_mut().enumerate() {
+            values.0[axis].store(&mut array[first..first + GROUP], self.part);
         }
     }
 
-    /// Evaluates the elements and writes their forces on the nodes into the block.
+    /// Length of the elements, their slopes in the reference, and the change of these.
     #[inline(always)]
-    fn add_force<const D: usize, const DYNAMIC: bool>(
-        self,
-        cable: &CableSection,
-        weight: f64,
-        group: &Group<D>,
-        block: &mut Block<D>,
-    ) {
+    fn slopes<const D: usize>(self, group: &Group<D>, block: &Block<D>) -> (Length<Lanes<S>>, [LaneSlopes<S, D>; 2]) {
         let length = Length {
             value: self.constant(&group.length.value),
             inverse: self.constant(&group.length.inverse),
@@ -302,12 +364,29 @@ impl<S: Simd> GroupLanes<S> {
             start: self.vector(&group.reference.start),
             end: self.vector(&group.reference.end),
         };
-        let slopes = reference.and(&Slopes::new(self.coordinates(&block.q), length));
+        (length, [reference, Slopes::new(self.coordinates(&block.q), length)])
+    }
+
+    /// Evaluates the elements and writes their forces on the nodes into the block.
+    #[inline(always)]
+    fn add_force<const D: usize, const DYNAMIC: bool>(
+        self,
+        (cable, linear): (&CableSection, bool),
+        weight: f64,
+        group: &Group<D>,
+        block: &mut Block<D>,
+    ) {
+        let (length, [reference, change]) = self.slopes(group, block);
         let mut rest = self.matrix(&group.damping).times(self.coordinates(&block.v));
         if DYNAMIC {
             rest = rest.and(self.matrix(&group.mass).times(self.coordinates(&block.v_dot)));
         }
-        let strain = cable.slope_force(length, &slopes).on_nodes(length);
+        let strain = if linear {
+            cable.slope_force_about(length, &reference, &change)
+        } else {
+            cable.slope_force(length, &reference.and(&change))
+        };
+        let strain = strain.on_nodes(length);
         let [mut f1, mut m1, mut f2, mut m2] = add(strain, rest.on_nodes());
         // ∫ m g s dx
         let half = length.value * (0.5 * weight);

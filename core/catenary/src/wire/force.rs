@@ -50,6 +50,8 @@ pub struct Wire {
     /// `h²/6 · T`, N·s²: see [`Wire::with_mass_correction`].
     correction: f64,
     pub(super) constants: Constants,
+    /// Whether the strain is that of first order, see [`Wire::linearised`].
+    linear: bool,
     elements: Vec<Element>,
     pub(super) batch: Batch,
     pub(super) layers: Layers,
@@ -140,6 +142,7 @@ impl Wire {
             gravity,
             correction,
             constants,
+            linear: false,
             elements,
         }
     }
@@ -180,6 +183,18 @@ impl Wire {
         Self::assembled(section, damping, laws, gravity, correction, self.geometry)
     }
 
+    /// The wire whose strain is linear in the displacements from the reference, and whose force there is its weight alone; none
+    /// where the laws are not in closed form.
+    #[must_use]
+    pub(crate) fn linearised(&self) -> Option<Self> {
+        self.constants.cable.is_beam().then(|| {
+            let mut wire = self.clone();
+            wire.linear = true;
+            wire.batch.linearise();
+            wire
+        })
+    }
+
     /// The geometry.
     #[must_use]
     pub fn geometry(&self) -> &Arc<WireGeometry> {
@@ -202,18 +217,29 @@ impl Wire {
     #[must_use]
     pub fn strain_energy(&self, q: &[f64]) -> f64 {
         let Constants { cable, stiffness, .. } = &self.constants;
-        let elements: f64 = (0..self.elements.len())
-            .map(|i| cable.slope_energy(self.elements[i].length, &self.slopes(i, q)))
-            .sum();
+        let energy = |i: usize| {
+            let Element { length, reference } = &self.elements[i];
+            if self.linear {
+                let change = self.change(i, q);
+                0.5 * change.dot(&cable.slope_force_about(Length::new(*length), reference, &change))
+            } else {
+                cable.slope_energy(*length, &self.slopes(i, q))
+            }
+        };
+        let elements: f64 = (0..self.elements.len()).map(energy).sum();
         elements + self.layers.energy(&self.geometry, stiffness, q)
     }
 
     fn slopes(&self, element: usize, q: &[f64]) -> Slopes {
-        let Element { length, reference } = &self.elements[element];
+        self.elements[element].reference.and(&self.change(element, q))
+    }
+
+    /// Change of the slopes from the reference.
+    fn change(&self, element: usize, q: &[f64]) -> Slopes {
         let nodes = self.geometry.nodes();
         let (r1, r1_x) = nodes[element].map.gather(q);
         let (r2, r2_x) = nodes[element + 1].map.gather(q);
-        reference.and(&Slopes::new([r1, r1_x, r2, r2_x], Length::new(*length)))
+        Slopes::new([r1, r1_x, r2, r2_x], Length::new(self.elements[element].length))
     }
 
     /// Adds one component-wise matrix (the same for x, y, z) per element, and its layers.
@@ -228,6 +254,44 @@ impl Wire {
             }
         }
         self.layers.add_blocks(&self.geometry, weights, blocks);
+    }
+
+    /// Adds the tangent of the strain with `weight` and constant matrices with the weights `rates`, for any laws and coordinates.
+    pub(super) fn add_tangents_of_elements(
+        &self,
+        motion: &Motion<'_>,
+        weight: f64,
+        rates: &Products<f64>,
+        blocks: &mut Blocks<'_>,
+    ) {
+        let nodes = self.geometry.nodes();
+        for (i, element) in self.elements.iter().enumerate() {
+            let slopes = self.slopes(i, motion.q);
+            let mut tangent: Tangent = self.constants.cable.node_tangent(element.length, &slopes) * weight;
+            let rates = element_matrix(element.length, rates);
+            for row in 0..4 {
+                for column in 0..4 {
+                    for axis in 0..3 {
+                        tangent[(3 * row + axis, 3 * column + axis)] += rates[(row, column)];
+                    }
+                }
+            }
+            let (a, b) = (&nodes[i].map, &nodes[i + 1].map);
+            let index: [Option<usize>; 12] = std::array::from_fn(|k| {
+                let (map, axis) = (if k < 6 { a } else { b }, k % 3);
+                if k % 6 < 3 { map.position(axis) } else { map.slope(axis) }
+            });
+            if index.iter().all(Option::is_some) {
+                // Symmetric: column by column is row by row.
+                blocks.add(
+                    &index.map(Option::unwrap_or_default),
+                    &index.map(Option::unwrap_or_default),
+                    tangent.as_slice(),
+                );
+            } else {
+                add_selected(blocks, &index, |row, column| tangent[(row, column)]);
+            }
+        }
     }
 }
 
@@ -280,44 +344,20 @@ impl Force for Wire {
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
-        let Constants {
-            cable,
-            stiffness,
-            damping,
-            ..
-        } = &self.constants;
+        let Constants { stiffness, damping, .. } = &self.constants;
         let rates = Products {
             mass: weights.v * damping.mass,
             tension: weights.v * damping.tension,
             bending: weights.v * damping.bending,
         };
-        let nodes = self.geometry.nodes();
-        for (i, element) in self.elements.iter().enumerate() {
-            let slopes = self.slopes(i, motion.q);
-            let mut tangent: Tangent = cable.node_tangent(element.length, &slopes) * weights.q;
-            let rates = element_matrix(element.length, &rates);
-            for row in 0..4 {
-                for column in 0..4 {
-                    for axis in 0..3 {
-                        tangent[(3 * row + axis, 3 * column + axis)] += rates[(row, column)];
-                    }
-                }
-            }
-            let (a, b) = (&nodes[i].map, &nodes[i + 1].map);
-            let index: [Option<usize>; 12] = std::array::from_fn(|k| {
-                let (map, axis) = (if k < 6 { a } else { b }, k % 3);
-                if k % 6 < 3 { map.position(axis) } else { map.slope(axis) }
-            });
-            if index.iter().all(Option::is_some) {
-                // Symmetric: column by column is row by row.
-                blocks.add(
-                    &index.map(Option::unwrap_or_default),
-                    &index.map(Option::unwrap_or_default),
-                    tangent.as_slice(),
-                );
-            } else {
-                add_selected(blocks, &index, |row, column| tangent[(row, column)]);
-            }
+        // The tangent of a linear wire is that of its reference.
+        let reference = vec![0.0; if self.linear { motion.q.len() } else { 0 }];
+        let motion = &Motion {
+            q: if self.linear { &reference } else { motion.q },
+            ..*motion
+        };
+        if !self.batch.add_tangent(motion, weights, blocks) {
+            self.add_tangents_of_elements(motion, weights.q, &rates, blocks);
         }
         let weights = Products {
             mass: rates.mass,

@@ -44,6 +44,14 @@ impl<const D: usize> Places<D> {
         }
     }
 
+    /// The first coordinate of each node, where the others follow it.
+    pub fn runs(&self) -> Option<&[u32]> {
+        match self {
+            Self::Runs(starts) => Some(starts),
+            Self::Anywhere(_) => None,
+        }
+    }
+
     /// Whether each node's coordinates follow those of the node before.
     pub fn ascend(&self) -> bool {
         match self {

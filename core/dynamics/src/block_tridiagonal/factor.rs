@@ -32,6 +32,7 @@ impl BlockTridiagonal {
 
     /// Factors the matrix with these values, one per entry of the pattern; of each pair of entries that mirror each other the lower
     /// one counts. Returns false where the matrix is not positive definite.
+    #[must_use]
     pub fn factor(&mut self, values: &[f64]) -> bool {
         let assembled = &mut self.assembled;
         for buffer in [&mut assembled.diagonal, &mut assembled.down, &mut assembled.up] {
@@ -70,9 +71,17 @@ impl WithSimd for Factor<'_> {
         let matrix = self.0;
         let middle = matrix.middle;
         let last = matrix.blocks.len() - 1;
-        (0..middle).all(|i| eliminate(simd, matrix, i, i + 1))
-            && (middle + 1..=last).rev().all(|i| eliminate(simd, matrix, i, i - 1))
-            && invert(matrix, middle)
+        for i in 0..middle {
+            if !eliminate(simd, matrix, i, i + 1) {
+                return false;
+            }
+        }
+        for i in (middle + 1..=last).rev() {
+            if !eliminate(simd, matrix, i, i - 1) {
+                return false;
+            }
+        }
+        invert(matrix, middle)
     }
 }
 
@@ -118,6 +127,7 @@ fn eliminate<S: Simd>(simd: S, matrix: &mut BlockTridiagonal, i: usize, next: us
 }
 
 /// Writes the inverse of the block on the diagonal in front of the backward block; false where it is not positive definite.
+#[inline(always)]
 fn invert(matrix: &mut BlockTridiagonal, i: usize) -> bool {
     let Block {
         size,
@@ -135,7 +145,7 @@ fn invert(matrix: &mut BlockTridiagonal, i: usize) -> bool {
         for j in 0..k {
             pivot -= a[j * height + k] * a[j * height + k];
         }
-        if !(pivot > 4.0 * f64::EPSILON * diagonal) || !pivot.is_finite() {
+        if !pivot.is_finite() || pivot <= 4.0 * f64::EPSILON * diagonal {
             return false;
         }
         let scale = 1.0 / pivot.sqrt();

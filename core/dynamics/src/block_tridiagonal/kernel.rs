@@ -25,18 +25,19 @@ fn chains<S: Simd, const V: usize, const U: usize>(
         }
     }
     let rest = groups.remainder().chunks_exact(V).zip(factors.remainder());
-    for (sum, (column, &x)) in sums.iter_mut().zip(rest) {
+    for (sums, (column, &x)) in sums.iter_mut().zip(rest) {
         let factor = simd.splat_f64s(x);
-        for v in 0..V {
-            sum[v] = simd.mul_add_e_f64s(column[v], factor, sum[v]);
+        for (sum, &entry) in sums.iter_mut().zip(column) {
+            *sum = simd.mul_add_e_f64s(entry, factor, *sum);
         }
     }
     let mut width = U;
     while width > 1 {
         width /= 2;
-        for u in 0..width {
-            for v in 0..V {
-                sums[u][v] = simd.add_f64s(sums[u][v], sums[u + width][v]);
+        let (low, high) = sums.split_at_mut(width);
+        for (low, high) in low.iter_mut().zip(high) {
+            for (sum, &mut other) in low.iter_mut().zip(high) {
+                *sum = simd.add_f64s(*sum, other);
             }
         }
     }
@@ -122,22 +123,25 @@ pub(super) fn add_product<S: Simd>(simd: S, block: &[f64], x: &[f64], y: &mut [f
     }
 }
 
-/// Largest absolute value.
+/// Whether any absolute value is above a threshold; what is not a number is.
 #[inline(always)]
-pub(super) fn largest<S: Simd>(simd: S, x: &[f64]) -> f64 {
-    let zero = simd.splat_f64s(0.0);
-    let vectors = S::as_simd_f64s(x).0.iter();
-    simd.reduce_max_f64s(vectors.fold(zero, |max, &x| simd.max_f64s(max, simd.abs_f64s(x))))
+pub(super) fn any_above<S: Simd>(simd: S, x: &[f64], threshold: f64) -> bool {
+    let threshold = simd.splat_f64s(threshold);
+    S::as_simd_f64s(x).0.iter().any(|&x| {
+        let below = simd.less_than_or_equal_f64s(simd.abs_f64s(x), threshold);
+        simd.first_true_m64s(simd.not_m64s(below)) < S::F64_LANES
+    })
 }
 
-/// Largest absolute value of the products of entries.
+/// Whether any absolute value of the products of entries is above a threshold.
 #[inline(always)]
-pub(super) fn largest_product<S: Simd>(simd: S, x: &[f64], weights: &[f64]) -> f64 {
-    let zero = simd.splat_f64s(0.0);
-    let pairs = S::as_simd_f64s(x).0.iter().zip(S::as_simd_f64s(weights).0);
-    simd.reduce_max_f64s(pairs.fold(zero, |max, (&x, &weight)| {
-        simd.max_f64s(max, simd.abs_f64s(simd.mul_f64s(x, weight)))
-    }))
+pub(super) fn any_product_above<S: Simd>(simd: S, x: &[f64], weights: &[f64], threshold: f64) -> bool {
+    let threshold = simd.splat_f64s(threshold);
+    let mut pairs = S::as_simd_f64s(x).0.iter().zip(S::as_simd_f64s(weights).0);
+    pairs.any(|(&x, &weight)| {
+        let above = simd.greater_than_f64s(simd.abs_f64s(simd.mul_f64s(x, weight)), threshold);
+        simd.first_true_m64s(above) < S::F64_LANES
+    })
 }
 
 /// Dot product of two vectors of whole lanes.

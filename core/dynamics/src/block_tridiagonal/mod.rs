@@ -21,10 +21,11 @@ use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// A symmetric positive definite matrix whose pattern falls into small blocks along a line.
-pub(crate) struct BlockTridiagonal {
+pub struct BlockTridiagonal {
     arch: Arch,
     blocks: Vec<Block>,
     middle: usize,
+    runs: Vec<Run>,
     /// Where each unknown stands in the filled-up vectors.
     positions: Vec<u32>,
     /// Block of each unknown.
@@ -59,8 +60,14 @@ struct Block {
     /// First number of its block on the diagonal and, if it is not the last, of its couplings with the next block.
     assembled: usize,
     coupling: usize,
-    /// Number of the first unknown in the whole system where they follow one another there.
-    run: Option<usize>,
+}
+
+/// Numbers that follow one another both in the filled-up vectors and in those of the whole system.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    at: usize,
+    whole: usize,
+    len: usize,
 }
 
 /// The matrix in dense blocks, filled up.
@@ -85,16 +92,23 @@ enum Place {
 
 /// `y = A⁻¹ u` of one local right side, without the blocks where it has decayed.
 #[derive(Debug, Default)]
-pub(crate) struct LocalColumn {
+pub struct LocalColumn {
     /// First entry in filled-up vectors.
     first: usize,
     values: Vec<f64>,
 }
 
 impl LocalColumn {
-    /// Number of entries that are kept.
+    /// Number of entries that are kept, those that fill up the blocks included.
+    #[must_use]
     pub fn len(&self) -> usize {
         self.values.len()
+    }
+
+    /// Whether it has none: the right side was zero.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
     }
 }
 
@@ -113,6 +127,7 @@ impl WithSimd for Lanes {
 impl BlockTridiagonal {
     /// Analyses a symmetric pattern in compressed columns (row indices ascending); `unknowns[i]` is the number of unknown `i` in the
     /// vectors of the whole system. `None` where the pattern does not fall into small blocks.
+    #[must_use]
     pub fn analyse(unknowns: &[usize], column_starts: &[usize], row_indices: &[usize]) -> Option<Self> {
         let arch = Arch::new();
         let lanes = arch.dispatch(Lanes);
@@ -125,9 +140,6 @@ impl BlockTridiagonal {
         let mut blocks = Vec::with_capacity(sizes.len());
         for (i, (&size, &height)) in sizes.iter().zip(&heights).enumerate() {
             let first = bounds[i];
-            let run = unknowns[first..first + size]
-                .windows(2)
-                .all(|pair| pair[1] == pair[0] + 1);
             blocks.push(Block {
                 first,
                 size,
@@ -137,7 +149,6 @@ impl BlockTridiagonal {
                 backward,
                 assembled,
                 coupling,
-                run: run.then(|| unknowns[first]),
             });
             let next = match i.cmp(&middle) {
                 std::cmp::Ordering::Less => Some(i + 1),
@@ -163,8 +174,17 @@ impl BlockTridiagonal {
                 positions[block.first + k] = (block.at + k) as u32;
             }
         }
+        let mut runs: Vec<Run> = Vec::new();
+        for (&at, &whole) in positions.iter().zip(unknowns) {
+            let at = at as usize;
+            match runs.last_mut() {
+                Some(run) if run.at + run.len == at && run.whole + run.len == whole => run.len += 1,
+                _ => runs.push(Run { at, whole, len: 1 }),
+            }
+        }
         let mut this = Self {
             arch,
+            runs,
             middle,
             positions,
             block_of,
@@ -193,17 +213,9 @@ impl BlockTridiagonal {
     }
 
     /// Takes the right side of the next solution from a vector of the whole system.
-    pub fn load(&mut self, unknowns: &[usize], right_side: &[f64]) {
-        for block in &self.blocks {
-            let work = &mut self.work[block.at..block.at + block.size];
-            match block.run {
-                Some(run) => work.copy_from_slice(&right_side[run..run + block.size]),
-                None => {
-                    for (work, &unknown) in work.iter_mut().zip(&unknowns[block.first..]) {
-                        *work = right_side[unknown];
-                    }
-                }
-            }
+    pub fn load(&mut self, right_side: &[f64]) {
+        for run in &self.runs {
+            self.work[run.at..run.at + run.len].copy_from_slice(&right_side[run.whole..run.whole + run.len]);
         }
     }
 
@@ -213,6 +225,7 @@ impl BlockTridiagonal {
     }
 
     /// Product of the loaded right side with a local column.
+    #[must_use]
     pub fn dot(&self, column: &LocalColumn) -> f64 {
         struct Dot<'a>(&'a [f64], &'a [f64]);
         impl WithSimd for Dot<'_> {
@@ -227,42 +240,56 @@ impl BlockTridiagonal {
         self.arch.dispatch(Dot(work, &column.values))
     }
 
-    /// Solves for the loaded right side and writes the solution into a vector of the whole system; entries that are left out stay
-    /// as they are. `changed` sees the numbers of the first and (excluded) last unknown of every run of blocks that were solved.
+    /// Solves for the loaded right side and writes the solution into a vector of the whole system, but for zeros at both ends of it.
+    /// `changed` sees the unknowns of every run of blocks that were solved, and those with the neighbours they couple with.
     ///
     /// Blocks whose right side, after elimination, is nowhere above `threshold` are left out, as are those that a solution next to them
     /// would change by a force below it: what is left of the right side there is of that order.
-    pub fn solve(
-        &mut self,
-        unknowns: &[usize],
-        threshold: f64,
-        solution: &mut [f64],
-        changed: &mut dyn FnMut(Range<usize>),
-    ) {
+    pub fn solve(&mut self, threshold: f64, solution: &mut [f64], changed: &mut dyn FnMut(Range<usize>, Range<usize>)) {
         let hull = self.sweep(threshold, 0..self.blocks.len());
-        let mut from = None;
-        for i in hull.clone() {
-            let block = &self.blocks[i];
-            if self.active[i] {
-                let work = &self.work[block.at..block.at + block.size];
-                match block.run {
-                    Some(run) => solution[run..run + block.size].copy_from_slice(work),
-                    None => {
-                        for (&work, &unknown) in work.iter().zip(&unknowns[block.first..]) {
-                            solution[unknown] = work;
-                        }
-                    }
-                }
-                from.get_or_insert(block.first);
-            } else if let Some(from) = from.take() {
-                changed(from..block.first);
+        let mut from = hull.start;
+        for active in self.active[hull.clone()].chunk_by(|a, b| a == b) {
+            let to = from + active.len();
+            if active[0] {
+                let beyond = (to + 1).min(self.blocks.len());
+                changed(
+                    self.unknowns_of(from..to),
+                    self.unknowns_of(from.saturating_sub(1)..beyond),
+                );
             }
+            from = to;
         }
-        if let Some(from) = from {
-            let last = &self.blocks[hull.end - 1];
-            changed(from..last.first + last.size);
+        let (first, end) = self.span(&hull);
+        let begin = self.runs.partition_point(|run| run.at + run.len <= first);
+        for run in self.runs[begin..].iter().take_while(|run| run.at < end) {
+            let (from, to) = (run.at.max(first), (run.at + run.len).min(end));
+            let whole = run.whole + (from - run.at);
+            solution[whole..whole + (to - from)].copy_from_slice(&self.work[from..to]);
         }
         self.clear(&hull);
+    }
+
+    /// Solves for the loaded right side without leaving anything out; `solution` has one entry per unknown.
+    pub fn unload(&mut self, solution: &mut [f64]) {
+        let hull = self.sweep(0.0, 0..self.blocks.len());
+        for (value, &position) in solution.iter_mut().zip(&self.positions) {
+            *value = self.work[position as usize];
+        }
+        self.clear(&hull);
+    }
+
+    fn unknowns_of(&self, blocks: Range<usize>) -> Range<usize> {
+        let last = &self.blocks[blocks.end - 1];
+        self.blocks[blocks.start].first..last.first + last.size
+    }
+
+    /// A column with room for all unknowns.
+    #[must_use]
+    pub fn new_column(&self) -> LocalColumn {
+        LocalColumn {
+            first: 0,
+            values: Vec::with_capacity(self.work.len()),
+        }
     }
 
     /// Solves for a right side of a few `entries` (unknown, value), down to where the solution has decayed to `relative` times the
@@ -288,6 +315,7 @@ impl BlockTridiagonal {
     }
 
     /// Entry of a local column.
+    #[must_use]
     pub fn entry(&self, column: &LocalColumn, unknown: usize) -> f64 {
         let position = self.positions[unknown] as usize;
         position
@@ -295,13 +323,6 @@ impl BlockTridiagonal {
             .and_then(|place| column.values.get(place))
             .copied()
             .unwrap_or(0.0)
-    }
-
-    /// Unknowns that couple with `unknowns`, those included: of the blocks before to after theirs.
-    pub fn neighbourhood(&self, unknowns: &Range<usize>) -> Range<usize> {
-        let first = (self.block_of[unknowns.start] as usize).saturating_sub(1);
-        let last = (self.block_of[unknowns.end - 1] as usize + 1).min(self.blocks.len() - 1);
-        self.blocks[first].first..self.blocks[last].first + self.blocks[last].size
     }
 
     fn sweep(&mut self, threshold: f64, right_side: Range<usize>) -> Range<usize> {

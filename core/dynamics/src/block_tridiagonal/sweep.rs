@@ -1,5 +1,5 @@
 //! Elimination towards the middle block and substitution back to both ends.
-use super::kernel::{Term, combine, largest, largest_product};
+use super::kernel::{Term, any_above, any_product_above, combine};
 use super::{Block, BlockTridiagonal, Buffer};
 use pulp::{Simd, WithSimd};
 use std::ops::Range;
@@ -30,7 +30,7 @@ impl<S: Simd> Pass<'_, S> {
     fn decide(&mut self, i: usize) -> bool {
         let block = &self.blocks[i];
         let own = &mut self.work[block.at..block.at + block.height];
-        let active = largest(self.simd, own) > self.threshold;
+        let active = any_above(self.simd, own, self.threshold);
         if !active {
             own.fill(0.0);
         }
@@ -94,8 +94,8 @@ impl<S: Simd> Pass<'_, S> {
         );
         if !has_right_side {
             let range = block.at..block.at + block.height;
-            let force = largest_product(self.simd, &self.work[range.clone()], &self.diagonal[range.clone()]);
-            if force <= self.threshold {
+            let (x, diagonal) = (&self.work[range.clone()], &self.diagonal[range.clone()]);
+            if !any_product_above(self.simd, x, diagonal, self.threshold) {
                 self.work[range].fill(0.0);
                 self.active[i] = false;
                 return false;

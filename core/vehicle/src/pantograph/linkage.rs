@@ -25,7 +25,8 @@ pub struct Linkage {
     suspension: AxialSpring,
     uplift: DeadForce,
     strip: BodyMarker,
-    strip_orientation: UnitQuaternion<f64>,
+    /// Of the bodies in the reference position.
+    orientations: Vec<UnitQuaternion<f64>>,
     static_force: f64,
 }
 
@@ -65,7 +66,7 @@ impl Linkage {
             suspension: builder.suspension()?,
             uplift: builder.uplift()?,
             strip: builder.strip()?,
-            strip_orientation: builder.orientations[builder.number("strip.body", &entry.strip.body)?],
+            orientations: builder.orientations,
             joints,
             bodies: builder.bodies,
             entry: entry.clone(),
@@ -136,7 +137,7 @@ impl Linkage {
 
     /// Middle of the strip in the reference position, in the frame of the base, m.
     pub(crate) fn reference_strip_position(&self) -> Vector3<f64> {
-        self.strip.pose.reference + self.strip_orientation * self.strip.offset
+        self.strip.pose.reference + self.orientation(self.strip_body()) * self.strip.offset
     }
 
     /// A constant vertical force (N, upward) in the middle of the strip.
@@ -145,6 +146,16 @@ impl Linkage {
             marker: self.strip,
             force: Vector3::new(0.0, 0.0, force),
         }
+    }
+
+    /// Number of the strip's body.
+    pub(super) fn strip_body(&self) -> usize {
+        self.strip.pose.orientation - self.offsets.orientation
+    }
+
+    /// Orientation of a body in the reference position.
+    pub(super) fn orientation(&self, body: usize) -> UnitQuaternion<f64> {
+        self.orientations[body]
     }
 
     pub(crate) fn offsets(&self) -> Offsets {

@@ -1,10 +1,15 @@
 //! Pantographs: masses in a chain, or a mechanism of rigid bodies.
 mod builder;
 mod chain;
+mod curve;
 mod equilibrium;
 mod linkage;
 mod lumped;
+mod one_motion;
+mod plane;
+mod reduced;
 mod statics;
+mod table;
 #[cfg(test)]
 mod tests;
 
@@ -12,3 +17,5 @@ pub use chain::{ChainElement, ChainMasses, FRICTION_VELOCITY, HeadMarker};
 pub use equilibrium::Equilibrium;
 pub use linkage::Linkage;
 pub use lumped::Lumped;
+pub use one_motion::ReducedStrip;
+pub use reduced::ReducedLinkage;

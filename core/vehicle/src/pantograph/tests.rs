@@ -1,6 +1,7 @@
 mod four_bar;
 mod linkage;
 mod lumped;
+mod reduced;
 mod thesis;
 
 use crate::PantographModel;

@@ -4,9 +4,9 @@ mod distribution;
 mod series;
 
 use plotly::color::NamedColor;
-use plotly::common::{Anchor, DashType, Font, Line, Mode, Orientation, Title};
+use plotly::common::{Anchor, DashType, ExponentFormat, Font, Line, Mode, Orientation, Title};
 use plotly::configuration::DisplayModeBar;
-use plotly::layout::{Annotation, Axis, HoverMode, Legend, Margin, Shape, ShapeLayer, ShapeLine, ShapeType};
+use plotly::layout::{Annotation, Axis, AxisType, HoverMode, Legend, Margin, Shape, ShapeLayer, ShapeLine, ShapeType};
 use plotly::{Configuration, Layout, Plot, Scatter};
 
 use super::{escape, plot_html};
@@ -82,6 +82,19 @@ pub(crate) fn axis(title: &str) -> Axis {
         .line_color(MARK)
         .show_line(true)
         .auto_margin(true)
+}
+
+/// Powers of ten only.
+pub(crate) fn decades(title: &str) -> Axis {
+    logarithmic(title).dtick(1.0)
+}
+
+/// Logarithmic, powers of ten written as powers.
+pub(crate) fn logarithmic(title: &str) -> Axis {
+    axis(title)
+        .type_(AxisType::Log)
+        .zero_line(false)
+        .exponent_format(ExponentFormat::Power)
 }
 
 pub(crate) fn layout(x: Axis, y: Axis) -> Layout {

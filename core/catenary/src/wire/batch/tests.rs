@@ -2,6 +2,7 @@ use super::super::{Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, 
 use super::*;
 use crate::ancf::{AxialLaw, BendingLaw, Cable, Coordinates};
 use dynamics::{Blocks, Force};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// More than one block of elements, and a last group that is not full.
@@ -275,6 +276,126 @@ fn a_range_of_coordinates_has_the_force_of_the_whole_evaluation() {
                     whole[i]
                 );
             }
+        }
+    }
+}
+
+/// Rows, columns and values of what `add` puts into blocks, summed.
+fn entries(add: &dyn Fn(&mut Blocks<'_>)) -> BTreeMap<(u32, u32), f64> {
+    let mut places = Vec::new();
+    add(&mut Blocks::record(&mut places));
+    let order: Vec<u32> = (0..places.len() as u32).collect();
+    let mut values = vec![0.0; places.len()];
+    add(&mut Blocks::add_to(&order, &mut values));
+    let mut sums = BTreeMap::new();
+    for (place, value) in places.iter().zip(values) {
+        *sums.entry(*place).or_insert(0.0) += value;
+    }
+    sums
+}
+
+#[test]
+fn batches_give_the_tangent_of_element_by_element() {
+    for (name, geometry, n) in wires() {
+        for laws in LAWS {
+            let wire = wire(&geometry, laws);
+            let (q, v) = (
+                noise(n, 1).iter().map(|value| 0.02 * value).collect::<Vec<f64>>(),
+                vec![0.0; n],
+            );
+            let motion = Motion {
+                t: 0.0,
+                q: &q,
+                v: &v,
+                rotation: &[],
+                u: &[],
+            };
+            let weights = Weights { q: 0.9, v: 700.0 };
+            let mut blocks = Vec::new();
+            let mut batch = wire.batch.clone();
+            let batched = batch.add_tangent(&motion, weights, &mut Blocks::record(&mut blocks));
+            assert_eq!(batched, laws == LAWS[0] && wire.evaluates_ranges(), "{name}, {laws:?}");
+            if !batched {
+                continue;
+            }
+            let of_batches = entries(&|blocks| {
+                wire.batch.clone().add_tangent(&motion, weights, blocks);
+            });
+            let damping = &wire.constants.damping;
+            let rates = Products {
+                mass: weights.v * damping.mass,
+                tension: weights.v * damping.tension,
+                bending: weights.v * damping.bending,
+            };
+            let expected = entries(&|blocks| wire.add_tangents_of_elements(&motion, weights.q, &rates, blocks));
+            let scale = expected
+                .values()
+                .fold(0.0_f64, |largest, value| largest.max(value.abs()));
+            assert_eq!(of_batches.len(), expected.len());
+            for (place, value) in &expected {
+                let error = (of_batches[place] - value).abs();
+                assert!(
+                    error < 1e-13 * scale,
+                    "{name}, {laws:?}, {place:?}: {} against {value}",
+                    of_batches[place]
+                );
+            }
+        }
+    }
+}
+
+fn moving<'a>(q: &'a [f64], v: &'a [f64]) -> Motion<'a> {
+    Motion {
+        t: 0.0,
+        q,
+        v,
+        rotation: &[],
+        u: &[],
+    }
+}
+
+#[test]
+fn a_linearised_wire_has_the_tangent_of_its_reference_everywhere() {
+    for (name, geometry, n) in wires() {
+        for laws in LAWS {
+            let plain = wire(&geometry, laws);
+            let Some(mut linear) = plain.linearised() else {
+                assert!(laws != (AxialLaw::Mean, BendingLaw::Constant));
+                continue;
+            };
+            let zero = vec![0.0; n];
+            let (q, v, v_dot) = (noise(n, 1), noise(n, 2), noise(n, 3));
+            let (mut expected, mut force) = (vec![0.0; n], vec![0.0; n]);
+            linear.add_force(&moving(&zero, &zero), &mut expected);
+            linear.add_dynamic_force(&moving(&q, &v), &v_dot, &mut force);
+            let tangent = |q: f64, v: f64| {
+                let (plain, zero) = (plain.clone(), zero.clone());
+                move |blocks: &mut Blocks<'_>| {
+                    plain
+                        .clone()
+                        .add_tangent(&moving(&zero, &zero), Weights { q, v }, blocks)
+                }
+            };
+            subtract(&tangent(1.0, 0.0), &q, &mut expected);
+            subtract(&tangent(0.0, 1.0), &v, &mut expected);
+            subtract(&|blocks| plain.add_mass(blocks), &v_dot, &mut expected);
+            let scale = expected.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+            for (i, (a, b)) in force.iter().zip(&expected).enumerate() {
+                assert!((a - b).abs() < 1e-12 * scale, "{name}, {laws:?}, {i}: {a} against {b}");
+            }
+            // The force is the gradient of the energy, a quadratic one: no truncation error.
+            let energy = |size: f64| {
+                let there: Vec<f64> = q.iter().map(|q| size * q).collect();
+                linear.energy(&moving(&there, &zero))
+            };
+            let slope = (energy(1.0) - energy(-1.0)) / 2.0;
+            let mut at_rest = vec![0.0; n];
+            linear.clone().add_force(&moving(&zero, &zero), &mut at_rest);
+            let work: f64 = at_rest.iter().zip(&q).map(|(f, q)| f * q).sum();
+            assert!(
+                (slope + work).abs() < 1e-9 * energy(1.0).abs(),
+                "{name}: {slope} {work}"
+            );
         }
     }
 }

@@ -178,6 +178,7 @@ fn the_strip_starts_where_it_is_placed_and_travels() {
         start_x: 56.25,
         speed: 55.0,
         gravity: GRAVITY,
+        one_motion: false,
     };
     let entry = scene::PantographModel::Linkage(thesis());
     let mut model = PantographModel::new(&entry, placement, "pantograph 1", &mut layout).unwrap();
@@ -309,7 +310,7 @@ impl Force for StripSpring {
 
 /// Squared eigenfrequencies (1/s²) of the mechanism in its tabulated position with the strip on a spring: the motions that
 /// the joints allow, in increasing order.
-fn eigenvalues(contact: f64) -> DVector<f64> {
+pub(super) fn eigenvalues(contact: f64) -> DVector<f64> {
     let (mut linkage, layout) = linkage(&thesis());
     let state = linkage.local_state(&linkage.equilibrium_at_height(4.945).unwrap());
     let (n, m) = (layout.coordinates(), layout.constraints());
@@ -387,6 +388,7 @@ fn loads_accelerate_the_mechanism_as_its_effective_masses_say() {
         start_x: 0.0,
         speed: 50.0,
         gravity: GRAVITY,
+        one_motion: false,
     };
     let mut model = PantographModel::new(&entry, placement, "pantograph", &mut layout).unwrap();
     let mut state = layout.state_at_rest();

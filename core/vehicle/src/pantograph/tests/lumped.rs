@@ -25,6 +25,7 @@ fn alone(entry: scene::Lumped, with_contact: bool) -> (Alone, State) {
         start_x: 20.0,
         speed: 70.0,
         gravity: 9.81,
+        one_motion: false,
     };
     let model = PantographModel::new(
         &scene::PantographModel::Lumped(entry),

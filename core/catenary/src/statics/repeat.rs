@@ -1,0 +1,183 @@
+//! A long line of equal spans, known from a short one.
+use super::{ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport};
+use crate::LineOptions;
+use crate::window::{SAME, Source};
+use scene::Catenary;
+
+/// Spans at either end of a line that may differ from its periodic middle.
+const MARGIN: usize = 2;
+/// Longest period that is looked for, spans.
+const LONGEST_PERIOD: usize = 8;
+/// Spans of the short line, at least.
+const KNOWN: usize = 16;
+
+/// Which spans of a line stand for which: its middle repeats itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Repeat {
+    /// Spans of the line.
+    pub spans: usize,
+    /// Spans that were solved.
+    pub known: usize,
+    /// Spans after which the middle repeats itself; none where it does not.
+    pub period: Option<usize>,
+}
+
+impl Repeat {
+    /// Of a line all of whose spans were solved.
+    pub fn of_solved(source: &Source<'_>) -> Self {
+        let spans = source.catenary.spans();
+        let middle = MARGIN..spans.saturating_sub(MARGIN);
+        let period = (1..=LONGEST_PERIOD)
+            .filter(|period| middle.len() >= 2 * period)
+            .find(|&period| {
+                let mut pairs = middle.start..middle.end - period;
+                pairs.all(|span| source.difference(span, span + period) <= SAME)
+            });
+        Self {
+            spans,
+            known: spans,
+            period,
+        }
+    }
+
+    /// The solved spans that stand for `count` spans of the line from `from` on; the first of them.
+    pub fn source_of(&self, from: usize, count: usize) -> usize {
+        match self.period {
+            Some(_) if from + count + MARGIN >= self.spans && from > MARGIN => self.known - (self.spans - from),
+            Some(period) if from > MARGIN => {
+                // About the middle of what was solved, in step with the period.
+                let middle = MARGIN + (self.known / 2).saturating_sub(MARGIN + count / 2) / period * period;
+                let last = self.known.saturating_sub(MARGIN + count + period - 1);
+                let middle = middle.min(MARGIN + last.saturating_sub(MARGIN) / period * period);
+                middle + (from - MARGIN) % period
+            }
+            _ => from,
+        }
+    }
+}
+
+impl StaticLine {
+    /// The static state of a line of which at most `together` consecutive spans are looked at at a time.
+    ///
+    /// Where it is long and its spans are equally long, a line of a few dozen spans is solved in its place if the middle of that one
+    /// repeats itself to `SAME` with the period of the stagger: so does then that of the long line, whose end effects end in the
+    /// same spans. Memory and time do not grow with the number of spans.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn solve_long(catenary: &Catenary, options: LineOptions, together: usize) -> Result<Self, StaticsError> {
+        let (spans, cycle) = (catenary.spans(), catenary.stagger.len());
+        let uniform = catenary
+            .span_lengths
+            .iter()
+            .all(|length| *length == catenary.span_lengths[0]);
+        let mut known = KNOWN.max(2 * MARGIN + 2 * cycle + together);
+        // The last support stands where it does in the long line: the stagger there is the same.
+        known += spans.saturating_sub(known) % cycle;
+        while uniform && cycle <= LONGEST_PERIOD && 2 * known <= spans {
+            let short = Catenary {
+                span_lengths: catenary.span_lengths[..known].to_vec(),
+                ..catenary.clone()
+            };
+            let mut line = Self::solve(&short, options)?;
+            let repeat = Repeat::of_solved(&line.source());
+            if repeat.period.is_some_and(|period| cycle % period == 0) {
+                line.repeat = Repeat { spans, ..repeat };
+                line.whole = catenary.clone();
+                line.report = line.repeated(&line.report);
+                return Ok(line);
+            }
+            known = 2 * known + spans.saturating_sub(2 * known) % cycle;
+        }
+        Self::solve(catenary, options)
+    }
+
+    /// Number of spans.
+    #[must_use]
+    pub fn spans(&self) -> usize {
+        self.repeat.spans
+    }
+
+    /// Elements of both wires together.
+    #[must_use]
+    pub fn elements(&self) -> usize {
+        self.topology.elements() / self.repeat.known * self.repeat.spans
+    }
+
+    /// The place among the solved spans that stands for `x` (m).
+    fn solved_place(&self, x: f64) -> f64 {
+        if self.repeat.spans == self.repeat.known {
+            return x;
+        }
+        let length = self.whole.span_lengths[0];
+        let span = ((x / length).max(0.0) as usize).min(self.repeat.spans - 1);
+        x - self.whole.support_x(span) + self.catenary.support_x(self.repeat.source_of(span, 1))
+    }
+
+    /// Static state with an upward force (N) on the contact wire at `x` (m).
+    ///
+    /// The force is held at the place along the track, not on a point of the wire. Where the contact wire has a residual
+    /// compliance it is that of the moving strips, which the run begins with: the height and the force are those of a strip at the
+    /// start. Of a long line known from a short one the coordinates are those of the short one.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn wire_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {
+        let length = self.whole.length();
+        if !(0.0..=length).contains(&x) {
+            return Err(StaticsError::BesideTheLine { x, length });
+        }
+        self.solved_height_under(self.solved_place(x), force)
+    }
+
+    /// Elasticity of the contact wire at each `x` (m): its rise under an upward force of 100 N at rest, per newton, the residual
+    /// compliance included where the line has it. Slack droppers are followed.
+    ///
+    /// # Errors
+    /// See [`StaticsError`].
+    pub fn elasticity(&self, x: &[f64]) -> Result<Vec<ElasticityReport>, StaticsError> {
+        let mut sorted = x.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        sorted.dedup();
+        let length = self.whole.length();
+        if let Some(&x) = sorted.iter().find(|x| !(0.0..=length).contains(*x)) {
+            return Err(StaticsError::BesideTheLine { x, length });
+        }
+        let solved: Vec<f64> = sorted.iter().map(|&x| self.solved_place(x)).collect();
+        let reports = self.solved_elasticity(&solved)?;
+        let reports = sorted
+            .iter()
+            .zip(reports)
+            .map(|(&x, report)| ElasticityReport { x, ..report });
+        Ok(reports.collect())
+    }
+
+    /// What was found on a short line, for all spans.
+    fn repeated(&self, found: &StaticsReport) -> StaticsReport {
+        let repeat = &self.repeat;
+        let per_span = self.catenary.droppers.positions.len();
+        let mut report = StaticsReport {
+            droppers: Vec::new(),
+            supports: Vec::new(),
+            ..found.clone()
+        };
+        for span in 0..repeat.spans {
+            let source = repeat.source_of(span, 1);
+            let shift = self.whole.support_x(span) - self.catenary.support_x(source);
+            for dropper in &found.droppers[source * per_span..(source + 1) * per_span] {
+                report.droppers.push(super::DropperReport {
+                    span: span + 1,
+                    x: dropper.x + shift,
+                    ..*dropper
+                });
+            }
+            for support in &found.supports[source..source + 1 + usize::from(span + 1 == repeat.spans)] {
+                report.supports.push(super::SupportReport {
+                    x: support.x + shift,
+                    ..*support
+                });
+            }
+        }
+        report
+    }
+}

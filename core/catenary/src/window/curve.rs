@@ -1,0 +1,36 @@
+//! The contact wire of a window.
+use crate::{Compliance, Curve, CurveColumns, CurvePoint};
+use std::sync::Arc;
+
+/// The contact wire within the window, which starts at x = 0 in its own numbers, where it stands along the track: at `origin` plus
+/// one coordinate of the system.
+///
+/// The parameter is that of the window's own wire, so that it falls back by a span when the window moves on: the search for the
+/// contact finds it again from anywhere.
+pub(super) struct WindowCurve {
+    pub inner: Arc<dyn Curve>,
+    /// Coordinate of the distance that the window has travelled, m.
+    pub position: usize,
+    /// x of the window's left support at the start, m.
+    pub origin: f64,
+}
+
+impl Curve for WindowCurve {
+    fn length(&self) -> f64 {
+        self.inner.length()
+    }
+
+    fn point(&self, s: f64, q: &[f64], v: &[f64]) -> CurvePoint {
+        let mut point = self.inner.point(s, q, v);
+        point.r.x += self.origin + q[self.position];
+        point
+    }
+
+    fn columns(&self, s: f64, columns: &mut CurveColumns) {
+        self.inner.columns(s, columns);
+    }
+
+    fn compliance(&self, s: f64) -> Compliance {
+        self.inner.compliance(s)
+    }
+}

@@ -1,0 +1,123 @@
+//! Pieces of a line in its static state.
+use crate::line::Equilibrium;
+use crate::topology::WireCoordinates;
+use crate::{Enrichment, Line, ResidualCompliance, Topology, WireGeometry, WireName, WireNode};
+use dynamics::Layout;
+use nalgebra::Vector3;
+use scene::{Catenary, WireEnds};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A line whose static state is known, to be cut at its supports.
+pub(crate) struct Source<'a> {
+    pub catenary: &'a Catenary,
+    pub topology: &'a Topology,
+    pub equilibrium: &'a Equilibrium,
+}
+
+impl Source<'_> {
+    /// Spans `spans` (from 0) as a line of their own that starts at x = 0, with coordinates numbered from `first`, and the number of
+    /// these. What the rest of the line did to it is missing: its ends are neither held nor pulled.
+    pub fn cut(&self, spans: Range<usize>, first: usize) -> (Line, usize) {
+        let catenary = Catenary {
+            span_lengths: self.catenary.span_lengths[spans.clone()].to_vec(),
+            // No forces of tensioning devices.
+            wire_ends: WireEnds::Fixed,
+            ..self.catenary.clone()
+        };
+        let options = self.topology.options();
+        let topology = Arc::new(Topology::new(&catenary, *options));
+        let mut layout = Layout::new();
+        let coordinates = topology.register(&mut layout);
+        let equilibrium = self.equilibrium_of(&spans, &coordinates);
+        let line = Line::new(&catenary, &topology, &equilibrium, first);
+        let line = match options.mass_correction {
+            None => line,
+            Some(correction) => line.with_mass_correction(correction),
+        };
+        (line, layout.coordinates())
+    }
+
+    /// The same with the residual compliance of the contact wire, which nothing but contact asks for.
+    pub fn cut_for_contact(&self, spans: Range<usize>, first: usize) -> (Line, usize) {
+        let (line, count) = self.cut(spans, first);
+        let compliance = self.topology.options().contact_compliance.and_then(|speed| {
+            let wire = line.wire(WireName::ContactWire);
+            ResidualCompliance::new(wire.geometry(), wire.section(), speed).map(Arc::new)
+        });
+        (line.with_contact_compliance(compliance), count)
+    }
+
+    fn equilibrium_of(&self, spans: &Range<usize>, coordinates: &[WireCoordinates; 2]) -> Equilibrium {
+        let nodes = self.nodes(spans);
+        let start = Vector3::x() * self.topology.x()[nodes.start];
+        let droppers = self.topology.droppers();
+        let droppers = droppers
+            .iter()
+            .zip(&self.equilibrium.dropper_lengths)
+            .filter(|(place, _)| spans.contains(&(place.span - 1)));
+        let inner = |reactions: &[Vector3<f64>]| reactions[spans.start..spans.end - 1].to_vec();
+        let wire = |geometry: &WireGeometry, coordinates: &WireCoordinates| {
+            let cut = geometry.nodes()[nodes.clone()].iter().zip(&coordinates.nodes);
+            let cut = cut.map(|(node, &map)| WireNode {
+                position: node.position - start,
+                map,
+                ..*node
+            });
+            let lengths = geometry.lengths()[nodes.start..nodes.end - 1].to_vec();
+            let layers = geometry
+                .enrichments()
+                .iter()
+                .filter(|layer| layer.node > nodes.start && layer.node + 1 < nodes.end)
+                .zip(&coordinates.layers)
+                .map(|(layer, own)| Enrichment {
+                    node: own.node,
+                    index: own.index,
+                    ..*layer
+                });
+            WireGeometry::new(cut.collect(), lengths, layers.collect())
+        };
+        Equilibrium {
+            contact_wire: wire(&self.equilibrium.contact_wire, &coordinates[0]),
+            messenger_wire: wire(&self.equilibrium.messenger_wire, &coordinates[1]),
+            dropper_lengths: droppers.map(|(_, &length)| length).collect(),
+            support_reactions: inner(&self.equilibrium.support_reactions),
+            arm_reactions: inner(&self.equilibrium.arm_reactions),
+        }
+    }
+
+    /// Nodes of some spans, both ends included.
+    fn nodes(&self, spans: &Range<usize>) -> Range<usize> {
+        let supports = self.topology.supports();
+        supports[spans.start]..supports[spans.end] + 1
+    }
+
+    /// Largest difference between two spans in the static state, m (–): shapes, lengths, droppers.
+    pub fn difference(&self, a: usize, b: usize) -> f64 {
+        let supports = self.topology.supports();
+        let count = supports[a + 1] - supports[a];
+        if supports[b + 1] - supports[b] != count {
+            return f64::INFINITY;
+        }
+        let x = self.topology.x();
+        let shift = Vector3::x() * (x[supports[b]] - x[supports[a]]);
+        let mut largest = 0.0_f64;
+        for wire in [&self.equilibrium.contact_wire, &self.equilibrium.messenger_wire] {
+            for i in 0..=count {
+                let (mine, other) = (&wire.nodes()[supports[a] + i], &wire.nodes()[supports[b] + i]);
+                largest = largest.max((mine.position + shift - other.position).amax());
+                largest = largest.max((mine.slope - other.slope).amax());
+                if i < count {
+                    let lengths = wire.lengths();
+                    largest = largest.max((lengths[supports[a] + i] - lengths[supports[b] + i]).abs());
+                }
+            }
+        }
+        let per_span = self.catenary.droppers.positions.len();
+        let droppers = &self.equilibrium.dropper_lengths;
+        for i in 0..per_span {
+            largest = largest.max((droppers[a * per_span + i] - droppers[b * per_span + i]).abs());
+        }
+        largest
+    }
+}

@@ -1,0 +1,108 @@
+//! What holds the spans beyond the window: supports, true ends, and the end of what is modelled.
+use super::cell::Cell;
+use super::far::Ground;
+use super::plan::Arrangement;
+use super::{Fixed, SPONGE};
+use crate::Dimension;
+use crate::line_end::HOLDING_STIFFNESS;
+use scene::WireEnds;
+
+impl Fixed {
+    /// Place of the vertical displacement among the coordinates of a node.
+    pub(super) fn vertical(&self) -> usize {
+        if self.topology.options().dimension == Dimension::Planar {
+            1
+        } else {
+            2
+        }
+    }
+
+    /// Damping added to the modes of a reduced span: only where the modes beyond it are fewer, or where the line goes on unmodelled.
+    pub(super) fn sponge(&self, arrangement: &Arrangement, span: usize, cell: &Cell) -> Vec<f64> {
+        let (plan, distance) = (&self.plan, arrangement.distance(span));
+        let count = if span < arrangement.window.start {
+            arrangement.window.start - arrangement.modelled.start
+        } else {
+            arrangement.modelled.end - arrangement.window.end
+        };
+        let modes = arrangement.modes[span - arrangement.modelled.start].len();
+        (0..modes.min(cell.mode_count()))
+            .map(|mode| {
+                if count <= plan.near {
+                    0.0
+                } else if mode >= plan.modes.far {
+                    SPONGE * (distance as f64 / plan.near as f64).powi(2)
+                } else {
+                    SPONGE * (distance.saturating_sub(plan.near) as f64 / plan.reach as f64).powi(2)
+                }
+            })
+            .collect()
+    }
+
+    /// Holds a support: its springs, or an end of what is modelled.
+    pub(super) fn hold(
+        &self,
+        arrangement: &Arrangement,
+        support: usize,
+        grounds: &mut Vec<Ground>,
+        held: &mut Vec<usize>,
+    ) {
+        let Some(places) = self.support(arrangement, support) else {
+            return;
+        };
+        let places: Vec<usize> = places.collect();
+        let (contact, messenger) = places.split_at(places.len() / 2);
+        let vertical = self.vertical();
+        let transverse = 1..=vertical;
+        let catenary = &self.catenary;
+        let true_end = support == 0 || support == self.plan.spans;
+        let cut = support == arrangement.modelled.start || support == arrangement.modelled.end;
+        let wires = [(contact, &catenary.contact_wire), (messenger, &catenary.messenger_wire)];
+        if true_end || cut {
+            held.extend(
+                wires
+                    .iter()
+                    .flat_map(|(node, _)| node[transverse.clone()].iter().copied()),
+            );
+        }
+        if true_end {
+            for (node, _) in wires {
+                match catenary.wire_ends {
+                    WireEnds::Fixed => held.push(node[0]),
+                    WireEnds::ConstantTension => grounds.push(Ground {
+                        index: node[0],
+                        stiffness: HOLDING_STIFFNESS,
+                        ..Ground::default()
+                    }),
+                }
+            }
+        } else if cut {
+            for (node, wire) in wires {
+                grounds.push(Ground {
+                    index: node[0],
+                    stiffness: HOLDING_STIFFNESS,
+                    damping: (wire.axial_stiffness * wire.mass_per_length).sqrt(),
+                    mass: 0.0,
+                });
+            }
+        } else {
+            let (springs, arm) = (&catenary.supports, &catenary.registration_arms);
+            let mut ground = |index: usize, stiffness: f64, mass: f64| {
+                grounds.push(Ground {
+                    index,
+                    stiffness,
+                    damping: 0.0,
+                    mass,
+                });
+            };
+            ground(messenger[0], springs.messenger_longitudinal_stiffness, 0.0);
+            ground(messenger[vertical], springs.messenger_vertical_stiffness, 0.0);
+            ground(contact[0], 0.0, arm.mass);
+            ground(contact[vertical], arm.vertical_stiffness, arm.mass);
+            if vertical == 2 {
+                ground(messenger[1], springs.messenger_lateral_stiffness, 0.0);
+                ground(contact[1], arm.lateral_stiffness, arm.mass);
+            }
+        }
+    }
+}

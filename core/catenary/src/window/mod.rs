@@ -1,0 +1,480 @@
+//! A line of which only the spans around the strips are modelled in full: `window` of `model.reduce`.
+//!
+//! ```text
+//!   true end                                                                     true end, or absorbing
+//!      |== cell == cell == cell ==|......... window .........|== cell == cell == ... ==|
+//!                                  full spans, strips inside
+//! ```
+//!
+//! The window is a line of a few spans cut out of the static state. What lies beyond its ends does not stop there: the spans next
+//! to it are linear and reduced to their supports and their lowest modes ([`cell`]), which costs a tenth of a full span, carries
+//! waves of the frequencies of interest without any reflection, and keeps the line's longitudinal elasticity, which the contact
+//! force depends on by several percent. On short lines these cells reach the true ends. On long ones there are a fixed number of
+//! them, with damping that grows with the distance and, at the last support, dashpots `√(EA m)` matched to longitudinal waves [after
+//! Lysmer & Kuhlemeyer 1969].
+//!
+//! When the last strip comes to the next span, the window moves on by one: the entering span takes its motion from its modes, and
+//! the leaving one hands its own over to modes, so that neither starts or stops abruptly. In the middle of a line of equal spans the
+//! matrices stay the same ones, and moving is a copy.
+//!
+//! ```text
+//! file     subject
+//! plan     which span is modelled how, for each position
+//! cut      pieces of the static state
+//! modes    lowest modes of a span
+//! cell     a reduced span
+//! far      all reduced spans as one contribution
+//! ends     what holds them
+//! overhead the whole in the place of any other line
+//! curve    the contact wire, with the window where it is
+//! transfer the state, taken along
+//! ```
+mod cell;
+mod curve;
+mod cut;
+mod ends;
+mod far;
+mod modes;
+mod overhead;
+mod plan;
+mod transfer;
+
+use crate::line::Equilibrium;
+use crate::linear_line::assembled;
+use crate::statics::Repeat;
+use crate::{Dimension, Line, LinearLine, OverheadLine, StaticLine, StaticsError, Topology, WireName};
+use cell::{Cell, SpanMatrices};
+pub(crate) use cut::Source;
+use dynamics::{Continuity, Layout, Motion, SparseMatrix, Weights};
+use far::{FarField, Member};
+use plan::{Arrangement, ModeCounts, Plan};
+use scene::{Catenary, Reduction, Scene};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Full spans behind that of the last strip: its droppers still go slack there.
+const BEHIND: usize = 2;
+/// Full spans ahead of that of the first strip.
+const AHEAD: usize = 1;
+/// Reduced spans on either side of the window, at most: those of a tension length of 20 to 30 spans, so that its true ends are there.
+const REACH: usize = 30;
+/// Those of them, nearest to the window, that carry all waves of interest.
+const NEAR: usize = 6;
+/// Highest mode of a near span in units of the highest frequency that matters there: a force of the filter's frequency `f` that
+/// moves with `v` sends waves of frequency `f/(1 − v/c)` ahead, and meets such waves that come from behind.
+const BAND: f64 = 1.2;
+/// Highest mode of a span further away, Hz.
+const LOW_BAND: f64 = 4.0;
+/// Damping of modes in the last near span, 1/s.
+const SPONGE: f64 = 5.0;
+/// Spans that differ by less in the static state are the same, m.
+pub(crate) const SAME: f64 = 1e-7;
+
+/// Where the coordinates of the window's own line stand; the same at every position.
+struct Places {
+    /// For each support the coordinates of the contact wire's node, then those of the messenger wire's.
+    supports: Vec<Vec<usize>>,
+    /// For each support its bending layers.
+    layers: Vec<Vec<usize>>,
+    /// Between the supports of each span.
+    inner: Vec<Range<usize>>,
+}
+
+/// The spans of a static state, reduced.
+#[derive(Clone, Debug)]
+pub(crate) struct Cells {
+    /// Modes of each cell.
+    modes: usize,
+    /// For each span its class.
+    classes: Vec<usize>,
+    /// The reduced span of each class.
+    cells: Vec<Arc<Cell>>,
+}
+
+/// What a window models of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WindowSize {
+    /// Spans modelled in full.
+    pub full: usize,
+    /// Spans reduced to supports and modes, at most.
+    pub reduced: usize,
+    /// Elements of both wires in the window.
+    pub elements: usize,
+    /// Coordinates, those included that are held.
+    pub coordinates: usize,
+}
+
+/// What does not change while the window moves.
+struct Fixed {
+    catenary: Catenary,
+    topology: Arc<Topology>,
+    equilibrium: Equilibrium,
+    linearised: bool,
+    plan: Plan,
+    repeat: Repeat,
+    cells: Cells,
+    /// x of all supports, m.
+    supports_x: Vec<f64>,
+    /// Coordinate of the distance travelled, m; those of the window follow.
+    position: usize,
+    places: Places,
+    /// All coordinates of the line.
+    coordinates: Range<usize>,
+}
+
+/// A line of which a window around the strips is modelled in full.
+pub struct WindowedLine {
+    fixed: Fixed,
+    /// x of the window's left support at the start, m.
+    origin: f64,
+    arrangement: Arrangement,
+    inner: Box<dyn OverheadLine>,
+    far: FarField,
+    held: Vec<usize>,
+    uplift_reference: Vec<f64>,
+}
+
+impl Fixed {
+    fn source(&self) -> Source<'_> {
+        Source {
+            catenary: &self.catenary,
+            topology: &self.topology,
+            equilibrium: &self.equilibrium,
+        }
+    }
+
+    fn source_of(&self, from: usize, count: usize) -> usize {
+        self.repeat.source_of(from, count)
+    }
+
+    fn cell(&self, span: usize) -> &Arc<Cell> {
+        &self.cells.cells[self.cells.classes[self.source_of(span, 1)]]
+    }
+
+    /// Everything that the matrices depend on.
+    fn kind(&self, arrangement: &Arrangement) -> (usize, Vec<usize>, bool, bool, usize) {
+        let source = self.source_of(arrangement.at, self.plan.window);
+        let classes = arrangement
+            .modelled
+            .clone()
+            .map(|span| self.cells.classes[self.source_of(span, 1)]);
+        let left = arrangement.window.start - arrangement.modelled.start;
+        (
+            source,
+            classes.collect(),
+            arrangement.modelled.start == 0,
+            arrangement.modelled.end == self.plan.spans,
+            left,
+        )
+    }
+
+    /// Coordinates of a modelled support.
+    fn support<'a>(&'a self, arrangement: &'a Arrangement, support: usize) -> Option<impl Iterator<Item = usize> + 'a> {
+        let (window, modelled) = (&arrangement.window, &arrangement.modelled);
+        let (own, first) = if (window.start..=window.end).contains(&support) {
+            (Some(&self.places.supports[support - window.start]), None)
+        } else if (modelled.start..=modelled.end).contains(&support) {
+            (None, arrangement.supports[support - modelled.start])
+        } else {
+            return None;
+        };
+        let reduced = first.into_iter().flat_map(|first| first..first + self.plan.at_support);
+        Some(own.into_iter().flatten().copied().chain(reduced))
+    }
+}
+
+impl WindowedLine {
+    /// The line of a scene, of a solved static state, with its coordinates added to `layout`: all zero is the static state with
+    /// the window where the strips start.
+    ///
+    /// # Errors
+    /// [`StaticsError::Unstable`] where a span between its supports has no stable static state.
+    pub fn new(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Result<Self, StaticsError> {
+        let first = layout.coordinates();
+        let (plan, line) = plan_of(scene, statics, first);
+        let (catenary, repeat) = statics.whole();
+        let inner = plan.inner;
+        let window_first = plan.window_first();
+        let reduced = plan.coordinates() - inner;
+        layout.add_coordinates(window_first - first, "supports behind the window");
+        layout.add_coordinates(inner, "window of the line");
+        layout.add_coordinates(first + reduced - window_first, "spans beyond the window");
+        let position = layout.add_coordinates(1, "position of the window");
+        let cells = cells(statics, &plan)?;
+        let supports_x = catenary.supports_x();
+        let (topology, equilibrium) = statics.shared();
+        let fixed = Fixed {
+            catenary: statics.source().catenary.clone(),
+            topology: Arc::clone(topology),
+            equilibrium: equilibrium.clone(),
+            linearised: scene.model.has(Reduction::Linearised),
+            repeat,
+            cells,
+            position,
+            places: places(&line, window_first),
+            coordinates: first..layout.coordinates(),
+            supports_x,
+            plan,
+        };
+        let starts = (0..scene.pantographs.len()).map(|i| scene.strip_start_x(i));
+        let rear = starts.fold(f64::INFINITY, f64::min);
+        let arrangement = fixed
+            .plan
+            .arrangement(fixed.plan.position(span_at(&fixed.supports_x, rear)));
+        let mut line = Self {
+            origin: fixed.supports_x[arrangement.at],
+            uplift_reference: vec![0.0; fixed.supports_x.len()],
+            inner: Box::new(line),
+            far: FarField::default(),
+            held: Vec::new(),
+            arrangement,
+            fixed,
+        };
+        line.build();
+        layout.fix_within(line.fixed.coordinates.clone(), &line.held);
+        Ok(line)
+    }
+
+    /// What the window of a scene models, without making it.
+    #[must_use]
+    pub fn size(scene: &Scene, statics: &StaticLine) -> WindowSize {
+        let (plan, line) = plan_of(scene, statics, 0);
+        WindowSize {
+            full: plan.window,
+            reduced: (plan.spans - plan.window).min(2 * plan.reach),
+            elements: line.topology().elements(),
+            coordinates: plan.coordinates() + 1,
+        }
+    }
+
+    /// Full spans that a window over the strips of a scene has, at most.
+    #[must_use]
+    pub fn most_spans(scene: &Scene, catenary: &Catenary) -> usize {
+        let starts = || (0..scene.pantographs.len()).map(|i| scene.strip_start_x(i));
+        let apart = starts().fold(f64::NEG_INFINITY, f64::max) - starts().fold(f64::INFINITY, f64::min);
+        let shortest = catenary.span_lengths.iter().copied().fold(f64::INFINITY, f64::min);
+        BEHIND + AHEAD + 1 + (apart / shortest).ceil() as usize + catenary.stagger.len() - 1
+    }
+
+    /// Makes all contributions for the present arrangement.
+    fn build(&mut self) {
+        let fixed = &self.fixed;
+        let (plan, arrangement) = (&fixed.plan, &self.arrangement);
+        let first = plan.window_first();
+        let from = fixed.source_of(arrangement.at, plan.window);
+        let (mut line, count) = fixed.source().cut_for_contact(from..from + plan.window, first);
+        self.inner = if fixed.linearised {
+            let mut own = Layout::new();
+            own.add_coordinates(first + count, "window");
+            Box::new(LinearLine::about(&mut line, &own))
+        } else {
+            Box::new(line)
+        };
+
+        // At rest nothing moves: what is missing at the cuts is what the pieces leave over.
+        let mut rest = vec![0.0; first + count];
+        let zeros = vec![0.0; first + count];
+        let motion = Motion {
+            t: 0.0,
+            q: &zeros,
+            v: &zeros,
+            rotation: &[],
+            u: &[],
+        };
+        self.inner.forces(&mut |part| part.add_force(&motion, &mut rest));
+        let load = rest.iter().enumerate().filter(|(_, force)| **force != 0.0);
+        let mut far = FarField {
+            load: load.map(|(index, force)| (index, -force)).collect(),
+            ..FarField::default()
+        };
+
+        for span in arrangement
+            .modelled
+            .clone()
+            .filter(|span| !arrangement.window.contains(span))
+        {
+            let cell = Arc::clone(fixed.cell(span));
+            let modes = arrangement.modes[span - arrangement.modelled.start].clone();
+            let supports = [span, span + 1]
+                .into_iter()
+                .filter_map(|support| fixed.support(arrangement, support));
+            far.members.push(Member {
+                sponge: fixed.sponge(arrangement, span, &cell),
+                supports: supports.flatten().collect(),
+                modes,
+                cell,
+            });
+        }
+        let mut used = vec![false; fixed.coordinates.len()];
+        let window = first..first + count;
+        for index in arrangement.reduced(plan.at_support).chain(window) {
+            used[index - fixed.coordinates.start] = true;
+        }
+        let unused = fixed.coordinates.clone().zip(used).filter(|(_, used)| !used);
+        self.held = unused.map(|(index, _)| index).collect();
+        for support in arrangement.modelled.start..=arrangement.modelled.end {
+            let inside = arrangement.window.start < support && support < arrangement.window.end;
+            if !inside {
+                fixed.hold(arrangement, support, &mut far.grounds, &mut self.held);
+            }
+        }
+        self.far = far;
+    }
+
+    /// Goes to another arrangement without its state.
+    fn go_to(&mut self, next: Arrangement) -> Continuity {
+        let same = self.fixed.kind(&next) == self.fixed.kind(&self.arrangement);
+        self.arrangement = next;
+        if same {
+            return Continuity::Moved;
+        }
+        self.build();
+        Continuity::Replaced
+    }
+
+    /// Index of the vertical displacement of the contact wire at a support.
+    fn rise(&self, support: usize) -> Option<usize> {
+        let mut place = self.fixed.support(&self.arrangement, support)?;
+        place.nth(self.fixed.vertical())
+    }
+
+    fn raised(&self, support: usize, values: &[f64]) -> f64 {
+        self.rise(support).map_or(0.0, |index| values[index])
+    }
+
+    /// x of the window's left support, m.
+    fn start(&self) -> f64 {
+        self.fixed.supports_x[self.arrangement.at]
+    }
+
+    /// Spans that a picture shows: all of a short line, the modelled ones of a long one.
+    fn drawn(&self) -> Range<usize> {
+        let most = 2 * REACH + self.fixed.plan.window;
+        if self.fixed.plan.spans <= 2 * most {
+            0..self.fixed.plan.spans
+        } else {
+            self.arrangement.modelled.clone()
+        }
+    }
+}
+
+/// The span at `x`, from 0; the first or last one beyond the line.
+fn span_at(supports_x: &[f64], x: f64) -> usize {
+    let right = supports_x.partition_point(|&support| support <= x);
+    right.saturating_sub(1).min(supports_x.len() - 2)
+}
+
+/// The plan of a scene's window with coordinates from `first` on, and a window's line with coordinates from 0 on.
+fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
+    let source = statics.source();
+    let (catenary, repeat) = statics.whole();
+    let stride = repeat.period.unwrap_or(1);
+    let window = WindowedLine::most_spans(scene, catenary) + stride - catenary.stagger.len();
+    let window = window.min(repeat.known);
+    let (line, inner) = source.cut(0..window, 0);
+    let numbers = places(&line, 0);
+    let wires = [&catenary.contact_wire, &catenary.messenger_wire];
+    let longest = catenary.span_lengths.iter().copied().fold(0.0, f64::max);
+    let directions = if source.topology.options().dimension == Dimension::Planar {
+        1
+    } else {
+        2
+    };
+    let modes_up_to = |frequency: f64| -> usize {
+        let per_wire = wires.map(|wire| (2.0 * longest * frequency / wire.wave_speed()).ceil() as usize);
+        (directions * per_wire.iter().sum::<usize>()).min(numbers.inner[0].len())
+    };
+    let slower = wires[0].wave_speed().min(wires[1].wave_speed());
+    let shift = (1.0 - scene.run.speed / slower).max(1e-3);
+    let plan = Plan {
+        spans: repeat.spans,
+        window,
+        behind: BEHIND,
+        stride,
+        reach: REACH,
+        near: NEAR,
+        modes: ModeCounts {
+            near: modes_up_to(BAND * scene.run.low_pass_hz / shift),
+            far: modes_up_to(LOW_BAND),
+        },
+        at_support: numbers.supports[0].len(),
+        inner,
+        first,
+    };
+    (plan, line)
+}
+
+/// Coordinates of a line whose coordinates are numbered from 0, moved on by `first`.
+fn places(line: &Line, first: usize) -> Places {
+    let wires = WireName::BOTH.map(|name| line.wire(name).geometry());
+    let nodes = line.topology().supports();
+    let at = |node: usize| {
+        let indices = wires.iter().flat_map(move |wire| wire.nodes()[node].map.indices());
+        indices.map(move |index| first + index)
+    };
+    let layers = |node: usize| {
+        let of = wires.iter().flat_map(|wire| wire.enrichments());
+        of.filter(|layer| layer.node == node)
+            .map(|layer| layer.index)
+            .collect::<Vec<_>>()
+    };
+    let inner = nodes.windows(2).map(|ends| {
+        let begin = at(ends[0] + 1).min().unwrap_or(0);
+        begin..at(ends[1]).min().unwrap_or(begin)
+    });
+    Places {
+        supports: nodes.iter().map(|&node| at(node).collect()).collect(),
+        layers: nodes.iter().map(|&node| layers(node)).collect(),
+        inner: inner.collect(),
+    }
+}
+
+/// The reduced spans of a static state; made once for all lines from it.
+fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
+    let modes = plan.modes.near;
+    if let Some(known) = statics.cells().get().filter(|known| known.modes == modes) {
+        return Ok(known.clone());
+    }
+    let source = statics.source();
+    let (mut classes, mut examples, mut cells) = (Vec::new(), Vec::new(), Vec::new());
+    for span in 0..source.catenary.spans() {
+        let known = examples
+            .iter()
+            .position(|&example| source.difference(example, span) <= SAME);
+        if known.is_none() {
+            let matrices = matrices(&source, span, plan.at_support);
+            let cell = Cell::new(&matrices, modes).ok_or(StaticsError::Unstable { span: span + 1 })?;
+            examples.push(span);
+            cells.push(Arc::new(cell));
+        }
+        classes.push(known.unwrap_or(examples.len() - 1));
+    }
+    let made = Cells { modes, classes, cells };
+    // A later one with other modes is not kept.
+    let _ = statics.cells().set(made.clone());
+    Ok(made)
+}
+
+fn matrices(source: &Source<'_>, span: usize, at_support: usize) -> SpanMatrices {
+    let (mut line, size) = source.cut(span..span + 1, 0);
+    let zeros = vec![0.0; size];
+    let motion = Motion {
+        t: 0.0,
+        q: &zeros,
+        v: &zeros,
+        rotation: &[],
+        u: &[],
+    };
+    let mut tangent = |q: f64, v: f64| {
+        let entries = assembled(|blocks| line.forces(&mut |part| part.add_tangent(&motion, Weights { q, v }, blocks)));
+        SparseMatrix::from_entries(size, entries)
+    };
+    let (stiffness, damping) = (tangent(1.0, 0.0), tangent(0.0, 1.0));
+    let mass = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
+    SpanMatrices {
+        at_support,
+        stiffness,
+        damping,
+        mass: SparseMatrix::from_entries(size, mass),
+    }
+}

@@ -1,0 +1,157 @@
+//! A windowed line in the place of any other.
+use super::curve::WindowCurve;
+use super::{WindowedLine, span_at};
+use crate::{Curve, DropperSample, Line, OverheadLine, WireName};
+use dynamics::{Continuity, Force, Motion, State};
+use nalgebra::Vector3;
+use std::ops::Range;
+use std::sync::Arc;
+
+impl OverheadLine for WindowedLine {
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.inner.forces(visit);
+        visit(&mut self.far);
+    }
+
+    fn contact_curve(&self) -> Arc<dyn Curve> {
+        Arc::new(WindowCurve {
+            inner: self.inner.contact_curve(),
+            position: self.fixed.position,
+            origin: self.origin,
+        })
+    }
+
+    /// Reduced spans count none: theirs are taut.
+    fn slack_count(&self, motion: &Motion<'_>) -> usize {
+        self.inner.slack_count(motion)
+    }
+
+    fn energy(&self, motion: &Motion<'_>) -> f64 {
+        self.inner.energy(motion) + self.far.energy(motion)
+    }
+
+    fn dropper_samples(&self, motion: &Motion<'_>) -> Vec<DropperSample> {
+        let start = Vector3::x() * self.start();
+        let mut samples: Vec<DropperSample> = self.inner.dropper_samples(motion);
+        for sample in &mut samples {
+            sample.top += start;
+            sample.bottom += start;
+        }
+        let fixed = &self.fixed;
+        let [lower, upper] = [&fixed.equilibrium.contact_wire, &fixed.equilibrium.messenger_wire];
+        for span in self.drawn().filter(|span| !self.arrangement.window.contains(span)) {
+            let from = fixed.source_of(span, 1);
+            let shift = Vector3::x() * (fixed.supports_x[span] - fixed.topology.x()[fixed.topology.supports()[from]]);
+            let droppers = fixed.topology.droppers().iter();
+            samples.extend(
+                droppers
+                    .filter(|place| place.span == from + 1)
+                    .map(|place| DropperSample {
+                        top: upper.nodes()[place.node].position + shift,
+                        bottom: lower.nodes()[place.node].position + shift,
+                        // Static: it carries the wire.
+                        force: fixed.catenary.droppers.stiffness,
+                    }),
+            );
+        }
+        samples
+    }
+
+    fn shape(&self) -> Option<&Line> {
+        None
+    }
+
+    fn shape_mut(&mut self) -> Option<&mut Line> {
+        None
+    }
+
+    fn support_count(&self) -> usize {
+        self.fixed.supports_x.len()
+    }
+
+    fn set_uplift_reference(&mut self, q: &[f64]) {
+        self.uplift_reference.fill(0.0);
+        for support in self.arrangement.modelled.start..=self.arrangement.modelled.end {
+            self.uplift_reference[support] = self.raised(support, q);
+        }
+    }
+
+    /// A support that is not modelled at present stands at its static height.
+    fn uplift(&self, support: usize, q: &[f64]) -> f64 {
+        self.raised(support, q) - self.uplift_reference[support]
+    }
+
+    fn uplift_rate(&self, support: usize, v: &[f64]) -> f64 {
+        self.raised(support, v)
+    }
+
+    /// Reduced spans and those beyond are drawn at rest.
+    fn polyline(&self, name: WireName, q: &[f64], most: usize) -> Vec<Vector3<f64>> {
+        let fixed = &self.fixed;
+        let drawn = self.drawn();
+        let nodes = fixed.topology.supports();
+        let stride = ((nodes[1] - nodes[0]) * drawn.len()).div_ceil(most).max(1);
+        let own = self.inner.shape().map(|line| line.wire(name).geometry());
+        let rest = match name {
+            WireName::ContactWire => &fixed.equilibrium.contact_wire,
+            WireName::MessengerWire => &fixed.equilibrium.messenger_wire,
+        };
+        let mut points = Vec::new();
+        for span in drawn.clone() {
+            let from = fixed.source_of(span, 1);
+            let last = usize::from(span + 1 == drawn.end);
+            let range = nodes[from]..nodes[from + 1] + last;
+            let within = span.wrapping_sub(self.arrangement.at);
+            for node in range
+                .clone()
+                .filter(|node| (node - range.start) % stride == 0 || *node == nodes[from + 1])
+            {
+                points.push(match own {
+                    Some(own) if self.arrangement.window.contains(&span) => {
+                        let own = &own.nodes()[(nodes[1] - nodes[0]) * within + node - range.start];
+                        own.at(q).0 + Vector3::x() * self.start()
+                    }
+                    _ => {
+                        let left = fixed.topology.x()[nodes[from]];
+                        rest.nodes()[node].position + Vector3::x() * (fixed.supports_x[span] - left)
+                    }
+                });
+            }
+        }
+        points
+    }
+
+    fn follow(&mut self, (rear, _): (f64, f64), state: &mut State) -> Continuity {
+        let at = self.fixed.plan.position(span_at(&self.fixed.supports_x, rear));
+        if at <= self.arrangement.at {
+            return Continuity::Kept;
+        }
+        let next = self.fixed.plan.arrangement(at);
+        self.fixed.transfer(&self.arrangement, &next, state);
+        state.q[self.fixed.position] = self.fixed.supports_x[at] - self.origin;
+        let continuity = self.go_to(next);
+        for &index in self.held.iter().filter(|&&index| index != self.fixed.position) {
+            for values in [&mut state.q, &mut state.v, &mut state.v_dot, &mut state.a] {
+                values[index] = 0.0;
+            }
+        }
+        let motion = state.motion(&[]);
+        self.inner.forces(&mut |part| part.end_step(&motion));
+        continuity
+    }
+
+    fn adopt(&mut self, state: &State) -> Continuity {
+        let x = self.origin + state.q[self.fixed.position];
+        // Supports are metres apart.
+        let at = self.fixed.supports_x.partition_point(|&support| support < x - 1e-3);
+        if at == self.arrangement.at {
+            return Continuity::Kept;
+        }
+        let next = self.fixed.plan.arrangement(at);
+        self.go_to(next)
+    }
+
+    fn held(&self) -> Option<(Range<usize>, &[usize])> {
+        Some((self.fixed.coordinates.clone(), &self.held))
+    }
+}

@@ -1,0 +1,199 @@
+//! Which spans are modelled, and how, for each position of the window.
+use std::ops::Range;
+
+/// Spans of the line at one position of the window; spans and supports are numbered from 0.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Arrangement {
+    /// First span of the window.
+    pub at: usize,
+    /// Spans of the window.
+    pub window: Range<usize>,
+    /// All spans modelled.
+    pub modelled: Range<usize>,
+    /// For each reduced span its modes; empty for those of the window. Spans are counted from the first modelled one.
+    pub modes: Vec<Range<usize>>,
+    /// For each support that is an end of reduced spans only its first coordinate.
+    pub supports: Vec<Option<usize>>,
+}
+
+/// Modes that are kept of a reduced span.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ModeCounts {
+    /// Of a near span.
+    pub near: usize,
+    /// Of a span further away.
+    pub far: usize,
+}
+
+/// The rules for a line.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    /// Spans of the line.
+    pub spans: usize,
+    /// Spans of the window.
+    pub window: usize,
+    /// Spans of the window behind that of the last strip.
+    pub behind: usize,
+    /// The window moves by as many spans at a time.
+    pub stride: usize,
+    /// Reduced spans on either side, at most.
+    pub reach: usize,
+    /// Those of them, nearest to the window, that carry all waves of interest.
+    pub near: usize,
+    /// Modes of reduced spans.
+    pub modes: ModeCounts,
+    /// Coordinates of a support.
+    pub at_support: usize,
+    /// Coordinates of the window.
+    pub inner: usize,
+    /// The first coordinate of all.
+    pub first: usize,
+}
+
+impl Plan {
+    /// Modes of the `distance`-th span from the window, counted from 1.
+    fn mode_count(&self, distance: usize) -> usize {
+        if distance > self.near {
+            self.modes.far
+        } else {
+            self.modes.near
+        }
+    }
+
+    /// Reduced spans on one side, at most.
+    fn most(&self) -> usize {
+        self.reach.min(self.spans - self.window)
+    }
+
+    /// First coordinate of the window. All supports and the window follow one another along the track, so that only neighbours are
+    /// coupled there; modes come last.
+    pub fn window_first(&self) -> usize {
+        self.first + self.most() * self.at_support
+    }
+
+    fn modes_first(&self) -> usize {
+        self.window_first() + self.inner + self.most() * self.at_support
+    }
+
+    /// All coordinates at any position.
+    pub fn coordinates(&self) -> usize {
+        self.modes_first() - self.first + self.most_modes()
+    }
+
+    fn most_modes(&self) -> usize {
+        let positions = 0..=self.spans - self.window;
+        let used = positions.map(|at| {
+            let (left, right) = self.reduced(at);
+            let side = |count: usize| -> usize { (1..=count).map(|distance| self.mode_count(distance)).sum() };
+            side(left) + side(right)
+        });
+        used.max().unwrap_or(0)
+    }
+
+    fn reduced(&self, at: usize) -> (usize, usize) {
+        (at.min(self.reach), (self.spans - self.window - at).min(self.reach))
+    }
+
+    /// The position for a last strip in span `span`.
+    pub fn position(&self, span: usize) -> usize {
+        let at = span.saturating_sub(self.behind) / self.stride * self.stride;
+        at.min(self.spans - self.window)
+    }
+
+    /// What is where with the window at `at`.
+    pub fn arrangement(&self, at: usize) -> Arrangement {
+        let (left, right) = self.reduced(at);
+        let window = at..at + self.window;
+        let modelled = at - left..window.end + right;
+        let mut modes = vec![0..0; modelled.len()];
+        let mut supports = vec![None; modelled.len() + 1];
+        let mut next = self.modes_first();
+        let mut take = |count: usize| {
+            next += count;
+            next - count..next
+        };
+        for distance in 1..=left {
+            let span = left - distance;
+            modes[span] = take(self.mode_count(distance));
+            supports[span] = Some(self.window_first() - distance * self.at_support);
+        }
+        for distance in 1..=right {
+            let span = left + self.window + distance - 1;
+            modes[span] = take(self.mode_count(distance));
+            supports[span + 1] = Some(self.window_first() + self.inner + (distance - 1) * self.at_support);
+        }
+        Arrangement {
+            at,
+            window,
+            modelled,
+            modes,
+            supports,
+        }
+    }
+}
+
+impl Arrangement {
+    /// Coordinates of all reduced spans, of `at_support` coordinates per support.
+    pub fn reduced(&self, at_support: usize) -> impl Iterator<Item = usize> + '_ {
+        let supports = self.supports.iter().flatten();
+        let supports = supports.flat_map(move |&first| first..first + at_support);
+        self.modes.iter().cloned().flatten().chain(supports)
+    }
+
+    /// Distance of a modelled span from the window, from 1; 0 in the window.
+    pub fn distance(&self, span: usize) -> usize {
+        if span < self.window.start {
+            self.window.start - span
+        } else {
+            (span + 1).saturating_sub(self.window.end)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan(spans: usize) -> Plan {
+        Plan {
+            spans,
+            window: 3,
+            behind: 1,
+            stride: 1,
+            reach: 8,
+            near: 4,
+            modes: ModeCounts { near: 20, far: 5 },
+            at_support: 8,
+            inner: 100,
+            first: 1000,
+        }
+    }
+
+    #[test]
+    fn a_long_line_costs_as_much_as_a_longer_one() {
+        assert_eq!(plan(80).coordinates(), plan(2000).coordinates());
+        assert!(plan(10).coordinates() < plan(80).coordinates());
+    }
+
+    #[test]
+    fn every_coordinate_is_used_once_and_every_modelled_span_has_its_place() {
+        for spans in [3, 4, 10, 80] {
+            let plan = plan(spans);
+            for at in 0..=spans - 3 {
+                let found = plan.arrangement(at);
+                let mut taken = vec![false; plan.coordinates()];
+                for index in found.reduced(8).chain(plan.window_first()..plan.window_first() + 100) {
+                    assert!(!std::mem::replace(&mut taken[index - 1000], true));
+                }
+                assert!(found.modelled.start == at.saturating_sub(8) && found.modelled.end == (at + 11).min(spans));
+            }
+        }
+    }
+
+    #[test]
+    fn the_window_follows_the_last_strip_and_stays_on_the_line() {
+        let plan = plan(10);
+        let positions: Vec<usize> = (0..10).map(|span| plan.position(span)).collect();
+        assert_eq!(positions, [0, 0, 1, 2, 3, 4, 5, 6, 7, 7]);
+    }
+}

@@ -1,0 +1,287 @@
+//! Unknowns that are coupled with none of their like: eliminated first, at the cost of a division each.
+//!
+//! ```text
+//! S = A_cc − Σ aₗ aₗᵀ/dₗ,    S x_c = b_c − Σ aₗ bₗ/dₗ,    xₗ = (bₗ − aₗᵀ x_c)/dₗ
+//! ```
+//!
+//! The modes of a reduced span are such leaves: each is coupled with the two supports of its span only, so that what is left is as
+//! long and thin as the line itself.
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+/// Fewer leaves are not worth it.
+const FEWEST: usize = 16;
+
+/// The leaves of a part: its last unknowns.
+pub(crate) struct Leaves {
+    /// Number of other unknowns, which come first.
+    pub core: usize,
+    /// Leaves with the same neighbours.
+    groups: Vec<Group>,
+    neighbours: Vec<u32>,
+    /// Where the couplings and the diagonal entry of each leaf stand among the values of the part.
+    couplings: Vec<u32>,
+    diagonals: Vec<u32>,
+    /// Per value of the part its place among those of the reduced matrix, if it is there.
+    kept: Vec<Option<u32>>,
+    /// Per group, row by row, where `a aᵀ` goes.
+    fill: Vec<u32>,
+    reduced: Vec<f64>,
+    /// `a` and `1/d` of the last factors.
+    coefficients: Vec<f64>,
+    inverses: Vec<f64>,
+    /// `b` of the leaves of the loaded right side.
+    pub loaded: Vec<f64>,
+    /// As many numbers as a group has neighbours.
+    scratch: Vec<f64>,
+}
+
+/// Consecutive leaves with the same neighbours, as the modes of one span.
+#[derive(Debug)]
+struct Group {
+    leaves: Range<usize>,
+    /// Among `neighbours`.
+    neighbours: Range<usize>,
+    /// First of its coefficients, which stand leaf by leaf.
+    first: usize,
+}
+
+impl Leaves {
+    /// Finds the leaves in a symmetric pattern in compressed columns (row indices ascending), and the pattern that is left without
+    /// them; `None` where there are few.
+    pub fn analyse(column_starts: &[usize], row_indices: &[usize]) -> Option<(Self, Vec<usize>, Vec<usize>)> {
+        let size = column_starts.len() - 1;
+        let column = |c: usize| &row_indices[column_starts[c]..column_starts[c + 1]];
+        let core = (0..size)
+            .rev()
+            .find(|&c| column(c).last().is_some_and(|&row| row > c))
+            .map_or(0, |c| c + 1);
+        if size - core < FEWEST || core == 0 {
+            return None;
+        }
+        let mut columns: Vec<BTreeSet<usize>> = (0..core)
+            .map(|c| column(c).iter().copied().filter(|&row| row < core).collect())
+            .collect();
+        let (mut groups, mut neighbours): (Vec<Group>, Vec<u32>) = (Vec::new(), Vec::new());
+        let (mut couplings, mut diagonals) = (Vec::new(), Vec::new());
+        let mut before: Option<&[usize]> = None;
+        for c in core..size {
+            let (last, others) = column(c).split_last()?;
+            if *last != c {
+                return None;
+            }
+            let leaf = c - core;
+            match groups.last_mut().filter(|_| before == Some(others)) {
+                Some(group) => group.leaves.end = leaf + 1,
+                None => {
+                    for &row in others {
+                        columns[row].extend(others.iter().copied());
+                    }
+                    let first = neighbours.len();
+                    neighbours.extend(others.iter().map(|&row| row as u32));
+                    groups.push(Group {
+                        leaves: leaf..leaf + 1,
+                        neighbours: first..neighbours.len(),
+                        first: couplings.len(),
+                    });
+                    before = Some(others);
+                }
+            }
+            couplings.extend((column_starts[c]..column_starts[c + 1] - 1).map(|place| place as u32));
+            diagonals.push(column_starts[c + 1] as u32 - 1);
+        }
+        let mut reduced_starts = vec![0];
+        for rows in &columns {
+            reduced_starts.push(reduced_starts[reduced_starts.len() - 1] + rows.len());
+        }
+        let rows: Vec<usize> = columns.iter().flatten().copied().collect();
+        let place = |row: usize, c: usize| {
+            let of_column = &rows[reduced_starts[c]..reduced_starts[c + 1]];
+            of_column
+                .binary_search(&row)
+                .ok()
+                .map(|at| (reduced_starts[c] + at) as u32)
+        };
+        let mut kept = vec![None; row_indices.len()];
+        for c in 0..core {
+            for at in column_starts[c]..column_starts[c + 1] {
+                kept[at] = (row_indices[at] < core).then(|| place(row_indices[at], c)).flatten();
+            }
+        }
+        let mut fill = Vec::new();
+        for group in &groups {
+            let own = &neighbours[group.neighbours.clone()];
+            for &a in own {
+                for &b in own {
+                    fill.push(place(a as usize, b as usize)?);
+                }
+            }
+        }
+        let widest = groups.iter().map(|group| group.neighbours.len()).max().unwrap_or(0);
+        let leaves = Self {
+            core,
+            coefficients: vec![0.0; couplings.len()],
+            scratch: vec![0.0; widest],
+            inverses: vec![0.0; size - core],
+            loaded: vec![0.0; size - core],
+            reduced: vec![0.0; rows.len()],
+            groups,
+            neighbours,
+            couplings,
+            diagonals,
+            kept,
+            fill,
+        };
+        Some((leaves, reduced_starts, rows))
+    }
+
+    /// The values of the reduced matrix; `None` where a leaf has no positive diagonal entry.
+    pub fn reduce(&mut self, values: &[f64]) -> Option<&[f64]> {
+        self.reduced.fill(0.0);
+        for (&value, place) in values.iter().zip(&self.kept) {
+            if let Some(place) = place {
+                self.reduced[*place as usize] = value;
+            }
+        }
+        for (coefficient, &place) in self.coefficients.iter_mut().zip(&self.couplings) {
+            *coefficient = values[place as usize];
+        }
+        for (inverse, &diagonal) in self.inverses.iter_mut().zip(&self.diagonals) {
+            let diagonal = values[diagonal as usize];
+            // Not a number is not positive either.
+            if diagonal.is_nan() || diagonal <= 0.0 {
+                return None;
+            }
+            *inverse = 1.0 / diagonal;
+        }
+        let mut fill = self.fill.iter();
+        for group in &self.groups {
+            let width = group.neighbours.len();
+            let own = &self.coefficients[group.first..group.first + width * group.leaves.len()];
+            for i in 0..width {
+                for (j, &place) in (0..width).zip(&mut fill) {
+                    let leaves = own.chunks_exact(width.max(1)).zip(&self.inverses[group.leaves.clone()]);
+                    let sum: f64 = leaves.map(|(a, inverse)| a[i] * a[j] * inverse).sum();
+                    self.reduced[place as usize] -= sum;
+                }
+            }
+        }
+        Some(&self.reduced)
+    }
+
+    /// Passes the loaded right side of the leaves on: `add(unknown, value)` takes it into that of the others.
+    pub fn eliminate(&mut self, mut add: impl FnMut(usize, f64)) {
+        for group in &self.groups {
+            let width = group.neighbours.len();
+            let sums = &mut self.scratch[..width];
+            sums.fill(0.0);
+            let mut any = false;
+            for (at, leaf) in group.leaves.clone().enumerate() {
+                let loaded = self.loaded[leaf];
+                if loaded == 0.0 {
+                    continue;
+                }
+                any = true;
+                let scaled = loaded * self.inverses[leaf];
+                let first = group.first + at * width;
+                for (sum, a) in sums.iter_mut().zip(&self.coefficients[first..first + width]) {
+                    *sum += a * scaled;
+                }
+            }
+            if any {
+                let neighbours = &self.neighbours[group.neighbours.clone()];
+                for (&neighbour, sum) in neighbours.iter().zip(sums) {
+                    add(neighbour as usize, -*sum);
+                }
+            }
+        }
+    }
+
+    /// The solution of the leaves from that of the others, `of(unknown)`: `set(leaf, value)` sees those that a force above `threshold`
+    /// moves.
+    pub fn substitute(&mut self, threshold: f64, mut of: impl FnMut(usize) -> f64, mut set: impl FnMut(usize, f64)) {
+        for group in &self.groups {
+            let width = group.neighbours.len();
+            let around = &mut self.scratch[..width];
+            for (value, &neighbour) in around.iter_mut().zip(&self.neighbours[group.neighbours.clone()]) {
+                *value = of(neighbour as usize);
+            }
+            let moved = around.iter().any(|value| *value != 0.0);
+            for (at, leaf) in group.leaves.clone().enumerate() {
+                let mut force = self.loaded[leaf];
+                if moved {
+                    let first = group.first + at * width;
+                    let own = &self.coefficients[first..first + width];
+                    force -= own.iter().zip(&*around).map(|(a, x)| a * x).sum::<f64>();
+                }
+                if force.abs() > threshold || force.is_nan() {
+                    set(leaf, force * self.inverses[leaf]);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two unknowns in a row with sixteen leaves on both: solved by hand and through the reduced matrix.
+    #[test]
+    fn eliminating_leaves_solves_the_whole_system() {
+        let (core, leaves) = (2, 16);
+        let size = core + leaves;
+        let entry = |i: usize, j: usize| -> f64 {
+            match (i < core, j < core) {
+                (true, true) => [[9.0, -1.0], [-1.0, 7.0]][i][j],
+                (false, false) => f64::from(u8::from(i == j)) * (3.0 + i as f64),
+                _ => 0.1 * (i.max(j) as f64) - 0.3 * (i.min(j) as f64),
+            }
+        };
+        let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+        for j in 0..size {
+            for i in (0..size).filter(|&i| i < core || j < core || i == j) {
+                rows.push(i);
+                values.push(entry(i, j));
+            }
+            starts.push(rows.len());
+        }
+        let (mut found, reduced_starts, reduced_rows) = Leaves::analyse(&starts, &rows).unwrap();
+        assert_eq!(
+            (found.core, reduced_starts, reduced_rows),
+            (2, vec![0, 2, 4], vec![0, 1, 0, 1])
+        );
+        let exact: Vec<f64> = (0..size).map(|i| 1.0 + 0.5 * i as f64).collect();
+        let right: Vec<f64> = (0..size)
+            .map(|i| (0..size).map(|j| entry(i, j) * exact[j]).sum())
+            .collect();
+        let s = found.reduce(&values).unwrap().to_vec();
+        found.loaded.copy_from_slice(&right[core..]);
+        let mut b = [right[0], right[1]];
+        found.eliminate(|unknown, value| b[unknown] += value);
+        let determinant = s[0] * s[3] - s[1] * s[2];
+        let x = [
+            (b[0] * s[3] - b[1] * s[2]) / determinant,
+            (b[1] * s[0] - b[0] * s[1]) / determinant,
+        ];
+        for i in 0..core {
+            assert!((x[i] - exact[i]).abs() < 1e-12);
+        }
+        let mut last = vec![0.0; leaves];
+        found.substitute(0.0, |unknown| x[unknown], |leaf, value| last[leaf] = value);
+        for leaf in 0..leaves {
+            assert!((last[leaf] - exact[core + leaf]).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_chain_has_no_leaves() {
+        let size = 40_usize;
+        let (mut starts, mut rows) = (vec![0], Vec::new());
+        for c in 0..size {
+            rows.extend(c.saturating_sub(1)..(c + 2).min(size));
+            starts.push(rows.len());
+        }
+        assert!(Leaves::analyse(&starts, &rows).is_none());
+    }
+}

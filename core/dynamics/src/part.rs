@@ -1,0 +1,297 @@
+//! One part of the iteration matrix: unknowns that nothing but low-rank terms couples with others.
+use crate::block_tridiagonal::{BlockTridiagonal, LocalColumn};
+use crate::factor::{Shape, SparseFactor};
+use crate::leaves::Leaves;
+use std::ops::Range;
+
+/// A line and a pantograph are two parts, since contact enters as a low-rank term: each is factored and solved by itself.
+pub(crate) struct Part {
+    /// Its unknowns in ascending order: coordinates first, then multipliers (numbered after all coordinates).
+    pub unknowns: Vec<usize>,
+    /// Which of them are coordinates.
+    coordinates: usize,
+    /// Pattern in compressed columns, and what is made of it when it is first needed.
+    column_starts: Vec<usize>,
+    row_indices: Vec<usize>,
+    shape: Shape,
+    blocks: Option<BlockTridiagonal>,
+    /// Unknowns that are eliminated before the blocks; no low-rank term acts on them.
+    leaves: Option<Leaves>,
+    sparse: Option<SparseFactor>,
+    /// Which of the two factored last.
+    in_blocks: bool,
+    /// Right side, then solution, where it is not the blocks'.
+    local: Vec<f64>,
+}
+
+/// `A⁻¹ u` of one part.
+#[derive(Debug)]
+pub(crate) enum Piece {
+    /// Where it has not decayed.
+    Local(LocalColumn),
+    /// All of it.
+    Whole(Vec<f64>),
+}
+
+/// What of a right side is not worth a solution: absolute values of force and of (scaled) constraint entries.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Thresholds {
+    pub force: f64,
+    pub constraint: f64,
+}
+
+/// Parts up to this size are factored by LU whatever they are: it costs nothing there.
+const SMALL: usize = 64;
+
+/// A column is kept down to this part of its largest entry, as a force; what is left out enters corrections with its square.
+const DECAYED: f64 = 1e-9;
+
+impl Part {
+    /// A part from its pattern in compressed columns, local row indices ascending; unknowns below `coordinates` are coordinates.
+    pub fn new(unknowns: Vec<usize>, column_starts: Vec<usize>, row_indices: Vec<usize>, coordinates: usize) -> Self {
+        let coordinates = unknowns.partition_point(|&unknown| unknown < coordinates);
+        // Multipliers make a matrix indefinite, turning bodies make it unsymmetric; structures are neither.
+        let shape = if coordinates == unknowns.len() && unknowns.len() > SMALL {
+            Shape::Definite
+        } else {
+            Shape::General
+        };
+        let mut blocks = (shape == Shape::Definite)
+            .then(|| BlockTridiagonal::analyse(&unknowns, &column_starts, &row_indices))
+            .flatten();
+        let mut leaves = None;
+        if blocks.is_none()
+            && shape == Shape::Definite
+            && let Some((found, starts, rows)) = Leaves::analyse(&column_starts, &row_indices)
+        {
+            blocks = BlockTridiagonal::analyse(&unknowns[..found.core], &starts, &rows);
+            leaves = blocks.is_some().then_some(found);
+        }
+        Self {
+            local: vec![0.0; unknowns.len()],
+            coordinates,
+            column_starts,
+            row_indices,
+            shape,
+            in_blocks: blocks.is_some(),
+            blocks,
+            leaves,
+            sparse: None,
+            unknowns,
+        }
+    }
+
+    /// Number of entries of its pattern.
+    pub fn entries(&self) -> usize {
+        self.row_indices.len()
+    }
+
+    /// Factors the matrix with these values; on failure an unknown that has no stiffness, or one of those that depend on each other.
+    pub fn factor(&mut self, values: &[f64]) -> Result<(), usize> {
+        self.in_blocks = match (&mut self.blocks, &mut self.leaves) {
+            (Some(blocks), Some(leaves)) => leaves.reduce(values).is_some_and(|values| blocks.factor(values)),
+            (Some(blocks), None) => blocks.factor(values),
+            (None, _) => false,
+        };
+        if !self.in_blocks {
+            // What is not definite in blocks is not in faer's Cholesky either.
+            let shape = if self.blocks.is_some() {
+                Shape::General
+            } else {
+                self.shape
+            };
+            let sparse = self.sparse.get_or_insert_with(|| {
+                SparseFactor::analyse(
+                    self.unknowns.len(),
+                    self.column_starts.clone(),
+                    self.row_indices.clone(),
+                    shape,
+                )
+            });
+            if !sparse.factor(values) {
+                return Err(self.unknowns[0]);
+            }
+        }
+        // faer divides by a zero pivot without complaint: a right side without symmetry shows it.
+        for (i, value) in self.local.iter_mut().enumerate() {
+            *value = 1.0 + 0.1 * ((i * 7 % 11) as f64);
+        }
+        self.solve_local();
+        let size = |value: f64| if value.is_nan() { f64::INFINITY } else { value.abs() };
+        if self.local.iter().all(|value| value.is_finite()) {
+            return Ok(());
+        }
+        let worst = (0..self.local.len()).max_by(|&i, &j| size(self.local[i]).total_cmp(&size(self.local[j])));
+        Err(self.unknowns[worst.unwrap_or(0)])
+    }
+
+    /// Solves in place of `local`.
+    fn solve_local(&mut self) {
+        if self.in_blocks {
+            let Some(blocks) = &mut self.blocks else { return };
+            let core = self.leaves.as_ref().map_or(self.local.len(), |leaves| leaves.core);
+            let (core, rest) = self.local.split_at_mut(core);
+            core.iter().enumerate().for_each(|(i, &value)| blocks.add(i, value));
+            if let Some(leaves) = &mut self.leaves {
+                leaves.loaded.copy_from_slice(rest);
+                leaves.eliminate(|unknown, value| blocks.add(unknown, value));
+            }
+            blocks.unload(core);
+            if let Some(leaves) = &mut self.leaves {
+                rest.fill(0.0);
+                leaves.substitute(0.0, |unknown| core[unknown], |leaf, value| rest[leaf] = value);
+            }
+        } else if let Some(sparse) = &mut self.sparse {
+            sparse.solve(&mut self.local);
+        }
+    }
+
+    /// Whether the factored matrix is taken as symmetric, so that `uᵀ A⁻¹ b = (A⁻¹ u)ᵀ b`.
+    fn is_symmetric(&self) -> bool {
+        self.in_blocks || self.sparse.as_ref().is_some_and(SparseFactor::is_symmetric)
+    }
+
+    /// Takes the right side of the next solution out of that of the whole system. Where the matrix is not symmetric it is solved for
+    /// right away.
+    pub fn load(&mut self, right_side: &[f64], thresholds: Thresholds) {
+        if self.in_blocks {
+            if let Some(blocks) = &mut self.blocks {
+                blocks.load(right_side);
+                if let Some(leaves) = &mut self.leaves {
+                    for (loaded, &unknown) in leaves.loaded.iter_mut().zip(&self.unknowns[leaves.core..]) {
+                        // However small: hundreds of them act on the same few unknowns.
+                        *loaded = right_side[unknown];
+                    }
+                    leaves.eliminate(|unknown, value| blocks.add(unknown, value));
+                }
+            }
+            return;
+        }
+        for (value, &unknown) in self.local.iter_mut().zip(&self.unknowns) {
+            *value = right_side[unknown];
+        }
+        if !self.is_symmetric() {
+            self.solve_above(thresholds);
+        }
+    }
+
+    /// `uᵀ A⁻¹ b` for the loaded right side `b`, from `y = A⁻¹ u` or `u` itself (local numbers).
+    pub fn product(&self, y: &Piece, u: impl Iterator<Item = (usize, f64)>) -> f64 {
+        match (y, &self.blocks) {
+            (Piece::Local(column), Some(blocks)) => blocks.dot(column),
+            (Piece::Whole(y), _) if self.is_symmetric() => y.iter().zip(&self.local).map(|(y, b)| y * b).sum(),
+            _ => u.map(|(unknown, value)| value * self.local[unknown]).sum(),
+        }
+    }
+
+    /// Takes the force `z u` out of the loaded right side, or `z y` out of its solution.
+    pub fn subtract(&mut self, z: f64, y: &Piece, u: impl Iterator<Item = (usize, f64)>) {
+        match y {
+            Piece::Whole(y) if !self.is_symmetric() => {
+                self.local.iter_mut().zip(y).for_each(|(value, y)| *value -= z * y);
+            }
+            _ => u.for_each(|(unknown, value)| match &mut self.blocks {
+                Some(blocks) if self.in_blocks => blocks.add(unknown, -z * value),
+                _ => self.local[unknown] -= z * value,
+            }),
+        }
+    }
+
+    /// Writes the solution into that of the whole system, but for zeros; `changed` sees the ranges of unknowns with a solution and
+    /// of those whose equations it enters.
+    pub fn solve(
+        &mut self,
+        thresholds: Thresholds,
+        solution: &mut [f64],
+        changed: &mut dyn FnMut(Range<usize>, Range<usize>),
+    ) {
+        if self.in_blocks {
+            if let Some(blocks) = &mut self.blocks {
+                blocks.solve(thresholds.force, solution, &mut |inner, outer| {
+                    let whole = |range: Range<usize>| self.unknowns[range.start]..self.unknowns[range.end - 1] + 1;
+                    changed(whole(inner), whole(outer));
+                });
+                if let Some(leaves) = &mut self.leaves {
+                    let (others, own) = self.unknowns.split_at(leaves.core);
+                    let mut range: Option<Range<usize>> = None;
+                    let mut found = std::mem::take(&mut self.local);
+                    found[..own.len()].fill(0.0);
+                    let set = |leaf: usize, value: f64| {
+                        found[leaf] = value;
+                        let first = range.as_ref().map_or(leaf, |range| range.start);
+                        range = Some(first..leaf + 1);
+                    };
+                    leaves.substitute(0.0, |unknown| solution[others[unknown]], set);
+                    if let Some(range) = range {
+                        for leaf in range.clone() {
+                            solution[own[leaf]] = std::mem::take(&mut found[leaf]);
+                        }
+                        let range = own[range.start]..own[range.end - 1] + 1;
+                        changed(range.clone(), range);
+                    }
+                    self.local = found;
+                }
+            }
+            return;
+        }
+        if self.is_symmetric() {
+            self.solve_above(thresholds);
+        }
+        if self.local.iter().all(|&value| value == 0.0) {
+            return;
+        }
+        for (&value, &unknown) in self.local.iter().zip(&self.unknowns) {
+            solution[unknown] = value;
+        }
+        for run in self.unknowns.chunk_by(|a, b| b - a <= 1) {
+            let range = run[0]..run[run.len() - 1] + 1;
+            changed(range.clone(), range);
+        }
+    }
+
+    /// Solves in place of `local`, unless it is nowhere above the thresholds: then it becomes zero.
+    fn solve_above(&mut self, thresholds: Thresholds) {
+        let (forces, constraints) = self.local.split_at(self.coordinates);
+        let above = |values: &[f64], threshold: f64| !values.iter().all(|value| value.abs() <= threshold);
+        if above(forces, thresholds.force) || above(constraints, thresholds.constraint) {
+            self.solve_local();
+        } else {
+            self.local.fill(0.0);
+        }
+    }
+
+    /// An empty column with room for all it may hold.
+    pub fn new_piece(&self) -> Piece {
+        match &self.blocks {
+            Some(blocks) if self.in_blocks => Piece::Local(blocks.new_column()),
+            _ => Piece::Whole(vec![0.0; self.unknowns.len()]),
+        }
+    }
+
+    /// `A⁻¹ u`; nothing may be loaded.
+    pub fn column(&mut self, u: impl Iterator<Item = (usize, f64)>, piece: &mut Piece) {
+        let fits = matches!(piece, Piece::Local(_)) == self.in_blocks;
+        if !fits {
+            *piece = self.new_piece();
+        }
+        match (piece, &mut self.blocks) {
+            (Piece::Local(column), Some(blocks)) => blocks.column(u, DECAYED, column),
+            (Piece::Whole(y), _) => {
+                self.local.fill(0.0);
+                u.for_each(|(unknown, value)| self.local[unknown] += value);
+                self.solve_local();
+                y.copy_from_slice(&self.local);
+            }
+            (Piece::Local(_), None) => unreachable!("only blocks make local columns"),
+        }
+    }
+
+    /// Entry of a column.
+    pub fn entry(&self, piece: &Piece, unknown: usize) -> f64 {
+        match (piece, &self.blocks) {
+            (Piece::Local(column), Some(blocks)) => blocks.entry(column, unknown),
+            (Piece::Whole(y), _) => y[unknown],
+            (Piece::Local(_), None) => unreachable!("only blocks make local columns"),
+        }
+    }
+}

@@ -1,0 +1,416 @@
+//! The linkage reduced to what its joints leave free: its one motion and the collector suspension.
+use super::curve::{Curve, Node, Path};
+use super::equilibrium::{Equilibrium, Offsets};
+use super::linkage::Linkage;
+use super::one_motion::{OneMotion, Place, ReducedStrip};
+use super::statics::Target;
+use super::table::Table;
+use crate::VehicleError;
+use dynamics::{Blocks, Force, Layout, Motion, Weights};
+use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
+use scene::Linkage as Entry;
+use std::sync::Arc;
+
+/// The mechanism of a [`Linkage`] in two coordinates: `σ` of its one motion, and the rise `ζ` of the strip's body.
+///
+/// All bodies but the strip's follow `σ`, the arc length of their motion weighed by their inertias, so that their kinetic energy
+/// is `½ σ̇²`. The body that carries the collector suspension is turned by `φ(σ)`, and `(X, Z)(σ)` is the point of it that the
+/// strip's body has its centre of mass on where the suspension is not stretched. With the suspension's axis at `ψ = ψ₀ + φ` from
+/// the vertical the strip's body is at
+///
+/// ```text
+/// x = X + τ (ζ − Z),   z = ζ,   angle φ,      τ = tan ψ,   s = (ζ − Z)/cos ψ
+/// T = ½ σ̇² + ½ m (ẋ² + ζ̇²),   U = V(σ) + m g ζ + ½ k s² − P s                                        derived here
+/// ```
+///
+/// `½ σ̇²` includes the turning of the strip's body, `V` weights and uplift of the others. Nothing is left out as long as the
+/// mechanism cannot leave its plane ([`scene::Linkage::motions_beyond_one`]): the joints carry lateral forces and rolling moments.
+#[derive(Clone, Debug)]
+pub struct ReducedLinkage {
+    motion: Arc<OneMotion>,
+    offsets: Offsets,
+    stiffness: f64,
+    damping: f64,
+    preload: f64,
+    static_force: f64,
+    uplift_force: f64,
+    base_z: f64,
+    /// `(σ, ζ)` whose mass matrix stands for all in the iteration matrix.
+    start: [f64; 2],
+    /// The mechanism alone in a layout, and its bodies on the curve: for drawings.
+    full: Linkage,
+    bodies: Vec<Curve<3>>,
+}
+
+impl ReducedLinkage {
+    /// Reduces the mechanism of a scene and builds it into `layout`; `name` begins the names of its coordinates. `gravity` in m/s².
+    ///
+    /// # Errors
+    /// See [`Linkage::new`]; [`VehicleError::NotReducible`].
+    pub fn new(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
+        if let Some(reason) = entry.motions_beyond_one() {
+            return Err(VehicleError::NotReducible { reason });
+        }
+        let full = Linkage::new(entry, gravity, name, &mut Layout::new())?;
+        let head = full.strip_body();
+        let table = Table::new(entry, &full, head, gravity)?;
+        // A strip as low as the base lies on the roof.
+        let ends = |q: &DVector<f64>| table.carried_height(q) < entry.base[2];
+        let path = Path::trace(&table.plane, |tangent| table.rise(tangent), ends)?;
+        let node = |node: &Node| table.jets(node);
+        let curve = Curve::new(path.first, path.step, path.nodes.iter().map(node).collect());
+        let bodies = (0..table.plane.references.len()).map(|body| {
+            let jets = |node: &Node| {
+                std::array::from_fn(|axis| {
+                    let i = 3 * body + axis;
+                    [node.q[i], node.first[i], node.second[i]]
+                })
+            };
+            Curve::new(path.first, path.step, path.nodes.iter().map(jets).collect())
+        });
+        let body = &full.bodies()[head];
+        let orientation = full.orientation(head);
+        let motion = OneMotion {
+            curve,
+            tilt: table.tilt,
+            mass: body.mass,
+            weight: body.mass * gravity,
+            reference_z: body.pose.reference.z,
+            strip: orientation * full.strip().offset,
+            y: body.pose.reference.y,
+            axes: orientation.to_rotation_matrix().into_inner(),
+        };
+        let first = layout.add_coordinates(1, format!("{name}, motion of the linkage"));
+        layout.add_coordinates(1, format!("{name}, {}", entry.strip.body));
+        let mut reduced = Self {
+            motion: Arc::new(motion),
+            offsets: Offsets {
+                coordinate: first,
+                constraint: layout.constraints(),
+                orientation: layout.rotations().len(),
+            },
+            stiffness: entry.collector_suspension.stiffness,
+            damping: entry.collector_suspension.damping,
+            preload: 0.0,
+            static_force: 0.0,
+            uplift_force: entry.uplift.force,
+            base_z: entry.base[2],
+            start: [0.0; 2],
+            bodies: bodies.collect(),
+            full,
+        };
+        reduced.balance();
+        Ok(reduced)
+    }
+
+    /// Preload and contact force under which the reference position is at rest.
+    fn balance(&mut self) {
+        let place = self.motion.place(0.0, 0.0);
+        let [along_sigma, along_zeta] = place.s_q;
+        // −V' + P s_σ − f z_σ = 0 and −m g + P s_ζ − f = 0
+        let ratio = along_sigma / along_zeta;
+        let [_, strip, _] = place.strip_height();
+        self.static_force = (place.potential[1] - self.motion.weight * ratio) / (ratio - strip);
+        self.preload = (self.motion.weight + self.static_force) / along_zeta;
+    }
+
+    /// The strip in the frame of the base.
+    #[must_use]
+    pub fn strip(&self) -> ReducedStrip {
+        ReducedStrip {
+            motion: Arc::clone(&self.motion),
+            coordinate: self.offsets.coordinate,
+        }
+    }
+
+    /// Contact force that keeps the tabulated position, N.
+    #[must_use]
+    pub fn static_force(&self) -> f64 {
+        self.static_force
+    }
+
+    /// Preload of the collector suspension, N.
+    #[must_use]
+    pub fn preload(&self) -> f64 {
+        self.preload
+    }
+
+    /// The force that raises the mechanism, N.
+    #[must_use]
+    pub fn uplift_force(&self) -> f64 {
+        self.uplift_force
+    }
+
+    /// Height of the base above the top of rail, m.
+    #[must_use]
+    pub fn base_z(&self) -> f64 {
+        self.base_z
+    }
+
+    /// Height of the middle of the strip in the reference position, m above the top of rail.
+    #[must_use]
+    pub fn reference_height(&self) -> f64 {
+        self.reference_strip_position().z
+    }
+
+    /// Middle of the strip in the reference position, in the frame of the base, m.
+    pub(crate) fn reference_strip_position(&self) -> Vector3<f64> {
+        self.strip_at([0.0; 2])
+    }
+
+    /// Middle of the strip in the frame of the base, m, in an equilibrium of this linkage.
+    pub(crate) fn strip_position(&self, equilibrium: &Equilibrium) -> Vector3<f64> {
+        self.strip_at([equilibrium.q[0], equilibrium.q[1]])
+    }
+
+    fn strip_at(&self, [sigma, rise]: [f64; 2]) -> Vector3<f64> {
+        let place = self.motion.place(sigma, rise);
+        Vector3::new(
+            place.x + place.arm.x,
+            self.motion.y + self.motion.strip.y,
+            place.zeta + place.arm.y,
+        )
+    }
+
+    pub(crate) fn offsets(&self) -> Offsets {
+        self.offsets
+    }
+
+    /// Where the motion starts: its mass matrix is the one that the solver factors.
+    pub(crate) fn start_at(&mut self, equilibrium: &Equilibrium) {
+        self.start = [equilibrium.q[0], equilibrium.q[1]];
+    }
+
+    /// Kinetic energy in the frame of the base, J.
+    #[must_use]
+    pub fn kinetic_energy(&self, motion: &Motion<'_>) -> f64 {
+        let i = self.offsets.coordinate;
+        let place = self.motion.place(motion.q[i], motion.q[i + 1]);
+        let (v, [m11, m12, _, m22]) = ([motion.v[i], motion.v[i + 1]], place.mass(self.motion.mass));
+        0.5 * (m11 * v[0] * v[0] + 2.0 * m12 * v[0] * v[1] + m22 * v[1] * v[1])
+    }
+
+    /// The same configuration in the coordinates of the full mechanism: displacements (three rotations unused) and orientations.
+    #[must_use]
+    pub fn configuration(&self, motion: &Motion<'_>) -> (Vec<f64>, Vec<UnitQuaternion<f64>>) {
+        let i = self.offsets.coordinate;
+        let (sigma, rise) = (motion.q[i], motion.q[i + 1]);
+        let place = self.motion.place(sigma, rise);
+        let head = self.full.strip_body();
+        let mut q = vec![0.0; self.full.coordinates()];
+        let mut rotation = Vec::new();
+        let mut followers = self.bodies.iter();
+        for (number, body) in self.full.bodies().iter().enumerate() {
+            let reference = body.pose.reference;
+            let [x, z, phi] = if number == head {
+                [place.x, place.zeta, place.phi[0]]
+            } else {
+                followers
+                    .next()
+                    .map_or([f64::NAN; 3], |curve| curve.at(sigma).map(|jet| jet[0]))
+            };
+            q[body.pose.translation] = x - reference.x;
+            q[body.pose.translation + 2] = z - reference.z;
+            rotation.push(UnitQuaternion::from_axis_angle(&Vector3::y_axis(), phi) * self.full.orientation(number));
+        }
+        (q, rotation)
+    }
+
+    /// The bodies as lines through their joints (and the strip), in the frame of the base, m: a drawing.
+    #[must_use]
+    pub fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
+        let (q, rotation) = self.configuration(motion);
+        let motion = Motion {
+            t: motion.t,
+            v: &q,
+            q: &q,
+            rotation: &rotation,
+            u: &[],
+        };
+        self.full.outline(&motion)
+    }
+
+    /// The state of rest under a vertical contact force (N) in the middle of the strip, see [`Linkage::equilibrium_at_force`].
+    ///
+    /// # Errors
+    /// [`VehicleError::NotConverged`] where the mechanism cannot bear that force.
+    pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
+        self.equilibrium(Target::Force(force))
+    }
+
+    /// The state of rest with the middle of the strip at `height` (m) above the top of rail.
+    ///
+    /// # Errors
+    /// [`VehicleError::NotConverged`] where the mechanism does not reach that height.
+    pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
+        self.equilibrium(Target::Height(height))
+    }
+
+    /// Newton's method from the reference position on
+    ///
+    /// ```text
+    /// Q_σ − f z_σ = 0,   Q_ζ − f = 0,   z = h  or  f given
+    /// ```
+    fn equilibrium(&self, target: Target) -> Result<Equilibrium, VehicleError> {
+        /// Accepted residual relative to the largest force, and in m.
+        const TOLERANCE: f64 = 1e-12;
+        const ITERATIONS: usize = 60;
+        /// Longest turn of the suspension's carrier in an iteration, rad.
+        const LONGEST_TURN: f64 = 0.1;
+        let mut q = [0.0; 2];
+        let mut force = match target {
+            Target::Force(force) => force,
+            Target::Height(_) => self.static_force,
+        };
+        let (mut residual, mut tolerance) = (f64::INFINITY, 0.0);
+        for _ in 0..ITERATIONS {
+            let place = self.motion.place(q[0], q[1]);
+            let [height, z_1, z_2] = place.strip_height();
+            let [along_sigma, along_zeta] = self.rest_force(&place);
+            let (missing, [by_zeta, by_force]) = match target {
+                Target::Force(target) => (target - force, [0.0, 1.0]),
+                Target::Height(target) => (target - height, [1.0, 0.0]),
+            };
+            let right = Vector3::new(along_sigma - force * z_1, along_zeta - force, missing);
+            let scale = place.potential[1].abs().max(self.motion.weight).max(force.abs());
+            tolerance = TOLERANCE * scale;
+            residual = right.x.abs().max(right.y.abs()).max(right.z.abs() * scale);
+            if residual <= tolerance {
+                return Ok(Equilibrium {
+                    height: match target {
+                        Target::Height(target) => target,
+                        Target::Force(_) => height,
+                    },
+                    force,
+                    q: q.to_vec(),
+                    rotation: Vec::new(),
+                    lambda: Vec::new(),
+                });
+            }
+            let [k11, k12, _, k22] = self.stiffness(&place);
+            let matrix = Matrix3::new(
+                k11 + force * z_2,
+                k12,
+                z_1,
+                k12,
+                k22,
+                1.0,
+                by_zeta * z_1,
+                by_zeta,
+                by_force,
+            );
+            let Some(change) = matrix.lu().solve(&right) else { break };
+            if !change.iter().all(|entry| entry.is_finite()) {
+                break;
+            }
+            let turn = (change.x * place.phi[1]).abs();
+            let reach = self.motion.curve.range().1 - self.motion.curve.range().0;
+            let share = (0.05 * reach / change.x.abs()).min(LONGEST_TURN / turn).min(1.0);
+            q[0] += share * change.x;
+            q[1] += share * change.y;
+            force += change.z;
+        }
+        Err(VehicleError::NotConverged {
+            target: target.to_string(),
+            iterations: ITERATIONS,
+            residual,
+            tolerance,
+        })
+    }
+
+    /// Generalised forces without velocities.
+    fn rest_force(&self, place: &Place) -> [f64; 2] {
+        let axial = self.preload - self.stiffness * place.s;
+        [
+            axial * place.s_q[0] - place.potential[1],
+            axial * place.s_q[1] - self.motion.weight,
+        ]
+    }
+
+    /// Minus its derivative, row by row.
+    fn stiffness(&self, place: &Place) -> [f64; 4] {
+        let axial = self.preload - self.stiffness * place.s;
+        let [s_1, s_2] = place.s_q;
+        let coupling = self.stiffness * s_1 * s_2 - axial * place.s_sigma_zeta;
+        [
+            self.stiffness * s_1 * s_1 - axial * place.s_sigma_sigma + place.potential[2],
+            coupling,
+            coupling,
+            self.stiffness * s_2 * s_2,
+        ]
+    }
+}
+
+impl Force for ReducedLinkage {
+    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        let i = self.offsets.coordinate;
+        let place = self.motion.place(motion.q[i], motion.q[i + 1]);
+        let v = [motion.v[i], motion.v[i + 1]];
+        let [along_sigma, along_zeta] = self.rest_force(&place);
+        let damper = self.damping * (place.s_q[0] * v[0] + place.s_q[1] * v[1]);
+        let carried = self.motion.mass * (place.x_sigma_sigma * v[0] + 2.0 * place.x_sigma_zeta * v[1]) * v[0];
+        force[i] += along_sigma - damper * place.s_q[0] - carried * place.x_sigma;
+        force[i + 1] += along_zeta - damper * place.s_q[1] - carried * place.x_zeta;
+    }
+
+    fn multiplies_mass(&self) -> bool {
+        true
+    }
+
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.add_force(motion, force);
+        let i = self.offsets.coordinate;
+        let place = self.motion.place(motion.q[i], motion.q[i + 1]);
+        let [m11, m12, m21, m22] = place.mass(self.motion.mass);
+        force[i] -= m11 * v_dot[i] + m12 * v_dot[i + 1];
+        force[i + 1] -= m21 * v_dot[i] + m22 * v_dot[i + 1];
+    }
+
+    fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+        let i = self.offsets.coordinate;
+        let place = self.motion.place(motion.q[i], motion.q[i + 1]);
+        let [k11, k12, k21, k22] = self.stiffness(&place);
+        let v = [motion.v[i], motion.v[i + 1]];
+        let s_q = place.s_q;
+        // ∂ṡ/∂q at constant v
+        let rate_q = [
+            place.s_sigma_sigma * v[0] + place.s_sigma_zeta * v[1],
+            place.s_sigma_zeta * v[0],
+        ];
+        let rate = s_q[0] * v[0] + s_q[1] * v[1];
+        let c = self.damping;
+        let stiffness = [
+            k11 + c * (s_q[0] * rate_q[0] + rate * place.s_sigma_sigma),
+            k12 + c * (s_q[0] * rate_q[1] + rate * place.s_sigma_zeta),
+            k21 + c * (s_q[1] * rate_q[0] + rate * place.s_sigma_zeta),
+            k22 + c * s_q[1] * rate_q[1],
+        ];
+        // The derivative of the velocity's own inertia forces with respect to the velocity; that with respect to the position is
+        // of the order of a turn within a step.
+        let carried_v = [
+            2.0 * self.motion.mass * (place.x_sigma_sigma * v[0] + place.x_sigma_zeta * v[1]),
+            2.0 * self.motion.mass * place.x_sigma_zeta * v[0],
+        ];
+        let x_q = [place.x_sigma, place.x_zeta];
+        let mut values = [0.0; 4];
+        for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let damping = c * s_q[row] * s_q[column] + x_q[row] * carried_v[column];
+            values[2 * row + column] = weights.q * stiffness[2 * row + column] + weights.v * damping;
+        }
+        blocks.add(&[i, i + 1], &[i, i + 1], &values);
+    }
+
+    /// The mass matrix of the start: [`Force::add_dynamic_force`] takes the present one.
+    fn add_mass(&self, blocks: &mut Blocks<'_>) {
+        let i = self.offsets.coordinate;
+        let place = self.motion.place(self.start[0], self.start[1]);
+        blocks.add(&[i, i + 1], &[i, i + 1], &place.mass(self.motion.mass));
+    }
+
+    fn energy(&self, motion: &Motion<'_>) -> f64 {
+        let i = self.offsets.coordinate;
+        let place = self.motion.place(motion.q[i], motion.q[i + 1]);
+        place.potential[0] + self.motion.weight * place.zeta + 0.5 * self.stiffness * place.s * place.s
+            - self.preload * place.s
+    }
+}

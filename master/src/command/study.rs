@@ -1,0 +1,72 @@
+//! `master study`.
+
+use std::path::Path;
+
+use super::{CommandError, SceneFile, interrupted, print, print_json, say};
+use crate::cli::Common;
+use crate::report::{Progress, Show};
+use crate::results::{self, OutputDirectory};
+use crate::study::{self, CSV, Options, PAGE, Study, StudyError};
+use crate::table_of_runs;
+
+impl From<StudyError> for CommandError {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Setup(error) => Self::Setup(error),
+            StudyError::Results(error) => Self::Results(error),
+        }
+    }
+}
+
+/// Studies speed against error of a scene, and writes the table and the page.
+///
+/// # Errors
+/// See [`CommandError`].
+pub fn study(path: &Path, options: Options, common: &Common) -> Result<(), CommandError> {
+    let file = SceneFile::read(path, common)?;
+    let directory = file.output(common);
+    let in_scene = |error: CommandError| error.in_scene(path);
+    let interrupted = interrupted(common);
+    file.notes.iter().for_each(|note| say(common)(note));
+    let script = study::script(file.scene, &file.name, &file.base, &common.overrides, options);
+    let script = script.map_err(|error| in_scene(error.into()))?;
+    let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
+    let store = script.store(&directory).map_err(CommandError::Directory)?;
+    let show = if common.quiet { Show::Never } else { Show::OnTerminal };
+    let progress = Progress::share(&file.name, show);
+    let mut keep = |study: &Study| write_table(&output, study).map_err(StudyError::from);
+    let study = study::study(&script, &store, interrupted, &progress, &mut keep);
+    let study = study.map_err(|error| in_scene(error.into()))?;
+    progress.finish();
+    output
+        .replace(PAGE, |out, path| {
+            let page = study::page(&study);
+            out.write_all(page.as_bytes()).map_err(results::io(path, "write"))
+        })
+        .map_err(CommandError::Results)?;
+    if common.json {
+        print_json(&study)?;
+    } else if !common.quiet {
+        print(&format!(
+            "{}\n  {CSV} and {PAGE} in {}\n",
+            study::text(&study),
+            directory.display()
+        ))?;
+    }
+    if study.complete {
+        return Ok(());
+    }
+    Err(CommandError::Incomplete {
+        reason: format!(
+            "{} of {} runs were made; the same command goes on from there",
+            study.made(),
+            study.rows.len()
+        ),
+        directory,
+    })
+}
+
+fn write_table(output: &OutputDirectory, study: &Study) -> Result<(), results::ResultsError> {
+    let (rows, columns) = study.table();
+    output.replace(CSV, |out, path| table_of_runs::write(out, path, &rows, &[], &columns))
+}

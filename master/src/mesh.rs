@@ -1,0 +1,113 @@
+//! What is said of a line's mesh.
+
+use scene::Scene;
+
+/// The mesh of a line and what makes up for its coarseness; empty for somebody else's line.
+#[must_use]
+pub fn described(scene: &Scene) -> String {
+    let Some((catenary, _)) = scene.modelled_line() else {
+        return String::new();
+    };
+    let mesh = &catenary.mesh;
+    let without: Vec<String> = scene
+        .cures_left_out()
+        .into_iter()
+        .filter(|(cure, _)| *cure != scene::Cure::DropperCompliance)
+        .map(|(cure, reason)| format!("without {cure}: {reason}"))
+        .collect();
+    let mut text = format!(
+        "{} elements between droppers, {}",
+        mesh.elements_per_interval,
+        match mesh.cures.as_slice() {
+            [] => "plain".to_owned(),
+            cures => cures.iter().map(|cure| cure.name()).collect::<Vec<_>>().join(" + "),
+        }
+    );
+    if !without.is_empty() && !mesh.cures.is_empty() {
+        text.push_str(&format!(" ({})", without.join("; ")));
+    }
+    text
+}
+
+/// The error that mesh and step are expected to make, or why none is known; `None` for somebody else's line.
+#[must_use]
+pub fn expected_error(scene: &Scene) -> Option<String> {
+    let (catenary, _) = scene.modelled_line()?;
+    let waves = [&catenary.contact_wire, &catenary.messenger_wire].map(scene::Wire::wave_speed);
+    let (c, v) = (waves[0].min(waves[1]), scene.run.speed);
+    if v >= c {
+        return Some(format!(
+            "mesh: the train is faster than the waves of a wire ({v:.1} m/s, {c:.1} m/s): no mesh resolves the waves ahead of it"
+        ));
+    }
+    let f = scene.run.low_pass_hz;
+    let mesh = format!(
+        "elements up to {:.2} m for waves of {:.2} m that a {f} Hz force sends ahead of the pantograph",
+        catenary.longest_element(),
+        (c - v) / f
+    );
+    Some(match scene.expected_mesh_error() {
+        None => format!("mesh: {mesh}; no rule is known for its error"),
+        Some(error) if error.total() >= 30.0 => format!(
+            "this mesh is far from converged: {mesh}; the filtered force may be wrong by more than its own standard deviation"
+        ),
+        Some(error) => format!(
+            "mesh: the filtered force is wrong by about {:.1} % of its standard deviation, {:.1} % by the mesh and {:.1} % by steps of \
+             {:.3} ms: {mesh}; by rule, good to a factor of two",
+            error.total(),
+            error.space,
+            error.time,
+            1e3 * scene.internal_step()
+        ),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EN_300: &str = include_str!("../../scenes/en50318-300.toml");
+    const THESIS: &str = include_str!("../../scenes/thesis.toml");
+
+    fn said(text: &str, overrides: &[&str]) -> String {
+        let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
+        let scene = Scene::from_toml(text, "scene.toml", &overrides).unwrap();
+        expected_error(&scene).unwrap()
+    }
+
+    #[test]
+    fn a_mesh_is_judged_by_the_waves_around_the_pantograph() {
+        assert!(
+            said(THESIS, &[]).contains("far from converged"),
+            "{}",
+            said(THESIS, &[])
+        );
+        let plain = said(EN_300, &["catenary.mesh.cures=none"]);
+        assert!(plain.contains("wrong by about 4.9 %"), "{plain}");
+        let cured = said(EN_300, &[]);
+        assert!(cured.contains("wrong by about 0.7 %"), "{cured}");
+        let fast = said(
+            EN_300,
+            &[
+                "run.speed_kmh=450",
+                "run.allow_supercritical=true",
+                "run.duration=4",
+                "run.evaluate={time=[1,3]}",
+            ],
+        );
+        assert!(fast.contains("faster than the waves"), "{fast}");
+    }
+
+    #[test]
+    fn what_a_line_does_without_is_said_with_its_reason() {
+        let overrides = ["solver.rho_inf=0.5".to_owned()];
+        let scene = Scene::from_toml(EN_300, "scene.toml", &overrides).unwrap();
+        let text = described(&scene);
+        assert!(
+            text.starts_with("8 elements between droppers, contact_compliance + bending_layers (without mass_correction: solver.rho_inf = 0.5"),
+            "{text}"
+        );
+        let plain = Scene::from_toml(THESIS, "scene.toml", &[]).unwrap();
+        assert_eq!(described(&plain), "1 elements between droppers, plain");
+    }
+}

@@ -1,0 +1,177 @@
+//! What is best: the Pareto front of error and cost, and what to take for a given error.
+
+use serde::Serialize;
+
+use super::recipe::Class;
+use crate::table_of_runs::{Row, Status};
+
+/// Errors that a recommendation is given for, % of the standard deviation.
+pub const TARGETS: [f64; 3] = [3.0, 1.0, 0.3];
+
+/// Real-time factor and filtered error of a row that can be on the front.
+#[must_use]
+pub fn point(row: &Row) -> Option<(f64, f64)> {
+    let factor = row
+        .real_time_factor
+        .filter(|factor| factor.is_finite() && *factor > 0.0)?;
+    let error = row.filtered_error.filter(|error| error.is_finite() && *error >= 0.0)?;
+    (row.status == Some(Status::Stable)).then_some((factor, error))
+}
+
+/// Rows that no other row of their class beats: none is both cheaper and more accurate, or one of these and equal in the other.
+#[must_use]
+pub fn pareto(rows: &[&Row]) -> Vec<bool> {
+    let points: Vec<_> = rows
+        .iter()
+        .map(|row| Some((Class::of(&row.reduction), point(row)?)))
+        .collect();
+    let beaten = |at: usize| {
+        let Some((class, (cost, error))) = points[at] else {
+            return true;
+        };
+        points.iter().enumerate().any(|(other, point)| {
+            let Some((its, (its_cost, its_error))) = *point else {
+                return false;
+            };
+            let better = its_cost < cost || its_error < error;
+            // Of two equal rows the first one stays.
+            let equal_and_first = its_cost == cost && its_error == error && other < at;
+            its == class && its_cost <= cost && its_error <= error && (better || equal_and_first)
+        })
+    };
+    (0..rows.len()).map(|at| !beaten(at)).collect()
+}
+
+/// What to take for an error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Recommendation {
+    /// Rows that were chosen from.
+    pub class: String,
+    /// Error asked for, % of the standard deviation.
+    pub target_percent: f64,
+    /// The cheapest row that is accurate enough; `None` where there is none.
+    pub row: Option<usize>,
+    /// The same in words.
+    pub text: String,
+}
+
+/// For each class that has rows with errors, and each target, the cheapest row that reaches it.
+#[must_use]
+pub fn recommendations(rows: &[&Row], name: impl Fn(usize) -> String) -> Vec<Recommendation> {
+    let mut classes: Vec<Class> = rows
+        .iter()
+        .filter(|row| point(row).is_some())
+        .map(|row| Class::of(&row.reduction))
+        .collect();
+    classes.sort();
+    classes.dedup();
+    let mut all = Vec::new();
+    for class in classes {
+        let of_class: Vec<(usize, (f64, f64))> = rows
+            .iter()
+            .enumerate()
+            .filter(|(_, row)| Class::of(&row.reduction) == class)
+            .filter_map(|(index, row)| Some((index, point(row)?)))
+            .collect();
+        let best = of_class
+            .iter()
+            .map(|(_, (_, error))| *error)
+            .fold(f64::INFINITY, f64::min);
+        for target in TARGETS {
+            let enough = of_class.iter().filter(|(_, (_, error))| *error <= target);
+            let chosen = enough.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
+            let text = match chosen {
+                Some((index, (factor, error))) => {
+                    format!("for {target} % take {}: {error:.2} %, {}", name(*index), speed(*factor))
+                }
+                None => format!(
+                    "{target} % is not reached: {best:.2} % is the best of {} runs",
+                    of_class.len()
+                ),
+            };
+            all.push(Recommendation {
+                class: class.name(),
+                target_percent: target,
+                row: chosen.map(|(index, _)| *index),
+                text,
+            });
+        }
+    }
+    all
+}
+
+/// A real-time factor in words.
+#[must_use]
+pub fn speed(factor: f64) -> String {
+    if factor <= 1.0 {
+        format!("{:.1} times faster than real time", 1.0 / factor)
+    } else {
+        format!("{factor:.1} times slower than real time")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(reduction: &str, factor: f64, error: f64) -> Row {
+        Row {
+            reduction: reduction.to_owned(),
+            real_time_factor: Some(factor),
+            filtered_error: Some(error),
+            status: Some(Status::Stable),
+            ..Row::default()
+        }
+    }
+
+    #[test]
+    fn the_front_is_what_nothing_of_the_same_class_beats() {
+        let mut rows = vec![
+            row("planar", 0.1, 5.0),
+            row("planar", 0.2, 1.0),
+            row("planar", 0.3, 1.0),  // dearer, no better
+            row("planar", 0.2, 2.0),  // as dear, worse
+            row("planar", 0.2, 1.0),  // the same again
+            row("planar", 0.05, 9.0), // limit, below
+            row("planar", 1.0, 0.1),
+            row("planar+linearised", 0.01, 0.05), // another class
+        ];
+        rows[5].status = Some(Status::Limit);
+        rows.push(Row {
+            filtered_error: None,
+            ..row("planar", 0.01, 0.0)
+        });
+        let rows: Vec<&Row> = rows.iter().collect();
+        let expected = [true, true, false, false, false, false, true, true, false];
+        assert_eq!(pareto(&rows), expected);
+    }
+
+    #[test]
+    fn the_cheapest_row_that_is_accurate_enough_is_recommended() {
+        let rows = [
+            row("planar", 0.1, 2.9),
+            row("planar", 0.5, 0.9),
+            row("planar", 0.25, 0.8),
+            row("planar+window", 0.02, 0.2),
+        ];
+        let rows: Vec<&Row> = rows.iter().collect();
+        let all = recommendations(&rows, |index| format!("row {index}"));
+        let chosen: Vec<(&str, f64, Option<usize>)> = all
+            .iter()
+            .map(|found| (found.class.as_str(), found.target_percent, found.row))
+            .collect();
+        assert_eq!(
+            chosen,
+            [
+                ("nonlinear, whole line", 3.0, Some(0)),
+                ("nonlinear, whole line", 1.0, Some(2)),
+                ("nonlinear, whole line", 0.3, None),
+                ("nonlinear, window", 3.0, Some(3)),
+                ("nonlinear, window", 1.0, Some(3)),
+                ("nonlinear, window", 0.3, Some(3)),
+            ]
+        );
+        assert!(all[1].text.contains("row 2: 0.80 %, 4.0 times faster than real time"));
+        assert!(all[2].text.contains("0.80 % is the best of 3 runs"));
+    }
+}

@@ -1,0 +1,49 @@
+//! Speed against error: which mesh, step, coupling and reductions a scene needs for an error, and what they cost.
+//!
+//! | part | subject |
+//! | --- | --- |
+//! | `recipe` | what a run is made of, and what a scene allows |
+//! | `plan` | sweeps and ladder |
+//! | `reference` | refined until two levels agree |
+//! | `store` | runs that are kept |
+//! | `execute` | making them in parallel, timing them one at a time |
+//! | `outcome` | rows judged, in one table |
+//! | `order` | orders of convergence |
+//! | `front` | Pareto front and recommendations |
+//! | `machine` | where times were taken, memory of a time loop |
+//! | `text`, `page`, `plots` | for reading |
+//! | `standing` | where a single run stands in a study |
+
+mod execute;
+mod front;
+mod machine;
+mod order;
+mod outcome;
+mod page;
+mod plan;
+mod plots;
+mod recipe;
+mod reference;
+mod standing;
+mod store;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use execute::{Script, StudyError, script, study};
+pub use front::{Recommendation, TARGETS};
+pub use machine::Machine;
+pub use order::{Order, order};
+pub use outcome::{Entry, Levels, Reference, Study};
+pub use page::page;
+pub use plan::{Options, Planned, Sweep};
+pub use recipe::{Class, Exchange, Family, Ground, Mesh, Recipe, identity};
+pub use reference::{Discretisation, Refinement};
+pub use standing::standing;
+pub use store::Store;
+pub use text::text;
+
+/// Table of a study.
+pub const CSV: &str = "study.csv";
+/// Page of a study.
+pub const PAGE: &str = "study.html";

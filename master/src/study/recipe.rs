@@ -1,0 +1,431 @@
+//! What a run of a study is made of.
+
+use std::fmt::Write as _;
+
+use scene::Scene;
+
+use crate::monolithic::Monolithic;
+use crate::simulation::{Mode, Other, Prepared};
+use crate::table_of_runs::{Keys, Variant};
+
+/// Cures of the mesh that a scene may name, best set first; the first one that the scene takes is called cured here.
+const CURES: [&[&str]; 4] = [
+    &["contact_compliance", "bending_layers", "mass_correction"],
+    &["contact_compliance", "mass_correction"],
+    &["contact_compliance", "bending_layers"],
+    &["contact_compliance"],
+];
+
+/// Reductions that change the model: they are judged, and no reference has them.
+const APPROXIMATE: [&str; 3] = ["linearised", "flat", "window"];
+
+/// The model that a run is an approximation of, which says what its error is taken against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Family {
+    /// The line as it is.
+    Nonlinear,
+    /// Linearised about its static state.
+    Linearised,
+    /// Straight wires with small slopes.
+    Flat,
+}
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Nonlinear, Self::Linearised, Self::Flat];
+
+    /// The word of tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nonlinear => "nonlinear",
+            Self::Linearised => "linearised",
+            Self::Flat => "flat",
+        }
+    }
+
+    /// That of a set of reductions, joined by `+`.
+    #[must_use]
+    pub fn of(reductions: &str) -> Self {
+        let has = |name: Self| reductions.split('+').any(|reduction| reduction == name.name());
+        Self::ALL[1..]
+            .iter()
+            .copied()
+            .find(|name| has(*name))
+            .unwrap_or(Self::Nonlinear)
+    }
+}
+
+/// Rows that compete with each other: the same model, the whole line or a window of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Class {
+    /// Model.
+    pub family: Family,
+    /// Whether only the spans around the pantographs are there.
+    pub window: bool,
+}
+
+impl Class {
+    /// That of a set of reductions, joined by `+`.
+    #[must_use]
+    pub fn of(reductions: &str) -> Self {
+        Self {
+            family: Family::of(reductions),
+            window: reductions.split('+').any(|reduction| reduction == "window"),
+        }
+    }
+
+    /// Its name for reading.
+    #[must_use]
+    pub fn name(self) -> String {
+        let window = if self.window { ", window" } else { ", whole line" };
+        format!("{}{window}", self.family.name())
+    }
+}
+
+/// How the sides of a coupled run exchange values.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Exchange {
+    /// One system: nothing is exchanged.
+    None,
+    /// As the scene says.
+    Scene,
+    /// Coupled in process.
+    Of {
+        /// Algorithm.
+        algorithm: String,
+        /// Degree of the extrapolation; the algorithm's own where nothing is said.
+        extrapolation: Option<usize>,
+        /// Communication step, s.
+        macro_step: f64,
+    },
+}
+
+/// Elements and what helps them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mesh {
+    /// As the scene says; also where the line is somebody else's.
+    Scene,
+    /// Given.
+    Of {
+        /// Elements between neighbouring droppers or supports.
+        elements: usize,
+        /// Cures by name; none is the plain mesh.
+        cures: Vec<String>,
+    },
+}
+
+/// A run of a study: everything that a sweep may change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// Mesh.
+    pub mesh: Mesh,
+    /// Step of the time integration, s.
+    pub micro_step: f64,
+    /// Spectral radius at infinite frequency, –.
+    pub rho_inf: f64,
+    /// Reductions by name.
+    pub reductions: Vec<String>,
+    /// Coupling.
+    pub exchange: Exchange,
+    /// Spans of a line that is longer or shorter than the scene's.
+    pub spans: Option<usize>,
+}
+
+/// Simulated time of runs on lines of other lengths, s.
+pub const GROWTH_DURATION: f64 = 1.0;
+
+/// What all runs of a study have in common, and what the scene allows.
+#[derive(Clone, Debug)]
+pub struct Ground {
+    /// Name of the scene.
+    pub name: String,
+    /// The scene as read, shortened to what is evaluated.
+    pub scene: Scene,
+    /// The same as text.
+    pub text: String,
+    /// Whether there is a mesh to be refined: the line is modelled here.
+    pub meshed: bool,
+    /// Whether line and pantographs can be one system.
+    pub one_system: bool,
+    /// Cures that the scene takes, all together; `None` where it knows no such key.
+    pub cures: Option<Vec<String>>,
+    /// Reductions that the scene has and that belong to every run: those that do not change the model.
+    pub reductions: Vec<String>,
+    /// The scene's own coupling.
+    pub keys: Keys,
+    /// Elements per dropper interval that resolve the waves ahead of the pantograph.
+    pub elements: usize,
+    /// Intervals between droppers and supports in a span.
+    pub intervals: usize,
+    /// Step that resolves the low-pass filter's band, s.
+    pub micro_step: f64,
+    /// FMUs of somebody else.
+    pub others: Vec<String>,
+}
+
+impl Ground {
+    /// That of a scene which `master check` accepts, as read with these overrides and as prepared.
+    #[must_use]
+    pub fn of(scene: Scene, prepared: &Prepared, overrides: &[String]) -> Self {
+        let text = scene.to_toml();
+        let line = scene.modelled_line().map(|(line, _)| line);
+        let reductions = scene
+            .model
+            .reductions
+            .iter()
+            .map(|reduction| reduction.name().to_owned());
+        let mut ground = Self {
+            name: prepared.name.clone(),
+            meshed: line.is_some(),
+            one_system: Monolithic::can(&scene),
+            cures: None,
+            reductions: reductions
+                .filter(|name| !APPROXIMATE.contains(&name.as_str()))
+                .collect(),
+            keys: Keys::of(&scene, overrides),
+            elements: line.map_or(1, |_| resolving_elements(&scene)),
+            intervals: line.map_or(1, |line| line.droppers.positions.len() + 1),
+            micro_step: 0.02 / scene.run.low_pass_hz,
+            others: prepared.others.iter().map(|other: &Other| other.fmu.clone()).collect(),
+            scene,
+            text,
+        };
+        ground.cures = ground.accepted_cures();
+        ground
+    }
+
+    fn accepted_cures(&self) -> Option<Vec<String>> {
+        if !self.meshed {
+            return None;
+        }
+        let found = self
+            .cure_sets()
+            .into_iter()
+            .find(|cures| self.takes(&self.at_base(cures_key(cures))));
+        found.or_else(|| self.takes(&self.at_base(cures_key(&[]))).then(Vec::new))
+    }
+
+    /// A key beside the mesh and the step of the base case, which the scene's own may not go with.
+    fn at_base(&self, key: String) -> Vec<String> {
+        let mesh = format!("catenary.mesh.elements_per_interval={}", self.elements);
+        vec![mesh, format!("solver.micro_step={:?}", self.micro_step), key]
+    }
+
+    /// Sets of cures that go together, best first.
+    #[must_use]
+    pub fn cure_sets(&self) -> Vec<Vec<String>> {
+        let names = |cures: &&[&str]| cures.iter().map(|cure| (*cure).to_owned()).collect();
+        CURES.iter().map(names).collect()
+    }
+
+    /// Whether the scene can be read with these keys too.
+    #[must_use]
+    pub fn takes(&self, overrides: &[String]) -> bool {
+        Scene::from_toml(&self.text, &self.name, overrides).is_ok()
+    }
+
+    /// Whether the scene takes a set of reductions.
+    #[must_use]
+    pub fn takes_reductions(&self, reductions: &[String]) -> bool {
+        self.meshed && self.takes(&[reduce_key(reductions)])
+    }
+
+    /// The scene's reductions and one more.
+    #[must_use]
+    pub fn with(&self, names: &[&str]) -> Vec<String> {
+        let mut all = self.reductions.clone();
+        for name in names {
+            if !all.iter().any(|had| had == name) {
+                all.push((*name).to_owned());
+            }
+        }
+        all
+    }
+
+    /// Those reductions that change nothing at all.
+    #[must_use]
+    pub fn exact(&self) -> Vec<String> {
+        let planar = self.meshed && self.scene.pushed_sideways().is_none();
+        if planar { vec!["planar".to_owned()] } else { Vec::new() }
+    }
+
+    /// The mesh with all cures that the scene takes.
+    #[must_use]
+    pub fn cured(&self, elements: usize) -> Mesh {
+        self.mesh(elements, self.cures.clone().unwrap_or_default())
+    }
+
+    /// A mesh with some cures.
+    #[must_use]
+    pub fn mesh(&self, elements: usize, cures: Vec<String>) -> Mesh {
+        if self.meshed {
+            Mesh::Of { elements, cures }
+        } else {
+            Mesh::Scene
+        }
+    }
+
+    /// Coupling of runs that are one system where that can be.
+    #[must_use]
+    pub fn plain_exchange(&self, micro_step: f64) -> Exchange {
+        if self.one_system {
+            return Exchange::None;
+        }
+        Exchange::Of {
+            algorithm: crate::table_of_runs::AUTO.to_owned(),
+            extrapolation: None,
+            macro_step: micro_step,
+        }
+    }
+
+    /// What a recipe is as a variant of the scene.
+    #[must_use]
+    pub fn variant(&self, recipe: &Recipe) -> Variant {
+        let mut keys = Vec::new();
+        if let (Mesh::Of { elements, cures }, true) = (&recipe.mesh, self.meshed) {
+            keys.push(format!("catenary.mesh.elements_per_interval={elements}"));
+            if self.cures.is_some() || !cures.is_empty() {
+                keys.push(cures_key(cures));
+            }
+        }
+        if self.meshed {
+            keys.push(reduce_key(&recipe.reductions));
+        }
+        let algorithm = match &recipe.exchange {
+            Exchange::None => {
+                keys.extend(self.keys.overrides("", recipe.micro_step, recipe.micro_step));
+                String::new()
+            }
+            Exchange::Scene => {
+                keys.push(format!("solver.micro_step={:?}", recipe.micro_step));
+                self.keys.named.clone()
+            }
+            Exchange::Of {
+                algorithm,
+                extrapolation,
+                macro_step,
+            } => {
+                keys.extend(self.keys.overrides(algorithm, *macro_step, recipe.micro_step));
+                if let Some(degree) = extrapolation {
+                    keys.push(format!("coupling.extrapolation={degree}"));
+                }
+                algorithm.clone()
+            }
+        };
+        keys.push(format!("solver.rho_inf={:?}", recipe.rho_inf));
+        if let Some(spans) = recipe.spans {
+            keys.push(format!("catenary.spans={spans}"));
+            keys.push(format!("run.duration={GROWTH_DURATION:?}"));
+            let from = 0.5 * GROWTH_DURATION;
+            keys.push(format!("run.evaluate={{ time = [{from:?}, {GROWTH_DURATION:?}] }}"));
+        }
+        Variant {
+            mode: match recipe.exchange {
+                Exchange::None => Mode::Monolithic,
+                _ => Mode::Inprocess,
+            },
+            algorithm,
+            overrides: keys,
+        }
+    }
+
+    /// Work of a recipe: coordinates times micro steps, roughly; repeated steps and constant matrices taken into account.
+    #[must_use]
+    pub fn work(&self, recipe: &Recipe) -> f64 {
+        let has = |name: &str| recipe.reductions.iter().any(|reduction| reduction == name);
+        let line = self.scene.modelled_line().map(|(line, _)| line);
+        let elements = match &recipe.mesh {
+            Mesh::Of { elements, .. } => *elements,
+            Mesh::Scene => line.map_or(1, |line| line.mesh.elements_per_interval),
+        };
+        let spans = recipe.spans.or(line.map(scene::Catenary::spans)).unwrap_or(1);
+        /// Spans of a window, roughly.
+        const WINDOW: usize = 10;
+        let spans = if has("window") { spans.min(WINDOW) } else { spans };
+        let per_node = if has("planar") { 4 } else { 6 };
+        let coordinates = (2 * per_node * elements * self.intervals * spans) as f64;
+        let duration = if recipe.spans.is_some() {
+            GROWTH_DURATION
+        } else {
+            self.scene.run.duration
+        };
+        let linear = if has("linearised") || has("flat") { 0.3 } else { 1.0 };
+        let repeated = match &recipe.exchange {
+            // Repeated steps cost about three passes, measured with the standard's line.
+            Exchange::Of { algorithm, .. } if algorithm == "iterated" => 3.0,
+            _ => 1.0,
+        };
+        linear * repeated * coordinates * duration / recipe.micro_step
+    }
+}
+
+/// Element length per wave ahead of the pantograph at which a plain mesh comes down to a few percent: 0.8 m for 1.9 m, from
+/// convergence studies of tensioned beams with cubic elements.
+const FINE: f64 = 0.42;
+
+/// Elements per dropper interval, a power of two, that are short enough for the waves ahead of the pantograph.
+fn resolving_elements(scene: &Scene) -> usize {
+    let Some((line, _)) = scene.modelled_line() else {
+        return 1;
+    };
+    let wave = (line.contact_wire.wave_speed() - scene.run.speed) / scene.run.low_pass_hz;
+    let mut points = line.supports_x();
+    points.extend(line.droppers_x());
+    points.sort_by(f64::total_cmp);
+    let longest = points.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    let wanted = longest / (FINE * wave);
+    if !(wanted.is_finite() && wanted > 0.0) {
+        return 8;
+    }
+    // A tenth of an octave too long is no reason for twice as many.
+    2_usize.pow((wanted.log2() - 0.1).ceil().clamp(0.0, 6.0) as u32)
+}
+
+fn list(names: &[String]) -> String {
+    let mut text = String::from("[");
+    for (index, name) in names.iter().enumerate() {
+        let comma = if index > 0 { ", " } else { "" };
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{comma}\"{name}\"");
+    }
+    text.push(']');
+    text
+}
+
+fn cures_key(cures: &[String]) -> String {
+    if cures.is_empty() {
+        "catenary.mesh.cures=none".to_owned()
+    } else {
+        format!("catenary.mesh.cures={}", list(cures))
+    }
+}
+
+fn reduce_key(reductions: &[String]) -> String {
+    if reductions.is_empty() {
+        "model.reduce=none".to_owned()
+    } else {
+        format!("model.reduce={}", list(reductions))
+    }
+}
+
+/// Hash of a scene without what a recipe changes, without its texts, and without what it leaves to be found: start, duration.
+/// Runs of scenes with the same hash can be compared.
+#[must_use]
+pub fn identity(scene: &Scene) -> String {
+    const TABLES: [&str; 4] = ["[catenary.mesh]", "[coupling]", "[solver]", "[model]"];
+    const KEYS: [&str; 6] = ["title", "source", "duration", "output_step", "start", "fmu"];
+    let (mut kept, mut skipped) = (String::new(), false);
+    for line in scene.to_toml().lines() {
+        if line.starts_with('[') {
+            skipped = TABLES.contains(&line);
+        }
+        let key = line.split('=').next().unwrap_or("").trim();
+        if !skipped && !line.is_empty() && !KEYS.contains(&key) {
+            kept.push_str(line);
+            kept.push('\n');
+        }
+    }
+    super::store::digest(&[kept.as_bytes()])[..12].to_owned()
+}

@@ -1,0 +1,189 @@
+//! References: a recipe refined until two successive levels agree.
+
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::execute::StudyError;
+use super::plan::{Options, Planned, Sweep, base};
+use super::recipe::{Family, Ground, Mesh, Recipe};
+use crate::table_of_runs::{Attempt, Errors, Status};
+
+/// Most levels: each has twice the elements at half the micro step.
+const LEVELS: u32 = 8;
+
+/// Makes a run; nothing when the study is to end.
+pub type Run<'a> = dyn FnMut(&Planned) -> Result<Option<Arc<Attempt>>, StudyError> + 'a;
+
+/// How the mesh of a reference is refined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Discretisation {
+    /// Elements with all cures that the scene takes.
+    Cured,
+    /// Elements alone.
+    Plain,
+}
+
+impl Discretisation {
+    /// The word of tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cured => "cured",
+            Self::Plain => "plain",
+        }
+    }
+}
+
+/// One level.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// What was run.
+    pub planned: Planned,
+    /// Its run.
+    pub made: Arc<Attempt>,
+    /// Difference of the filtered force from the level before, % of the standard deviation.
+    pub difference: Option<f64>,
+}
+
+/// A family refined.
+#[derive(Clone, Debug)]
+pub struct Refinement {
+    /// Model.
+    pub family: Family,
+    /// Mesh.
+    pub discretisation: Discretisation,
+    /// Levels, coarse to fine.
+    pub levels: Vec<Level>,
+    /// Whether the last two levels agree.
+    pub converged: bool,
+    /// Why there are no more levels; empty where the last two agree.
+    pub ended: String,
+}
+
+impl Refinement {
+    /// Difference of the last two levels, %: what is not known of the finest; `None` with one level.
+    #[must_use]
+    pub fn uncertainty(&self) -> Option<f64> {
+        self.levels.last().and_then(|level| level.difference)
+    }
+}
+
+/// Level `number` (from 0) of a refinement.
+fn level(ground: &Ground, family: Family, discretisation: Discretisation, number: u32) -> Planned {
+    // Plain elements begin where cured ones have their second level.
+    let both = ground.cures.as_ref().is_some_and(|cures| !cures.is_empty());
+    let ahead = u32::from(discretisation == Discretisation::Plain && both);
+    let elements = ground.elements << (number + ahead);
+    let micro_step = 0.5 * ground.micro_step / f64::from(1_u32 << number);
+    let mut reductions = ground.exact();
+    if family != Family::Nonlinear {
+        reductions.push(family.name().to_owned());
+    }
+    let mesh: Mesh = match discretisation {
+        Discretisation::Cured => ground.cured(elements),
+        Discretisation::Plain => ground.mesh(elements, Vec::new()),
+    };
+    let recipe = Recipe {
+        mesh,
+        micro_step,
+        reductions,
+        // Somebody else's side: the macro step is refined with the micro step.
+        exchange: ground.plain_exchange(micro_step),
+        ..base(ground)
+    };
+    Planned::new(ground, recipe, Sweep::Reference)
+}
+
+/// Work of the levels that a refinement is expected to need.
+#[must_use]
+pub fn expected_work(ground: &Ground, options: &Options, family: Family, discretisation: Discretisation) -> f64 {
+    let works = (0..3).map(|number| level(ground, family, discretisation, number).work);
+    works.filter(|work| *work <= options.work).sum()
+}
+
+/// Refines until two successive levels agree within the tolerance, or the next level is beyond the limit; `run` makes a run, or
+/// returns nothing when the study is to end.
+///
+/// # Errors
+/// What `run` returns.
+pub fn refine(
+    ground: &Ground,
+    options: &Options,
+    family: Family,
+    discretisation: Discretisation,
+    run: &mut Run<'_>,
+) -> Result<Option<Refinement>, StudyError> {
+    let mut found = Refinement {
+        family,
+        discretisation,
+        levels: Vec::new(),
+        converged: false,
+        ended: format!("after {LEVELS} levels"),
+    };
+    for number in 0..LEVELS {
+        let planned = level(ground, family, discretisation, number);
+        if planned.work > options.work {
+            found.ended = format!(
+                "the next level is {:.1e} coordinates times micro steps, more than the limit of {:.1e} (--reference-work)",
+                planned.work, options.work
+            );
+            break;
+        }
+        let Some(made) = run(&planned)? else {
+            return Ok(None);
+        };
+        if made.row.status == Some(Status::Refused) || !made.complete || made.curves.is_empty() {
+            let micro_step = 1e3 * planned.recipe.micro_step;
+            let mut row = made.row.clone();
+            made.remarks.iter().for_each(|remark| row.remark(remark));
+            found.ended = format!(
+                "level {} (micro step {micro_step} ms) did not run: {}",
+                number + 1,
+                row.reason
+            );
+            break;
+        }
+        let before = found.levels.last();
+        let difference = before.and_then(|level| Errors::between(&made.curves, &level.made.curves).filtered);
+        found.levels.push(Level {
+            planned,
+            made,
+            difference,
+        });
+        if difference.is_some_and(|difference| difference <= options.tolerance) {
+            found.converged = true;
+            found.ended.clear();
+            break;
+        }
+    }
+    Ok(Some(found))
+}
+
+/// Refinements that a study needs for its families.
+#[must_use]
+pub fn wanted(ground: &Ground, families: &[Family]) -> Vec<(Family, Discretisation)> {
+    let both = ground.cures.as_ref().is_some_and(|cures| !cures.is_empty());
+    let mut all = Vec::new();
+    for &family in families {
+        if both {
+            all.push((family, Discretisation::Cured));
+        }
+        // Two discretisations confirm each other; for the reduced models one is enough, unless it cannot run.
+        if !both || family == Family::Nonlinear {
+            all.push((family, Discretisation::Plain));
+        }
+    }
+    all
+}
+
+/// The reference of a family: the refinement that is known best.
+#[must_use]
+pub fn best(refinements: &[Refinement], family: Family) -> Option<&Refinement> {
+    let of_family = refinements
+        .iter()
+        .filter(|found| found.family == family && !found.levels.is_empty());
+    let known = |found: &Refinement| found.uncertainty().unwrap_or(f64::INFINITY);
+    of_family.min_by(|a, b| known(a).total_cmp(&known(b)))
+}

@@ -1,0 +1,130 @@
+//! Where a single run stands in a study of its scene.
+
+use std::path::Path;
+
+use super::front::{point, speed};
+use super::recipe::{Class, identity};
+use super::{CSV, outcome::Study};
+use crate::simulation::Mode;
+use crate::table_of_runs::{Row, Status};
+
+/// A row of a study as it is read back.
+struct Read {
+    row: Row,
+    rho_inf: f64,
+    pareto: bool,
+    scene_hash: String,
+}
+
+/// The rows of the study in `folder`; none where there is no study or it cannot be read.
+fn read(folder: &Path) -> Vec<Read> {
+    let Ok(mut reader) = csv::Reader::from_path(folder.join(CSV)) else {
+        return Vec::new();
+    };
+    let Ok(head) = reader.headers().cloned() else {
+        return Vec::new();
+    };
+    let place = |name: &str| head.iter().position(|column| column == name);
+    let (Some(rho), Some(pareto), Some(hash)) = (place("rho_inf"), place("pareto"), place("scene_hash")) else {
+        return Vec::new();
+    };
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let Ok(record) = record else { return Vec::new() };
+        let Ok(row) = record.deserialize::<Row>(Some(&head)) else {
+            return Vec::new();
+        };
+        rows.push(Read {
+            row,
+            rho_inf: record[rho].parse().unwrap_or(f64::NAN),
+            pareto: &record[pareto] == "1",
+            scene_hash: record[hash].to_owned(),
+        });
+    }
+    rows
+}
+
+/// What the study in `folder` says of a run of `scene` in `mode`: its expected error, and the nearest points of the front;
+/// nothing where there is no study of this scene.
+#[must_use]
+pub fn standing(folder: &Path, scene: &scene::Scene, mode: Mode) -> Option<String> {
+    let hash = identity(scene);
+    let rows: Vec<Read> = read(folder)
+        .into_iter()
+        .filter(|read| read.scene_hash == hash)
+        .collect();
+    if rows.is_empty() {
+        return None;
+    }
+    let own = Row::planned("", scene, mode, scene.coupling.algorithm.name());
+    let same_model = |read: &&Read| {
+        let row = &read.row;
+        let mesh = row.elements_per_span == own.elements_per_span && row.mesh == own.mesh;
+        mesh && row.micro_step == own.micro_step
+            && row.reduction == own.reduction
+            && read.rho_inf == scene.solver.rho_inf
+            && row.status == Some(Status::Stable)
+            && row.filtered_error.is_some()
+    };
+    let same_coupling = |read: &&Read| {
+        let row = &read.row;
+        row.algorithm == own.algorithm && row.extrapolation == own.extrapolation && row.macro_step == own.macro_step
+    };
+    let intervals = scene
+        .modelled_line()
+        .map_or(1, |(line, _)| line.droppers.positions.len() + 1);
+    let names = Study {
+        intervals,
+        ..Study::default()
+    };
+    let exact = rows.iter().find(|read| same_model(read) && same_coupling(read));
+    let found = exact.or_else(|| {
+        rows.iter()
+            .find(|read| same_model(read) && read.row.macro_step.is_none())
+    });
+    let Some(found) = found else {
+        return Some(format!(
+            "the study in {CSV} has no row of this recipe: its error is not known"
+        ));
+    };
+    let part = if exact.is_some() {
+        ""
+    } else {
+        " without that of the coupling"
+    };
+    let (factor, error) = point(&found.row)?;
+    let mut text = format!(
+        "error expected by the study in {CSV}{part}: {error:.2} % of σ (rms of the filtered force) against the converged {} line",
+        Class::of(&own.reduction).family.name()
+    );
+    let class = Class::of(&found.row.reduction);
+    let front = || {
+        let of_class = rows
+            .iter()
+            .filter(|read| read.pareto && Class::of(&read.row.reduction) == class);
+        of_class.filter_map(|read| Some((read, point(&read.row)?)))
+    };
+    if found.pareto {
+        text.push_str("; no run of the study is both cheaper and more accurate");
+    }
+    let mut say = |what: &str, (read, (factor, error)): (&Read, (f64, f64))| {
+        text.push_str(&format!(
+            "; {what}: {} ({error:.2} %, {})",
+            names.label(&read.row),
+            speed(factor)
+        ));
+    };
+    let cheaper = front()
+        .filter(|(_, point)| point.0 < factor)
+        .max_by(|a, b| a.1.0.total_cmp(&b.1.0));
+    let finer = front()
+        .filter(|(_, point)| point.1 < error)
+        .max_by(|a, b| a.1.1.total_cmp(&b.1.1));
+    if let Some(cheaper) = cheaper {
+        say("next cheaper", cheaper);
+    }
+    if let Some(finer) = finer {
+        say("next more accurate", finer);
+    }
+    Some(text)
+}

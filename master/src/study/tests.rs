@@ -1,0 +1,307 @@
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use scene::Scene;
+
+use super::*;
+use crate::report::{Progress, Show};
+use crate::simulation::Mode;
+use crate::table_of_runs::{Row, Status};
+
+/// A line of three short spans under the standard's pantograph, slow, filtered at 10 Hz: four elements per interval and 2 ms
+/// resolve that, and a run takes some hundredths of a second.
+fn short(overrides: &[&str]) -> Scene {
+    let text = include_str!("../../../scenes/en50318-250.toml");
+    let mut keys = vec![
+        "catenary.spans=3",
+        "catenary.span_length=30",
+        "catenary.droppers.positions=[10.0, 20.0]",
+        "catenary.mesh.elements_per_interval=2",
+        "run.start_x=10",
+        "run.speed_kmh=60",
+        "run.duration=2.0",
+        "run.evaluate={ time = [0.2, 0.8] }",
+        "run.low_pass_hz=10",
+        "solver.micro_step=0.002",
+    ];
+    keys.extend(overrides);
+    let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
+    Scene::from_toml(text, "scene.toml", &keys).unwrap()
+}
+
+/// As little as a study can be.
+fn tiny() -> Options {
+    Options {
+        elements: vec![1, 2, 4],
+        micro_steps: vec![4e-3, 2e-3],
+        macro_steps: vec![2e-3],
+        rho_inf: vec![0.8],
+        repeats: 1,
+        quick: true,
+        // The second level is near enough.
+        tolerance: 90.0,
+        ..Options::default()
+    }
+}
+
+fn scripted(scene: Scene, options: Options) -> Script {
+    let mut script = script(scene, "short", Path::new("."), &[], options).unwrap();
+    // Small machines and large ones plan the same; two threads are enough to get in each other's way.
+    script.machine.cores = 2;
+    script
+}
+
+/// Makes a study in `folder`; with `stop`, it is interrupted when so many rows are known.
+fn studied(script: &Script, folder: &Path, stop: Option<usize>) -> Study {
+    let store = script.store(folder).unwrap();
+    let interrupted = AtomicBool::new(false);
+    let progress = Progress::share("", Show::Never);
+    study(script, &store, &interrupted, &progress, &mut |study| {
+        if stop.is_some_and(|stop| study.made() >= stop) {
+            interrupted.store(true, Ordering::Relaxed);
+        }
+        Ok(())
+    })
+    .unwrap()
+}
+
+/// What does not depend on the clock.
+fn without_times(study: &Study) -> Vec<Row> {
+    let strip = |entry: &Entry| Row {
+        wall: None,
+        real_time_factor: None,
+        ..entry.row.clone()
+    };
+    study.rows.iter().map(strip).collect()
+}
+
+#[test]
+fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
+    let script = scripted(short(&[]), Options::default());
+    let planned = &script.planned;
+    for (index, run) in planned.iter().enumerate() {
+        assert!(planned[..index].iter().all(|other| !other.same(run)), "{run:?}");
+    }
+    let of = |sweep: Sweep| planned.iter().filter(move |run| run.sweeps.contains(&sweep));
+    let elements = |run: &Planned| match run.recipe.mesh {
+        Mesh::Of { elements, .. } => elements,
+        Mesh::Scene => 0,
+    };
+    for count in Options::ELEMENTS {
+        assert!(of(Sweep::Mesh).any(|run| elements(run) == count));
+    }
+    let base = script.ground.micro_step;
+    // 10 Hz: twice the step that 20 Hz needs.
+    assert_eq!((base, script.ground.elements), (2e-3, 4));
+    assert!(of(Sweep::Mesh).all(|run| run.recipe.micro_step == base && run.variant.mode == Mode::Monolithic));
+    for step in Options::MICRO_STEPS {
+        assert!(
+            of(Sweep::MicroStep).any(|run| run.recipe.micro_step == step && elements(run) == script.ground.elements)
+        );
+    }
+    assert!(of(Sweep::Coupling).all(|run| run.variant.mode == Mode::Inprocess));
+    assert!(of(Sweep::Coupling).count() >= Options::MACRO_STEPS.len() + crate::compare::algorithms().len() - 1);
+    assert_eq!(of(Sweep::RhoInf).count(), Options::RHO_INF.len());
+    // The scene's own recipe: alone and coupled.
+    assert_eq!(of(Sweep::Scene).count(), 2);
+    // Both things change on the ladder.
+    let mut steps: Vec<u64> = of(Sweep::Ladder).map(|run| run.recipe.micro_step.to_bits()).collect();
+    steps.sort_unstable();
+    steps.dedup();
+    assert!(steps.len() >= 3);
+    assert_eq!(script.refinements[0].0, Family::Nonlinear);
+}
+
+#[test]
+fn a_reduced_study_is_smaller_and_lists_are_taken_as_typed() {
+    let quick = Options {
+        quick: true,
+        ..Options::default()
+    };
+    let count = |options: Options| scripted(short(&[]), options).planned.len();
+    assert!(count(quick) < count(Options::default()));
+    let asked = Options {
+        reductions: vec!["none".to_owned(), "planar".to_owned()],
+        spans: vec![3, 4],
+        ..tiny()
+    };
+    let script = scripted(short(&[]), asked);
+    let of = |sweep: Sweep| script.planned.iter().filter(move |run| run.sweeps.contains(&sweep));
+    let sets: Vec<&[String]> = of(Sweep::Reductions)
+        .map(|run| run.recipe.reductions.as_slice())
+        .collect();
+    assert_eq!(sets.len(), 2);
+    assert!(sets.contains(&&[][..]));
+    assert_eq!(
+        of(Sweep::Spans).map(|run| run.recipe.spans).collect::<Vec<_>>(),
+        [Some(3), Some(4)]
+    );
+}
+
+#[test]
+fn what_a_recipe_changes_does_not_make_another_scene() {
+    let own = identity(&short(&[]));
+    for key in [
+        "catenary.mesh.elements_per_interval=7",
+        "solver.rho_inf=0.5",
+        "solver.micro_step=1e-4",
+        "coupling={ algorithm = \"jacobi\", macro_step = 0.004 }",
+        "model.reduce=none",
+        "run.duration=1.8",
+        "title=another",
+    ] {
+        assert_eq!(identity(&short(&[key])), own, "{key}");
+    }
+    for key in [
+        "run.speed_kmh=61",
+        "catenary.spans=4",
+        "contact.stiffness=6e4",
+        "pantograph[1].masses=[7, 15]",
+    ] {
+        assert_ne!(identity(&short(&[key])), own, "{key}");
+    }
+}
+
+#[test]
+fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut options = tiny();
+    options.spans = vec![3, 4];
+    let script = scripted(short(&[]), options);
+    let study = studied(&script, folder.path(), None);
+    assert!(study.complete, "{:?}", without_times(&study));
+    let reference = study.reference(Family::Nonlinear).unwrap();
+    assert!(reference.converged && reference.uncertainty_percent.unwrap() < 90.0);
+    let truth = &study.rows[reference.row.unwrap()];
+    assert!(truth.row.filtered_error.is_none() && truth.sweep.contains("reference") && !truth.pareto);
+    let stable = |entry: &&Entry| entry.row.status == Some(Status::Stable);
+    assert!(study.rows.iter().filter(stable).count() > 5);
+    for entry in study.rows.iter().filter(stable) {
+        // Every stable run has its figures and its cost.
+        assert!(
+            entry.row.std.is_some() && entry.row.real_time_factor.unwrap() > 0.0,
+            "{entry:?}"
+        );
+    }
+    // More elements and shorter steps are nearer to the truth.
+    let error = |elements: u64| {
+        let found = study.of(Sweep::Mesh).find(|entry| {
+            entry.row.elements_per_span == Some(3 * elements)
+                && entry.row.mesh == "plain"
+                && entry.row.macro_step.is_none()
+        });
+        found.unwrap().row.filtered_error.unwrap()
+    };
+    assert!(error(4) < error(1), "{} {}", error(4), error(1));
+    assert!(study.rows.iter().any(|entry| entry.pareto) && !study.recommendations.is_empty());
+    // Runs on other lines have a cost and no error.
+    for entry in study.of(Sweep::Spans) {
+        assert_eq!(
+            (entry.row.status, entry.row.filtered_error),
+            (Some(Status::Stable), None)
+        );
+        assert!(entry.spans.is_some() && entry.row.wall.unwrap() > 0.0);
+    }
+
+    // The table: the promised columns first, a status in every row, and it reads back.
+    let (rows, columns) = study.table();
+    let mut out = Vec::new();
+    crate::table_of_runs::write(&mut out, Path::new(CSV), &rows, &[], &columns).unwrap();
+    std::fs::write(folder.path().join(CSV), &out).unwrap();
+    let mut reader = csv::Reader::from_reader(&*out);
+    let head = reader.headers().unwrap().clone();
+    assert!(
+        Row::COLUMNS
+            .iter()
+            .zip(&head)
+            .all(|(promised, found)| *promised == found)
+    );
+    for (record, row) in reader.records().zip(&rows) {
+        assert_eq!(record.unwrap().deserialize::<Row>(Some(&head)).unwrap(), *row);
+    }
+    let text = text(&study);
+    assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
+    let page = page(&study);
+    for id in ["plot-precision", "plot-mesh", "plot-micro", "plot-growth"] {
+        assert!(page.contains(id), "{id}");
+    }
+    assert!(!page.contains("<script src") && !page.contains("Incomplete:"));
+    assert!(serde_json::to_value(&study).unwrap()["rows"][0]["rms_error_filtered_percent_of_std"].is_number());
+
+    // A run of the scene finds its own row; one of another scene finds nothing.
+    let said = standing(folder.path(), &short(&[]), Mode::Monolithic).unwrap();
+    let own = study
+        .of(Sweep::Scene)
+        .find(|entry| entry.row.macro_step.is_none())
+        .unwrap();
+    assert!(
+        said.contains(&format!("{:.2} % of σ", own.row.filtered_error.unwrap())),
+        "{said}"
+    );
+    let coupled = standing(folder.path(), &short(&[]), Mode::Cosimulation).unwrap();
+    assert!(!coupled.contains("without that of the coupling"), "{coupled}");
+    let unknown = standing(
+        folder.path(),
+        &short(&["catenary.mesh.elements_per_interval=7"]),
+        Mode::Monolithic,
+    );
+    assert!(unknown.unwrap().contains("not known"));
+    assert_eq!(
+        standing(folder.path(), &short(&["run.speed_kmh=61"]), Mode::Monolithic),
+        None
+    );
+    assert_eq!(standing(Path::new("/nonexistent"), &short(&[]), Mode::Monolithic), None);
+}
+
+#[test]
+fn a_study_that_was_ended_goes_on_and_comes_to_the_same() {
+    let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let script = scripted(short(&[]), tiny());
+    let expected = studied(&script, whole.path(), None);
+    let first = studied(&script, parts.path(), Some(4));
+    assert!(!first.complete);
+    assert!(page(&first).contains("Incomplete:") && text(&first).contains("INCOMPLETE"));
+    let kept = || {
+        let names = std::fs::read_dir(parts.path().join("study")).unwrap();
+        let names = names.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.filter(|name| name.ends_with(".force")).collect();
+        names.sort();
+        names
+    };
+    let before = kept();
+    assert!(!before.is_empty());
+    let modified = |name: &String| {
+        std::fs::metadata(parts.path().join("study").join(name))
+            .unwrap()
+            .modified()
+            .unwrap()
+    };
+    let written: Vec<_> = before.iter().map(modified).collect();
+    let second = studied(&script, parts.path(), None);
+    assert!(second.complete && kept().len() > before.len());
+    // What was there was not made again.
+    assert_eq!(before.iter().map(modified).collect::<Vec<_>>(), written);
+    assert_eq!(without_times(&second), without_times(&expected));
+    // A third time nothing is left to do: the very same, wall times included.
+    let third = studied(&script, parts.path(), None);
+    let all = |study: &Study| study.rows.iter().map(|entry| entry.row.clone()).collect::<Vec<_>>();
+    assert_eq!(all(&third), all(&second));
+}
+
+#[test]
+fn a_recipe_that_the_scene_refuses_has_a_row_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options {
+        reductions: vec!["planar+nonsense".to_owned()],
+        ..tiny()
+    };
+    let script = scripted(short(&[]), options);
+    let study = studied(&script, folder.path(), None);
+    assert!(study.complete);
+    let row = &study.of(Sweep::Reductions).next().unwrap().row;
+    assert_eq!(row.status, Some(Status::Refused));
+    assert!(
+        row.reason.contains("nonsense") && row.reduction == "planar+nonsense",
+        "{row:?}"
+    );
+}

@@ -1,0 +1,319 @@
+//! What makes up for a coarse mesh, against closed forms and fine meshes.
+use catenary::{
+    AxialLaw, BendingLaw, BendingLayers, CompliantWire, ContactPair, ContactTangent, Curve, Enrichment, LineOptions,
+    MassCorrection, NodeMap, PenaltyContact, PrescribedStrip, ResidualCompliance, StaticLine, WireGeometry,
+    WireSection,
+};
+use dynamics::{StaticOptions, solve_static};
+use integration_tests::lines::{EN, scene_line};
+use integration_tests::runs::{EN_300, Run, rms, run, scene_with};
+use integration_tests::single_wire::{Load, Material, SingleWire};
+use master::simulation::Mode;
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// The contact wire of the reference model.
+const SECTION: WireSection = WireSection {
+    axial_stiffness: 1.7e7,
+    bending_stiffness: 195.0,
+    mass_per_length: 1.35,
+    tension: 20_000.0,
+};
+const MATERIAL: Material = Material {
+    section: SECTION,
+    laws: (AxialLaw::Mean, BendingLaw::Constant),
+    gravity: 0.0,
+};
+
+/// `√(EI/T)`, m.
+fn bending_length(tension: f64) -> f64 {
+    (SECTION.bending_stiffness / tension).sqrt()
+}
+
+fn compliant(geometry: &Arc<WireGeometry>, speed: f64) -> CompliantWire {
+    let compliance = ResidualCompliance::new(geometry, &SECTION, speed).expect("below the wave speed");
+    CompliantWire {
+        geometry: Arc::clone(geometry),
+        compliance: Arc::new(compliance),
+    }
+}
+
+/// Deflection at the place of a pinned tensioned beam where a unit force acts, m/N.
+fn flexibility(x: f64, length: f64) -> f64 {
+    let layer = bending_length(SECTION.tension);
+    let rest = length - x;
+    let sinh = |x: f64| (x / layer).sinh();
+    x * rest / (SECTION.tension * length) - layer / SECTION.tension * sinh(x) * sinh(rest) / sinh(length)
+}
+
+#[test]
+fn a_strip_feels_the_flexibility_of_the_wire_anywhere_on_a_coarse_mesh() {
+    const ELEMENTS: usize = 6;
+    const LENGTH: f64 = 30.0;
+    for layered in [false, true] {
+        let lengths = vec![LENGTH / ELEMENTS as f64; ELEMENTS];
+        let mut geometry = WireGeometry::straight(Vector3::zeros(), Vector3::x(), &lengths, |node| {
+            NodeMap::planar(4 * node)
+        });
+        let mut coordinates = 4 * (ELEMENTS + 1);
+        if layered {
+            geometry = geometry.with_enrichments(vec![Enrichment {
+                node: 3,
+                index: coordinates,
+                direction: Vector3::z(),
+                bending_length: bending_length(SECTION.tension),
+                reference: 0.0,
+            }]);
+            coordinates += 1;
+        }
+        let mut wire = SingleWire::new(&MATERIAL, geometry, coordinates)
+            .pinned(0)
+            .pinned(ELEMENTS);
+        let law = PenaltyContact {
+            stiffness: 5e5,
+            damping: 0.0,
+        };
+        let mut worst = [0.0_f64; 2];
+        for (cured, worst) in worst.iter_mut().enumerate() {
+            let curve: Arc<dyn Curve> = if cured == 1 {
+                Arc::new(compliant(wire.geometry(), 0.0))
+            } else {
+                wire.geometry().clone()
+            };
+            let strip = Box::new(PrescribedStrip { first: 0 });
+            wire.contact = Some(ContactPair::new(law, curve, strip, 1.2, ContactTangent::RankOne));
+            for i in 1..60 {
+                let x = 0.5 * f64::from(i) + 0.07;
+                let u = [x, 0.0, 1e-5, 0.0, 0.0, 0.0, 0.0];
+                let mut state = wire.layout.state_at_rest();
+                let mut options = StaticOptions::default();
+                options.newton.tolerance = 1e-8;
+                solve_static(&mut wire, &mut state, &u, &options).expect("an equilibrium");
+                let contact = wire.contact.as_ref().expect("set above");
+                let found = contact.state(&state.motion(&u)).expect("on the wire").force;
+                let exact = 1e-5 / (1.0 / law.stiffness + flexibility(x, LENGTH));
+                *worst = worst.max((found / exact - 1.0).abs());
+            }
+        }
+        let [plain, cured] = worst;
+        println!("layer {layered}: plain {plain:.2e}, cured {cured:.2e}");
+        assert!(
+            plain > 5e-3 && cured < 2e-5,
+            "layer {layered}: plain {plain}, cured {cured}"
+        );
+    }
+}
+
+/// Deviation of the height under a moving force of 1 N from that of an infinite beam under tension,
+/// `F t/(2 m c) − F λ_v/(2 T_v)`, as it runs over elements of `length` m: (of the mesh alone, with its residual compliance), m.
+fn under_a_moving_force(length: f64, speed: f64) -> (f64, f64) {
+    const WIRE: f64 = 200.0;
+    const START: f64 = 70.0;
+    let count = (WIRE / length).round() as usize;
+    let mut wire = SingleWire::planar(&MATERIAL, WIRE, count).pinned(0).pinned(count);
+    let load = Load {
+        geometry: Arc::clone(wire.geometry()),
+        force: Vector3::z(),
+        start: START,
+        speed,
+    };
+    wire.loads.push(load.clone());
+    let curve = compliant(wire.geometry(), speed);
+    let (m, t_static) = (SECTION.mass_per_length, SECTION.tension);
+    let tension = t_static - m * speed * speed;
+    let c = (t_static / m).sqrt();
+    let h = 5e-4;
+    let mut integrator = integration_tests::single_wire::trapezoid(1e-7);
+    let mut state = wire.layout.state_at_rest();
+    let (mut plain, mut cured) = (Vec::new(), Vec::new());
+    // Until the first wave comes back from an end.
+    let steps = ((2.0 * START / (c + speed)).min((2.0 * WIRE - 2.0 * START) / (c + speed)) / h) as usize;
+    for step in 1..=steps {
+        let t = step as f64 * h;
+        integrator
+            .step(&mut wire, &mut state, &[], t, h)
+            .expect("the wire moves on");
+        let s = load.s(t);
+        let height = wire.point(s, &state).r.z;
+        let exact = t / (2.0 * m * c) - bending_length(tension) / (2.0 * tension);
+        // The waves of the start have left.
+        if t > 0.25 {
+            plain.push(height - exact);
+            cured.push(height + curve.compliance(s).value - exact);
+        }
+    }
+    let zero = vec![0.0; plain.len()];
+    (rms(&plain, &zero), rms(&cured, &zero))
+}
+
+#[test]
+fn the_residual_compliance_is_what_a_mesh_lacks_under_a_moving_force() {
+    let speed = 60.0;
+    let bend = bending_length(SECTION.tension - SECTION.mass_per_length * speed * speed);
+    let (plain, cured) = under_a_moving_force(1.25, speed);
+    println!("elements of 1.25 m, bend {bend:.3} m: plain {plain:.2e} m, cured {cured:.2e} m");
+    // What is left are the short waves of the start, which such elements hold back.
+    assert!(cured < 0.35 * plain, "plain {plain}, cured {cured}");
+}
+
+/// Phase error of a standing wave of wavelength 20 m after ten periods, rad.
+fn phase_error(h: f64, rho_inf: f64, corrected: bool) -> f64 {
+    const LENGTH: f64 = 40.0;
+    let section = WireSection {
+        bending_stiffness: 0.0,
+        ..SECTION
+    };
+    let material = Material { section, ..MATERIAL };
+    let mut wire = SingleWire::planar(&material, LENGTH, 80).pinned(0).pinned(80);
+    if corrected {
+        // The step for which the trapezoidal rule makes the same error.
+        let r = (1.0 - rho_inf) / (1.0 + rho_inf);
+        wire.wire = wire.wire.with_mass_correction(h * (1.0_f64 + 4.5 * r * r).sqrt());
+    }
+    let k = 2.0 * std::f64::consts::PI / 20.0;
+    let omega = k * (SECTION.tension / SECTION.mass_per_length).sqrt();
+    let mut state = wire.layout.state_at_rest();
+    let amplitude = 1e-4;
+    wire.displace(&mut state, |s| {
+        [amplitude * (k * s).sin(), amplitude * k * (k * s).cos(), 0.0, 0.0]
+    });
+    let options = dynamics::NewtonOptions {
+        tolerance: 1e-8,
+        ..Default::default()
+    };
+    let mut integrator = dynamics::GeneralizedAlpha::new(rho_inf, options);
+    integrator
+        .start_accelerations(&mut wire, &mut state, &[])
+        .expect("accelerations");
+    let steps = (20.0 * std::f64::consts::PI / (omega * h)).round() as usize;
+    for step in 1..=steps {
+        integrator
+            .step(&mut wire, &mut state, &[], step as f64 * h, h)
+            .expect("the wire vibrates");
+    }
+    let point = wire.point(5.0, &state);
+    let phase = (-point.velocity.z / omega).atan2(point.r.z);
+    let exact = (omega * h * steps as f64).rem_euclid(2.0 * std::f64::consts::PI);
+    let error = phase - exact;
+    error - 2.0 * std::f64::consts::PI * (error / (2.0 * std::f64::consts::PI)).round()
+}
+
+#[test]
+fn the_mass_correction_takes_the_leading_error_off_the_time_step() {
+    for rho_inf in [1.0, 0.9] {
+        let [coarse, fine] = [1e-3, 5e-4].map(|h| phase_error(h, rho_inf, false).abs());
+        let order = (coarse / fine).log2();
+        assert!(
+            (order - 2.0).abs() < 0.1,
+            "plain, {rho_inf}: {coarse} {fine}, order {order}"
+        );
+        // (ω h)² (1/12 + 3/8 r²) of ten periods.
+        let omega = 2.0 * std::f64::consts::PI / 20.0 * (20_000.0_f64 / 1.35).sqrt();
+        let r = (1.0 - rho_inf) / (1.0 + rho_inf);
+        let expected = 20.0 * std::f64::consts::PI * (omega * 1e-3).powi(2) * (1.0 / 12.0 + 0.375 * r * r);
+        assert!((coarse / expected - 1.0).abs() < 0.01, "{coarse} against {expected}");
+        let [corrected, finer] = [1e-3, 5e-4].map(|h| phase_error(h, rho_inf, true).abs());
+        println!("rho {rho_inf}: {coarse:.3e} {fine:.3e} corrected {corrected:.3e} {finer:.3e}");
+        assert!(corrected < 0.02 * coarse, "{rho_inf}: {corrected} of {coarse}");
+    }
+}
+
+#[test]
+fn statics_of_a_cured_coarse_mesh_are_those_of_a_fine_one() {
+    let mut catenary = scene_line(EN, &[]);
+    catenary.span_lengths.truncate(4);
+    catenary.mesh.elements_per_interval = 4;
+    let cures = LineOptions {
+        layers: BendingLayers::AtAttachments,
+        contact_compliance: Some(83.3),
+        mass_correction: Some(MassCorrection {
+            step: 1e-3,
+            rho_inf: 0.9,
+        }),
+        ..LineOptions::default()
+    };
+    let coarse = StaticLine::solve(&catenary, LineOptions::default()).unwrap();
+    let cured = StaticLine::solve(&catenary, cures).unwrap();
+    catenary.mesh.elements_per_interval = 32;
+    let fine = StaticLine::solve(&catenary, LineOptions::default()).unwrap();
+    for (a, b) in cured.report().droppers.iter().zip(&fine.report().droppers) {
+        assert!((a.force - b.force).abs() < 1e-3 * b.force, "{} {}", a.force, b.force);
+    }
+    // At attachments, and between them and between nodes.
+    let x = [60.0, 61.3, 65.0, 66.1, 70.5, 73.8, 90.0, 93.1];
+    let [coarse, cured, fine] = [&coarse, &cured, &fine].map(|line| line.elasticity(&x).unwrap());
+    let mut worst = (0.0_f64, 0.0_f64);
+    for ((coarse, cured), fine) in coarse.iter().zip(&cured).zip(&fine) {
+        println!(
+            "x = {}: {:.5} {:.5} {:.5} mm/N",
+            fine.x,
+            1e3 * coarse.elasticity,
+            1e3 * cured.elasticity,
+            1e3 * fine.elasticity
+        );
+        worst.0 = worst.0.max((coarse.elasticity / fine.elasticity - 1.0).abs());
+        worst.1 = worst.1.max((cured.elasticity / fine.elasticity - 1.0).abs());
+    }
+    assert!(
+        worst.1 < 5e-4 && worst.1 < 0.2 * worst.0,
+        "plain {}, cured {}",
+        worst.0,
+        worst.1
+    );
+}
+
+/// Four spans of the reference model at 300 km/h.
+fn short(n: usize, cures: &str, step: f64) -> Run {
+    let n = format!("catenary.mesh.elements_per_interval={n}");
+    let cures = format!("catenary.mesh.cures={cures}");
+    let steps = [
+        format!("solver.micro_step={step}"),
+        format!("coupling.macro_step={step}"),
+    ];
+    let overrides = [
+        "catenary.spans=4",
+        "run.start_x=30",
+        "run.duration=1.6",
+        "run.evaluate={time=[0.3,1.3]}",
+        &n,
+        &cures,
+        &steps[0],
+        &steps[1],
+    ];
+    run(scene_with(EN_300, &overrides), Mode::Monolithic, "cures")
+}
+
+#[test]
+fn a_cured_mesh_is_several_times_closer_to_the_converged_force_than_a_plain_one() {
+    let reference = short(14, "auto", 2.5e-4);
+    let error = |run: &Run| 100.0 * run.filtered_difference(&reference) / reference.sigma();
+    let [plain, cured] = ["none", "auto"].map(|cures| error(&short(8, cures, 1e-3)));
+    println!("8 elements per interval, 1 ms: plain {plain:.2} %, cured {cured:.2} % of σ");
+    assert!(
+        plain > 2.0 && cured < 1.0 && cured < 0.3 * plain,
+        "plain {plain} %, cured {cured} %"
+    );
+}
+
+#[test]
+fn a_run_starts_at_rest_on_a_cured_mesh() {
+    // A train that nearly stands: what moves in the first tenth of a second comes from the start alone.
+    let overrides = [
+        "catenary.spans=4",
+        "catenary.mesh.elements_per_interval=4",
+        "run.speed_kmh=0.001",
+        "run.start_x=97.3",
+        "run.duration=0.1",
+        "run.evaluate={time=[0.0,0.1]}",
+        "run.low_pass_hz=100",
+    ];
+    let run = run(scene_with(EN_300, &overrides), Mode::Monolithic, "cures-start");
+    let scene = &run.written;
+    assert!(
+        scene.contains("cures = [\"contact_compliance\", \"bending_layers\", \"mass_correction\"]"),
+        "{scene}"
+    );
+    let force = &run.record.pantographs[0].force;
+    let change = force.iter().map(|f| (f - force[0]).abs()).fold(0.0, f64::max);
+    assert!(change < 1e-3, "{change} N of {} N", force[0]);
+}
