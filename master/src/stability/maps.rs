@@ -226,13 +226,16 @@ pub fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
 fn longest(stable: &mut dyn FnMut(f64) -> bool) -> f64 {
     let (mut good, mut bad) = (0.0, None);
     let mut step = STEPS.0;
-    while step <= STEPS.1 * (1.0 + 1e-9) {
+    loop {
         if !stable(step) {
             bad = Some(step);
             break;
         }
         good = step;
-        step *= 2.0;
+        if step >= STEPS.1 {
+            break;
+        }
+        step = (2.0 * step).min(STEPS.1);
     }
     let Some(mut bad) = bad.filter(|_| good > 0.0) else {
         return good;
@@ -436,7 +439,7 @@ mod tests {
             assert!(found <= limit && found > limit / 2.0_f64.powf(0.13), "{limit}: {found}");
         }
         assert_eq!(longest(&mut |_| false), 0.0);
-        assert!(longest(&mut |_| true) > 0.5 * STEPS.1);
+        assert_eq!(longest(&mut |_| true), STEPS.1);
         assert_eq!(longest_units(&mut |units| units <= 5), 5);
         let coarse = longest_units(&mut |units| units <= 23);
         assert!((21..=23).contains(&coarse), "{coarse}");
