@@ -150,6 +150,8 @@ fn the_joints_of_a_linkage_take_and_give_no_energy() {
         "run.evaluate={time=[0.2,0.8]}",
         "solver.rho_inf=1",
         "catenary.droppers.damping=0",
+        // All bodies and joints.
+        "model.reduce=[\"planar\"]",
     ];
     let (_, evidence) = run_scene(scene, &keys, None);
     let left = evidence.worst_residual / evidence.exchanged;

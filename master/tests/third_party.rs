@@ -297,17 +297,18 @@ fn a_velocity_that_is_not_offered_is_derived_with_order_two() {
     let without = "[[pantograph]]\nfmu = \"Somebody.fmu\"\ninputs = { force = { variable = \"F_c\" } }\n\
         outputs = { height = { variable = \"Wippe.z1\", offset = \"align\" } }\n";
     let error = |macro_step: &str| {
-        let (offered, _) = with(Manners::default(), WIRED, &[macro_step]);
-        let (derived, notes) = with(Manners::default(), without, &[macro_step]);
+        let keys = [macro_step, "catenary.mesh.cures=none"];
+        let (offered, _) = with(Manners::default(), WIRED, &keys);
+        let (derived, notes) = with(Manners::default(), without, &keys);
         assert!(
             notes.contains("it offers no velocity: derived") && notes.contains("order 2"),
             "{notes}"
         );
         rms(&offered, &derived)
     };
-    let (coarse, fine) = (error("coupling.macro_step=0.001"), error("coupling.macro_step=0.0005"));
-    assert!(coarse < 0.05, "{coarse} N");
-    assert!(fine < coarse / 2.5, "{coarse} N at 1 ms, {fine} N at 0.5 ms");
+    let (coarse, fine) = (error("coupling.macro_step=0.004"), error("coupling.macro_step=0.002"));
+    assert!(coarse < 0.1, "{coarse} N");
+    assert!(fine < coarse / 2.5, "{coarse} N at 4 ms, {fine} N at 2 ms");
 }
 
 #[test]

@@ -7,10 +7,15 @@ def test_another_contact_stiffness_changes_the_force(line):
     with line.running(**{"contact.stiffness": 2.0 * line.start("contact.stiffness")}) as stiff, line.running() as soft:
         forces = [instance.get("contact[1].force") for instance in (stiff, soft)]
         assert forces[0] > 1.02 * forces[1], forces
-        derivative = stiff.slave.getDirectionalDerivative(
-            [line.references["contact[1].force"]], [line.references["strip[1].z"]], [1.0]
-        )
-        assert abs(derivative[0] / (2.0 * line.start("contact.stiffness")) - 1.0) < 1e-3
+        # The contact is in series with what the mesh lacks of the wire's flexibility, the same in both.
+        yields = [
+            1.0
+            / instance.slave.getDirectionalDerivative(
+                [line.references["contact[1].force"]], [line.references["strip[1].z"]], [1.0]
+            )[0]
+            for instance in (soft, stiff)
+        ]
+        assert abs((yields[0] - yields[1]) * 2.0 * line.start("contact.stiffness") - 1.0) < 1e-3
 
 
 def test_start_height_and_position_of_the_line_side_move_the_strip(line):
@@ -38,11 +43,11 @@ def test_start_and_speed_of_the_pantograph_side_move_the_strip(pair):
 
 def test_a_parameter_reads_back_and_cannot_be_set_between_steps(fmu):
     name = "solver.rho_inf"
-    with fmu.running(**{name: 0.5}) as instance:
-        assert instance.get(name) == 0.5
+    with fmu.running(**{name: 0.95}) as instance:
+        assert instance.get(name) == 0.95
         instance.step()
         with pytest.raises(FMICallException):
-            instance.set({name: 0.6})
+            instance.set({name: 0.96})
 
 
 @pytest.mark.parametrize("values", ({"solver.micro_step": -1e-3}, {"solver.rho_inf": 2.0}))

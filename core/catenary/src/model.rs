@@ -99,7 +99,7 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
         } else {
             BendingLayers::Absent
         },
-        contact_compliance: mesh.has(Cure::ContactCompliance).then_some(scene.run.speed),
+        contact_compliance: mesh.has(Cure::ContactCompliance).then_some(mesh.contact_speed),
         mass_correction: mesh.has(Cure::MassCorrection).then(|| MassCorrection {
             step: scene.internal_step(),
             rho_inf: scene.solver.rho_inf,

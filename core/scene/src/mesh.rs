@@ -18,6 +18,9 @@ pub struct Mesh {
     /// What makes up for the coarseness of the mesh, in the order of [`Cure::ALL`]; empty is the plain mesh. `"auto"` is already
     /// resolved.
     pub cures: Vec<Cure>,
+    /// Speed of the strips when the scene was read, m/s: that of the contact's residual compliance. A standstill before the run, or
+    /// another speed set later, is not another mesh.
+    pub contact_speed: f64,
     /// What is still to be chosen; only while a scene is read.
     pub(crate) open: Option<Open>,
 }
@@ -177,6 +180,13 @@ impl Scene {
         }
     }
 
+    /// The mesh is that of the speed the scene was read with.
+    pub(crate) fn keep_contact_speed(&mut self) {
+        if let crate::Line::Modelled(catenary) = &mut self.catenary {
+            catenary.mesh.contact_speed = self.run.speed;
+        }
+    }
+
     fn set_cures(&mut self, cures: Vec<Cure>) {
         if let crate::Line::Modelled(catenary) = &mut self.catenary {
             catenary.mesh.cures = cures;
@@ -279,6 +289,7 @@ impl Entry for Mesh {
                 elements_per_interval: 1,
                 axial_strain,
                 cures: Vec::new(),
+                contact_speed: 0.0,
                 open: Some(Open::Error(error)),
             };
         }
@@ -297,6 +308,7 @@ impl Entry for Mesh {
             elements_per_interval,
             axial_strain,
             cures,
+            contact_speed: 0.0,
             open,
         }
     }

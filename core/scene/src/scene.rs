@@ -200,6 +200,7 @@ impl Entry for Scene {
         };
         scene.choose_reductions();
         scene.choose_mesh(keys);
+        scene.keep_contact_speed();
         scene
     }
 }

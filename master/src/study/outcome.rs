@@ -54,6 +54,8 @@ pub struct Entry {
     pub pareto: bool,
     /// Spectral radius at infinite frequency, –.
     pub rho_inf: f64,
+    /// Residual that ends Newton's method, N.
+    pub newton_tolerance: f64,
     /// Difference from the nonlinear reference, where its own reference is another one, % of the standard deviation.
     pub distance_from_nonlinear_percent: Option<f64>,
     /// Wall time of statics and loading, s.
@@ -142,6 +144,10 @@ impl Study {
             ("sweep", cells(&|entry| entry.sweep.clone())),
             ("pareto", cells(&|entry| u8::from(entry.pareto).to_string())),
             ("rho_inf", cells(&|entry| format!("{:?}", entry.rho_inf))),
+            (
+                "newton_tolerance_N",
+                cells(&|entry| format!("{:?}", entry.newton_tolerance)),
+            ),
             ("reference_uncertainty_percent_of_std", cells(&uncertainty)),
             (
                 "distance_from_nonlinear_percent_of_std",
@@ -223,7 +229,10 @@ pub fn assemble(script: &Script, state: &State) -> Study {
         .collect();
     let rows: Vec<&Row> = study.rows.iter().map(|entry| &entry.row).collect();
     let front = pareto(&rows);
-    let chosen = recommendations(&rows, |index| study.label(rows[index]));
+    let chosen = recommendations(&rows, |index| {
+        let tolerance = study.rows[index].newton_tolerance;
+        format!("{}, Newton to {tolerance} N", study.label(rows[index]))
+    });
     for (entry, front) in study.rows.iter_mut().zip(front) {
         entry.pareto = front;
     }
@@ -343,6 +352,7 @@ fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
             .join("+"),
         pareto: false,
         rho_inf: planned.recipe.rho_inf,
+        newton_tolerance: planned.recipe.newton_tolerance,
         distance_from_nonlinear_percent: distance,
         setup_s: made.filter(|made| made.complete).map(|made| made.setup),
         spans: planned.recipe.spans.map(|spans| spans as u64),

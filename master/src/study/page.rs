@@ -210,6 +210,7 @@ const COLUMNS: &Cells = &[
     ("micro", "ms", false, |_, entry| step(entry.row.micro_step)),
     ("coupling", "macro step ms", true, |_, entry| exchange(&entry.row)),
     ("ρ∞", "", false, |_, entry| format!("{}", entry.rho_inf)),
+    ("Newton", "N", false, |_, entry| format!("{}", entry.newton_tolerance)),
     ("reductions", "", true, |_, entry| breakable(&entry.row.reduction)),
     ("status", "", true, |_, entry| status(&entry.row)),
     ("error", "% of σ", false, |_, entry| number(entry.row.filtered_error)),

@@ -188,6 +188,7 @@ pub fn base(ground: &Ground) -> Recipe {
         mesh: ground.cured(ground.elements),
         micro_step: ground.micro_step,
         rho_inf: ground.scene.solver.rho_inf,
+        newton_tolerance: ground.scene.solver.newton_tolerance,
         reductions: ground.reductions.clone(),
         exchange: ground.plain_exchange(ground.micro_step),
         spans: None,
@@ -382,11 +383,12 @@ fn reductions(runs: &mut Runs<'_>, options: &Options) {
 }
 
 /// Steps of the ladder: elements in eighths of the base case's, micro step in halves of the base case's.
-const LADDER: [(usize, usize); 10] = [
+const LADDER: [(usize, usize); 11] = [
     (2, 4),
     (4, 4),
     (4, 2),
     (6, 2),
+    (7, 2),
     (8, 2),
     (10, 2),
     (12, 2),
@@ -397,6 +399,10 @@ const LADDER: [(usize, usize); 10] = [
 
 /// The same with `quick`.
 const SHORT_LADDER: [(usize, usize); 4] = [(4, 4), (6, 2), (8, 2), (12, 1)];
+
+/// Residual that ends Newton's method on the ladder, N: on the line of EN 50318 at 300 km/h it moves the filtered force by 0.02 % of
+/// its standard deviation, far less than the meshes of the ladder do, and saves a quarter of the time.
+const LADDER_TOLERANCE: f64 = 0.1;
 
 fn ladder(runs: &mut Runs<'_>, options: &Options) {
     let ground = runs.ground;
@@ -412,6 +418,7 @@ fn ladder(runs: &mut Runs<'_>, options: &Options) {
             micro_step,
             reductions: reductions.to_vec(),
             exchange: ground.plain_exchange(micro_step),
+            newton_tolerance: ground.scene.solver.newton_tolerance.max(LADDER_TOLERANCE),
             ..base(ground)
         }
     };

@@ -125,6 +125,8 @@ pub struct Recipe {
     pub micro_step: f64,
     /// Spectral radius at infinite frequency, –.
     pub rho_inf: f64,
+    /// Residual that ends Newton's method, N.
+    pub newton_tolerance: f64,
     /// Reductions by name.
     pub reductions: Vec<String>,
     /// Coupling.
@@ -315,6 +317,7 @@ impl Ground {
             }
         };
         keys.push(format!("solver.rho_inf={:?}", recipe.rho_inf));
+        keys.push(format!("solver.newton_tolerance={:?}", recipe.newton_tolerance));
         if let Some(spans) = recipe.spans {
             keys.push(format!("catenary.spans={spans}"));
             keys.push(format!("run.duration={GROWTH_DURATION:?}"));

@@ -12,6 +12,7 @@ use crate::table_of_runs::{Row, Status};
 struct Read {
     row: Row,
     rho_inf: f64,
+    newton_tolerance: f64,
     pareto: bool,
     scene_hash: String,
 }
@@ -25,7 +26,8 @@ fn read(folder: &Path) -> Vec<Read> {
         return Vec::new();
     };
     let place = |name: &str| head.iter().position(|column| column == name);
-    let (Some(rho), Some(pareto), Some(hash)) = (place("rho_inf"), place("pareto"), place("scene_hash")) else {
+    let columns = ["rho_inf", "newton_tolerance_N", "pareto", "scene_hash"].map(place);
+    let [Some(rho), Some(tolerance), Some(pareto), Some(hash)] = columns else {
         return Vec::new();
     };
     let mut rows = Vec::new();
@@ -37,6 +39,7 @@ fn read(folder: &Path) -> Vec<Read> {
         rows.push(Read {
             row,
             rho_inf: record[rho].parse().unwrap_or(f64::NAN),
+            newton_tolerance: record[tolerance].parse().unwrap_or(f64::NAN),
             pareto: &record[pareto] == "1",
             scene_hash: record[hash].to_owned(),
         });
@@ -63,6 +66,7 @@ pub fn standing(folder: &Path, scene: &scene::Scene, mode: Mode) -> Option<Strin
         mesh && row.micro_step == own.micro_step
             && row.reduction == own.reduction
             && read.rho_inf == scene.solver.rho_inf
+            && read.newton_tolerance == scene.solver.newton_tolerance
             && row.status == Some(Status::Stable)
             && row.filtered_error.is_some()
     };

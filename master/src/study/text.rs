@@ -59,7 +59,7 @@ pub fn text(study: &Study) -> String {
             "error %",
             "factor",
             "s",
-            "mesh, reductions",
+            "mesh, reduced",
         ]),
     ];
     let mut front: Vec<_> = study.rows.iter().filter(|entry| entry.pareto).collect();
@@ -93,7 +93,11 @@ pub fn text(study: &Study) -> String {
             short(row.std_error),
             short(row.real_time_factor),
             short(row.wall),
-            format!("{}, {}", shortened(&row.mesh), row.reduction),
+            format!(
+                "{}, {}",
+                shortened(&row.mesh),
+                row.reduction.replace("linearised", "linear")
+            ),
         ]);
     }
     text.push('\n');

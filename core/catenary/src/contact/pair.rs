@@ -106,11 +106,20 @@ impl ContactPair {
         let frame = self.strip.frame(motion);
         let mut variation = vary(&contact.geometry, &frame, None, Some((translation, rotation)));
         variation.gap_rate -= contact.geometry.normal.dot(&velocity);
-        contact.change(
-            &variation,
-            contact.geometry.tangent().dot(&velocity),
-            [Vector3::zeros(); 2],
-        )
+        let slide = contact.geometry.tangent().dot(&velocity);
+        contact.change(&variation, (slide, self.bend(contact)), [Vector3::zeros(); 2])
+    }
+
+    /// `g_ss` where the strip is, 1/(m N).
+    fn bend(&self, contact: &ContactState) -> f64 {
+        /// Half the distance of the two points that give it, m: far below the bending length, far above rounding.
+        const APART: f64 = 1e-4;
+        if contact.compliance.slope == 0.0 {
+            return 0.0;
+        }
+        let slope = |s: f64| self.curve.compliance(s).slope;
+        let s = contact.geometry.s;
+        (slope(s + APART) - slope(s - APART)) / (2.0 * APART)
     }
 
     /// Rates of the contact along the present motion; that of a damping force leaves out the accelerations.
@@ -125,7 +134,7 @@ impl ContactPair {
             Some((frame.velocity, frame.angular_velocity)),
         );
         let rate = Variation { gap_rate: 0.0, ..rate };
-        contact.change(&rate, 0.0, [wire.velocity, Vector3::zeros()])
+        contact.change(&rate, (0.0, self.bend(contact)), [wire.velocity, Vector3::zeros()])
     }
 
     /// `∂g/∂q`: the direction of the generalised contact force, as (index, value).

@@ -199,21 +199,27 @@ impl ContactState {
             + self.by_slide * slide
     }
 
-    /// Change of everything; `slide` is the change of `ṡ` (m/s), `wire` that of the place and the velocity of the wire's material
-    /// (m, m/s). Second derivatives of the residual compliance are left out.
-    pub(super) fn change(&self, variation: &Variation, slide: f64, wire: [Vector3<f64>; 2]) -> Sensitivity {
+    /// Change of everything; `slide` is the change of `ṡ` (m/s), `bend` is `g_ss` (1/(m N)), `wire` the change of the place and the
+    /// velocity of the wire's material (m, m/s).
+    pub(super) fn change(
+        &self,
+        variation: &Variation,
+        (slide, bend): (f64, f64),
+        wire: [Vector3<f64>; 2],
+    ) -> Sensitivity {
         let Compliance { value, slope } = self.compliance;
         let normal = self.geometry.normal;
         let force = self.force_change(variation, slide);
         let yielded = value * force + slope * variation.s * self.force;
-        let drive = slope * self.force * force;
+        let drive = slope * self.force * force + 0.5 * bend * variation.s * self.force * self.force;
         let at = &self.geometry.wire;
         let spring_rate = self.spring
             * (self.share * -variation.gap_rate
                 + self.share_s
                     * (variation.s * -self.geometry.gap_rate - self.slide * variation.gap - slide * self.geometry.gap));
         let rate = value * spring_rate
-            + slope * (variation.s * self.spring_rate + 0.5 * slide * self.force + 0.5 * self.slide * force);
+            + slope * (variation.s * self.spring_rate + 0.5 * slide * self.force + 0.5 * self.slide * force)
+            + 0.5 * bend * variation.s * self.slide * self.force;
         Sensitivity {
             force,
             force_on_strip: -force * normal - self.force * variation.normal + drive * self.geometry.tangent(),

@@ -1,6 +1,7 @@
 //! The spans far from the strips as one contribution.
 use super::cell::Cell;
 use dynamics::{Blocks, Force, Motion, Weights};
+use pulp::Arch;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -77,12 +78,22 @@ impl Member {
 
     /// Adds `−K q − D v`, and `−M v̇` where `v_dot` is given.
     fn add_force(&self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
-        match self.supports.len() {
-            PLANAR => self.add_force_of::<PLANAR>(motion, v_dot, force),
-            _ => self.add_force_of::<SPATIAL>(motion, v_dot, force),
-        }
+        Arch::new().dispatch(
+            #[inline(always)]
+            || match self.supports.len() {
+                PLANAR => self.add_force_of::<PLANAR>(motion, v_dot, force),
+                _ => self.add_force_of::<SPATIAL>(motion, v_dot, force),
+            },
+        );
     }
 
+    /// Whether a coordinate of the span is within `range`.
+    fn is_within(&self, range: &Range<usize>) -> bool {
+        let modes = self.modes.start < range.end && range.start < self.modes.end;
+        modes || self.supports.iter().any(|index| range.contains(index))
+    }
+
+    #[inline(always)]
     fn add_force_of<const N: usize>(&self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
         let cell = &self.cell;
         let gather = |values: &[f64]| -> [f64; N] { std::array::from_fn(|i| values[self.supports[i]]) };
@@ -146,16 +157,17 @@ impl FarField {
 }
 
 impl FarField {
-    fn add_all(&self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
-        for member in &self.members {
+    /// What is within `range`, and more.
+    fn add_within(&self, range: &Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+        for member in self.members.iter().filter(|member| member.is_within(range)) {
             member.add_force(motion, v_dot, force);
         }
-        for ground in &self.grounds {
+        for ground in self.grounds.iter().filter(|ground| range.contains(&ground.index)) {
             let (q, v) = (motion.q[ground.index], motion.v[ground.index]);
             let a = v_dot.map_or(0.0, |v_dot| v_dot[ground.index]);
             force[ground.index] -= ground.stiffness * q + ground.damping * v + ground.mass * a;
         }
-        for &(index, load) in &self.load {
+        for &(index, load) in self.load.iter().filter(|(index, _)| range.contains(index)) {
             force[index] += load;
         }
     }
@@ -163,7 +175,7 @@ impl FarField {
 
 impl Force for FarField {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        self.add_all(motion, None, force);
+        self.add_within(&(0..force.len()), motion, None, force);
     }
 
     fn multiplies_mass(&self) -> bool {
@@ -171,7 +183,15 @@ impl Force for FarField {
     }
 
     fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.add_all(motion, Some(v_dot), force);
+        self.add_within(&(0..force.len()), motion, Some(v_dot), force);
+    }
+
+    fn evaluates_ranges(&self) -> bool {
+        true
+    }
+
+    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.add_within(&range, motion, Some(v_dot), force);
     }
 
     fn add_tangent(&mut self, _motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
