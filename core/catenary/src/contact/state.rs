@@ -213,10 +213,13 @@ impl ContactState {
         let yielded = value * force + slope * variation.s * self.force;
         let drive = slope * self.force * force + 0.5 * bend * variation.s * self.force * self.force;
         let at = &self.geometry.wire;
+        let (k, share) = (self.spring, self.share);
+        let share_ss = k * share * share * (2.0 * k * slope * slope * share - bend);
         let spring_rate = self.spring
             * (self.share * -variation.gap_rate
                 + self.share_s
-                    * (variation.s * -self.geometry.gap_rate - self.slide * variation.gap - slide * self.geometry.gap));
+                    * (variation.s * -self.geometry.gap_rate - self.slide * variation.gap - slide * self.geometry.gap)
+                - share_ss * variation.s * self.slide * self.geometry.gap);
         let rate = value * spring_rate
             + slope * (variation.s * self.spring_rate + 0.5 * slide * self.force + 0.5 * self.slide * force)
             + 0.5 * bend * variation.s * self.slide * self.force;
