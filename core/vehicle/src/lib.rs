@@ -23,6 +23,7 @@ pub mod multibody;
 pub mod pantograph;
 mod signals;
 mod subsystem;
+pub mod wheel_rail;
 
 pub use base::{Base, Travelling};
 pub use error::VehicleError;
