@@ -177,6 +177,7 @@ impl Wheelset {
         let mut high = 0.02;
         while !enough(high - 5e-5) {
             high -= 5e-5;
+            assert!(high > -0.02, "the wheel falls past its rail");
         }
         let mut low = high - 5e-5;
         for _ in 0..60 {
