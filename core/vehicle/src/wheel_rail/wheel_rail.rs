@@ -1,6 +1,7 @@
 //! The force of one wheel on its rail.
 use super::contact_point::{ContactPoint, Pairing};
 use super::creepage::Sliding;
+use super::overlap::{Overlap, overlaps};
 use super::search::{Found, MAX_CONTACTS, Search};
 use super::{CreepForce, CreepModel, Creepage, Ellipse, Hertz, Patch, Rail, SurfaceParameters, Wheel};
 use crate::Base;
@@ -67,12 +68,15 @@ pub struct WheelContact {
     pub normal_force: f64,
     /// Creep force along and across the rolling direction (N), moment about the normal (N·m).
     pub creep: CreepForce,
+    /// Penetration that counts where contacts share a patch, m.
+    pub penetration: f64,
     /// World axes, N.
     pub force: Vector3<f64>,
     /// About the middle of the wheelset, world axes, N·m.
     pub moment: Vector3<f64>,
     sliding: Sliding,
-    /// `δ̇`, m/s.
+    overlap: Overlap,
+    /// Rate of the overlap at this point, m/s.
     rate: f64,
 }
 
@@ -175,21 +179,23 @@ impl WheelRail {
             Some(followed) => followed,
             None => {
                 let start = self.search(&pairing);
-                follow(&pairing, &start).unwrap_or(([None; MAX_CONTACTS], start))
+                follow(&pairing, &start).unwrap_or((Points::default(), start))
             }
         };
-        let contacts = points.map(|point| point.and_then(|point| self.contact(point, &frame)));
-        (contacts, start)
+        let overlaps = overlaps(&points.highest, &points.valleys);
+        let contact = |place: usize| self.contact(points.highest[place]?, overlaps[place]?, &frame);
+        (std::array::from_fn(contact), start)
     }
 
-    fn contact(&self, point: ContactPoint, frame: &Frame) -> Option<WheelContact> {
-        if point.penetration <= 0.0 {
+    fn contact(&self, point: ContactPoint, overlap: Overlap, frame: &Frame) -> Option<WheelContact> {
+        let penetration = overlap.penetration;
+        if penetration <= 0.0 {
             return None;
         }
         let sliding = Sliding::new(&point, frame, self.parts.slowest);
         let rate = -point.normal.dot(&sliding.velocity);
-        let ellipse = self.parts.hertz.contact(point.penetration, point.curvature.into());
-        let normal_force = (ellipse.force + self.parts.damping * point.penetration * rate).max(0.0);
+        let ellipse = self.parts.hertz.contact(penetration, point.curvature.into());
+        let normal_force = (ellipse.force + self.parts.damping * penetration * rate).max(0.0);
         let patch = Patch {
             along: ellipse.along,
             across: ellipse.across,
@@ -202,30 +208,51 @@ impl WheelRail {
             creepage: sliding.creepage,
             moment: point.lever.cross(&force) + point.normal * about,
             point,
+            penetration,
             ellipse,
             normal_force,
             creep,
             force,
             sliding,
+            overlap,
             rate,
         })
     }
 }
 
+/// Points of largest overlap, and those of least overlap between them.
+#[derive(Default)]
+struct Points {
+    highest: [Option<ContactPoint>; MAX_CONTACTS],
+    valleys: [Option<ContactPoint>; MAX_CONTACTS],
+}
+
 /// The points of a start at a new position; `None` where one is lost, or two have become one.
-fn follow(pairing: &Pairing<'_>, start: &Start) -> Option<([Option<ContactPoint>; MAX_CONTACTS], Start)> {
-    let mut points = [None; MAX_CONTACTS];
+fn follow(pairing: &Pairing<'_>, start: &Start) -> Option<(Points, Start)> {
+    let mut points = Points::default();
     let mut next = *start;
     let mut last = f64::NEG_INFINITY;
-    for (place, parameters) in start.found.iter().enumerate() {
+    for place in 0..MAX_CONTACTS {
+        let Some(parameters) = &start.found.points[place] else {
+            continue;
+        };
         let point = pairing.solve(parameters)?;
-        let is_minimum = point.curvature.min() > 0.0;
-        if !is_minimum || point.parameters.wheel <= last {
+        if point.curvature.min() <= 0.0 || point.parameters.wheel <= last {
             return None;
         }
         last = point.parameters.wheel;
-        next.found.set(place, point.parameters);
-        points[place] = Some(point);
+        next.found.points[place] = Some(point.parameters);
+        points.highest[place] = Some(point);
+        let Some(parameters) = &start.found.valleys[place] else {
+            continue;
+        };
+        let valley = pairing.solve(parameters)?;
+        if valley.curvature.y >= 0.0 || valley.parameters.wheel <= last {
+            return None;
+        }
+        last = valley.parameters.wheel;
+        next.found.valleys[place] = Some(valley.parameters);
+        points.valleys[place] = Some(valley);
     }
     Some((points, next))
 }
@@ -241,13 +268,14 @@ impl WheelContact {
         let velocity =
             by.velocity + by.angular_velocity.cross(&point.lever) + frame.angular_velocity.cross(&change.lever);
         let rate = -change.normal.dot(&sliding.velocity) - point.normal.dot(&velocity);
+        let penetration = self.overlap.rate(&by.displacement, &by.rotation);
         let logarithms: [f64; 3] = std::array::from_fn(|k| {
-            ellipse.by_penetration[k] * change.penetration / point.penetration
+            ellipse.by_penetration[k] * penetration / self.penetration
                 + ellipse.by_curvature[k][0] * change.curvature.x
                 + ellipse.by_curvature[k][1] * change.curvature.y
         });
         let normal_force =
-            ellipse.force * logarithms[2] + parts.damping * (change.penetration * self.rate + point.penetration * rate);
+            ellipse.force * logarithms[2] + parts.damping * (penetration * self.rate + self.penetration * rate);
         let forward = change.longitudinal * sliding.sense;
         let lateral =
             (change.normal.cross(&point.longitudinal) + point.normal.cross(&change.longitudinal)) * sliding.sense;
@@ -341,15 +369,15 @@ impl Force for WheelRail {
     /// Elastic energy of the contacts, `⅖ F_H δ`.
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         (self.contacts(motion).iter().flatten())
-            .map(|contact| 0.4 * contact.ellipse.force * contact.point.penetration)
+            .map(|contact| 0.4 * contact.ellipse.force * contact.penetration)
             .sum()
     }
 
     /// Brought in by the travel of the base over the resting rail and by the drive that holds the spin; turned into heat by
     /// sliding and by the damping of the normal force.
     ///
-    /// Hertz' stiffness changes with the place of the contact. What the elastic energy changes by that, at the same penetration,
-    /// comes from no force and is counted as brought in.
+    /// Hertz' stiffness changes with the place of the contact, and what counts of the penetration with the neighbours in a patch.
+    /// What the elastic energy changes by that comes from no force and is counted as brought in.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
         let frame = self.frame(motion);
         let axle = frame.axes.column(1);
@@ -365,7 +393,9 @@ impl Force for WheelRail {
             let change = point.change(&frame.velocity, &frame.angular_velocity);
             let growth = contact.ellipse.by_curvature[2][0] * change.curvature.x
                 + contact.ellipse.by_curvature[2][1] * change.curvature.y;
-            power.driven += 0.4 * contact.ellipse.force * point.penetration * growth;
+            power.driven += 0.4 * contact.ellipse.force * contact.penetration * growth;
+            let rate = contact.overlap.rate(&frame.velocity, &frame.angular_velocity);
+            power.driven += contact.ellipse.force * (rate - contact.rate);
         }
         Some(power)
     }
@@ -377,7 +407,8 @@ impl Force for WheelRail {
 
     fn save(&self, out: &mut Vec<f64>) {
         out.push(self.start.s.unwrap_or(f64::NAN));
-        for place in self.start.found.places() {
+        let found = &self.start.found;
+        for place in found.points.iter().chain(&found.valleys) {
             match place {
                 Some(at) => out.extend([1.0, at.s, at.rail, at.angle, at.wheel]),
                 None => out.extend([0.0; 5]),
@@ -389,8 +420,8 @@ impl Force for WheelRail {
         let mut next = || values.next().copied().unwrap_or(f64::NAN);
         let s = next();
         self.start.s = (!s.is_nan()).then_some(s);
-        self.start.found = Found::default();
-        for place in 0..MAX_CONTACTS {
+        let found = &mut self.start.found;
+        for place in found.points.iter_mut().chain(&mut found.valleys) {
             let is_there = next() == 1.0;
             let at = SurfaceParameters {
                 s: next(),
@@ -398,9 +429,7 @@ impl Force for WheelRail {
                 angle: next(),
                 wheel: next(),
             };
-            if is_there {
-                self.start.found.set(place, at);
-            }
+            *place = is_there.then_some(at);
         }
     }
 }
