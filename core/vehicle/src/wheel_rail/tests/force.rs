@@ -162,3 +162,36 @@ fn other_state(state: &State) -> State {
     other.q[1] += 5e-3;
     other
 }
+
+#[test]
+fn no_force_jumps_where_contacts_become_one() {
+    let design = Design {
+        law: CreepLaw::Frictionless,
+        ..Design::manchester()
+    };
+    let mut set = design.build();
+    // Through the middle, and from tread to flange root on the right wheel.
+    for [from, to] in [[-1.5e-3, 1.5e-3], [-4.4e-3, -5.6e-3]] {
+        let height = set.loaded(1, 10e3, 0.5 * (from + to), 0.0, 0.0).q[2];
+        let (mut forces, mut counts) = (Vec::new(), Vec::new());
+        for i in 0..=3000 {
+            let state = set.placed(from + (to - from) * f64::from(i) / 3e3, height, 0.0, 0.0);
+            let motion = state.motion(&[]);
+            set.wheels[1].begin_step(&motion);
+            forces.push(set.wheels[1].force(&motion));
+            counts.push(set.wheels[1].contacts(&motion).iter().flatten().count());
+        }
+        assert!(
+            counts.iter().min() < counts.iter().max(),
+            "the number of contacts does not change"
+        );
+        let largest = forces.iter().map(|force| force.norm()).fold(0.0, f64::max);
+        let jump = forces
+            .windows(3)
+            .map(|three| (three[0] - three[1] * 2.0 + three[2]).norm())
+            .fold(0.0, f64::max);
+        println!("{from}: largest second difference {:.1e} of the force", jump / largest);
+        // Second differences over 1 µm (0.4 µm) of 30 µm of penetration: (1/30)² where nothing jumps.
+        assert!(jump < 2e-3 * largest, "{jump} {largest}");
+    }
+}
