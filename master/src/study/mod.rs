@@ -11,12 +11,13 @@
 //! | `order` | orders of convergence |
 //! | `front` | Pareto front and recommendations |
 //! | `machine` | where times were taken, memory of a time loop |
-//! | `text`, `page`, `plots` | for reading |
+//! | `text`, `page`, `plots`, `labels` | for reading |
 //! | `standing` | where a single run stands in a study |
 
 mod assemble;
 mod execute;
 mod front;
+mod labels;
 mod machine;
 mod order;
 mod outcome;
