@@ -451,11 +451,10 @@ fn read(whole: &Whole, motion: &Motion<'_>, supports: &[usize], point: &mut Poin
 
 /// Amounts of work that crossed the contacts in a step, by the mean vertical forces, J.
 fn work_between(start: &Point, end: &Point) -> f64 {
-    let vertical = contact::FX + 2;
     (0..end.strip_count())
         .map(|i| {
-            let force = 0.5 * (start.contact(i)[vertical] + end.contact(i)[vertical]);
-            (force * (end.strip(i)[strip::X + 2] - start.strip(i)[strip::X + 2])).abs()
+            let force = 0.5 * (start.contact(i)[contact::FZ] + end.contact(i)[contact::FZ]);
+            (force * (end.strip(i)[strip::Z] - start.strip(i)[strip::Z])).abs()
         })
         .sum()
 }
