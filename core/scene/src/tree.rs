@@ -256,6 +256,9 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
                             Step::Entry(number) => {
                                 format!("has {count} entries, [1] to [{count}], and no [{number}]")
                             }
+                            Step::Key(digits) if index.is_some() => {
+                                format!("has {count} entries, [1] to [{count}], and no .{digits}")
+                            }
                             Step::Key(key) => {
                                 format!("has {count} entries; say which one, such as {walked}[1].{key}")
                             }
