@@ -32,6 +32,7 @@ mod spline;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod wheel_contact;
 #[expect(clippy::module_inception, reason = "the force has the name of its subject")]
 mod wheel_rail;
 
@@ -43,4 +44,5 @@ pub use kalker::KalkerCoefficients;
 pub use profile::{Profile, ProfileError, ProfilePoint};
 pub use search::MAX_CONTACTS;
 pub use surface::{Rail, RailFrame, RailLine, Side, StraightRail, Wheel};
-pub use wheel_rail::{WheelContact, WheelContacts, WheelRail, WheelRailParts};
+pub use wheel_contact::WheelContact;
+pub use wheel_rail::{WheelContacts, WheelRail, WheelRailParts};
