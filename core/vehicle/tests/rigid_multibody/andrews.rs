@@ -48,7 +48,7 @@ const START: [f64; 7] = [
 const START_ACCELERATIONS: [f64; 2] = [14_222.443_919_954_14, -10_666.832_939_965_585];
 
 /// The multipliers λ₁, λ₂ at t = 0, N; the others are zero. [IVP]
-const START_MULTIPLIERS: [f64; 2] = [98.566_870_396_241_09, -6.122_688_344_255_662_7];
+const START_MULTIPLIERS: [f64; 2] = [98.566_870_396_241_09, -6.122_688_344_255_662];
 
 /// The angles at t = 0.03 s, rad. [IVP]
 const END: [f64; 7] = [
@@ -74,7 +74,7 @@ const END_RATES: [f64; 7] = [
 
 /// The multipliers at t = 0.03 s, N. [IVP]
 const END_MULTIPLIERS: [f64; 6] = [
-    199.175_333_373_191_0,
+    199.175_333_373_191,
     -29.755_312_280_150_52,
     23.066_541_190_983_99,
     31.452_713_654_759_27,
