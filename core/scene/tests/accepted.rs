@@ -59,6 +59,7 @@ fn everything_optional_survives_writing() {
             "catenary.registration_arms.free_uplift=0.24",
             "catenary.registration_arms.uplift_stop=true",
             "run.electrification=dc_1_5kv",
+            "solver.formulation=augmented_lagrangian",
             "catenary.span_length=[60, 60.5, 61, 60, 60, 60, 60, 60, 60, 59]",
             "catenary.stagger=[0.2, -0.2]",
             "run.evaluate={ time = [2.0, 3.0] }",

@@ -95,7 +95,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, max = 9.0 }", &["coupling.macro_step.max = 9 s: must be at most run.duration = 7 s"]),
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, maximum = 1e-2 }", &["coupling.macro_step.maximum", "did you mean"]),
     ("macro_step = 0.001", "macro_step = 0.001\nparallel = \"on\"", &["coupling.parallel = \"on\": unknown word", "\"auto\", \"always\", \"never\""]),
-    ("rho_inf = 0.9", "formulation = \"augmented_lagrangian\"", &["solver.formulation = \"augmented_lagrangian\": not modelled yet by this version"]),
+    ("rho_inf = 0.9", "formulation = \"augmented_lagrange\"", &["solver.formulation = \"augmented_lagrange\": unknown word, did you mean \"augmented_lagrangian\"?"]),
     ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle: known, but not modelled yet by this version: leave it out"]),
     ("[coupling]", "[track]\n[coupling]", &["track: known, but not modelled yet"]),
     ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind: known, but not modelled yet"]),

@@ -9,9 +9,9 @@ pub(super) fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
 }
 
-/// Number of the `limit` in a unit that is easy to read: lengths in mm.
+/// Number of the `limit` in a unit that is easy to read: heights in mm.
 pub(super) fn readable(limit: &Limit) -> (Option<f64>, Option<f64>, &str) {
-    if limit.unit == "m" {
+    if limit.unit == "m" && limit.quantity != "control_section" {
         (limit.value.map(|v| 1e3 * v), limit.limit.map(|v| 1e3 * v), "mm")
     } else {
         (limit.value, limit.limit, &limit.unit)

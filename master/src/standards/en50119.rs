@@ -70,7 +70,7 @@ pub(super) fn of_line(conditions: &Conditions) -> [Limit; 2] {
                 format!("; the uplift of this run needs {:.0} mm", 1e3 * needed)
             });
             space.not_applicable(format!(
-                "the space at the steady arm is not given: set catenary.registration_arms.free_uplift, m{needed}"
+                "the space at the steady arm is not given: set catenary.registration_arms.free_uplift (m){needed}"
             ))
         }
         Some(_) => space

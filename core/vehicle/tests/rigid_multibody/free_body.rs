@@ -12,6 +12,7 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     constraint_tolerance: 1e-12,
     max_iterations: 30,
     jacobian: dynamics::Jacobian::Modified,
+    formulation: dynamics::Formulation::Positions,
 };
 
 fn body() -> (Mechanism, State) {

@@ -1,6 +1,6 @@
 //! The double pendulum of two bodies: order of positions, velocities and multipliers.
 use super::mechanism::{Mechanism, order, run, set_velocity, shown};
-use dynamics::NewtonOptions;
+use dynamics::{Formulation, NewtonOptions};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use vehicle::multibody::{Anchor, BaseMarker, BodyMarker, Joint};
 
@@ -82,7 +82,7 @@ fn reactions(y: [f64; 4]) -> [Vector3<f64>; 2] {
 }
 
 /// Errors of positions (m), velocities (m/s) and joint forces (N) at the end, and the largest violation of a joint (m).
-fn errors(h: f64, rho_inf: f64) -> [f64; 4] {
+fn errors(h: f64, rho_inf: f64, formulation: Formulation) -> [f64; 4] {
     let mut pendulum = Mechanism::default();
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), AZIMUTH);
     // A turn by −angle about the axis takes the downward vertical to the arm.
@@ -111,6 +111,7 @@ fn errors(h: f64, rho_inf: f64) -> [f64; 4] {
     let options = NewtonOptions {
         tolerance: 1e-10,            // below the smallest error here, 1e-5 N
         constraint_tolerance: 1e-14, // rounding at a metre
+        formulation,
         ..NewtonOptions::default()
     };
     let mut states = Vec::new();
@@ -141,7 +142,7 @@ fn the_double_pendulum_converges_to_second_order_in_position_velocity_and_multip
         assert!((value - coarse).abs() < 1e-12, "the reference has converged"); // its error falls by 16
     }
     for rho_inf in [1.0, 0.9, 0.8, 0.5] {
-        let runs = [4e-3, 2e-3, 1e-3].map(|h| errors(h, rho_inf));
+        let runs = [4e-3, 2e-3, 1e-3].map(|h| errors(h, rho_inf, Formulation::Positions));
         for run in &runs {
             println!(
                 "rho_inf {rho_inf}: position, velocity, joint force, joint {}",
@@ -158,5 +159,25 @@ fn the_double_pendulum_converges_to_second_order_in_position_velocity_and_multip
             }
         }
         assert!(runs.iter().all(|run| run[3] < 1e-13)); // rounding
+    }
+}
+
+#[test]
+fn accelerations_and_multipliers_of_the_augmented_equations_converge_to_second_order_as_well() {
+    for rho_inf in [1.0, 0.9, 0.5] {
+        let runs = [4e-3, 2e-3, 1e-3].map(|h| errors(h, rho_inf, Formulation::Accelerations));
+        for run in &runs {
+            println!(
+                "rho_inf {rho_inf}, augmented: position, velocity, joint force, joint {}",
+                shown(run)
+            );
+        }
+        // The drift of the joints is of second order like the rest.
+        for (what, name) in ["position", "velocity", "multipliers", "drift"].iter().enumerate() {
+            for pair in runs.windows(2) {
+                let order = order(pair[0][what], pair[1][what]);
+                assert!((order - 2.0).abs() < 0.3, "rho_inf {rho_inf}, {name}: order {order}");
+            }
+        }
     }
 }
