@@ -1,7 +1,6 @@
 //! Bodies, joints and loads as one system.
 use dynamics::{
-    Blocks, Columns, Constraint, Force, GeneralizedAlpha, JacobianRows, Layout, Marker, Motion, NewtonOptions, State,
-    System,
+    Columns, Constraint, Force, GeneralizedAlpha, JacobianRows, Layout, Marker, Motion, NewtonOptions, State, System,
 };
 use nalgebra::{UnitQuaternion, Vector3};
 use vehicle::multibody::{Joint, Pose, RigidBody};
@@ -153,8 +152,6 @@ impl Force for Moment {
     fn add_force(&mut self, _motion: &Motion<'_>, force: &mut [f64]) {
         force[self.pose.rotation + 2] += self.moment;
     }
-
-    fn add_tangent(&mut self, _motion: &Motion<'_>, _weights: dynamics::Weights, _blocks: &mut Blocks<'_>) {}
 }
 
 /// Sets the velocity of the centre of mass (m/s) and the angular velocity in body axes (rad/s).
