@@ -54,6 +54,7 @@ pub mod report;
 pub mod results;
 pub mod run;
 pub mod simulation;
+pub mod sliding_joint;
 pub mod slave;
 pub mod ssp;
 pub mod stability;
