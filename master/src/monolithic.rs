@@ -169,7 +169,9 @@ impl Monolithic {
         state.q[..settled.len()].copy_from_slice(settled);
         line.set_uplift_reference(&state.q);
         // A joint that moves on along a sloping or bent wire is not in balance at rest.
-        let mut balanced = contacts.iter().all(|contact| matches!(contact, StripContact::Penalty(_)));
+        let mut balanced = contacts
+            .iter()
+            .all(|contact| matches!(contact, StripContact::Penalty(_)));
         for (index, (pantograph, start)) in pantographs.iter_mut().zip(&starts).enumerate() {
             pantograph.set_initial(start, &mut state);
             balanced &= (alone.force(index) - start.force).abs() < AT_REST;
@@ -337,16 +339,17 @@ impl Monolithic {
         let supports = &self.supports;
         let mut steps = 0.0;
         let count = self.simulator.micro_steps(h) as f64;
-        self.simulator.advance(t, h, &mut |_, _| {}, &mut |whole, motion, lambda, dt| {
-            steps += 1.0;
-            let [previous, present] = points;
-            present.from = previous.t;
-            present.t = if steps == count { t + h } else { t + steps * dt };
-            read(whole, (&motion, lambda), supports, present);
-            straighten(previous, present);
-            see(previous, present);
-            points.swap(0, 1);
-        })?;
+        self.simulator
+            .advance(t, h, &mut |_, _| {}, &mut |whole, motion, lambda, dt| {
+                steps += 1.0;
+                let [previous, present] = points;
+                present.from = previous.t;
+                present.t = if steps == count { t + h } else { t + steps * dt };
+                read(whole, (&motion, lambda), supports, present);
+                straighten(previous, present);
+                see(previous, present);
+                points.swap(0, 1);
+            })?;
         self.unrepeated += u64::from(first.is_some_and(|first| first != *self.simulator.state()));
         if let Some(audit) = &mut self.audit {
             self.simulator.balance(&mut audit.balance, h);

@@ -24,7 +24,10 @@ pub fn refuse(scene: &Scene, what: &str) -> Result<(), SetupError> {
     if !holds(scene) {
         return Ok(());
     }
-    let reason = format!("{what}: {}, or `master run --mode monolithic`", CatenaryError::SlidingJoint);
+    let reason = format!(
+        "{what}: {}, or `master run --mode monolithic`",
+        CatenaryError::SlidingJoint
+    );
     Err(SetupError::NotAvailable(reason))
 }
 
@@ -80,7 +83,9 @@ pub fn remarks(scene: &Scene, record: &Record) -> Vec<String> {
 }
 
 fn remark(pantograph: usize, time: &[f64], spells: &[Spell]) -> String {
-    let name = format!("pantograph {pantograph}: its strip is held on the wire by a sliding joint, which cannot lose contact; ");
+    let name = format!(
+        "pantograph {pantograph}: its strip is held on the wire by a sliding joint, which cannot lose contact; "
+    );
     let Some(worst) = spells.iter().max_by(|a, b| a.largest.total_cmp(&b.largest)) else {
         return name + "its force was never negative";
     };
@@ -116,11 +121,17 @@ mod tests {
         assert_eq!(found.len(), 3);
         for (spell, (from, to, largest)) in found.iter().zip(expected) {
             // Rounding.
-            assert!((spell.from - from).abs() < 1e-12 && (spell.to - to).abs() < 1e-12, "{found:?}");
+            assert!(
+                (spell.from - from).abs() < 1e-12 && (spell.to - to).abs() < 1e-12,
+                "{found:?}"
+            );
             assert_eq!(spell.largest, largest);
         }
         let text = remark(1, &time, &found);
-        assert!(text.contains("3 times in 0.292 s of 0.700 s") && text.contains("up to 20.0 N at t = 0.275 s"), "{text}");
+        assert!(
+            text.contains("3 times in 0.292 s of 0.700 s") && text.contains("up to 20.0 N at t = 0.275 s"),
+            "{text}"
+        );
     }
 
     #[test]

@@ -2,7 +2,8 @@
 use crate::contact::STRIP_INPUTS;
 use crate::{
     BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, OverheadLine,
-    PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine, adopt_state, follow_strips,
+    PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine, adopt_state,
+    follow_strips,
 };
 use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
 use scene::{ContactLaw, Cure, Reduction, Scene};
@@ -162,7 +163,13 @@ pub fn contact_pair(
     };
     // A third-party strip tells no width: it is taken as wide enough.
     let width = scene.pantographs[index].strip_width().unwrap_or(f64::INFINITY);
-    Ok(ContactPair::new(law, line.contact_curve(), strip, width, tangent(scene)))
+    Ok(ContactPair::new(
+        law,
+        line.contact_curve(),
+        strip,
+        width,
+        tangent(scene),
+    ))
 }
 
 /// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's law; a joint adds its equation to

@@ -62,7 +62,11 @@ impl Force for Loads {
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
-        -self.0.iter().map(|&(index, value)| value * motion.q[index]).sum::<f64>()
+        -self
+            .0
+            .iter()
+            .map(|&(index, value)| value * motion.q[index])
+            .sum::<f64>()
     }
 }
 
@@ -265,7 +269,10 @@ fn step(simulator: &mut Simulator<Slide>, n: usize, h: f64) {
 fn seen(simulator: &mut Simulator<Slide>) -> (f64, f64) {
     let lambda = simulator.state().lambda.clone();
     let (system, motion) = simulator.parts();
-    let contact = system.contact.as_ref().and_then(|contact| contact.state(&motion, &lambda));
+    let contact = system
+        .contact
+        .as_ref()
+        .and_then(|contact| contact.state(&motion, &lambda));
     let contact = contact.expect("on the wire");
     (contact.geometry.s, contact.force)
 }
@@ -286,15 +293,15 @@ const HANGING: Case = Case {
     speed: 15.0,
     start: 4.3,
     h: 1e-4,
-    rho_inf: 1.0,
+    // With the trapezoid, 1, the multiplier of an index-3 equation grows to and fro from step to step.
+    rho_inf: 0.5,
     jacobian: Jacobian::Modified,
     tolerance: 1e-6,
 };
 
 #[test]
 fn a_mass_that_slides_on_a_hanging_wire_keeps_its_energy_without_dissipation() {
-    let mut errors = Vec::new();
-    for h in [2e-4, 1e-4] {
+    let errors = [1e-4, 5e-5].map(|h| {
         let case = Case { h, ..HANGING };
         let mut simulator = start(&case, Law::Joint);
         let mut balance = simulator.energy_balance();
@@ -312,15 +319,19 @@ fn a_mass_that_slides_on_a_hanging_wire_keeps_its_energy_without_dissipation() {
         }
         let [gap, rate] = balance.drift();
         println!(
-            "h = {h} s, rho_inf = 1, {n} steps: energy off by {:.2e} of {scale} J; the mass exchanged {exchanged:.1} J; constraint {gap:.1e} m, \
-             its rate {rate:.1e} m/s",
+            "h = {h} s, rho_inf = {}, {n} steps, 20 borders: energy off by {:.2e} of {scale} J; the mass exchanged {exchanged:.1} J; constraint \
+             {gap:.1e} m, its rate {rate:.1e} m/s",
+            case.rho_inf,
             worst / scale
         );
         assert!(exchanged > 0.05 * scale, "{exchanged} J: the wire moves");
-        assert!(gap < 1e-13, "{gap} m: Newton's tolerance is 1e-14 m, times the size of coordinates");
-        errors.push(worst / scale);
-    }
-    assert!(errors[1] < 1e-6, "{errors:?}");
+        assert!(gap < 1e-13, "{gap} m: Newton's tolerance is 1e-14 m");
+        worst / scale
+    });
+    assert!(errors[0] < 1e-6, "{errors:?}");
+    // Of second order in phase, of third in what is damped: a loss of its own would not fall like that.
+    let order = (errors[0] / errors[1]).log2();
+    assert!((1.7..3.3).contains(&order), "order {order}");
 }
 
 /// Straight line through equally spaced values, at `at` steps from the first.
@@ -376,7 +387,11 @@ fn the_multiplier_steps_at_element_borders_by_what_the_curvature_steps_by() {
                 here = now;
                 let speed = simulator.state().v[simulator.system.mass.first];
                 let passed = n as f64 - (s - here as f64 * element) / (speed * case.h);
-                borders.push((n, passed, simulator.system.expected_step(here, simulator.state(), &inverse)));
+                borders.push((
+                    n,
+                    passed,
+                    simulator.system.expected_step(here, simulator.state(), &inverse),
+                ));
             }
         }
         borders.retain(|(n, ..)| n + 60 < course.len());
@@ -407,11 +422,7 @@ fn the_multiplier_steps_at_element_borders_by_what_the_curvature_steps_by() {
 
 #[test]
 fn the_penalty_law_goes_over_into_the_joint_with_its_stiffness() {
-    let case = Case {
-        rho_inf: 0.8,
-        lift: 100.0,
-        ..HANGING
-    };
+    let case = Case { lift: 100.0, ..HANGING };
     let course = |law: Law| {
         let mut simulator = start(&case, law);
         let first = simulator.system.mass.first;
@@ -435,11 +446,7 @@ fn the_penalty_law_goes_over_into_the_joint_with_its_stiffness() {
 
 #[test]
 fn full_newton_and_one_direction_per_step_give_the_same_motion() {
-    let case = Case {
-        h: 1e-3,
-        rho_inf: 0.9,
-        ..HANGING
-    };
+    let case = Case { h: 1e-3, ..HANGING };
     let run = |jacobian: Jacobian| {
         let mut simulator = start(&Case { jacobian, ..case }, Law::Joint);
         (0..1000).for_each(|n| step(&mut simulator, n, case.h));
@@ -449,20 +456,24 @@ fn full_newton_and_one_direction_per_step_give_the_same_motion() {
     let (exact, most_exact, _) = run(Jacobian::Full);
     let (modified, most, counters) = run(Jacobian::Modified);
     println!("most iterations: {most_exact} full, {most} modified; {counters:?}");
-    let apart = exact.q.iter().zip(&modified.q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let apart = exact
+        .q
+        .iter()
+        .zip(&modified.q)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max);
     // Newton's tolerance of 1e-6 N over 1000 steps on 2 kN of tension.
     assert!(apart < 1e-7, "{apart} m");
     assert!(most_exact <= 4, "{most_exact}");
-    assert!(counters.factorizations < 20 && counters.newton_iterations < 6 * counters.micro_steps, "{counters:?}");
+    assert!(
+        counters.factorizations < 20 && counters.newton_iterations < 6 * counters.micro_steps,
+        "{counters:?}"
+    );
 }
 
 #[test]
 fn a_restored_slide_repeats_bit_for_bit() {
-    let case = Case {
-        h: 1e-3,
-        rho_inf: 0.9,
-        ..HANGING
-    };
+    let case = Case { h: 1e-3, ..HANGING };
     let mut simulator = start(&case, Law::Joint);
     let mut checkpoint = Checkpoint::default();
     (0..300).for_each(|n| step(&mut simulator, n, case.h));
@@ -491,12 +502,18 @@ fn a_mass_put_on_a_sloping_wire_across_it_starts_with_the_wire_moving_along() {
     let mut balance = simulator.energy_balance();
     assert!(balance.drift()[1] < 1e-12, "{} m/s", balance.drift()[1]);
     let vertical = simulator.state().v[first + 1];
-    assert!(vertical < -0.01 && vertical > -case.speed, "{vertical} m/s: the wire slopes down");
+    assert!(
+        vertical < -0.01 && vertical > -case.speed,
+        "{vertical} m/s: the wire slopes down"
+    );
     // Consistent: the first multipliers are near the one at the start.
     let force = seen(&mut simulator).1;
     step(&mut simulator, 0, 1e-5);
     simulator.balance(&mut balance, 1e-5);
     let next = seen(&mut simulator).1;
-    assert!((next - force).abs() < 0.05 * force.abs().max(1.0), "{force} N, then {next} N");
+    assert!(
+        (next - force).abs() < 0.05 * force.abs().max(1.0),
+        "{force} N, then {next} N"
+    );
     assert!(balance.drift()[1] < 1e-6, "{} m/s", balance.drift()[1]);
 }

@@ -338,10 +338,14 @@ impl Workspace {
         for value in &mut self.imbalance[self.coordinates..] {
             *value *= -self.scale;
         }
-        let thresholds = options.map_or_else(Thresholds::default, |options| Thresholds {
+        let mut thresholds = options.map_or_else(Thresholds::default, |options| Thresholds {
             force: LEFT * options.tolerance,
             constraint: LEFT * options.constraint_tolerance * self.scale,
         });
+        // The force that brings a border's coordinates onto its constraint is one of those that would be left.
+        if self.updates.has_borders() {
+            thresholds.force = thresholds.force.min(thresholds.constraint);
+        }
         for range in self.changed.0.drain(..) {
             self.correction[range].fill(0.0);
         }

@@ -32,6 +32,7 @@ pub struct Updates {
     coordinates: usize,
     scale: f64,
     multipliers: Vec<f64>,
+    borders: usize,
     pub(crate) rows: Vec<Row>,
     pub(crate) indices: Vec<usize>,
     pub(crate) values: Vec<f64>,
@@ -47,6 +48,7 @@ impl Updates {
         self.values.clear();
         self.cores.clear();
         self.core_values.clear();
+        self.borders = 0;
     }
 
     /// Sets which contribution pushes next; the system calls it.
@@ -74,6 +76,11 @@ impl Updates {
         self.scale = scale;
     }
 
+    /// Whether there is one.
+    pub(crate) fn has_borders(&self) -> bool {
+        self.borders > 0
+    }
+
     /// Takes the multipliers at the present iterate.
     pub(crate) fn set_multipliers(&mut self, lambda: &[f64]) {
         self.multipliers.clear();
@@ -99,6 +106,7 @@ impl Updates {
         multiplier: usize,
         entries: impl Iterator<Item = (usize, f64)>,
     ) {
+        self.borders += 1;
         let first_row = self.rows.len();
         self.row(first_slot, version, entries);
         let unknown = self.coordinates + multiplier;

@@ -49,7 +49,9 @@ impl Entry for Contact {
                 Penalty::entry(keys, was.as_ref())
             }
             ContactLaw::SlidingJoint => {
-                keys.leave_out::<Penalty>("contact.law is \"sliding_joint\", which holds the strip on the wire without a spring");
+                keys.leave_out::<Penalty>(
+                    "contact.law is \"sliding_joint\", which holds the strip on the wire without a spring",
+                );
                 Penalty {
                     stiffness: f64::INFINITY,
                     damping: 0.0,

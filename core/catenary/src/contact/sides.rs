@@ -41,8 +41,7 @@ impl<'a> Sides<'a> {
     /// The part of the velocity of the strip's point that is prescribed, m/s.
     pub fn prescribed(&self, frame: &Frame, motion: &Motion<'_>) -> Vector3<f64> {
         let total = frame.velocity + frame.angular_velocity.cross(&self.lever);
-        let free =
-            |c: &dynamics::Column| motion.v[c.index] * (c.translation + c.rotation.cross(&self.lever));
+        let free = |c: &dynamics::Column| motion.v[c.index] * (c.translation + c.rotation.cross(&self.lever));
         total - self.strip.as_slice().iter().map(free).sum::<Vector3<f64>>()
     }
 
@@ -73,7 +72,10 @@ impl<'a> Sides<'a> {
             } else {
                 let c = &strip[j - wire.len()];
                 let velocity = c.translation + c.rotation.cross(&self.lever);
-                (vary(geometry, frame, None, Some((c.translation, c.rotation))), -velocity)
+                (
+                    vary(geometry, frame, None, Some((c.translation, c.rotation))),
+                    -velocity,
+                )
             };
             let change = change(&variation, n.dot(&velocity));
             for (i, c) in wire.iter().enumerate() {

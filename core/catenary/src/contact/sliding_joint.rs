@@ -34,12 +34,15 @@ use std::sync::Arc;
 /// a border but not the same curvature, so there the multiplier steps by
 ///
 /// ```text
-/// Δλ = v² Δκ / (1/m + Y),    1/m + Y = g_q M⁻¹ g_qᵀ                derived here
+/// Δλ = −v² Δκ / (1/m + Y),    1/m + Y = g_q M⁻¹ g_qᵀ               derived here
 /// ```
 ///
-/// `m` is the mass that the strip answers with and `Y` the wire's inverse mass there: `m v² Δκ` for a strip much lighter than the wire
-/// around it. (`M v̇ + g_qᵀ λ = Q` and `g_q v̇ = −(g_q)˙ v − (g_t)˙` hold on both sides; `Q`, `M` and `g_q` are continuous and the right side of
-/// the second steps by `−v² Δκ`.)
+/// (it falls where the wire bends up more). `m` is the mass that the strip answers with and `Y` the wire's inverse mass there: `−m v² Δκ` for a strip much lighter than the wire
+/// around it. (`M v̇ + g_qᵀ λ = Q` and `g_q v̇ = −(g_q)˙ v − (g_t)˙` hold on both sides; `Q`, `M` and `g_q` are continuous; with `g = −n·(r − p)`
+/// the right side of the second steps by `v² Δκ`.)
+///
+/// *Integrator.* An error of the multiplier dies out with a double root `−rho_inf`; that the contact has moved on in the meantime feeds
+/// it. So `rho_inf` is to be well below 1, and scenes are held to 0.5; what that damps is of the second order of the step.
 pub struct SlidingJoint {
     curve: Arc<dyn Curve>,
     strip: Box<dyn Marker>,
@@ -57,12 +60,7 @@ impl SlidingJoint {
     /// A strip, seen through its marker (second axis along the strip), on a wire; its equation has the number `multiplier` in its
     /// system.
     #[must_use]
-    pub fn new(
-        curve: Arc<dyn Curve>,
-        strip: Box<dyn Marker>,
-        multiplier: usize,
-        tangent: ContactTangent,
-    ) -> Self {
+    pub fn new(curve: Arc<dyn Curve>, strip: Box<dyn Marker>, multiplier: usize, tangent: ContactTangent) -> Self {
         Self {
             curve,
             strip,
@@ -99,7 +97,8 @@ impl SlidingJoint {
     fn turn(&mut self, geometry: &ContactGeometry, motion: &Motion<'_>) {
         let sides = Sides::new(geometry, &*self.curve, &*self.strip, motion);
         self.direction.clear();
-        self.direction.extend(sides.gap_gradient().map(|(index, value)| (index, -value)));
+        self.direction
+            .extend(sides.gap_gradient().map(|(index, value)| (index, -value)));
         self.version += 1;
     }
 }

@@ -67,7 +67,10 @@ fn row(joint: &SlidingJoint, q: &[f64]) -> Vec<f64> {
     joint.jacobian(
         &motion(0.0, q, &v),
         &mut JacobianRows::new(&mut |_, columns, values| {
-            columns.iter().zip(values).for_each(|(&column, value)| dense[column] += value);
+            columns
+                .iter()
+                .zip(values)
+                .for_each(|(&column, value)| dense[column] += value);
         }),
     );
     dense
@@ -88,7 +91,11 @@ fn the_jacobian_is_the_derivative_of_the_residual_also_off_the_constraint() {
         };
         let slope = (moved(h) - moved(-h)) / (2.0 * h);
         // Central difference: rounding 1e-16 m over 2e-6 m, third derivatives times h².
-        assert!((slope - exact[i]).abs() < 1e-9, "coordinate {i}: {slope} against {}", exact[i]);
+        assert!(
+            (slope - exact[i]).abs() < 1e-9,
+            "coordinate {i}: {slope} against {}",
+            exact[i]
+        );
     }
     // The strip's travel meets the slope of the wire: this is what makes it rise.
     assert!(exact[WIRE].abs() > 1e-4, "{exact:?}");
@@ -109,7 +116,11 @@ fn the_rate_of_the_residual_is_that_of_the_coordinates_and_of_the_prescribed_tra
     assert!(explicit[0].abs() > 0.01, "the wire slopes: {} m/s", explicit[0]);
     let free: f64 = row(&joint, &q).iter().zip(&v).map(|(g, v)| g * v).sum();
     // Central difference: rounding 1e-16 m over 2e-6 s, third derivatives at 55 m/s times h².
-    assert!((rate - free - explicit[0]).abs() < 1e-8, "{rate}: {free} and {}", explicit[0]);
+    assert!(
+        (rate - free - explicit[0]).abs() < 1e-8,
+        "{rate}: {free} and {}",
+        explicit[0]
+    );
 }
 
 #[test]
@@ -135,7 +146,10 @@ fn the_tangent_is_the_derivative_of_the_generalised_force_of_the_multiplier() {
             let slope = lambda * (plus[index] - minus[index]) / (2.0 * h);
             let found = matrix[i * indices.len() + j];
             // Central difference: rounding 1e-16 λ over 2e-6 m; the search ends within 1e-11 m.
-            assert!((slope - found).abs() < 1e-5 * size, "({index}, {column}): {slope} against {found} N/m");
+            assert!(
+                (slope - found).abs() < 1e-5 * size,
+                "({index}, {column}): {slope} against {found} N/m"
+            );
         }
     }
 }
