@@ -1,8 +1,8 @@
 //! Line and pantographs as one system: no coupling, one integrator.
 
 use catenary::{
-    CatenaryError, LineAtRest, OnWire, OverheadLine, StaticLine, StripContact, StripStart, WireName, adopt_state,
-    follow_strips, scene_line, strip_contact,
+    CatenaryError, LineAtRest, OnWire, OverheadLine, Slackening, StaticLine, StripContact, StripStart, WireName,
+    adopt_state, follow_strips, scene_line, strip_contact,
 };
 use dynamics::{
     Checkpoint, Constraint, Continuity, Counters, EnergyBalance, Force, Layout, Motion, Simulator, State, StepError,
@@ -11,7 +11,7 @@ use dynamics::{
 use scene::{PantographModel as Entry, Scene};
 use vehicle::{PantographModel, VehicleError};
 
-use crate::algorithm::Point;
+use crate::algorithm::{ENERGY_SHARE, Point};
 use crate::hardship::{Hardship, Lifted};
 use crate::interface::{contact, line_output_count, strip};
 use crate::results::Frame;
@@ -45,6 +45,7 @@ struct Whole {
     line: Box<dyn OverheadLine>,
     pantographs: Vec<PantographModel>,
     contacts: Vec<StripContact>,
+    slackening: Slackening,
 }
 
 impl System for Whole {
@@ -72,11 +73,23 @@ impl System for Whole {
     }
 
     fn follow(&mut self, state: &mut State, u: &[f64]) -> Continuity {
-        follow_strips(&mut *self.line, &mut self.contacts, &mut self.layout, state, u)
+        let continuity = follow_strips(&mut *self.line, &mut self.contacts, &mut self.layout, state, u);
+        self.other_droppers(continuity)
     }
 
     fn adopt(&mut self, state: &State) -> Continuity {
-        adopt_state(&mut *self.line, &mut self.contacts, &mut self.layout, state)
+        let continuity = adopt_state(&mut *self.line, &mut self.contacts, &mut self.layout, state);
+        self.other_droppers(continuity)
+    }
+}
+
+impl Whole {
+    /// A line whose matrices were replaced has other droppers.
+    fn other_droppers(&mut self, continuity: Continuity) -> Continuity {
+        if continuity == Continuity::Replaced {
+            self.slackening.forget();
+        }
+        continuity
     }
 }
 
@@ -88,6 +101,8 @@ pub struct Monolithic {
     audit: Option<Audit>,
     rehearsal: Option<Box<Checkpoint>>,
     unrepeated: u64,
+    /// Sum of the amounts of work that crossed the contacts, step by step, J.
+    crossed: f64,
 }
 
 /// What is followed besides the contact.
@@ -112,6 +127,8 @@ pub struct Evidence {
     pub driven: f64,
     /// Heat of dampers and friction, J.
     pub dissipated: f64,
+    /// Part of the residual that droppers make by going slack and taut within steps, J; see [`Slackening`].
+    pub made_at_droppers: f64,
     /// Largest violation of a constraint, m, and of its rate, m/s.
     pub drift: [f64; 2],
     /// Number of constraints.
@@ -129,7 +146,7 @@ impl Monolithic {
     /// See [`MonolithicError`].
     pub fn new(scene: &Scene, statics: &StaticLine, supports: &[usize]) -> Result<Self, MonolithicError> {
         let mut layout = Layout::new();
-        let line = scene_line(scene, statics, &mut layout)?;
+        let mut line = scene_line(scene, statics, &mut layout)?;
         let mut pantographs = Vec::new();
         let mut starts = Vec::new();
         for (index, entry) in scene.pantographs.iter().enumerate() {
@@ -158,7 +175,6 @@ impl Monolithic {
             })
             .collect();
         alone.start(&strips)?;
-        let mut line = line;
         let contacts = pantographs
             .iter()
             .enumerate()
@@ -176,11 +192,13 @@ impl Monolithic {
             pantograph.set_initial(start, &mut state);
             balanced &= (alone.force(index) - start.force).abs() < AT_REST;
         }
+        let dropper_stiffness = scene.modelled_line().map_or(0.0, |(line, _)| line.droppers.stiffness);
         let whole = Whole {
             layout,
             line,
             pantographs,
             contacts,
+            slackening: Slackening::new(dropper_stiffness),
         };
         let solver = &scene.solver;
         let mut simulator = Simulator::new(
@@ -201,6 +219,7 @@ impl Monolithic {
             audit: None,
             rehearsal: None,
             unrepeated: 0,
+            crossed: 0.0,
         })
     }
 
@@ -286,10 +305,27 @@ impl Monolithic {
             plucked: *plucked,
             driven: balance.driven(),
             dissipated: balance.dissipated(),
+            made_at_droppers: self.simulator.system.slackening.made(),
             drift: balance.drift(),
             constraints: self.simulator.system.layout().constraints(),
             slack_droppers: *slack,
             unrepeated: self.unrepeated,
+        })
+    }
+
+    /// What a reader must be told on the energy that the time steps have made at the droppers; nothing where it is a small share of
+    /// the work that crossed the contact.
+    #[must_use]
+    pub fn energy_note(&self) -> Option<String> {
+        let made = self.simulator.system.slackening.made();
+        (made > ENERGY_SHARE * self.crossed).then(|| {
+            format!(
+                "the time steps made {made:.3} J at droppers that go slack and taut ({:.1} % of the {:.1} J of work that crossed the \
+                 contact), so that the force may vary more than it should: a shorter solver.micro_step or some \
+                 catenary.droppers.damping leaves less",
+                100.0 * made / self.crossed,
+                self.crossed
+            )
         })
     }
 
@@ -337,6 +373,7 @@ impl Monolithic {
     ) -> Result<(), StepError> {
         let first = self.rehearse(t, h)?;
         let supports = &self.supports;
+        let crossed = &mut self.crossed;
         let mut steps = 0.0;
         let count = self.simulator.micro_steps(h) as f64;
         self.simulator
@@ -345,8 +382,10 @@ impl Monolithic {
                 let [previous, present] = points;
                 present.from = previous.t;
                 present.t = if steps == count { t + h } else { t + steps * dt };
+                whole.slackening.step(&*whole.line, &motion);
                 read(whole, (&motion, lambda), supports, present);
                 straighten(previous, present);
+                *crossed += work_between(previous, present);
                 see(previous, present);
                 points.swap(0, 1);
             })?;
@@ -415,6 +454,16 @@ fn read(whole: &Whole, (motion, lambda): (&Motion<'_>, &[f64]), supports: &[usiz
     for (k, &support) in supports.iter().enumerate() {
         point.line[first + k] = whole.line.uplift(support - 1, motion.q);
     }
+}
+
+/// Amounts of work that crossed the contacts in a step, by the mean vertical forces, J.
+fn work_between(start: &Point, end: &Point) -> f64 {
+    (0..end.strip_count())
+        .map(|i| {
+            let force = 0.5 * (start.contact(i)[contact::FZ] + end.contact(i)[contact::FZ]);
+            (force * (end.strip(i)[strip::Z] - start.strip(i)[strip::Z])).abs()
+        })
+        .sum()
 }
 
 /// Fills the samples of a step with the straight line between its end forces.
