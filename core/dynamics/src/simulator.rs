@@ -14,6 +14,9 @@ pub struct Checkpoint {
     u: Vec<f64>,
 }
 
+/// Sees the system, its motion, its multipliers and the length (s) of an internal step at its end.
+type AfterStep<'a, S> = dyn FnMut(&mut S, crate::Motion<'_>, &[f64], f64) + 'a;
+
 /// A system, its state and its integrator.
 pub struct Simulator<S> {
     /// The model.
@@ -115,7 +118,7 @@ impl<S: System> Simulator<S> {
         t: f64,
         h: f64,
         inputs_at: &mut dyn FnMut(f64, &mut [f64]),
-        after: &mut dyn FnMut(&mut S, crate::Motion<'_>, &[f64], f64),
+        after: &mut AfterStep<'_, S>,
     ) -> Result<(), StepError> {
         let count = self.micro_steps(h);
         let dt = h / count as f64;
