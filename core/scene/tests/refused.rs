@@ -61,7 +61,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("positions = [5.0, 10.5,", "positions = [5.0, true,", &["catenary.droppers.positions[2] = true: must be a number in m"]),
     ("masses = [7.2, 15.0]", "masses = 7.2", &["pantograph[1].masses = 7.2: must be a list of numbers in kg, at least one"]),
     ("[[pantograph]]", "[pantograph]", &["pantograph = ", "must be at least one table under the header [[pantograph]]"]),
-    ("law = \"penalty\"", "law = 3", &["contact.law = 3: must be \"penalty\" or \"sliding_joint\""]),
+    ("law = \"penalty\"", "law = 3", &["contact.law = 3: must be one of \"penalty\", \"sliding_joint\""]),
     ("elements_per_interval = 8", "elements_per_interval = 2.5", &["catenary.mesh.elements_per_interval = 2.5: must be a whole number from 1"]),
     ("[solver]\nmicro_step = 0.001                      # s\nrho_inf = 0.9", "", &["accepted"]),
     // Out of range, NaN, infinite.
