@@ -1,5 +1,6 @@
 //! Generalized-α time integration of constrained systems.
-use crate::newton::{Jacobian, Since, Workspace, name};
+use crate::newton::{Jacobian, Workspace, name};
+use crate::residual::Since;
 use crate::{Continuity, Counters, Motion, NewtonOptions, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 use pulp::{Arch, Simd, WithSimd};
@@ -200,10 +201,10 @@ impl GeneralizedAlpha {
         self.residuals.clear();
         for iteration in 0..=options.max_iterations {
             let motion = state.motion(u);
-            let since = if iteration == 0 {
-                Since::Anything
-            } else {
-                Since::Correction
+            let since = match iteration {
+                0 => Since::Anything,
+                _ if damping < 1.0 => Since::PartOfCorrection,
+                _ => Since::Correction,
             };
             let residual = workspace.residual(system, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
             self.residuals.push(residual.value);
@@ -535,6 +536,7 @@ impl WithSimd for Predict<'_> {
         let (q, v, v_dot, a) = (&start.q[..n], &start.v[..n], &start.v_dot[..n], &start.a[..n]);
         let ends = (&mut end.q[..n], &mut end.v[..n], &mut end.v_dot[..n], &mut end.a[..n]);
         let (q_end, v_end, v_dot_end, a_end) = ends;
+        let inverse = 1.0 / (1.0 - alpha_f);
         for i in 0..n {
             let a = if stretch == 1.0 {
                 a[i]
@@ -543,7 +545,7 @@ impl WithSimd for Predict<'_> {
             };
             q_end[i] = q[i] + h * (v[i] + 0.5 * h * a);
             v_end[i] = v[i] + h * a;
-            v_dot_end[i] = (a - alpha_f * v_dot[i]) / (1.0 - alpha_f);
+            v_dot_end[i] = (a - alpha_f * v_dot[i]) * inverse;
             a_end[i] = a;
         }
     }

@@ -37,6 +37,7 @@ mod motion;
 mod newton;
 mod part;
 mod pattern;
+mod residual;
 pub mod rotation;
 mod simulator;
 mod sparse;

@@ -190,6 +190,10 @@ impl Force for FarField {
         true
     }
 
+    fn is_linear(&self) -> bool {
+        true
+    }
+
     fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
         self.add_within(&range, motion, Some(v_dot), force);
     }
