@@ -298,12 +298,9 @@ impl WindowedLine {
             let supports = [span, span + 1]
                 .into_iter()
                 .filter_map(|support| fixed.support(arrangement, support));
-            far.members.push(Member {
-                sponge: fixed.sponge(arrangement, span, &cell),
-                supports: supports.flatten().collect(),
-                modes,
-                cell,
-            });
+            let sponge = fixed.sponge(arrangement, span, &cell);
+            far.members
+                .push(Member::new(cell, supports.flatten().collect(), modes, &sponge));
         }
         let mut used = vec![false; fixed.coordinates.len()];
         let window = first..first + count;
