@@ -338,25 +338,24 @@ impl WithSimd for Sum<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let zero = simd.splat_f64s(0.0);
-        let (mut largest, mut spoilt) = ([zero; 2], [zero; 2]);
+        let (mut largest, mut spoilt) = (zero, zero);
+        let mut see = |x: S::f64s| {
+            largest = simd.max_f64s(largest, simd.abs_f64s(x));
+            // 0 · ∞ is not a number either.
+            spoilt = simd.mul_add_e_f64s(x, zero, spoilt);
+        };
         let [a, b] = self.terms;
         let ((a, a_rest), (b, b_rest)) = (S::as_simd_f64s(a), S::as_simd_f64s(b));
         let (sum, rest) = S::as_mut_simd_f64s(self.sum);
-        let mut see = |i: usize, x: S::f64s| {
-            largest[i] = simd.max_f64s(largest[i], simd.abs_f64s(x));
-            // 0 · ∞ is not a number either.
-            spoilt[i] = simd.mul_add_e_f64s(x, zero, spoilt[i]);
-        };
-        for (i, (sum, (&a, &b))) in sum.iter_mut().zip(a.iter().zip(b)).enumerate() {
+        for (sum, (&a, &b)) in sum.iter_mut().zip(a.iter().zip(b)) {
             *sum = simd.add_f64s(a, b);
-            see(i % 2, *sum);
+            see(*sum);
         }
         for (sum, (a, b)) in rest.iter_mut().zip(a_rest.iter().zip(b_rest)) {
             *sum = a + b;
         }
-        see(0, simd.partial_load_f64s(rest));
-        let largest = simd.max_f64s(largest[0], largest[1]);
-        simd.reduce_max_f64s(largest) + simd.reduce_sum_f64s(simd.add_f64s(spoilt[0], spoilt[1]))
+        see(simd.partial_load_f64s(rest));
+        simd.reduce_max_f64s(largest) + simd.reduce_sum_f64s(spoilt)
     }
 }
 

@@ -37,8 +37,8 @@ pub(super) struct Ground {
 pub(super) struct FarField {
     pub members: Vec<Member>,
     pub grounds: Vec<Ground>,
-    /// Static forces of what was cut off, N.
-    pub load: Vec<(usize, f64)>,
+    /// Static forces of what was cut off, N, of the first coordinates.
+    pub load: Vec<f64>,
 }
 
 impl Member {
@@ -223,8 +223,10 @@ impl FarField {
             let a = v_dot.map_or(0.0, |v_dot| v_dot[ground.index]);
             force[ground.index] -= ground.stiffness * q + ground.damping * v + ground.mass * a;
         }
-        for &(index, load) in self.load.iter().filter(|(index, _)| range.contains(index)) {
-            force[index] += load;
+        let end = range.end.min(self.load.len());
+        let range = range.start.min(end)..end;
+        for (force, load) in force[range.clone()].iter_mut().zip(&self.load[range]) {
+            *force += load;
         }
     }
 }
@@ -268,7 +270,7 @@ impl Force for FarField {
         let grounds: f64 = grounds
             .map(|ground| 0.5 * ground.stiffness * motion.q[ground.index].powi(2))
             .sum();
-        let load: f64 = self.load.iter().map(|&(index, load)| load * motion.q[index]).sum();
+        let load: f64 = self.load.iter().zip(motion.q).map(|(load, q)| load * q).sum();
         members + grounds - load
     }
 }

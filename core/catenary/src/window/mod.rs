@@ -282,9 +282,8 @@ impl WindowedLine {
             u: &[],
         };
         self.inner.forces(&mut |part| part.add_force(&motion, &mut rest));
-        let load = rest.iter().enumerate().filter(|(_, force)| **force != 0.0);
         let mut far = FarField {
-            load: load.map(|(index, force)| (index, -force)).collect(),
+            load: rest.iter().map(|force| -force).collect(),
             ..FarField::default()
         };
 
