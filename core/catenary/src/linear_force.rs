@@ -102,10 +102,17 @@ impl LinearForce {
         for row in self.rows[first..].iter().take_while(|row| row.row < range.end) {
             let entries = &self.entries[begin..row.end];
             begin = row.end;
-            let sum = entries.iter().fold(0.0, |sum, Entry { column, weights: [k, d, m] }| {
-                let inertia = a.map_or(0.0, |a| m * a[*column]);
-                sum + (k * motion.q[*column] + d * motion.v[*column] + inertia)
-            });
+            let sum = entries.iter().fold(
+                0.0,
+                |sum,
+                 Entry {
+                     column,
+                     weights: [k, d, m],
+                 }| {
+                    let inertia = a.map_or(0.0, |a| m * a[*column]);
+                    sum + (k * motion.q[*column] + d * motion.v[*column] + inertia)
+                },
+            );
             force[row.row] -= sum;
         }
     }

@@ -334,7 +334,12 @@ mod tests {
         }
         let mut last = vec![0.0; leaves];
         let mut touched = Vec::new();
-        found.substitute(0.0, |unknown| x[unknown], |leaf, value| last[leaf] = value, |range| touched.push(range));
+        found.substitute(
+            0.0,
+            |unknown| x[unknown],
+            |leaf, value| last[leaf] = value,
+            |range| touched.push(range),
+        );
         assert_eq!(touched, [0..2], "the leaves act on both");
         for leaf in 0..leaves {
             assert!((last[leaf] - exact[core + leaf]).abs() < 1e-12);

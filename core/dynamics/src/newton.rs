@@ -189,7 +189,8 @@ impl Workspace {
                     forces: self.woodbury.forces(),
                     affected: &self.affected.0,
                 };
-                self.imbalance.in_motion(system, motion, v_dot, &self.matrix, (since, &last));
+                self.imbalance
+                    .in_motion(system, motion, v_dot, &self.matrix, (since, &last));
             }
         }
         self.imbalance.sum_up(system, motion, lambda, options)

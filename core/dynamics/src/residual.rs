@@ -139,7 +139,10 @@ impl LinearPart {
                 values[first..].iter_mut().for_each(|value| *value *= mass_weight);
             }
         }
-        let entries = places.iter().zip(values).map(|(&(row, column), value)| (row, column, value));
+        let entries = places
+            .iter()
+            .zip(values)
+            .map(|(&(row, column), value)| (row, column, value));
         let entries = entries.filter(|entry| self.own[entry.0 as usize]);
         self.others = SparseMatrix::from_entries(system.layout().coordinates(), entries.collect());
         let occupied = (0..self.others.size()).filter(|&row| self.others.row(row).next().is_some());
@@ -361,7 +364,9 @@ impl WithSimd for Sum<'_> {
 
 /// The largest absolute value of a few numbers; not a number where one of them is none or infinite.
 fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most: f64, value| most.max(value.abs()) + 0.0 * value)
+    values
+        .iter()
+        .fold(0.0, |most: f64, value| most.max(value.abs()) + 0.0 * value)
 }
 
 /// Whether all of many numbers are finite.

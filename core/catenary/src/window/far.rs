@@ -47,7 +47,10 @@ impl Member {
         let value = |of: &dyn Fn(usize) -> f64, i: usize| if i < modes.len() { of(i) } else { 0.0 };
         let own = (0..modes.len().div_ceil(GROUP)).map(|group| {
             let lanes = |of: &dyn Fn(usize) -> f64| std::array::from_fn(|lane| value(of, GROUP * group + lane));
-            [lanes(&|i| cell.squares[i]), lanes(&|i| cell.mode_damping[i] + sponge[i])]
+            [
+                lanes(&|i| cell.squares[i]),
+                lanes(&|i| cell.mode_damping[i] + sponge[i]),
+            ]
         });
         Self {
             own: own.collect(),
