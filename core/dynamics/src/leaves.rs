@@ -7,7 +7,6 @@
 //! The modes of a reduced span are such leaves: each is coupled with the two supports of its span only, so that what is left is as
 //! long and thin as the line itself.
 use pulp::{Arch, Simd, WithSimd};
-use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Fewer leaves are not worth it.
@@ -109,7 +108,7 @@ impl Leaves {
         if size - core < FEWEST || core == 0 {
             return None;
         }
-        let mut columns: Vec<BTreeSet<usize>> = (0..core)
+        let mut columns: Vec<Vec<usize>> = (0..core)
             .map(|c| column(c).iter().copied().filter(|&row| row < core).collect())
             .collect();
         let (mut groups, mut neighbours): (Vec<Group>, Vec<u32>) = (Vec::new(), Vec::new());
@@ -125,7 +124,7 @@ impl Leaves {
                 Some(group) => group.leaves.end = leaf + 1,
                 None => {
                     for &row in others {
-                        columns[row].extend(others.iter().copied());
+                        columns[row].extend_from_slice(others);
                     }
                     let first = neighbours.len();
                     neighbours.extend(others.iter().map(|&row| row as u32));
@@ -140,11 +139,15 @@ impl Leaves {
             couplings.extend((column_starts[c]..column_starts[c + 1] - 1).map(|place| place as u32));
             diagonals.push(column_starts[c + 1] as u32 - 1);
         }
+        for rows in &mut columns {
+            rows.sort_unstable();
+            rows.dedup();
+        }
         let mut reduced_starts = vec![0];
         for rows in &columns {
             reduced_starts.push(reduced_starts[reduced_starts.len() - 1] + rows.len());
         }
-        let rows: Vec<usize> = columns.iter().flatten().copied().collect();
+        let rows: Vec<usize> = columns.concat();
         let place = |row: usize, c: usize| {
             let of_column = &rows[reduced_starts[c]..reduced_starts[c + 1]];
             of_column

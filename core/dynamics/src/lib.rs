@@ -36,6 +36,7 @@ mod matrix;
 mod motion;
 mod newton;
 mod part;
+mod passes;
 mod pattern;
 mod residual;
 pub mod rotation;
