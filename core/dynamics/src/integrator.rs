@@ -1,4 +1,5 @@
 //! Generalized-α time integration of constrained systems.
+use crate::augmented::{Augmented, Formulation};
 use crate::newton::{Jacobian, Workspace, name};
 use crate::passes::{Apply, Predict};
 use crate::residual::Since;
@@ -70,7 +71,8 @@ pub struct Memory {
     last_h: Option<f64>,
 }
 
-/// Generalized-α for index-3 systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012]:
+/// Generalized-α for constrained systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012],
+/// here with constraints of positions; [`Formulation`] has the other form:
 ///
 /// ```text
 /// M v̇ₙ₊₁ = Q(tₙ₊₁, qₙ₊₁, vₙ₊₁) − g_qᵀ λₙ₊₁,   g(qₙ₊₁) = 0
@@ -207,7 +209,15 @@ impl GeneralizedAlpha {
                 _ if damping < 1.0 => Since::PartOfCorrection,
                 _ => Since::Correction,
             };
-            let residual = workspace.residual(system, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
+            let mut augmented;
+            let at: &mut dyn System = match options.formulation {
+                Formulation::Positions => &mut *system,
+                Formulation::Accelerations => {
+                    augmented = Augmented::new(system, &state.v_dot, (mass_rate, velocity_rate));
+                    &mut augmented
+                }
+            };
+            let residual = workspace.residual(at, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
             self.residuals.push(residual.value);
             if !residual.ratio.is_finite() {
                 return Err(StepError::NotFinite {
