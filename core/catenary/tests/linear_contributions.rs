@@ -31,7 +31,7 @@ fn matrix(size: usize, mut add: impl FnMut(&mut Blocks<'_>)) -> SparseMatrix {
     )
 }
 
-/// Kinds of contributions checked: how many call themselves linear.
+/// Checks the contributions of a line that call themselves linear, and counts them.
 fn check(overrides: &[&str]) -> usize {
     let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
     let scene = Scene::from_toml(SCENE, "en50318-300.toml", &overrides).expect("the shipped scene is good");
@@ -66,10 +66,10 @@ fn check(overrides: &[&str]) -> usize {
         let mass = matrix(n, |blocks| force.add_mass(blocks));
         // Sums of absolute values: what rounding is relative to.
         let mut largest = 0.0_f64;
-        for row in 0..n {
+        for (row, change) in change.iter_mut().enumerate() {
             for (matrix, x) in [(&stiffness, &q), (&damping, &v), (&mass, &a)] {
                 for (column, value) in matrix.row(row) {
-                    change[row] += value * x[column];
+                    *change += value * x[column];
                     largest = largest.max((value * x[column]).abs());
                 }
             }
