@@ -124,18 +124,20 @@ impl Updates {
         self.core(first_row, indices.len(), matrix);
     }
 
+    /// Non-zero entries (index, value) of a row.
+    pub(crate) fn entries(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let Row { start, end, .. } = self.rows[row];
+        (start..end).map(|i| (self.indices[i], self.values[i]))
+    }
+
     /// Adds all terms to a dense matrix of `size` rows (row by row); for tests of contributions.
     pub fn add_to_dense(&self, size: usize, matrix: &mut [f64]) {
-        let entries = |row: usize| {
-            let Row { start, end, .. } = self.rows[row];
-            (start..end).map(|i| (self.indices[i], self.values[i]))
-        };
         for core in &self.cores {
             for a in 0..core.size {
                 for b in 0..core.size {
                     let coefficient = self.core_values[core.start + a * core.size + b];
-                    for (i, left) in entries(core.first_row + a) {
-                        for (j, right) in entries(core.first_row + b) {
+                    for (i, left) in self.entries(core.first_row + a) {
+                        for (j, right) in self.entries(core.first_row + b) {
                             matrix[i * size + j] += coefficient * left * right;
                         }
                     }

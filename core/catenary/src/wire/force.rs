@@ -338,6 +338,10 @@ impl Force for Wire {
         self.batch.ascends()
     }
 
+    fn is_linear(&self) -> bool {
+        self.linear
+    }
+
     fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
         self.batch.add_force(range.clone(), motion, Some(v_dot), force);
         self.layers.add_force(range, motion, Some(v_dot), force);
