@@ -20,6 +20,7 @@
 //!   dissipation, Journal of Applied Mechanics 60, doi 10.1115/1.2900803.
 #![forbid(unsafe_code)]
 
+mod aerodynamic;
 mod balance;
 mod block_tridiagonal;
 mod blocks;
@@ -44,8 +45,10 @@ mod start;
 mod statics;
 mod system;
 mod updates;
+mod wind;
 mod woodbury;
 
+pub use aerodynamic::{AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Polar};
 pub use balance::EnergyBalance;
 pub use block_tridiagonal::{BlockTridiagonal, LocalColumn};
 pub use blocks::Blocks;
@@ -62,3 +65,6 @@ pub use sparse::SparseMatrix;
 pub use statics::{StaticOptions, StaticReport, solve_static};
 pub use system::{Continuity, Layout, System};
 pub use updates::Updates;
+pub use wind::{
+    Gust, GustProfile, Turbulence, TurbulenceOptions, TurbulenceSpectrum, Wind, WindRecord, WindRecordError,
+};

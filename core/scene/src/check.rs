@@ -39,6 +39,7 @@ impl Scene {
         self.check_order_of_strips(&mut found);
         self.check_steps(&mut found);
         self.check_reductions(&mut found);
+        self.check_wind(&mut found);
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {
             self.check_speed(&mut found);
