@@ -13,6 +13,7 @@ use crate::equilibrium;
 use crate::hardship::Hardship;
 use crate::isolation;
 use crate::simulation::{Prepared, SetupError};
+use crate::wind_files;
 use crate::third_party::{
     Side, StripAtStart, ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph, Wiring, aligned, own_heights,
 };
@@ -35,12 +36,13 @@ pub struct Other {
 
 /// Solves the statics of a scene and resolves what it leaves open.
 ///
-/// Paths of FMUs are relative to `base`. With `logging`, FMUs are asked for their debug messages.
+/// Paths of FMUs and of files of the wind are relative to `base`. With `logging`, FMUs are asked for their debug messages.
 ///
 /// # Errors
 /// See [`SetupError`].
 pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Result<Prepared, SetupError> {
     let begin = Instant::now();
+    wind_files::read(&mut scene, base)?;
     let statics = match &scene.catenary {
         Line::Modelled(_) => Some(static_line(&scene)?),
         Line::ThirdParty(_) => None,
