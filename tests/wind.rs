@@ -136,6 +136,40 @@ fn drag_and_lift_reach_the_strip_by_virtual_work() {
 }
 
 #[test]
+fn every_reading_of_the_wind_of_the_thesis_is_known_beside_the_published_change() {
+    // [Thesis, 5.2]: 20 m/s, 15° of yaw; Table 6: +12.43 N. Air relative to the train: along the track (from ahead positive) and
+    // across, m/s.
+    let train = 200.0 / 3.6;
+    let (s, c) = 15_f64.to_radians().sin_cos();
+    // Yaw of the air that the train meets: 20 sin γ = tan 15° (train + 20 cos γ).
+    let gamma = 15_f64.to_radians() + (train * s / 20.0).asin();
+    let readings = [
+        ("over the ground, from ahead", train + 20.0 * c, 20.0 * s),
+        ("over the ground, from behind", train - 20.0 * c, 20.0 * s),
+        ("over the ground, from ahead, knee leading", -train - 20.0 * c, 20.0 * s),
+        ("over the ground, the train meets it at 15°", train + 20.0 * gamma.cos(), 20.0 * gamma.sin()),
+        ("20 m/s in all past the pantograph, from ahead", 20.0 * c, 20.0 * s),
+        ("20 m/s in all past the pantograph, knee leading", -20.0 * c, 20.0 * s),
+    ];
+    for (reading, along, across) in &readings {
+        // Wind over the ground that gives this, in the keys of the scene.
+        let (x, y): (f64, f64) = (along - train, *across);
+        let speed = format!("wind.speed={}", x.hypot(y));
+        let yaw = format!("wind.yaw_deg={}", y.atan2(x).to_degrees());
+        let found = change(ON_PANTOGRAPH, &[&speed, &yaw]);
+        let q = 0.5 * DENSITY * (along * along + across * across);
+        let share = along / along.hypot(*across);
+        println!("{reading}: {found:+.2} N (q = {q:.1} Pa); published +12.43 N");
+        // Virtual work by hand: lift q · 0.0323, drag from ahead q · 0.0244 cos β towards falling; to its digits.
+        let by_hand = q * (0.0323 - 0.0244 * share * SIGN_OF_DRAG);
+        assert!((found - by_hand).abs() < 2e-4 * q, "{reading}: {found} {by_hand}");
+    }
+}
+
+/// Whether drag from ahead presses the strip down (1) or up (−1): the knee is behind.
+const SIGN_OF_DRAG: f64 = 1.0;
+
+#[test]
 fn a_lumped_pantograph_is_lifted_by_the_square_of_the_speed_of_the_air() {
     let wind = "wind={ speed = 10, yaw_deg = 60, air_density = 1.225, pantograph = { uplift = 0.0125 } }";
     let height = "pantograph.0.reference_height=5.3";
@@ -150,6 +184,30 @@ fn a_lumped_pantograph_is_lifted_by_the_square_of_the_speed_of_the_air() {
     let at_force = windy.equilibrium_at_force(150.0).unwrap();
     let again = windy.equilibrium_at_height(at_force.height).unwrap();
     assert!((again.force - 150.0).abs() < 1e-9 && at_force.force == 150.0);
+}
+
+#[test]
+fn the_wind_inputs_of_a_pantograph_are_added_to_the_wind_of_the_scene() {
+    let wind = "wind={ speed = 10, yaw_deg = 0, air_density = 1.225, pantograph = { uplift = 0.0125 } }";
+    let scene = scene_with(EN_300, &["pantograph.0.reference_height=5.3", wind]);
+    let mut windy = vehicle::Subsystem::new(&scene, 0).unwrap();
+    let mut calm = vehicle::Subsystem::new(&scene, 0).unwrap();
+    let h = 1e-3;
+    // 10 m/s more from ahead.
+    windy.set_contact_input(vehicle::AppliedForce::INPUTS, -10.0);
+    for side in [&mut windy, &mut calm] {
+        side.advance_to(0.0, h).unwrap();
+    }
+    let along = 300.0 / 3.6 + 10.0;
+    let lift = 0.0125 * ((along + 10.0).powi(2) - along * along);
+    let scene::PantographModel::Lumped(lumped) = &scene.pantographs[0].model else {
+        panic!("a lumped pantograph")
+    };
+    let expected = lift / lumped.masses[0];
+    let found = (windy.strip().velocity.z - calm.strip().velocity.z) / h;
+    // The suspension gives way within the first millisecond by (h ω)² of it.
+    assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected} m/s²");
+    assert_eq!(calm.strip().velocity.z, 0.0, "it starts at rest in the wind of the scene");
 }
 
 #[test]
@@ -268,6 +326,12 @@ fn wind_raises_the_mean_force_of_the_thesis_pantograph() {
     assert!((panto_mean - calm_mean - at_rest).abs() < 0.25 * at_rest.abs(), "{at_rest}");
     // [Thesis, Table 6]: wind on the wires changes the mean by 0.01 N.
     assert!((both_mean - panto_mean).abs() < 0.5, "{both_mean} {panto_mean}");
+    // The mechanism with all its joints feels the same air as the one reduced to its motion.
+    let full = [&keys[..], &["model.reduce=[\"planar\"]"]].concat();
+    let full = run(scene_with(ON_PANTOGRAPH, &full), Mode::Monolithic, "wind-thesis");
+    let reduction = full.filtered_difference(&panto) / panto.sigma();
+    println!("reduced linkage: {reduction:.1e} of σ");
+    assert!(reduction < 1e-3, "{reduction}");
     let fmus = run(scene_with(ON_BOTH, &keys), Mode::Cosimulation, "wind-thesis");
     assert!(both.filtered_difference(&fmus) < 0.02 * both.sigma());
 }
