@@ -147,7 +147,11 @@ fn every_reading_of_the_wind_of_the_thesis_is_known_beside_the_published_change(
         ("over the ground, from ahead", train + 20.0 * c, 20.0 * s),
         ("over the ground, from behind", train - 20.0 * c, 20.0 * s),
         ("over the ground, from ahead, knee leading", -train - 20.0 * c, 20.0 * s),
-        ("over the ground, the train meets it at 15°", train + 20.0 * gamma.cos(), 20.0 * gamma.sin()),
+        (
+            "over the ground, the train meets it at 15°",
+            train + 20.0 * gamma.cos(),
+            20.0 * gamma.sin(),
+        ),
         ("20 m/s in all past the pantograph, from ahead", 20.0 * c, 20.0 * s),
         ("20 m/s in all past the pantograph, knee leading", -20.0 * c, 20.0 * s),
     ];
@@ -207,7 +211,11 @@ fn the_wind_inputs_of_a_pantograph_are_added_to_the_wind_of_the_scene() {
     let found = (windy.strip().velocity.z - calm.strip().velocity.z) / h;
     // The suspension gives way within the first millisecond by (h ω)² of it.
     assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected} m/s²");
-    assert_eq!(calm.strip().velocity.z, 0.0, "it starts at rest in the wind of the scene");
+    assert_eq!(
+        calm.strip().velocity.z,
+        0.0,
+        "it starts at rest in the wind of the scene"
+    );
 }
 
 #[test]
@@ -323,7 +331,10 @@ fn wind_raises_the_mean_force_of_the_thesis_pantograph() {
     println!("mean: calm {calm_mean}, on the pantograph {panto_mean}, on both {both_mean}");
     // The change at rest is that of the static balance; the mean of two seconds strays by a few percent of it.
     let at_rest = change(ON_PANTOGRAPH, &[]);
-    assert!((panto_mean - calm_mean - at_rest).abs() < 0.25 * at_rest.abs(), "{at_rest}");
+    assert!(
+        (panto_mean - calm_mean - at_rest).abs() < 0.25 * at_rest.abs(),
+        "{at_rest}"
+    );
     // [Thesis, Table 6]: wind on the wires changes the mean by 0.01 N.
     assert!((both_mean - panto_mean).abs() < 0.5, "{both_mean} {panto_mean}");
     // The mechanism with all its joints feels the same air as the one reduced to its motion.

@@ -138,9 +138,17 @@ fn blowing(wind: &scene::Wind) -> String {
         (wind.turbulence.is_some(), "seeded turbulence"),
         (!wind.record.is_empty(), "a record"),
     ];
-    let more: Vec<&str> = parts.iter().filter(|(there, _)| *there).map(|(_, part)| *part).collect();
+    let more: Vec<&str> = parts
+        .iter()
+        .filter(|(there, _)| *there)
+        .map(|(_, part)| *part)
+        .collect();
     let mean = format!("{} m/s from {}° of the direction of travel", wind.speed, wind.yaw_deg);
-    if more.is_empty() { mean } else { format!("{mean} with {}", more.join(", ")) }
+    if more.is_empty() {
+        mean
+    } else {
+        format!("{mean} with {}", more.join(", "))
+    }
 }
 
 /// What the wind does to pantographs, or why it does nothing.

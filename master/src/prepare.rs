@@ -13,10 +13,10 @@ use crate::equilibrium;
 use crate::hardship::Hardship;
 use crate::isolation;
 use crate::simulation::{Prepared, SetupError};
-use crate::wind_files;
 use crate::third_party::{
     Side, StripAtStart, ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph, Wiring, aligned, own_heights,
 };
+use crate::wind_files;
 
 /// Contact force that no strip starts with, N: several times what pantographs press with at any speed.
 const LARGEST_START: f64 = 1000.0;

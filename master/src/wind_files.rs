@@ -19,14 +19,22 @@ pub fn read(scene: &mut Scene, base: &Path) -> Result<(), SetupError> {
         let refused = |reason: String| refused("wind.file", &file, &reason);
         let rows = rows_of(&text(base, &file).map_err(refused)?).map_err(|error| refused(error.to_string()))?;
         if rows.len() > MOST_ROWS {
-            return Err(refused(format!("has {} rows, must have at most {MOST_ROWS}", rows.len())));
+            return Err(refused(format!(
+                "has {} rows, must have at most {MOST_ROWS}",
+                rows.len()
+            )));
         }
         dynamics::WindRecord::from_rows(&rows).map_err(|error| refused(error.to_string()))?;
         wind.record = rows;
     }
-    let surfaces = wind.pantograph.iter_mut().flat_map(|pantograph| &mut pantograph.surfaces);
+    let surfaces = wind
+        .pantograph
+        .iter_mut()
+        .flat_map(|pantograph| &mut pantograph.surfaces);
     for (index, surface) in surfaces.enumerate() {
-        let Some(file) = surface.marker_file.take() else { continue };
+        let Some(file) = surface.marker_file.take() else {
+            continue;
+        };
         let key = format!("wind.pantograph.surfaces[{}].marker_file", index + 1);
         let text = text(base, &file).map_err(|reason| refused(&key, &file, &reason))?;
         surface.markers = AerodynamicMarker::read(&text).map_err(|error| refused(&key, &file, &error.to_string()))?;
@@ -48,7 +56,10 @@ mod tests {
 
     fn scene() -> Scene {
         let text = include_str!("../../scenes/thesis-wind-pantograph.toml");
-        let keys = ["wind.file=\"wind.csv\"", "wind.pantograph.surfaces.3.marker_file=\"head.csv\""];
+        let keys = [
+            "wind.file=\"wind.csv\"",
+            "wind.pantograph.surfaces.3.marker_file=\"head.csv\"",
+        ];
         Scene::from_toml(text, "scene.toml", &keys.map(str::to_owned)).unwrap()
     }
 
@@ -60,7 +71,11 @@ mod tests {
             axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             area: 0.5,
         };
-        std::fs::write(folder.path().join("head.csv"), AerodynamicMarker::write(&[marker, marker])).unwrap();
+        std::fs::write(
+            folder.path().join("head.csv"),
+            AerodynamicMarker::write(&[marker, marker]),
+        )
+        .unwrap();
         std::fs::write(folder.path().join("wind.csv"), "time,vx,vy,vz\n0,1,2,3\n5,2,3,4\n").unwrap();
         let mut scene = scene();
         assert_eq!(scene.wind.as_ref().unwrap().unread_files().count(), 2);
@@ -77,7 +92,11 @@ mod tests {
     fn a_bad_file_is_refused_with_key_file_and_reason() {
         let folder = tempfile::tempdir().unwrap();
         let refusal = || read(&mut scene(), folder.path()).unwrap_err().to_string();
-        assert!(refusal().starts_with("wind.file = \"wind.csv\": cannot be read: "), "{}", refusal());
+        assert!(
+            refusal().starts_with("wind.file = \"wind.csv\": cannot be read: "),
+            "{}",
+            refusal()
+        );
         std::fs::write(folder.path().join("wind.csv"), "0,1,2,3\n0,1,2,3\n").unwrap();
         assert_eq!(
             refusal(),

@@ -176,7 +176,9 @@ impl Line {
     #[must_use]
     pub fn in_wind(mut self, wind: Option<&WiresInWind>) -> Self {
         let both = WireName::BOTH.iter();
-        self.drag = wind.map_or_else(Vec::new, |wind| both.map(|&name| wind.on(name, self.wire(name))).collect());
+        self.drag = wind.map_or_else(Vec::new, |wind| {
+            both.map(|&name| wind.on(name, self.wire(name))).collect()
+        });
         self
     }
 

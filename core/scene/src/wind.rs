@@ -201,12 +201,23 @@ impl Entry for WindTurbulence {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let steps = keys.count("steps", was.map(|wind| wind.steps), 2..=1 << 20, Some(1024));
         if !steps.is_power_of_two() {
-            keys.refuse("steps", format!("must be a power of two, such as {}", steps.next_power_of_two()));
+            keys.refuse(
+                "steps",
+                format!("must be a power of two, such as {}", steps.next_power_of_two()),
+            );
         }
         Self {
             spectrum: keys.word("spectrum", was.map(|wind| wind.spectrum), None),
-            intensities: keys.vector("intensities", was.map(|wind| wind.intensities), Number::not_negative("")),
-            length_scales: keys.vector("length_scales", was.map(|wind| wind.length_scales), Number::positive("m")),
+            intensities: keys.vector(
+                "intensities",
+                was.map(|wind| wind.intensities),
+                Number::not_negative(""),
+            ),
+            length_scales: keys.vector(
+                "length_scales",
+                was.map(|wind| wind.length_scales),
+                Number::positive("m"),
+            ),
             coherence_decays: keys.vector(
                 "coherence_decays",
                 was.map(|wind| wind.coherence_decays),
@@ -219,7 +230,11 @@ impl Entry for WindTurbulence {
                 Number::positive("s").default(0.05),
             ),
             steps,
-            spacing: keys.number("spacing", was.map(|wind| wind.spacing), Number::positive("m").default(2.0)),
+            spacing: keys.number(
+                "spacing",
+                was.map(|wind| wind.spacing),
+                Number::positive("m").default(2.0),
+            ),
         }
     }
 }
@@ -268,9 +283,19 @@ impl Entry for WindSurface {
         } else {
             Vec::new()
         };
-        let drag = keys.one_or_more("drag", was.map(|surface| surface.drag.as_slice()), Number::not_negative(""));
+        let drag = keys.one_or_more(
+            "drag",
+            was.map(|surface| surface.drag.as_slice()),
+            Number::not_negative(""),
+        );
         let lift = keys.one_or_more("lift", was.map(|surface| surface.lift.as_slice()), Number::any(""));
-        let rows = was.map(|surface| surface.markers.iter().map(|marker| marker.row().to_vec()).collect::<Vec<_>>());
+        let rows = was.map(|surface| {
+            surface
+                .markers
+                .iter()
+                .map(|marker| marker.row().to_vec())
+                .collect::<Vec<_>>()
+        });
         let rows = keys.optional_rows("markers", rows.as_deref());
         let markers = AerodynamicMarker::from_rows(&rows).unwrap_or_else(|error| {
             keys.refuse("markers", error.to_string());
@@ -403,7 +428,12 @@ impl Scene {
                 "must be longer: wind.turbulence.steps = {} times {places} places along the line are more than {LARGEST_TABLE}",
                 turbulence.steps
             );
-            refuse(found, "wind.turbulence.spacing", shown_number(turbulence.spacing, "m"), expected);
+            refuse(
+                found,
+                "wind.turbulence.spacing",
+                shown_number(turbulence.spacing, "m"),
+                expected,
+            );
         }
     }
 
@@ -411,7 +441,12 @@ impl Scene {
         let count = self.pantographs.len();
         if !wind.uplift.is_empty() && wind.uplift.len() != 1 && wind.uplift.len() != count {
             let expected = format!("must be one number, or {count} of them, one per pantograph");
-            refuse(found, "wind.pantograph.uplift", format!("{:?} N/(m/s)²", wind.uplift), expected);
+            refuse(
+                found,
+                "wind.pantograph.uplift",
+                format!("{:?} N/(m/s)²", wind.uplift),
+                expected,
+            );
         }
         let mut modelled = false;
         for (index, pantograph) in self.pantographs.iter().enumerate() {

@@ -560,7 +560,10 @@ fn a_wind_survives_writing_and_pushes_the_line_sideways() {
     assert_eq!(read(&written, &[]), scene);
     assert_eq!(read(&written, &[]).to_toml(), written);
     assert!(!scene.model.has(Reduction::Planar) && scene.model.has(Reduction::Linkage));
-    assert_eq!(scene.pushed_sideways().unwrap(), "wind.yaw_deg = -35 pushes the wires sideways");
+    assert_eq!(
+        scene.pushed_sideways().unwrap(),
+        "wind.yaw_deg = -35 pushes the wires sideways"
+    );
     let wind = scene.wind.as_ref().unwrap();
     assert_eq!(wind.turbulence.unwrap().time_step, 0.05);
     // It comes from the right, and blows to the left and against the train.
@@ -569,13 +572,19 @@ fn a_wind_survives_writing_and_pushes_the_line_sideways() {
     assert!((x + 20.5 * c).abs() < 1e-14 && (y - 20.5 * s).abs() < 1e-14 && z == 0.0); // rounding
     let ahead = "wind.yaw_deg=0";
     let still = read(
-        &THESIS.replacen("[coupling]\n", "[wind]\nspeed = 0\nyaw_deg = 0\nair_density = 1.2\n[coupling]\n", 1),
+        &THESIS.replacen(
+            "[coupling]\n",
+            "[wind]\nspeed = 0\nyaw_deg = 0\nair_density = 1.2\n[coupling]\n",
+            1,
+        ),
         &[],
     );
     assert!(still.model.has(Reduction::Planar));
     // A head wind leaves the wires in their plane, its turbulence does not.
     assert_eq!(
-        read(&THESIS.replacen("[coupling]\n", WIND, 1), &[ahead]).pushed_sideways().unwrap(),
+        read(&THESIS.replacen("[coupling]\n", WIND, 1), &[ahead])
+            .pushed_sideways()
+            .unwrap(),
         "wind.turbulence pushes the wires sideways"
     );
     let uplift = read(

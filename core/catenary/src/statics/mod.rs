@@ -22,7 +22,8 @@ pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, 
 use crate::line::Equilibrium;
 use crate::window::{Cells, Source};
 use crate::{
-    Curve, CurveColumns, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName, WiresInWind,
+    Curve, CurveColumns, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName,
+    WiresInWind,
 };
 use dynamics::{Force, Layout, State, StaticOptions, System, solve_static};
 use load::DeadLoad;

@@ -55,7 +55,11 @@ impl WireDrag {
     #[must_use]
     pub fn new(geometry: Arc<WireGeometry>, law: CrossFlow, wind: Arc<Wind>) -> Self {
         let root = 0.6_f64.sqrt();
-        let gauss = [(0.5 - 0.5 * root, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + 0.5 * root, 5.0 / 18.0)];
+        let gauss = [
+            (0.5 - 0.5 * root, 5.0 / 18.0),
+            (0.5, 8.0 / 18.0),
+            (0.5 + 0.5 * root, 5.0 / 18.0),
+        ];
         let points = geometry.lengths().iter().map(|&length| {
             gauss.map(|(xi, weight)| Point {
                 xi,

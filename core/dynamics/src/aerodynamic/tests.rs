@@ -46,7 +46,9 @@ fn force(law: AerodynamicLaw) -> AerodynamicForce<Arm> {
     AerodynamicForce {
         marker: Arm {
             offset: Vector3::new(0.7, -0.2, 0.4),
-            axes: rotation::exp(&Vector3::new(0.1, -0.2, 0.3)).to_rotation_matrix().into_inner(),
+            axes: rotation::exp(&Vector3::new(0.1, -0.2, 0.3))
+                .to_rotation_matrix()
+                .into_inner(),
             travel: Vector3::new(30.0, 0.0, 0.0),
         },
         law,
@@ -88,9 +90,17 @@ fn coefficients_follow_the_angle_of_attack() {
         (force.dot(&v_r) / 20.0, force.dot(&across))
     };
     // Half way between 0.1 and 0.9; at an angle of the table; beyond its end.
-    for (angle, drag, lift) in [(0.5, 0.135, 0.04), (0.1, 0.07, 0.02), (1.4, 0.2, 0.06), (-0.7, 0.05, -0.02)] {
+    for (angle, drag, lift) in [
+        (0.5, 0.135, 0.04),
+        (0.1, 0.07, 0.02),
+        (1.4, 0.2, 0.06),
+        (-0.7, 0.05, -0.02),
+    ] {
         let found = at(angle);
-        assert!((found.0 - drag).abs() < 1e-14 && (found.1 - lift).abs() < 1e-14, "{angle}: {found:?}");
+        assert!(
+            (found.0 - drag).abs() < 1e-14 && (found.1 - lift).abs() < 1e-14,
+            "{angle}: {found:?}"
+        );
     }
 }
 
@@ -173,7 +183,10 @@ fn the_tangent_is_the_derivative_of_the_force() {
             rotation: &rotation,
             u: &[],
         };
-        for (which, weights) in [Weights { q: 1.0, v: 0.0 }, Weights { q: 0.0, v: 1.0 }].into_iter().enumerate() {
+        for (which, weights) in [Weights { q: 1.0, v: 0.0 }, Weights { q: 0.0, v: 1.0 }]
+            .into_iter()
+            .enumerate()
+        {
             let mut places = Vec::new();
             force.add_tangent(&motion, weights, &mut Blocks::record(&mut places));
             let order: Vec<u32> = (0..places.len() as u32).collect();
@@ -182,7 +195,10 @@ fn the_tangent_is_the_derivative_of_the_force() {
             for (&(row, column), value) in places.iter().zip(&values) {
                 let expected = differences[which][row as usize][column as usize];
                 // Central difference: h² of a smooth function of the order of 100, rounding 1e-14/h.
-                assert!((value - expected).abs() < 1e-6, "{law:?} {weights:?} ({row}, {column}): {value} {expected}");
+                assert!(
+                    (value - expected).abs() < 1e-6,
+                    "{law:?} {weights:?} ({row}, {column}): {value} {expected}"
+                );
             }
         }
     }

@@ -177,7 +177,10 @@ fn a_record_is_read_between_its_times_and_places_and_refused_where_it_is_none() 
     assert_eq!(record.velocity(9.0, 200.0), Vector3::new(3.0, 0.0, 0.0));
     assert_eq!(record.velocity(-1.0, -5.0), Vector3::new(0.0, 4.0, 0.0));
     assert!(matches!(rows(&[]), Err(WindRecordError::Empty)));
-    assert!(matches!(rows(&[&[0.0, 1.0, 2.0]]), Err(WindRecordError::Width { row: 1, found: 3, .. })));
+    assert!(matches!(
+        rows(&[&[0.0, 1.0, 2.0]]),
+        Err(WindRecordError::Width { row: 1, found: 3, .. })
+    ));
     let mixed = rows(&[&[0.0, 1.0, 2.0, 3.0], &[1.0, 1.0, 2.0, 3.0, 4.0]]);
     assert!(matches!(mixed, Err(WindRecordError::Width { row: 2, found: 5, .. })));
     let back = rows(&[&[1.0, 1.0, 2.0, 3.0], &[1.0, 1.0, 2.0, 3.0]]);

@@ -266,9 +266,10 @@ impl Keys<'_> {
                 self.problem(row.at, key, What::WrongType { value, expected });
                 return Vec::new();
             };
-            let numbers = entries.iter().enumerate().map(|(j, entry)| {
-                self.checked(format!("{key}[{}]", j + 1), entry, Number::any(""))
-            });
+            let numbers = entries
+                .iter()
+                .enumerate()
+                .map(|(j, entry)| self.checked(format!("{key}[{}]", j + 1), entry, Number::any("")));
             found.push(numbers.collect());
         }
         found

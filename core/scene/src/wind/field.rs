@@ -53,7 +53,10 @@ impl Scene {
         Some(dynamics::Wind {
             mean: wind.mean_velocity().into(),
             gusts: gusts.collect(),
-            turbulence: wind.turbulence.as_ref().map(|turbulence| self.turbulence(wind, turbulence)),
+            turbulence: wind
+                .turbulence
+                .as_ref()
+                .map(|turbulence| self.turbulence(wind, turbulence)),
             // Rows that are none were refused when the scene was read.
             record: WindRecord::from_rows(&wind.record).ok(),
         })
@@ -61,7 +64,10 @@ impl Scene {
 
     fn turbulence(&self, wind: &Wind, turbulence: &WindTurbulence) -> Turbulence {
         let [x, y, _] = wind.mean_velocity();
-        let (along, across) = ([x / wind.speed, y / wind.speed, 0.0], [-y / wind.speed, x / wind.speed, 0.0]);
+        let (along, across) = (
+            [x / wind.speed, y / wind.speed, 0.0],
+            [-y / wind.speed, x / wind.speed, 0.0],
+        );
         Turbulence::new(&TurbulenceOptions {
             spectrum: match turbulence.spectrum {
                 WindSpectrum::VonKarman => TurbulenceSpectrum::VonKarman,

@@ -40,7 +40,9 @@ pub enum WindTableError {
         found: usize,
     },
     /// Cosines that are none of three perpendicular axes.
-    #[error("row {row}: the nine direction cosines must be those of three right-handed perpendicular axes; they miss it by {error:.1e}")]
+    #[error(
+        "row {row}: the nine direction cosines must be those of three right-handed perpendicular axes; they miss it by {error:.1e}"
+    )]
     NotAxes {
         /// From 1.
         row: usize,
@@ -85,7 +87,11 @@ pub fn rows_of(text: &str) -> Result<Vec<Vec<f64>>, WindTableError> {
         }
         heading_allowed = false;
     }
-    if rows.is_empty() { Err(WindTableError::Empty) } else { Ok(rows) }
+    if rows.is_empty() {
+        Err(WindTableError::Empty)
+    } else {
+        Ok(rows)
+    }
 }
 
 impl AerodynamicMarker {
@@ -168,8 +174,7 @@ fn misfit(a: &[[f64; 3]; 3]) -> f64 {
         }
     }
     let [[a11, a12, a13], [a21, a22, a23], [a31, a32, a33]] = *a;
-    let determinant =
-        a11 * (a22 * a33 - a23 * a32) - a12 * (a21 * a33 - a23 * a31) + a13 * (a21 * a32 - a22 * a31);
+    let determinant = a11 * (a22 * a33 - a23 * a32) - a12 * (a21 * a33 - a23 * a31) + a13 * (a21 * a32 - a22 * a31);
     if determinant < 0.0 { 2.0 } else { error }
 }
 
@@ -189,7 +194,10 @@ mod tests {
     #[test]
     fn a_marker_file_reads_again_bit_for_bit() {
         let markers = vec![marker(), AerodynamicMarker { area: 1.0, ..marker() }];
-        assert_eq!(AerodynamicMarker::read(&AerodynamicMarker::write(&markers)).unwrap(), markers);
+        assert_eq!(
+            AerodynamicMarker::read(&AerodynamicMarker::write(&markers)).unwrap(),
+            markers
+        );
         // As a spreadsheet might write it, without a heading and with blanks.
         let text = "# pan-head\n\n0 0 0; 1 0 0; 0 1 0; 0 0 1; 1 # one\n";
         let read = AerodynamicMarker::read(text).unwrap();

@@ -54,7 +54,10 @@ impl Air {
 pub(crate) type AirForce = AerodynamicForce<Travelling<AirMarker>>;
 
 /// Points of a surface: offset from the body's centre of mass (m) and axes in those of the body, and area in m².
-pub(crate) fn points_of(surface: &WindSurface, orientation: &UnitQuaternion<f64>) -> Vec<(Vector3<f64>, Matrix3<f64>, f64)> {
+pub(crate) fn points_of(
+    surface: &WindSurface,
+    orientation: &UnitQuaternion<f64>,
+) -> Vec<(Vector3<f64>, Matrix3<f64>, f64)> {
     if surface.markers.is_empty() {
         let track = orientation.to_rotation_matrix().transpose().into_inner();
         return vec![(Vector3::zeros(), track, 1.0)];

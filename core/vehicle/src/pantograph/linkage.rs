@@ -3,8 +3,8 @@ use super::air::{Air, AirForce, AirMarker, points_of};
 use super::builder::Builder;
 use super::equilibrium::{Equilibrium, Offsets};
 use super::statics::{self, Target};
-use crate::{Base, VehicleError};
 use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, RigidBody};
+use crate::{Base, VehicleError};
 #[cfg(test)]
 use dynamics::State;
 use dynamics::{AerodynamicLaw, Constraint, Force, Layout, Marker, Motion};

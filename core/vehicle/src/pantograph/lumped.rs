@@ -75,7 +75,10 @@ impl Lumped {
     /// Lets the air lift the strip.
     pub(crate) fn expose(&mut self, air: &Air, base: Base) {
         let law = |coefficient| AerodynamicLaw::Uplift { coefficient };
-        let uplift = air.uplift.iter().map(|&uplift| air.force(AirMarker::Head(self.head), base, law(uplift)));
+        let uplift = air
+            .uplift
+            .iter()
+            .map(|&uplift| air.force(AirMarker::Head(self.head), base, law(uplift)));
         self.air = uplift.collect();
     }
 

@@ -7,12 +7,22 @@ const LENGTHS: [f64; 4] = [3.0, 2.5, 4.0, 1.5];
 
 fn geometry(spatial: bool) -> Arc<WireGeometry> {
     let start = Vector3::new(10.0, 0.2, 5.0);
-    let map = |node: usize| if spatial { NodeMap::spatial(6 * node) } else { NodeMap::planar(4 * node) };
+    let map = |node: usize| {
+        if spatial {
+            NodeMap::spatial(6 * node)
+        } else {
+            NodeMap::planar(4 * node)
+        }
+    };
     Arc::new(WireGeometry::straight(start, Vector3::x(), &LENGTHS, map))
 }
 
 fn drag(wind: Vector3<f64>) -> WireDrag {
-    WireDrag::new(geometry(true), CrossFlow::new(1.225, 1.2, 0.012), Arc::new(Wind::uniform(wind)))
+    WireDrag::new(
+        geometry(true),
+        CrossFlow::new(1.225, 1.2, 0.012),
+        Arc::new(Wind::uniform(wind)),
+    )
 }
 
 /// A wire that bends and moves.
@@ -84,7 +94,11 @@ fn the_tangent_is_the_derivative_by_the_velocities_and_symmetric() {
 fn a_range_gets_what_the_whole_gives_there() {
     for (spatial, size) in [(true, 30), (false, 20)] {
         let law = CrossFlow::new(1.225, 1.2, 0.012);
-        let mut drag = WireDrag::new(geometry(spatial), law, Arc::new(Wind::uniform(Vector3::new(3.0, 9.0, 5.0))));
+        let mut drag = WireDrag::new(
+            geometry(spatial),
+            law,
+            Arc::new(Wind::uniform(Vector3::new(3.0, 9.0, 5.0))),
+        );
         let mut state = moving();
         for values in [&mut state.q, &mut state.v] {
             values.truncate(size);
