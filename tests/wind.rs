@@ -146,6 +146,11 @@ fn virtual_work() -> (f64, f64) {
     (lift, drag)
 }
 
+/// kg/m³: a hundredth of air, under which the mechanism hardly gives way. In air of its density drag lowers the arms by 6 mm under a
+/// strip that is held up, and with the shape the work changes by some percent.
+const THIN: f64 = 0.01 * DENSITY;
+const THIN_AIR: &str = "wind.air_density=0.01225";
+
 #[test]
 fn drag_and_lift_reach_the_strip_by_virtual_work() {
     let (lift, drag) = virtual_work();
@@ -153,15 +158,15 @@ fn drag_and_lift_reach_the_strip_by_virtual_work() {
     // its link is no parallelogram with the upper arm, and carries the pan-head with it.
     assert!((lift - 0.0323).abs() < 1e-4, "{lift}");
     println!("lift {lift}, drag {drag} m²");
-    let q = 0.5 * DENSITY * (40.0_f64 + 200.0 / 3.6).powi(2);
+    let q = 0.5 * THIN * (40.0_f64 + 200.0 / 3.6).powi(2);
     for reduce in ["model.reduce=\"none\"", "model.reduce=[\"planar\",\"linkage\"]"] {
-        let from_ahead = change(ON_PANTOGRAPH, &["wind.speed=40", "wind.yaw_deg=0", reduce]);
+        let from_ahead = change(ON_PANTOGRAPH, &["wind.speed=40", "wind.yaw_deg=0", THIN_AIR, reduce]);
         // 50 m/s past the train from behind.
         let behind = format!("wind.speed={}", 50.0 + 200.0 / 3.6);
-        let from_behind = change(ON_PANTOGRAPH, &[&behind, "wind.yaw_deg=180", reduce]);
-        let expected = [q * (lift - drag), 0.5 * DENSITY * 2500.0 * (lift + drag)];
+        let from_behind = change(ON_PANTOGRAPH, &[&behind, "wind.yaw_deg=180", THIN_AIR, reduce]);
+        let expected = [q * (lift - drag), 0.5 * THIN * 2500.0 * (lift + drag)];
         for (found, expected) in [from_ahead, from_behind].into_iter().zip(expected) {
-            // The square of the rise of the difference, and equilibria to 1e-12 m over it.
+            // The square of the rise of the difference, and what the mechanism gives way in thin air.
             assert!(
                 (found - expected).abs() < 1e-4 * q * lift,
                 "{reduce}: {found} N, {expected} N"
@@ -192,17 +197,20 @@ fn every_reading_of_the_wind_of_the_thesis_is_known_beside_the_published_change(
         ("20 m/s in all past the pantograph, knee leading", -20.0 * c, 20.0 * s),
     ];
     for (reading, along, across) in &readings {
-        // Wind over the ground that gives this, in the keys of the scene.
-        let (x, y): (f64, f64) = (along - train, *across);
-        let speed = format!("wind.speed={}", x.hypot(y));
-        let yaw = format!("wind.yaw_deg={}", y.atan2(x).to_degrees());
-        let found = change(ON_PANTOGRAPH, &[&speed, &yaw]);
+        // Wind over the ground that gives this: faster than any there is in one case, so it is given as a record.
+        let record = format!("wind.record=[[0, {:?}, {:?}, 0]]", train - along, -across);
+        let found = change(ON_PANTOGRAPH, &["wind.speed=0", &record]);
         let q = 0.5 * DENSITY * (along * along + across * across);
         let share = along / along.hypot(*across);
         println!("{reading}: {found:+.2} N (q = {q:.1} Pa); published +12.43 N");
         let expected = q * (lift - drag * share);
+        let thin = 100.0 * change(ON_PANTOGRAPH, &["wind.speed=0", &record, THIN_AIR]);
         assert!(
-            (found - expected).abs() < 1e-4 * q * lift,
+            (thin - expected).abs() < 1e-4 * q * lift,
+            "{reading}: {thin} {expected}"
+        );
+        assert!(
+            (found - expected).abs() < 0.02 * q * lift,
             "{reading}: {found} {expected}"
         );
     }
