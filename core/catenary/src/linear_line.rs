@@ -182,8 +182,8 @@ impl LinearLine {
     /// The linearisation of `line` about its static state, sag and longitudinal coordinates included, in the same coordinates of
     /// `layout`.
     ///
-    /// Wind on the wires acts as on the line itself. The spring of a dropper stays unilateral along its static direction; the transverse stiffness `F/length` of a taut
-    /// dropper is part of `K`.
+    /// The spring of a dropper stays unilateral along its static direction; the transverse stiffness `F/length` of a taut
+    /// dropper is part of `K`. Wind on the wires acts as on the line itself.
     #[must_use]
     pub fn about(line: &mut Line, layout: &Layout) -> Self {
         let drag = line.take_drag();

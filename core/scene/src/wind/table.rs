@@ -123,7 +123,7 @@ impl AerodynamicMarker {
             };
             let axes = [[a11, a12, a13], [a21, a22, a23], [a31, a32, a33]];
             let error = misfit(&axes);
-            if !(error <= PRINTED) {
+            if error.is_nan() || error > PRINTED {
                 return Err(WindTableError::NotAxes { row: number, error });
             }
             if !(area > 0.0 && area.is_finite()) {
@@ -162,17 +162,12 @@ impl AerodynamicMarker {
 /// How far rows are from those of a rotation.
 fn misfit(a: &[[f64; 3]; 3]) -> f64 {
     let dot = |i: usize, j: usize| -> f64 { (0..3).map(|k| a[i][k] * a[j][k]).sum() };
-    let mut error = 0.0_f64;
-    for i in 0..3 {
-        for j in 0..3 {
-            let entry = (dot(i, j) - f64::from(i == j)).abs();
-            // A number that is none is no small error.
-            error = if entry.is_nan() { f64::NAN } else { error.max(entry) };
-            if error.is_nan() {
-                return error;
-            }
-        }
-    }
+    // A number that is none is no small error: its comparisons fail, so it is kept.
+    let larger = |error: f64, entry: f64| if entry <= error { error } else { entry };
+    let entries = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
+    let error = entries
+        .map(|(i, j)| (dot(i, j) - f64::from(i == j)).abs())
+        .fold(0.0, larger);
     let [[a11, a12, a13], [a21, a22, a23], [a31, a32, a33]] = *a;
     let determinant = a11 * (a22 * a33 - a23 * a32) - a12 * (a21 * a33 - a23 * a31) + a13 * (a21 * a32 - a22 * a31);
     if determinant < 0.0 { 2.0 } else { error }
