@@ -162,8 +162,8 @@ impl AerodynamicMarker {
 /// How far rows are from those of a rotation.
 fn misfit(a: &[[f64; 3]; 3]) -> f64 {
     let dot = |i: usize, j: usize| -> f64 { (0..3).map(|k| a[i][k] * a[j][k]).sum() };
-    // A number that is none is no small error: its comparisons fail, so it is kept.
-    let larger = |error: f64, entry: f64| if entry <= error { error } else { entry };
+    // A number that is none is no small error.
+    let larger = |error: f64, entry: f64| if error.is_nan() || entry <= error { error } else { entry };
     let entries = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
     let error = entries
         .map(|(i, j)| (dot(i, j) - f64::from(i == j)).abs())
