@@ -580,12 +580,12 @@ fn a_wind_survives_writing_and_pushes_the_line_sideways() {
         &[],
     );
     assert!(still.model.has(Reduction::Planar));
-    // A head wind leaves the wires in their plane, its turbulence does not.
+    // A head wind leaves the wires in their plane, a gust from the side does not.
     assert_eq!(
         read(&THESIS.replacen("[coupling]\n", WIND, 1), &[ahead])
             .pushed_sideways()
             .unwrap(),
-        "wind.turbulence pushes the wires sideways"
+        "wind.gust pushes the wires sideways"
     );
     let uplift = read(
         EN_250,
