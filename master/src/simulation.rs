@@ -17,6 +17,7 @@ use crate::parallel;
 use crate::recorder::Recorder;
 use crate::results::{self, LineGeometry, Record, RunInfo};
 use crate::run::{self, Control, Controller, Estimate, Failure, Outcome, Schedule, Watch};
+use crate::standards;
 use crate::standstill::{self, Standstill};
 use crate::third_party::{ThirdPartyLine, ThirdPartyPantograph};
 
@@ -369,6 +370,7 @@ impl Prepared {
                 output_step: scene.run.output_step,
                 speed: scene.run.speed,
             },
+            line: line_of(scene),
             coupling,
             model: self.model(),
             cost: results::Cost {
@@ -398,5 +400,16 @@ impl Prepared {
             most_iterations: outcome.work.most_iterations,
             evidence,
         }
+    }
+}
+
+/// What the limits of standards need to know of the line.
+fn line_of(scene: &Scene) -> standards::Line {
+    let catenary = scene.modelled_line().map(|(catenary, _)| catenary);
+    standards::Line {
+        electrification: scene.run.electrification,
+        wave_speed: catenary.map(|catenary| catenary.contact_wire.wave_speed()),
+        free_uplift: catenary.and_then(|catenary| catenary.registration_arms.free_uplift),
+        uplift_stop: catenary.is_some_and(|catenary| catenary.registration_arms.uplift_stop),
     }
 }

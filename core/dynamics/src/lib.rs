@@ -21,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 mod aerodynamic;
+mod augmented;
 mod balance;
 mod block_tridiagonal;
 mod blocks;
@@ -49,6 +50,7 @@ mod wind;
 mod woodbury;
 
 pub use aerodynamic::{AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Polar};
+pub use augmented::Formulation;
 pub use balance::EnergyBalance;
 pub use block_tridiagonal::{BlockTridiagonal, LocalColumn};
 pub use blocks::Blocks;

@@ -55,6 +55,9 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("model = \"lumped\"", "", &["pantograph[1].model is missing: must be \"lumped\" or \"linkage\""]),
     ("evaluate = { spans = [5, 6] }", "evaluate = {}", &["run.evaluate.spans is missing", "time = [from, to]"]),
     ("[contact]\nlaw = \"penalty\"\nstiffness = 50000.0                     # N/m\ndamping = 0.0", "", &["contact is missing: must be a table"]),
+    ("electrification = \"ac_25kv\"", "electrification = \"ac_25_kv\"", &["run.electrification = \"ac_25_kv\": unknown word, did you mean \"ac_25kv\"?"]),
+    ("electrification = \"ac_25kv\"", "electrification = 25000", &["run.electrification = 25000: must be one of \"ac_25kv\", \"ac_15kv\", \"dc_3kv\", \"dc_1_5kv\""]),
+    ("[catenary.registration_arms]\n", "[catenary.registration_arms]\nfree_uplift = 0\n", &["catenary.registration_arms.free_uplift = 0 m: must be positive and finite"]),
     // Wrong types.
     ("duration = 7.0", "duration = \"8 s\"", &["run.duration = \"8 s\": must be a positive number in s"]),
     ("allow_supercritical = false", "allow_supercritical = 0", &["run.allow_supercritical = 0: must be true or false"]),
@@ -92,7 +95,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, max = 9.0 }", &["coupling.macro_step.max = 9 s: must be at most run.duration = 7 s"]),
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, maximum = 1e-2 }", &["coupling.macro_step.maximum", "did you mean"]),
     ("macro_step = 0.001", "macro_step = 0.001\nparallel = \"on\"", &["coupling.parallel = \"on\": unknown word", "\"auto\", \"always\", \"never\""]),
-    ("rho_inf = 0.9", "formulation = \"augmented_lagrangian\"", &["solver.formulation = \"augmented_lagrangian\": not modelled yet by this version"]),
+    ("rho_inf = 0.9", "formulation = \"augmented_lagrange\"", &["solver.formulation = \"augmented_lagrange\": unknown word, did you mean \"augmented_lagrangian\"?"]),
     ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle: known, but not modelled yet by this version: leave it out"]),
     ("[coupling]", "[track]\n[coupling]", &["track: known, but not modelled yet"]),
     ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind.yaw_deg is missing: must be a number from -180 to 180", "wind.air_density is missing: must be a positive number in kg/m³"]),
@@ -263,7 +266,7 @@ fn a_third_party_line_is_not_aligned_and_has_no_numbered_spans() {
     let told = message(&line(aligned), &timed);
     holds(
         &told,
-        &["x.toml:16: catenary.outputs.\"contact[1].force\".offset = \"align\": must be a number"],
+        &["x.toml:17: catenary.outputs.\"contact[1].force\".offset = \"align\": must be a number"],
     );
     let misspelt = "outputs = { \"contact[1].forze\" = { variable = \"F\" } }";
     holds(
