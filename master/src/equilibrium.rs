@@ -141,10 +141,11 @@ pub fn resolve(scene: &mut Scene, statics: &StaticLine) -> Result<(), Equilibriu
         let name = format!("pantograph {}", index + 1);
         let entry = &scene.pantographs[index].model;
         let model = vehicle::PantographModel::new(entry, placement, &name, &mut Layout::new());
-        let model = model.map_err(|source| EquilibriumError::Pantograph {
+        let mut model = model.map_err(|source| EquilibriumError::Pantograph {
             pantograph: index + 1,
             source,
         })?;
+        model.expose_to(vehicle::Air::of_scene(scene, index).as_ref());
         sides.push(Side {
             index,
             x: scene.strip_start_x(index),

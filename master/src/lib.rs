@@ -65,3 +65,4 @@ pub mod study;
 pub mod table_of_runs;
 pub mod test_problem;
 pub mod third_party;
+mod wind_files;

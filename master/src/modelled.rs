@@ -85,8 +85,8 @@ impl Prepared {
                 ),
                 absent("wheel_rail", "vehicle"),
                 absent("track", "track"),
-                absent("wind_pantograph", "wind"),
-                absent("wind_wires", "wind"),
+                wind_part("wind_pantograph", wind_on_pantograph(scene)),
+                wind_part("wind_wires", wind_on_wires(scene)),
             ],
         }
     }
@@ -125,6 +125,64 @@ impl Prepared {
         }
         notes
     }
+}
+
+/// A part that the wind may act on; without a reason it does not.
+fn wind_part(part: &str, acts: Result<String, String>) -> Part {
+    let modelled = acts.is_ok();
+    Part {
+        part: part.to_owned(),
+        modelled,
+        reason: acts.unwrap_or_else(|reason| reason),
+    }
+}
+
+/// How the wind blows.
+fn blowing(wind: &scene::Wind) -> String {
+    let parts = [
+        (wind.gust.is_some(), "a gust"),
+        (wind.turbulence.is_some(), "seeded turbulence"),
+        (!wind.record.is_empty(), "a record"),
+    ];
+    let more: Vec<&str> = parts
+        .iter()
+        .filter(|(there, _)| *there)
+        .map(|(_, part)| *part)
+        .collect();
+    let mean = format!("{} m/s from {}° of the direction of travel", wind.speed, wind.yaw_deg);
+    if more.is_empty() {
+        mean
+    } else {
+        format!("{mean} with {}", more.join(", "))
+    }
+}
+
+/// What the wind does to pantographs, or why it does nothing.
+fn wind_on_pantograph(scene: &scene::Scene) -> Result<String, String> {
+    let wind = scene.wind.as_ref().ok_or("scene has no [wind]")?;
+    let acts = wind.pantograph.as_ref().ok_or("scene has no wind.pantograph")?;
+    let mut how = if acts.surfaces.is_empty() {
+        "uplift of the strip by the square of the air's speed along the track".to_owned()
+    } else {
+        let points: usize = acts.surfaces.iter().map(|surface| surface.markers.len().max(1)).sum();
+        format!("drag and lift at {points} points of {} bodies", acts.surfaces.len())
+    };
+    let foreign = |pantograph: &scene::Pantograph| matches!(pantograph.model, PantographModel::ThirdParty(_));
+    if scene.pantographs.iter().any(foreign) {
+        how.push_str("; none on FMUs of somebody else");
+    }
+    Ok(format!("{how}; {}", blowing(wind)))
+}
+
+/// What the wind does to wires, or why it does nothing.
+fn wind_on_wires(scene: &scene::Scene) -> Result<String, String> {
+    let wind = scene.wind.as_ref().ok_or("scene has no [wind]")?;
+    wind.wires.as_ref().ok_or("scene has no wind.wires")?;
+    Ok(format!(
+        "drag across contact and messenger wire, spread over their elements; none on droppers and registration arms; the run \
+         starts with the line at rest in the wind of t = 0; {}",
+        blowing(wind)
+    ))
 }
 
 /// The last part of a path.

@@ -9,7 +9,7 @@ use dynamics::{
     System,
 };
 use scene::{PantographModel as Entry, Scene};
-use vehicle::{PantographModel, VehicleError};
+use vehicle::{Air, PantographModel, VehicleError};
 
 use crate::algorithm::{ENERGY_SHARE, Point};
 use crate::hardship::{Hardship, Lifted};
@@ -156,7 +156,8 @@ impl Monolithic {
             };
             let name = format!("pantograph {}", index + 1);
             let placement = vehicle::placement(scene, index);
-            let pantograph = PantographModel::new(&entry.model, placement, &name, &mut layout).map_err(refused)?;
+            let mut pantograph = PantographModel::new(&entry.model, placement, &name, &mut layout).map_err(refused)?;
+            pantograph.expose_to(Air::of_scene(scene, index).as_ref());
             let height = entry
                 .start
                 .map_or_else(|| pantograph.reference_height(), |start| start.height);

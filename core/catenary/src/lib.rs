@@ -29,6 +29,7 @@ mod support;
 mod topology;
 mod window;
 mod wire;
+mod wires_in_wind;
 
 pub use ancf::{
     AxialLaw, BendingLaw, Cable, CableSection, Coordinates, ShapeFunctions, Tangent, bending_matrix, mass_matrix,
@@ -59,4 +60,5 @@ pub use subsystem::{Checkpoint, ContactOutputs, StripStart, Subsystem};
 pub use support::Supports;
 pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, MassCorrection, Topology, WireName};
 pub use window::{WindowSize, WindowedLine};
-pub use wire::{Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WirePoint, WireSection};
+pub use wire::{Enrichment, NodeMap, Rayleigh, Wire, WireDrag, WireGeometry, WireNode, WirePoint, WireSection};
+pub use wires_in_wind::WiresInWind;

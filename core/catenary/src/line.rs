@@ -3,7 +3,7 @@ use crate::topology::WireCoordinates;
 use crate::{
     Anchor, Attachment, AxialLaw, BendingLaw, CompliantWire, Curve, Dropper, DropperLaw, Droppers, Enrichment, LineEnd,
     LineEnds, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance, Supports, Topology, Wire,
-    WireGeometry, WireName, WireNode, WireSection,
+    WireDrag, WireGeometry, WireName, WireNode, WireSection, WiresInWind,
 };
 use dynamics::{Force, Motion};
 use nalgebra::Vector3;
@@ -80,6 +80,8 @@ pub struct Line {
     /// Height of the contact wire at each support that uplift is counted from, m above the static height.
     uplift_reference: Vec<f64>,
     compliance: Option<Arc<ResidualCompliance>>,
+    /// Of both wires, where there is wind.
+    drag: Vec<WireDrag>,
 }
 
 impl Line {
@@ -141,6 +143,7 @@ impl Line {
             ends: LineEnds::new(ends.collect()),
             uplift_reference: vec![0.0; topology.supports().len()],
             compliance: None,
+            drag: Vec::new(),
             topology: Arc::clone(topology),
             contact_wire,
             messenger_wire,
@@ -169,14 +172,32 @@ impl Line {
         self
     }
 
+    /// Lets the wind act on both wires, or nothing.
+    #[must_use]
+    pub fn in_wind(mut self, wind: Option<&WiresInWind>) -> Self {
+        let both = WireName::BOTH.iter();
+        self.drag = wind.map_or_else(Vec::new, |wind| {
+            both.map(|&name| wind.on(name, self.wire(name))).collect()
+        });
+        self
+    }
+
+    /// Takes the wind off the wires.
+    pub(crate) fn take_drag(&mut self) -> Vec<WireDrag> {
+        std::mem::take(&mut self.drag)
+    }
+
     /// Visits every contribution, always in the same order.
     pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         visit(&mut self.contact_wire);
         visit(&mut self.messenger_wire);
         self.attachments(visit);
+        for drag in &mut self.drag {
+            visit(drag);
+        }
     }
 
-    /// Visits all but the wires.
+    /// Visits all but the wires and the wind on them.
     pub(crate) fn attachments(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         visit(&mut self.droppers);
         visit(&mut self.supports);

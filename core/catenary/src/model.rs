@@ -2,7 +2,7 @@
 use crate::contact::STRIP_INPUTS;
 use crate::{
     BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, OverheadLine,
-    PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine, adopt_state,
+    PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine, WiresInWind, adopt_state,
     follow_strips,
 };
 use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
@@ -116,7 +116,7 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
         let together = WindowedLine::most_spans(scene, catenary);
         return Ok(StaticLine::solve_long(catenary, options, together)?);
     }
-    Ok(StaticLine::solve(catenary, options)?)
+    Ok(StaticLine::solve(catenary, options)?.in_wind(WiresInWind::of_scene(scene)))
 }
 
 /// The line that a scene runs with, of a solved static state, its coordinates added to `layout`: all zero is the static state.

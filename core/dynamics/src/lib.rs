@@ -20,6 +20,7 @@
 //!   dissipation, Journal of Applied Mechanics 60, doi 10.1115/1.2900803.
 #![forbid(unsafe_code)]
 
+mod aerodynamic;
 mod augmented;
 mod balance;
 mod block_tridiagonal;
@@ -47,8 +48,10 @@ mod start;
 mod statics;
 mod system;
 mod updates;
+mod wind;
 mod woodbury;
 
+pub use aerodynamic::{AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Polar};
 pub use augmented::Formulation;
 pub use balance::EnergyBalance;
 pub use block_tridiagonal::{BlockTridiagonal, LocalColumn};
@@ -66,3 +69,6 @@ pub use sparse::SparseMatrix;
 pub use statics::{StaticOptions, StaticReport, solve_static};
 pub use system::{Continuity, Layout, System};
 pub use updates::Updates;
+pub use wind::{
+    Gust, GustProfile, Turbulence, TurbulenceOptions, TurbulenceSpectrum, Wind, WindRecord, WindRecordError,
+};

@@ -42,6 +42,7 @@ impl Scene {
         self.check_steps(&mut found);
         self.check_joint(&mut found);
         self.check_reductions(&mut found);
+        self.check_wind(&mut found);
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {
             self.check_speed(&mut found);

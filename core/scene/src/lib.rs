@@ -50,6 +50,7 @@ mod scene;
 mod solver;
 mod third_party;
 mod tree;
+mod wind;
 mod write;
 
 pub use catenary::{Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
@@ -65,3 +66,7 @@ pub use run::{Electrification, Evaluate, Initialise, Run};
 pub use scene::{Line, Scene};
 pub use solver::{Formulation, Jacobian, Solver};
 pub use third_party::{Connection, Offset, ParameterValue, STEP_TIMEOUT, ThirdParty};
+pub use wind::{
+    AerodynamicMarker, GustExtent, Wind, WindGust, WindOnPantograph, WindOnWires, WindSpectrum, WindSurface,
+    WindTableError, WindTurbulence, rows_of,
+};

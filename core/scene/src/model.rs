@@ -65,6 +65,9 @@ impl Scene {
         if catenary.stagger.iter().any(|y| *y != catenary.stagger[0]) {
             return Some("catenary.stagger differs from support to support".to_owned());
         }
+        if let Some(reason) = self.wind_pushes_sideways() {
+            return Some(reason);
+        }
         self.pantographs.iter().enumerate().find_map(|(index, pantograph)| {
             let PantographModel::ThirdParty(side) = &pantograph.model else {
                 return None;
@@ -111,6 +114,10 @@ impl Scene {
             }
             if reduction.of_the_line() && self.modelled_line().is_none() {
                 left_out(reduction, "the line is an FMU of somebody else".to_owned());
+                continue;
+            }
+            if let Some(reason) = self.wind_forbids(reduction) {
+                left_out(reduction, reason);
                 continue;
             }
             match reduction {

@@ -3,7 +3,7 @@
 use crate::error::{SceneError, What};
 use crate::keys::{Entry, Keys, read, write};
 use crate::tree::{Sources, parse};
-use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, ThirdParty};
+use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, ThirdParty, Wind};
 
 /// A scene: every value present, checked and in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +20,8 @@ pub struct Scene {
     pub contact: Option<Contact>,
     /// `[[pantograph]]`, at least one, the first one leads.
     pub pantographs: Vec<Pantograph>,
+    /// `[wind]`; `None`: no air.
+    pub wind: Option<Wind>,
     /// `[model]`.
     pub model: Model,
     /// `[coupling]`.
@@ -163,7 +165,7 @@ impl Scene {
 
 impl Entry for Scene {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
-        for name in ["vehicle", "track", "wind"] {
+        for name in ["vehicle", "track"] {
             keys.unavailable(name);
         }
         let title = keys.text(
@@ -194,6 +196,7 @@ impl Entry for Scene {
             catenary,
             contact,
             pantographs: keys.tables("pantograph", was.map(|scene| scene.pantographs.as_slice())),
+            wind: keys.optional_table("wind", was.map(|scene| scene.wind.as_ref())),
             model: keys.table_or_empty("model", was.map(|scene| &scene.model)),
             coupling: keys.table_or_empty("coupling", was.map(|scene| &scene.coupling)),
             solver: keys.table_or_empty("solver", was.map(|scene| &scene.solver)),

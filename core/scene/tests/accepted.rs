@@ -577,3 +577,70 @@ fn a_mesh_follows_the_error_that_is_asked_for() {
     let given = for_error(EN_300, 1.0, &["solver.micro_step=0.0005"]);
     assert_eq!(given.solver.micro_step, 5e-4);
 }
+
+/// Everything that `[wind]` may hold beside the uplift.
+const WIND: &str = "\
+[wind]
+speed = 20.5
+yaw_deg = -35.0
+air_density = 1.225
+gust = { velocity = [0, 8, 0.5], start_x = 100, length = 60 }
+turbulence = { spectrum = \"kaimal\", intensities = [0.15, 0.12, 0.08], length_scales = [120, 60, 20], coherence_decays = [10, 7, 7], seed = 4 }
+record = [[0, 1, 2, 3, 100], [1, 1, 2, 3, 100]]
+wires = { drag_coefficient = 1.2, contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011 }
+
+[[wind.pantograph.surfaces]]
+body = \"pan_head\"
+angles_deg = [-10, 0, 10]
+drag = [0.06, 0.05, 0.06]
+lift = [-0.02, 0.02, 0.05]
+markers = [[0, 0.5, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5], [0, -0.5, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5]]
+
+[[wind.pantograph.surfaces]]
+body = \"upper_arm\"
+drag = 0.07
+lift = 0.02
+
+[coupling]
+";
+
+#[test]
+fn a_wind_survives_writing_and_pushes_the_line_sideways() {
+    let scene = read(&THESIS.replacen("[coupling]\n", WIND, 1), &[]);
+    let written = scene.to_toml();
+    assert_eq!(read(&written, &[]), scene);
+    assert_eq!(read(&written, &[]).to_toml(), written);
+    assert!(!scene.model.has(Reduction::Planar) && scene.model.has(Reduction::Linkage));
+    assert_eq!(
+        scene.pushed_sideways().unwrap(),
+        "wind.yaw_deg = -35 pushes the wires sideways"
+    );
+    let wind = scene.wind.as_ref().unwrap();
+    assert_eq!(wind.turbulence.unwrap().time_step, 0.05);
+    // It comes from the right, and blows to the left and against the train.
+    let [x, y, z] = wind.mean_velocity();
+    let (s, c) = 35_f64.to_radians().sin_cos();
+    assert!((x + 20.5 * c).abs() < 1e-14 && (y - 20.5 * s).abs() < 1e-14 && z == 0.0); // rounding
+    let ahead = "wind.yaw_deg=0";
+    let still = read(
+        &THESIS.replacen(
+            "[coupling]\n",
+            "[wind]\nspeed = 0\nyaw_deg = 0\nair_density = 1.2\n[coupling]\n",
+            1,
+        ),
+        &[],
+    );
+    assert!(still.model.has(Reduction::Planar));
+    // A head wind leaves the wires in their plane, a gust from the side does not.
+    assert_eq!(
+        read(&THESIS.replacen("[coupling]\n", WIND, 1), &[ahead])
+            .pushed_sideways()
+            .unwrap(),
+        "wind.gust pushes the wires sideways"
+    );
+    let uplift = read(
+        EN_250,
+        &["wind={ speed = 0, yaw_deg = 0, air_density = 1.2, pantograph = { uplift = 0.0125 } }"],
+    );
+    assert_eq!(read(&uplift.to_toml(), &[]), uplift);
+}

@@ -29,5 +29,5 @@ pub use base::{Base, Travelling};
 pub use error::VehicleError;
 pub use model::{PantographModel, Placement};
 pub use multibody::AppliedForce;
-pub use pantograph::Equilibrium;
+pub use pantograph::{Air, Equilibrium};
 pub use subsystem::{Checkpoint, INPUTS, Model, StripMotion, Subsystem, placement};

@@ -1,7 +1,7 @@
 //! Any kind of pantograph, from its scene entry.
 use crate::multibody::AppliedForce;
 use crate::pantograph::{Equilibrium, Linkage, Lumped, ReducedLinkage};
-use crate::{Base, Travelling, VehicleError};
+use crate::{Air, Base, Travelling, VehicleError};
 use dynamics::{Constraint, Force, Layout, Marker, Motion, State};
 use nalgebra::Vector3;
 use scene::PantographModel as Entry;
@@ -62,12 +62,28 @@ impl PantographModel {
         Ok(Self { kind, placement, base })
     }
 
+    /// Lets the air act on the pantograph, or nothing.
+    pub fn expose_to(&mut self, air: Option<&Air>) {
+        let Some(air) = air else { return };
+        let base = self.base;
+        match &mut self.kind {
+            Kind::Lumped(lumped) => lumped.expose(air, base),
+            Kind::Linkage(linkage) => linkage.expose(air, base),
+            Kind::Reduced(linkage) => linkage.expose(air, base),
+        }
+    }
+
     /// Visits every force in a fixed order.
     pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         match &mut self.kind {
             Kind::Lumped(lumped) => lumped.forces(visit),
             Kind::Linkage(linkage) => linkage.forces(visit),
-            Kind::Reduced(linkage) => visit(linkage.as_mut()),
+            Kind::Reduced(linkage) => {
+                visit(linkage.as_mut());
+                for air in linkage.air_mut() {
+                    visit(air);
+                }
+            }
         }
     }
 
@@ -118,6 +134,15 @@ impl PantographModel {
         };
         equilibrium.write(offsets, state);
         self.base.start_x = self.placement.start_x - strip_x;
+        let base = self.base;
+        let air = match &mut self.kind {
+            Kind::Lumped(lumped) => lumped.air_mut(),
+            Kind::Linkage(linkage) => linkage.air_mut(),
+            Kind::Reduced(linkage) => linkage.air_mut(),
+        };
+        for force in air {
+            force.marker.base = base;
+        }
     }
 
     /// The middle of the strip in the world; the second axis runs along the strip.

@@ -1,5 +1,5 @@
 //! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
-use crate::{AppliedForce, PantographModel, Placement, VehicleError};
+use crate::{Air, AppliedForce, PantographModel, Placement, VehicleError};
 use dynamics::{
     Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System,
 };
@@ -91,6 +91,11 @@ impl Subsystem {
         let entry = &scene.pantographs[index];
         let name = format!("pantograph {}", index + 1);
         let mut pantograph = PantographModel::new(&entry.model, placement(scene, index), &name, &mut layout)?;
+        let mut air = Air::of_scene(scene, index);
+        if let Some(air) = &mut air {
+            air.flow.input = Some(AppliedForce::INPUTS);
+        }
+        pantograph.expose_to(air.as_ref());
         let height = entry
             .start
             .map_or_else(|| pantograph.reference_height(), |start| start.height);

@@ -296,7 +296,7 @@ impl Wire {
 }
 
 /// Adds the entries of a matrix whose row and column exist.
-fn add_selected(blocks: &mut Blocks<'_>, index: &[Option<usize>], value: impl Fn(usize, usize) -> f64) {
+pub(super) fn add_selected(blocks: &mut Blocks<'_>, index: &[Option<usize>], value: impl Fn(usize, usize) -> f64) {
     let (mut kept, mut indices, mut count) = ([0; 12], [0; 12], 0);
     for (i, index) in index.iter().enumerate() {
         if let Some(index) = index {

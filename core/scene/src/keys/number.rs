@@ -222,6 +222,59 @@ impl Keys<'_> {
         }
     }
 
+    /// One number, or a list of at least one.
+    pub(crate) fn one_or_more(&mut self, name: &str, was: Option<&[f64]>, number: Number) -> Vec<f64> {
+        match was {
+            Some([value]) => vec![self.number(name, Some(*value), number)],
+            Some(values) => self.numbers(name, Some(values), number, Length::NotEmpty),
+            None if matches!(
+                self.node(name),
+                Some(Node {
+                    value: Value::List(_),
+                    ..
+                })
+            ) =>
+            {
+                self.numbers(name, None, number, Length::NotEmpty)
+            }
+            None => vec![self.number(name, None, number)],
+        }
+    }
+
+    /// Rows of numbers, a list of lists; left out where there are none.
+    pub(crate) fn optional_rows(&mut self, name: &str, was: Option<&[Vec<f64>]>) -> Vec<Vec<f64>> {
+        if let Some(rows) = was {
+            let list = |row: &Vec<f64>| Value::List(row.iter().map(|value| Value::Float(*value).into()).collect());
+            if !rows.is_empty() {
+                self.push(name, Value::List(rows.iter().map(|row| list(row).into()).collect()));
+            }
+            return rows.to_vec();
+        }
+        let Some(node) = self.node(name).cloned() else {
+            return Vec::new();
+        };
+        let expected = "a list of rows, each a list of numbers".to_owned();
+        let Value::List(rows) = &node.value else {
+            self.wrong_type(name, &node.value, expected);
+            return Vec::new();
+        };
+        let mut found = Vec::with_capacity(rows.len());
+        for (i, row) in rows.iter().enumerate() {
+            let key = self.entry_key(name, i);
+            let Value::List(entries) = &row.value else {
+                let value = shown(&row.value);
+                self.problem(row.at, key, What::WrongType { value, expected });
+                return Vec::new();
+            };
+            let numbers = entries
+                .iter()
+                .enumerate()
+                .map(|(j, entry)| self.checked(format!("{key}[{}]", j + 1), entry, Number::any("")));
+            found.push(numbers.collect());
+        }
+        found
+    }
+
     /// A vector of three numbers.
     pub(crate) fn vector(&mut self, name: &str, was: Option<[f64; 3]>, number: Number) -> [f64; 3] {
         let values = self.numbers(

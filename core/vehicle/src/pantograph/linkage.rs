@@ -1,12 +1,13 @@
 //! The linkage: a pantograph of rigid bodies and joints.
+use super::air::{Air, AirForce, AirMarker, points_of};
 use super::builder::Builder;
 use super::equilibrium::{Equilibrium, Offsets};
 use super::statics::{self, Target};
-use crate::VehicleError;
 use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, RigidBody};
+use crate::{Base, VehicleError};
 #[cfg(test)]
 use dynamics::State;
-use dynamics::{Constraint, Force, Layout, Marker, Motion};
+use dynamics::{AerodynamicLaw, Constraint, Force, Layout, Marker, Motion};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use scene::Linkage as Entry;
 
@@ -28,6 +29,8 @@ pub struct Linkage {
     /// Of the bodies in the reference position.
     orientations: Vec<UnitQuaternion<f64>>,
     static_force: f64,
+    /// Forces of the air; no part of the balance in the reference position.
+    air: Vec<AirForce>,
 }
 
 impl Linkage {
@@ -50,6 +53,14 @@ impl Linkage {
         let mut linkage = Self::without_preload(&self.entry, self.gravity, "linkage", &mut layout)?;
         linkage.suspension.preload = self.suspension.preload;
         linkage.static_force = self.static_force;
+        linkage.air.clone_from(&self.air);
+        for force in &mut linkage.air {
+            if let AirMarker::Body(marker) = &mut force.marker.marker {
+                marker.pose.translation -= self.offsets.coordinate;
+                marker.pose.rotation -= self.offsets.coordinate;
+                marker.pose.orientation -= self.offsets.orientation;
+            }
+        }
         Ok((linkage, layout))
     }
 
@@ -73,7 +84,41 @@ impl Linkage {
             gravity,
             offsets,
             static_force: 0.0,
+            air: Vec::new(),
         })
+    }
+
+    /// Lets the air act on bodies, or lift the strip.
+    pub(crate) fn expose(&mut self, air: &Air, base: Base) {
+        let mut forces = Vec::new();
+        if let Some(coefficient) = air.uplift {
+            let law = AerodynamicLaw::Uplift { coefficient };
+            forces.push(air.force(AirMarker::Body(self.strip), base, law));
+        }
+        for surface in &air.surfaces {
+            for (marker, area) in self.points_of(surface) {
+                let law = AerodynamicLaw::Polar(surface.polar(area));
+                forces.push(air.force(AirMarker::Body(marker), base, law));
+            }
+        }
+        self.air = forces;
+    }
+
+    /// The points of a surface and their areas in m²; a body that is not there has none.
+    pub(super) fn points_of(&self, surface: &scene::WindSurface) -> Vec<(BodyMarker, f64)> {
+        let Some(number) = self.entry.bodies.iter().position(|body| body.name == surface.body) else {
+            return Vec::new();
+        };
+        let pose = self.bodies[number].pose;
+        let points = points_of(surface, &self.orientations[number]).into_iter();
+        points
+            .map(|(offset, axes, area)| (BodyMarker { pose, offset, axes }, area))
+            .collect()
+    }
+
+    /// The forces of the air.
+    pub(crate) fn air_mut(&mut self) -> &mut [AirForce] {
+        &mut self.air
     }
 
     /// The strip in the frame of the base; its axes are those of the body.
@@ -199,6 +244,9 @@ impl Linkage {
         }
         visit(&mut self.suspension);
         visit(&mut self.uplift);
+        for air in &mut self.air {
+            visit(air);
+        }
     }
 
     /// Visits every joint in a fixed order.

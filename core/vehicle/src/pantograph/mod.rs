@@ -1,4 +1,5 @@
 //! Pantographs: masses in a chain, or a mechanism of rigid bodies.
+mod air;
 mod builder;
 mod chain;
 mod curve;
@@ -13,6 +14,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+pub use air::{Air, AirMarker, ReducedPoint};
 pub use chain::{ChainElement, ChainMasses, FRICTION_VELOCITY, HeadMarker};
 pub use equilibrium::Equilibrium;
 pub use linkage::Linkage;
