@@ -2,8 +2,8 @@
 use crate::contact::STRIP_INPUTS;
 use crate::{
     BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, OverheadLine,
-    PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine, WiresInWind, adopt_state,
-    follow_strips,
+    PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine, WiresInWind,
+    adopt_state, follow_strips,
 };
 use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
 use scene::{ContactLaw, Cure, Reduction, Scene};

@@ -263,11 +263,11 @@ fn lanes(values: &[f64], first: usize) -> [f64; GROUP] {
 #[inline(always)]
 fn add_group(law: &CrossFlow, group: &Group, first: usize, wind: [&[f64]; 3], block: &mut Block) {
     let mut sums = [[[0.0; GROUP]; 3]; 4];
-    for k in 0..POINTS {
+    for (k, (at, _)) in GAUSS.iter().enumerate() {
         let (s, s_x) = (&group.s[k], &group.s_x[k]);
         let (mut v_r, mut r_x) = ([[0.0; GROUP]; 3], group.r_x[k]);
         for axis in 0..3 {
-            let at = |arrays: &NodeArrays<3>| {
+            let nodes = |arrays: &NodeArrays<3>| {
                 [
                     lanes(&arrays[0][axis], first),
                     lanes(&arrays[1][axis], first),
@@ -275,11 +275,11 @@ fn add_group(law: &CrossFlow, group: &Group, first: usize, wind: [&[f64]; 3], bl
                     lanes(&arrays[1][axis], first + 1),
                 ]
             };
-            let (q, v) = (at(&block.q), at(&block.v));
+            let (q, v) = (nodes(&block.q), nodes(&block.v));
             let ends = [lanes(wind[axis], 0), lanes(wind[axis], 1)];
             for i in 0..GROUP {
                 let velocity = v[0][i] * s[0][i] + v[1][i] * s[1][i] + v[2][i] * s[2][i] + v[3][i] * s[3][i];
-                v_r[axis][i] = ends[0][i] + (ends[1][i] - ends[0][i]) * GAUSS[k].0 - velocity;
+                v_r[axis][i] = ends[0][i] + (ends[1][i] - ends[0][i]) * at - velocity;
                 r_x[axis][i] += q[0][i] * s_x[0][i] + q[1][i] * s_x[1][i] + q[2][i] * s_x[2][i] + q[3][i] * s_x[3][i];
             }
         }

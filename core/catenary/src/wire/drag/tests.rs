@@ -67,7 +67,7 @@ fn the_tangent_is_the_derivative_by_the_velocities_and_symmetric() {
     let order: Vec<u32> = (0..places.len() as u32).collect();
     let mut values = vec![0.0; places.len()];
     drag.add_tangent(&motion, weights, &mut Blocks::add_to(&order, &mut values));
-    let mut tangent = vec![[0.0; 30]; 30];
+    let mut tangent = [[0.0; 30]; 30];
     for (&(row, column), value) in places.iter().zip(&values) {
         tangent[row as usize][column as usize] += value;
     }
@@ -81,11 +81,11 @@ fn the_tangent_is_the_derivative_by_the_velocities_and_symmetric() {
             force
         };
         let (up, down) = (side(h), side(-h));
-        for row in 0..30 {
+        for (row, of_row) in tangent.iter().enumerate() {
             let difference = (down[row] - up[row]) / (2.0 * h);
             // Rounding 1e-15/h of forces of some 10 N, and h².
-            assert!((tangent[row][column] - difference).abs() < 1e-8, "({row}, {column})");
-            assert!((tangent[row][column] - tangent[column][row]).abs() < 1e-14);
+            assert!((of_row[column] - difference).abs() < 1e-8, "({row}, {column})");
+            assert!((of_row[column] - tangent[column][row]).abs() < 1e-14);
         }
     }
 }
