@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use tempfile::TempDir;
 
 /// The thesis scene.
-pub const THESIS: &str = include_str!("../scenes/thesis.toml");
+pub const THESIS: &str = include_str!("../scenes/thesis-pantograph.toml");
 
 /// Keeps the line of EN 50318 small: these tests are about the protocol.
 pub const COARSE: &[&str] = &["catenary.mesh.elements_per_interval=1"];

@@ -38,6 +38,7 @@ impl Scene {
         }
         self.check_order_of_strips(&mut found);
         self.check_steps(&mut found);
+        self.check_vehicle(&mut found);
         self.check_reductions(&mut found);
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {

@@ -34,6 +34,7 @@
 mod catenary;
 mod check;
 mod check_linkage;
+mod check_vehicle;
 mod choice;
 mod contact;
 mod coupling;
@@ -49,7 +50,9 @@ mod run;
 mod scene;
 mod solver;
 mod third_party;
+mod track;
 mod tree;
+mod vehicle;
 mod write;
 
 pub use catenary::{Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
@@ -65,3 +68,5 @@ pub use run::{Evaluate, Initialise, Run};
 pub use scene::{Line, Scene};
 pub use solver::{Formulation, Jacobian, Solver};
 pub use third_party::{Connection, Offset, ParameterValue, STEP_TIMEOUT, ThirdParty};
+pub use track::{Irregularities, Points, Spectrum, Track};
+pub use vehicle::{Axis, BearingEntry, BushingEntry, GivenMotion, Pivot, Stop, Train, Vehicle, VehicleBody, Wheels};

@@ -3,7 +3,7 @@
 use crate::check::{Found, refuse};
 use crate::choice::choice;
 use crate::keys::{Entry, Keys};
-use crate::{PantographModel, Scene};
+use crate::{PantographModel, Scene, Vehicle};
 
 /// `[model]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -64,6 +64,9 @@ impl Scene {
         let (catenary, _) = self.modelled_line()?;
         if catenary.stagger.iter().any(|y| *y != catenary.stagger[0]) {
             return Some("catenary.stagger differs from support to support".to_owned());
+        }
+        if let Some(reason) = self.vehicle.as_deref().and_then(Vehicle::leaves_the_plane) {
+            return Some(reason.to_owned());
         }
         self.pantographs.iter().enumerate().find_map(|(index, pantograph)| {
             let PantographModel::ThirdParty(side) = &pantograph.model else {

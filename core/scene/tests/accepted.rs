@@ -6,7 +6,7 @@ use scene::{
 
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
 const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
-const THESIS: &str = include_str!("../../../scenes/thesis.toml");
+const THESIS: &str = include_str!("../../../scenes/thesis-pantograph.toml");
 
 fn read(text: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_string()).collect();

@@ -3,7 +3,7 @@
 use scene::{Reduction, Scene};
 
 const EN: &str = include_str!("../../../scenes/en50318-250.toml");
-const THESIS: &str = include_str!("../../../scenes/thesis.toml");
+const THESIS: &str = include_str!("../../../scenes/thesis-pantograph.toml");
 
 fn message(text: &str, overrides: &[&str]) -> String {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_string()).collect();

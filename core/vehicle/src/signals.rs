@@ -31,6 +31,41 @@ const OUTPUTS: [(&str, &str, &str); 10] = [
     ("uplift_force", "N", "Force that raises the pantograph"),
 ];
 
+/// Outputs behind [`OUTPUTS`] where the scene has a vehicle; `base.z` is among the others.
+const BASE_OUTPUTS: [(&str, &str, &str); 3] = [
+    ("base.x", "m", "Position of the pantograph's base along the track"),
+    (
+        "base.y",
+        "m",
+        "Lateral position of the pantograph's base, positive to the left",
+    ),
+    (
+        "base.roll",
+        "rad",
+        "Roll angle of the pantograph's base about the direction of travel",
+    ),
+];
+
+/// Number of wheels of the scene's vehicle.
+fn wheel_count(scene: &Scene) -> usize {
+    let train = scene.vehicle.as_deref().and_then(scene::Vehicle::train);
+    let wheelsets = train.and_then(|train| train.body(&train.wheels.wheelset));
+    wheelsets.map_or(0, |body| 2 * body.positions.len())
+}
+
+/// What scenes with a vehicle offer besides.
+fn vehicle_outputs(scene: &Scene) -> Vec<Signal> {
+    if scene.vehicle.is_none() {
+        return Vec::new();
+    }
+    let base = BASE_OUTPUTS.map(|(name, unit, text)| Signal::output(name, unit, text));
+    let loads = (1..=wheel_count(scene)).map(|i| {
+        let text = format!("Vertical force of the rail on wheel {i}, left and right wheel of each wheelset in turn");
+        Signal::output(&format!("wheel[{i}].load"), "N", &text)
+    });
+    base.into_iter().chain(loads).collect()
+}
+
 impl Component for Subsystem {
     type Checkpoint = Checkpoint;
     type Error = VehicleError;
@@ -72,7 +107,8 @@ impl Component for Subsystem {
         ];
         let inputs = inputs.map(|(name, unit, start, text)| Signal::input(name, unit, start, text));
         let outputs = OUTPUTS.map(|(name, unit, text)| Signal::output(name, unit, text));
-        inputs.into_iter().chain(outputs).collect()
+        let vehicle = vehicle_outputs(scene);
+        inputs.into_iter().chain(outputs).chain(vehicle).collect()
     }
 
     fn parameters(scene: &Scene) -> Vec<Parameter> {
@@ -108,8 +144,11 @@ impl Component for Subsystem {
             output @ 3..=5 => self.strip().velocity[output - 3],
             6 => self.strip().roll,
             7 => self.work(),
-            8 => self.pantograph().0.base_z(),
-            _ => self.pantograph().0.uplift_force(),
+            8 => self.base().position.z,
+            9 => self.pantograph().0.uplift_force(),
+            output @ 10..=11 => self.base().position[output - 10],
+            12 => self.base_roll(),
+            output => self.wheel_load(output - 13),
         }
     }
 

@@ -3,6 +3,7 @@ mod builder;
 mod chain;
 mod curve;
 mod equilibrium;
+mod ground;
 mod linkage;
 mod lumped;
 mod one_motion;
@@ -15,7 +16,10 @@ mod tests;
 
 pub use chain::{ChainElement, ChainMasses, FRICTION_VELOCITY, HeadMarker};
 pub use equilibrium::Equilibrium;
+pub(crate) use equilibrium::Offsets;
+pub(crate) use ground::Ground;
 pub use linkage::Linkage;
 pub use lumped::Lumped;
 pub use one_motion::ReducedStrip;
 pub use reduced::ReducedLinkage;
+pub(crate) use statics::Target;

@@ -74,7 +74,10 @@ fn forces_on_both_bodies_cancel_and_only_dampers_turn_power_into_heat() {
     let v = state.v.clone();
     state.v.fill(0.0);
     let elastic = power(&force(&mut bushing, &state.motion(&[])), &v);
-    assert!((elastic - moving - heat).abs() < 1e-9 * heat, "{elastic} {moving} {heat}");
+    assert!(
+        (elastic - moving - heat).abs() < 1e-9 * heat,
+        "{elastic} {moving} {heat}"
+    );
 }
 
 #[test]
@@ -105,7 +108,12 @@ fn nothing_acts_on_a_rigid_motion_of_both_bodies() {
 #[test]
 fn a_known_displacement_gives_the_force_of_each_axis() {
     let mut layout = Layout::new();
-    let pose = Pose::new(Vector3::zeros(), nalgebra::UnitQuaternion::identity(), "body", &mut layout);
+    let pose = Pose::new(
+        Vector3::zeros(),
+        nalgebra::UnitQuaternion::identity(),
+        "body",
+        &mut layout,
+    );
     let mut bushing = Bushing {
         pair: Pair {
             first: Anchor::Base(BaseMarker {

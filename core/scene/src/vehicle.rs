@@ -1,0 +1,454 @@
+//! `[vehicle]`: what the pantograph stands on.
+
+use crate::choice::choice;
+use crate::error::What;
+use crate::keys::{Entry, Keys, Length, Number, placeholder};
+
+/// `[vehicle]`.
+///
+/// Every pantograph stands on a vehicle of its own; they are all alike.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "one per scene")]
+pub enum Vehicle {
+    /// `model = "rigid_motion"`: the base moves as given.
+    RigidMotion(GivenMotion),
+    /// `model = "vertical"`: bodies move in the plane along the track, on linear wheel springs.
+    Vertical(Train),
+    /// `model = "full"`: bodies move in space, on wheels that roll on rails.
+    Full(Train),
+}
+
+/// `vehicle.motion`: motion of the base relative to straight travel, interpolated by a cubic spline that starts and ends at rest; before
+/// the first and after the last time the base stays where it is.
+///
+/// All lists have the same length; one that is left out is zero.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GivenMotion {
+    /// s, ascending.
+    pub time: Vec<f64>,
+    /// Lateral displacement, m.
+    pub y: Vec<f64>,
+    /// Rise, m.
+    pub z: Vec<f64>,
+    /// Roll angle about the direction of travel at the top of rail, rad.
+    pub roll: Vec<f64>,
+    /// File that the lists are still to be read from; its columns are called as the keys.
+    pub file: Option<String>,
+}
+
+/// A vehicle of rigid bodies. Positions are in coordinates of the vehicle, whose axes are those of the track, whose z is above the top
+/// of rail, and whose origin along the track is free.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Train {
+    /// The body that carries the pantograph.
+    pub carrier: String,
+    /// Where the base of the pantograph stands on it in the tabulated position, m, 3 entries (x, y, z).
+    pub pantograph_base: [f64; 3],
+    /// `vehicle.wheels`.
+    pub wheels: Wheels,
+    /// `[[vehicle.bodies]]`.
+    pub bodies: Vec<VehicleBody>,
+    /// `[[vehicle.bushings]]`.
+    pub bushings: Vec<BushingEntry>,
+    /// `[[vehicle.bearings]]`.
+    pub bearings: Vec<BearingEntry>,
+    /// `[[vehicle.joints]]`.
+    pub joints: Vec<Pivot>,
+}
+
+/// `vehicle.wheels`: two wheels on every body of one name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wheels {
+    /// Name of the bodies.
+    pub wheelset: String,
+    /// Rolling radius, m.
+    pub radius: f64,
+    /// Lateral distance of both nominal contact points, m.
+    pub distance: f64,
+    /// Linearised vertical stiffness of one contact, N/m.
+    pub stiffness: f64,
+    /// Vertical damping of one contact, N·s/m.
+    pub damping: f64,
+}
+
+/// `[[vehicle.bodies]]`: equal rigid bodies whose principal axes are those of the track.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VehicleBody {
+    /// Unique name.
+    pub name: String,
+    /// kg, positive.
+    pub mass: f64,
+    /// Principal moments of inertia (Ixx, Iyy, Izz) about the centre of mass, kg·m², positive.
+    pub inertia: [f64; 3],
+    /// Centres of mass, m, one body for each.
+    pub positions: Vec<[f64; 3]>,
+}
+
+/// `[[vehicle.bushings]]`: equal spring–dampers, one at each of the points, between the bodies of both names that are nearest to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BushingEntry {
+    /// What it is.
+    pub name: String,
+    /// Name of bodies; forces act along their axes.
+    pub first: String,
+    /// Name of other bodies.
+    pub second: String,
+    /// m, in the tabulated position.
+    pub points: Vec<[f64; 3]>,
+    /// Euler angles (φ, θ, ψ) of its axes, rad, in the sequence Z-X-Z as for bodies of a linkage; 0 by default.
+    pub orientation: [f64; 3],
+    /// N/m.
+    pub stiffness: [f64; 3],
+    /// N·s/m; 0 by default.
+    pub damping: [f64; 3],
+    /// N·m/rad; 0 by default.
+    pub rotational_stiffness: [f64; 3],
+    /// N·m·s/rad; 0 by default.
+    pub rotational_damping: [f64; 3],
+    /// Force on the second body in the tabulated position, N; 0 by default.
+    pub preload: [f64; 3],
+    /// A characteristic beside the linear stiffness of one axis.
+    pub stop: Option<Stop>,
+}
+
+/// `stop` of a bushing: force against displacement of one axis, from points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stop {
+    /// Which axis of the bushing.
+    pub axis: Axis,
+    /// m, ascending.
+    pub displacement: Vec<f64>,
+    /// N, not falling: the force against the displacement.
+    pub force: Vec<f64>,
+}
+
+choice! {
+    /// An axis of a bushing.
+    pub enum Axis {
+        /// The first one.
+        X = "x",
+        /// The second one.
+        Y = "y",
+        /// The third one.
+        Z = "z",
+    }
+    unavailable: []
+}
+
+/// `[[vehicle.bearings]]`: bearings of axles, one at each of the points: stiff in all directions but about the axle, which is lateral.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BearingEntry {
+    /// Name of the bodies that the axle turns in.
+    pub first: String,
+    /// Name of the wheelsets.
+    pub second: String,
+    /// m, in the tabulated position.
+    pub points: Vec<[f64; 3]>,
+    /// N/m, positive.
+    pub stiffness: [f64; 3],
+    /// N·s/m; 0 by default.
+    pub damping: [f64; 3],
+    /// About x and z, N·m/rad.
+    pub tilting_stiffness: [f64; 2],
+}
+
+/// `[[vehicle.joints]]`: ideal revolute joints about the vertical, one at each of the points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pivot {
+    /// Name of bodies.
+    pub first: String,
+    /// Name of other bodies.
+    pub second: String,
+    /// m, in the tabulated position.
+    pub points: Vec<[f64; 3]>,
+}
+
+impl Vehicle {
+    /// The word of `vehicle.model`.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::RigidMotion(_) => Kind::RigidMotion.name(),
+            Self::Vertical(_) => Kind::Vertical.name(),
+            Self::Full(_) => Kind::Full.name(),
+        }
+    }
+
+    /// Why the pantograph's base may leave the plane along the track; `None` where it cannot.
+    #[must_use]
+    pub fn leaves_the_plane(&self) -> Option<&'static str> {
+        let moves = |values: &[f64]| values.iter().any(|value| *value != 0.0);
+        match self {
+            Self::RigidMotion(motion) if moves(&motion.y) || moves(&motion.roll) => {
+                Some("vehicle.motion moves the strip sideways or tilts it")
+            }
+            Self::Full(_) => Some("the vehicle sways and rolls"),
+            Self::RigidMotion(_) | Self::Vertical(_) => None,
+        }
+    }
+
+    /// The bodies and what joins them, where there are any.
+    #[must_use]
+    pub fn train(&self) -> Option<&Train> {
+        match self {
+            Self::RigidMotion(_) => None,
+            Self::Vertical(train) | Self::Full(train) => Some(train),
+        }
+    }
+}
+
+impl Train {
+    /// The body called `name`.
+    #[must_use]
+    pub fn body(&self, name: &str) -> Option<&VehicleBody> {
+        self.bodies.iter().find(|body| body.name == name)
+    }
+
+    /// Number of bodies.
+    #[must_use]
+    pub fn body_count(&self) -> usize {
+        self.bodies.iter().map(|body| body.positions.len()).sum()
+    }
+}
+
+impl VehicleBody {
+    /// Which of the bodies is nearest to a point, from 0.
+    #[must_use]
+    pub fn nearest(&self, point: &[f64; 3]) -> usize {
+        let distance = |i: usize| -> f64 { (0..3).map(|k| (self.positions[i][k] - point[k]).powi(2)).sum() };
+        (0..self.positions.len())
+            .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+            .unwrap_or(0)
+    }
+}
+
+choice! {
+    /// The words of `vehicle.model`.
+    pub(crate) enum Kind {
+        RigidMotion = "rigid_motion",
+        Vertical = "vertical",
+        Full = "full",
+    }
+    unavailable: []
+}
+
+impl Entry for Vehicle {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let kind = was.map(|vehicle| match vehicle {
+            Self::RigidMotion(_) => Kind::RigidMotion,
+            Self::Vertical(_) => Kind::Vertical,
+            Self::Full(_) => Kind::Full,
+        });
+        let names = <Kind as crate::choice::Choice>::NAMES;
+        let unavailable = <Kind as crate::choice::Choice>::UNAVAILABLE;
+        let kind = keys.word_among("model", kind, names, unavailable, None);
+        let train = was.and_then(Self::train);
+        match kind {
+            Some(Kind::RigidMotion) => {
+                let motion = was.and_then(|vehicle| match vehicle {
+                    Self::RigidMotion(motion) => Some(motion),
+                    _ => None,
+                });
+                Self::RigidMotion(keys.inline_table("motion", motion))
+            }
+            Some(Kind::Vertical) => Self::Vertical(Train::entry(keys, train)),
+            Some(Kind::Full) => Self::Full(Train::entry(keys, train)),
+            None => {
+                keys.abandon();
+                Self::RigidMotion(placeholder())
+            }
+        }
+    }
+}
+
+impl Entry for GivenMotion {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let file = was.map(|motion| motion.file.as_deref());
+        if keys.has("file", file.flatten().is_some()) {
+            let path = keys.text("file", file.flatten(), "the path of a CSV file, relative to the scene");
+            let because = "file is given, which has the lists as columns".to_string();
+            for name in ["time", "y", "z", "roll"] {
+                if keys.has(name, false) {
+                    let because = because.clone();
+                    keys.report(name, What::LeaveOut { because });
+                }
+            }
+            return Self {
+                file: Some(path),
+                ..Self::default()
+            };
+        }
+        let time = keys.numbers(
+            "time",
+            was.map(|motion| motion.time.as_slice()),
+            Number::any("s"),
+            Length::NotEmpty,
+        );
+        let n = time.len();
+        let mut list = |name: &str, was: Option<&[f64]>, unit: &'static str| {
+            let written = was.is_some_and(|values| values.iter().any(|value| *value != 0.0));
+            if keys.has(name, written) {
+                keys.numbers(name, was, Number::any(unit), Length::Exactly(n))
+            } else {
+                vec![0.0; n]
+            }
+        };
+        Self {
+            y: list("y", was.map(|motion| motion.y.as_slice()), "m"),
+            z: list("z", was.map(|motion| motion.z.as_slice()), "m"),
+            roll: list("roll", was.map(|motion| motion.roll.as_slice()), "rad"),
+            time,
+            file: None,
+        }
+    }
+}
+
+/// Tables of a list that may be left out.
+fn optional_tables<T: Entry>(keys: &mut Keys, name: &str, was: Option<&[T]>) -> Vec<T> {
+    if keys.has(name, was.is_some_and(|values| !values.is_empty())) {
+        keys.tables(name, was)
+    } else {
+        Vec::new()
+    }
+}
+
+/// Three numbers that are 0 where they are left out.
+fn vector_or_zero(keys: &mut Keys, name: &str, was: Option<[f64; 3]>, number: Number) -> [f64; 3] {
+    if keys.has(name, was.is_some()) {
+        keys.vector(name, was, number)
+    } else {
+        [0.0; 3]
+    }
+}
+
+const BODIES: &str = "the name of bodies of the vehicle";
+
+impl Entry for Train {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            carrier: keys.text("carrier", was.map(|train| train.carrier.as_str()), BODIES),
+            pantograph_base: keys.vector(
+                "pantograph_base",
+                was.map(|train| train.pantograph_base),
+                Number::any("m"),
+            ),
+            wheels: keys.inline_table("wheels", was.map(|train| &train.wheels)),
+            bodies: keys.tables("bodies", was.map(|train| train.bodies.as_slice())),
+            bushings: optional_tables(keys, "bushings", was.map(|train| train.bushings.as_slice())),
+            bearings: optional_tables(keys, "bearings", was.map(|train| train.bearings.as_slice())),
+            joints: optional_tables(keys, "joints", was.map(|train| train.joints.as_slice())),
+        }
+    }
+}
+
+impl Entry for Wheels {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            wheelset: keys.text("wheelset", was.map(|wheels| wheels.wheelset.as_str()), BODIES),
+            radius: keys.number("radius", was.map(|wheels| wheels.radius), Number::positive("m")),
+            distance: keys.number("distance", was.map(|wheels| wheels.distance), Number::positive("m")),
+            stiffness: keys.number("stiffness", was.map(|wheels| wheels.stiffness), Number::positive("N/m")),
+            damping: keys.number(
+                "damping",
+                was.map(|wheels| wheels.damping),
+                Number::not_negative("N s/m"),
+            ),
+        }
+    }
+}
+
+impl Entry for VehicleBody {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            name: keys.text("name", was.map(|body| body.name.as_str()), "a name"),
+            mass: keys.number("mass", was.map(|body| body.mass), Number::positive("kg")),
+            inertia: keys.vector("inertia", was.map(|body| body.inertia), Number::positive("kg m²")),
+            positions: keys.points("positions", was.map(|body| body.positions.as_slice()), Number::any("m")),
+        }
+    }
+}
+
+impl Entry for BushingEntry {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let [spring, damper] = [Number::not_negative("N/m"), Number::not_negative("N s/m")];
+        let [turning, turning_damper] = [Number::not_negative("N m/rad"), Number::not_negative("N m s/rad")];
+        Self {
+            name: keys.text("name", was.map(|entry| entry.name.as_str()), "a name"),
+            first: keys.text("first", was.map(|entry| entry.first.as_str()), BODIES),
+            second: keys.text("second", was.map(|entry| entry.second.as_str()), BODIES),
+            points: keys.points("points", was.map(|entry| entry.points.as_slice()), Number::any("m")),
+            orientation: vector_or_zero(
+                keys,
+                "orientation",
+                was.map(|entry| entry.orientation),
+                Number::any("rad"),
+            ),
+            stiffness: keys.vector("stiffness", was.map(|entry| entry.stiffness), spring),
+            damping: vector_or_zero(keys, "damping", was.map(|entry| entry.damping), damper),
+            rotational_stiffness: vector_or_zero(
+                keys,
+                "rotational_stiffness",
+                was.map(|entry| entry.rotational_stiffness),
+                turning,
+            ),
+            rotational_damping: vector_or_zero(
+                keys,
+                "rotational_damping",
+                was.map(|entry| entry.rotational_damping),
+                turning_damper,
+            ),
+            preload: vector_or_zero(keys, "preload", was.map(|entry| entry.preload), Number::any("N")),
+            stop: keys.optional_inline_table("stop", was.map(|entry| entry.stop.as_ref())),
+        }
+    }
+}
+
+impl Entry for Stop {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let axis = keys.word("axis", was.map(|stop| stop.axis), None);
+        let displacement = keys.numbers(
+            "displacement",
+            was.map(|stop| stop.displacement.as_slice()),
+            Number::any("m"),
+            Length::NotEmpty,
+        );
+        let length = Length::Exactly(displacement.len());
+        Self {
+            axis,
+            force: keys.numbers("force", was.map(|stop| stop.force.as_slice()), Number::any("N"), length),
+            displacement,
+        }
+    }
+}
+
+impl Entry for BearingEntry {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            first: keys.text("first", was.map(|entry| entry.first.as_str()), BODIES),
+            second: keys.text("second", was.map(|entry| entry.second.as_str()), BODIES),
+            points: keys.points("points", was.map(|entry| entry.points.as_slice()), Number::any("m")),
+            stiffness: keys.vector("stiffness", was.map(|entry| entry.stiffness), Number::positive("N/m")),
+            damping: vector_or_zero(
+                keys,
+                "damping",
+                was.map(|entry| entry.damping),
+                Number::not_negative("N s/m"),
+            ),
+            tilting_stiffness: keys.pair(
+                "tilting_stiffness",
+                was.map(|entry| entry.tilting_stiffness),
+                Number::not_negative("N m/rad"),
+            ),
+        }
+    }
+}
+
+impl Entry for Pivot {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            first: keys.text("first", was.map(|entry| entry.first.as_str()), BODIES),
+            second: keys.text("second", was.map(|entry| entry.second.as_str()), BODIES),
+            points: keys.points("points", was.map(|entry| entry.points.as_slice()), Number::any("m")),
+        }
+    }
+}

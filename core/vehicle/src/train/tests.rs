@@ -1,0 +1,349 @@
+use super::*;
+use crate::check::{assert_tangent, awkward, dense};
+use crate::track::{Reach, TrackShape};
+use crate::{Base, Subsystem};
+use dynamics::{JacobianRows, Layout, NewtonOptions, Simulator, State, System};
+use nalgebra::{DMatrix, DVector, SMatrix, SymmetricEigen};
+use scene::Scene;
+
+const THESIS: &str = include_str!("../../../../scenes/thesis.toml");
+
+fn scene(overrides: &[&str]) -> Scene {
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    Scene::from_toml(THESIS, "thesis.toml", &overrides).unwrap()
+}
+
+/// A vehicle alone.
+struct Alone {
+    layout: Layout,
+    train: Train,
+}
+
+impl System for Alone {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.train.forces(visit);
+    }
+
+    fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        self.train.constraints(visit);
+    }
+}
+
+const BASE: Base = Base {
+    start_x: 50.0,
+    speed: 200.0 / 3.6,
+};
+
+fn vertical(scene: &Scene, track: Option<&TrackShape>) -> Alone {
+    let mut layout = Layout::new();
+    let entry = scene.vehicle.as_deref().unwrap().train().unwrap();
+    let train = Train::vertical(entry, track, BASE, 9.81, "vehicle", &mut layout).unwrap();
+    Alone { layout, train }
+}
+
+/// The vehicle at rest, without a pantograph.
+fn resting(alone: &mut Alone) -> State {
+    let mut state = alone.layout.state_at_rest();
+    alone.train.rest(&alone.layout, &mut state, &[]).unwrap();
+    state
+}
+
+/// Undamped angular frequencies (rad/s, ascending) and modes of what is free, about a state.
+fn modes(alone: &mut Alone, state: &State) -> Vec<(f64, DVector<f64>)> {
+    let n = state.q.len();
+    let motion = state.motion(&[]);
+    let stiffness = dense(n, &mut |blocks| {
+        let weights = dynamics::Weights { q: 1.0, v: 0.0 };
+        alone
+            .train
+            .forces(&mut |force| force.add_tangent(&motion, weights, blocks));
+        let mut first = 0;
+        for joint in &alone.train.joints {
+            joint.add_geometric_stiffness(&motion, &state.lambda[first..], blocks);
+            first += joint.dimension();
+        }
+    });
+    let mass = dense(n, &mut |blocks| alone.train.forces(&mut |force| force.add_mass(blocks)));
+    let m = state.lambda.len();
+    let mut held = DMatrix::zeros(m + alone.layout.fixed().len(), n);
+    let mut first = 0;
+    for joint in &alone.train.joints {
+        let mut sink = |row: usize, columns: &[usize], values: &[f64]| {
+            for (&column, &value) in columns.iter().zip(values) {
+                held[(first + row, column)] += value;
+            }
+        };
+        joint.jacobian(&motion, &mut JacobianRows::new(&mut sink));
+        first += joint.dimension();
+    }
+    for (row, &index) in alone.layout.fixed().iter().enumerate() {
+        held[(m + row, index)] = 1.0;
+    }
+    // The null space of what is held: eigenvectors of HᵀH at zero.
+    let eigen = SymmetricEigen::new(held.transpose() * &held);
+    let free: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i] < 1e-9).collect();
+    let basis = DMatrix::from_columns(&free.iter().map(|&i| eigen.eigenvectors.column(i)).collect::<Vec<_>>());
+    let (mass, stiffness) = (
+        basis.transpose() * mass * &basis,
+        basis.transpose() * stiffness * &basis,
+    );
+    let root = mass.cholesky().unwrap().l();
+    let inverse = root.try_inverse().unwrap();
+    let symmetric = &inverse * (&stiffness + stiffness.transpose()) * 0.5 * inverse.transpose();
+    let eigen = SymmetricEigen::new(symmetric);
+    let mut found: Vec<_> = (0..free.len())
+        .map(|i| {
+            let mode = &basis * inverse.transpose() * eigen.eigenvectors.column(i);
+            (eigen.eigenvalues[i].max(0.0).sqrt(), mode.normalize())
+        })
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found
+}
+
+/// Angular frequencies of a chain of masses, the last one on a rigid ground; spring i is below mass i.
+fn chain<const N: usize>(masses: [f64; N], springs: [f64; N]) -> Vec<f64> {
+    let mut scaled = SMatrix::<f64, N, N>::zeros();
+    for i in 0..N {
+        scaled[(i, i)] += springs[i] / masses[i];
+        if i + 1 < N {
+            scaled[(i + 1, i + 1)] += springs[i] / masses[i + 1];
+            let coupling = -springs[i] / (masses[i] * masses[i + 1]).sqrt();
+            scaled[(i, i + 1)] = coupling;
+            scaled[(i + 1, i)] = coupling;
+        }
+    }
+    let dynamic = DMatrix::from_iterator(N, N, scaled.iter().copied());
+    let mut found: Vec<f64> = SymmetricEigen::new(dynamic)
+        .eigenvalues
+        .iter()
+        .map(|square| square.sqrt())
+        .collect();
+    found.sort_by(f64::total_cmp);
+    found
+}
+
+#[test]
+fn the_vehicle_of_the_thesis_has_its_bodies_bushings_bearings_and_joints() {
+    let alone = vertical(&scene(&[]), None);
+    // [Thesis, section 3.1]: 14 with the ground, 48, 8 and 2.
+    assert_eq!(alone.train.bodies().len(), 13);
+    assert_eq!(alone.train.counts(), [48, 8, 2]);
+    let mass: f64 = alone.train.bodies().iter().map(|body| body.mass).sum();
+    assert!((mass - 43_052.0).abs() < 1e-9);
+}
+
+#[test]
+fn each_wheel_bears_an_eighth_of_the_weight_at_rest() {
+    let mut alone = vertical(&scene(&[]), None);
+    let state = resting(&mut alone);
+    let loads: Vec<f64> = alone.train.wheel_loads(&state.motion(&[])).collect();
+    assert_eq!(loads.len(), 8);
+    for load in loads {
+        // 52.8 kN; the preloads are weights to the printed digit.
+        assert!((load - 43_052.0 * 9.81 / 8.0).abs() < 1.0, "{load}");
+    }
+    // Bearings and wheels give way by the load over their stiffness, no spring does: 0.21 + 0.04 mm.
+    let base = alone.train.base_frame(&state.motion(&[])).position;
+    assert!((base.z - 3.425 + 0.00026).abs() < 2e-5, "{base}");
+}
+
+#[test]
+fn bounce_is_that_of_a_chain_of_masses() {
+    let mut alone = vertical(&scene(&[]), None);
+    let state = resting(&mut alone);
+    let found = modes(&mut alone, &state);
+    let masses = [24170.0 + 2.0 * 1107.0, 2.0 * 3214.0, 4.0 * 469.0, 4.0 * 2091.0];
+    let springs = [8.0 * 215e3, 8.0 * 1.22e6, 8.0 * 2e8, 8.0 * 1.2e9];
+    for expected in chain(masses, springs) {
+        let nearest = found
+            .iter()
+            .map(|(omega, _)| (omega / expected - 1.0).abs())
+            .fold(f64::INFINITY, f64::min);
+        // All bodies rise together, without pitch: nothing is left out of the chain but the longitudinal motion that weights on
+        // preloaded springs couple in.
+        assert!(nearest < 2e-3, "{expected} rad/s is missed by {nearest}");
+    }
+    // The textbook's two masses: rigid below the frames. 1.15 Hz.
+    let two = chain([masses[0], masses[1]], [springs[0], springs[1]])[0];
+    let (omega, mode) = found
+        .iter()
+        .find(|(omega, _)| (omega / two - 1.0).abs() < 0.02)
+        .expect("bounce of the car body");
+    let car = &alone.train.bodies()[0].pose;
+    assert!(mode[car.translation + 2].abs() > 10.0 * mode[car.rotation + 1].abs());
+    assert!((1.0..1.3).contains(&(omega / std::f64::consts::TAU)), "{omega}");
+}
+
+#[test]
+fn pitch_is_that_of_car_body_and_frames_on_their_springs() {
+    let mut alone = vertical(&scene(&[]), None);
+    let state = resting(&mut alone);
+    let found = modes(&mut alone, &state);
+    let car = alone.train.bodies()[0].pose;
+    let pitches = |mode: &DVector<f64>| mode[car.rotation + 1].abs() > mode[car.translation + 2].abs();
+    let (omega, _) = found.iter().find(|(_, mode)| pitches(mode)).unwrap();
+    // Half of the car body with one bolster over one bogie, turned into a mass at the distance a of the bogies from the middle:
+    // I/a² over springs in series; the frame moves with them.
+    let a = 6.2865_f64;
+    let inertia = 687_231.0 + 2.0 * 1107.0 * (a * a + 1.1201_f64.powi(2)) + 2.0 * 20.4;
+    let expected = chain([inertia / (a * a), 2.0 * 3214.0], [8.0 * 215e3, 8.0 * 1.22e6])[0];
+    // 5 %: the anchor rods below the centre of mass take part, and drive the frames' pitch.
+    assert!((omega / expected - 1.0).abs() < 0.05, "{omega} against {expected}");
+}
+
+/// Irregularities of a main line, and a place where they are fully grown.
+const ROUGH: &str = "track.irregularities={ model = \"spectrum\", seed = 7, wavelengths = [3.0, 80.0], vertical_roughness = 4.032e-7, \
+                     lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }";
+
+fn rough() -> Option<TrackShape> {
+    let reach = Reach {
+        start: 60.0,
+        end: 400.0,
+        rail_distance: 1.5,
+    };
+    TrackShape::new(scene(&[ROUGH]).track.as_deref().unwrap(), reach)
+}
+
+#[test]
+fn the_tangent_of_a_wheel_is_the_derivative_of_its_force() {
+    let mut alone = vertical(&scene(&[]), rough().as_ref());
+    let mut state = awkward(&alone.layout);
+    state.t = 1.3;
+    assert_tangent(&mut alone.train.wheels[3], &alone.layout, &state, &[]);
+}
+
+fn simulator(mut alone: Alone, rho_inf: f64) -> Simulator<Alone> {
+    let state = resting(&mut alone);
+    Simulator::new(alone, state, Vec::new(), 1e-3, rho_inf, NewtonOptions::default())
+}
+
+#[test]
+fn a_vehicle_at_rest_on_smooth_track_stays_at_rest() {
+    let mut simulator = simulator(vertical(&scene(&[]), None), 0.9);
+    let start = simulator.state().clone();
+    simulator.advance(0.0, 2.0, &mut |_, _| (), &mut |_, _, _| ()).unwrap();
+    let moved = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    // Forces of the statics are balanced to 1e-5 N; the softest spring has 1e6 N/m.
+    assert!(moved(&simulator.state().q, &start.q) < 1e-10);
+    assert!(moved(&simulator.state().v, &start.v) < 1e-9);
+}
+
+#[test]
+fn the_energy_of_a_run_on_rough_track_is_accounted_for() {
+    let residual = |step: f64| {
+        let mut simulator = simulator(vertical(&scene(&[]), rough().as_ref()), 1.0);
+        let mut balance = simulator.energy_balance();
+        for i in 0..(3.0 / step).round() as usize {
+            simulator
+                .advance(i as f64 * step, step, &mut |_, _| (), &mut |_, _, _| ())
+                .unwrap();
+            simulator.balance(&mut balance, step);
+        }
+        assert!(balance.exchanged() > 10.0, "{}", balance.exchanged());
+        assert!(balance.dissipated() > 0.0);
+        balance.worst_residual() / balance.exchanged()
+    };
+    // What the trapezoid leaves of the rails' work falls with the square of the step.
+    let (coarse, fine) = (residual(1e-3), residual(5e-4));
+    assert!(coarse < 1e-2, "{coarse}");
+    assert!(fine < 0.4 * coarse, "{fine} {coarse}");
+}
+
+/// The pantograph of the thesis on its vehicle.
+fn subsystem(overrides: &[&str]) -> Subsystem {
+    Subsystem::new(&scene(overrides), 0).unwrap()
+}
+
+#[test]
+fn on_smooth_track_a_pantograph_moves_as_on_a_straight_base() {
+    let start = "pantograph[1].start={ height = 4.945, force = 107.0 }";
+    let text = include_str!("../../../../scenes/thesis-pantograph.toml");
+    let plain = Scene::from_toml(
+        text,
+        "thesis-pantograph.toml",
+        &[start.to_owned(), "model.reduce=none".to_owned()],
+    );
+    let mut straight = Subsystem::new(&plain.unwrap(), 0).unwrap();
+    let mut carried = subsystem(&[start]);
+    let (mut largest, mut travel) = (0.0_f64, 0.0_f64);
+    let rest = straight.strip().position.z;
+    for step in 0..1000 {
+        let t = f64::from(step) * 1e-3;
+        for side in [&mut straight, &mut carried] {
+            side.set_contact_input(2, -107.0 - 30.0 * (6.0 * t).sin());
+            side.advance_to(t, 1e-3).unwrap();
+        }
+        let (a, b) = (straight.strip().position, carried.strip().position);
+        largest = largest.max((a.z - b.z).abs());
+        travel = travel.max((a.z - rest).abs());
+    }
+    assert!(travel > 0.01, "{travel}");
+    // The vehicle gives way by some 60 N over its 1.7 MN/m, 0.04 mm, in bounce and pitch.
+    assert!(largest < 5e-3 * travel, "{largest} of {travel}");
+    assert!(largest > 0.0);
+}
+
+#[test]
+fn a_saved_vehicle_continues_bit_for_bit() {
+    let mut first = subsystem(&[ROUGH]);
+    let mut kept = crate::Checkpoint::default();
+    let run = |side: &mut Subsystem, from: usize, to: usize| {
+        for step in from..to {
+            side.advance_to(step as f64 * 1e-3, 1e-3).unwrap();
+        }
+        let strip = side.strip();
+        (strip.position, strip.velocity)
+    };
+    run(&mut first, 0, 400);
+    first.save_to(&mut kept);
+    let straight_on = run(&mut first, 400, 600);
+    first.restore_from(&kept).unwrap();
+    assert_eq!(run(&mut first, 400, 600), straight_on);
+    let mut other = subsystem(&[ROUGH]);
+    other.restore_from(&kept).unwrap();
+    assert_eq!(run(&mut other, 400, 600), straight_on);
+}
+
+#[test]
+fn the_strip_of_a_lumped_pantograph_answers_a_sinus_of_its_base_as_its_transfer_function_says() {
+    let text = include_str!("../../../../scenes/en50318-250.toml");
+    let (amplitude, omega) = (0.01, std::f64::consts::TAU * 1.5);
+    let times: Vec<f64> = (0..3000).map(|i| f64::from(i) * 5e-3).collect();
+    let rise: Vec<f64> = times.iter().map(|t| amplitude * (1.0 - (omega * t).cos())).collect();
+    let motion = format!("vehicle={{ model = \"rigid_motion\", motion = {{ time = {times:?}, z = {rise:?} }} }}");
+    let overrides = [
+        motion,
+        "pantograph[1].reference_height=5.3".to_owned(),
+        "pantograph[1].stiffnesses=[4200.0, 2000.0]".to_owned(),
+        "pantograph[1].dampings=[200.0, 400.0]".to_owned(),
+    ];
+    let scene = Scene::from_toml(text, "en50318-250.toml", &overrides).unwrap();
+    let scene::PantographModel::Lumped(lumped) = &scene.pantographs[0].model else {
+        panic!("a lumped pantograph");
+    };
+    // (K + iωC − ω²M) q = (0, k₂ + iωc₂)
+    let complex = nalgebra::Complex::new;
+    let element = |i: usize| complex(lumped.stiffnesses[i], omega * lumped.dampings[i]);
+    let (upper, lower) = (element(0), element(1));
+    let inertia = |i: usize| complex(-omega * omega * lumped.masses[i], 0.0);
+    let (a, b, d) = (upper + inertia(0), -upper, upper + lower + inertia(1));
+    let transfer = -b * lower / (a * d - b * b);
+    let mut side = Subsystem::new(&scene, 0).unwrap();
+    let rest = side.strip().position.z;
+    for step in 0..12_000 {
+        let t = f64::from(step) * 1e-3;
+        side.advance_to(t, 1e-3).unwrap();
+        if step > 10_000 {
+            let phase = omega * (t + 1e-3);
+            let expected = amplitude * (1.0 - (transfer * complex(phase.cos(), phase.sin())).re);
+            let error = side.strip().position.z - rest - expected;
+            // (ωh)²/12 of the integrator and its damping, and what is left of the beginning after 10 s.
+            assert!(error.abs() < 2e-4 * amplitude, "{error} at {t} s");
+        }
+    }
+}
