@@ -29,6 +29,7 @@ mod spline;
 mod subsystem;
 pub mod track;
 pub mod train;
+pub mod wheel_rail;
 
 pub use base::{Base, Travelling};
 pub use carriage::Carriage;

@@ -1,0 +1,181 @@
+//! Where wheel and rail may touch: the local minima of the distance over the width of the profiles.
+use super::contact_point::{ContactPoint, Pairing, SurfaceParameters};
+use super::{Profile, ProfilePoint};
+
+/// Distance of the samples of a profile, m.
+const STEP: f64 = 5e-4;
+
+/// Vertical distance up to which a minimum is followed, m: more than a wheelset moves against the rail within a time step, at
+/// the slope of a flange.
+const FOLLOWED: f64 = 3e-3;
+
+/// Contact points that one wheel may have at once: tread, root and face of the flange.
+pub const MAX_CONTACTS: usize = 3;
+
+/// The contact points of one wheel, those further in (towards the flange) first.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Found {
+    points: [Option<SurfaceParameters>; MAX_CONTACTS],
+}
+
+impl Found {
+    pub fn iter(&self) -> impl Iterator<Item = &SurfaceParameters> {
+        self.points.iter().flatten()
+    }
+
+    /// All places, empty ones too.
+    pub fn places(&self) -> &[Option<SurfaceParameters>; MAX_CONTACTS] {
+        &self.points
+    }
+
+    pub fn set(&mut self, index: usize, parameters: SurfaceParameters) {
+        self.points[index] = Some(parameters);
+    }
+}
+
+/// Both profiles sampled, for the search.
+#[derive(Clone, Debug)]
+pub(crate) struct Search {
+    wheel: Vec<(f64, ProfilePoint)>,
+    rail: Vec<RailSample>,
+    /// Outward coordinate of the first sample of the rail, m.
+    first: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct RailSample {
+    sigma: f64,
+    up: f64,
+}
+
+/// A sample of the wheel over the rail.
+#[derive(Clone, Copy, Debug)]
+struct Gap {
+    height: f64,
+    start: SurfaceParameters,
+}
+
+impl Search {
+    pub fn new(wheel: &Profile, rail: &Profile) -> Self {
+        let [start, end] = wheel.range();
+        let count = ((end - start) / STEP).ceil().max(2.0);
+        let sample = |i: f64| start + (end - start) * i / count;
+        let wheel = (0..=count as usize)
+            .map(|i| sample(i as f64))
+            .map(|sigma| (sigma, wheel.at(sigma)))
+            .collect();
+        let [start, end] = rail.range();
+        let first = rail.at(start).position.x;
+        let width = rail.at(end).position.x - first;
+        let rail = (0..=(width / STEP) as usize)
+            .map_while(|i| {
+                rail.parameter_at(first + i as f64 * STEP)
+                    .map(|sigma| (sigma, rail.at(sigma)))
+            })
+            .map(|(sigma, point)| RailSample {
+                sigma,
+                up: point.position.y,
+            })
+            .collect();
+        Self { wheel, rail, first }
+    }
+
+    /// All contact points at a position; `s` is the arc length near the wheelset.
+    ///
+    /// A wheel's outline, seen along the rail, is compared with the rail; its point on each circle of the wheel is where the
+    /// normal of the wheel is perpendicular to the rail. Where the height between outline and rail has a local minimum both have
+    /// the same slope there.
+    pub fn contacts(&self, pairing: &Pairing<'_>, s: f64) -> Found {
+        let frame = pairing.rail.line.frame(s);
+        let along = frame.direction.normalize();
+        let side = pairing.wheel.side.sign();
+        let axes = &pairing.axes;
+        let (forward, upward) = (axes.column(0).dot(&along), axes.column(2).dot(&along));
+        let lateral = side * axes.column(1).dot(&along);
+        let (size, tilt) = (forward.hypot(upward), upward.atan2(forward));
+        let to_middle = pairing.middle - frame.position;
+        let gap = |(sigma, profile): &(f64, ProfilePoint)| -> Option<Gap> {
+            let sine = -profile.first.y / profile.first.x * lateral / size;
+            if !(profile.first.x > 0.0 && sine.abs() < 1.0) {
+                return None;
+            }
+            let angle = sine.asin() + tilt;
+            let radius = pairing.wheel.radius - profile.position.y;
+            let radial = axes.column(0) * angle.sin() - axes.column(2) * angle.cos();
+            let point =
+                to_middle + axes.column(1) * (side * (pairing.wheel.distance + profile.position.x)) + radial * radius;
+            let outward = side * frame.axes.column(1).dot(&point);
+            let place = (outward - self.first) / STEP;
+            let left = place.floor();
+            if left < 0.0 {
+                return None;
+            }
+            let pair = self.rail.get(left as usize..left as usize + 2)?;
+            let part = place - left;
+            let up = pair[0].up + part * (pair[1].up - pair[0].up);
+            Some(Gap {
+                height: frame.axes.column(2).dot(&point) - up,
+                start: SurfaceParameters {
+                    s: s + along.dot(&point) / frame.direction.norm(),
+                    rail: pair[0].sigma + part * (pair[1].sigma - pair[0].sigma),
+                    angle,
+                    wheel: *sigma,
+                },
+            })
+        };
+        let mut found = Candidates::default();
+        let mut before: [Option<Gap>; 2] = [None, None];
+        for sample in &self.wheel {
+            let next = gap(sample);
+            if let [Some(first), Some(middle)] = before
+                && let Some(last) = next
+                && middle.height < first.height
+                && middle.height <= last.height
+                && middle.height < FOLLOWED
+                && let Some(point) = pairing.solve(&middle.start)
+            {
+                found.insert(point);
+            }
+            before = [before[1], next];
+        }
+        found.into_found()
+    }
+}
+
+/// The deepest points so far, in the order of their place on the wheel.
+#[derive(Default)]
+struct Candidates {
+    points: [Option<ContactPoint>; MAX_CONTACTS],
+}
+
+impl Candidates {
+    /// Takes a point in unless it is no minimum, or known already.
+    fn insert(&mut self, point: ContactPoint) {
+        let is_known = |known: &ContactPoint| (known.parameters.wheel - point.parameters.wheel).abs() < 0.1 * STEP;
+        if point.curvature.min() <= 0.0 || self.points.iter().flatten().any(is_known) {
+            return;
+        }
+        if let Some(free) = self.points.iter_mut().find(|place| place.is_none()) {
+            *free = Some(point);
+            return;
+        }
+        let depth = |place: &Option<ContactPoint>| place.map_or(f64::NEG_INFINITY, |known| known.penetration);
+        let mut shallowest = 0;
+        for place in 1..MAX_CONTACTS {
+            if depth(&self.points[place]) < depth(&self.points[shallowest]) {
+                shallowest = place;
+            }
+        }
+        if depth(&self.points[shallowest]) < point.penetration {
+            // Keeps the order: the new one is the outermost.
+            self.points[shallowest..].rotate_left(1);
+            self.points[MAX_CONTACTS - 1] = Some(point);
+        }
+    }
+
+    fn into_found(self) -> Found {
+        Found {
+            points: self.points.map(|place| place.map(|point| point.parameters)),
+        }
+    }
+}
