@@ -19,6 +19,26 @@ impl Scene {
             Some(Vehicle::Vertical(train) | Vehicle::Full(train)) => train.check(found),
             None => {}
         }
+        if let Some(Vehicle::Full(train)) = self.vehicle.as_deref() {
+            let rail = self.track.as_deref().is_some_and(|track| track.rail.is_some());
+            let needed = [
+                (
+                    "vehicle.contact",
+                    train.contact.is_some(),
+                    "a table with the material, friction and creep law",
+                ),
+                (
+                    "vehicle.wheels.profile",
+                    train.wheels.profile.is_some(),
+                    "a list of points [outward, up] in m",
+                ),
+                ("track.rail", rail, "a table with gauge, inclination and profile"),
+            ];
+            for (key, _, expected) in needed.into_iter().filter(|(_, is_there, _)| !is_there) {
+                let expected = format!("{expected}, since vehicle.model is \"full\"");
+                found.push((key.to_owned(), What::Missing { expected }));
+            }
+        }
         match self.track.as_deref().map(|track| &track.irregularities) {
             Some(Irregularities::Spectrum(spectrum)) => spectrum.check(found),
             Some(Irregularities::Points(points)) => points.check(found),

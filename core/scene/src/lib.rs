@@ -68,5 +68,8 @@ pub use run::{Evaluate, Initialise, Run};
 pub use scene::{Line, Scene};
 pub use solver::{Formulation, Jacobian, Solver};
 pub use third_party::{Connection, Offset, ParameterValue, STEP_TIMEOUT, ThirdParty};
-pub use track::{Irregularities, Points, Spectrum, Track};
-pub use vehicle::{Axis, BearingEntry, BushingEntry, GivenMotion, Pivot, Stop, Train, Vehicle, VehicleBody, Wheels};
+pub use track::{Irregularities, Points, RailSection, Spectrum, Track};
+pub use vehicle::{
+    Axis, BearingEntry, BushingEntry, Creep, GivenMotion, Pivot, Stop, Train, Vehicle, VehicleBody, WheelContact,
+    Wheels,
+};

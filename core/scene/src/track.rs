@@ -5,8 +5,21 @@ use crate::keys::{Entry, Keys, Length, Number};
 /// `[track]`: straight, level track.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
+    /// `track.rail`; only for `vehicle.model = "full"`.
+    pub rail: Option<RailSection>,
     /// How far the rails are from straight.
     pub irregularities: Irregularities,
+}
+
+/// `track.rail`: the cross-section of the rails, and how they stand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RailSection {
+    /// Distance of the gauge faces, 14 mm below the top, m.
+    pub gauge: f64,
+    /// How far a rail leans inward, – (1/40, 1/20).
+    pub inclination: f64,
+    /// Cross-section from the gauge face outward: (outward, up) relative to the middle of its top, m, without the inclination.
+    pub profile: Vec<[f64; 2]>,
 }
 
 /// `track.irregularities`.
@@ -63,9 +76,8 @@ pub struct Points {
 
 impl Entry for Track {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
-        for name in ["gauge", "inclination", "rail_profile", "curve"] {
-            keys.unavailable(name);
-        }
+        keys.unavailable("curve");
+        let rail = keys.optional_table("rail", was.map(|track| track.rail.as_ref()));
         let inline = was
             .map(|track| &track.irregularities)
             .filter(|given| **given != Irregularities::None);
@@ -75,7 +87,17 @@ impl Entry for Track {
             keys.word_among("irregularities", was.map(|_| ()), &[("none", ())], &[], Some(()));
             Irregularities::None
         };
-        Self { irregularities }
+        Self { rail, irregularities }
+    }
+}
+
+impl Entry for RailSection {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            gauge: keys.number("gauge", was.map(|rail| rail.gauge), Number::positive("m")),
+            inclination: keys.number("inclination", was.map(|rail| rail.inclination), Number::any("")),
+            profile: keys.points("profile", was.map(|rail| rail.profile.as_slice()), Number::any("m")),
+        }
     }
 }
 

@@ -46,6 +46,8 @@ pub struct Train {
     pub pantograph_base: [f64; 3],
     /// `vehicle.wheels`.
     pub wheels: Wheels,
+    /// `vehicle.contact`: between wheels and rails; only for `model = "full"`.
+    pub contact: Option<WheelContact>,
     /// `[[vehicle.bodies]]`.
     pub bodies: Vec<VehicleBody>,
     /// `[[vehicle.bushings]]`.
@@ -69,6 +71,38 @@ pub struct Wheels {
     pub stiffness: f64,
     /// Vertical damping of one contact, N·s/m.
     pub damping: f64,
+    /// Cross-section from the flange outward: (outward, up) relative to the nominal rolling circle, m; only for `model = "full"`.
+    pub profile: Option<Vec<[f64; 2]>>,
+}
+
+/// `vehicle.contact`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelContact {
+    /// Shear modulus of wheel and rail, Pa.
+    pub shear_modulus: f64,
+    /// Poisson's ratio of both, –.
+    pub poisson: f64,
+    /// Damping of the normal force per penetration, N·s/m².
+    pub damping: f64,
+    /// Friction coefficient, –.
+    pub friction: f64,
+    /// Creep forces.
+    pub creep: Creep,
+}
+
+choice! {
+    /// `vehicle.contact.creep`.
+    pub enum Creep {
+        /// None.
+        Frictionless = "frictionless",
+        /// Kalker's linear theory with the saturation of Shen, Hedrick & Elkins.
+        Saturated = "saturated",
+        /// Kalker's simplified theory.
+        Fastsim = "fastsim",
+        /// Polach's closed form.
+        Polach = "polach",
+    }
+    unavailable: []
 }
 
 /// `[[vehicle.bodies]]`: equal rigid bodies whose principal axes are those of the track.
@@ -332,7 +366,8 @@ impl Entry for Train {
                 was.map(|train| train.pantograph_base),
                 Number::any("m"),
             ),
-            wheels: keys.inline_table("wheels", was.map(|train| &train.wheels)),
+            wheels: keys.table("wheels", was.map(|train| &train.wheels)),
+            contact: keys.optional_inline_table("contact", was.map(|train| train.contact.as_ref())),
             bodies: keys.tables("bodies", was.map(|train| train.bodies.as_slice())),
             bushings: optional_tables(keys, "bushings", was.map(|train| train.bushings.as_slice())),
             bearings: optional_tables(keys, "bearings", was.map(|train| train.bearings.as_slice())),
@@ -353,6 +388,37 @@ impl Entry for Wheels {
                 was.map(|wheels| wheels.damping),
                 Number::not_negative("N s/m"),
             ),
+            profile: optional_points(keys, "profile", was.map(|wheels| wheels.profile.as_deref())),
+        }
+    }
+}
+
+/// Points of a cross-section that may be left out.
+fn optional_points(keys: &mut Keys, name: &str, was: Option<Option<&[[f64; 2]]>>) -> Option<Vec<[f64; 2]>> {
+    keys.has(name, was.flatten().is_some())
+        .then(|| keys.points(name, was.flatten(), Number::any("m")))
+}
+
+impl Entry for WheelContact {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            shear_modulus: keys.number(
+                "shear_modulus",
+                was.map(|contact| contact.shear_modulus),
+                Number::positive("Pa"),
+            ),
+            poisson: keys.number("poisson", was.map(|contact| contact.poisson), Number::between(0.0, 0.5)),
+            damping: keys.number(
+                "damping",
+                was.map(|contact| contact.damping),
+                Number::not_negative("N s/m²"),
+            ),
+            friction: keys.number(
+                "friction",
+                was.map(|contact| contact.friction),
+                Number::not_negative(""),
+            ),
+            creep: keys.word("creep", was.map(|contact| contact.creep), None),
         }
     }
 }

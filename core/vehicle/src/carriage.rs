@@ -34,12 +34,7 @@ impl Carriage {
             Some(scene::Vehicle::RigidMotion(motion)) => {
                 return Ok(Self::Given(Arc::new(GivenMotion::new(motion))));
             }
-            Some(scene::Vehicle::Vertical(entry)) => entry,
-            Some(scene::Vehicle::Full(_)) => {
-                return Err(VehicleError::NotAvailable {
-                    what: "vehicle.model = \"full\" is not modelled by this version".to_owned(),
-                });
-            }
+            Some(scene::Vehicle::Vertical(entry) | scene::Vehicle::Full(entry)) => entry,
         };
         let wheels = entry.body(&entry.wheels.wheelset);
         let places = wheels.iter().flat_map(|body| &body.positions);
@@ -54,7 +49,18 @@ impl Carriage {
             .track
             .as_deref()
             .and_then(|track| TrackShape::new(track, reach));
-        let train = Train::vertical(entry, track.as_ref(), base, placement.gravity, name, layout)?;
+        let gravity = placement.gravity;
+        let train = match (placement.vehicle.as_deref(), placement.track.as_deref()) {
+            (Some(scene::Vehicle::Full(_)), Some(rails)) => {
+                Train::full(entry, (rails, track.as_ref()), base, gravity, name, layout)?
+            }
+            (Some(scene::Vehicle::Full(_)), None) => {
+                return Err(VehicleError::NotAvailable {
+                    what: "vehicle.model = \"full\" needs [track]".to_owned(),
+                });
+            }
+            _ => Train::vertical(entry, track.as_ref(), base, gravity, name, layout)?,
+        };
         Ok(Self::Train(Box::new(train)))
     }
 

@@ -59,11 +59,22 @@ fn vehicle_outputs(scene: &Scene) -> Vec<Signal> {
         return Vec::new();
     }
     let base = BASE_OUTPUTS.map(|(name, unit, text)| Signal::output(name, unit, text));
-    let loads = (1..=wheel_count(scene)).map(|i| {
-        let text = format!("Vertical force of the rail on wheel {i}, left and right wheel of each wheelset in turn");
-        Signal::output(&format!("wheel[{i}].load"), "N", &text)
+    let wheels = (1..=wheel_count(scene)).flat_map(|i| {
+        let which = format!("wheel {i}, left and right wheel of each wheelset in turn");
+        [
+            Signal::output(
+                format!("wheel[{i}].load"),
+                "N",
+                format!("Vertical force of the rail on {which}"),
+            ),
+            Signal::output(
+                format!("wheel[{i}].derailment_quotient"),
+                "1",
+                format!("Y/Q of {which}: lateral force outward on the rail over vertical force"),
+            ),
+        ]
     });
-    base.into_iter().chain(loads).collect()
+    base.into_iter().chain(wheels).collect()
 }
 
 impl Component for Subsystem {
@@ -148,7 +159,8 @@ impl Component for Subsystem {
             9 => self.pantograph().0.uplift_force(),
             output @ 10..=11 => self.base().position[output - 10],
             12 => self.base_roll(),
-            output => self.wheel_load(output - 13),
+            output if output % 2 == 1 => self.wheel_load((output - 13) / 2),
+            output => self.derailment_quotient((output - 13) / 2),
         }
     }
 

@@ -237,6 +237,13 @@ impl Subsystem {
         train.map_or(0.0, |train| train.wheel_load(wheel, &motion))
     }
 
+    /// Y/Q of a wheel, counted as in [`Subsystem::wheel_load`]; 0 where no lateral force is modelled.
+    pub fn derailment_quotient(&mut self, wheel: usize) -> f64 {
+        let (pantograph, motion) = self.pantograph();
+        let train = pantograph.carriage().train();
+        train.map_or(0.0, |train| train.derailment_quotient(wheel, &motion))
+    }
+
     /// Acceleration of the strip's middle from the accelerations of the coordinates, m/s²; what a turning body adds by its
     /// angular velocity is left out.
     pub fn strip_acceleration(&mut self) -> Vector3<f64> {

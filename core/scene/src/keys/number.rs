@@ -244,14 +244,14 @@ impl Keys<'_> {
         values.try_into().unwrap_or([f64::NAN; 2])
     }
 
-    /// A list of points of three numbers, at least one.
-    pub(crate) fn points(&mut self, name: &str, was: Option<&[[f64; 3]]>, number: Number) -> Vec<[f64; 3]> {
-        let expected = || {
-            format!(
-                "a list of points in {}, 3 numbers (x, y, z) each, at least one",
-                number.unit
-            )
-        };
+    /// A list of points of N numbers, at least one.
+    pub(crate) fn points<const N: usize>(
+        &mut self,
+        name: &str,
+        was: Option<&[[f64; N]]>,
+        number: Number,
+    ) -> Vec<[f64; N]> {
+        let expected = || format!("a list of points in {}, {N} numbers each, at least one", number.unit);
         let list = |values: &[f64]| Value::List(values.iter().map(|value| Value::Float(*value).into()).collect());
         if let Some(points) = was {
             let value = Value::List(points.iter().map(|point| list(point).into()).collect());
@@ -277,13 +277,15 @@ impl Keys<'_> {
         for (i, entry) in entries.iter().enumerate() {
             let key = self.entry_key(name, i);
             match &entry.value {
-                Value::List(numbers) if numbers.len() == 3 => {
-                    points.push([0, 1, 2].map(|k| self.checked(format!("{key}[{}]", k + 1), &numbers[k], number)));
+                Value::List(numbers) if numbers.len() == N => {
+                    points.push(std::array::from_fn(|k| {
+                        self.checked(format!("{key}[{}]", k + 1), &numbers[k], number)
+                    }));
                 }
                 other => {
                     let what = What::WrongType {
                         value: shown(other),
-                        expected: format!("a point in {}, 3 numbers (x, y, z)", number.unit),
+                        expected: format!("a point in {}, {N} numbers", number.unit),
                     };
                     self.problem(entry.at, key, what);
                 }

@@ -1,8 +1,10 @@
 //! From the scene's vehicle to bodies, bushings, joints and wheels.
-use super::{Train, WheelSpring};
+use super::rolling_wheel::Rolling;
+use super::{RollingWheel, Spin, Train, TrainWheel, WheelSpring};
 use crate::multibody::{Anchor, BodyMarker, Bushing, Characteristic, Joint, Pair, Pose, Rates, RigidBody};
 use crate::pantograph::Offsets;
 use crate::track::TrackShape;
+use crate::wheel_rail::{CreepLaw, CreepModel, Fastsim, Hertz, KalkerCoefficients, Material, Profile, Side};
 use crate::{Base, VehicleError};
 use dynamics::{Constraint, Layout};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -134,7 +136,7 @@ impl Builder<'_> {
         Ok(joints)
     }
 
-    fn wheels(&self, base: Base, track: Option<&TrackShape>) -> Result<Vec<WheelSpring>, VehicleError> {
+    fn wheels(&self, base: Base, track: Option<&TrackShape>) -> Result<Vec<TrainWheel>, VehicleError> {
         let wheels = &self.entry.wheels;
         let wheelsets = self.entry.body(&wheels.wheelset);
         let wheelsets = wheelsets.ok_or_else(|| VehicleError::UnknownBody {
@@ -148,7 +150,8 @@ impl Builder<'_> {
                 let marker = self.anchor("wheels.wheelset", &wheels.wheelset, &point, &Matrix3::identity())?;
                 let rail = track.map(|track| Arc::clone(&track.rails[side]));
                 let rates = [wheels.stiffness, wheels.damping];
-                springs.push(WheelSpring::new(marker, self.point(&point), base, rail, rates));
+                let spring = WheelSpring::new(marker, self.point(&point), base, rail, rates);
+                springs.push(TrainWheel::Spring(spring));
             }
         }
         Ok(springs)
@@ -176,21 +179,58 @@ impl Train {
             layout.fix(body.pose.rotation + YAW);
         }
         train.fixed += 3 * train.bodies.len();
-        // The axles turn in their bearings; what is modelled of them is the axle without its spin.
+        train.hold_axles_and_speed(entry, layout);
+        Ok(train)
+    }
+
+    /// Builds a vehicle whose bodies move in space, on wheels that roll on the rails of `track`; `shape` is how these are bent.
+    ///
+    /// # Errors
+    /// Names that do not fit together; profiles that are none.
+    pub fn full(
+        entry: &Entry,
+        (track, shape): (&scene::Track, Option<&TrackShape>),
+        base: Base,
+        gravity: f64,
+        name: &str,
+        layout: &mut Layout,
+    ) -> Result<Self, VehicleError> {
+        let mut train = Self::build(entry, None, base, gravity, name, layout, false)?;
+        let wheelsets = train.hold_axles_and_speed(entry, layout);
+        let rolling = rolling(entry, track, base)?;
+        train.wheels.clear();
+        for (i, body) in wheelsets.enumerate() {
+            let body = train.bodies[body];
+            let spin = Spin {
+                pose: body.pose,
+                coordinate: layout.add_coordinates(1, format!("{name}, spin of wheelset {}", i + 1)),
+                rolling: base.speed / entry.wheels.radius,
+                inertia: body.inertia.y,
+            };
+            train.spins.push(spin);
+            for (side, number) in [(Side::Left, 0), (Side::Right, 1)] {
+                let shape = shape.map(|shape| Arc::clone(&shape.rails[number]));
+                let wheel = RollingWheel::new(rolling.clone(), spin, side, shape);
+                train.wheels.push(TrainWheel::Rolling(wheel));
+            }
+        }
+        Ok(train)
+    }
+
+    /// Holds the pitch of what stands for the axles, without their spin, and the place of the carrying body along the track;
+    /// returns the numbers of the wheelsets.
+    fn hold_axles_and_speed(&mut self, entry: &Entry, layout: &mut Layout) -> std::ops::Range<usize> {
         let wheelsets = entry.bodies.iter().find(|body| body.name == entry.wheels.wheelset);
         let count = wheelsets.map_or(0, |body| body.positions.len());
-        let first = entry
-            .bodies
-            .iter()
-            .take_while(|body| body.name != entry.wheels.wheelset);
-        let first: usize = first.map(|body| body.positions.len()).sum();
-        for body in &train.bodies[first..first + count] {
+        let before = entry.bodies.iter();
+        let before = before.take_while(|body| body.name != entry.wheels.wheelset);
+        let first: usize = before.map(|body| body.positions.len()).sum();
+        for body in &self.bodies[first..first + count] {
             layout.fix(body.pose.rotation + PITCH);
         }
-        train.fixed += count;
-        layout.fix(train.carrier.pose.translation);
-        train.fixed += 1;
-        Ok(train)
+        layout.fix(self.carrier.pose.translation);
+        self.fixed += count + 1;
+        first..first + count
     }
 
     /// The vehicle with all motions free, on the springs of its wheels alone.
@@ -248,11 +288,92 @@ impl Train {
             bushings,
             joints,
             wheels: builder.wheels(base, track)?,
+            spins: Vec::new(),
             carrier: builder.anchor("carrier", &entry.carrier, &entry.pantograph_base, &Matrix3::identity())?,
             bodies: builder.bodies,
             fixed: 0,
         })
     }
+}
+
+/// Points closer together than this are one, m: a hundredth of a millimetre is the digit that profiles are measured to.
+const SPACING: f64 = 1e-5;
+
+/// Depth below the top of rail at which the gauge is measured, m [EN 13848-1].
+const GAUGE_DEPTH: f64 = 0.014;
+
+/// What all wheels of a full vehicle share.
+fn rolling(entry: &Entry, track: &scene::Track, base: Base) -> Result<Rolling, VehicleError> {
+    let missing = |key: &str| VehicleError::NotAvailable {
+        what: format!("vehicle.model = \"full\" needs {key}"),
+    };
+    let profile = |key: &'static str, points: &[[f64; 2]]| {
+        let profile = Profile::new(points, SPACING);
+        profile.map(Arc::new).map_err(|reason| VehicleError::NotAvailable {
+            what: format!("{key}: {reason}"),
+        })
+    };
+    let contact = entry.contact.as_ref().ok_or_else(|| missing("vehicle.contact"))?;
+    let wheel = entry.wheels.profile.as_ref();
+    let wheel = wheel.ok_or_else(|| missing("vehicle.wheels.profile"))?;
+    let rail = track.rail.as_ref().ok_or_else(|| missing("track.rail"))?;
+    // The rail leans inward by its inclination, about the middle of its top.
+    let (sine, cosine) = rail.inclination.atan().sin_cos();
+    let leaning: Vec<[f64; 2]> = (rail.profile.iter())
+        .map(|[outward, up]| [outward * cosine - up * sine, outward * sine + up * cosine])
+        .collect();
+    let rail_profile = profile("track.rail.profile", &leaning)?;
+    let face = gauge_face(&rail_profile).ok_or_else(|| VehicleError::NotAvailable {
+        what: "track.rail.profile must reach from the gauge face, 14 mm below its top, over the top".to_owned(),
+    })?;
+    let material = Material {
+        shear_modulus: contact.shear_modulus,
+        poisson: contact.poisson,
+    };
+    Ok(Rolling {
+        base,
+        radius: entry.wheels.radius,
+        distance: 0.5 * entry.wheels.distance,
+        wheel: profile("vehicle.wheels.profile", wheel)?,
+        rail: rail_profile,
+        rail_distance: 0.5 * rail.gauge - face,
+        hertz: Hertz::new(&material),
+        damping: contact.damping,
+        creep: CreepModel {
+            law: match contact.creep {
+                scene::Creep::Frictionless => CreepLaw::Frictionless,
+                scene::Creep::Saturated => CreepLaw::Saturated,
+                scene::Creep::Fastsim => CreepLaw::Fastsim(Fastsim { strips: 10, cells: 10 }),
+                scene::Creep::Polach => CreepLaw::Polach,
+            },
+            friction: contact.friction,
+            shear_modulus: contact.shear_modulus,
+            coefficients: KalkerCoefficients::new(contact.poisson),
+        },
+    })
+}
+
+/// Outward coordinate of the gauge face, m: where the inner side of the rail is [`GAUGE_DEPTH`] below its top.
+fn gauge_face(rail: &Profile) -> Option<f64> {
+    let [start, end] = rail.range();
+    let count = 400;
+    let at = |i: i32| start + (end - start) * f64::from(i) / f64::from(count);
+    let height = |sigma: f64| rail.at(sigma).position.y;
+    let top = (0..=count).map(|i| height(at(i))).fold(f64::NEG_INFINITY, f64::max);
+    let first = (0..=count).find(|&i| height(at(i)) >= top - GAUGE_DEPTH)?;
+    if first == 0 {
+        return None;
+    }
+    let (mut low, mut high) = (at(first - 1), at(first));
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if height(middle) < top - GAUGE_DEPTH {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(rail.at(high).position.x)
 }
 
 /// Name of one of equal bodies.

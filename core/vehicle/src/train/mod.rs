@@ -4,6 +4,8 @@
 //! centre of mass of the body that carries the pantograph keeps its place along the track there: that is what drives the
 //! vehicle, and it does no work in this frame. [Thesis, section 3.1, Table 1]
 mod builder;
+mod rolling_wheel;
+mod spin;
 mod statics;
 #[cfg(test)]
 mod tests;
@@ -12,9 +14,39 @@ mod wheel_spring;
 use crate::multibody::{BodyMarker, Bushing, Joint, RigidBody};
 use crate::pantograph::Offsets;
 use dynamics::{Constraint, Force, Frame, Marker, Motion, State};
+pub use rolling_wheel::RollingWheel;
+pub use spin::{Spin, WheelsetMarker};
 pub(crate) use statics::Load;
 pub use statics::TrainRest;
 pub use wheel_spring::WheelSpring;
+
+/// What is between a wheel and its rail.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "eight per vehicle")]
+pub enum TrainWheel {
+    /// A linear spring.
+    Spring(WheelSpring),
+    /// Rolling contact.
+    Rolling(RollingWheel),
+}
+
+impl TrainWheel {
+    /// Vertical force of the rail on the wheel, N.
+    #[must_use]
+    pub fn load(&self, motion: &Motion<'_>) -> f64 {
+        match self {
+            Self::Spring(wheel) => wheel.load(motion),
+            Self::Rolling(wheel) => wheel.force(motion).z,
+        }
+    }
+
+    fn contribution(&mut self) -> &mut dyn Force {
+        match self {
+            Self::Spring(wheel) => wheel,
+            Self::Rolling(wheel) => wheel,
+        }
+    }
+}
 
 /// A vehicle of rigid bodies on its wheels.
 #[derive(Clone, Debug)]
@@ -28,7 +60,9 @@ pub struct Train {
     bearing_count: usize,
     joints: Vec<Joint>,
     /// Left and right wheel of each wheelset in turn.
-    wheels: Vec<WheelSpring>,
+    wheels: Vec<TrainWheel>,
+    /// Of the wheelsets, where they roll.
+    spins: Vec<Spin>,
     carrier: BodyMarker,
     fixed: usize,
 }
@@ -71,7 +105,7 @@ impl Train {
     /// Number of generalised velocities that are free.
     #[must_use]
     pub fn coordinates(&self) -> usize {
-        6 * self.bodies.len() - self.fixed
+        6 * self.bodies.len() + self.spins.len() - self.fixed
     }
 
     /// Number of constraint equations.
@@ -89,6 +123,15 @@ impl Train {
     #[must_use]
     pub fn wheel_load(&self, wheel: usize, motion: &Motion<'_>) -> f64 {
         self.wheels.get(wheel).map_or(0.0, |wheel| wheel.load(motion))
+    }
+
+    /// Y/Q of one wheel, counted from 0; 0 where no lateral force is modelled.
+    #[must_use]
+    pub fn derailment_quotient(&self, wheel: usize, motion: &Motion<'_>) -> f64 {
+        match self.wheels.get(wheel) {
+            Some(TrainWheel::Rolling(wheel)) => wheel.derailment_quotient(motion),
+            _ => 0.0,
+        }
     }
 
     /// Number of wheels.
@@ -112,7 +155,10 @@ impl Train {
             visit(bushing);
         }
         for wheel in &mut self.wheels {
-            visit(wheel);
+            visit(wheel.contribution());
+        }
+        for spin in &mut self.spins {
+            visit(spin);
         }
     }
 
@@ -126,5 +172,8 @@ impl Train {
     /// Writes a state of rest into the vehicle's part of a state.
     pub(crate) fn set_rest(&self, rest: &TrainRest, state: &mut State) {
         rest.equilibrium.write(self.offsets, state);
+        for (spin, rate) in self.spins.iter().zip(&rest.spins) {
+            state.v[spin.coordinate] = *rate;
+        }
     }
 }

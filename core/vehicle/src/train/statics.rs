@@ -1,5 +1,5 @@
 //! The vehicle at rest under what stands on it.
-use super::Train;
+use super::{Train, TrainWheel};
 use crate::VehicleError;
 use crate::multibody::{BodyMarker, DeadForce};
 use crate::pantograph::Equilibrium;
@@ -28,6 +28,8 @@ pub struct TrainRest {
     pub(crate) equilibrium: Equilibrium,
     /// The base of the pantograph, in the frame of the base.
     pub base: Frame,
+    /// χ̇ of the wheelsets, rad/s, at which they roll freely.
+    pub(crate) spins: Vec<f64>,
 }
 
 /// A vehicle alone.
@@ -90,12 +92,16 @@ impl Train {
             mass_shift: MASS_SHIFT,
             ..StaticOptions::default()
         };
+        self.set_creeping(false);
         let mut alone = Alone {
             train: self,
             layout,
             loads,
         };
-        solve_static(&mut alone, state, &[], &options).map_err(VehicleError::Unsettled)?;
+        let settled = solve_static(&mut alone, state, &[], &options);
+        self.set_creeping(true);
+        settled.map_err(VehicleError::Unsettled)?;
+        let spins = self.free_rolling(state);
         let base = self.base_frame(&state.motion(&[]));
         Ok(TrainRest {
             equilibrium: Equilibrium {
@@ -107,6 +113,51 @@ impl Train {
                 train: None,
             },
             base,
+            spins,
         })
+    }
+
+    fn set_creeping(&mut self, creeping: bool) {
+        for wheel in &mut self.wheels {
+            if let TrainWheel::Rolling(wheel) = wheel {
+                wheel.set_creeping(creeping);
+            }
+        }
+    }
+
+    /// χ̇ of each wheelset (rad/s) at which no moment turns it about its axle, the vehicle being otherwise at rest.
+    ///
+    /// Wheels do not roll on their nominal radius exactly: they are pressed in, and touch beside it.
+    fn free_rolling(&mut self, state: &State) -> Vec<f64> {
+        /// Accepted moment, N·m: a creepage of 1e-9.
+        const MOMENT: f64 = 1e-3;
+        let mut state = state.clone();
+        let spins = self.spins.clone();
+        let mut force = vec![0.0; state.q.len()];
+        let mut moment = |state: &State, coordinate: usize| {
+            force.fill(0.0);
+            for wheel in &mut self.wheels {
+                wheel.contribution().add_force(&state.motion(&[]), &mut force);
+            }
+            force[coordinate]
+        };
+        spins
+            .iter()
+            .map(|spin| {
+                let at = spin.coordinate;
+                let (mut before, mut rate) = (0.0, 1e-5 * spin.rolling);
+                let mut old = moment(&state, at);
+                for _ in 0..30 {
+                    state.v[at] = rate;
+                    let new = moment(&state, at);
+                    if new.abs() <= MOMENT || new == old {
+                        break;
+                    }
+                    let next = rate - new * (rate - before) / (new - old);
+                    (before, old, rate) = (rate, new, next);
+                }
+                rate
+            })
+            .collect()
     }
 }

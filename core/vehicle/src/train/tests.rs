@@ -9,7 +9,8 @@ use scene::Scene;
 const THESIS: &str = include_str!("../../../../scenes/thesis.toml");
 
 fn scene(overrides: &[&str]) -> Scene {
-    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    let mut overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    overrides.push("vehicle.model=vertical".to_owned());
     Scene::from_toml(THESIS, "thesis.toml", &overrides).unwrap()
 }
 
@@ -214,7 +215,7 @@ fn the_tangent_of_a_wheel_is_the_derivative_of_its_force() {
     let mut alone = vertical(&scene(&[]), rough().as_ref());
     let mut state = awkward(&alone.layout);
     state.t = 1.3;
-    assert_tangent(&mut alone.train.wheels[3], &alone.layout, &state, &[]);
+    assert_tangent(alone.train.wheels[3].contribution(), &alone.layout, &state, &[]);
 }
 
 fn simulator(mut alone: Alone, rho_inf: f64) -> Simulator<Alone> {
@@ -346,4 +347,66 @@ fn the_strip_of_a_lumped_pantograph_answers_a_sinus_of_its_base_as_its_transfer_
             assert!(error.abs() < 2e-4 * amplitude, "{error} at {t} s");
         }
     }
+}
+
+/// The scene as it is: every wheel rolls on its rail.
+fn full_scene(overrides: &[&str]) -> Scene {
+    let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+    Scene::from_toml(THESIS, "thesis.toml", &overrides).unwrap()
+}
+
+fn full(scene: &Scene, shape: Option<&TrackShape>) -> Alone {
+    let mut layout = Layout::new();
+    let entry = scene.vehicle.as_deref().unwrap().train().unwrap();
+    let rails = scene.track.as_deref().unwrap();
+    let base = Base {
+        speed: scene.run.speed,
+        ..BASE
+    };
+    let train = Train::full(entry, (rails, shape), base, 9.81, "vehicle", &mut layout).unwrap();
+    Alone { layout, train }
+}
+
+/// The vehicle at rest in its frame, its wheelsets rolling freely.
+fn rolling(alone: &mut Alone) -> State {
+    let mut state = alone.layout.state_at_rest();
+    let rest = alone.train.rest(&alone.layout, &mut state, &[]).unwrap();
+    alone.train.set_rest(&rest, &mut state);
+    state
+}
+
+#[test]
+fn each_rolling_wheel_bears_an_eighth_of_the_weight_at_rest() {
+    let mut alone = full(&full_scene(&[]), None);
+    let state = rolling(&mut alone);
+    for load in alone.train.wheel_loads(&state.motion(&[])) {
+        // Statics know no creep: the spin in the contact makes a lateral force of some 1 kN on a slope of 1/40.
+        assert!((load - 43_052.0 * 9.81 / 8.0).abs() < 30.0, "{load}");
+    }
+    // Bearings and contacts give way, no spring does.
+    let farthest = state.q.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
+    assert!(farthest < 1e-3, "{farthest}");
+}
+
+#[test]
+fn a_rolling_vehicle_on_smooth_track_goes_on_rolling() {
+    let mut alone = full(&full_scene(&[]), None);
+    let state = rolling(&mut alone);
+    let start = state.clone();
+    let mut simulator = Simulator::new(alone, state, Vec::new(), 1e-3, 0.9, NewtonOptions::default());
+    let mut largest = 0.0_f64;
+    simulator
+        .advance(0.0, 2.0, &mut |_, _| (), &mut |alone, motion, _| {
+            let base = alone.train.base_frame(&motion);
+            largest = largest.max(base.velocity.norm());
+        })
+        .unwrap();
+    let moved = alone_moved(&start, simulator.state());
+    assert!(largest < 1e-5, "{largest} m/s");
+    assert!(moved < 1e-5, "{moved} m");
+}
+
+/// Largest change of a displacement, spins left out.
+fn alone_moved(a: &State, b: &State) -> f64 {
+    (0..78).map(|i| (a.q[i] - b.q[i]).abs()).fold(0.0, f64::max)
 }
