@@ -49,6 +49,7 @@ mod pantograph;
 mod run;
 mod scene;
 mod solver;
+mod table_file;
 mod third_party;
 mod track;
 mod tree;

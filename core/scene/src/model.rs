@@ -3,7 +3,7 @@
 use crate::check::{Found, refuse};
 use crate::choice::choice;
 use crate::keys::{Entry, Keys};
-use crate::{PantographModel, Scene, Vehicle};
+use crate::{PantographModel, Scene};
 
 /// `[model]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -65,7 +65,8 @@ impl Scene {
         if catenary.stagger.iter().any(|y| *y != catenary.stagger[0]) {
             return Some("catenary.stagger differs from support to support".to_owned());
         }
-        if let Some(reason) = self.vehicle.as_deref().and_then(Vehicle::leaves_the_plane) {
+        let (vehicle, track) = (self.vehicle.as_deref(), self.track.as_deref());
+        if let Some(reason) = vehicle.and_then(|vehicle| vehicle.leaves_the_plane(track)) {
             return Some(reason.to_owned());
         }
         self.pantographs.iter().enumerate().find_map(|(index, pantograph)| {

@@ -1,5 +1,6 @@
 //! `[track]`: what the wheels run on.
 
+use crate::error::What;
 use crate::keys::{Entry, Keys, Length, Number};
 
 /// `[track]`: straight, level track.
@@ -72,6 +73,21 @@ pub struct Points {
     pub y_right: Vec<f64>,
     /// File that the lists are still to be read from; its columns are called as the keys.
     pub file: Option<String>,
+}
+
+impl Track {
+    /// Whether both rails are alike and stay where they are sideways.
+    #[must_use]
+    pub fn is_symmetric(&self) -> bool {
+        match &self.irregularities {
+            Irregularities::None => true,
+            Irregularities::Spectrum(_) => false,
+            Irregularities::Points(points) => {
+                let still = |values: &[f64]| values.iter().all(|value| *value == 0.0);
+                points.z_left == points.z_right && still(&points.y_left) && still(&points.y_right)
+            }
+        }
+    }
 }
 
 impl Entry for Track {
@@ -167,6 +183,21 @@ impl Entry for Spectrum {
 
 impl Entry for Points {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let file = was.map(|points| points.file.as_deref());
+        if keys.has("file", file.flatten().is_some()) {
+            let path = keys.text("file", file.flatten(), "the path of a CSV file, relative to the scene");
+            let because = "file is given, which has the lists as columns".to_string();
+            for name in ["x", "z_left", "z_right", "y_left", "y_right"] {
+                if keys.has(name, false) {
+                    let because = because.clone();
+                    keys.report(name, What::LeaveOut { because });
+                }
+            }
+            return Self {
+                file: Some(path),
+                ..Self::default()
+            };
+        }
         let x = keys.numbers(
             "x",
             was.map(|points| points.x.as_slice()),

@@ -1,5 +1,6 @@
 //! `[vehicle]`: what the pantograph stands on.
 
+use crate::Track;
 use crate::choice::choice;
 use crate::error::What;
 use crate::keys::{Entry, Keys, Length, Number, placeholder};
@@ -208,16 +209,22 @@ impl Vehicle {
         }
     }
 
-    /// Why the pantograph's base may leave the plane along the track; `None` where it cannot.
+    /// Why the pantograph's base may leave the plane along the track; `None` where it cannot: a symmetric vehicle on rails that
+    /// are alike has nothing that would push it to one side rather than to the other.
     #[must_use]
-    pub fn leaves_the_plane(&self) -> Option<&'static str> {
+    pub fn leaves_the_plane(&self, track: Option<&Track>) -> Option<&'static str> {
         let moves = |values: &[f64]| values.iter().any(|value| *value != 0.0);
         match self {
             Self::RigidMotion(motion) if moves(&motion.y) || moves(&motion.roll) => {
                 Some("vehicle.motion moves the strip sideways or tilts it")
             }
-            Self::Full(_) => Some("the vehicle sways and rolls"),
-            Self::RigidMotion(_) | Self::Vertical(_) => None,
+            Self::Full(train) if !train.is_symmetric() => {
+                Some("the vehicle is not symmetric to the plane along the track")
+            }
+            Self::Full(_) if track.is_some_and(|track| !track.is_symmetric()) => {
+                Some("track.irregularities make the vehicle sway and roll")
+            }
+            Self::RigidMotion(_) | Self::Vertical(_) | Self::Full(_) => None,
         }
     }
 
@@ -236,6 +243,31 @@ impl Train {
     #[must_use]
     pub fn body(&self, name: &str) -> Option<&VehicleBody> {
         self.bodies.iter().find(|body| body.name == name)
+    }
+
+    /// Whether everything stands symmetric to the plane along the track: each point beside it has its mirror image.
+    #[must_use]
+    pub fn is_symmetric(&self) -> bool {
+        let mirrored = |points: &[[f64; 3]]| {
+            let image = |[x, y, z]: [f64; 3]| points.contains(&[x, -y, z]);
+            points.iter().all(|&point| image(point))
+        };
+        let upright = |bushing: &BushingEntry| {
+            let stop = bushing.stop.as_ref().filter(|stop| stop.axis == Axis::Y);
+            let odd = |stop: &Stop| {
+                let entries = || stop.displacement.iter().zip(&stop.force);
+                entries().all(|(s, f)| entries().any(|(other, force)| *other == -s && *force == -f))
+            };
+            bushing.orientation == [0.0; 3] && bushing.preload[1] == 0.0 && stop.is_none_or(odd)
+        };
+        self.pantograph_base[1] == 0.0
+            && self.bodies.iter().all(|body| mirrored(&body.positions))
+            && self
+                .bushings
+                .iter()
+                .all(|entry| mirrored(&entry.points) && upright(entry))
+            && self.bearings.iter().all(|entry| mirrored(&entry.points))
+            && self.joints.iter().all(|entry| mirrored(&entry.points))
     }
 
     /// Number of bodies.

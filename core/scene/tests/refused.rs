@@ -93,8 +93,12 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, maximum = 1e-2 }", &["coupling.macro_step.maximum", "did you mean"]),
     ("macro_step = 0.001", "macro_step = 0.001\nparallel = \"on\"", &["coupling.parallel = \"on\": unknown word", "\"auto\", \"always\", \"never\""]),
     ("rho_inf = 0.9", "formulation = \"augmented_lagrangian\"", &["solver.formulation = \"augmented_lagrangian\": not modelled yet by this version"]),
-    ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle: known, but not modelled yet by this version: leave it out"]),
-    ("[coupling]", "[track]\n[coupling]", &["track: known, but not modelled yet"]),
+    ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle.model is missing: must be one of \"rigid_motion\", \"vertical\", \"full\""]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], z = [0.0] }\n[coupling]", &["vehicle.motion.z = [0.0]: has 1 entries, must be a list of numbers in m, 2 of them"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 0.0] }\n[coupling]", &["vehicle.motion.time[2] = 0 s: must be greater than the entry before it, 0 s"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { file = \"a.csv\", z = [0.0] }\n[coupling]", &["vehicle.motion.z: must be left out: file is given"]),
+    ("[coupling]", "[track]\n[coupling]", &["track: must be left out: no wheel runs on it"]),
+    ("[coupling]", "[track]\ncurve = 1\n[coupling]", &["track.curve: known, but not modelled yet by this version: leave it out"]),
     ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind: known, but not modelled yet"]),
     ("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]", &["model.reduce = \"linkage\": must be left out: no pantograph is a linkage"]),
     ("[coupling]", "[model]\nreduce = [\"plannar\"]\n[coupling]", &["model.reduce[1] = \"plannar\": unknown word, did you mean \"planar\"?"]),
@@ -502,6 +506,85 @@ fn an_error_that_no_mesh_makes_is_refused() {
             "catenary.mesh.error_percent = 1 %: must be at least",
             "with solver.micro_step = 5 ms",
         ],
+    );
+}
+
+/// The scene with a vehicle, its text changed in one place.
+fn vehicle_message(from: &str, to: &str) -> String {
+    const VEHICLE: &str = include_str!("../../../scenes/thesis.toml");
+    assert_eq!(VEHICLE.matches(from).count(), 1, "{from}");
+    let error = Scene::from_toml(&VEHICLE.replace(from, to), "thesis.toml", &[]).unwrap_err();
+    error.to_string()
+}
+
+#[test]
+fn a_vehicle_that_cannot_be_is_refused_by_key_value_and_remedy() {
+    let cases: [(&str, &str, &[&str]); 10] = [
+        (
+            "mass = 24170.0",
+            "mass = -24170.0",
+            &["vehicle.bodies[1].mass = -24170 kg: must be positive"],
+        ),
+        (
+            "carrier = \"car_body\"",
+            "carrier = \"car\"",
+            &["vehicle.carrier = \"car\": no such bodies: must be one of \"car_body\", \"bolster\""],
+        ),
+        (
+            "carrier = \"car_body\"",
+            "carrier = \"bolster\"",
+            &["vehicle.carrier = \"bolster\": must be a body that there is one of"],
+        ),
+        (
+            "wheelset = \"wheelset\"",
+            "wheelset = \"axle\"",
+            &[
+                "vehicle.wheels.wheelset = \"axle\": no such bodies",
+                "vehicle.bearings[1].second = \"wheelset\": must be",
+            ],
+        ),
+        (
+            "name = \"bolster\"\nmass",
+            "name = \"frame\"\nmass",
+            &["vehicle.bodies[3].name = \"frame\": must be unique"],
+        ),
+        (
+            "positions = [[7.5819, 0.0, 1.8289]]",
+            "positions = [[7.5819, 0.0]]",
+            &["vehicle.bodies[1].positions[1] = [7.5819, 0.0]: must be a point in m, 3 numbers"],
+        ),
+        (
+            "displacement = [-0.065, -0.060,",
+            "displacement = [-0.060, -0.065,",
+            &["vehicle.bushings[6].stop.displacement[2] = -0.065 m: must be greater than the entry before it, -0.06 m"],
+        ),
+        (
+            "creep = \"polach\"",
+            "creep = \"polack\"",
+            &["vehicle.contact.creep = \"polack\": unknown word, did you mean \"polach\"?"],
+        ),
+        (
+            "[track.rail]",
+            "[track.rails]",
+            &["track.rails: unknown key, did you mean \"rail\"?"],
+        ),
+        (
+            "model = \"full\"",
+            "model = \"fully\"",
+            &["vehicle.model = \"fully\": unknown word, did you mean \"full\"?"],
+        ),
+    ];
+    for (from, to, expected) in cases {
+        holds(&vehicle_message(from, to), expected);
+    }
+}
+
+#[test]
+fn the_linkage_on_a_moving_base_is_not_reduced() {
+    let message = vehicle_message("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]");
+    holds(
+        &message,
+        &["model.reduce = \"linkage\": must be left out: its base moves with the vehicle"],
     );
 }
 

@@ -18,6 +18,14 @@ pub enum Carriage {
     Train(Box<Train>),
 }
 
+fn unread(key: &str, file: &str) -> VehicleError {
+    VehicleError::NotAvailable {
+        what: format!(
+            "{key} = {file:?}: must be read into the scene first, as `master` does; or give the lists themselves"
+        ),
+    }
+}
+
 impl Carriage {
     /// Builds what carries a pantograph into `layout`; `name` begins the names of its coordinates.
     ///
@@ -32,10 +40,18 @@ impl Carriage {
         let entry = match placement.vehicle.as_deref() {
             None => return Ok(Self::Straight),
             Some(scene::Vehicle::RigidMotion(motion)) => {
+                if let Some(file) = &motion.file {
+                    return Err(unread("vehicle.motion.file", file));
+                }
                 return Ok(Self::Given(Arc::new(GivenMotion::new(motion))));
             }
             Some(scene::Vehicle::Vertical(entry) | scene::Vehicle::Full(entry)) => entry,
         };
+        if let Some(scene::Irregularities::Points(scene::Points { file: Some(file), .. })) =
+            placement.track.as_deref().map(|track| &track.irregularities)
+        {
+            return Err(unread("track.irregularities.file", file));
+        }
         let wheels = entry.body(&entry.wheels.wheelset);
         let places = wheels.iter().flat_map(|body| &body.positions);
         let foremost = places.fold(f64::NEG_INFINITY, |most, position| most.max(position[0]));

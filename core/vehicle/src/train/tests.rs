@@ -53,22 +53,9 @@ fn resting(alone: &mut Alone) -> State {
     state
 }
 
-/// Undamped angular frequencies (rad/s, ascending) and modes of what is free, about a state.
-fn modes(alone: &mut Alone, state: &State) -> Vec<(f64, DVector<f64>)> {
-    let n = state.q.len();
-    let motion = state.motion(&[]);
-    let stiffness = dense(n, &mut |blocks| {
-        let weights = dynamics::Weights { q: 1.0, v: 0.0 };
-        alone
-            .train
-            .forces(&mut |force| force.add_tangent(&motion, weights, blocks));
-        let mut first = 0;
-        for joint in &alone.train.joints {
-            joint.add_geometric_stiffness(&motion, &state.lambda[first..], blocks);
-            first += joint.dimension();
-        }
-    });
-    let mass = dense(n, &mut |blocks| alone.train.forces(&mut |force| force.add_mass(blocks)));
+/// Directions that joints and held coordinates leave free at a state, as columns.
+fn free_motions(alone: &Alone, state: &State) -> DMatrix<f64> {
+    let (n, motion) = (state.q.len(), state.motion(&[]));
     let m = state.lambda.len();
     let mut held = DMatrix::zeros(m + alone.layout.fixed().len(), n);
     let mut first = 0;
@@ -87,7 +74,26 @@ fn modes(alone: &mut Alone, state: &State) -> Vec<(f64, DVector<f64>)> {
     // The null space of what is held: eigenvectors of HᵀH at zero.
     let eigen = SymmetricEigen::new(held.transpose() * &held);
     let free: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i] < 1e-9).collect();
-    let basis = DMatrix::from_columns(&free.iter().map(|&i| eigen.eigenvectors.column(i)).collect::<Vec<_>>());
+    DMatrix::from_columns(&free.iter().map(|&i| eigen.eigenvectors.column(i)).collect::<Vec<_>>())
+}
+
+/// Undamped angular frequencies (rad/s, ascending) and modes of what is free, about a state.
+fn modes(alone: &mut Alone, state: &State) -> Vec<(f64, DVector<f64>)> {
+    let n = state.q.len();
+    let motion = state.motion(&[]);
+    let stiffness = dense(n, &mut |blocks| {
+        let weights = dynamics::Weights { q: 1.0, v: 0.0 };
+        alone
+            .train
+            .forces(&mut |force| force.add_tangent(&motion, weights, blocks));
+        let mut first = 0;
+        for joint in &alone.train.joints {
+            joint.add_geometric_stiffness(&motion, &state.lambda[first..], blocks);
+            first += joint.dimension();
+        }
+    });
+    let mass = dense(n, &mut |blocks| alone.train.forces(&mut |force| force.add_mass(blocks)));
+    let basis = free_motions(alone, state);
     let (mass, stiffness) = (
         basis.transpose() * mass * &basis,
         basis.transpose() * stiffness * &basis,
@@ -96,7 +102,7 @@ fn modes(alone: &mut Alone, state: &State) -> Vec<(f64, DVector<f64>)> {
     let inverse = root.try_inverse().unwrap();
     let symmetric = &inverse * (&stiffness + stiffness.transpose()) * 0.5 * inverse.transpose();
     let eigen = SymmetricEigen::new(symmetric);
-    let mut found: Vec<_> = (0..free.len())
+    let mut found: Vec<_> = (0..basis.ncols())
         .map(|i| {
             let mode = &basis * inverse.transpose() * eigen.eigenvectors.column(i);
             (eigen.eigenvalues[i].max(0.0).sqrt(), mode.normalize())
@@ -409,4 +415,136 @@ fn a_rolling_vehicle_on_smooth_track_goes_on_rolling() {
 /// Largest change of a displacement, spins left out.
 fn alone_moved(a: &State, b: &State) -> f64 {
     (0..78).map(|i| (a.q[i] - b.q[i]).abs()).fold(0.0, f64::max)
+}
+
+/// Largest growth rate of an oscillation about rolling at a speed (m/s), 1/s, and its angular frequency, rad/s, from the
+/// eigenvalues of the linearised system.
+fn hunting(speed: f64) -> [f64; 2] {
+    let mut scene = full_scene(&[]);
+    scene.run.speed = speed;
+    let mut alone = full(&scene, None);
+    let state = rolling(&mut alone);
+    let n = state.q.len();
+    let motion = state.motion(&[]);
+    let tangent = |alone: &mut Alone, weights: dynamics::Weights| {
+        dense(n, &mut |blocks| {
+            alone
+                .train
+                .forces(&mut |force| force.add_tangent(&motion, weights, blocks));
+            let mut first = 0;
+            for joint in &alone.train.joints {
+                if weights.q != 0.0 {
+                    joint.add_geometric_stiffness(&motion, &state.lambda[first..], blocks);
+                }
+                first += joint.dimension();
+            }
+        })
+    };
+    let stiffness = tangent(&mut alone, dynamics::Weights { q: 1.0, v: 0.0 });
+    let damping = tangent(&mut alone, dynamics::Weights { q: 0.0, v: 1.0 });
+    let mass = dense(n, &mut |blocks| alone.train.forces(&mut |force| force.add_mass(blocks)));
+    let basis = free_motions(&alone, &state);
+    let reduced = |matrix: DMatrix<f64>| basis.transpose() * matrix * &basis;
+    let inverse = reduced(mass).try_inverse().unwrap();
+    let (stiffness, damping) = (&inverse * reduced(stiffness), &inverse * reduced(damping));
+    let free = basis.ncols();
+    let mut matrix = DMatrix::zeros(2 * free, 2 * free);
+    matrix.view_mut((0, free), (free, free)).fill_with_identity();
+    matrix.view_mut((free, 0), (free, free)).copy_from(&-stiffness);
+    matrix.view_mut((free, free), (free, free)).copy_from(&-damping);
+    let values = matrix.complex_eigenvalues();
+    let worst = (values.iter())
+        .filter(|value| value.im > 1.0)
+        .max_by(|a, b| a.re.total_cmp(&b.re))
+        .unwrap();
+    [worst.re, worst.im]
+}
+
+/// Growth rate (1/s) of the wheelsets' lateral motion after a small push, at a speed (m/s), from a run in time.
+fn simulated_growth(speed: f64) -> f64 {
+    let mut scene = full_scene(&[]);
+    scene.run.speed = speed;
+    let mut alone = full(&scene, None);
+    let mut state = rolling(&mut alone);
+    let lateral: Vec<usize> = alone.train.spins.iter().map(|spin| spin.pose.translation + 1).collect();
+    for &index in &lateral {
+        state.v[index] = 1e-3;
+    }
+    let mut simulator = Simulator::new(alone, state, Vec::new(), 1e-3, 1.0, NewtonOptions::default());
+    let mut squares = [0.0; 2];
+    let mut time = 0.0;
+    simulator
+        .advance(0.0, 8.0, &mut |_, _| (), &mut |_, motion, h| {
+            time += h;
+            let square: f64 = lateral.iter().map(|&index| motion.q[index].powi(2)).sum();
+            // What other motions the push has made has died away in 2 s; then two windows of 3 s.
+            if time > 2.0 {
+                squares[usize::from(time > 5.0)] += square * h;
+            }
+        })
+        .unwrap();
+    let (before, after) = (squares[0], squares[1]);
+    f64::ln(after / before) / 6.0
+}
+
+#[test]
+fn the_speed_at_which_hunting_begins_is_that_of_the_eigenvalues() {
+    let [calm, _] = hunting(200.0 / 3.6);
+    println!("at 200 km/h: {calm} 1/s");
+    let (mut low, mut high) = (20.0, 250.0);
+    for _ in 0..12 {
+        let middle = 0.5 * (low + high);
+        let found = hunting(middle);
+        println!("{middle} m/s: {found:?}");
+        if found[0] < 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    println!("critical speed {low} m/s, {:?}", hunting(low));
+    assert!(calm < 0.0, "{calm}: unstable at the speed of the thesis");
+    assert!(low < 240.0, "no critical speed up to 240 m/s");
+    let growth = [0.97, 1.03].map(|part| simulated_growth(part * low));
+    println!("{growth:?}");
+    assert!(growth[0] < 0.0 && growth[1] > 0.0, "{growth:?}");
+}
+
+#[test]
+fn the_energy_of_a_full_run_on_rough_track_is_accounted_for() {
+    let residual = |step: f64| {
+        let mut alone = full(&full_scene(&[]), rough().as_ref());
+        let state = rolling(&mut alone);
+        let mut simulator = Simulator::new(alone, state, Vec::new(), 1e-3, 1.0, NewtonOptions::default());
+        let mut balance = simulator.energy_balance();
+        for i in 0..(2.0 / step).round() as usize {
+            simulator
+                .advance(i as f64 * step, step, &mut |_, _| (), &mut |_, _, _| ())
+                .unwrap();
+            simulator.balance(&mut balance, step);
+        }
+        assert!(balance.dissipated() > 0.0);
+        println!("{} of {}", balance.worst_residual(), balance.exchanged());
+        balance.worst_residual() / balance.exchanged()
+    };
+    let (coarse, fine) = (residual(1e-3), residual(5e-4));
+    assert!(coarse < 2e-2, "{coarse}");
+    assert!(fine < 0.5 * coarse, "{fine} {coarse}");
+}
+
+#[test]
+fn the_tangent_of_a_spin_is_the_derivative_of_its_moments() {
+    let mut alone = full(&full_scene(&[]), None);
+    let state = awkward(&alone.layout);
+    assert_tangent(&mut alone.train.spins[1], &alone.layout, &state, &[]);
+}
+
+#[test]
+fn the_gyroscopic_moments_of_a_spin_do_no_work() {
+    let mut alone = full(&full_scene(&[]), None);
+    let state = awkward(&alone.layout);
+    let found = crate::check::force(&mut alone.train.spins[2], &state.motion(&[]));
+    let power: f64 = found.iter().zip(&state.v).map(|(force, v)| force * v).sum();
+    let size: f64 = found.iter().zip(&state.v).map(|(force, v)| (force * v).abs()).sum();
+    assert!(size > 1.0 && power.abs() < 1e-12 * size, "{power} of {size}");
 }
