@@ -261,9 +261,9 @@ fn the_energy_of_a_run_on_rough_track_is_accounted_for() {
     assert!(fine < 0.4 * coarse, "{fine} {coarse}");
 }
 
-/// The pantograph of the thesis on its vehicle.
-fn subsystem(overrides: &[&str]) -> Subsystem {
-    Subsystem::new(&scene(overrides), 0).unwrap()
+/// The pantograph of the thesis on its vehicle, vertical and full.
+fn subsystems(overrides: &[&str]) -> [Subsystem; 2] {
+    [scene(overrides), full_scene(overrides)].map(|scene| Subsystem::new(&scene, 0).unwrap())
 }
 
 #[test]
@@ -275,45 +275,52 @@ fn on_smooth_track_a_pantograph_moves_as_on_a_straight_base() {
         "thesis-pantograph.toml",
         &[start.to_owned(), "model.reduce=none".to_owned()],
     );
-    let mut straight = Subsystem::new(&plain.unwrap(), 0).unwrap();
-    let mut carried = subsystem(&[start]);
-    let (mut largest, mut travel) = (0.0_f64, 0.0_f64);
-    let rest = straight.strip().position.z;
-    for step in 0..1000 {
-        let t = f64::from(step) * 1e-3;
-        for side in [&mut straight, &mut carried] {
-            side.set_contact_input(2, -107.0 - 30.0 * (6.0 * t).sin());
-            side.advance_to(t, 1e-3).unwrap();
+    let plain = plain.unwrap();
+    for mut carried in subsystems(&[start]) {
+        let mut straight = Subsystem::new(&plain, 0).unwrap();
+        let (mut largest, mut travel) = (0.0_f64, 0.0_f64);
+        let rest = straight.strip().position.z;
+        for step in 0..1000 {
+            let t = f64::from(step) * 1e-3;
+            for side in [&mut straight, &mut carried] {
+                side.set_contact_input(2, -107.0 - 30.0 * (6.0 * t).sin());
+                side.advance_to(t, 1e-3).unwrap();
+            }
+            let (a, b) = (straight.strip().position, carried.strip().position);
+            largest = largest.max((a.z - b.z).abs());
+            travel = travel.max((a.z - rest).abs());
         }
-        let (a, b) = (straight.strip().position, carried.strip().position);
-        largest = largest.max((a.z - b.z).abs());
-        travel = travel.max((a.z - rest).abs());
+        assert!(travel > 0.01, "{travel}");
+        // The vehicle gives way by some 60 N over its 1.7 MN/m, 0.04 mm, in bounce and pitch.
+        assert!(largest < 5e-3 * travel, "{largest} of {travel}");
+        assert!(largest > 0.0);
     }
-    assert!(travel > 0.01, "{travel}");
-    // The vehicle gives way by some 60 N over its 1.7 MN/m, 0.04 mm, in bounce and pitch.
-    assert!(largest < 5e-3 * travel, "{largest} of {travel}");
-    assert!(largest > 0.0);
 }
 
 #[test]
 fn a_saved_vehicle_continues_bit_for_bit() {
-    let mut first = subsystem(&[ROUGH]);
-    let mut kept = crate::Checkpoint::default();
     let run = |side: &mut Subsystem, from: usize, to: usize| {
         for step in from..to {
             side.advance_to(step as f64 * 1e-3, 1e-3).unwrap();
         }
         let strip = side.strip();
-        (strip.position, strip.velocity)
+        (
+            strip.position,
+            strip.velocity,
+            side.wheel_load(5),
+            side.derailment_quotient(5),
+        )
     };
-    run(&mut first, 0, 400);
-    first.save_to(&mut kept);
-    let straight_on = run(&mut first, 400, 600);
-    first.restore_from(&kept).unwrap();
-    assert_eq!(run(&mut first, 400, 600), straight_on);
-    let mut other = subsystem(&[ROUGH]);
-    other.restore_from(&kept).unwrap();
-    assert_eq!(run(&mut other, 400, 600), straight_on);
+    for (mut first, mut other) in subsystems(&[ROUGH]).into_iter().zip(subsystems(&[ROUGH])) {
+        let mut kept = crate::Checkpoint::default();
+        run(&mut first, 0, 400);
+        first.save_to(&mut kept);
+        let straight_on = run(&mut first, 400, 600);
+        first.restore_from(&kept).unwrap();
+        assert_eq!(run(&mut first, 400, 600), straight_on);
+        other.restore_from(&kept).unwrap();
+        assert_eq!(run(&mut other, 400, 600), straight_on);
+    }
 }
 
 #[test]
@@ -417,9 +424,8 @@ fn alone_moved(a: &State, b: &State) -> f64 {
     (0..78).map(|i| (a.q[i] - b.q[i]).abs()).fold(0.0, f64::max)
 }
 
-/// Largest growth rate of an oscillation about rolling at a speed (m/s), 1/s, and its angular frequency, rad/s, from the
-/// eigenvalues of the linearised system.
-fn hunting(speed: f64) -> [f64; 2] {
+/// Largest growth rate (1/s) of an oscillation about rolling at a speed (m/s), from the eigenvalues of the linearised system.
+fn hunting(speed: f64) -> f64 {
     let mut scene = full_scene(&[]);
     scene.run.speed = speed;
     let mut alone = full(&scene, None);
@@ -457,7 +463,7 @@ fn hunting(speed: f64) -> [f64; 2] {
         .filter(|value| value.im > 1.0)
         .max_by(|a, b| a.re.total_cmp(&b.re))
         .unwrap();
-    [worst.re, worst.im]
+    worst.re
 }
 
 /// Growth rate (1/s) of the wheelsets' lateral motion after a small push, at a speed (m/s), from a run in time.
@@ -489,24 +495,20 @@ fn simulated_growth(speed: f64) -> f64 {
 
 #[test]
 fn the_speed_at_which_hunting_begins_is_that_of_the_eigenvalues() {
-    let [calm, _] = hunting(200.0 / 3.6);
-    println!("at 200 km/h: {calm} 1/s");
+    let calm = hunting(200.0 / 3.6);
     let (mut low, mut high) = (20.0, 250.0);
     for _ in 0..12 {
         let middle = 0.5 * (low + high);
-        let found = hunting(middle);
-        println!("{middle} m/s: {found:?}");
-        if found[0] < 0.0 {
+        if hunting(middle) < 0.0 {
             low = middle;
         } else {
             high = middle;
         }
     }
-    println!("critical speed {low} m/s, {:?}", hunting(low));
     assert!(calm < 0.0, "{calm}: unstable at the speed of the thesis");
-    assert!(low < 240.0, "no critical speed up to 240 m/s");
+    // Hunting of the bogies at 1.4 Hz, which the dampers of the bolsters hold up to some 240 km/h.
+    assert!((60.0..75.0).contains(&low), "{low} m/s");
     let growth = [0.97, 1.03].map(|part| simulated_growth(part * low));
-    println!("{growth:?}");
     assert!(growth[0] < 0.0 && growth[1] > 0.0, "{growth:?}");
 }
 
@@ -524,11 +526,10 @@ fn the_energy_of_a_full_run_on_rough_track_is_accounted_for() {
             simulator.balance(&mut balance, step);
         }
         assert!(balance.dissipated() > 0.0);
-        println!("{} of {}", balance.worst_residual(), balance.exchanged());
         balance.worst_residual() / balance.exchanged()
     };
     let (coarse, fine) = (residual(1e-3), residual(5e-4));
-    assert!(coarse < 2e-2, "{coarse}");
+    assert!(coarse < 1e-4, "{coarse}");
     assert!(fine < 0.5 * coarse, "{fine} {coarse}");
 }
 
