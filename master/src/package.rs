@@ -20,15 +20,15 @@ pub use needs::Needs;
 /// Of what is inside: this program's own, and those of the libraries it is made of.
 const LICENSES: [&str; 2] = [include_str!("../../LICENSE"), include_str!("../../fmu/licenses.txt")];
 
-/// Packages of the shells and the libraries they build.
-const SHELLS: [(&str, &str); 2] = [("fmu-catenary", "catenary_fmu"), ("fmu-pantograph", "pantograph_fmu")];
+/// The libraries of the shells.
+const SHELLS: [&str; 2] = ["catenary_fmu", "pantograph_fmu"];
 
 /// Why the FMUs cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum PackageError {
     /// Neither a source tree nor the libraries are there.
     #[error(
-        "{missing} is not beside this program ({folder}): run `cargo build --release -p fmu-catenary -p fmu-pantograph` in the \
+        "{missing} is not beside this program ({folder}): run `cargo build --release` in the \
          source tree and copy the library there, or run the program from the source tree"
     )]
     NoLibrary {
@@ -113,7 +113,7 @@ impl Libraries {
         }
         let program = std::env::current_exe().unwrap_or_default();
         let folder = program.parent().unwrap_or(Path::new("."));
-        let [catenary, pantograph] = SHELLS.map(|(_, library)| {
+        let [catenary, pantograph] = SHELLS.map(|library| {
             let name = format!("{}{library}.{LIBRARY_EXTENSION}", std::env::consts::DLL_PREFIX);
             let path = folder.join(&name);
             if path.exists() {
@@ -134,16 +134,15 @@ impl Libraries {
     fn build(tree: &Path, say: &dyn Fn(&str)) -> Result<Self, PackageError> {
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         let mut command = Command::new(cargo);
+        // The whole workspace, as `cargo run` selects it: a selection of packages unifies other features, so that all they
+        // depend on would be compiled a second time, and each call would undo the other's libraries.
         command
             .current_dir(tree)
             .args(["build", "--release", "--message-format=json-render-diagnostics"]);
-        for (package, _) in SHELLS {
-            command.args(["-p", package]);
-        }
-        let shown = "cargo build --release -p fmu-catenary -p fmu-pantograph".to_owned();
+        let shown = "cargo build --release".to_owned();
         if !SHELLS
             .iter()
-            .all(|(_, library)| tree.join(format!("target/release/{}", library_file(library))).exists())
+            .all(|library| tree.join(format!("target/release/{}", library_file(library))).exists())
         {
             say(&format!("building the FMUs: {shown}"));
         }
@@ -160,7 +159,7 @@ impl Libraries {
             });
         }
         let messages = String::from_utf8_lossy(&output.stdout);
-        let [catenary, pantograph] = SHELLS.map(|(_, library)| {
+        let [catenary, pantograph] = SHELLS.map(|library| {
             artifact(&messages, library).ok_or_else(|| PackageError::NoLibrary {
                 missing: library_file(library),
                 folder: tree.join("target/release").display().to_string(),
