@@ -22,18 +22,15 @@ impl Prepared {
         let mut constraints = 0;
         let mut kinds = Vec::new();
         for (index, pantograph) in scene.pantographs.iter().enumerate() {
+            let placement = vehicle::placement(scene, index);
+            let mut layout = dynamics::Layout::new();
+            if let Ok(model) = vehicle::PantographModel::new(&pantograph.model, placement, "", &mut layout) {
+                coordinates += model.coordinates();
+                constraints += model.constraint_count();
+            }
             kinds.push(match &pantograph.model {
-                PantographModel::Lumped(lumped) => {
-                    coordinates += lumped.masses.len();
-                    format!("lumped, {} masses", lumped.masses.len())
-                }
+                PantographModel::Lumped(lumped) => format!("lumped, {} masses", lumped.masses.len()),
                 PantographModel::Linkage(linkage) => {
-                    let mut layout = dynamics::Layout::new();
-                    let placement = vehicle::placement(scene, index);
-                    if let Ok(model) = vehicle::PantographModel::new(&pantograph.model, placement, "", &mut layout) {
-                        coordinates += model.coordinates();
-                        constraints += model.constraint_count();
-                    }
                     format!("linkage of {} bodies{}", linkage.bodies.len(), motions(scene))
                 }
                 PantographModel::ThirdParty(entry) => format!("FMU {}", entry.fmu),

@@ -5,6 +5,8 @@ use component::{Component, Parameter, Signal, StepFailure};
 use dynamics::StepError;
 use scene::{PantographModel, Scene};
 
+mod vehicle;
+
 /// Outputs behind the inputs, in order.
 const OUTPUTS: [(&str, &str, &str); 10] = [
     ("strip[1].x", "m", "Position of the strip's middle along the track"),
@@ -30,52 +32,6 @@ const OUTPUTS: [(&str, &str, &str); 10] = [
     ("base.z", "m", "Height of the base above the top of rail"),
     ("uplift_force", "N", "Force that raises the pantograph"),
 ];
-
-/// Outputs behind [`OUTPUTS`] where the scene has a vehicle; `base.z` is among the others.
-const BASE_OUTPUTS: [(&str, &str, &str); 3] = [
-    ("base.x", "m", "Position of the pantograph's base along the track"),
-    (
-        "base.y",
-        "m",
-        "Lateral position of the pantograph's base, positive to the left",
-    ),
-    (
-        "base.roll",
-        "rad",
-        "Roll angle of the pantograph's base about the direction of travel",
-    ),
-];
-
-/// Number of wheels of the scene's vehicle.
-fn wheel_count(scene: &Scene) -> usize {
-    let train = scene.vehicle.as_deref().and_then(scene::Vehicle::train);
-    let wheelsets = train.and_then(|train| train.body(&train.wheels.wheelset));
-    wheelsets.map_or(0, |body| 2 * body.positions.len())
-}
-
-/// What scenes with a vehicle offer besides.
-fn vehicle_outputs(scene: &Scene) -> Vec<Signal> {
-    if scene.vehicle.is_none() {
-        return Vec::new();
-    }
-    let base = BASE_OUTPUTS.map(|(name, unit, text)| Signal::output(name, unit, text));
-    let wheels = (1..=wheel_count(scene)).flat_map(|i| {
-        let which = format!("wheel {i}, left and right wheel of each wheelset in turn");
-        [
-            Signal::output(
-                format!("wheel[{i}].load"),
-                "N",
-                format!("Vertical force of the rail on {which}"),
-            ),
-            Signal::output(
-                format!("wheel[{i}].derailment_quotient"),
-                "1",
-                format!("Y/Q of {which}: lateral force outward on the rail over vertical force"),
-            ),
-        ]
-    });
-    base.into_iter().chain(wheels).collect()
-}
 
 impl Component for Subsystem {
     type Checkpoint = Checkpoint;
@@ -118,7 +74,7 @@ impl Component for Subsystem {
         ];
         let inputs = inputs.map(|(name, unit, start, text)| Signal::input(name, unit, start, text));
         let outputs = OUTPUTS.map(|(name, unit, text)| Signal::output(name, unit, text));
-        let vehicle = vehicle_outputs(scene);
+        let vehicle = vehicle::outputs(scene);
         inputs.into_iter().chain(outputs).chain(vehicle).collect()
     }
 
@@ -130,6 +86,7 @@ impl Component for Subsystem {
         };
         parameters.extend(component::solver_parameters());
         parameters.extend(component::start_parameters(0, ""));
+        parameters.extend(vehicle::parameters(scene));
         parameters
     }
 
