@@ -78,6 +78,9 @@ fn released(jump: f64, damping: f64) -> (Pantograph, State) {
         speed: scene.run.speed,
         gravity: 9.81,
         one_motion: false,
+        vehicle: None,
+        track: None,
+        duration: 0.0,
     };
     let mut layout = Layout::new();
     let mut model = PantographModel::new(&scene.pantographs[0].model, placement, "pantograph 1", &mut layout).unwrap();
