@@ -217,7 +217,7 @@ fn sway_and_roll_are_those_of_a_car_body_on_its_springs() {
         .map(|(omega, _)| *omega)
         .collect();
     // Car body and bolsters as one body on massless bogies: springs in series, the weight above them topples it.
-    let (body, bolsters) = (24_170.0, 2.0 * 1107.0);
+    let (body, bolsters): (f64, f64) = (24_170.0, 2.0 * 1107.0);
     let mass = body + bolsters;
     let height = (body * 1.8289 + bolsters * 0.7088) / mass;
     let inertia = 30_000.0 + body * (1.8289 - height).powi(2) + 2.0 * 498.0 + bolsters * (height - 0.7088_f64).powi(2);
