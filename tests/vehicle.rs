@@ -13,7 +13,7 @@ fn short(mode: Mode, more: &[&str]) -> Run {
 #[test]
 fn coupled_and_as_one_system_the_force_is_the_same() {
     let whole = short(Mode::Monolithic, &[]);
-    let coupled = short(Mode::InProcess, &[]);
+    let coupled = short(Mode::Inprocess, &[]);
     assert!(whole.summary.complete && coupled.summary.complete);
     // The coupling of 1 ms; without the vehicle it is as much.
     let difference = whole.filtered_difference(&coupled) / whole.sigma();

@@ -12,6 +12,13 @@ pub trait Constraint: Send {
     /// Adds the Jacobian `g_q` with respect to the generalised velocities (`ġ = g_q v`) as dense blocks, in the same order
     /// and with the same indices in every call.
     fn jacobian(&self, motion: &Motion<'_>, rows: &mut JacobianRows<'_>);
+
+    /// Adds `(g_q)˙ v` to `g`, which together with `g_q v̇` is `g̈`, for [`crate::Formulation::Accelerations`]. `false`, with `g`
+    /// as it was, where the constraint does not know it: it then stays one of positions.
+    fn add_velocity_terms(&self, motion: &Motion<'_>, g: &mut [f64]) -> bool {
+        let _ = (motion, g);
+        false
+    }
 }
 
 /// Takes one block row: number of the equation, indices of the generalised velocities, values.

@@ -1,4 +1,5 @@
 //! Generalized-α time integration of constrained systems.
+use crate::augmented::{Augmented, Formulation};
 use crate::newton::{Jacobian, Since, Workspace, name};
 use crate::{Continuity, Counters, Motion, NewtonOptions, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -68,7 +69,8 @@ pub struct Memory {
     last_h: Option<f64>,
 }
 
-/// Generalized-α for index-3 systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012]:
+/// Generalized-α for constrained systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012],
+/// here with constraints of positions; [`Formulation`] has the other form:
 ///
 /// ```text
 /// M v̇ₙ₊₁ = Q(tₙ₊₁, qₙ₊₁, vₙ₊₁) − g_qᵀ λₙ₊₁,   g(qₙ₊₁) = 0
@@ -205,7 +207,15 @@ impl GeneralizedAlpha {
             } else {
                 Since::Correction
             };
-            let residual = workspace.residual(system, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
+            let mut augmented;
+            let at: &mut dyn System = match options.formulation {
+                Formulation::Positions => &mut *system,
+                Formulation::Accelerations => {
+                    augmented = Augmented::new(system, &state.v_dot, (mass_rate, velocity_rate));
+                    &mut augmented
+                }
+            };
+            let residual = workspace.residual(at, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
             self.residuals.push(residual.value);
             if !residual.ratio.is_finite() {
                 return Err(StepError::NotFinite {

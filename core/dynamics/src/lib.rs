@@ -20,6 +20,7 @@
 //!   dissipation, Journal of Applied Mechanics 60, doi 10.1115/1.2900803.
 #![forbid(unsafe_code)]
 
+mod augmented;
 mod balance;
 mod block_tridiagonal;
 mod blocks;
@@ -46,6 +47,7 @@ mod system;
 mod updates;
 mod woodbury;
 
+pub use augmented::Formulation;
 pub use balance::EnergyBalance;
 pub use block_tridiagonal::{BlockTridiagonal, LocalColumn};
 pub use blocks::Blocks;

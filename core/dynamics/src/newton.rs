@@ -2,7 +2,7 @@
 use crate::matrix::{IterationMatrix, visit_jacobian};
 use crate::part::Thresholds;
 use crate::woodbury::Woodbury;
-use crate::{Motion, System, Updates, Weights};
+use crate::{Formulation, Motion, System, Updates, Weights};
 use pulp::{Arch, Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -27,6 +27,8 @@ pub struct NewtonOptions {
     pub max_iterations: usize,
     /// See [`Jacobian`].
     pub jacobian: Jacobian,
+    /// See [`Formulation`]; statics have no accelerations and take positions.
+    pub formulation: Formulation,
 }
 
 impl Default for NewtonOptions {
@@ -37,6 +39,7 @@ impl Default for NewtonOptions {
             constraint_tolerance: 1e-12,
             max_iterations: 30,
             jacobian: Jacobian::Modified,
+            formulation: Formulation::Positions,
         }
     }
 }

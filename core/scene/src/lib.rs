@@ -65,7 +65,7 @@ pub use mesh::{AxialStrain, Cure, Element, Mesh};
 pub use mesh_error::MeshError;
 pub use model::{Model, Reduction};
 pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
-pub use run::{Evaluate, Initialise, Run};
+pub use run::{Electrification, Evaluate, Initialise, Run};
 pub use scene::{Line, Scene};
 pub use solver::{Formulation, Jacobian, Solver};
 pub use third_party::{Connection, Offset, ParameterValue, STEP_TIMEOUT, ThirdParty};

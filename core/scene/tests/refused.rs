@@ -55,6 +55,9 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("model = \"lumped\"", "", &["pantograph[1].model is missing: must be \"lumped\" or \"linkage\""]),
     ("evaluate = { spans = [5, 6] }", "evaluate = {}", &["run.evaluate.spans is missing", "time = [from, to]"]),
     ("[contact]\nlaw = \"penalty\"\nstiffness = 50000.0                     # N/m\ndamping = 0.0", "", &["contact is missing: must be a table"]),
+    ("electrification = \"ac_25kv\"", "electrification = \"ac_25_kv\"", &["run.electrification = \"ac_25_kv\": unknown word, did you mean \"ac_25kv\"?"]),
+    ("electrification = \"ac_25kv\"", "electrification = 25000", &["run.electrification = 25000: must be one of \"ac_25kv\", \"ac_15kv\", \"dc_3kv\", \"dc_1_5kv\""]),
+    ("[catenary.registration_arms]\n", "[catenary.registration_arms]\nfree_uplift = 0\n", &["catenary.registration_arms.free_uplift = 0 m: must be positive and finite"]),
     // Wrong types.
     ("duration = 7.0", "duration = \"8 s\"", &["run.duration = \"8 s\": must be a positive number in s"]),
     ("allow_supercritical = false", "allow_supercritical = 0", &["run.allow_supercritical = 0: must be true or false"]),
@@ -92,7 +95,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, max = 9.0 }", &["coupling.macro_step.max = 9 s: must be at most run.duration = 7 s"]),
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, maximum = 1e-2 }", &["coupling.macro_step.maximum", "did you mean"]),
     ("macro_step = 0.001", "macro_step = 0.001\nparallel = \"on\"", &["coupling.parallel = \"on\": unknown word", "\"auto\", \"always\", \"never\""]),
-    ("rho_inf = 0.9", "formulation = \"augmented_lagrangian\"", &["solver.formulation = \"augmented_lagrangian\": not modelled yet by this version"]),
+    ("rho_inf = 0.9", "formulation = \"augmented_lagrange\"", &["solver.formulation = \"augmented_lagrange\": unknown word, did you mean \"augmented_lagrangian\"?"]),
     ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle.model is missing: must be one of \"rigid_motion\", \"vertical\", \"full\""]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], z = [0.0] }\n[coupling]", &["vehicle.motion.z = [0.0]: has 1 entries, must be a list of numbers in m, 2 of them"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 0.0] }\n[coupling]", &["vehicle.motion.time[2] = 0 s: must be greater than the entry before it, 0 s"]),
@@ -256,7 +259,7 @@ fn a_third_party_line_is_not_aligned_and_has_no_numbered_spans() {
     let told = message(&line(aligned), &timed);
     holds(
         &told,
-        &["x.toml:16: catenary.outputs.\"contact[1].force\".offset = \"align\": must be a number"],
+        &["x.toml:17: catenary.outputs.\"contact[1].force\".offset = \"align\": must be a number"],
     );
     let misspelt = "outputs = { \"contact[1].forze\" = { variable = \"F\" } }";
     holds(
@@ -364,6 +367,10 @@ fn a_wrong_override_is_refused_with_its_own_text() {
         ("run.speed_kmh[1]=3", &["run.speed_kmh = 250.0: is not a list"]),
         ("pantograph[2].static_force=3", &["pantograph = list: has 1 entries, [1] to [1], and no [2]"]),
         ("pantograph[0].static_force=3", &["and no [0]"]),
+        (
+            "pantograph.static_force=3",
+            &["pantograph = list: has 1 entries; say which one, such as pantograph[1].static_force"],
+        ),
         ("pantograph.1.static_force=3", &["and no .1"]),
         ("run=3", &["run = 3: must be a table"]),
         ("pantograph[1].masses[2]=-1", &["--set pantograph[1].masses[2]=-1: pantograph[1].masses[2] = -1 kg: must be positive and finite"]),

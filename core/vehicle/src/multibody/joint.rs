@@ -115,4 +115,18 @@ impl Constraint for Joint {
             rows.add(row, indices, &view.gradient(measure).as_slice()[..indices.len()]);
         }
     }
+
+    fn add_velocity_terms(&self, motion: &Motion<'_>, g: &mut [f64]) -> bool {
+        let view = self.pair.view(motion);
+        let indices = view.indices();
+        for (g, &measure) in g.iter_mut().zip(self.equations) {
+            let hessian = view.hessian(measure);
+            for (k, &of_row) in indices.iter().enumerate() {
+                for (l, &of_column) in indices.iter().enumerate() {
+                    *g += motion.v[of_row] * hessian[(k, l)] * motion.v[of_column];
+                }
+            }
+        }
+        true
+    }
 }
