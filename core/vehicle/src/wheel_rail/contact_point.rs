@@ -57,7 +57,6 @@ pub(crate) struct ContactChange {
     pub lever: Vector3<f64>,
     pub normal: Vector3<f64>,
     pub longitudinal: Vector3<f64>,
-    pub penetration: f64,
     pub curvature: Vector2<f64>,
 }
 
@@ -239,8 +238,6 @@ impl ContactPoint {
             lever: rotation.cross(&self.lever) + w_p * moved[2] + w_b * moved[3],
             normal: self.normal_rates[0] * moved[0] + self.normal_rates[1] * moved[1],
             longitudinal: self.longitudinal_rates[0] * moved[0] + self.longitudinal_rates[1] * moved[1],
-            // The points lie on a common normal: their own wandering does not change the overlap.
-            penetration: -self.normal.dot(&carried),
             curvature: Vector2::new(along * moved[3], by_rail * moved[1] + by_wheel * moved[3]),
         }
     }

@@ -1,7 +1,7 @@
 //! Wheel–rail contact: contact points, normal forces, creep forces. [Thesis, section 4.1, Eq. (4)–(5)]
 //!
 //! [`Profile`]s are smooth curves through point lists; a [`Wheel`] turns one about its axle, a [`Rail`] sweeps one along a
-//! [`RailLine`]. [`WheelRail`] finds the points where they overlap, all of them, and adds normal force ([`Hertz`]) and creep
+//! [`RailLine`]. [`WheelRail`] finds the points where they overlap most, all of them, and adds normal force ([`Hertz`]) and creep
 //! forces ([`CreepModel`]) to a wheelset that it sees through a marker.
 //!
 //! Neglected: the rotation of the contact ellipse by the yaw of the wheelset (of second order in it), and the change of the
@@ -25,12 +25,14 @@ mod creep_force;
 mod creepage;
 mod hertz;
 mod kalker;
+mod overlap;
 mod profile;
 mod search;
 mod spline;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod wheel_contact;
 #[expect(clippy::module_inception, reason = "the force has the name of its subject")]
 mod wheel_rail;
 
@@ -42,4 +44,5 @@ pub use kalker::KalkerCoefficients;
 pub use profile::{Profile, ProfileError, ProfilePoint};
 pub use search::MAX_CONTACTS;
 pub use surface::{Rail, RailFrame, RailLine, Side, StraightRail, Wheel};
-pub use wheel_rail::{WheelContact, WheelContacts, WheelRail, WheelRailParts};
+pub use wheel_contact::WheelContact;
+pub use wheel_rail::{WheelContacts, WheelRail, WheelRailParts};

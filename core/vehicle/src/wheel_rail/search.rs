@@ -1,6 +1,7 @@
 //! Where wheel and rail may touch: the local minima of the distance over the width of the profiles.
 use super::contact_point::{ContactPoint, Pairing, SurfaceParameters};
-use super::{Profile, ProfilePoint};
+use super::{Profile, ProfilePoint, RailFrame};
+use nalgebra::Vector3;
 
 /// Distance of the samples of a profile, m.
 const STEP: f64 = 5e-4;
@@ -12,25 +13,13 @@ const FOLLOWED: f64 = 3e-3;
 /// Contact points that one wheel may have at once: tread, root and face of the flange.
 pub const MAX_CONTACTS: usize = 3;
 
-/// The contact points of one wheel, those further in (towards the flange) first.
+/// The contact points of one wheel, those further in (towards the flange) first, and between two of them the point of least
+/// overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Found {
-    points: [Option<SurfaceParameters>; MAX_CONTACTS],
-}
-
-impl Found {
-    pub fn iter(&self) -> impl Iterator<Item = &SurfaceParameters> {
-        self.points.iter().flatten()
-    }
-
-    /// All places, empty ones too.
-    pub fn places(&self) -> &[Option<SurfaceParameters>; MAX_CONTACTS] {
-        &self.points
-    }
-
-    pub fn set(&mut self, index: usize, parameters: SurfaceParameters) {
-        self.points[index] = Some(parameters);
-    }
+    pub points: [Option<SurfaceParameters>; MAX_CONTACTS],
+    /// After each point; none where the outline is broken, or the distance too large to matter.
+    pub valleys: [Option<SurfaceParameters>; MAX_CONTACTS],
 }
 
 /// Both profiles sampled, for the search.
@@ -86,47 +75,11 @@ impl Search {
     /// normal of the wheel is perpendicular to the rail. Where the height between outline and rail has a local minimum both have
     /// the same slope there.
     pub fn contacts(&self, pairing: &Pairing<'_>, s: f64) -> Found {
-        let frame = pairing.rail.line.frame(s);
-        let along = frame.direction.normalize();
-        let side = pairing.wheel.side.sign();
-        let axes = &pairing.axes;
-        let (forward, upward) = (axes.column(0).dot(&along), axes.column(2).dot(&along));
-        let lateral = side * axes.column(1).dot(&along);
-        let (size, tilt) = (forward.hypot(upward), upward.atan2(forward));
-        let to_middle = pairing.middle - frame.position;
-        let gap = |(sigma, profile): &(f64, ProfilePoint)| -> Option<Gap> {
-            let sine = -profile.first.y / profile.first.x * lateral / size;
-            if !(profile.first.x > 0.0 && sine.abs() < 1.0) {
-                return None;
-            }
-            let angle = sine.asin() + tilt;
-            let radius = pairing.wheel.radius - profile.position.y;
-            let radial = axes.column(0) * angle.sin() - axes.column(2) * angle.cos();
-            let point =
-                to_middle + axes.column(1) * (side * (pairing.wheel.distance + profile.position.x)) + radial * radius;
-            let outward = side * frame.axes.column(1).dot(&point);
-            let place = (outward - self.first) / STEP;
-            let left = place.floor();
-            if left < 0.0 {
-                return None;
-            }
-            let pair = self.rail.get(left as usize..left as usize + 2)?;
-            let part = place - left;
-            let up = pair[0].up + part * (pair[1].up - pair[0].up);
-            Some(Gap {
-                height: frame.axes.column(2).dot(&point) - up,
-                start: SurfaceParameters {
-                    s: s + along.dot(&point) / frame.direction.norm(),
-                    rail: pair[0].sigma + part * (pair[1].sigma - pair[0].sigma),
-                    angle,
-                    wheel: *sigma,
-                },
-            })
-        };
+        let outline = Outline::new(self, pairing, s);
         let mut found = Candidates::default();
         let mut before: [Option<Gap>; 2] = [None, None];
         for sample in &self.wheel {
-            let next = gap(sample);
+            let next = outline.gap(sample);
             if let [Some(first), Some(middle)] = before
                 && let Some(last) = next
                 && middle.height < first.height
@@ -138,7 +91,94 @@ impl Search {
             }
             before = [before[1], next];
         }
-        found.into_found()
+        let mut found = found.into_found();
+        for place in 0..MAX_CONTACTS - 1 {
+            if let [Some(first), Some(second)] = [found.points[place], found.points[place + 1]] {
+                found.valleys[place] = self.valley(pairing, &outline, [first.wheel, second.wheel]);
+            }
+        }
+        found
+    }
+
+    /// The point of least overlap between two places on the wheel.
+    fn valley(&self, pairing: &Pairing<'_>, outline: &Outline<'_>, between: [f64; 2]) -> Option<SurfaceParameters> {
+        let [first, last] = between.map(|sigma| self.wheel.partition_point(|sample| sample.0 <= sigma));
+        let mut highest: Option<Gap> = None;
+        for sample in &self.wheel[first..last] {
+            let gap = outline.gap(sample)?;
+            if highest.is_none_or(|highest| highest.height < gap.height) {
+                highest = Some(gap);
+            }
+        }
+        let start = highest.filter(|highest| highest.height < FOLLOWED)?.start;
+        let point = pairing.solve(&start)?.parameters;
+        (point.wheel > between[0] && point.wheel < between[1]).then_some(point)
+    }
+}
+
+/// The outline of a wheel over a rail, seen along the rail.
+struct Outline<'a> {
+    search: &'a Search,
+    pairing: &'a Pairing<'a>,
+    s: f64,
+    frame: RailFrame,
+    along: Vector3<f64>,
+    /// Component of the lateral axis, outward, along the rail.
+    lateral: f64,
+    /// Size and direction of the components of the other two axes along the rail.
+    size: f64,
+    tilt: f64,
+}
+
+impl<'a> Outline<'a> {
+    fn new(search: &'a Search, pairing: &'a Pairing<'a>, s: f64) -> Self {
+        let frame = pairing.rail.line.frame(s);
+        let along = frame.direction.normalize();
+        let axes = &pairing.axes;
+        let (forward, upward) = (axes.column(0).dot(&along), axes.column(2).dot(&along));
+        Self {
+            search,
+            pairing,
+            s,
+            frame,
+            along,
+            lateral: pairing.wheel.side.sign() * axes.column(1).dot(&along),
+            size: forward.hypot(upward),
+            tilt: upward.atan2(forward),
+        }
+    }
+
+    /// Height of a sample of the wheel over the rail; none where it is not over the rail, or not on the outline.
+    fn gap(&self, (sigma, profile): &(f64, ProfilePoint)) -> Option<Gap> {
+        let sine = -profile.first.y / profile.first.x * self.lateral / self.size;
+        if !(profile.first.x > 0.0 && sine.abs() < 1.0) {
+            return None;
+        }
+        let (axes, wheel) = (&self.pairing.axes, self.pairing.wheel);
+        let side = wheel.side.sign();
+        let angle = sine.asin() + self.tilt;
+        let radial = axes.column(0) * angle.sin() - axes.column(2) * angle.cos();
+        let point = self.pairing.middle - self.frame.position
+            + axes.column(1) * (side * (wheel.distance + profile.position.x))
+            + radial * (wheel.radius - profile.position.y);
+        let outward = side * self.frame.axes.column(1).dot(&point);
+        let place = (outward - self.search.first) / STEP;
+        let left = place.floor();
+        if left < 0.0 {
+            return None;
+        }
+        let pair = self.search.rail.get(left as usize..left as usize + 2)?;
+        let part = place - left;
+        let up = pair[0].up + part * (pair[1].up - pair[0].up);
+        Some(Gap {
+            height: self.frame.axes.column(2).dot(&point) - up,
+            start: SurfaceParameters {
+                s: self.s + self.along.dot(&point) / self.frame.direction.norm(),
+                rail: pair[0].sigma + part * (pair[1].sigma - pair[0].sigma),
+                angle,
+                wheel: *sigma,
+            },
+        })
     }
 }
 
@@ -176,6 +216,7 @@ impl Candidates {
     fn into_found(self) -> Found {
         Found {
             points: self.points.map(|place| place.map(|point| point.parameters)),
+            valleys: [None; MAX_CONTACTS],
         }
     }
 }

@@ -1,8 +1,9 @@
 //! The force of one wheel on its rail.
 use super::contact_point::{ContactPoint, Pairing};
-use super::creepage::Sliding;
+use super::overlap::overlaps;
 use super::search::{Found, MAX_CONTACTS, Search};
-use super::{CreepForce, CreepModel, Creepage, Ellipse, Hertz, Patch, Rail, SurfaceParameters, Wheel};
+use super::wheel_contact::{Change, WheelContact};
+use super::{CreepModel, Hertz, Rail, SurfaceParameters, Wheel};
 use crate::Base;
 use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Power, Weights};
 use nalgebra::Vector3;
@@ -54,38 +55,8 @@ struct Start {
     found: Found,
 }
 
-/// One contact at one instant; forces act on the wheel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WheelContact {
-    /// Where wheel and rail touch.
-    pub point: ContactPoint,
-    /// Of the wheel against the rail.
-    pub creepage: Creepage,
-    /// Semi-axes and elastic force.
-    pub ellipse: Ellipse,
-    /// N.
-    pub normal_force: f64,
-    /// Creep force along and across the rolling direction (N), moment about the normal (N·m).
-    pub creep: CreepForce,
-    /// World axes, N.
-    pub force: Vector3<f64>,
-    /// About the middle of the wheelset, world axes, N·m.
-    pub moment: Vector3<f64>,
-    sliding: Sliding,
-    /// `δ̇`, m/s.
-    rate: f64,
-}
-
 /// The contacts of a wheel at one instant.
 pub type WheelContacts = [Option<WheelContact>; MAX_CONTACTS];
-
-/// Change of the wheelset's motion.
-struct Change {
-    displacement: Vector3<f64>,
-    rotation: Vector3<f64>,
-    velocity: Vector3<f64>,
-    angular_velocity: Vector3<f64>,
-}
 
 impl WheelRail {
     /// A wheel on its rail.
@@ -175,114 +146,50 @@ impl WheelRail {
             Some(followed) => followed,
             None => {
                 let start = self.search(&pairing);
-                follow(&pairing, &start).unwrap_or(([None; MAX_CONTACTS], start))
+                follow(&pairing, &start).unwrap_or((Points::default(), start))
             }
         };
-        let contacts = points.map(|point| point.and_then(|point| self.contact(point, &frame)));
-        (contacts, start)
+        let overlaps = overlaps(&points.highest, &points.valleys);
+        let contact = |place: usize| WheelContact::new(&self.parts, points.highest[place]?, overlaps[place]?, &frame);
+        (std::array::from_fn(contact), start)
     }
+}
 
-    fn contact(&self, point: ContactPoint, frame: &Frame) -> Option<WheelContact> {
-        if point.penetration <= 0.0 {
-            return None;
-        }
-        let sliding = Sliding::new(&point, frame, self.parts.slowest);
-        let rate = -point.normal.dot(&sliding.velocity);
-        let ellipse = self.parts.hertz.contact(point.penetration, point.curvature.into());
-        let normal_force = (ellipse.force + self.parts.damping * point.penetration * rate).max(0.0);
-        let patch = Patch {
-            along: ellipse.along,
-            across: ellipse.across,
-            normal_force,
-        };
-        let creep = self.parts.creep.force(&sliding.creepage, &patch);
-        let [along, across, about] = creep.components;
-        let force = point.normal * normal_force + sliding.forward * along + sliding.lateral * across;
-        Some(WheelContact {
-            creepage: sliding.creepage,
-            moment: point.lever.cross(&force) + point.normal * about,
-            point,
-            ellipse,
-            normal_force,
-            creep,
-            force,
-            sliding,
-            rate,
-        })
-    }
+/// Points of largest overlap, and those of least overlap between them.
+#[derive(Default)]
+struct Points {
+    highest: [Option<ContactPoint>; MAX_CONTACTS],
+    valleys: [Option<ContactPoint>; MAX_CONTACTS],
 }
 
 /// The points of a start at a new position; `None` where one is lost, or two have become one.
-fn follow(pairing: &Pairing<'_>, start: &Start) -> Option<([Option<ContactPoint>; MAX_CONTACTS], Start)> {
-    let mut points = [None; MAX_CONTACTS];
+fn follow(pairing: &Pairing<'_>, start: &Start) -> Option<(Points, Start)> {
+    let mut points = Points::default();
     let mut next = *start;
     let mut last = f64::NEG_INFINITY;
-    for (place, parameters) in start.found.iter().enumerate() {
+    for place in 0..MAX_CONTACTS {
+        let Some(parameters) = &start.found.points[place] else {
+            continue;
+        };
         let point = pairing.solve(parameters)?;
-        let is_minimum = point.curvature.min() > 0.0;
-        if !is_minimum || point.parameters.wheel <= last {
+        if point.curvature.min() <= 0.0 || point.parameters.wheel <= last {
             return None;
         }
         last = point.parameters.wheel;
-        next.found.set(place, point.parameters);
-        points[place] = Some(point);
+        next.found.points[place] = Some(point.parameters);
+        points.highest[place] = Some(point);
+        let Some(parameters) = &start.found.valleys[place] else {
+            continue;
+        };
+        let valley = pairing.solve(parameters)?;
+        if valley.curvature.y >= 0.0 || valley.parameters.wheel <= last {
+            return None;
+        }
+        last = valley.parameters.wheel;
+        next.found.valleys[place] = Some(valley.parameters);
+        points.valleys[place] = Some(valley);
     }
     Some((points, next))
-}
-
-impl WheelContact {
-    /// Change of force and moment with a change of the wheelset's motion, at an angular velocity `omega` (rad/s).
-    fn change(&self, parts: &WheelRailParts, frame: &Frame, by: &Change) -> [Vector3<f64>; 2] {
-        if self.normal_force == 0.0 {
-            return [Vector3::zeros(); 2];
-        }
-        let (point, sliding, ellipse) = (&self.point, &self.sliding, &self.ellipse);
-        let change = point.change(&by.displacement, &by.rotation);
-        let velocity =
-            by.velocity + by.angular_velocity.cross(&point.lever) + frame.angular_velocity.cross(&change.lever);
-        let rate = -change.normal.dot(&sliding.velocity) - point.normal.dot(&velocity);
-        let logarithms: [f64; 3] = std::array::from_fn(|k| {
-            ellipse.by_penetration[k] * change.penetration / point.penetration
-                + ellipse.by_curvature[k][0] * change.curvature.x
-                + ellipse.by_curvature[k][1] * change.curvature.y
-        });
-        let normal_force =
-            ellipse.force * logarithms[2] + parts.damping * (change.penetration * self.rate + point.penetration * rate);
-        let forward = change.longitudinal * sliding.sense;
-        let lateral =
-            (change.normal.cross(&point.longitudinal) + point.normal.cross(&change.longitudinal)) * sliding.sense;
-        let speed = sliding.speed_rate * (forward.dot(&frame.velocity) + sliding.forward.dot(&by.velocity));
-        let creepage = &self.creepage;
-        let inputs = [
-            (forward.dot(&sliding.velocity) + sliding.forward.dot(&velocity) - creepage.longitudinal * speed)
-                / sliding.speed,
-            (lateral.dot(&sliding.velocity) + sliding.lateral.dot(&velocity) - creepage.lateral * speed)
-                / sliding.speed,
-            (change.normal.dot(&frame.angular_velocity) + point.normal.dot(&by.angular_velocity)
-                - creepage.spin * speed)
-                / sliding.speed,
-            ellipse.along * logarithms[0],
-            ellipse.across * logarithms[1],
-            normal_force,
-        ];
-        let creep: [f64; 3] = std::array::from_fn(|row| {
-            (self.creep.slopes[row].iter().zip(&inputs))
-                .map(|(slope, input)| slope * input)
-                .sum()
-        });
-        let [along, across, about] = self.creep.components;
-        let force = point.normal * normal_force
-            + change.normal * self.normal_force
-            + sliding.forward * creep[0]
-            + forward * along
-            + sliding.lateral * creep[1]
-            + lateral * across;
-        let moment = change.lever.cross(&self.force)
-            + point.lever.cross(&force)
-            + point.normal * creep[2]
-            + change.normal * about;
-        [force, moment]
-    }
 }
 
 impl Force for WheelRail {
@@ -341,15 +248,15 @@ impl Force for WheelRail {
     /// Elastic energy of the contacts, `⅖ F_H δ`.
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         (self.contacts(motion).iter().flatten())
-            .map(|contact| 0.4 * contact.ellipse.force * contact.point.penetration)
+            .map(|contact| 0.4 * contact.ellipse.force * contact.penetration)
             .sum()
     }
 
     /// Brought in by the travel of the base over the resting rail and by the drive that holds the spin; turned into heat by
     /// sliding and by the damping of the normal force.
     ///
-    /// Hertz' stiffness changes with the place of the contact. What the elastic energy changes by that, at the same penetration,
-    /// comes from no force and is counted as brought in.
+    /// Hertz' stiffness changes with the place of the contact, and what counts of the penetration with the neighbours in a patch.
+    /// What the elastic energy changes by that comes from no force and is counted as brought in.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
         let frame = self.frame(motion);
         let axle = frame.axes.column(1);
@@ -365,7 +272,9 @@ impl Force for WheelRail {
             let change = point.change(&frame.velocity, &frame.angular_velocity);
             let growth = contact.ellipse.by_curvature[2][0] * change.curvature.x
                 + contact.ellipse.by_curvature[2][1] * change.curvature.y;
-            power.driven += 0.4 * contact.ellipse.force * point.penetration * growth;
+            power.driven += 0.4 * contact.ellipse.force * contact.penetration * growth;
+            let rate = contact.overlap.rate(&frame.velocity, &frame.angular_velocity);
+            power.driven += contact.ellipse.force * (rate - contact.rate);
         }
         Some(power)
     }
@@ -377,7 +286,8 @@ impl Force for WheelRail {
 
     fn save(&self, out: &mut Vec<f64>) {
         out.push(self.start.s.unwrap_or(f64::NAN));
-        for place in self.start.found.places() {
+        let found = &self.start.found;
+        for place in found.points.iter().chain(&found.valleys) {
             match place {
                 Some(at) => out.extend([1.0, at.s, at.rail, at.angle, at.wheel]),
                 None => out.extend([0.0; 5]),
@@ -389,8 +299,8 @@ impl Force for WheelRail {
         let mut next = || values.next().copied().unwrap_or(f64::NAN);
         let s = next();
         self.start.s = (!s.is_nan()).then_some(s);
-        self.start.found = Found::default();
-        for place in 0..MAX_CONTACTS {
+        let found = &mut self.start.found;
+        for place in found.points.iter_mut().chain(&mut found.valleys) {
             let is_there = next() == 1.0;
             let at = SurfaceParameters {
                 s: next(),
@@ -398,9 +308,7 @@ impl Force for WheelRail {
                 angle: next(),
                 wheel: next(),
             };
-            if is_there {
-                self.start.found.set(place, at);
-            }
+            *place = is_there.then_some(at);
         }
     }
 }

@@ -74,9 +74,9 @@ fn large_creepages_reach_the_friction_limit_and_oppose_the_sliding() {
         let [x, y, _] = forces(law, creepage(0.4, -0.3, 0.0));
         // Polach's arc tangent ends as 1/ε², FASTSIM's grid takes part of the edge.
         assert!((x.hypot(y) / limit - 1.0).abs() < tolerance, "{law:?} {x} {y}");
-        // The saturated linear theory keeps the direction of the linear force.
+        // The saturated linear theory keeps the direction of the linear force, FASTSIM that of its tractions near the edge.
         let across = (0.6 * x + 0.8 * y) / limit;
-        let most = if law == CreepLaw::Saturated { 0.05 } else { tolerance };
+        let most = if law == CreepLaw::Polach { tolerance } else { 0.05 };
         assert!(x < 0.0 && y > 0.0 && across.abs() < most, "{law:?} {across}");
     }
 }
@@ -95,10 +95,12 @@ fn fastsim_never_exceeds_the_friction_limit() {
     }
 }
 
-/// CONTACT's example `fastsim`: ξ_y = −6.25e-4, φ = 0.625/m. [eve70a/CONTACT, examples/fastsim.ref_out, cases 1, 5]
+/// CONTACT's example `fastsim`: ξ_y = −6.25e-4, φ = 0.625/m. [eve70a/CONTACT, examples/fastsim.ref_out, cases 1, 2 and 5]
 #[test]
 fn fastsim_departs_from_the_exact_theory_as_published() {
-    let (exact, simplified) = (-14_940.0, -15_640.0);
+    let exact = -14_940.0;
+    // 40 and 200 strips there; its error is of first order: the limit is a quarter of the difference further.
+    let simplified = -15_640.0 + 0.25 * (-15_640.0 + 15_050.0);
     // From the flexibilities printed there, L₁ = 8a/(3 C₁₁ G) and so on, in mm³/N.
     let (a, b, g) = (8.0, 4.0, 82e3);
     let c11 = 8.0 * a / (3.0 * 0.4937e-4 * g);
@@ -117,12 +119,12 @@ fn fastsim_departs_from_the_exact_theory_as_published() {
         shear_modulus: G,
     };
     let [x, y, _] = fine.forces(&inputs).map(|force| force.value);
-    // Both grids have 200 strips; the cells differ.
-    assert!((y / simplified - 1.0).abs() < 5e-3, "{y}");
+    // The extrapolation's second order.
+    assert!((y / simplified - 1.0).abs() < 3e-3, "{y}");
     // Strips that mirror each other: rounding.
     assert!(x.abs() < 1e-6, "{x}");
-    // Up to 10 % with spin [Kalker 1990, section 2.2.3]; 4.7 % in this case.
-    assert!((y / exact - 1.0).abs() < 0.06, "{y}");
+    // Up to 10 % with spin [Kalker 1990, section 2.2.3]; 5.8 % in this case.
+    assert!((y / exact - 1.0).abs() < 0.07, "{y}");
     // The interpolated coefficients depart from those by 1.3, 1.6 and −0.3 %.
     let [_, interpolated, _] = forces(FINE, creepage(0.0, -6.25e-4, 0.625));
     assert!((interpolated / y - 1.0).abs() < 0.02, "{interpolated}");

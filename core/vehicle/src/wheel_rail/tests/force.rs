@@ -1,8 +1,7 @@
 //! The law trio of the contact force.
-use super::support::Design;
-use super::support::Wheelset;
+use super::support::{CurvedRail, Design, Wheelset};
 use crate::check::{dense, force, moved};
-use crate::wheel_rail::{CreepLaw, Fastsim, WheelRail};
+use crate::wheel_rail::{CreepLaw, Fastsim, RailLine, WheelRail};
 use dynamics::{Force, Layout, State, Weights};
 use nalgebra::Vector3;
 
@@ -71,6 +70,47 @@ fn the_tangent_is_the_derivative_of_the_force_for_every_creep_law() {
             }
             assert!(touching > 0);
         }
+    }
+}
+
+#[test]
+fn the_tangent_holds_in_a_curve_with_growing_cant() {
+    let design = Design {
+        law: CreepLaw::Polach,
+        speed: 20.0,
+        spin: 20.0 / 0.46,
+        damping: 4e8,
+        curved: true,
+        ..Design::manchester()
+    };
+    let mut set = design.build();
+    let mut state = set.loaded(0, 40e3, 1e-3, 0.0, 2e-3);
+    for (k, value) in [0.01, -0.006, 0.004, 0.002, 0.02, 0.003].into_iter().enumerate() {
+        state.v[k] = value;
+    }
+    let wheel = &mut set.wheels[0];
+    wheel.begin_step(&state.motion(&[]));
+    assert_eq!(wheel.contacts(&state.motion(&[])).iter().flatten().count(), 1);
+    assert_tangent(wheel, &set.layout, &state);
+}
+
+#[test]
+fn the_frame_of_a_curved_rail_is_consistent() {
+    let rail = CurvedRail {
+        y: 0.76,
+        curvature: 1.0 / 300.0,
+        cant_rate: 5e-3,
+    };
+    let (s, h) = (7.0, 1e-3);
+    let [plus, minus, frame] = [s + h, s - h, s].map(|s| rail.frame(s));
+    // Central differences: h² and rounding / h.
+    let near = |a: Vector3<f64>, b: Vector3<f64>| (a - b).norm() < 1e-10;
+    assert!(near((plus.position - minus.position) / (2.0 * h), frame.direction));
+    assert!(near((plus.direction - minus.direction) / (2.0 * h), frame.bend));
+    assert!(near((plus.turn - minus.turn) / (2.0 * h), frame.turn_rate));
+    for axis in 0..3 {
+        let rate = (plus.axes.column(axis) - minus.axes.column(axis)) / (2.0 * h);
+        assert!(near(rate, frame.turn.cross(&frame.axes.column(axis))));
     }
 }
 
@@ -161,4 +201,37 @@ fn other_state(state: &State) -> State {
     let mut other = state.clone();
     other.q[1] += 5e-3;
     other
+}
+
+#[test]
+fn no_force_jumps_where_contacts_become_one() {
+    let design = Design {
+        law: CreepLaw::Frictionless,
+        ..Design::manchester()
+    };
+    let mut set = design.build();
+    // Through the middle, and from tread to flange root on the right wheel.
+    for [from, to] in [[-1.5e-3, 1.5e-3], [-4.4e-3, -5.6e-3]] {
+        let height = set.loaded(1, 10e3, 0.5 * (from + to), 0.0, 0.0).q[2];
+        let (mut forces, mut counts) = (Vec::new(), Vec::new());
+        for i in 0..=3000 {
+            let state = set.placed(from + (to - from) * f64::from(i) / 3e3, height, 0.0, 0.0);
+            let motion = state.motion(&[]);
+            set.wheels[1].begin_step(&motion);
+            forces.push(set.wheels[1].force(&motion));
+            counts.push(set.wheels[1].contacts(&motion).iter().flatten().count());
+        }
+        assert!(
+            counts.iter().min() < counts.iter().max(),
+            "the number of contacts does not change"
+        );
+        let largest = forces.iter().map(|force| force.norm()).fold(0.0, f64::max);
+        let jump = forces
+            .windows(3)
+            .map(|three| (three[0] - three[1] * 2.0 + three[2]).norm())
+            .fold(0.0, f64::max);
+        println!("{from}: largest second difference {:.1e} of the force", jump / largest);
+        // Second differences over 1 µm (0.4 µm) of 30 µm of penetration: (1/30)² where nothing jumps.
+        assert!(jump < 2e-3 * largest, "{jump} {largest}");
+    }
 }

@@ -67,7 +67,38 @@ pub fn gauge_face(rail: &Profile, depth: f64) -> f64 {
     rail.at(low).position.x
 }
 
-/// Both wheels of a wheelset on straight rails.
+/// A rail in a curve to the left with growing cant, in the axes of the track's tangent.
+pub struct CurvedRail {
+    /// Distance of the profile's origin from the middle of the track, m; signed.
+    pub y: f64,
+    /// Curvature of the middle of the track, 1/m.
+    pub curvature: f64,
+    /// Rotation of the track about its middle per length, rad/m.
+    pub cant_rate: f64,
+}
+
+impl RailLine for CurvedRail {
+    fn frame(&self, s: f64) -> RailFrame {
+        let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.curvature * s);
+        let cant = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), self.cant_rate * s);
+        let axes = (heading * cant).to_rotation_matrix().into_inner();
+        let (forward, left) = (heading * Vector3::x(), heading * Vector3::y());
+        let turn = Vector3::z() * self.curvature + forward * self.cant_rate;
+        let turn_rate = left * (self.curvature * self.cant_rate);
+        let offset = axes.column(1) * self.y;
+        let middle = Vector3::new((self.curvature * s).sin(), 1.0 - (self.curvature * s).cos(), 0.0) / self.curvature;
+        RailFrame {
+            position: middle + offset,
+            direction: forward + turn.cross(&offset),
+            bend: left * self.curvature + turn_rate.cross(&offset) + turn.cross(&turn.cross(&offset)),
+            axes,
+            turn,
+            turn_rate,
+        }
+    }
+}
+
+/// Both wheels of a wheelset on its rails.
 pub struct Wheelset {
     pub layout: Layout,
     pub pose: Pose,
@@ -91,6 +122,8 @@ pub struct Design {
     pub law: CreepLaw,
     pub friction: f64,
     pub damping: f64,
+    /// In a curve with growing cant, see [`CurvedRail`].
+    pub curved: bool,
 }
 
 impl Design {
@@ -109,6 +142,19 @@ impl Design {
             law: CreepLaw::Fastsim(Fastsim { strips: 30, cells: 30 }),
             friction: 0.3,
             damping: 0.0,
+            curved: false,
+        }
+    }
+
+    fn line(&self, y: f64) -> Arc<dyn RailLine> {
+        if self.curved {
+            Arc::new(CurvedRail {
+                y,
+                curvature: 1.0 / 300.0,
+                cant_rate: 5e-3,
+            })
+        } else {
+            Arc::new(StraightRail { y, z: 0.0 })
         }
     }
 
@@ -136,10 +182,7 @@ impl Design {
                 },
                 rail: Rail {
                     profile: self.rail.clone(),
-                    line: Arc::new(StraightRail {
-                        y: side.sign() * self.rail_distance,
-                        z: 0.0,
-                    }),
+                    line: self.line(side.sign() * self.rail_distance),
                     side,
                 },
                 hertz: Hertz::new(&STEEL),
@@ -177,6 +220,7 @@ impl Wheelset {
         let mut high = 0.02;
         while !enough(high - 5e-5) {
             high -= 5e-5;
+            assert!(high > -0.02, "the wheel falls past its rail");
         }
         let mut low = high - 5e-5;
         for _ in 0..60 {
