@@ -3,7 +3,10 @@
 use crate::check::{Found, refuse};
 use crate::error::What;
 use crate::write::shown_number;
-use crate::{GivenMotion, Irregularities, Points, Scene, Spectrum, Stop, Train, Vehicle, VehicleBody};
+use crate::{
+    Formulation, GivenMotion, Irregularities, Pantograph, PantographModel, Points, Scene, Spectrum, Stop, Train,
+    Vehicle, VehicleBody,
+};
 
 impl Scene {
     pub(crate) fn check_vehicle(&self, found: &mut Found) {
@@ -38,6 +41,15 @@ impl Scene {
                 let expected = format!("{expected}, since vehicle.model is \"full\"");
                 found.push((key.to_owned(), What::Missing { expected }));
             }
+        }
+        let moved = matches!(self.vehicle.as_deref(), Some(Vehicle::RigidMotion(_)));
+        let jointed = |pantograph: &Pantograph| matches!(pantograph.model, PantographModel::Linkage(_));
+        if moved && self.solver.formulation == Formulation::AugmentedLagrangian && self.pantographs.iter().any(jointed)
+        {
+            let expected =
+                "must be \"default\": the joints of a linkage on a base with vehicle.motion change with time";
+            let value = format!("{:?}", self.solver.formulation.name());
+            refuse(found, "solver.formulation", value, expected);
         }
         match self.track.as_deref().map(|track| &track.irregularities) {
             Some(Irregularities::Spectrum(spectrum)) => spectrum.check(found),

@@ -587,6 +587,19 @@ fn a_vehicle_that_cannot_be_is_refused_by_key_value_and_remedy() {
 }
 
 #[test]
+fn joints_that_change_with_time_need_constraints_of_positions() {
+    let overrides = [
+        "vehicle={ model = \"rigid_motion\", motion = { time = [0.0, 1.0], z = [0.0, 0.01] } }",
+        "solver.formulation=augmented_lagrangian",
+    ];
+    let error = Scene::from_toml(THESIS, "thesis.toml", &overrides.map(str::to_owned)).unwrap_err();
+    holds(
+        &error.to_string(),
+        &["solver.formulation = \"augmented_lagrangian\": must be \"default\""],
+    );
+}
+
+#[test]
 fn the_linkage_on_a_moving_base_is_not_reduced() {
     let message = vehicle_message("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]");
     holds(

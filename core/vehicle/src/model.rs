@@ -138,10 +138,7 @@ impl PantographModel {
     /// # Errors
     /// Where there is none: [`VehicleError::OutOfReach`], [`VehicleError::NotConverged`].
     pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
-        match &self.kind {
-            Kind::Reduced(linkage) => linkage.equilibrium_at_force(force),
-            Kind::Lumped(_) | Kind::Linkage(_) => self.equilibrium(Target::Force(force)),
-        }
+        self.equilibrium(Target::Force(force))
     }
 
     /// The state of rest with the strip at `height` (m above the top of rail).
@@ -151,10 +148,7 @@ impl PantographModel {
     /// # Errors
     /// Where there is none: [`VehicleError::OutOfReach`], [`VehicleError::NotConverged`].
     pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
-        match &self.kind {
-            Kind::Reduced(linkage) => linkage.equilibrium_at_height(height),
-            Kind::Lumped(_) | Kind::Linkage(_) => self.equilibrium(Target::Height(height)),
-        }
+        self.equilibrium(Target::Height(height))
     }
 
     /// Rest on whatever carries the pantograph.

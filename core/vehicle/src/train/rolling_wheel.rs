@@ -149,7 +149,12 @@ impl Force for RollingWheel {
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+        // The matrix may be analysed and made again at other motions than the present one: a restored run repeats bit for bit only if
+        // that leaves the start of the next search alone.
+        let mut start = Vec::new();
+        self.contact.save(&mut start);
         self.contact.add_tangent(motion, weights, blocks);
+        self.contact.restore(&mut start.iter());
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
