@@ -55,6 +55,7 @@ pub mod results;
 pub mod run;
 pub mod simulation;
 pub mod slave;
+pub mod sliding_joint;
 pub mod ssp;
 pub mod stability;
 pub mod standards;

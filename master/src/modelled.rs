@@ -6,6 +6,7 @@ use scene::{Initialise, PantographModel, Reduction, Start};
 use crate::mesh;
 use crate::results::{Model, Part};
 use crate::simulation::Prepared;
+use crate::sliding_joint;
 use crate::standstill::{self, Standstill};
 
 impl Prepared {
@@ -19,7 +20,12 @@ impl Prepared {
             (Some(statics), None) => statics.coordinates(),
             (None, None) => 0,
         };
-        let mut constraints = 0;
+        // A joint is one equation per strip.
+        let mut constraints = if sliding_joint::holds(scene) {
+            scene.pantographs.len()
+        } else {
+            0
+        };
         let mut kinds = Vec::new();
         for (index, pantograph) in scene.pantographs.iter().enumerate() {
             let placement = vehicle::placement(scene, index);

@@ -1,5 +1,5 @@
 //! What statics and time integration share: residuals, corrections, and the options of Newton's method.
-use crate::matrix::{IterationMatrix, visit_jacobian};
+use crate::matrix::{IterationMatrix, MovingRows, visit_jacobian};
 use crate::part::Thresholds;
 use crate::woodbury::Woodbury;
 use crate::{Formulation, Motion, System, Updates, Weights};
@@ -181,7 +181,7 @@ pub(crate) struct Workspace {
 
 impl Workspace {
     pub fn new(system: &mut dyn System, motion: &Motion<'_>) -> Self {
-        let matrix = IterationMatrix::analyse(system, motion);
+        let matrix = IterationMatrix::analyse(system, motion, MovingRows::Placeholders);
         let coordinates = system.layout().coordinates();
         let size = coordinates + system.layout().constraints();
         // Nothing allocates later: there are at most as many ranges as unknowns, and a few dozen in practice.
@@ -213,6 +213,7 @@ impl Workspace {
         lambda: &[f64],
         (options, since): (&NewtonOptions, Since),
     ) -> Residual {
+        self.updates.set_multipliers(lambda);
         let (force, constraint) = self.imbalance.split_at_mut(self.coordinates);
         force.fill(0.0);
         match v_dot {
@@ -329,6 +330,7 @@ impl Workspace {
         options: Option<&NewtonOptions>,
     ) -> Result<(), StepError> {
         self.updates.clear();
+        self.updates.set_borders(self.coordinates, self.scale);
         let mut owner = 0;
         let updates = &mut self.updates;
         system.forces(&mut |force| {
@@ -339,10 +341,14 @@ impl Workspace {
         for value in &mut self.imbalance[self.coordinates..] {
             *value *= -self.scale;
         }
-        let thresholds = options.map_or_else(Thresholds::default, |options| Thresholds {
+        let mut thresholds = options.map_or_else(Thresholds::default, |options| Thresholds {
             force: LEFT * options.tolerance,
             constraint: LEFT * options.constraint_tolerance * self.scale,
         });
+        // The force that brings a border's coordinates onto its constraint is one of those that would be left.
+        if self.updates.has_borders() {
+            thresholds.force = thresholds.force.min(thresholds.constraint);
+        }
         for range in self.changed.0.drain(..) {
             self.correction[range].fill(0.0);
         }

@@ -1,7 +1,8 @@
 //! What is read is what was typed, and what is written reads again as the same.
 
 use scene::{
-    Algorithm, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Reduction, Scene, Start, Statics,
+    Algorithm, ContactLaw, Cure, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Reduction,
+    Scene, Start, Statics,
 };
 
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
@@ -335,6 +336,52 @@ fn the_evaluation_range_follows_each_strip() {
     assert_eq!(scene.strip_x(0, 1.0), 20.0 + speed);
     let timed = read(EN_250, &["run.evaluate={ time = [2.0, 3.0] }"]);
     assert_eq!(timed.evaluation_x(0), (20.0 + speed * 2.0, 20.0 + speed * 3.0));
+}
+
+#[test]
+fn a_sliding_joint_has_no_spring_and_is_written_as_it_is_read() {
+    const JOINT: &str = include_str!("../../../scenes/thesis-sliding-joint.toml");
+    let scene = read(JOINT, &[]);
+    let contact = scene.contact.unwrap();
+    assert_eq!(
+        (contact.law, contact.stiffness, contact.damping),
+        (ContactLaw::SlidingJoint, f64::INFINITY, 0.0)
+    );
+    let written = scene.to_toml();
+    assert!(!written.contains("= inf"), "{written}");
+    assert_eq!(read(&written, &[]), scene);
+    // Nothing but the law and what it asks of the integrator is another than in the scene that it is compared with.
+    let penalty = read(THESIS, &["contact={law=\"sliding_joint\"}", "solver.rho_inf=0.5"]);
+    let named = Scene {
+        title: penalty.title.clone(),
+        ..scene
+    };
+    assert_eq!(named, penalty);
+    // What its mesh lacks has no spring to be in series with.
+    let cured = read(JOINT, &["catenary.mesh.cures=\"auto\""]);
+    assert!(!cured.cures().contains(&Cure::ContactCompliance) && cured.cures().contains(&Cure::BendingLayers));
+    let left_out = cured.cures_left_out();
+    let reason = &left_out
+        .iter()
+        .find(|(cure, _)| *cure == Cure::ContactCompliance)
+        .unwrap()
+        .1;
+    assert!(reason.contains("sliding_joint"), "{reason}");
+    for (key, expected) in [
+        (
+            "solver.rho_inf=0.9",
+            "solver.rho_inf = 0.9: must be at most 0.5 with contact.law = \"sliding_joint\"",
+        ),
+        (
+            "catenary.mesh.cures=[\"contact_compliance\"]",
+            "must be left out: contact.law is \"sliding_joint\"",
+        ),
+    ] {
+        let refused = Scene::from_toml(JOINT, "x.toml", &[key.to_owned()])
+            .unwrap_err()
+            .to_string();
+        assert!(refused.contains(expected), "{refused}");
+    }
 }
 
 #[test]

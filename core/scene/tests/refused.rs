@@ -64,7 +64,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("positions = [5.0, 10.5,", "positions = [5.0, true,", &["catenary.droppers.positions[2] = true: must be a number in m"]),
     ("masses = [7.2, 15.0]", "masses = 7.2", &["pantograph[1].masses = 7.2: must be a list of numbers in kg, at least one"]),
     ("[[pantograph]]", "[pantograph]", &["pantograph = ", "must be at least one table under the header [[pantograph]]"]),
-    ("law = \"penalty\"", "law = 3", &["contact.law = 3: must be \"penalty\""]),
+    ("law = \"penalty\"", "law = 3", &["contact.law = 3: must be one of \"penalty\", \"sliding_joint\""]),
     ("elements_per_interval = 8", "elements_per_interval = 2.5", &["catenary.mesh.elements_per_interval = 2.5: must be a whole number from 1"]),
     ("[solver]\nmicro_step = 0.001                      # s\nrho_inf = 0.9", "", &["accepted"]),
     // Out of range, NaN, infinite.
@@ -86,7 +86,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("\"constant_tension\"", "\"free\"", &["catenary.wire_ends = \"free\": unknown word", "must be \"constant_tension\" or \"fixed\""]),
     ("model = \"lumped\"", "model = \"lumpd\"", &["pantograph[1].model = \"lumpd\": unknown word, did you mean \"lumped\"?"]),
     // Known, but not available.
-    ("\"penalty\"", "\"sliding_joint\"", &["contact.law = \"sliding_joint\": not modelled yet by this version; must be \"penalty\""]),
+    ("\"penalty\"", "\"sliding_joint\"", &["contact.stiffness: must be left out: contact.law is \"sliding_joint\", which holds the strip on the wire", "contact.damping: must be left out"]),
     ("element = \"cable\"", "element = \"beam\"", &["catenary.mesh.element = \"beam\": not modelled yet by this version; must be \"cable\""]),
     ("macro_step = 0.001", "macro_step = { min = 1e-4, max = 1e-2 }", &["coupling.macro_step.tolerance", "a positive number in N"]),
     ("macro_step = 0.001", "macro_step = { tolerance = 0.0 }", &["coupling.macro_step.tolerance = 0 N: must be positive and finite"]),

@@ -189,7 +189,7 @@ impl Subsystem {
                     *value = input.at(tau);
                 }
             },
-            &mut |model, motion, dt| {
+            &mut |model, motion, _, dt| {
                 let now = power(model, &motion);
                 work += 0.5 * dt * (last + now);
                 last = now;

@@ -41,7 +41,13 @@ struct RailSample {
 #[derive(Clone, Copy, Debug)]
 struct Gap {
     height: f64,
-    start: SurfaceParameters,
+    /// Of the angle of the outline's point from the lowest one.
+    sine: f64,
+    /// Forward along the rail, m.
+    forward: f64,
+    /// σ of the rail and the wheel, m.
+    rail: f64,
+    wheel: f64,
 }
 
 impl Search {
@@ -85,7 +91,7 @@ impl Search {
                 && middle.height < first.height
                 && middle.height <= last.height
                 && middle.height < FOLLOWED
-                && let Some(point) = pairing.solve(&middle.start)
+                && let Some(point) = pairing.solve(&outline.start(&middle))
             {
                 found.insert(point);
             }
@@ -110,8 +116,8 @@ impl Search {
                 highest = Some(gap);
             }
         }
-        let start = highest.filter(|highest| highest.height < FOLLOWED)?.start;
-        let point = pairing.solve(&start)?.parameters;
+        let highest = highest.filter(|highest| highest.height < FOLLOWED)?;
+        let point = pairing.solve(&outline.start(&highest))?.parameters;
         (point.wheel > between[0] && point.wheel < between[1]).then_some(point)
     }
 }
@@ -128,6 +134,8 @@ struct Outline<'a> {
     /// Size and direction of the components of the other two axes along the rail.
     size: f64,
     tilt: f64,
+    /// The other two axes, turned by `tilt`: the second one is perpendicular to the rail's direction.
+    lowest: [Vector3<f64>; 2],
 }
 
 impl<'a> Outline<'a> {
@@ -136,15 +144,21 @@ impl<'a> Outline<'a> {
         let along = frame.direction.normalize();
         let axes = &pairing.axes;
         let (forward, upward) = (axes.column(0).dot(&along), axes.column(2).dot(&along));
+        let tilt = upward.atan2(forward);
+        let (sine, cosine) = tilt.sin_cos();
         Self {
             search,
             pairing,
             s,
             frame,
+            lowest: [
+                axes.column(0) * cosine + axes.column(2) * sine,
+                axes.column(2) * cosine - axes.column(0) * sine,
+            ],
             along,
             lateral: pairing.wheel.side.sign() * axes.column(1).dot(&along),
             size: forward.hypot(upward),
-            tilt: upward.atan2(forward),
+            tilt,
         }
     }
 
@@ -156,8 +170,8 @@ impl<'a> Outline<'a> {
         }
         let (axes, wheel) = (&self.pairing.axes, self.pairing.wheel);
         let side = wheel.side.sign();
-        let angle = sine.asin() + self.tilt;
-        let radial = axes.column(0) * angle.sin() - axes.column(2) * angle.cos();
+        let cosine = (1.0 - sine * sine).sqrt();
+        let radial = self.lowest[0] * sine - self.lowest[1] * cosine;
         let point = self.pairing.middle - self.frame.position
             + axes.column(1) * (side * (wheel.distance + profile.position.x))
             + radial * (wheel.radius - profile.position.y);
@@ -172,13 +186,21 @@ impl<'a> Outline<'a> {
         let up = pair[0].up + part * (pair[1].up - pair[0].up);
         Some(Gap {
             height: self.frame.axes.column(2).dot(&point) - up,
-            start: SurfaceParameters {
-                s: self.s + self.along.dot(&point) / self.frame.direction.norm(),
-                rail: pair[0].sigma + part * (pair[1].sigma - pair[0].sigma),
-                angle,
-                wheel: *sigma,
-            },
+            sine,
+            forward: self.along.dot(&point),
+            rail: pair[0].sigma + part * (pair[1].sigma - pair[0].sigma),
+            wheel: *sigma,
         })
+    }
+
+    /// Where the search for a contact begins.
+    fn start(&self, gap: &Gap) -> SurfaceParameters {
+        SurfaceParameters {
+            s: self.s + gap.forward / self.frame.direction.norm(),
+            rail: gap.rail,
+            angle: gap.sine.asin() + self.tilt,
+            wheel: gap.wheel,
+        }
     }
 }
 
