@@ -46,7 +46,7 @@ fn a_rolling_vehicle_on_smooth_track_goes_on_rolling() {
     let mut simulator = Simulator::new(alone, state, Vec::new(), 1e-3, 0.9, NewtonOptions::default());
     let mut largest = 0.0_f64;
     simulator
-        .advance(0.0, 2.0, &mut |_, _| (), &mut |alone, motion, _| {
+        .advance(0.0, 2.0, &mut |_, _| (), &mut |alone, motion, _, _| {
             let base = alone.train.base_frame(&motion);
             largest = largest.max(base.velocity.norm());
         })
@@ -117,7 +117,7 @@ fn simulated_growth(speed: f64) -> f64 {
     let mut squares = [0.0; 2];
     let mut time = 0.0;
     simulator
-        .advance(0.0, 8.0, &mut |_, _| (), &mut |_, motion, h| {
+        .advance(0.0, 8.0, &mut |_, _| (), &mut |_, motion, _, h| {
             time += h;
             let square: f64 = lateral.iter().map(|&index| motion.q[index].powi(2)).sum();
             // What other motions the push has made has died away in 2 s; then two windows of 3 s.
@@ -158,7 +158,7 @@ fn the_energy_of_a_full_run_on_rough_track_is_accounted_for() {
         let mut balance = simulator.energy_balance();
         for i in 0..(2.0 / step).round() as usize {
             simulator
-                .advance(i as f64 * step, step, &mut |_, _| (), &mut |_, _, _| ())
+                .advance(i as f64 * step, step, &mut |_, _| (), &mut |_, _, _, _| ())
                 .unwrap();
             simulator.balance(&mut balance, step);
         }

@@ -161,7 +161,9 @@ fn simulator(mut alone: Alone, rho_inf: f64) -> Simulator<Alone> {
 fn a_vehicle_at_rest_on_smooth_track_stays_at_rest() {
     let mut simulator = simulator(vertical(&scene(&[]), None), 0.9);
     let start = simulator.state().clone();
-    simulator.advance(0.0, 2.0, &mut |_, _| (), &mut |_, _, _| ()).unwrap();
+    simulator
+        .advance(0.0, 2.0, &mut |_, _| (), &mut |_, _, _, _| ())
+        .unwrap();
     let moved = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     // Forces of the statics are balanced to 1e-5 N; the softest spring has 1e6 N/m.
     assert!(moved(&simulator.state().q, &start.q) < 1e-10);
@@ -175,7 +177,7 @@ fn the_energy_of_a_run_on_rough_track_is_accounted_for() {
         let mut balance = simulator.energy_balance();
         for i in 0..(3.0 / step).round() as usize {
             simulator
-                .advance(i as f64 * step, step, &mut |_, _| (), &mut |_, _, _| ())
+                .advance(i as f64 * step, step, &mut |_, _| (), &mut |_, _, _, _| ())
                 .unwrap();
             simulator.balance(&mut balance, step);
         }

@@ -67,7 +67,7 @@ fn hunting(design: &Design, yaw: f64, duration: f64, step: f64) -> Vec<f64> {
     (0..count)
         .map(|i| {
             simulator
-                .advance(i as f64 * step, step, &mut |_, _| (), &mut |_, _, _| ())
+                .advance(i as f64 * step, step, &mut |_, _| (), &mut |_, _, _, _| ())
                 .unwrap();
             simulator.state().q[1]
         })
@@ -222,7 +222,7 @@ fn a_bouncing_wheelset_keeps_its_energy_without_friction() {
         let mut flight = 0;
         for i in 0..(0.1 / step) as usize {
             simulator
-                .advance(i as f64 * step, step, &mut |_, _| (), &mut |_, _, _| ())
+                .advance(i as f64 * step, step, &mut |_, _| (), &mut |_, _, _, _| ())
                 .unwrap();
             simulator.balance(&mut balance, step);
             let (system, motion) = simulator.parts();
@@ -265,7 +265,7 @@ fn newtons_method_converges_through_impacts_and_flange_contact() {
     let mut flange = false;
     for i in 0..count {
         simulator
-            .advance(f64::from(i) * step, step, &mut |_, _| (), &mut |_, _, _| ())
+            .advance(f64::from(i) * step, step, &mut |_, _| (), &mut |_, _, _, _| ())
             .unwrap();
         let (rig, motion) = simulator.parts();
         let contacts = rig.wheels.iter().flat_map(|wheel| wheel.contacts(&motion)).flatten();
