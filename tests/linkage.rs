@@ -69,7 +69,7 @@ const CONTACT: f64 = 5e4;
 
 /// The thesis pantograph at rest against a spring whose other end has jumped by `jump` m; `damping` in the suspension.
 fn released(jump: f64, damping: f64) -> (Pantograph, State) {
-    let text = include_str!("../scenes/thesis.toml");
+    let text = include_str!("../scenes/thesis-pantograph.toml");
     let mut scene = Scene::from_toml(text, "thesis.toml", &[]).unwrap();
     if let scene::PantographModel::Linkage(entry) = &mut scene.pantographs[0].model {
         entry.collector_suspension.damping = damping;
@@ -79,6 +79,9 @@ fn released(jump: f64, damping: f64) -> (Pantograph, State) {
         speed: scene.run.speed,
         gravity: 9.81,
         one_motion: false,
+        vehicle: None,
+        track: None,
+        duration: 0.0,
     };
     let mut layout = Layout::new();
     let mut model = PantographModel::new(&scene.pantographs[0].model, placement, "pantograph 1", &mut layout).unwrap();

@@ -43,6 +43,9 @@ pub struct Other {
 pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Result<Prepared, SetupError> {
     let begin = Instant::now();
     wind_files::read(&mut scene, base)?;
+    let read = |path: &str| std::fs::read_to_string(base.join(path)).map_err(|error| error.to_string());
+    scene.fill_tables(&read).map_err(SetupError::NotAvailable)?;
+    scene.check(name)?;
     let statics = match &scene.catenary {
         Line::Modelled(_) => Some(static_line(&scene)?),
         Line::ThirdParty(_) => None,

@@ -34,6 +34,7 @@
 mod catenary;
 mod check;
 mod check_linkage;
+mod check_vehicle;
 mod choice;
 mod contact;
 mod coupling;
@@ -48,8 +49,11 @@ mod pantograph;
 mod run;
 mod scene;
 mod solver;
+mod table_file;
 mod third_party;
+mod track;
 mod tree;
+mod vehicle;
 mod wind;
 mod write;
 
@@ -66,6 +70,11 @@ pub use run::{Electrification, Evaluate, Initialise, Run};
 pub use scene::{Line, Scene};
 pub use solver::{Formulation, Jacobian, Solver};
 pub use third_party::{Connection, Offset, ParameterValue, STEP_TIMEOUT, ThirdParty};
+pub use track::{Irregularities, Points, RailSection, Spectrum, Track};
+pub use vehicle::{
+    Axis, BearingEntry, BushingEntry, Creep, GivenMotion, Pivot, Stop, Train, Vehicle, VehicleBody, WheelContact,
+    Wheels,
+};
 pub use wind::{
     AerodynamicMarker, GustExtent, Wind, WindGust, WindOnPantograph, WindOnWires, WindSpectrum, WindSurface,
     WindTableError, WindTurbulence, rows_of,

@@ -68,6 +68,10 @@ impl Scene {
         if let Some(reason) = self.wind_pushes_sideways() {
             return Some(reason);
         }
+        let (vehicle, track) = (self.vehicle.as_deref(), self.track.as_deref());
+        if let Some(reason) = vehicle.and_then(|vehicle| vehicle.leaves_the_plane(track)) {
+            return Some(reason.to_owned());
+        }
         self.pantographs.iter().enumerate().find_map(|(index, pantograph)| {
             let PantographModel::ThirdParty(side) = &pantograph.model else {
                 return None;

@@ -7,7 +7,8 @@ use scene::{
 
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
 const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
-const THESIS: &str = include_str!("../../../scenes/thesis.toml");
+const THESIS: &str = include_str!("../../../scenes/thesis-pantograph.toml");
+const VEHICLE: &str = include_str!("../../../scenes/thesis.toml");
 
 fn read(text: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_string()).collect();
@@ -40,13 +41,48 @@ fn every_shipped_scene_is_accepted() {
 
 #[test]
 fn a_written_scene_reads_again_as_an_equal_one() {
-    for text in [EN_250, EN_300, THESIS] {
+    for text in [EN_250, EN_300, THESIS, VEHICLE] {
         let scene = read(text, &[]);
         let written = scene.to_toml();
         let again = read(&written, &[]);
         assert_eq!(again, scene);
         assert_eq!(again.to_toml(), written);
     }
+}
+
+#[test]
+fn a_vehicle_and_its_track_survive_writing() {
+    let motion =
+        "vehicle={ model = \"rigid_motion\", motion = { time = [0.0, 0.5], z = [0.0, 0.01], roll = [0.0, -0.1] } }";
+    let spectrum = "track.irregularities={ model = \"spectrum\", seed = 7, wavelengths = [3.0, 80.0], \
+                    vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }";
+    let points =
+        "track.irregularities={ model = \"points\", x = [0.0, 10.0], z_left = [0.0, 0.01], z_right = [0.0, 0.02] }";
+    let file = "track.irregularities={ model = \"points\", file = \"track.csv\" }";
+    for (text, overrides) in [
+        (THESIS, [motion].as_slice()),
+        (VEHICLE, &[spectrum]),
+        (VEHICLE, &[points]),
+        (VEHICLE, &[file, "vehicle.model=vertical"]),
+    ] {
+        let scene = read(text, overrides);
+        assert_eq!(read(&scene.to_toml(), &[]), scene);
+    }
+}
+
+#[test]
+fn a_line_is_planar_under_a_symmetric_vehicle_on_rails_that_are_alike() {
+    let planar = |overrides: &[&str]| read(VEHICLE, overrides).is_planar();
+    let bump = |right: &str| {
+        format!(
+            "track.irregularities={{ model = \"points\", x = [0.0, 10.0], z_left = [0.0, 0.01], z_right = [0.0, {right}] }}"
+        )
+    };
+    assert!(planar(&[]));
+    assert!(planar(&[&bump("0.01")]));
+    assert!(!planar(&[&bump("0.02")]));
+    assert!(!planar(&["vehicle.bodies[2].positions[1]=[1.2954, 0.1, 0.7088]"]));
+    assert!(planar(&[&bump("0.02"), "vehicle.model=vertical"]));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use scene::{Reduction, Scene};
 
 const EN: &str = include_str!("../../../scenes/en50318-250.toml");
-const THESIS: &str = include_str!("../../../scenes/thesis.toml");
+const THESIS: &str = include_str!("../../../scenes/thesis-pantograph.toml");
 
 fn message(text: &str, overrides: &[&str]) -> String {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_string()).collect();
@@ -96,8 +96,12 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, maximum = 1e-2 }", &["coupling.macro_step.maximum", "did you mean"]),
     ("macro_step = 0.001", "macro_step = 0.001\nparallel = \"on\"", &["coupling.parallel = \"on\": unknown word", "\"auto\", \"always\", \"never\""]),
     ("rho_inf = 0.9", "formulation = \"augmented_lagrange\"", &["solver.formulation = \"augmented_lagrange\": unknown word, did you mean \"augmented_lagrangian\"?"]),
-    ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle: known, but not modelled yet by this version: leave it out"]),
-    ("[coupling]", "[track]\n[coupling]", &["track: known, but not modelled yet"]),
+    ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle.model is missing: must be one of \"rigid_motion\", \"vertical\", \"full\""]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], z = [0.0] }\n[coupling]", &["vehicle.motion.z = [0.0]: has 1 entries, must be a list of numbers in m, 2 of them"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 0.0] }\n[coupling]", &["vehicle.motion.time[2] = 0 s: must be greater than the entry before it, 0 s"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { file = \"a.csv\", z = [0.0] }\n[coupling]", &["vehicle.motion.z: must be left out: file is given"]),
+    ("[coupling]", "[track]\n[coupling]", &["track: must be left out: no wheel runs on it"]),
+    ("[coupling]", "[track]\ncurve = 1\n[coupling]", &["track.curve: known, but not modelled yet by this version: leave it out"]),
     ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind.yaw_deg is missing: must be a number from -180 to 180", "wind.air_density is missing: must be a positive number in kg/m³"]),
     ("[coupling]", "[wind]\nspeed = -1\nyaw_deg = 200\nair_density = 0\n[coupling]", &["wind.speed = -1 m/s: must be zero or positive", "wind.yaw_deg = 200: must be from -180 to 180", "wind.air_density = 0 kg/m³: must be positive"]),
     ("[coupling]", "[wind]\nspeed = 200\nyaw_deg = 0\nair_density = 1.2\n[coupling]", &["wind.speed = 200: must be a speed in m/s, at most 120 m/s"]),
@@ -520,6 +524,98 @@ fn an_error_that_no_mesh_makes_is_refused() {
             "catenary.mesh.error_percent = 1 %: must be at least",
             "with solver.micro_step = 5 ms",
         ],
+    );
+}
+
+/// The scene with a vehicle, its text changed in one place.
+fn vehicle_message(from: &str, to: &str) -> String {
+    const VEHICLE: &str = include_str!("../../../scenes/thesis.toml");
+    assert_eq!(VEHICLE.matches(from).count(), 1, "{from}");
+    let error = Scene::from_toml(&VEHICLE.replace(from, to), "thesis.toml", &[]).unwrap_err();
+    error.to_string()
+}
+
+#[test]
+fn a_vehicle_that_cannot_be_is_refused_by_key_value_and_remedy() {
+    let cases: [(&str, &str, &[&str]); 10] = [
+        (
+            "mass = 24170.0",
+            "mass = -24170.0",
+            &["vehicle.bodies[1].mass = -24170 kg: must be positive"],
+        ),
+        (
+            "carrier = \"car_body\"",
+            "carrier = \"car\"",
+            &["vehicle.carrier = \"car\": no such bodies: must be one of \"car_body\", \"bolster\""],
+        ),
+        (
+            "carrier = \"car_body\"",
+            "carrier = \"bolster\"",
+            &["vehicle.carrier = \"bolster\": must be a body that there is one of"],
+        ),
+        (
+            "wheelset = \"wheelset\"",
+            "wheelset = \"axle\"",
+            &[
+                "vehicle.wheels.wheelset = \"axle\": no such bodies",
+                "vehicle.bearings[1].second = \"wheelset\": must be",
+            ],
+        ),
+        (
+            "name = \"bolster\"\nmass",
+            "name = \"frame\"\nmass",
+            &["vehicle.bodies[3].name = \"frame\": must be unique"],
+        ),
+        (
+            "positions = [[7.5819, 0.0, 1.8289]]",
+            "positions = [[7.5819, 0.0]]",
+            &["vehicle.bodies[1].positions[1] = [7.5819, 0.0]: must be a point in m, 3 numbers"],
+        ),
+        (
+            "displacement = [-0.065, -0.060,",
+            "displacement = [-0.060, -0.065,",
+            &["vehicle.bushings[6].stop.displacement[2] = -0.065 m: must be greater than the entry before it, -0.06 m"],
+        ),
+        (
+            "creep = \"polach\"",
+            "creep = \"polack\"",
+            &["vehicle.contact.creep = \"polack\": unknown word, did you mean \"polach\"?"],
+        ),
+        (
+            "[track.rail]",
+            "[track.rails]",
+            &["track.rails: unknown key, did you mean \"rail\"?"],
+        ),
+        (
+            "model = \"full\"",
+            "model = \"fully\"",
+            &["vehicle.model = \"fully\": unknown word, did you mean \"full\"?"],
+        ),
+    ];
+    for (from, to, expected) in cases {
+        holds(&vehicle_message(from, to), expected);
+    }
+}
+
+#[test]
+fn joints_that_change_with_time_need_constraints_of_positions() {
+    let overrides = [
+        "vehicle={ model = \"rigid_motion\", motion = { time = [0.0, 1.0], z = [0.0, 0.01] } }",
+        "solver.formulation=augmented_lagrangian",
+    ];
+    let error = Scene::from_toml(THESIS, "thesis.toml", &overrides.map(str::to_owned)).unwrap_err();
+    holds(
+        &error.to_string(),
+        &["solver.formulation = \"augmented_lagrangian\": must be \"default\""],
+    );
+}
+
+#[test]
+fn the_linkage_on_a_moving_base_is_not_reduced() {
+    let message = vehicle_message("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]");
+    holds(
+        &message,
+        &["model.reduce = \"linkage\": must be left out: its base moves with the vehicle"],
     );
 }
 

@@ -296,4 +296,54 @@ impl Keys<'_> {
         );
         values.try_into().unwrap_or([f64::NAN; 2])
     }
+
+    /// A list of points of N numbers, at least one.
+    pub(crate) fn points<const N: usize>(
+        &mut self,
+        name: &str,
+        was: Option<&[[f64; N]]>,
+        number: Number,
+    ) -> Vec<[f64; N]> {
+        let expected = || format!("a list of points in {}, {N} numbers each, at least one", number.unit);
+        let list = |values: &[f64]| Value::List(values.iter().map(|value| Value::Float(*value).into()).collect());
+        if let Some(points) = was {
+            let value = Value::List(points.iter().map(|point| list(point).into()).collect());
+            self.push(name, value);
+            return points.to_vec();
+        }
+        let node = self.node(name).cloned();
+        let entries = match &node {
+            Some(Node {
+                value: Value::List(entries),
+                ..
+            }) if !entries.is_empty() => entries,
+            Some(node) => {
+                self.wrong_type(name, &node.value, expected());
+                return Vec::new();
+            }
+            None => {
+                self.missing(name, expected());
+                return Vec::new();
+            }
+        };
+        let mut points = Vec::with_capacity(entries.len());
+        for (i, entry) in entries.iter().enumerate() {
+            let key = self.entry_key(name, i);
+            match &entry.value {
+                Value::List(numbers) if numbers.len() == N => {
+                    points.push(std::array::from_fn(|k| {
+                        self.checked(format!("{key}[{}]", k + 1), &numbers[k], number)
+                    }));
+                }
+                other => {
+                    let what = What::WrongType {
+                        value: shown(other),
+                        expected: format!("a point in {}, {N} numbers", number.unit),
+                    };
+                    self.problem(entry.at, key, what);
+                }
+            }
+        }
+        points
+    }
 }

@@ -24,7 +24,7 @@ impl Keys<'_> {
             .then(|| self.any_table(name, was.flatten(), true))
     }
 
-    /// A table under a header of its own that may be left out.
+    /// A table that may be left out.
     pub(crate) fn optional_table<T: Entry>(&mut self, name: &str, was: Option<Option<&T>>) -> Option<T> {
         self.has(name, was.flatten().is_some())
             .then(|| self.any_table(name, was.flatten(), false))

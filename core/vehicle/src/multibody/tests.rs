@@ -46,7 +46,7 @@ impl Two {
         ];
         kinds
             .iter()
-            .flat_map(|joint| ends.map(|(first, second)| joint(first, second)))
+            .flat_map(|joint| ends.clone().map(|(first, second)| joint(first, second)))
             .collect()
     }
 }

@@ -1,9 +1,11 @@
 //! The linkage: a pantograph of rigid bodies and joints.
+use super::Ground;
 use super::air::{Air, AirForce, AirMarker, points_of};
 use super::builder::Builder;
 use super::equilibrium::{Equilibrium, Offsets};
 use super::statics::{self, Target};
 use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, RigidBody};
+use crate::train::Load;
 use crate::{Base, VehicleError};
 #[cfg(test)]
 use dynamics::State;
@@ -39,18 +41,32 @@ impl Linkage {
     /// # Errors
     /// Names that do not fit together; [`VehicleError::NotBalanced`] where the tabulated position cannot be at rest.
     pub fn new(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
-        let mut linkage = Self::without_preload(entry, gravity, name, layout)?;
-        let mut local = linkage.local()?;
+        Self::on(Ground::Still, entry, gravity, name, layout)
+    }
+
+    /// The same mechanism on another ground; the preload of its suspension is that of the reference position.
+    ///
+    /// # Errors
+    /// See [`Linkage::new`].
+    pub(crate) fn on(
+        ground: Ground,
+        entry: &Entry,
+        gravity: f64,
+        name: &str,
+        layout: &mut Layout,
+    ) -> Result<Self, VehicleError> {
+        let mut linkage = Self::without_preload(ground, entry, gravity, name, layout)?;
+        let mut local = linkage.local(Ground::Still)?;
         let balance = statics::balance(&mut local.0, &local.1)?;
         linkage.suspension.preload = balance.preload;
         linkage.static_force = balance.force;
         Ok(linkage)
     }
 
-    /// The same mechanism alone in a layout.
-    pub(crate) fn local(&self) -> Result<(Self, Layout), VehicleError> {
+    /// The same mechanism alone in a layout, on this ground.
+    pub(crate) fn local(&self, ground: Ground) -> Result<(Self, Layout), VehicleError> {
         let mut layout = Layout::new();
-        let mut linkage = Self::without_preload(&self.entry, self.gravity, "linkage", &mut layout)?;
+        let mut linkage = Self::without_preload(ground, &self.entry, self.gravity, "linkage", &mut layout)?;
         linkage.suspension.preload = self.suspension.preload;
         linkage.static_force = self.static_force;
         linkage.air.clone_from(&self.air);
@@ -64,13 +80,19 @@ impl Linkage {
         Ok((linkage, layout))
     }
 
-    fn without_preload(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
+    fn without_preload(
+        ground: Ground,
+        entry: &Entry,
+        gravity: f64,
+        name: &str,
+        layout: &mut Layout,
+    ) -> Result<Self, VehicleError> {
         let offsets = Offsets {
             coordinate: layout.coordinates(),
             constraint: layout.constraints(),
             orientation: layout.rotations().len(),
         };
-        let builder = Builder::new(entry, gravity, name, layout);
+        let builder = Builder::new(entry, ground, gravity, name, layout);
         let joints = builder.joints()?;
         layout.add_constraints(joints.iter().map(Constraint::dimension).sum());
         Ok(Self {
@@ -193,6 +215,31 @@ impl Linkage {
         }
     }
 
+    /// What acts on the mechanism from outside, at rest: weights, uplift and contact force.
+    pub(crate) fn loads(&self, equilibrium: &Equilibrium) -> Result<Vec<Load>, VehicleError> {
+        let (linkage, layout) = self.local(Ground::Still)?;
+        let mut state = layout.state_at_rest();
+        equilibrium.write(Offsets::default(), &mut state);
+        let motion = state.motion(&[]);
+        let mut loads: Vec<Load> = linkage
+            .bodies
+            .iter()
+            .map(|body| Load {
+                point: body.pose.position(&motion),
+                force: -body.mass * body.gravity,
+            })
+            .collect();
+        loads.push(Load {
+            point: linkage.uplift.marker.frame(&motion).position,
+            force: linkage.uplift.force.z,
+        });
+        loads.push(Load {
+            point: linkage.strip.frame(&motion).position,
+            force: -equilibrium.force,
+        });
+        Ok(loads)
+    }
+
     /// Number of the strip's body.
     pub(super) fn strip_body(&self) -> usize {
         self.strip.pose.orientation - self.offsets.orientation
@@ -264,7 +311,7 @@ impl Linkage {
     /// # Errors
     /// [`VehicleError::NotConverged`] where the mechanism cannot bear that force.
     pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Target::Force(force))
+        self.equilibrium(Ground::Still, Target::Force(force))
     }
 
     /// The state of rest with the middle of the strip at `height` (m) above the top of rail.
@@ -272,11 +319,12 @@ impl Linkage {
     /// # Errors
     /// [`VehicleError::NotConverged`] where the mechanism does not reach that height.
     pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Target::Height(height))
+        self.equilibrium(Ground::Still, Target::Height(height))
     }
 
-    fn equilibrium(&self, target: Target) -> Result<Equilibrium, VehicleError> {
-        let (mut linkage, layout) = self.local()?;
+    /// As [`Linkage::equilibrium_at_height`] or [`Linkage::equilibrium_at_force`], on a ground that rests somewhere else.
+    pub(crate) fn equilibrium(&self, ground: Ground, target: Target) -> Result<Equilibrium, VehicleError> {
+        let (mut linkage, layout) = self.local(ground)?;
         let start = layout.state_at_rest();
         statics::solve(&mut linkage, start, self.static_force, target)
     }

@@ -1,9 +1,12 @@
 //! The lumped pantograph: any number of masses one above the other.
 use super::air::{Air, AirForce, AirMarker};
+use super::chain::Foot;
 use super::equilibrium::{Equilibrium, Offsets};
-use super::{ChainElement, ChainMasses, HeadMarker};
+use super::statics::Target;
+use super::{ChainElement, ChainMasses, Ground, HeadMarker};
 use crate::{Base, VehicleError};
 use dynamics::{AerodynamicLaw, Force, Layout};
+use nalgebra::{Matrix3, Vector3};
 
 /// A vertical chain of masses, collector head first, each on a spring–damper, the last one on the base.
 ///
@@ -95,6 +98,14 @@ impl Lumped {
         force[self.offsets.coordinate]
     }
 
+    /// Puts the chain on a ground that moves; `base` (m) is where it stands in the reference position.
+    pub(crate) fn stand_on(&mut self, ground: &Ground, base: Vector3<f64>) {
+        let lift = self.masses.static_force;
+        if let (Some(last), false) = (self.elements.last_mut(), matches!(ground, Ground::Still)) {
+            last.foot = Some(Foot::new(ground.anchor(base, Matrix3::identity()), base, lift));
+        }
+    }
+
     /// The strip in the frame of the base.
     #[must_use]
     pub fn strip(&self) -> HeadMarker {
@@ -182,6 +193,17 @@ impl Lumped {
         Ok(equilibrium)
     }
 
+    /// As [`Lumped::equilibrium_at_force`] or [`Lumped::equilibrium_at_height`], on a base that has risen by `rise` m.
+    pub(crate) fn equilibrium_risen(&self, rise: f64, target: Target) -> Result<Equilibrium, VehicleError> {
+        let mut equilibrium = match target {
+            Target::Force(force) => self.equilibrium_at_force(force),
+            Target::Height(height) => self.equilibrium_at_height(height - rise),
+        }?;
+        equilibrium.q.iter_mut().for_each(|q| *q += rise);
+        equilibrium.height += rise;
+        Ok(equilibrium)
+    }
+
     fn state(&self, force: f64, compressions: &[f64]) -> Equilibrium {
         let mut q = vec![0.0; compressions.len()];
         let mut below = 0.0;
@@ -195,6 +217,7 @@ impl Lumped {
             q,
             rotation: Vec::new(),
             lambda: Vec::new(),
+            train: None,
         }
     }
 

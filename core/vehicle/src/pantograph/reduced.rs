@@ -340,6 +340,7 @@ impl ReducedLinkage {
                     q: q.to_vec(),
                     rotation: Vec::new(),
                     lambda: Vec::new(),
+                    train: None,
                 });
             }
             let [k11, k12, _, k22] = self.stiffness(&place);
