@@ -99,6 +99,17 @@ fn the_modes_run_the_same_linearised_line() {
     }
 }
 
+/// A strip at the start of its scene that presses with 110 N.
+fn pressing(scene: &scene::Scene, statics: &catenary::StaticLine) -> StripStart {
+    let x = scene.strip_start_x(0);
+    StripStart {
+        x,
+        y: 0.0,
+        height: statics.wire_height_under(x, 110.0).unwrap().height,
+        speed: scene.run.speed,
+    }
+}
+
 #[test]
 fn a_linearised_line_taken_back_repeats_bit_for_bit() {
     let scene = scene_with(
@@ -106,16 +117,10 @@ fn a_linearised_line_taken_back_repeats_bit_for_bit() {
         &[&SHORT[..], &["model.reduce=[\"planar\", \"linearised\"]"]].concat(),
     );
     let statics = catenary::static_line(&scene).unwrap();
-    let (x, speed) = (scene.strip_start_x(0), scene.run.speed);
-    let height = statics.wire_height_under(x, 110.0).unwrap().height;
+    let start = pressing(&scene, &statics);
+    let StripStart { x, height, speed, .. } = start;
     let mut line = Subsystem::new(&scene, &statics).unwrap();
-    line.start(&[StripStart {
-        x,
-        y: 0.0,
-        height,
-        speed,
-    }])
-    .unwrap();
+    line.start(&[start]).unwrap();
     let mut slack = 0;
     let mut course = |line: &mut Subsystem, from: usize| -> Vec<f64> {
         (from..from + 150)
@@ -281,17 +286,11 @@ fn a_window_taken_back_over_a_border_of_spans_repeats_bit_for_bit() {
             ],
         );
         let statics = catenary::static_line(&scene).unwrap();
-        let (x, speed) = (scene.strip_start_x(0), scene.run.speed);
-        let height = statics.wire_height_under(x, 110.0).unwrap().height;
+        let strip = pressing(&scene, &statics);
+        let StripStart { x, height, speed, .. } = strip;
         let new = || {
             let mut line = Subsystem::new(&scene, &statics).unwrap();
-            line.start(&[StripStart {
-                x,
-                y: 0.0,
-                height,
-                speed,
-            }])
-            .unwrap();
+            line.start(&[strip]).unwrap();
             line
         };
         let course = |line: &mut Subsystem, steps: std::ops::Range<usize>| -> Vec<f64> {

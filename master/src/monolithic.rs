@@ -1,7 +1,7 @@
 //! Line and pantographs as one system: no coupling, one integrator.
 
 use catenary::{
-    CatenaryError, ContactPair, OverheadLine, StaticLine, StripStart, WireName, adopt_state, contact_pair,
+    CatenaryError, ContactPair, OverheadLine, Slackening, StaticLine, StripStart, WireName, adopt_state, contact_pair,
     follow_strips, scene_line,
 };
 use dynamics::{
@@ -11,7 +11,7 @@ use dynamics::{
 use scene::{PantographModel as Entry, Scene};
 use vehicle::{PantographModel, VehicleError};
 
-use crate::algorithm::Point;
+use crate::algorithm::{ENERGY_SHARE, Point};
 use crate::hardship::{Hardship, Lifted};
 use crate::interface::{contact, line_output_count, strip};
 use crate::results::Frame;
@@ -45,6 +45,7 @@ struct Whole {
     line: Box<dyn OverheadLine>,
     pantographs: Vec<PantographModel>,
     contacts: Vec<ContactPair>,
+    slackening: Slackening,
 }
 
 impl System for Whole {
@@ -69,11 +70,23 @@ impl System for Whole {
     }
 
     fn follow(&mut self, state: &mut State, u: &[f64]) -> Continuity {
-        follow_strips(&mut *self.line, &mut self.contacts, &mut self.layout, state, u)
+        let continuity = follow_strips(&mut *self.line, &mut self.contacts, &mut self.layout, state, u);
+        self.other_droppers(continuity)
     }
 
     fn adopt(&mut self, state: &State) -> Continuity {
-        adopt_state(&mut *self.line, &mut self.contacts, &mut self.layout, state)
+        let continuity = adopt_state(&mut *self.line, &mut self.contacts, &mut self.layout, state);
+        self.other_droppers(continuity)
+    }
+}
+
+impl Whole {
+    /// A line whose matrices were replaced has other droppers.
+    fn other_droppers(&mut self, continuity: Continuity) -> Continuity {
+        if continuity == Continuity::Replaced {
+            self.slackening.forget();
+        }
+        continuity
     }
 }
 
@@ -85,6 +98,8 @@ pub struct Monolithic {
     audit: Option<Audit>,
     rehearsal: Option<Box<Checkpoint>>,
     unrepeated: u64,
+    /// Sum of the amounts of work that crossed the contacts, step by step, J.
+    crossed: f64,
 }
 
 /// What is followed besides the contact.
@@ -109,6 +124,8 @@ pub struct Evidence {
     pub driven: f64,
     /// Heat of dampers and friction, J.
     pub dissipated: f64,
+    /// Part of the residual that droppers make by going slack and taut within steps, J; see [`Slackening`].
+    pub made_at_droppers: f64,
     /// Largest violation of a constraint, m, and of its rate, m/s.
     pub drift: [f64; 2],
     /// Number of constraints.
@@ -170,11 +187,13 @@ impl Monolithic {
             .enumerate()
             .map(|(index, pantograph)| contact_pair(scene, &*line, index, pantograph.strip()));
         let contacts = contacts.collect::<Result<_, _>>()?;
+        let dropper_stiffness = scene.modelled_line().map_or(0.0, |(line, _)| line.droppers.stiffness);
         let whole = Whole {
             layout,
             line,
             pantographs,
             contacts,
+            slackening: Slackening::new(dropper_stiffness),
         };
         let solver = &scene.solver;
         let mut simulator = Simulator::new(
@@ -195,6 +214,7 @@ impl Monolithic {
             audit: None,
             rehearsal: None,
             unrepeated: 0,
+            crossed: 0.0,
         })
     }
 
@@ -280,10 +300,27 @@ impl Monolithic {
             plucked: *plucked,
             driven: balance.driven(),
             dissipated: balance.dissipated(),
+            made_at_droppers: self.simulator.system.slackening.made(),
             drift: balance.drift(),
             constraints: self.simulator.system.layout().constraints(),
             slack_droppers: *slack,
             unrepeated: self.unrepeated,
+        })
+    }
+
+    /// What a reader must be told on the energy that the time steps have made at the droppers; nothing where it is a small share of
+    /// the work that crossed the contact.
+    #[must_use]
+    pub fn energy_note(&self) -> Option<String> {
+        let made = self.simulator.system.slackening.made();
+        (made > ENERGY_SHARE * self.crossed).then(|| {
+            format!(
+                "the time steps made {made:.3} J at droppers that go slack and taut ({:.1} % of the {:.1} J of work that crossed the \
+                 contact), so that the force may vary more than it should: a shorter solver.micro_step or some \
+                 catenary.droppers.damping leaves less",
+                100.0 * made / self.crossed,
+                self.crossed
+            )
         })
     }
 
@@ -330,6 +367,7 @@ impl Monolithic {
     ) -> Result<(), StepError> {
         let first = self.rehearse(t, h)?;
         let supports = &self.supports;
+        let crossed = &mut self.crossed;
         let mut steps = 0.0;
         let count = self.simulator.micro_steps(h) as f64;
         self.simulator.advance(t, h, &mut |_, _| {}, &mut |whole, motion, dt| {
@@ -337,8 +375,10 @@ impl Monolithic {
             let [previous, present] = points;
             present.from = previous.t;
             present.t = if steps == count { t + h } else { t + steps * dt };
+            whole.slackening.step(&*whole.line, &motion);
             read(whole, &motion, supports, present);
             straighten(previous, present);
+            *crossed += work_between(previous, present);
             see(previous, present);
             points.swap(0, 1);
         })?;
@@ -407,6 +447,16 @@ fn read(whole: &Whole, motion: &Motion<'_>, supports: &[usize], point: &mut Poin
     for (k, &support) in supports.iter().enumerate() {
         point.line[first + k] = whole.line.uplift(support - 1, motion.q);
     }
+}
+
+/// Amounts of work that crossed the contacts in a step, by the mean vertical forces, J.
+fn work_between(start: &Point, end: &Point) -> f64 {
+    (0..end.strip_count())
+        .map(|i| {
+            let force = 0.5 * (start.contact(i)[contact::FZ] + end.contact(i)[contact::FZ]);
+            (force * (end.strip(i)[strip::Z] - start.strip(i)[strip::Z])).abs()
+        })
+        .sum()
 }
 
 /// Fills the samples of a step with the straight line between its end forces.

@@ -1,27 +1,26 @@
 //! A scene in a mode: from statics to a record.
 
+mod error;
+mod slaves;
+
 use std::path::PathBuf;
 use std::time::Instant;
 
-use catenary::{CatenaryError, StaticLine};
-use scene::{Evaluate, Initialise, Scene, SceneError};
+use catenary::StaticLine;
+use scene::{Evaluate, Initialise, Scene};
 
-use crate::algorithm::{self, CouplingError, Exchange, Sides};
-use crate::cosimulation::{CosimulationError, FmuSlave, Role};
-use crate::equilibrium::EquilibriumError;
+use crate::algorithm::{self, Exchange, Sides};
 use crate::hardship::Hardship;
-use crate::inprocess::{self, InProcess, of_pantograph};
 use crate::interface;
-use crate::monolithic::{Evidence, Monolithic, MonolithicError};
-use crate::package::{self, Libraries, PackageError};
+use crate::monolithic::{Evidence, Monolithic};
 use crate::parallel;
 use crate::recorder::Recorder;
 use crate::results::{self, LineGeometry, Record, RunInfo};
 use crate::run::{self, Control, Controller, Estimate, Failure, Outcome, Schedule, Watch};
-use crate::slave::{Slave, SlaveError};
 use crate::standstill::{self, Standstill};
-use crate::third_party::{ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph};
+use crate::third_party::{ThirdPartyLine, ThirdPartyPantograph};
 
+pub use self::error::{SetupError, chain};
 pub use crate::prepare::{Other, prepare};
 
 /// Contact stiffness of EN 50318, N/m: what errors of a height are weighted with where the line's own is not known.
@@ -48,97 +47,6 @@ impl Mode {
             Self::Monolithic => "monolithic",
             Self::Inprocess => "inprocess",
         }
-    }
-}
-
-/// Why a run cannot begin.
-#[derive(Debug, thiserror::Error)]
-pub enum SetupError {
-    /// The scene.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// The line has no static state.
-    #[error("the line of the scene")]
-    Line(#[from] CatenaryError),
-    /// There is no start.
-    #[error("the state at t = 0")]
-    Equilibrium(#[from] EquilibriumError),
-    /// What the mode cannot do with this scene.
-    #[error("--mode {mode}: {what}")]
-    NotInThisMode {
-        /// Name of the mode.
-        mode: &'static str,
-        /// What the scene asks for.
-        what: String,
-    },
-    /// What no mode can do yet.
-    #[error("{0}")]
-    NotAvailable(String),
-    /// An FMU file cannot be used.
-    #[error(transparent)]
-    FmuFile(fmi2::Error),
-    /// Somebody else's FMU does not fit what the scene says of it.
-    #[error("{key}")]
-    Wiring {
-        /// Key of the scene.
-        key: String,
-        /// Reason.
-        #[source]
-        source: Box<ThirdPartyError>,
-    },
-    /// An FMU cannot be made.
-    #[error(transparent)]
-    Package(#[from] PackageError),
-    /// An FMU does not start.
-    #[error(transparent)]
-    Cosimulation(#[from] CosimulationError),
-    /// A pantograph cannot be built.
-    #[error("pantograph[{pantograph}]")]
-    Pantograph {
-        /// From 1.
-        pantograph: usize,
-        /// Reason.
-        #[source]
-        source: vehicle::VehicleError,
-    },
-    /// One system cannot be built.
-    #[error(transparent)]
-    Monolithic(#[from] MonolithicError),
-    /// The coupling cannot be set up.
-    #[error(transparent)]
-    Coupling(#[from] CouplingError),
-    /// A side fails before t = 0.
-    #[error("while line and pantographs stand still before t = 0")]
-    Standstill(#[source] SlaveError),
-    /// Somebody asked for an end before the run has begun.
-    #[error(
-        "interrupted after {t:.3} s of at most {longest} s in which line and pantographs come to rest before t = 0: nothing is written"
-    )]
-    Interrupted {
-        /// Simulated time at rest, s.
-        t: f64,
-        /// s.
-        longest: f64,
-    },
-    /// A slave does not give its outputs at the start.
-    #[error(transparent)]
-    Slave(#[from] SlaveError),
-}
-
-impl SetupError {
-    /// Whether the input is to blame, and not what was made of it.
-    #[must_use]
-    pub fn is_input(&self) -> bool {
-        matches!(
-            self,
-            Self::Scene(_)
-                | Self::Line(_)
-                | Self::Equilibrium(_)
-                | Self::NotInThisMode { .. }
-                | Self::NotAvailable(_)
-                | Self::FmuFile(_)
-        ) || matches!(self, Self::Wiring { source, .. } if source.is_input())
-            || matches!(self, Self::Cosimulation(source) if source.is_input())
     }
 }
 
@@ -400,92 +308,6 @@ impl Prepared {
         Ok(self.finished(mode, outcome, coupling, setup, None))
     }
 
-    /// Line and pantographs of the core.
-    fn core_slaves(
-        &self,
-        supports: &[usize],
-        line: Option<ThirdPartyLine>,
-        third_party: Vec<Option<ThirdPartyPantograph>>,
-    ) -> Result<Slaves, SetupError> {
-        let line: Box<dyn Slave> = match line {
-            Some(line) => Box::new(line),
-            None => Box::new(InProcess::line(&self.scene, supports)?),
-        };
-        let mut pantographs: Vec<Box<dyn Slave>> = Vec::new();
-        for (index, third_party) in third_party.into_iter().enumerate() {
-            pantographs.push(match third_party {
-                Some(pantograph) => Box::new(pantograph),
-                None => {
-                    let refused = |source| SetupError::Pantograph {
-                        pantograph: index + 1,
-                        source,
-                    };
-                    Box::new(InProcess::pantograph(&self.scene, index).map_err(refused)?)
-                }
-            });
-        }
-        Ok((line, pantographs))
-    }
-
-    /// Line and pantographs from FMUs, packaged where they are missing or stale.
-    fn fmu_slaves(
-        &self,
-        supports: &[usize],
-        line: Option<ThirdPartyLine>,
-        third_party: Vec<Option<ThirdPartyPantograph>>,
-        source: &FmuSource<'_>,
-    ) -> Result<Slaves, SetupError> {
-        let fmus = if line.is_some() && third_party.iter().all(Option::is_some) {
-            Vec::new()
-        } else {
-            let libraries = Libraries::find(source.say)?;
-            package::ensure(&self.scene, &libraries, &source.folder)?
-        };
-        let fmu = |file: &str| {
-            let found = fmus.iter().find(|(name, _)| name == file);
-            &found
-                .expect("every side of the scene that is modelled here is packaged")
-                .1
-        };
-        let strips = self.scene.pantographs.len();
-        let role = |name: String, inputs: Vec<String>, outputs: Vec<String>| Role {
-            name,
-            inputs,
-            outputs,
-            parameters: Vec::new(),
-            initial: Vec::new(),
-            duration: self.scene.run.duration,
-            input_derivatives: dynamics::MAX_ORDER,
-            logging: source.logging,
-            isolation: None,
-        };
-        let line: Box<dyn Slave> = match line {
-            Some(line) => Box::new(line),
-            None => {
-                let role = role(
-                    "line".to_owned(),
-                    interface::line_inputs(strips),
-                    interface::line_outputs(strips, supports),
-                );
-                let slave = FmuSlave::start(fmu("Catenary.fmu"), role)?;
-                Box::new(slave.drawn_by(self.scene.clone(), inprocess::draw_line))
-            }
-        };
-        let mut pantographs: Vec<Box<dyn Slave>> = Vec::new();
-        for (index, third_party) in third_party.into_iter().enumerate() {
-            pantographs.push(match third_party {
-                Some(pantograph) => Box::new(pantograph),
-                None => {
-                    let name = format!("pantograph {}", index + 1);
-                    let role = role(name, interface::pantograph_inputs(), interface::pantograph_outputs());
-                    let slave = FmuSlave::start(fmu(&package::pantograph_file(index)), role)?;
-                    Box::new(slave.drawn_by(of_pantograph(&self.scene, index), inprocess::draw_pantograph))
-                }
-            });
-        }
-        Ok((line, pantographs))
-    }
-
     fn run_as_one<E: From<SetupError>>(
         self,
         supports: &[usize],
@@ -564,7 +386,7 @@ impl Prepared {
                 largest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.largest),
                 mean_macro_step_s: (outcome.macro_steps > 0).then(|| outcome.simulated / outcome.macro_steps as f64),
             },
-            notes: self.notes().into_iter().chain(outcome.coupling_notes).collect(),
+            notes: self.notes().into_iter().chain(outcome.notes).collect(),
         };
         let failure = outcome
             .failure
@@ -577,24 +399,4 @@ impl Prepared {
             evidence,
         }
     }
-}
-
-/// Slaves of a coupled run.
-type Slaves = (Box<dyn Slave>, Vec<Box<dyn Slave>>);
-
-/// An error with its causes in one line.
-#[must_use]
-pub fn chain(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut source = error.source();
-    while let Some(cause) = source {
-        let cause_text = cause.to_string();
-        // Transparent errors repeat their source.
-        if !text.ends_with(&cause_text) {
-            text.push_str(": ");
-            text.push_str(&cause_text);
-        }
-        source = cause.source();
-    }
-    text
 }

@@ -4,6 +4,10 @@ use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
+mod slackening;
+
+pub use slackening::Slackening;
+
 /// What a dropper was at the beginning of a time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tautness {
@@ -208,6 +212,13 @@ impl Droppers {
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
         let pose = self.droppers[index].pose(motion);
         self.law.force(self.at_start[index], pose.elongation, pose.rate)
+    }
+
+    /// Their elongations `δ`, m.
+    pub fn elongations(&self, motion: &Motion<'_>) -> impl Iterator<Item = f64> {
+        self.droppers
+            .iter()
+            .map(|dropper| dropper.length(motion) - dropper.unstressed_length)
     }
 
     /// Number of droppers that exert no force.

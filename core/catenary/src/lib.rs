@@ -40,7 +40,7 @@ pub use contact::{
     PrescribedStrip, ResidualCompliance, STRIP_INPUTS, Sensitivity,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
-pub use dropper::{Dropper, DropperLaw, Droppers, Tautness};
+pub use dropper::{Dropper, DropperLaw, Droppers, Slackening, Tautness};
 pub use exchange::SAMPLES;
 pub use line::{DropperSample, Line};
 pub use line_end::{LineEnd, LineEnds};

@@ -63,6 +63,13 @@ impl LinearDroppers {
         )
     }
 
+    /// Their elongations `δ`, m.
+    pub fn elongations(&self, motion: &Motion<'_>) -> impl Iterator<Item = f64> {
+        self.droppers
+            .iter()
+            .map(|dropper| dropper.elongation + dropper.along(motion.q))
+    }
+
     /// Number of droppers that exert no force.
     #[must_use]
     pub fn slack_count(&self, motion: &Motion<'_>) -> usize {

@@ -17,6 +17,9 @@ pub trait OverheadLine: Send {
     /// Number of droppers that exert no force.
     fn slack_count(&self, motion: &Motion<'_>) -> usize;
 
+    /// Visits the elongation of every dropper that can go slack, m, always in the same order.
+    fn elongations(&self, motion: &Motion<'_>, see: &mut dyn FnMut(f64));
+
     /// Potential energy, J.
     fn energy(&self, motion: &Motion<'_>) -> f64;
 
@@ -139,6 +142,10 @@ impl OverheadLine for Line {
         self.slack_count(motion)
     }
 
+    fn elongations(&self, motion: &Motion<'_>, see: &mut dyn FnMut(f64)) {
+        self.droppers().elongations(motion).for_each(see);
+    }
+
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         self.energy(motion)
     }
@@ -167,6 +174,10 @@ impl OverheadLine for LinearLine {
 
     fn slack_count(&self, motion: &Motion<'_>) -> usize {
         self.droppers().slack_count(motion)
+    }
+
+    fn elongations(&self, motion: &Motion<'_>, see: &mut dyn FnMut(f64)) {
+        self.droppers().elongations(motion).for_each(see);
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {

@@ -252,11 +252,17 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
                         &mut list[index]
                     }
                     None => {
-                        let asked = match step {
-                            Step::Entry(number) => format!("[{number}]"),
-                            Step::Key(key) => format!(".{key}"),
+                        let expected = match step {
+                            Step::Entry(number) => {
+                                format!("has {count} entries, [1] to [{count}], and no [{number}]")
+                            }
+                            Step::Key(digits) if index.is_some() => {
+                                format!("has {count} entries, [1] to [{count}], and no .{digits}")
+                            }
+                            Step::Key(key) => {
+                                format!("has {count} entries; say which one, such as {walked}[1].{key}")
+                            }
                         };
-                        let expected = format!("has {count} entries, [1] to [{count}], and no {asked}");
                         return Err((
                             walked.clone(),
                             What::Refused {

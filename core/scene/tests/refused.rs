@@ -360,6 +360,10 @@ fn a_wrong_override_is_refused_with_its_own_text() {
         ("run.speed_kmh[1]=3", &["run.speed_kmh = 250.0: is not a list"]),
         ("pantograph[2].static_force=3", &["pantograph = list: has 1 entries, [1] to [1], and no [2]"]),
         ("pantograph[0].static_force=3", &["and no [0]"]),
+        (
+            "pantograph.static_force=3",
+            &["pantograph = list: has 1 entries; say which one, such as pantograph[1].static_force"],
+        ),
         ("pantograph.1.static_force=3", &["and no .1"]),
         ("run=3", &["run = 3: must be a table"]),
         ("pantograph[1].masses[2]=-1", &["--set pantograph[1].masses[2]=-1: pantograph[1].masses[2] = -1 kg: must be positive and finite"]),

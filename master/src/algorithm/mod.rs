@@ -70,7 +70,7 @@ mod tests;
 pub mod waveform;
 
 pub use auto::Auto;
-pub use exchange::{Defect, Exchange, Point};
+pub use exchange::{Defect, ENERGY_SHARE, Exchange, Point};
 pub use frequency::Frequency;
 pub use gauss_seidel::GaussSeidel;
 pub use interface_jacobian::InterfaceJacobian;

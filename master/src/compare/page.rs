@@ -8,7 +8,7 @@ use plotly::layout::{Axis, HoverMode};
 use super::Comparison;
 use super::plan::algorithms;
 use crate::report::plots::{COLOURS, axis, decades, finished, layout, logarithmic, rounded};
-use crate::report::{Page, escape, remarks};
+use crate::report::{Page, escape, head_cells, remarks};
 use crate::simulation::Mode;
 use crate::table_of_runs::{AUTO, Row, SETTLE, STATUS_RULE, Status, milliseconds, significant};
 
@@ -345,19 +345,8 @@ fn table(comparison: &Comparison) -> String {
         ("energy added", "J"),
         ("wall time", "s"),
     ];
-    let head: String = HEAD
-        .iter()
-        .enumerate()
-        .map(|(column, (name, unit))| {
-            let class = if matches!(column, 0 | 3) { "" } else { " class=\"n\"" };
-            let unit = if unit.is_empty() {
-                String::new()
-            } else {
-                format!("<br>{unit}")
-            };
-            format!("<th{class}>{name}{unit}</th>")
-        })
-        .collect();
+    let columns = HEAD.iter().enumerate();
+    let head = head_cells(columns.map(|(column, &(name, unit))| (name, unit, !matches!(column, 0 | 3))));
     let (mut body, mut mode) = (String::new(), "");
     for row in &comparison.rows {
         if row.mode != mode {

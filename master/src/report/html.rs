@@ -35,6 +35,20 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
+/// Heading cells of a table, each of a name and a unit; numbers are set to the right.
+pub fn head_cells<'a>(columns: impl IntoIterator<Item = (&'a str, &'a str, bool)>) -> String {
+    let cell = |(name, unit, is_number): (&str, &str, bool)| {
+        let class = if is_number { " class=\"n\"" } else { "" };
+        let unit = if unit.is_empty() {
+            String::new()
+        } else {
+            format!("<br>{unit}")
+        };
+        format!("<th{class}>{name}{unit}</th>")
+    };
+    columns.into_iter().map(cell).collect()
+}
+
 /// Remarks as a list; nothing where there are none.
 #[must_use]
 pub fn remarks(notes: &[String]) -> String {

@@ -9,7 +9,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use html::{Page, escape, plot_html, remarks};
+pub use html::{Page, escape, head_cells, plot_html, remarks};
 pub use progress::{Progress, Show};
 pub(crate) use table::aligned;
 pub use table::table;

@@ -72,8 +72,8 @@ pub struct Outcome {
     pub energy_residual: f64,
     /// The same as a share of the work that crossed the contact (–).
     pub energy_share: f64,
-    /// What a reader must be told on the coupling.
-    pub coupling_notes: Vec<String>,
+    /// What a reader must be told on the coupling, or on the time integration of one system.
+    pub notes: Vec<String>,
     /// Simulated time, s.
     pub simulated: f64,
     /// Wall time of the time loop, s.
@@ -307,7 +307,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
             failure: self.failure,
             energy_residual: self.stepper.exchange.energy_residual(),
             energy_share: self.stepper.exchange.energy_share(),
-            coupling_notes: self
+            notes: self
                 .stepper
                 .exchange
                 .energy_note()
@@ -382,7 +382,7 @@ pub fn run_as_one(whole: &mut Monolithic, mut recorder: Recorder, schedule: Sche
         failure,
         energy_residual: 0.0,
         energy_share: 0.0,
-        coupling_notes: Vec::new(),
+        notes: whole.energy_note().into_iter().collect(),
         simulated: points[0].t,
         wall: begin.elapsed().as_secs_f64(),
         macro_steps,

@@ -8,7 +8,7 @@ use super::execute::{ALGORITHMS, Hardships, Line};
 use super::maps::{Kind, Map};
 use super::text::{by_case, heading, ways};
 use crate::report::plots::{COLOURS, axis, finished, layout};
-use crate::report::{Page, escape};
+use crate::report::{Page, escape, head_cells};
 use crate::table_of_runs::{STATUS_RULE, Status};
 use crate::table_of_runs::{milliseconds, significant};
 
@@ -213,19 +213,8 @@ fn table(hardships: &Hardships) -> String {
         ("drift", "m"),
         ("slack", "most"),
     ];
-    let head: String = HEAD
-        .iter()
-        .enumerate()
-        .map(|(column, (name, unit))| {
-            let class = if column < 2 { "" } else { " class=\"n\"" };
-            let unit = if unit.is_empty() {
-                String::new()
-            } else {
-                format!("<br>{unit}")
-            };
-            format!("<th{class}>{name}{unit}</th>")
-        })
-        .collect();
+    let columns = HEAD.iter().enumerate();
+    let head = head_cells(columns.map(|(column, &(name, unit))| (name, unit, column >= 2)));
     let mut body = String::new();
     for lines in by_case(hardships) {
         body.push_str(&format!(

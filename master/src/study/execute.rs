@@ -8,8 +8,9 @@ use std::thread;
 
 use scene::Scene;
 
+use super::assemble::assemble;
 use super::machine::{forget_touched, touched};
-use super::outcome::{Study, assemble};
+use super::outcome::Study;
 use super::plan::{Options, Planned, Sweep, plan};
 use super::recipe::{Family, Ground};
 use super::reference::{Discretisation, Refinement, expected_work, refine, wanted};
@@ -126,9 +127,16 @@ impl State {
         }
     }
 
-    /// Takes in a reference: its levels become runs.
-    fn take(&mut self, found: Refinement) {
-        for level in &found.levels {
+    /// Takes in a reference: its levels become runs, behind the `planned` ones in the order of the references, whichever is done
+    /// first.
+    fn take(&mut self, found: Refinement, planned: usize) {
+        self.refinements.push(found);
+        self.refinements
+            .sort_by_key(|found| (found.family, found.discretisation));
+        self.runs.truncate(planned);
+        self.made.truncate(planned);
+        self.times.truncate(planned);
+        for level in self.refinements.iter().flat_map(|found| &found.levels) {
             match self.runs.iter().position(|run| run.same(&level.planned)) {
                 Some(index) => {
                     if !self.runs[index].sweeps.contains(&Sweep::Reference) {
@@ -143,7 +151,6 @@ impl State {
                 }
             }
         }
-        self.refinements.push(found);
     }
 }
 
@@ -322,7 +329,7 @@ pub fn study(
     progress.message("errors");
     in_parallel(&runner, jobs, &mut |done| {
         match done {
-            Done::Refined(found) => state.take(found),
+            Done::Refined(found) => state.take(found, script.planned.len()),
             Done::Ran(index, made) => state.made[index] = Some(made),
         }
         keep(&assemble(script, &state))

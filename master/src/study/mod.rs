@@ -7,15 +7,17 @@
 //! | `reference` | refined until two levels agree |
 //! | `store` | runs that are kept |
 //! | `execute` | making them in parallel, timing them one at a time |
-//! | `outcome` | rows judged, in one table |
+//! | `assemble`, `outcome` | rows judged, in one table |
 //! | `order` | orders of convergence |
 //! | `front` | Pareto front and recommendations |
 //! | `machine` | where times were taken, memory of a time loop |
-//! | `text`, `page`, `plots` | for reading |
+//! | `text`, `page`, `plots`, `labels` | for reading |
 //! | `standing` | where a single run stands in a study |
 
+mod assemble;
 mod execute;
 mod front;
+mod labels;
 mod machine;
 mod order;
 mod outcome;

@@ -6,7 +6,7 @@ use super::plan::Sweep;
 use super::recipe::Class;
 use super::text::known;
 use super::{CSV, plots};
-use crate::report::{Page, escape, remarks};
+use crate::report::{Page, escape, head_cells, remarks};
 use crate::table_of_runs::{Row, SETTLE, STATUS_RULE, Status, milliseconds, significant};
 
 /// The page of a study.
@@ -92,12 +92,13 @@ fn recommended(study: &Study) -> String {
                 .find(|found| found.class == class && found.target_percent == target);
             let cell = match found.and_then(|found| found.row) {
                 Some(index) => {
-                    let row = &study.rows[index].row;
+                    let entry = &study.rows[index];
+                    let row = &entry.row;
                     let factor = row.real_time_factor.unwrap_or(f64::NAN);
                     format!(
                         "<b>{}</b><br>{}<br><span class=\"soft\">{} % of σ</span>",
                         speed(factor),
-                        breakable(&study.label(row)),
+                        breakable(&study.advice(entry)),
                         number(row.filtered_error)
                     )
                 }
@@ -256,18 +257,7 @@ fn status(row: &Row) -> String {
 }
 
 fn table<'a>(study: &Study, rows: impl Iterator<Item = &'a Entry>, columns: &Cells) -> String {
-    let head: String = columns
-        .iter()
-        .map(|(name, unit, text, _)| {
-            let class = if *text { "" } else { " class=\"n\"" };
-            let unit = if unit.is_empty() {
-                String::new()
-            } else {
-                format!("<br>{unit}")
-            };
-            format!("<th{class}>{name}{unit}</th>")
-        })
-        .collect();
+    let head = head_cells(columns.iter().map(|&(name, unit, text, _)| (name, unit, !text)));
     let mut body = String::new();
     for entry in rows {
         body.push_str(&format!("<tr title=\"{}\">", escape(&entry.row.reason)));

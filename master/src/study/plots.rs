@@ -5,6 +5,7 @@ use plotly::common::{DashType, Font, HoverInfo, Line, Marker, MarkerSymbol, Mode
 use plotly::layout::HoverMode;
 
 use super::front::point;
+use super::labels::Labels;
 use super::outcome::{Entry, Study};
 use super::plan::Sweep;
 use super::recipe::{Class, Family};
@@ -93,6 +94,13 @@ pub(super) fn precision(study: &Study) -> String {
         .collect();
     classes.sort();
     classes.dedup();
+    let range = |of: fn(&(f64, f64)) -> f64| {
+        let values = || points.iter().map(move |(_, point)| of(point));
+        (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max))
+    };
+    let ((fastest, slowest), (best, worst)) = (range(|point| point.0), range(|point| point.1));
+    let (low, high) = (fastest / 1.3, slowest * 1.6);
+    let mut labels = Labels::new((low, best), (high, worst));
     let mut traces = Vec::new();
     for (index, class) in classes.iter().enumerate() {
         let colour = COLOURS[index % COLOURS.len()];
@@ -124,7 +132,7 @@ pub(super) fn precision(study: &Study) -> String {
         let said = front.iter().map(|(entry, _)| hover(study, &entry.row)).collect();
         let names = front
             .iter()
-            .map(|(entry, _)| short_name(study, &entry.row, &usual))
+            .map(|(entry, at)| labels.set(*at, short_name(study, &entry.row, &usual)))
             .collect();
         traces.push(
             Scatter::new(
@@ -142,9 +150,6 @@ pub(super) fn precision(study: &Study) -> String {
             .marker(Marker::new().color(colour).size(9)),
         );
     }
-    let factors = || points.iter().map(|(_, point)| point.0);
-    let (low, high) = (factors().fold(f64::INFINITY, f64::min), factors().fold(0.0, f64::max));
-    let (low, high) = (low / 1.3, high * 1.6);
     if let Some(reference) = study.reference(Family::Nonlinear)
         && let Some(uncertainty) = reference.uncertainty_percent.filter(|percent| *percent > 0.0)
     {
@@ -156,8 +161,8 @@ pub(super) fn precision(study: &Study) -> String {
         decades(ERROR),
     );
     format!(
-        "{}<p class=\"caption\">Lower left is better. Filled and named: the Pareto front of its class (elements per dropper \
-         interval, micro step{}); open: all other runs. Each class is judged by the converged run of its own model. Wall time \
+        "{}<p class=\"caption\">Lower left is better. Filled: the Pareto front of its class, named where there is room (elements per \
+         dropper interval, micro step{}); open: all other runs. Each class is judged by the converged run of its own model. Wall time \
          in seconds is {:.2} times the real-time factor.</p>\n",
         finished(traces, layout.hover_mode(HoverMode::Closest), "plot-precision", 560),
         match usual.as_str() {

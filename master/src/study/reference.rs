@@ -16,7 +16,7 @@ const LEVELS: u32 = 8;
 pub type Run<'a> = dyn FnMut(&Planned) -> Result<Option<Arc<Attempt>>, StudyError> + 'a;
 
 /// How the mesh of a reference is refined.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Discretisation {
     /// Elements with all cures that the scene takes.

@@ -26,6 +26,10 @@ impl OverheadLine for WindowedLine {
         self.inner.slack_count(motion)
     }
 
+    fn elongations(&self, motion: &Motion<'_>, see: &mut dyn FnMut(f64)) {
+        self.inner.elongations(motion, see);
+    }
+
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         self.inner.energy(motion) + self.far.energy(motion)
     }

@@ -2,6 +2,18 @@
 
 use super::*;
 
+/// The automatic choice without repeated steps, told a circular frequency of 1 rad/s, at the start.
+fn chosen_in_one_pass(sides: &mut Sides<'_>) -> (Box<dyn Algorithm>, Exchange) {
+    let asked = Coupling {
+        max_iterations: 1,
+        ..coupling(scene::Algorithm::Auto, Order::PantographFirst, Force::Interpolated, 2)
+    };
+    let (mut algorithm, _) = build(&asked, sides);
+    algorithm.know(1.0);
+    let exchange = Exchange::start(sides, 0.0, line_output_count(1, 0)).unwrap();
+    (algorithm, exchange)
+}
+
 #[test]
 fn a_step_that_is_too_long_is_done_in_parts_or_called_too_long() {
     for (variable, h) in [(true, 2.5), (false, 2.5), (true, 0.5)] {
@@ -12,13 +24,7 @@ fn a_step_that_is_too_long_is_done_in_parts_or_called_too_long() {
             line: &mut line,
             pantographs: &mut pantographs,
         };
-        let asked = Coupling {
-            max_iterations: 1,
-            ..coupling(scene::Algorithm::Auto, Order::PantographFirst, Force::Interpolated, 2)
-        };
-        let (mut algorithm, _) = build(&asked, &sides);
-        algorithm.know(1.0);
-        let mut exchange = Exchange::start(&mut sides, 0.0, line_output_count(1, 0)).unwrap();
+        let (mut algorithm, mut exchange) = chosen_in_one_pass(&mut sides);
         let parts = algorithm.parts(&exchange, h);
         assert_eq!(parts, if variable && h > 2.0 { 2 } else { 1 });
         algorithm.step(&mut sides, &mut exchange, h / parts as f64).unwrap();
@@ -50,13 +56,7 @@ fn the_choice_does_not_chatter() {
         line: &mut line,
         pantographs: &mut pantographs,
     };
-    let asked = Coupling {
-        max_iterations: 1,
-        ..coupling(scene::Algorithm::Auto, Order::PantographFirst, Force::Interpolated, 2)
-    };
-    let (mut algorithm, _) = build(&asked, &sides);
-    algorithm.know(1.0);
-    let mut exchange = Exchange::start(&mut sides, 0.0, line_output_count(1, 0)).unwrap();
+    let (mut algorithm, mut exchange) = chosen_in_one_pass(&mut sides);
     let mut t = 0.0;
     // Up and down between the bounds, once above, up and down between them again.
     for h in [0.62, 0.68, 0.62, 0.68, 0.75, 0.68, 0.62, 0.68] {

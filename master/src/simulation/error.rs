@@ -1,0 +1,120 @@
+//! Why a run cannot begin.
+
+use catenary::CatenaryError;
+use scene::SceneError;
+
+use crate::algorithm::CouplingError;
+use crate::cosimulation::CosimulationError;
+use crate::equilibrium::EquilibriumError;
+use crate::monolithic::MonolithicError;
+use crate::package::PackageError;
+use crate::slave::SlaveError;
+use crate::third_party::ThirdPartyError;
+
+/// Why a run cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// The scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The line has no static state.
+    #[error("the line of the scene")]
+    Line(#[from] CatenaryError),
+    /// There is no start.
+    #[error("the state at t = 0")]
+    Equilibrium(#[from] EquilibriumError),
+    /// What the mode cannot do with this scene.
+    #[error("--mode {mode}: {what}")]
+    NotInThisMode {
+        /// Name of the mode.
+        mode: &'static str,
+        /// What the scene asks for.
+        what: String,
+    },
+    /// What no mode can do yet.
+    #[error("{0}")]
+    NotAvailable(String),
+    /// An FMU file cannot be used.
+    #[error(transparent)]
+    FmuFile(fmi2::Error),
+    /// Somebody else's FMU does not fit what the scene says of it.
+    #[error("{key}")]
+    Wiring {
+        /// Key of the scene.
+        key: String,
+        /// Reason.
+        #[source]
+        source: Box<ThirdPartyError>,
+    },
+    /// An FMU cannot be made.
+    #[error(transparent)]
+    Package(#[from] PackageError),
+    /// An FMU does not start.
+    #[error(transparent)]
+    Cosimulation(#[from] CosimulationError),
+    /// A pantograph cannot be built.
+    #[error("pantograph[{pantograph}]")]
+    Pantograph {
+        /// From 1.
+        pantograph: usize,
+        /// Reason.
+        #[source]
+        source: vehicle::VehicleError,
+    },
+    /// One system cannot be built.
+    #[error(transparent)]
+    Monolithic(#[from] MonolithicError),
+    /// The coupling cannot be set up.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// A side fails before t = 0.
+    #[error("while line and pantographs stand still before t = 0")]
+    Standstill(#[source] SlaveError),
+    /// Somebody asked for an end before the run has begun.
+    #[error(
+        "interrupted after {t:.3} s of at most {longest} s in which line and pantographs come to rest before t = 0: nothing is written"
+    )]
+    Interrupted {
+        /// Simulated time at rest, s.
+        t: f64,
+        /// s.
+        longest: f64,
+    },
+    /// A slave does not give its outputs at the start.
+    #[error(transparent)]
+    Slave(#[from] SlaveError),
+}
+
+impl SetupError {
+    /// Whether the input is to blame, and not what was made of it.
+    #[must_use]
+    pub fn is_input(&self) -> bool {
+        matches!(
+            self,
+            Self::Scene(_)
+                | Self::Line(_)
+                | Self::Equilibrium(_)
+                | Self::NotInThisMode { .. }
+                | Self::NotAvailable(_)
+                | Self::FmuFile(_)
+        ) || matches!(self, Self::Wiring { source, .. } if source.is_input())
+            || matches!(self, Self::Cosimulation(source) if source.is_input())
+    }
+}
+
+/// An error with its causes in one line.
+#[must_use]
+pub fn chain(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(cause) = source {
+        let cause_text = cause.to_string();
+        // Transparent errors repeat their source.
+        if !text.ends_with(&cause_text) {
+            text.push_str(": ");
+            text.push_str(&cause_text);
+        }
+        source = cause.source();
+    }
+    text
+}
