@@ -229,9 +229,7 @@ fn found(path: &Path) -> PathBuf {
         return path.to_owned();
     }
     let in_tree = crate::package::source_tree().map(|tree| tree.join(path));
-    in_tree
-        .filter(|path| path.exists())
-        .unwrap_or_else(|| path.to_owned())
+    in_tree.filter(|path| path.exists()).unwrap_or_else(|| path.to_owned())
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {

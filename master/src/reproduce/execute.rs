@@ -119,10 +119,12 @@ impl Line {
             raw_std: raw.and_then(ForceStatistics::of).map(|force| force.std),
             // Only what is drawn is kept.
             curve: curve.filter(|_| planned.group == Group::Published),
-            output_step: planned.variant.scene(stage).map_or(f64::NAN, |scene| scene.run.output_step),
+            output_step: planned
+                .variant
+                .scene(stage)
+                .map_or(f64::NAN, |scene| scene.run.output_step),
         }
     }
-
 }
 
 /// A computed figure over the published one, %.

@@ -41,7 +41,9 @@ fn published_figures_are_printed_with_the_digits_of_the_thesis() {
         .collect();
     assert_eq!(
         printed,
-        ["107.79", "36.73", "110.427", "37.3033", "120.22", "35.70", "120.21", "35.66"]
+        [
+            "107.79", "36.73", "110.427", "37.3033", "120.22", "35.70", "120.21", "35.66"
+        ]
     );
 }
 
@@ -51,10 +53,7 @@ fn every_published_case_is_planned_on_every_mesh_and_the_first_through_fmus() {
     for case in &CASES {
         for mesh in Mesh::ALL {
             let of = |run: &&super::Planned| {
-                run.case == case
-                    && run.mesh == mesh
-                    && run.quantity.is_empty()
-                    && run.variant.mode == Mode::Monolithic
+                run.case == case && run.mesh == mesh && run.quantity.is_empty() && run.variant.mode == Mode::Monolithic
             };
             assert_eq!(runs.iter().filter(of).count(), 1, "{} {mesh:?}", case.scene);
         }

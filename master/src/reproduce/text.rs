@@ -51,7 +51,7 @@ pub(super) fn cases(reproduction: &Reproduction) -> Vec<Vec<String>> {
     rows
 }
 
-/// What the open quantities do to mean and standard deviation on one mesh: one row per quantity.
+/// What an open quantity does to the standard deviation on one mesh.
 pub(super) struct Spread<'a> {
     /// What it is called.
     pub quantity: &'static str,
@@ -59,8 +59,6 @@ pub(super) struct Spread<'a> {
     pub lines: Vec<&'a Line>,
     /// Smallest and largest standard deviation over the range and the scene's own value, N; nothing where no run has one.
     pub std: Option<[f64; 2]>,
-    /// The same of the mean, N.
-    pub mean: Option<[f64; 2]>,
 }
 
 impl Spread<'_> {
@@ -83,16 +81,11 @@ pub(super) fn spreads(reproduction: &Reproduction, mesh: Mesh) -> Vec<Spread<'_>
         .collect();
     open.chunk_by(|a, b| a.quantity == b.quantity)
         .map(|lines| {
-            let range = |pick: fn(&Line) -> Option<f64>| {
-                let values: Vec<f64> = lines.iter().copied().chain(own).filter_map(pick).collect();
-                let low = values.iter().copied().reduce(f64::min)?;
-                Some([low, values.iter().copied().reduce(f64::max)?])
-            };
+            let values = || lines.iter().copied().chain(own).filter_map(|line| line.row.std);
             Spread {
                 quantity: lines[0].quantity,
                 lines: lines.to_vec(),
-                std: range(|line| line.row.std),
-                mean: range(|line| line.row.mean),
+                std: values().reduce(f64::min).zip(values().reduce(f64::max)).map(Into::into),
             }
         })
         .collect()
