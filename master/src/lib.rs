@@ -25,6 +25,7 @@
 //! table_of_runs one row per run: columns, errors, status
 //! stability     the hard cases, and where runs stop being stable
 //! compare       all modes and algorithms on one scene
+//! reproduce     a published piece of work computed again, published beside computed
 //! study         speed against error: references, sweeps, Pareto front
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
 //! ```
@@ -51,6 +52,7 @@ pub mod parallel;
 mod prepare;
 pub mod recorder;
 pub mod report;
+pub mod reproduce;
 pub mod results;
 pub mod run;
 pub mod simulation;
