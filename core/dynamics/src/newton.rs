@@ -49,8 +49,9 @@ impl Default for NewtonOptions {
 pub enum StepError {
     /// Newton's method used all its iterations; a smaller `h` may help.
     #[error(
-        "no equilibrium at t = {t} s (h = {h} s): residual {residual:.3e} N after {iterations} iterations, tolerance \
-         {tolerance:.1e} N, largest at {coordinate}"
+        "no equilibrium at t = {t} s (h = {h} s): residual {residual:.3e} {unit} after {iterations} iterations, tolerance \
+         {tolerance:.1e} {unit}, largest at {coordinate}",
+        unit = unit(coordinate)
     )]
     NotConverged {
         /// Time aimed at, s.
@@ -250,14 +251,12 @@ impl Workspace {
         for value in &mut self.imbalance.sum[self.coordinates..] {
             *value *= -self.scale;
         }
-        let mut thresholds = options.map_or_else(Thresholds::default, |options| Thresholds {
+        // A border asks of its coordinates whatever force brings them onto the constraint, however small beside others.
+        let options = options.filter(|_| !self.updates.has_borders());
+        let thresholds = options.map_or_else(Thresholds::default, |options| Thresholds {
             force: LEFT * options.tolerance,
             constraint: LEFT * options.constraint_tolerance * self.scale,
         });
-        // The force that brings a border's coordinates onto its constraint is one of those that would be left.
-        if self.updates.has_borders() {
-            thresholds.force = thresholds.force.min(thresholds.constraint);
-        }
         for range in self.changed.0.drain(..) {
             self.correction[range].fill(0.0);
         }
@@ -319,12 +318,20 @@ impl Workspace {
     }
 }
 
+/// What constraint equations are called in messages.
+const EQUATION: &str = "constraint equation";
+
 /// Name of a coordinate or multiplier for messages.
 pub(crate) fn name(system: &dyn System, unknown: usize) -> String {
     let coordinates = system.layout().coordinates();
     if unknown < coordinates {
         system.layout().name(unknown)
     } else {
-        format!("constraint equation {}", unknown - coordinates + 1)
+        format!("{EQUATION} {}", unknown - coordinates + 1)
     }
+}
+
+/// Unit of the residual of what [`name`] has named.
+fn unit(name: &str) -> &'static str {
+    if name.starts_with(EQUATION) { "m" } else { "N" }
 }
