@@ -30,8 +30,9 @@ mod window;
 mod wire;
 
 pub use ancf::{
-    AxialLaw, BendingLaw, Cable, CableSection, Coordinates, ShapeFunctions, Tangent, bending_matrix, mass_matrix,
-    nominal_stretch, tension_matrix,
+    AxialLaw, Beam, BeamCoordinates, BeamInertia, BeamStiffness, BeamTangent, BendingLaw, Cable, CableSection,
+    Coordinates, ShapeFunctions, Tangent, beam_mass_matrix, beam_shape, bending_matrix, mass_matrix, nominal_stretch,
+    tension_matrix,
 };
 pub use anchor::Anchor;
 pub use attachment::Attachment;
