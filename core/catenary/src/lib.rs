@@ -5,6 +5,15 @@
 //!   Chicago, 2016.
 //! - `[Gerstmayr & Shabana 2006]` Analysis of thin beams and cables using the absolute nodal co-ordinate formulation,
 //!   Nonlinear Dynamics 45, doi 10.1007/s11071-006-1856-1.
+//! - `[Yakoub & Shabana 2001]` Three dimensional absolute nodal coordinate formulation for beam elements: implementation and
+//!   applications, Journal of Mechanical Design 123, doi 10.1115/1.1410099.
+//! - `[Gerstmayr, Matikainen & Mikkola 2008]` A geometrically exact beam element based on the absolute nodal coordinate
+//!   formulation, Multibody System Dynamics 20, doi 10.1007/s11044-008-9125-3.
+//! - `[Nachbagauer, Gruber & Gerstmayr 2013]` Structural and continuum mechanics approaches for a 3D shear deformable ANCF beam
+//!   finite element: application to static and linearized dynamic examples, Journal of Computational and Nonlinear Dynamics 8,
+//!   doi 10.1115/1.4006787.
+//! - `[Bauchau et al. 2015]` Experimental validation of flexible multibody dynamics beam formulations, Multibody System Dynamics
+//!   34, doi 10.1007/s11044-014-9430-y.
 #![forbid(unsafe_code)]
 
 mod ancf;

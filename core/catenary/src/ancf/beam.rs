@@ -28,7 +28,7 @@ pub struct BeamStiffness {
     /// `E ∫ z² dA` and `E ∫ y² dA`: bending about y and about z, N·m².
     pub bending: [f64; 2],
     /// Against stretching of the cross-section along y and along z, and against shear between them, N. `EA, EA, GA` is the
-    /// material's own without Poisson's ratio.
+    /// material's own without Poisson's ratio; the directors keep their length in proportion.
     pub section: [f64; 3],
 }
 
@@ -44,7 +44,7 @@ pub struct BeamInertia {
 /// The weights of the coordinates in the position of a point.
 ///
 /// ```text
-/// r(x, y, z) = Σ sᵢ(x) (axis)ᵢ + y Σ nₖ(x) r_k,ᵧ + z Σ nₖ(x) r_k,𝓏       [Yakoub & Shabana 2001, Eqs. (8), (9)]
+/// r(x, y, z) = Σ sᵢ(x) (axis)ᵢ + y Σ nₖ(x) r_k,ᵧ + z Σ nₖ(x) r_k,𝓏       [Yakoub & Shabana 2001]
 /// ```
 ///
 /// with the cable's cubic polynomials `s` and `n = 1 − x/L, x/L`; `xi = x/L`, `offset` is `[y, z]` in m, `length` in m.
@@ -85,7 +85,7 @@ pub fn beam_mass_matrix(inertia: &BeamInertia, length: f64) -> SMatrix<f64, 8, 8
 ///
 /// The volume integral of continuum mechanics is not used: in this element it locks (Poisson's ratio against the linear
 /// transverse field, shear against the cubic axis, thickness against turning directors), and its torsional stiffness is that of
-/// the polar moment of area [Nachbagauer, Gruber & Gerstmayr 2013; Bauchau et al. 2016]. What is done against locking is written
+/// the polar moment of area [Nachbagauer, Gruber & Gerstmayr 2013; Bauchau et al. 2015]. What is done against locking is written
 /// where the strains are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Beam {
@@ -121,7 +121,7 @@ impl Beam {
     pub fn force(&self, e: &BeamCoordinates) -> BeamCoordinates {
         let mut force = BeamCoordinates::zeros();
         for strain in &self.strains {
-            force += strain.gradient(e) * strain.stress(e);
+            force += strain.at(e).force();
         }
         let length = Length::new(self.length);
         let axis = self.axis.slope_force(length, &self.slopes(e)).on_nodes(length);
@@ -138,10 +138,7 @@ impl Beam {
         let mut tangent = BeamTangent::zeros();
         let mut weights = SMatrix::<f64, 8, 8>::zeros();
         for strain in &self.strains {
-            let gradient = strain.gradient(e);
-            let gradient = SVector::<f64, 24>::from_column_slice(gradient.as_slice());
-            tangent.ger(strain.stiffness(), &gradient, &gradient, 1.0);
-            strain.add_second_derivative(strain.stress(e), &mut weights);
+            strain.at(e).add_tangent(&mut tangent, &mut weights);
         }
         for i in 0..8 {
             for j in 0..8 {
