@@ -39,9 +39,9 @@ mod window;
 mod wire;
 
 pub use ancf::{
-    AxialLaw, Beam, BeamCoordinates, BeamInertia, BeamStiffness, BeamTangent, BendingLaw, Cable, CableSection,
-    Coordinates, ShapeFunctions, Tangent, beam_mass_matrix, beam_shape, bending_matrix, mass_matrix, nominal_stretch,
-    tension_matrix,
+    AxialLaw, Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, BendingLaw, Cable,
+    CableSection, Coordinates, ShapeFunctions, Tangent, beam_mass_matrix, beam_shape, bending_matrix, mass_matrix,
+    nominal_stretch, tension_matrix,
 };
 pub use anchor::Anchor;
 pub use attachment::Attachment;
@@ -67,4 +67,7 @@ pub use subsystem::{Checkpoint, ContactOutputs, StripStart, Subsystem};
 pub use support::Supports;
 pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, MassCorrection, Topology, WireName};
 pub use window::{WindowSize, WindowedLine};
-pub use wire::{Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WirePoint, WireSection};
+pub use wire::{
+    DirectorInertia, Directors, Enrichment, NodeMap, Rayleigh, Wire, WireDirectors, WireGeometry, WireNode, WirePoint,
+    WireSection,
+};

@@ -1,9 +1,10 @@
 //! The overhead line as a list of contributions.
 use crate::topology::WireCoordinates;
 use crate::{
-    Anchor, Attachment, AxialLaw, BendingLaw, CompliantWire, Curve, Dropper, DropperLaw, Droppers, Enrichment, LineEnd,
-    LineEnds, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance, Supports, Topology, Wire,
-    WireGeometry, WireName, WireNode, WireSection,
+    Anchor, Attachment, AxialLaw, BeamSection, BeamStiffness, BendingLaw, CompliantWire, Curve, DirectorInertia,
+    Directors, Dropper, DropperLaw, Droppers, Enrichment, LineEnd, LineEnds, MassCorrection, NodeMap, Rayleigh,
+    RegistrationArms, ResidualCompliance, Supports, Topology, Wire, WireDirectors, WireGeometry, WireName, WireNode,
+    WireSection,
 };
 use dynamics::{Force, Motion};
 use nalgebra::Vector3;
@@ -15,6 +16,8 @@ use std::sync::Arc;
 pub(crate) struct Equilibrium {
     pub contact_wire: WireGeometry,
     pub messenger_wire: WireGeometry,
+    /// Of the contact wire where it is a beam, else none.
+    pub directors: Vec<Directors>,
     /// Unstressed length of each dropper, m.
     pub dropper_lengths: Vec<f64>,
     /// Force of each inner support on the messenger wire, N.
@@ -29,6 +32,12 @@ impl Equilibrium {
         Self {
             contact_wire: shifted(&self.contact_wire, first),
             messenger_wire: shifted(&self.messenger_wire, first),
+            directors: (self.directors.iter())
+                .map(|directors| Directors {
+                    first: directors.first + first,
+                    ..*directors
+                })
+                .collect(),
             ..self.clone()
         }
     }
@@ -72,6 +81,8 @@ pub struct DropperSample {
 pub struct Line {
     topology: Arc<Topology>,
     contact_wire: Wire,
+    /// What makes beams of the contact wire's elements.
+    directors: Option<WireDirectors>,
     messenger_wire: Wire,
     droppers: Droppers,
     supports: Supports,
@@ -86,11 +97,16 @@ impl Line {
     /// A line in the coordinates of `equilibrium`, moved on by `first`.
     pub(crate) fn new(catenary: &Catenary, topology: &Arc<Topology>, equilibrium: &Equilibrium, first: usize) -> Self {
         let equilibrium = equilibrium.shifted(first);
-        let [contact_wire, messenger_wire] = [
+        let [mut contact_wire, messenger_wire] = [
             (equilibrium.contact_wire, WireName::ContactWire),
             (equilibrium.messenger_wire, WireName::MessengerWire),
         ]
         .map(|(geometry, name)| wire(catenary, name, Arc::new(geometry)));
+        let beam = catenary.contact_wire.beam.filter(|_| !equilibrium.directors.is_empty());
+        let directors = beam.map(|beam| {
+            contact_wire = contact_wire.without_bending();
+            directors(catenary, &beam, contact_wire.geometry(), equilibrium.directors)
+        });
         let upper = |node: usize| Attachment::node(&messenger_wire.geometry().nodes()[node]);
         let lower = |node: usize| Attachment::node(&contact_wire.geometry().nodes()[node]);
 
@@ -143,6 +159,7 @@ impl Line {
             compliance: None,
             topology: Arc::clone(topology),
             contact_wire,
+            directors,
             messenger_wire,
         }
     }
@@ -173,6 +190,9 @@ impl Line {
     pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         visit(&mut self.contact_wire);
         visit(&mut self.messenger_wire);
+        if let Some(directors) = &mut self.directors {
+            visit(directors);
+        }
         self.attachments(visit);
     }
 
@@ -284,7 +304,11 @@ impl Line {
             &self.arms,
             &self.ends,
         ];
-        parts.iter().map(|part| part.energy(motion)).sum()
+        let directors = self
+            .directors
+            .as_ref()
+            .map_or(0.0, |directors| directors.energy(motion));
+        parts.iter().map(|part| part.energy(motion)).sum::<f64>() + directors
     }
 
     /// Positions of the nodes of a wire, m: the polyline that a picture shows.
@@ -362,6 +386,32 @@ pub(crate) fn wire(catenary: &Catenary, name: WireName, geometry: Arc<WireGeomet
         catenary.gravity,
         geometry,
     )
+}
+
+/// The directors of the contact wire: round, so that it bends alike in all directions, with the material's own stiffness of the
+/// cross-section.
+fn directors(
+    catenary: &Catenary,
+    beam: &scene::Beam,
+    geometry: &Arc<WireGeometry>,
+    directors: Vec<Directors>,
+) -> WireDirectors {
+    let wire = &catenary.contact_wire;
+    let stiffness = BeamStiffness {
+        axial: wire.axial_stiffness,
+        shear: [beam.shear_stiffness; 2],
+        torsion: beam.torsional_stiffness,
+        bending: [wire.bending_stiffness; 2],
+        section: [wire.axial_stiffness, wire.axial_stiffness, beam.shear_stiffness],
+    };
+    let inertia = DirectorInertia {
+        section: beam.rotary_inertia,
+        alpha: catenary.damping.alpha,
+        beta: catenary.damping.beta,
+    };
+    WireDirectors::new(Arc::clone(geometry), directors, inertia, |length| {
+        BeamSection::new(&stiffness, length)
+    })
 }
 
 /// The bending layers of one wire, at rest; none in a string.

@@ -52,7 +52,7 @@ mod third_party;
 mod tree;
 mod write;
 
-pub use catenary::{Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
+pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
 pub use contact::{Contact, ContactLaw};
 pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};
 pub use error::{Place, Problem, SceneError, What};

@@ -90,7 +90,8 @@ impl Scene {
         if !std::mem::take(&mut self.model.unresolved) {
             return;
         }
-        if self.modelled_line().is_some() && self.pushed_sideways().is_none() {
+        let can_be_planar = self.pushed_sideways().is_none() && self.element_obstacle().is_none();
+        if self.modelled_line().is_some() && can_be_planar {
             self.model.reductions.push(Reduction::Planar);
         }
         if self.linkage_not_reducible().is_none() {
@@ -111,6 +112,10 @@ impl Scene {
             }
             if reduction.of_the_line() && self.modelled_line().is_none() {
                 left_out(reduction, "the line is an FMU of somebody else".to_owned());
+                continue;
+            }
+            if let Some(reason) = self.element_obstacle().filter(|_| reduction.of_the_line()) {
+                left_out(reduction, reason);
                 continue;
             }
             match reduction {

@@ -77,34 +77,22 @@ pub fn beam_mass_matrix(inertia: &BeamInertia, length: f64) -> SMatrix<f64, 8, 8
     matrix
 }
 
-/// A fully parameterised beam element.
-///
-/// Forces are those of structural mechanics [Gerstmayr, Matikainen & Mikkola 2008; Nachbagauer, Gruber & Gerstmayr 2013]: the
-/// axis stretches as the cable's, and the generalised strains of shear, torsion and bending and those of the cross-section each
-/// have their stiffness. `x` is the arc length at nominal tension, as in the cable.
-///
-/// The volume integral of continuum mechanics is not used: in this element it locks (Poisson's ratio against the linear
-/// transverse field, shear against the cubic axis, thickness against turning directors), and its torsional stiffness is that of
-/// the polar moment of area [Nachbagauer, Gruber & Gerstmayr 2013; Bauchau et al. 2015]. What is done against locking is written
-/// where the strains are.
+/// What an element of the beam has beyond the stretch of its axis: the generalised strains of shear, torsion and bending and those
+/// of the cross-section, each with its stiffness.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Beam {
-    axis: CableSection,
-    length: f64,
+pub struct BeamSection {
     strains: [Strain; STRAINS],
 }
 
-impl Beam {
-    /// An element of `length` (m) at the nominal `tension` (N), where `|r,ₓ| = 1`.
+impl BeamSection {
+    /// That of an element of `length` in m.
     ///
     /// # Panics
-    /// When the length or a stiffness is not positive, or the tension negative.
+    /// When the length is not positive.
     #[must_use]
-    pub fn new(stiffness: &BeamStiffness, (law, tension): (AxialLaw, f64), length: f64) -> Self {
+    pub fn new(stiffness: &BeamStiffness, length: f64) -> Self {
         assert!(length > 0.0, "element length {length} m");
         Self {
-            axis: CableSection::new(stiffness.axial, 0.0, tension, (law, BendingLaw::Constant)),
-            length,
             strains: strains(stiffness, length),
         }
     }
@@ -112,22 +100,15 @@ impl Beam {
     /// Strain energy, J.
     #[must_use]
     pub fn energy(&self, e: &BeamCoordinates) -> f64 {
-        let strains: f64 = self.strains.iter().map(|strain| strain.energy(e)).sum();
-        self.axis.slope_energy(self.length, &self.slopes(e)) + strains
+        self.strains.iter().map(|strain| strain.energy(e)).sum()
     }
 
-    /// `∂U/∂e`, the force of the element's strain (the beam feels its negative).
+    /// `∂U/∂e`.
     #[must_use]
     pub fn force(&self, e: &BeamCoordinates) -> BeamCoordinates {
         let mut force = BeamCoordinates::zeros();
         for strain in &self.strains {
             force += strain.at(e).force();
-        }
-        let length = Length::new(self.length);
-        let axis = self.axis.slope_force(length, &self.slopes(e)).on_nodes(length);
-        for (axis, column) in axis.iter().zip(AXIS) {
-            let mut target = force.column_mut(column);
-            target += axis;
         }
         force
     }
@@ -147,6 +128,64 @@ impl Beam {
                 }
             }
         }
+        tangent
+    }
+}
+
+/// A fully parameterised beam element.
+///
+/// Forces are those of structural mechanics [Gerstmayr, Matikainen & Mikkola 2008; Nachbagauer, Gruber & Gerstmayr 2013]: the
+/// axis stretches as the cable's, and the generalised strains of shear, torsion and bending and those of the cross-section each
+/// have their stiffness. `x` is the arc length at nominal tension, as in the cable.
+///
+/// The volume integral of continuum mechanics is not used: in this element it locks (Poisson's ratio against the linear
+/// transverse field, shear against the cubic axis, thickness against turning directors), and its torsional stiffness is that of
+/// the polar moment of area [Nachbagauer, Gruber & Gerstmayr 2013; Bauchau et al. 2015]. What is done against locking is written
+/// where the strains are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Beam {
+    axis: CableSection,
+    length: f64,
+    section: BeamSection,
+}
+
+impl Beam {
+    /// An element of `length` (m) at the nominal `tension` (N), where `|r,ₓ| = 1`.
+    ///
+    /// # Panics
+    /// When the length or a stiffness is not positive, or the tension negative.
+    #[must_use]
+    pub fn new(stiffness: &BeamStiffness, (law, tension): (AxialLaw, f64), length: f64) -> Self {
+        Self {
+            axis: CableSection::new(stiffness.axial, 0.0, tension, (law, BendingLaw::Constant)),
+            length,
+            section: BeamSection::new(stiffness, length),
+        }
+    }
+
+    /// Strain energy, J.
+    #[must_use]
+    pub fn energy(&self, e: &BeamCoordinates) -> f64 {
+        self.axis.slope_energy(self.length, &self.slopes(e)) + self.section.energy(e)
+    }
+
+    /// `∂U/∂e`, the force of the element's strain (the beam feels its negative).
+    #[must_use]
+    pub fn force(&self, e: &BeamCoordinates) -> BeamCoordinates {
+        let mut force = self.section.force(e);
+        let length = Length::new(self.length);
+        let axis = self.axis.slope_force(length, &self.slopes(e)).on_nodes(length);
+        for (axis, column) in axis.iter().zip(AXIS) {
+            let mut target = force.column_mut(column);
+            target += axis;
+        }
+        force
+    }
+
+    /// `∂²U/∂e²`.
+    #[must_use]
+    pub fn tangent(&self, e: &BeamCoordinates) -> BeamTangent {
+        let mut tangent = self.section.tangent(e);
         let axis = self.axis.node_tangent(self.length, &self.slopes(e));
         for (i, &row) in AXIS.iter().enumerate() {
             for (j, &column) in AXIS.iter().enumerate() {

@@ -32,7 +32,9 @@ mod tests;
 
 pub(crate) use axial::FIVE_POINTS;
 pub use axial::{AxialLaw, nominal_stretch};
-pub use beam::{Beam, BeamCoordinates, BeamInertia, BeamStiffness, BeamTangent, beam_mass_matrix, beam_shape};
+pub use beam::{
+    Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, beam_mass_matrix, beam_shape,
+};
 pub use bending::BendingLaw;
 pub use cable::{Cable, CableSection, Coordinates, Tangent};
 pub(crate) use even::EvenMatrix;

@@ -1,5 +1,6 @@
 //! A wire: a chain of cable elements in the coordinates of a system.
 mod batch;
+mod directors;
 mod enrichment;
 mod force;
 mod geometry;
@@ -10,6 +11,7 @@ mod point;
 #[cfg(test)]
 mod tests;
 
+pub use directors::{DirectorInertia, Directors, WireDirectors};
 pub use enrichment::Enrichment;
 pub use force::{Rayleigh, Wire, WireSection};
 pub use geometry::WireGeometry;
