@@ -19,6 +19,7 @@
 mod ancf;
 mod anchor;
 mod attachment;
+mod beam_wire;
 mod contact;
 mod curve;
 mod dropper;

@@ -1,10 +1,10 @@
 //! The overhead line as a list of contributions.
+use crate::beam_wire::directors;
 use crate::topology::WireCoordinates;
 use crate::{
-    Anchor, Attachment, AxialLaw, BeamSection, BeamStiffness, BendingLaw, CompliantWire, Curve, DirectorInertia,
-    Directors, Dropper, DropperLaw, Droppers, Enrichment, LineEnd, LineEnds, MassCorrection, NodeMap, Rayleigh,
-    RegistrationArms, ResidualCompliance, Supports, Topology, Wire, WireDirectors, WireGeometry, WireName, WireNode,
-    WireSection,
+    Anchor, Attachment, AxialLaw, BendingLaw, CompliantWire, Curve, DirectorInertia, Directors, Dropper, DropperLaw,
+    Droppers, Enrichment, LineEnd, LineEnds, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance,
+    Supports, Topology, Wire, WireDirectors, WireGeometry, WireName, WireNode, WireSection,
 };
 use dynamics::{Force, Motion};
 use nalgebra::Vector3;
@@ -105,7 +105,7 @@ impl Line {
         let beam = catenary.contact_wire.beam.filter(|_| !equilibrium.directors.is_empty());
         let directors = beam.map(|beam| {
             contact_wire = contact_wire.without_bending();
-            directors(catenary, &beam, contact_wire.geometry(), equilibrium.directors)
+            directors(catenary, &beam, contact_wire.geometry(), &equilibrium.directors)
         });
         let upper = |node: usize| Attachment::node(&messenger_wire.geometry().nodes()[node]);
         let lower = |node: usize| Attachment::node(&contact_wire.geometry().nodes()[node]);
@@ -386,32 +386,6 @@ pub(crate) fn wire(catenary: &Catenary, name: WireName, geometry: Arc<WireGeomet
         catenary.gravity,
         geometry,
     )
-}
-
-/// The directors of the contact wire: round, so that it bends alike in all directions, with the material's own stiffness of the
-/// cross-section.
-fn directors(
-    catenary: &Catenary,
-    beam: &scene::Beam,
-    geometry: &Arc<WireGeometry>,
-    directors: Vec<Directors>,
-) -> WireDirectors {
-    let wire = &catenary.contact_wire;
-    let stiffness = BeamStiffness {
-        axial: wire.axial_stiffness,
-        shear: [beam.shear_stiffness; 2],
-        torsion: beam.torsional_stiffness,
-        bending: [wire.bending_stiffness; 2],
-        section: [wire.axial_stiffness, wire.axial_stiffness, beam.shear_stiffness],
-    };
-    let inertia = DirectorInertia {
-        section: beam.rotary_inertia,
-        alpha: catenary.damping.alpha,
-        beta: catenary.damping.beta,
-    };
-    WireDirectors::new(Arc::clone(geometry), directors, inertia, |length| {
-        BeamSection::new(&stiffness, length)
-    })
 }
 
 /// The bending layers of one wire, at rest; none in a string.

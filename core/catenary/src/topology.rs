@@ -274,8 +274,8 @@ impl Topology {
     /// Holds the ends of both wires: y and z always, x where the ends are fixed; a beam may not spin about its axis there either.
     pub(crate) fn fix_ends(&self, wires: &[WireCoordinates; 2], ends: WireEnds, layout: &mut Layout) {
         for wire in wires {
-            if let (Some(first), Some(last)) = (wire.directors.first(), wire.directors.last()) {
-                [first, last].map(|directors| layout.fix(directors + 2));
+            for directors in wire.directors.first().into_iter().chain(wire.directors.last()) {
+                layout.fix(directors + 2);
             }
             for map in [wire.nodes[0], wire.nodes[self.last()]] {
                 for axis in 0..3 {
