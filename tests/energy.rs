@@ -142,7 +142,7 @@ fn numerical_damping_shows_as_a_loss() {
 
 #[test]
 fn the_joints_of_a_linkage_take_and_give_no_energy() {
-    let scene = include_str!("../scenes/thesis.toml");
+    let scene = include_str!("../scenes/thesis-pantograph.toml");
     let keys = [
         "catenary.spans=3",
         "run.start_x=20",

@@ -8,8 +8,10 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use tempfile::TempDir;
 
-/// The thesis scene.
-pub const THESIS: &str = include_str!("../scenes/thesis.toml");
+/// The scene that runs without arguments: the thesis with its vehicle.
+pub const DEFAULT: &str = include_str!("../scenes/thesis.toml");
+/// The thesis without its vehicle.
+pub const THESIS: &str = include_str!("../scenes/thesis-pantograph.toml");
 
 /// Keeps the line of EN 50318 small: these tests are about the protocol.
 pub const COARSE: &[&str] = &["catenary.mesh.elements_per_interval=1"];

@@ -5,7 +5,7 @@ use scene::{Catenary, Scene};
 /// The reference model of EN 50318 at 300 km/h.
 pub const EN: &str = include_str!("../scenes/en50318-300.toml");
 /// The line of the thesis.
-pub const THESIS: &str = include_str!("../scenes/thesis.toml");
+pub const THESIS: &str = include_str!("../scenes/thesis-pantograph.toml");
 
 /// The line of a scene with other values.
 ///

@@ -96,7 +96,7 @@ fn contact_force(scene: &mut Scene, kind: Kind, step: f64) -> Series {
     raw.push(force(whole, &motion));
     for n in 0..steps {
         simulator
-            .advance(n as f64 * step, step, &mut |_, _| {}, &mut |whole, motion, _| {
+            .advance(n as f64 * step, step, &mut |_, _| {}, &mut |whole, motion, _, _| {
                 raw.push(force(whole, &motion))
             })
             .unwrap();

@@ -3,7 +3,7 @@ use master::package;
 use master::report::{Progress, Show};
 use master::results::{Record, Summary};
 use master::run::Watch;
-use master::simulation::{FmuSource, Mode, Prepared, SetupError, prepare};
+use master::simulation::{Finished, FmuSource, Mode, Prepared, SetupError, prepare};
 use master::statistics::ForceStatistics;
 use scene::Scene;
 use std::ops::Range;
@@ -107,27 +107,10 @@ pub fn run(scene: Scene, mode: Mode, name: &str) -> Run {
 /// When the run does not come to its end.
 #[must_use]
 pub fn run_beside(scene: Scene, mode: Mode, name: &str, base: &Path) -> Run {
-    let duration = scene.run.duration;
-    let never = AtomicBool::new(false);
-    let progress = Progress::simulated(name, duration, Show::Never);
-    let watch = Watch {
-        interrupted: &never,
-        progress: &progress,
-    };
-    let source = FmuSource {
-        folder: package::folder(&format!("test-{name}")),
-        say: &|_| {},
-        logging: false,
-    };
     let mut written = String::new();
-    let finished = prepare(scene, name, base, false)
-        .unwrap()
-        .run(mode, &source, &watch, |scene| {
-            written = scene.to_toml();
-            Ok::<(), Box<SetupError>>(())
-        })
-        .unwrap();
-    assert!(finished.failure.is_none(), "{name}: {:?}", finished.failure);
+    let finished = finished_telling(prepare(scene, name, base, false).unwrap(), mode, name, |scene| {
+        written = scene.to_toml();
+    });
     let info = &finished.info;
     let filtered = info.evaluation.filtered(&finished.record.pantographs[0].force).unwrap();
     let range = info.evaluation.samples(&finished.record.time, 0);
@@ -139,4 +122,36 @@ pub fn run_beside(scene: Scene, mode: Mode, name: &str, base: &Path) -> Run {
         filtered,
         range,
     }
+}
+
+/// Runs what is prepared to its end.
+///
+/// # Panics
+/// When it does not come to its end.
+#[must_use]
+pub fn finished(prepared: Prepared, mode: Mode, name: &str) -> Finished {
+    finished_telling(prepared, mode, name, |_| {})
+}
+
+/// [`finished`]; `tell` is given the scene as it is run.
+fn finished_telling(prepared: Prepared, mode: Mode, name: &str, mut tell: impl FnMut(&Scene)) -> Finished {
+    let never = AtomicBool::new(false);
+    let progress = Progress::simulated(name, prepared.scene.run.duration, Show::Never);
+    let watch = Watch {
+        interrupted: &never,
+        progress: &progress,
+    };
+    let source = FmuSource {
+        folder: package::folder(&format!("test-{name}")),
+        say: &|_| {},
+        logging: false,
+    };
+    let finished = prepared
+        .run(mode, &source, &watch, |scene| {
+            tell(scene);
+            Ok::<(), Box<SetupError>>(())
+        })
+        .unwrap();
+    assert!(finished.failure.is_none(), "{name}: {:?}", finished.failure);
+    finished
 }

@@ -19,7 +19,7 @@ use scene::Scene;
 
 const REPEATS: usize = 5;
 const SCENES: [(&str, &str, f64); 2] = [
-    ("thesis", include_str!("../../scenes/thesis.toml"), 4.0),
+    ("thesis", include_str!("../../scenes/thesis-pantograph.toml"), 4.0),
     ("en50318-300", include_str!("../../scenes/en50318-300.toml"), 2.0),
 ];
 

@@ -151,6 +151,15 @@ enum Command {
     /// Runs one FMU for another process of this program, over its standard input
     #[command(name = isolation::SUBCOMMAND, hide = true)]
     IsolatedFmu,
+    /// Computes a published piece of work again: its tables and figures, published beside computed
+    #[command(after_long_help = reproduce_help())]
+    Reproduce {
+        /// What to reproduce
+        what: Publication,
+        /// Fewer meshes, and open quantities on the published mesh only
+        #[arg(long)]
+        quick: bool,
+    },
     /// Renders report.html again; several directories are overlaid
     Report {
         /// Output directories of finished runs
@@ -234,6 +243,25 @@ fn stability_help() -> String {
          speed, micro step against contact stiffness.\n\n\
          Runs are made side by side, one per core: they have no wall times, and the table is the same for any number of cores."
     )
+}
+
+/// What `reproduce` does, at the end of its help.
+fn reproduce_help() -> String {
+    "thesis: S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at Chicago, \
+     2016.\n\n\
+     Runs: the four published cases as their scenes have them, the first one through FMUs too; all four on meshes of 18, 36 and 72 \
+     elements per span and on a converged one; and every quantity that the thesis leaves open over its plausible range, one at a \
+     time, on the thesis' mesh and on the converged one. Nothing is tuned to a published value. `--set` holds for all runs.\n\n\
+     Runs are made side by side, one per core: their wall times are no measure of speed. reproduction.csv is written after every \
+     run; rows without a status have not been run."
+        .to_owned()
+}
+
+/// What `reproduce` knows.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Publication {
+    /// Kulkarni 2016
+    Thesis,
 }
 
 /// `--mode`.
@@ -327,6 +355,10 @@ pub fn main() -> ExitCode {
             };
             command::study::study(&scene, options, &common)
         }
+        Command::Reproduce {
+            what: Publication::Thesis,
+            quick,
+        } => command::reproduce::thesis(quick, &common),
         Command::Stability { cases, quick } => command::stability::stability(&cases, quick, &common),
         Command::Check { scene } => command::check::check(&scene, &common),
         Command::Package {

@@ -1,6 +1,6 @@
 //! The state at t = 0: heights and forces at which both sides are at rest.
 
-use catenary::{CatenaryError, StaticLine, StaticsError, StripStart};
+use catenary::{CatenaryError, LineAtRest, StaticLine, StaticsError, StripStart};
 use dynamics::Layout;
 use scene::{Initialise, PantographModel, Scene, Start};
 use vehicle::VehicleError;
@@ -141,17 +141,18 @@ pub fn resolve(scene: &mut Scene, statics: &StaticLine) -> Result<(), Equilibriu
         let name = format!("pantograph {}", index + 1);
         let entry = &scene.pantographs[index].model;
         let model = vehicle::PantographModel::new(entry, placement, &name, &mut Layout::new());
-        let model = model.map_err(|source| EquilibriumError::Pantograph {
+        let mut model = model.map_err(|source| EquilibriumError::Pantograph {
             pantograph: index + 1,
             source,
         })?;
+        model.expose_to(vehicle::Air::of_scene(scene, index).as_ref());
         sides.push(Side {
             index,
             x: scene.strip_start_x(index),
             model,
         });
     }
-    let mut line = catenary::Subsystem::new(scene, statics)?;
+    let mut line = LineAtRest::new(scene, statics)?;
     let mut strips: Vec<StripStart> = (0..scene.pantographs.len())
         .map(|index| StripStart {
             x: scene.strip_start_x(index),
@@ -172,7 +173,7 @@ pub fn resolve(scene: &mut Scene, statics: &StaticLine) -> Result<(), Equilibriu
     for side in &sides {
         let force = match scene.run.initialise {
             Initialise::Equilibrium => side.force(strips[side.index].height)?,
-            Initialise::AsGiven => line.contact(side.index).force,
+            Initialise::AsGiven => line.force(side.index),
         };
         if force < 0.0 {
             let height = strips[side.index].height;
@@ -245,7 +246,7 @@ impl Compliance {
 fn balance(
     scene: &Scene,
     statics: &StaticLine,
-    line: &mut catenary::Subsystem,
+    line: &mut LineAtRest,
     sides: &[Side],
     strips: &mut [StripStart],
 ) -> Result<(), EquilibriumError> {
@@ -278,7 +279,7 @@ fn balance(
         let heights: Vec<f64> = sides.iter().map(|side| strips[side.index].height).collect();
         let mut missing = Vec::with_capacity(sides.len());
         for (side, height) in sides.iter().zip(&heights) {
-            let here = side.force(*height)? - line.contact(side.index).force;
+            let here = side.force(*height)? - line.force(side.index);
             // Also a difference that is no number.
             if here.abs() > residual || here.is_nan() {
                 (residual, worst) = (here.abs(), side.index);

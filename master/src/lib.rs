@@ -25,6 +25,7 @@
 //! table_of_runs one row per run: columns, errors, status
 //! stability     the hard cases, and where runs stop being stable
 //! compare       all modes and algorithms on one scene
+//! reproduce     a published piece of work computed again, published beside computed
 //! study         speed against error: references, sweeps, Pareto front
 //! cli, command  arguments, and one file per subcommand; check and inspect hold what two of them say
 //! ```
@@ -51,10 +52,12 @@ pub mod parallel;
 mod prepare;
 pub mod recorder;
 pub mod report;
+pub mod reproduce;
 pub mod results;
 pub mod run;
 pub mod simulation;
 pub mod slave;
+pub mod sliding_joint;
 pub mod ssp;
 pub mod stability;
 pub mod standards;
@@ -64,3 +67,4 @@ pub mod study;
 pub mod table_of_runs;
 pub mod test_problem;
 pub mod third_party;
+mod wind_files;

@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     const EN_300: &str = include_str!("../../scenes/en50318-300.toml");
-    const THESIS: &str = include_str!("../../scenes/thesis.toml");
+    const THESIS: &str = include_str!("../../scenes/thesis-pantograph.toml");
 
     fn said(text: &str, overrides: &[&str]) -> String {
         let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();

@@ -6,6 +6,7 @@ use scene::{Initialise, PantographModel, Reduction, Start};
 use crate::mesh;
 use crate::results::{Model, Part};
 use crate::simulation::Prepared;
+use crate::sliding_joint;
 use crate::standstill::{self, Standstill};
 
 impl Prepared {
@@ -19,21 +20,23 @@ impl Prepared {
             (Some(statics), None) => statics.coordinates(),
             (None, None) => 0,
         };
-        let mut constraints = 0;
+        // A joint is one equation per strip.
+        let mut constraints = if sliding_joint::holds(scene) {
+            scene.pantographs.len()
+        } else {
+            0
+        };
         let mut kinds = Vec::new();
         for (index, pantograph) in scene.pantographs.iter().enumerate() {
+            let placement = vehicle::placement(scene, index);
+            let mut layout = dynamics::Layout::new();
+            if let Ok(model) = vehicle::PantographModel::new(&pantograph.model, placement, "", &mut layout) {
+                coordinates += model.coordinates();
+                constraints += model.constraint_count();
+            }
             kinds.push(match &pantograph.model {
-                PantographModel::Lumped(lumped) => {
-                    coordinates += lumped.masses.len();
-                    format!("lumped, {} masses", lumped.masses.len())
-                }
+                PantographModel::Lumped(lumped) => format!("lumped, {} masses", lumped.masses.len()),
                 PantographModel::Linkage(linkage) => {
-                    let mut layout = dynamics::Layout::new();
-                    let placement = vehicle::placement(scene, index);
-                    if let Ok(model) = vehicle::PantographModel::new(&pantograph.model, placement, "", &mut layout) {
-                        coordinates += model.coordinates();
-                        constraints += model.constraint_count();
-                    }
                     format!("linkage of {} bodies{}", linkage.bodies.len(), motions(scene))
                 }
                 PantographModel::ThirdParty(entry) => format!("FMU {}", entry.fmu),
@@ -53,12 +56,6 @@ impl Prepared {
                 window.map_or_else(String::new, |window| format!("; {}", around(window)))
             ),
         };
-        let part = |part: &str, modelled: bool, reason: String| Part {
-            part: part.to_owned(),
-            modelled,
-            reason,
-        };
-        let absent = |name: &str, table: &str| part(name, false, format!("scene has no [{table}]"));
         Model {
             coordinates,
             constraints,
@@ -72,15 +69,11 @@ impl Prepared {
             parts: vec![
                 part("catenary", true, line),
                 part("pantograph", true, kinds.join("; ")),
-                part(
-                    "vehicle",
-                    false,
-                    "scene has no [vehicle]: the base moves on a straight line".to_owned(),
-                ),
-                absent("wheel_rail", "vehicle"),
-                absent("track", "track"),
-                absent("wind_pantograph", "wind"),
-                absent("wind_wires", "wind"),
+                vehicle(scene),
+                wheel_rail(scene),
+                track(scene),
+                wind_part("wind_pantograph", wind_on_pantograph(scene)),
+                wind_part("wind_wires", wind_on_wires(scene)),
             ],
         }
     }
@@ -119,6 +112,155 @@ impl Prepared {
         }
         notes
     }
+}
+
+fn part(part: &str, modelled: bool, reason: String) -> Part {
+    Part {
+        part: part.to_owned(),
+        modelled,
+        reason,
+    }
+}
+
+/// What carries the pantographs.
+fn vehicle(scene: &scene::Scene) -> Part {
+    let bodies = |train: &scene::Train| {
+        let places = |lists: &mut dyn Iterator<Item = &Vec<[f64; 3]>>| -> usize { lists.map(Vec::len).sum() };
+        format!(
+            "{} bodies, {} bushings, {} bearings, {} revolute joints",
+            train.body_count(),
+            places(&mut train.bushings.iter().map(|entry| &entry.points)),
+            places(&mut train.bearings.iter().map(|entry| &entry.points)),
+            places(&mut train.joints.iter().map(|entry| &entry.points)),
+        )
+    };
+    const SPEED: &str = "the carrying body keeps the speed of the run; each pantograph has a vehicle of its own";
+    match scene.vehicle.as_deref() {
+        None => part(
+            "vehicle",
+            false,
+            "scene has no [vehicle]: the base moves on a straight line".to_owned(),
+        ),
+        Some(scene::Vehicle::RigidMotion(motion)) => part(
+            "vehicle",
+            true,
+            format!(
+                "the base moves as given by {} samples; of a lumped pantograph its rise alone is felt, and nothing acts back on it",
+                motion.time.len()
+            ),
+        ),
+        Some(scene::Vehicle::Vertical(train)) => part(
+            "vehicle",
+            true,
+            format!(
+                "vertical: {} in the plane along the track; lateral motion, roll and yaw are left out; {SPEED}",
+                bodies(train)
+            ),
+        ),
+        Some(scene::Vehicle::Full(train)) => {
+            part("vehicle", true, format!("full: {} in space; {SPEED}", bodies(train)))
+        }
+    }
+}
+
+/// What is between wheels and rails.
+fn wheel_rail(scene: &scene::Scene) -> Part {
+    match scene.vehicle.as_deref() {
+        None => part("wheel_rail", false, "scene has no [vehicle]".to_owned()),
+        Some(scene::Vehicle::RigidMotion(_)) => part(
+            "wheel_rail",
+            false,
+            "the motion of the base is given: no wheel is modelled".to_owned(),
+        ),
+        Some(scene::Vehicle::Vertical(_)) => part(
+            "wheel_rail",
+            false,
+            "vertical vehicle: linear springs in place of the contacts, no profiles and no creep forces".to_owned(),
+        ),
+        Some(scene::Vehicle::Full(_)) => part("wheel_rail", true, "wheels roll on rails".to_owned()),
+    }
+}
+
+/// What the rails are like.
+fn track(scene: &scene::Scene) -> Part {
+    use scene::Irregularities;
+    let runs = scene.vehicle.as_deref().and_then(scene::Vehicle::train).is_some();
+    let irregularities = scene.track.as_deref().map(|track| &track.irregularities);
+    match irregularities {
+        _ if !runs => part("track", false, "no wheel runs on it".to_owned()),
+        None => part(
+            "track",
+            false,
+            "scene has no [track]: straight, level and smooth".to_owned(),
+        ),
+        Some(Irregularities::None) => part("track", true, "straight, level and smooth".to_owned()),
+        Some(Irregularities::Spectrum(spectrum)) => part(
+            "track",
+            true,
+            format!(
+                "straight and level, irregularities from spectra, seed {}, wavelengths {} to {} m",
+                spectrum.seed, spectrum.wavelengths[0], spectrum.wavelengths[1]
+            ),
+        ),
+        Some(Irregularities::Points(points)) => part(
+            "track",
+            true,
+            format!("straight and level, irregularities from {} points", points.x.len()),
+        ),
+    }
+}
+
+/// A part that the wind may act on; without a reason it does not.
+fn wind_part(name: &str, acts: Result<String, String>) -> Part {
+    part(name, acts.is_ok(), acts.unwrap_or_else(|reason| reason))
+}
+
+/// How the wind blows.
+fn blowing(wind: &scene::Wind) -> String {
+    let parts = [
+        (wind.gust.is_some(), "a gust"),
+        (wind.turbulence.is_some(), "seeded turbulence"),
+        (!wind.record.is_empty(), "a record"),
+    ];
+    let more: Vec<&str> = parts
+        .iter()
+        .filter(|(there, _)| *there)
+        .map(|(_, part)| *part)
+        .collect();
+    let mean = format!("{} m/s from {}° of the direction of travel", wind.speed, wind.yaw_deg);
+    if more.is_empty() {
+        mean
+    } else {
+        format!("{mean} with {}", more.join(", "))
+    }
+}
+
+/// What the wind does to pantographs, or why it does nothing.
+fn wind_on_pantograph(scene: &scene::Scene) -> Result<String, String> {
+    let wind = scene.wind.as_ref().ok_or("scene has no [wind]")?;
+    let acts = wind.pantograph.as_ref().ok_or("scene has no wind.pantograph")?;
+    let mut how = if acts.surfaces.is_empty() {
+        "uplift of the strip by the square of the air's speed along the track".to_owned()
+    } else {
+        let points: usize = acts.surfaces.iter().map(|surface| surface.markers.len().max(1)).sum();
+        format!("drag and lift at {points} points of {} bodies", acts.surfaces.len())
+    };
+    let foreign = |pantograph: &scene::Pantograph| matches!(pantograph.model, PantographModel::ThirdParty(_));
+    if scene.pantographs.iter().any(foreign) {
+        how.push_str("; none on FMUs of somebody else");
+    }
+    Ok(format!("{how}; {}", blowing(wind)))
+}
+
+/// What the wind does to wires, or why it does nothing.
+fn wind_on_wires(scene: &scene::Scene) -> Result<String, String> {
+    let wind = scene.wind.as_ref().ok_or("scene has no [wind]")?;
+    wind.wires.as_ref().ok_or("scene has no wind.wires")?;
+    Ok(format!(
+        "drag across contact and messenger wire, spread over their elements; none on droppers and registration arms; the run \
+         starts with the line at rest in the wind of t = 0; {}",
+        blowing(wind)
+    ))
 }
 
 /// The last part of a path.

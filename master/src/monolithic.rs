@@ -1,15 +1,15 @@
 //! Line and pantographs as one system: no coupling, one integrator.
 
 use catenary::{
-    CatenaryError, ContactPair, OverheadLine, Slackening, StaticLine, StripStart, WireName, adopt_state, contact_pair,
-    follow_strips, scene_line,
+    CatenaryError, LineAtRest, OnWire, OverheadLine, Slackening, StaticLine, StripContact, StripStart, WireName,
+    adopt_state, follow_strips, scene_line, strip_contact,
 };
 use dynamics::{
     Checkpoint, Constraint, Continuity, Counters, EnergyBalance, Force, Layout, Motion, Simulator, State, StepError,
     System,
 };
 use scene::{PantographModel as Entry, Scene};
-use vehicle::{PantographModel, VehicleError};
+use vehicle::{Air, PantographModel, VehicleError};
 
 use crate::algorithm::{ENERGY_SHARE, Point};
 use crate::hardship::{Hardship, Lifted};
@@ -44,7 +44,7 @@ struct Whole {
     layout: Layout,
     line: Box<dyn OverheadLine>,
     pantographs: Vec<PantographModel>,
-    contacts: Vec<ContactPair>,
+    contacts: Vec<StripContact>,
     slackening: Slackening,
 }
 
@@ -59,13 +59,16 @@ impl System for Whole {
             pantograph.forces(visit);
         }
         for contact in &mut self.contacts {
-            visit(contact);
+            visit(contact.force());
         }
     }
 
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
         for pantograph in &mut self.pantographs {
             pantograph.constraints(visit);
+        }
+        for constraint in self.contacts.iter_mut().filter_map(StripContact::constraint) {
+            visit(constraint);
         }
     }
 
@@ -143,7 +146,7 @@ impl Monolithic {
     /// See [`MonolithicError`].
     pub fn new(scene: &Scene, statics: &StaticLine, supports: &[usize]) -> Result<Self, MonolithicError> {
         let mut layout = Layout::new();
-        let line = scene_line(scene, statics, &mut layout)?;
+        let mut line = scene_line(scene, statics, &mut layout)?;
         let mut pantographs = Vec::new();
         let mut starts = Vec::new();
         for (index, entry) in scene.pantographs.iter().enumerate() {
@@ -153,7 +156,8 @@ impl Monolithic {
             };
             let name = format!("pantograph {}", index + 1);
             let placement = vehicle::placement(scene, index);
-            let pantograph = PantographModel::new(&entry.model, placement, &name, &mut layout).map_err(refused)?;
+            let mut pantograph = PantographModel::new(&entry.model, placement, &name, &mut layout).map_err(refused)?;
+            pantograph.expose_to(Air::of_scene(scene, index).as_ref());
             let height = entry
                 .start
                 .map_or_else(|| pantograph.reference_height(), |start| start.height);
@@ -162,7 +166,7 @@ impl Monolithic {
         }
 
         // The line settles under the strips as it does alone; a linkage has its own statics.
-        let mut alone = catenary::Subsystem::new(scene, statics)?;
+        let mut alone = LineAtRest::new(scene, statics)?;
         let strips: Vec<StripStart> = (0..starts.len())
             .map(|index| StripStart {
                 x: scene.strip_start_x(index),
@@ -172,21 +176,23 @@ impl Monolithic {
             })
             .collect();
         alone.start(&strips)?;
-        let mut state = layout.state_at_rest();
-        let (_, settled) = alone.line();
-        state.q[..settled.q.len()].copy_from_slice(settled.q);
-        let mut balanced = true;
-        for (index, (pantograph, start)) in pantographs.iter_mut().zip(&starts).enumerate() {
-            pantograph.set_initial(start, &mut state);
-            balanced &= (alone.contact(index).force - start.force).abs() < AT_REST;
-        }
-        let mut line = line;
-        line.set_uplift_reference(&state.q);
         let contacts = pantographs
             .iter()
             .enumerate()
-            .map(|(index, pantograph)| contact_pair(scene, &*line, index, pantograph.strip()));
-        let contacts = contacts.collect::<Result<_, _>>()?;
+            .map(|(index, pantograph)| strip_contact(scene, &*line, index, pantograph.strip(), &mut layout));
+        let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
+        let mut state = layout.state_at_rest();
+        let settled = alone.q();
+        state.q[..settled.len()].copy_from_slice(settled);
+        line.set_uplift_reference(&state.q);
+        // A joint that moves on along a sloping or bent wire is not in balance at rest.
+        let mut balanced = contacts
+            .iter()
+            .all(|contact| matches!(contact, StripContact::Penalty(_)));
+        for (index, (pantograph, start)) in pantographs.iter_mut().zip(&starts).enumerate() {
+            pantograph.set_initial(start, &mut state);
+            balanced &= (alone.force(index) - start.force).abs() < AT_REST;
+        }
         let dropper_stiffness = scene.modelled_line().map_or(0.0, |(line, _)| line.droppers.stiffness);
         let whole = Whole {
             layout,
@@ -349,8 +355,9 @@ impl Monolithic {
             strips: vec![0.0; strips * strip::OUTPUTS],
         };
         let supports = &self.supports;
+        let lambda = self.simulator.state().lambda.clone();
         let (whole, motion) = self.simulator.parts();
-        read(whole, &motion, supports, &mut point);
+        read(whole, (&motion, &lambda), supports, &mut point);
         point
     }
 
@@ -370,18 +377,19 @@ impl Monolithic {
         let crossed = &mut self.crossed;
         let mut steps = 0.0;
         let count = self.simulator.micro_steps(h) as f64;
-        self.simulator.advance(t, h, &mut |_, _| {}, &mut |whole, motion, dt| {
-            steps += 1.0;
-            let [previous, present] = points;
-            present.from = previous.t;
-            present.t = if steps == count { t + h } else { t + steps * dt };
-            whole.slackening.step(&*whole.line, &motion);
-            read(whole, &motion, supports, present);
-            straighten(previous, present);
-            *crossed += work_between(previous, present);
-            see(previous, present);
-            points.swap(0, 1);
-        })?;
+        self.simulator
+            .advance(t, h, &mut |_, _| {}, &mut |whole, motion, lambda, dt| {
+                steps += 1.0;
+                let [previous, present] = points;
+                present.from = previous.t;
+                present.t = if steps == count { t + h } else { t + steps * dt };
+                whole.slackening.step(&*whole.line, &motion);
+                read(whole, (&motion, lambda), supports, present);
+                straighten(previous, present);
+                *crossed += work_between(previous, present);
+                see(previous, present);
+                points.swap(0, 1);
+            })?;
         self.unrepeated += u64::from(first.is_some_and(|first| first != *self.simulator.state()));
         if let Some(audit) = &mut self.audit {
             self.simulator.balance(&mut audit.balance, h);
@@ -397,7 +405,7 @@ impl Monolithic {
             return Ok(None);
         };
         self.simulator.save(checkpoint);
-        self.simulator.advance(t, h, &mut |_, _| {}, &mut |_, _, _| {})?;
+        self.simulator.advance(t, h, &mut |_, _| {}, &mut |_, _, _, _| {})?;
         let state = self.simulator.state().clone();
         self.simulator.restore(checkpoint)?;
         Ok(Some(state))
@@ -419,7 +427,7 @@ impl Monolithic {
     }
 }
 
-fn read(whole: &Whole, motion: &Motion<'_>, supports: &[usize], point: &mut Point) {
+fn read(whole: &Whole, (motion, lambda): (&Motion<'_>, &[f64]), supports: &[usize], point: &mut Point) {
     for (i, pair) in whole.contacts.iter().enumerate() {
         let frame = pair.strip(motion);
         let values = &mut point.strips[i * strip::OUTPUTS..(i + 1) * strip::OUTPUTS];
@@ -428,7 +436,7 @@ fn read(whole: &Whole, motion: &Motion<'_>, supports: &[usize], point: &mut Poin
             values[strip::VX + axis] = frame.velocity[axis];
         }
         values[strip::ROLL] = frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]);
-        let state = pair.state(motion);
+        let state = pair.state(motion, lambda);
         let on_strip = state.map(|state| state.force_on_strip());
         let position = state.map_or(frame.position, |state| state.position());
         let force = state.map_or(0.0, |state| state.force);

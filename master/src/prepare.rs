@@ -16,6 +16,7 @@ use crate::simulation::{Prepared, SetupError};
 use crate::third_party::{
     Side, StripAtStart, ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph, Wiring, aligned, own_heights,
 };
+use crate::wind_files;
 
 /// Contact force that no strip starts with, N: several times what pantographs press with at any speed.
 const LARGEST_START: f64 = 1000.0;
@@ -35,12 +36,16 @@ pub struct Other {
 
 /// Solves the statics of a scene and resolves what it leaves open.
 ///
-/// Paths of FMUs are relative to `base`. With `logging`, FMUs are asked for their debug messages.
+/// Paths of FMUs and of files of the wind are relative to `base`. With `logging`, FMUs are asked for their debug messages.
 ///
 /// # Errors
 /// See [`SetupError`].
 pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Result<Prepared, SetupError> {
     let begin = Instant::now();
+    wind_files::read(&mut scene, base)?;
+    let read = |path: &str| std::fs::read_to_string(base.join(path)).map_err(|error| error.to_string());
+    scene.fill_tables(&read).map_err(SetupError::NotAvailable)?;
+    scene.check(name)?;
     let statics = match &scene.catenary {
         Line::Modelled(_) => Some(static_line(&scene)?),
         Line::ThirdParty(_) => None,
@@ -230,7 +235,9 @@ fn start_beside_line(scene: &mut Scene, index: usize, height: Option<f64>) -> Re
     let placement = vehicle::placement(scene, index);
     let name = format!("pantograph {}", index + 1);
     let entry = &scene.pantographs[index].model;
-    let model = vehicle::PantographModel::new(entry, placement, &name, &mut dynamics::Layout::new()).map_err(failed)?;
+    let mut model =
+        vehicle::PantographModel::new(entry, placement, &name, &mut dynamics::Layout::new()).map_err(failed)?;
+    model.expose_to(vehicle::Air::of_scene(scene, index).as_ref());
     let height = height.unwrap_or_else(|| model.reference_height());
     let force = model.equilibrium_at_height(height).map_err(failed)?.force.max(0.0);
     scene.pantographs[index].start = Some(Start { height, force });

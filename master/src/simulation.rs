@@ -6,7 +6,7 @@ mod slaves;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use catenary::StaticLine;
+use catenary::{CatenaryError, StaticLine};
 use scene::{Evaluate, Initialise, Scene};
 
 use crate::algorithm::{self, Exchange, Sides};
@@ -17,6 +17,8 @@ use crate::parallel;
 use crate::recorder::Recorder;
 use crate::results::{self, LineGeometry, Record, RunInfo};
 use crate::run::{self, Control, Controller, Estimate, Failure, Outcome, Schedule, Watch};
+use crate::sliding_joint;
+use crate::standards;
 use crate::standstill::{self, Standstill};
 use crate::third_party::{ThirdPartyLine, ThirdPartyPantograph};
 
@@ -241,6 +243,10 @@ impl Prepared {
         watch: &Watch<'_>,
         good: impl FnOnce(&Scene) -> Result<(), E>,
     ) -> Result<Finished, E> {
+        if sliding_joint::holds(&self.scene) {
+            let (mode, what) = (mode.name(), CatenaryError::SlidingJoint.to_string());
+            return Err(SetupError::NotInThisMode { mode, what }.into());
+        }
         let mut third_party = std::mem::take(&mut self.third_party);
         let mut line = self.line.take();
         let others = line.is_some() || third_party.iter().any(Option::is_some);
@@ -369,6 +375,7 @@ impl Prepared {
                 output_step: scene.run.output_step,
                 speed: scene.run.speed,
             },
+            line: line_of(scene),
             coupling,
             model: self.model(),
             cost: results::Cost {
@@ -386,7 +393,10 @@ impl Prepared {
                 largest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.largest),
                 mean_macro_step_s: (outcome.macro_steps > 0).then(|| outcome.simulated / outcome.macro_steps as f64),
             },
-            notes: self.notes().into_iter().chain(outcome.notes).collect(),
+            notes: (self.notes().into_iter())
+                .chain(outcome.notes)
+                .chain(sliding_joint::remarks(scene, &outcome.record))
+                .collect(),
         };
         let failure = outcome
             .failure
@@ -398,5 +408,16 @@ impl Prepared {
             most_iterations: outcome.work.most_iterations,
             evidence,
         }
+    }
+}
+
+/// What the limits of standards need to know of the line.
+fn line_of(scene: &Scene) -> standards::Line {
+    let catenary = scene.modelled_line().map(|(catenary, _)| catenary);
+    standards::Line {
+        electrification: scene.run.electrification,
+        wave_speed: catenary.map(|catenary| catenary.contact_wire.wave_speed()),
+        free_uplift: catenary.and_then(|catenary| catenary.registration_arms.free_uplift),
+        uplift_stop: catenary.is_some_and(|catenary| catenary.registration_arms.uplift_stop),
     }
 }

@@ -9,7 +9,7 @@ use scene::Scene;
 use std::hint::black_box;
 
 const SCENES: [(&str, &str); 2] = [
-    ("thesis line", include_str!("../../../scenes/thesis.toml")),
+    ("thesis line", include_str!("../../../scenes/thesis-pantograph.toml")),
     ("EN 50318 line", include_str!("../../../scenes/en50318-300.toml")),
 ];
 /// Names of what [`Line::forces`] visits.

@@ -1,5 +1,5 @@
 //! What strips and line exchange over a communication step.
-use crate::{ContactPair, Model};
+use crate::{ContactPair, Model, OnWire};
 use dynamics::Motion;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};

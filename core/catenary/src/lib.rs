@@ -25,6 +25,7 @@ mod curve;
 mod dropper;
 mod exchange;
 mod line;
+mod line_at_rest;
 mod line_end;
 mod linear_force;
 mod linear_line;
@@ -38,6 +39,7 @@ mod support;
 mod topology;
 mod window;
 mod wire;
+mod wires_in_wind;
 
 pub use ancf::{
     AxialLaw, Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, BendingLaw, Cable,
@@ -47,17 +49,18 @@ pub use ancf::{
 pub use anchor::Anchor;
 pub use attachment::Attachment;
 pub use contact::{
-    Compliance, CompliantWire, ContactGeometry, ContactPair, ContactState, ContactTangent, PenaltyContact,
-    PrescribedStrip, ResidualCompliance, STRIP_INPUTS, Sensitivity,
+    Compliance, CompliantWire, ContactGeometry, ContactPair, ContactState, ContactTangent, OnWire, PenaltyContact,
+    PrescribedStrip, ResidualCompliance, STRIP_INPUTS, Sensitivity, SlidingJoint, StripContact,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening, Tautness};
 pub use exchange::SAMPLES;
 pub use line::{DropperSample, Line};
+pub use line_at_rest::LineAtRest;
 pub use line_end::{LineEnd, LineEnds};
 pub use linear_force::LinearForce;
 pub use linear_line::{LinearDropper, LinearDroppers, LinearLine};
-pub use model::{CatenaryError, Model, contact_pair, scene_line, static_line};
+pub use model::{CatenaryError, Model, contact_pair, scene_line, static_line, strip_contact};
 pub use overhead_line::{OverheadLine, adopt_state, follow_strips};
 pub use registration_arm::RegistrationArms;
 pub use statics::{
@@ -69,6 +72,7 @@ pub use support::Supports;
 pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, MassCorrection, Topology, WireName};
 pub use window::{WindowSize, WindowedLine};
 pub use wire::{
-    DirectorInertia, Directors, Enrichment, NodeMap, Rayleigh, Wire, WireDirectors, WireGeometry, WireNode, WirePoint,
-    WireSection,
+    DirectorInertia, Directors, Enrichment, NodeMap, Rayleigh, Wire, WireDirectors, WireDrag, WireGeometry, WireNode,
+    WirePoint, WireSection,
 };
+pub use wires_in_wind::WiresInWind;

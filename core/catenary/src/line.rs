@@ -2,9 +2,9 @@
 use crate::beam_wire::directors;
 use crate::topology::WireCoordinates;
 use crate::{
-    Anchor, Attachment, AxialLaw, BendingLaw, CompliantWire, Curve, DirectorInertia, Directors, Dropper, DropperLaw,
-    Droppers, Enrichment, LineEnd, LineEnds, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance,
-    Supports, Topology, Wire, WireDirectors, WireGeometry, WireName, WireNode, WireSection,
+    Anchor, Attachment, AxialLaw, BendingLaw, CompliantWire, Curve, Directors, Dropper, DropperLaw, Droppers,
+    Enrichment, LineEnd, LineEnds, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance, Supports,
+    Topology, Wire, WireDirectors, WireDrag, WireGeometry, WireName, WireNode, WireSection, WiresInWind,
 };
 use dynamics::{Force, Motion};
 use nalgebra::Vector3;
@@ -91,6 +91,8 @@ pub struct Line {
     /// Height of the contact wire at each support that uplift is counted from, m above the static height.
     uplift_reference: Vec<f64>,
     compliance: Option<Arc<ResidualCompliance>>,
+    /// Of both wires, where there is wind.
+    drag: Vec<WireDrag>,
 }
 
 impl Line {
@@ -157,6 +159,7 @@ impl Line {
             ends: LineEnds::new(ends.collect()),
             uplift_reference: vec![0.0; topology.supports().len()],
             compliance: None,
+            drag: Vec::new(),
             topology: Arc::clone(topology),
             contact_wire,
             directors,
@@ -186,6 +189,21 @@ impl Line {
         self
     }
 
+    /// Lets the wind act on both wires, or nothing.
+    #[must_use]
+    pub fn in_wind(mut self, wind: Option<&WiresInWind>) -> Self {
+        let both = WireName::BOTH.iter();
+        self.drag = wind.map_or_else(Vec::new, |wind| {
+            both.map(|&name| wind.on(name, self.wire(name))).collect()
+        });
+        self
+    }
+
+    /// Takes the wind off the wires.
+    pub(crate) fn take_drag(&mut self) -> Vec<WireDrag> {
+        std::mem::take(&mut self.drag)
+    }
+
     /// Visits every contribution, always in the same order.
     pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         visit(&mut self.contact_wire);
@@ -194,9 +212,12 @@ impl Line {
             visit(directors);
         }
         self.attachments(visit);
+        for drag in &mut self.drag {
+            visit(drag);
+        }
     }
 
-    /// Visits all but the wires.
+    /// Visits all but the wires and the wind on them.
     pub(crate) fn attachments(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         visit(&mut self.droppers);
         visit(&mut self.supports);

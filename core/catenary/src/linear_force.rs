@@ -10,20 +10,58 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub struct LinearForce {
     load: Vec<f64>,
-    stiffness: FewRows,
-    damping: FewRows,
-    mass: FewRows,
+    stiffness: SparseMatrix,
+    damping: SparseMatrix,
+    mass: SparseMatrix,
+    /// The rows of the three matrices that have entries.
+    rows: Vec<Row>,
+    entries: Vec<Entry>,
+}
+
+/// A row with its entries up to `end`.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    row: usize,
+    end: usize,
+}
+
+/// Entries of `K`, `D` and `M` in one place.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    column: usize,
+    weights: [f64; 3],
 }
 
 impl LinearForce {
     /// A force of given `Q₀` (N), `K` (N/m), `D` (N·s/m) and `M` (kg).
     #[must_use]
     pub fn new(load: Vec<f64>, stiffness: SparseMatrix, damping: SparseMatrix, mass: SparseMatrix) -> Self {
+        let (mut rows, mut entries) = (Vec::new(), Vec::<Entry>::new());
+        for row in 0..load.len() {
+            let first = entries.len();
+            for (kind, matrix) in [&stiffness, &damping, &mass].into_iter().enumerate() {
+                for (column, value) in matrix.row(row) {
+                    let known = entries[first..].iter().position(|entry| entry.column == column);
+                    let at = known.map_or(entries.len(), |known| first + known);
+                    if at == entries.len() {
+                        let weights = [0.0; 3];
+                        entries.push(Entry { column, weights });
+                    }
+                    entries[at].weights[kind] = value;
+                }
+            }
+            if entries.len() > first {
+                let end = entries.len();
+                rows.push(Row { row, end });
+            }
+        }
         Self {
             load,
-            stiffness: FewRows::of(stiffness),
-            damping: FewRows::of(damping),
-            mass: FewRows::of(mass),
+            stiffness,
+            damping,
+            mass,
+            rows,
+            entries,
         }
     }
 
@@ -36,22 +74,22 @@ impl LinearForce {
     /// `K`, N/m.
     #[must_use]
     pub fn stiffness(&self) -> &SparseMatrix {
-        &self.stiffness.matrix
+        &self.stiffness
     }
 
     /// `D`, N·s/m.
     #[must_use]
     pub fn damping(&self) -> &SparseMatrix {
-        &self.damping.matrix
+        &self.damping
     }
 
     /// `M`, kg.
     #[must_use]
     pub fn mass(&self) -> &SparseMatrix {
-        &self.mass.matrix
+        &self.mass
     }
 
-    /// Adds `Q₀ − K q − D v − M a` to the rows in `range`, `a` being left out where there is none; rows beyond may get a part.
+    /// Adds `Q₀ − K q − D v − M a` to the rows in `range`, `a` being left out where there is none.
     fn add(&self, range: Range<usize>, motion: &Motion<'_>, a: Option<&[f64]>, force: &mut [f64]) {
         // Others may have coordinates behind these.
         let end = range.end.min(self.load.len());
@@ -59,13 +97,31 @@ impl LinearForce {
         for (force, load) in force[range.clone()].iter_mut().zip(&self.load[range.clone()]) {
             *force += load;
         }
-        for (matrix, vector) in [
-            (&self.stiffness, Some(motion.q)),
-            (&self.damping, Some(motion.v)),
-            (&self.mass, a),
-        ] {
-            if let Some(vector) = vector {
-                matrix.subtract(range.clone(), vector, force);
+        let first = self.rows.partition_point(|row| row.row < range.start);
+        let mut begin = first.checked_sub(1).map_or(0, |before| self.rows[before].end);
+        for row in self.rows[first..].iter().take_while(|row| row.row < range.end) {
+            let entries = &self.entries[begin..row.end];
+            begin = row.end;
+            let sum = entries.iter().fold(
+                0.0,
+                |sum,
+                 Entry {
+                     column,
+                     weights: [k, d, m],
+                 }| {
+                    let inertia = a.map_or(0.0, |a| m * a[*column]);
+                    sum + (k * motion.q[*column] + d * motion.v[*column] + inertia)
+                },
+            );
+            force[row.row] -= sum;
+        }
+    }
+
+    /// Adds a matrix with a weight.
+    fn add_to(&self, matrix: &SparseMatrix, weight: f64, blocks: &mut Blocks<'_>) {
+        for &Row { row, .. } in &self.rows {
+            for (column, value) in matrix.row(row) {
+                blocks.add(&[row], &[column], &[weight * value]);
             }
         }
     }
@@ -77,12 +133,12 @@ impl Force for LinearForce {
     }
 
     fn add_tangent(&mut self, _motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
-        self.stiffness.add_to(weights.q, blocks);
-        self.damping.add_to(weights.v, blocks);
+        self.add_to(&self.stiffness, weights.q, blocks);
+        self.add_to(&self.damping, weights.v, blocks);
     }
 
     fn add_mass(&self, blocks: &mut Blocks<'_>) {
-        self.mass.add_to(1.0, blocks);
+        self.add_to(&self.mass, 1.0, blocks);
     }
 
     fn multiplies_mass(&self) -> bool {
@@ -97,50 +153,16 @@ impl Force for LinearForce {
         true
     }
 
+    fn is_linear(&self) -> bool {
+        true
+    }
+
     fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
         self.add(range, motion, Some(v_dot), force);
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         let work: f64 = self.load.iter().zip(motion.q).map(|(load, q)| load * q).sum();
-        0.5 * self.stiffness.matrix.quadratic_form(motion.q) - work
-    }
-}
-
-/// The rows of a matrix that have entries.
-#[derive(Clone, Debug, Default)]
-struct FewRows {
-    rows: Vec<usize>,
-    matrix: SparseMatrix,
-}
-
-impl FewRows {
-    fn of(matrix: SparseMatrix) -> Self {
-        Self {
-            rows: (0..matrix.size())
-                .filter(|&row| matrix.row(row).next().is_some())
-                .collect(),
-            matrix,
-        }
-    }
-
-    fn add_to(&self, weight: f64, blocks: &mut Blocks<'_>) {
-        for &row in &self.rows {
-            for (column, value) in self.matrix.row(row) {
-                blocks.add(&[row], &[column], &[weight * value]);
-            }
-        }
-    }
-
-    /// Subtracts the product with `x` from the rows in `range`.
-    fn subtract(&self, range: Range<usize>, x: &[f64], y: &mut [f64]) {
-        let first = self.rows.partition_point(|&row| row < range.start);
-        for &row in self.rows[first..].iter().take_while(|&&row| row < range.end) {
-            y[row] -= self
-                .matrix
-                .row(row)
-                .map(|(column, value)| value * x[column])
-                .sum::<f64>();
-        }
+        0.5 * self.stiffness.quadratic_form(motion.q) - work
     }
 }

@@ -1,6 +1,6 @@
 //! A line with constant matrices and unilateral droppers.
 use crate::linear_force::LinearForce;
-use crate::{Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, Tautness, Wire, WireName};
+use crate::{Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, Tautness, Wire, WireDrag, WireName};
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
 use std::sync::Arc;
 
@@ -152,6 +152,8 @@ pub struct LinearLine {
     force: LinearForce,
     droppers: LinearDroppers,
     contact_wire: Arc<dyn Curve>,
+    /// Of the wires in the wind: not linear, as it is on the line itself.
+    drag: Vec<WireDrag>,
     /// The line that this one stands for, where it stands for one: places only, never its forces.
     shape: Option<Line>,
 }
@@ -165,6 +167,7 @@ impl LinearLine {
             force,
             droppers,
             contact_wire,
+            drag: Vec::new(),
             shape: None,
         }
     }
@@ -180,9 +183,10 @@ impl LinearLine {
     /// `layout`.
     ///
     /// The spring of a dropper stays unilateral along its static direction; the transverse stiffness `F/length` of a taut
-    /// dropper is part of `K`.
+    /// dropper is part of `K`. Wind on the wires acts as on the line itself.
     #[must_use]
     pub fn about(line: &mut Line, layout: &Layout) -> Self {
+        let drag = line.take_drag();
         let mut linear = Linear::at_rest(line, layout);
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
@@ -218,9 +222,10 @@ impl LinearLine {
                 gradient,
             });
         }
-        linear
+        let linear = linear
             .with(LinearDroppers::new(law, droppers), line.contact_curve(), layout)
-            .with_shape(line.clone())
+            .with_shape(line.clone());
+        Self { drag, ..linear }
     }
 
     /// The line of a static state as two-dimensional programs take it: straight wires of constant tension with small slopes, that
@@ -301,6 +306,9 @@ impl LinearLine {
         }
         visit(&mut self.force);
         visit(&mut self.droppers);
+        for drag in &mut self.drag {
+            visit(drag);
+        }
     }
 
     /// The contact wire as contact sees it.

@@ -2,10 +2,11 @@
 use crate::contact::STRIP_INPUTS;
 use crate::{
     BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, OverheadLine,
-    PenaltyContact, PrescribedStrip, StaticLine, StaticsError, WindowedLine, adopt_state, follow_strips,
+    PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine, WiresInWind,
+    adopt_state, follow_strips,
 };
 use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
-use scene::{Cure, Reduction, Scene};
+use scene::{ContactLaw, Cure, Reduction, Scene};
 
 /// Why a line could not be modelled or started.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -13,6 +14,12 @@ pub enum CatenaryError {
     /// The scene names a third-party line.
     #[error("the scene's line is a third-party FMU: there is nothing to model")]
     ThirdPartyLine,
+    /// The scene's strips are held on the wire.
+    #[error(
+        "contact.law = \"sliding_joint\": line and pantograph are one system under it, for its contact force is the multiplier of an \
+         equation with the coordinates of both: neither can be advanced without the other; must be \"penalty\""
+    )]
+    SlidingJoint,
     /// Values set since the scene was read contradict its mesh.
     #[error("catenary.mesh.cures = \"{cure}\": must be left out: {obstacle}")]
     Cure {
@@ -42,7 +49,7 @@ impl Model {
     /// A line of any kind in its layout under prescribed strips, one per pantograph of the scene.
     ///
     /// # Errors
-    /// See [`CatenaryError::ThirdPartyLine`].
+    /// See [`CatenaryError::ThirdPartyLine`] and [`CatenaryError::SlidingJoint`].
     pub fn with_prescribed_strips(
         scene: &Scene,
         layout: Layout,
@@ -109,7 +116,7 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
         let together = WindowedLine::most_spans(scene, catenary);
         return Ok(StaticLine::solve_long(catenary, options, together)?);
     }
-    Ok(StaticLine::solve(catenary, options)?)
+    Ok(StaticLine::solve(catenary, options)?.in_wind(WiresInWind::of_scene(scene)))
 }
 
 /// The line that a scene runs with, of a solved static state, its coordinates added to `layout`: all zero is the static state.
@@ -136,10 +143,10 @@ pub fn scene_line(
     Ok(Box::new(line))
 }
 
-/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's law.
+/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's penalty law.
 ///
 /// # Errors
-/// See [`CatenaryError::ThirdPartyLine`].
+/// See [`CatenaryError::ThirdPartyLine`] and [`CatenaryError::SlidingJoint`].
 pub fn contact_pair(
     scene: &Scene,
     line: &dyn OverheadLine,
@@ -147,15 +154,50 @@ pub fn contact_pair(
     strip: Box<dyn Marker>,
 ) -> Result<ContactPair, CatenaryError> {
     let (_, contact) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
+    if contact.law == ContactLaw::SlidingJoint {
+        return Err(CatenaryError::SlidingJoint);
+    }
     let law = PenaltyContact {
         stiffness: contact.stiffness,
         damping: contact.damping,
     };
     // A third-party strip tells no width: it is taken as wide enough.
     let width = scene.pantographs[index].strip_width().unwrap_or(f64::INFINITY);
-    let tangent = match scene.solver.jacobian {
+    Ok(ContactPair::new(
+        law,
+        line.contact_curve(),
+        strip,
+        width,
+        tangent(scene),
+    ))
+}
+
+/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's law; a joint adds its equation to
+/// `layout`, and its constraint is to be visited after those that are there.
+///
+/// # Errors
+/// See [`CatenaryError::ThirdPartyLine`].
+pub fn strip_contact(
+    scene: &Scene,
+    line: &dyn OverheadLine,
+    index: usize,
+    strip: Box<dyn Marker>,
+    layout: &mut Layout,
+) -> Result<StripContact, CatenaryError> {
+    let (_, contact) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
+    Ok(match contact.law {
+        ContactLaw::Penalty => StripContact::Penalty(contact_pair(scene, line, index, strip)?),
+        ContactLaw::SlidingJoint => {
+            let multiplier = layout.add_constraints(1);
+            let joint = SlidingJoint::new(line.contact_curve(), strip, multiplier, tangent(scene));
+            StripContact::SlidingJoint(joint)
+        }
+    })
+}
+
+fn tangent(scene: &Scene) -> ContactTangent {
+    match scene.solver.jacobian {
         scene::Jacobian::Modified => ContactTangent::RankOne,
         scene::Jacobian::Full => ContactTangent::Exact,
-    };
-    Ok(ContactPair::new(law, line.contact_curve(), strip, width, tangent))
+    }
 }

@@ -1,5 +1,5 @@
 //! What contact and coupling need of a line, whatever it is made of.
-use crate::{ContactPair, Curve, DropperSample, Line, LinearLine, WireName};
+use crate::{Curve, DropperSample, Line, LinearLine, OnWire, WireName};
 use dynamics::{Continuity, Force, Layout, Motion, State};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -88,9 +88,9 @@ pub trait OverheadLine: Send {
 }
 
 /// What [`dynamics::System::follow`] has to do for a system with a line and strips on it.
-pub fn follow_strips(
+pub fn follow_strips<C: OnWire>(
     line: &mut dyn OverheadLine,
-    contacts: &mut [ContactPair],
+    contacts: &mut [C],
     layout: &mut Layout,
     state: &mut State,
     u: &[f64],
@@ -106,9 +106,9 @@ pub fn follow_strips(
 }
 
 /// What [`dynamics::System::adopt`] has to do for a system with a line and strips on it.
-pub fn adopt_state(
+pub fn adopt_state<C: OnWire>(
     line: &mut dyn OverheadLine,
-    contacts: &mut [ContactPair],
+    contacts: &mut [C],
     layout: &mut Layout,
     state: &State,
 ) -> Continuity {
@@ -117,7 +117,7 @@ pub fn adopt_state(
     continuity
 }
 
-fn take_over(continuity: Continuity, line: &dyn OverheadLine, contacts: &mut [ContactPair], layout: &mut Layout) {
+fn take_over<C: OnWire>(continuity: Continuity, line: &dyn OverheadLine, contacts: &mut [C], layout: &mut Layout) {
     if continuity != Continuity::Replaced {
         return;
     }

@@ -216,7 +216,7 @@ impl Subsystem {
             t,
             h,
             &mut |tau, u| follow_inputs(inputs, follow, tau, u),
-            &mut |model, motion, dt| tally.add(model, &motion, dt),
+            &mut |model, motion, _, dt| tally.add(model, &motion, dt),
         );
         if result.is_ok() {
             tally.finish(&mut self.exchanges);

@@ -169,18 +169,21 @@ impl EnergyBalance {
             .zip(&rates)
             .map(|(lambda, rate)| lambda * rate)
             .sum::<f64>();
-        self.look_at_constraints(system, &motion, &rates);
+        self.look_at_constraints(system, &motion, &mut rates);
         self.driven_power = driven;
         self.dissipated_power = dissipated;
         self.now = 0.5 * self.mass.quadratic_form(motion.v) + potential;
     }
 
-    fn look_at_constraints(&mut self, system: &mut dyn System, motion: &Motion<'_>, rates: &[f64]) {
+    fn look_at_constraints(&mut self, system: &mut dyn System, motion: &Motion<'_>, rates: &mut [f64]) {
         let mut residuals = vec![0.0; rates.len()];
         let mut first = 0;
         system.constraints(&mut |constraint| {
             let next = first + constraint.dimension();
             constraint.residual(motion, &mut residuals[first..next]);
+            if constraint.moves() {
+                constraint.add_explicit_rate(motion, &mut rates[first..next]);
+            }
             first = next;
         });
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |max, value| max.max(value.abs()));

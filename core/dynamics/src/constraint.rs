@@ -11,7 +11,28 @@ pub trait Constraint: Send {
 
     /// Adds the Jacobian `g_q` with respect to the generalised velocities (`ġ = g_q v`) as dense blocks, in the same order
     /// and with the same indices in every call.
+    ///
+    /// Where the constraint [`Constraint::moves`], indices may change from call to call.
     fn jacobian(&self, motion: &Motion<'_>, rows: &mut JacobianRows<'_>);
+
+    /// Adds `(g_q)˙ v` to `g`, which together with `g_q v̇` is `g̈`, for [`crate::Formulation::Accelerations`]. `false`, with `g`
+    /// as it was, where the constraint does not know it: it then stays one of positions.
+    fn add_velocity_terms(&self, motion: &Motion<'_>, g: &mut [f64]) -> bool {
+        let _ = (motion, g);
+        false
+    }
+
+    /// Whether the Jacobian reaches other coordinates in the course of time, as that of a strip that slides along a wire; the answer
+    /// never changes. Such rows stay out of the factored matrix: a [`crate::Force`] brings them by [`crate::Updates::border`].
+    fn moves(&self) -> bool {
+        false
+    }
+
+    /// Adds `g_t`, the rate of the residuals (m/s or 1/s) at held coordinates: what prescribed motion does to them. Only asked for
+    /// where the constraint [`Constraint::moves`].
+    fn add_explicit_rate(&self, motion: &Motion<'_>, rates: &mut [f64]) {
+        let _ = (motion, rates);
+    }
 }
 
 /// Takes one block row: number of the equation, indices of the generalised velocities, values.

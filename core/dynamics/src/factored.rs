@@ -1,5 +1,5 @@
 //! The linear system of a Newton correction by itself.
-use crate::matrix::IterationMatrix;
+use crate::matrix::{IterationMatrix, MovingRows};
 use crate::newton::name;
 use crate::{Motion, StepError, System, Weights};
 
@@ -10,7 +10,7 @@ pub struct FactoredMatrix(IterationMatrix);
 impl FactoredMatrix {
     /// Analyses the pattern of a system at a motion.
     pub fn analyse(system: &mut dyn System, motion: &Motion<'_>) -> Self {
-        Self(IterationMatrix::analyse(system, motion))
+        Self(IterationMatrix::analyse(system, motion, MovingRows::Placeholders))
     }
 
     /// Assembles and factors at a motion; `mass_weight` is `w_m`, 1/s².

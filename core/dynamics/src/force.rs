@@ -82,6 +82,15 @@ pub trait Force: Send {
         self.add_dynamic_force(motion, v_dot, force);
     }
 
+    /// Whether `Q − M v̇` is linear (a constant part included) in coordinates, velocities and accelerations, depends on nothing else,
+    /// and has exactly the tangent of [`Force::add_tangent`] and [`Force::add_mass`]; the answer never changes. Only for a contribution
+    /// that [`Force::evaluates_ranges`].
+    ///
+    /// Where all of these are linear the solver knows what a correction leaves of their forces without evaluating them.
+    fn is_linear(&self) -> bool {
+        false
+    }
+
     /// Potential energy, J; zero for forces without one.
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         let _ = motion;

@@ -1,8 +1,11 @@
 //! Generalized-α time integration of constrained systems.
-use crate::newton::{Jacobian, Since, Workspace, name};
+use crate::augmented::{Augmented, Formulation};
+use crate::newton::{Jacobian, Workspace, name};
+use crate::passes::{Apply, Predict};
+use crate::residual::Since;
 use crate::{Continuity, Counters, Motion, NewtonOptions, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -68,7 +71,8 @@ pub struct Memory {
     last_h: Option<f64>,
 }
 
-/// Generalized-α for index-3 systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012]:
+/// Generalized-α for constrained systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012],
+/// here with constraints of positions; [`Formulation`] has the other form:
 ///
 /// ```text
 /// M v̇ₙ₊₁ = Q(tₙ₊₁, qₙ₊₁, vₙ₊₁) − g_qᵀ λₙ₊₁,   g(qₙ₊₁) = 0
@@ -200,12 +204,20 @@ impl GeneralizedAlpha {
         self.residuals.clear();
         for iteration in 0..=options.max_iterations {
             let motion = state.motion(u);
-            let since = if iteration == 0 {
-                Since::Anything
-            } else {
-                Since::Correction
+            let since = match iteration {
+                0 => Since::Anything,
+                _ if damping < 1.0 => Since::PartOfCorrection,
+                _ => Since::Correction,
             };
-            let residual = workspace.residual(system, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
+            let mut augmented;
+            let at: &mut dyn System = match options.formulation {
+                Formulation::Positions => &mut *system,
+                Formulation::Accelerations => {
+                    augmented = Augmented::new(system, &state.v_dot, (mass_rate, velocity_rate));
+                    &mut augmented
+                }
+            };
+            let residual = workspace.residual(at, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
             self.residuals.push(residual.value);
             if !residual.ratio.is_finite() {
                 return Err(StepError::NotFinite {
@@ -506,84 +518,6 @@ impl GeneralizedAlpha {
         }
         restore_history(system, &memory.history);
         Ok(())
-    }
-}
-
-/// Newmark's prediction in one pass.
-struct Predict<'a> {
-    start: &'a State,
-    end: &'a mut State,
-    h: f64,
-    alpha_f: f64,
-    /// Ratio of this step to the one that `a` belongs to.
-    stretch: f64,
-}
-
-impl WithSimd for Predict<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self {
-            start,
-            end,
-            h,
-            alpha_f,
-            stretch,
-        } = self;
-        let n = start.q.len();
-        let (q, v, v_dot, a) = (&start.q[..n], &start.v[..n], &start.v_dot[..n], &start.a[..n]);
-        let ends = (&mut end.q[..n], &mut end.v[..n], &mut end.v_dot[..n], &mut end.a[..n]);
-        let (q_end, v_end, v_dot_end, a_end) = ends;
-        for i in 0..n {
-            let a = if stretch == 1.0 {
-                a[i]
-            } else {
-                v_dot[i] + (a[i] - v_dot[i]) * stretch
-            };
-            q_end[i] = q[i] + h * (v[i] + 0.5 * h * a);
-            v_end[i] = v[i] + h * a;
-            v_dot_end[i] = (a - alpha_f * v_dot[i]) / (1.0 - alpha_f);
-            a_end[i] = a;
-        }
-    }
-}
-
-/// A correction of positions with what follows for their rates, in one pass.
-struct Apply<'a> {
-    correction: &'a [f64],
-    damping: f64,
-    /// Change of `v`, `v̇` and `a` per change of `q`.
-    rates: [f64; 3],
-    q: &'a mut [f64],
-    v: &'a mut [f64],
-    v_dot: &'a mut [f64],
-    a: &'a mut [f64],
-}
-
-impl WithSimd for Apply<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self {
-            correction,
-            damping,
-            rates,
-            q,
-            v,
-            v_dot,
-            a,
-        } = self;
-        let n = correction.len();
-        let (q, v, v_dot, a) = (&mut q[..n], &mut v[..n], &mut v_dot[..n], &mut a[..n]);
-        for i in 0..n {
-            let change = damping * correction[i];
-            q[i] += change;
-            v[i] += rates[0] * change;
-            v_dot[i] += rates[1] * change;
-            a[i] += rates[2] * change;
-        }
     }
 }
 

@@ -6,7 +6,7 @@
 //!
 //! The modes of a reduced span are such leaves: each is coupled with the two supports of its span only, so that what is left is as
 //! long and thin as the line itself.
-use std::collections::BTreeSet;
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Fewer leaves are not worth it.
@@ -27,13 +27,15 @@ pub(crate) struct Leaves {
     /// Per group, row by row, where `a aᵀ` goes.
     fill: Vec<u32>,
     reduced: Vec<f64>,
-    /// `a` and `1/d` of the last factors.
+    /// `a` of the last factors, for each group neighbour by neighbour, and `1/d`.
     coefficients: Vec<f64>,
     inverses: Vec<f64>,
     /// `b` of the leaves of the loaded right side.
     pub loaded: Vec<f64>,
-    /// As many numbers as a group has neighbours.
+    /// As many numbers as a group has neighbours, and leaves.
     scratch: Vec<f64>,
+    forces: Vec<f64>,
+    arch: Arch,
 }
 
 /// Consecutive leaves with the same neighbours, as the modes of one span.
@@ -42,8 +44,55 @@ struct Group {
     leaves: Range<usize>,
     /// Among `neighbours`.
     neighbours: Range<usize>,
-    /// First of its coefficients, which stand leaf by leaf.
+    /// First of its coefficients.
     first: usize,
+}
+
+impl Group {
+    /// Where the coefficients of one neighbour stand.
+    fn row(&self, neighbour: usize) -> Range<usize> {
+        let count = self.leaves.len();
+        let first = self.first + neighbour * count;
+        first..first + count
+    }
+}
+
+/// `Σ a b`, in the registers there are.
+struct Product<'a>(&'a [f64], &'a [f64]);
+
+impl WithSimd for Product<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let ((x, x_rest), (y, y_rest)) = (S::as_simd_f64s(self.0), S::as_simd_f64s(self.1));
+        let mut sum = simd.splat_f64s(0.0);
+        for (&x, &y) in x.iter().zip(y) {
+            sum = simd.mul_add_e_f64s(x, y, sum);
+        }
+        let rest = simd.mul_f64s(simd.partial_load_f64s(x_rest), simd.partial_load_f64s(y_rest));
+        simd.reduce_sum_f64s(simd.add_f64s(sum, rest))
+    }
+}
+
+/// `forces −= Σ aⱼ xⱼ`
+struct Subtract<'a> {
+    rows: &'a [f64],
+    x: &'a [f64],
+    forces: &'a mut [f64],
+}
+
+impl WithSimd for Subtract<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (row, x) in self.rows.chunks_exact(self.forces.len()).zip(self.x) {
+            for (force, a) in self.forces.iter_mut().zip(row) {
+                *force -= a * x;
+            }
+        }
+    }
 }
 
 impl Leaves {
@@ -59,7 +108,7 @@ impl Leaves {
         if size - core < FEWEST || core == 0 {
             return None;
         }
-        let mut columns: Vec<BTreeSet<usize>> = (0..core)
+        let mut columns: Vec<Vec<usize>> = (0..core)
             .map(|c| column(c).iter().copied().filter(|&row| row < core).collect())
             .collect();
         let (mut groups, mut neighbours): (Vec<Group>, Vec<u32>) = (Vec::new(), Vec::new());
@@ -75,7 +124,7 @@ impl Leaves {
                 Some(group) => group.leaves.end = leaf + 1,
                 None => {
                     for &row in others {
-                        columns[row].extend(others.iter().copied());
+                        columns[row].extend_from_slice(others);
                     }
                     let first = neighbours.len();
                     neighbours.extend(others.iter().map(|&row| row as u32));
@@ -90,11 +139,15 @@ impl Leaves {
             couplings.extend((column_starts[c]..column_starts[c + 1] - 1).map(|place| place as u32));
             diagonals.push(column_starts[c + 1] as u32 - 1);
         }
+        for rows in &mut columns {
+            rows.sort_unstable();
+            rows.dedup();
+        }
         let mut reduced_starts = vec![0];
         for rows in &columns {
             reduced_starts.push(reduced_starts[reduced_starts.len() - 1] + rows.len());
         }
-        let rows: Vec<usize> = columns.iter().flatten().copied().collect();
+        let rows: Vec<usize> = columns.concat();
         let place = |row: usize, c: usize| {
             let of_column = &rows[reduced_starts[c]..reduced_starts[c + 1]];
             of_column
@@ -118,10 +171,13 @@ impl Leaves {
             }
         }
         let widest = groups.iter().map(|group| group.neighbours.len()).max().unwrap_or(0);
+        let longest = groups.iter().map(|group| group.leaves.len()).max().unwrap_or(0);
         let leaves = Self {
             core,
             coefficients: vec![0.0; couplings.len()],
             scratch: vec![0.0; widest],
+            forces: vec![0.0; longest],
+            arch: Arch::new(),
             inverses: vec![0.0; size - core],
             loaded: vec![0.0; size - core],
             reduced: vec![0.0; rows.len()],
@@ -143,8 +199,12 @@ impl Leaves {
                 self.reduced[*place as usize] = value;
             }
         }
-        for (coefficient, &place) in self.coefficients.iter_mut().zip(&self.couplings) {
-            *coefficient = values[place as usize];
+        for group in &self.groups {
+            let (width, count) = (group.neighbours.len(), group.leaves.len());
+            let couplings = &self.couplings[group.first..group.first + width * count];
+            for (i, &place) in couplings.iter().enumerate() {
+                self.coefficients[group.row(i % width).start + i / width] = values[place as usize];
+            }
         }
         for (inverse, &diagonal) in self.inverses.iter_mut().zip(&self.diagonals) {
             let diagonal = values[diagonal as usize];
@@ -157,12 +217,16 @@ impl Leaves {
         let mut fill = self.fill.iter();
         for group in &self.groups {
             let width = group.neighbours.len();
-            let own = &self.coefficients[group.first..group.first + width * group.leaves.len()];
+            let inverses = &self.inverses[group.leaves.clone()];
+            let scaled = &mut self.forces[..group.leaves.len()];
             for i in 0..width {
+                let row = self.coefficients[group.row(i)].iter().zip(inverses);
+                for (scaled, (a, inverse)) in scaled.iter_mut().zip(row) {
+                    *scaled = a * inverse;
+                }
                 for (j, &place) in (0..width).zip(&mut fill) {
-                    let leaves = own.chunks_exact(width.max(1)).zip(&self.inverses[group.leaves.clone()]);
-                    let sum: f64 = leaves.map(|(a, inverse)| a[i] * a[j] * inverse).sum();
-                    self.reduced[place as usize] -= sum;
+                    self.reduced[place as usize] -=
+                        self.arch.dispatch(Product(&self.coefficients[group.row(j)], scaled));
                 }
             }
         }
@@ -172,51 +236,55 @@ impl Leaves {
     /// Passes the loaded right side of the leaves on: `add(unknown, value)` takes it into that of the others.
     pub fn eliminate(&mut self, mut add: impl FnMut(usize, f64)) {
         for group in &self.groups {
-            let width = group.neighbours.len();
-            let sums = &mut self.scratch[..width];
-            sums.fill(0.0);
-            let mut any = false;
-            for (at, leaf) in group.leaves.clone().enumerate() {
-                let loaded = self.loaded[leaf];
-                if loaded == 0.0 {
-                    continue;
-                }
-                any = true;
-                let scaled = loaded * self.inverses[leaf];
-                let first = group.first + at * width;
-                for (sum, a) in sums.iter_mut().zip(&self.coefficients[first..first + width]) {
-                    *sum += a * scaled;
-                }
+            let loaded = &self.loaded[group.leaves.clone()];
+            if loaded.iter().all(|&value| value == 0.0) {
+                continue;
             }
-            if any {
-                let neighbours = &self.neighbours[group.neighbours.clone()];
-                for (&neighbour, sum) in neighbours.iter().zip(sums) {
-                    add(neighbour as usize, -*sum);
-                }
+            let scaled = &mut self.forces[..loaded.len()];
+            let values = loaded.iter().zip(&self.inverses[group.leaves.clone()]);
+            for (scaled, (value, inverse)) in scaled.iter_mut().zip(values) {
+                *scaled = value * inverse;
+            }
+            for (i, &neighbour) in self.neighbours[group.neighbours.clone()].iter().enumerate() {
+                let sum = self.arch.dispatch(Product(&self.coefficients[group.row(i)], scaled));
+                add(neighbour as usize, -sum);
             }
         }
     }
 
     /// The solution of the leaves from that of the others, `of(unknown)`: `set(leaf, value)` sees those that a force above `threshold`
-    /// moves.
-    pub fn substitute(&mut self, threshold: f64, mut of: impl FnMut(usize) -> f64, mut set: impl FnMut(usize, f64)) {
+    /// moves, and `touched` the range of neighbours of each group with such leaves.
+    pub fn substitute(
+        &mut self,
+        threshold: f64,
+        mut of: impl FnMut(usize) -> f64,
+        mut set: impl FnMut(usize, f64),
+        mut touched: impl FnMut(Range<usize>),
+    ) {
         for group in &self.groups {
-            let width = group.neighbours.len();
-            let around = &mut self.scratch[..width];
-            for (value, &neighbour) in around.iter_mut().zip(&self.neighbours[group.neighbours.clone()]) {
+            let neighbours = &self.neighbours[group.neighbours.clone()];
+            let around = &mut self.scratch[..neighbours.len()];
+            for (value, &neighbour) in around.iter_mut().zip(neighbours) {
                 *value = of(neighbour as usize);
             }
-            let moved = around.iter().any(|value| *value != 0.0);
-            for (at, leaf) in group.leaves.clone().enumerate() {
-                let mut force = self.loaded[leaf];
-                if moved {
-                    let first = group.first + at * width;
-                    let own = &self.coefficients[first..first + width];
-                    force -= own.iter().zip(&*around).map(|(a, x)| a * x).sum::<f64>();
-                }
+            let forces = &mut self.forces[..group.leaves.len()];
+            forces.copy_from_slice(&self.loaded[group.leaves.clone()]);
+            if around.iter().any(|value| *value != 0.0) {
+                self.arch.dispatch(Subtract {
+                    rows: &self.coefficients[group.first..group.row(neighbours.len()).start],
+                    x: around,
+                    forces,
+                });
+            }
+            let mut any = false;
+            for (leaf, &force) in group.leaves.clone().zip(&*forces) {
                 if force.abs() > threshold || force.is_nan() {
                     set(leaf, force * self.inverses[leaf]);
+                    any = true;
                 }
+            }
+            if let (true, Some(&first), Some(&last)) = (any, neighbours.first(), neighbours.last()) {
+                touched(first as usize..last as usize + 1);
             }
         }
     }
@@ -268,7 +336,18 @@ mod tests {
             assert!((x[i] - exact[i]).abs() < 1e-12);
         }
         let mut last = vec![0.0; leaves];
-        found.substitute(0.0, |unknown| x[unknown], |leaf, value| last[leaf] = value);
+        let mut touched = Vec::new();
+        found.substitute(
+            0.0,
+            |unknown| x[unknown],
+            |leaf, value| last[leaf] = value,
+            |range| touched.push(range),
+        );
+        assert_eq!(
+            (touched.len(), touched.first()),
+            (1, Some(&(0..2))),
+            "the leaves act on both"
+        );
         for leaf in 0..leaves {
             assert!((last[leaf] - exact[core + leaf]).abs() < 1e-12);
         }

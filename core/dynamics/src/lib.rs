@@ -20,6 +20,8 @@
 //!   dissipation, Journal of Applied Mechanics 60, doi 10.1115/1.2900803.
 #![forbid(unsafe_code)]
 
+mod aerodynamic;
+mod augmented;
 mod balance;
 mod block_tridiagonal;
 mod blocks;
@@ -36,7 +38,9 @@ mod matrix;
 mod motion;
 mod newton;
 mod part;
+mod passes;
 mod pattern;
+mod residual;
 pub mod rotation;
 mod simulator;
 mod sparse;
@@ -44,8 +48,11 @@ mod start;
 mod statics;
 mod system;
 mod updates;
+mod wind;
 mod woodbury;
 
+pub use aerodynamic::{AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Polar};
+pub use augmented::Formulation;
 pub use balance::EnergyBalance;
 pub use block_tridiagonal::{BlockTridiagonal, LocalColumn};
 pub use blocks::Blocks;
@@ -62,3 +69,6 @@ pub use sparse::SparseMatrix;
 pub use statics::{StaticOptions, StaticReport, solve_static};
 pub use system::{Continuity, Layout, System};
 pub use updates::Updates;
+pub use wind::{
+    Gust, GustProfile, Turbulence, TurbulenceOptions, TurbulenceSpectrum, Wind, WindRecord, WindRecordError,
+};

@@ -2,6 +2,7 @@
 use crate::constraint::RowSink;
 use crate::part::{Part, Thresholds};
 use crate::pattern::Pattern;
+use crate::updates::PLACEHOLDER;
 use crate::{Blocks, Force, JacobianRows, Motion, SparseMatrix, System, Weights};
 
 /// `[w_m M + w_q K + w_v D, s g_qᵀ; s g_q, 0]`, without the rows and columns of fixed coordinates.
@@ -16,11 +17,23 @@ pub(crate) struct IterationMatrix {
     tangent_places: Vec<u32>,
     /// Two places per Jacobian entry: in `g_q` and in its transpose.
     jacobian_places: Vec<u32>,
+    moving_rows: MovingRows,
+    /// Places on the diagonal of the multipliers of constraints that move.
+    placeholders: Vec<u32>,
     values: Vec<f64>,
     /// First of `values` of each part, and their number.
     first_values: Vec<usize>,
     pub parts: Vec<Part>,
     pub places: Places,
+}
+
+/// What becomes of the rows of constraints that move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MovingRows {
+    /// They are in the pattern where they are at the motion that is analysed: for a matrix that is used once.
+    AsTheyAre,
+    /// [`PLACEHOLDER`] stands for them: [`crate::Updates::border`] brings them.
+    Placeholders,
 }
 
 /// Per unknown its part and its number there; none for a fixed coordinate.
@@ -42,7 +55,7 @@ pub(crate) struct Singular {
 
 impl IterationMatrix {
     /// Analyses the pattern of a system at a motion.
-    pub fn analyse(system: &mut dyn System, motion: &Motion<'_>) -> Self {
+    pub fn analyse(system: &mut dyn System, motion: &Motion<'_>, moving_rows: MovingRows) -> Self {
         let coordinates = system.layout().coordinates();
         let size = coordinates + system.layout().constraints();
         let mut free = vec![true; size];
@@ -55,7 +68,7 @@ impl IterationMatrix {
         let mut blocks = Blocks::record(&mut tangent);
         system.forces(&mut |force| force.add_tangent(motion, Weights { q: 1.0, v: 1.0 }, &mut blocks));
         let mut jacobian = Vec::new();
-        visit_jacobian(system, motion, &mut |row, columns, _| {
+        let moving = visit_still_jacobian(system, motion, moving_rows, &mut |row, columns, _| {
             for &column in columns {
                 jacobian.push(((coordinates + row) as u32, column as u32));
                 jacobian.push((column as u32, (coordinates + row) as u32));
@@ -94,6 +107,10 @@ impl IterationMatrix {
         };
         Self {
             coordinates,
+            moving_rows,
+            placeholders: (moving.into_iter())
+                .map(|row| place((coordinates + row) as u32, (coordinates + row) as u32))
+                .collect(),
             mass_entries: mass_places
                 .iter()
                 .map(|&(row, column, value)| (place(row, column), value))
@@ -139,7 +156,7 @@ impl IterationMatrix {
         );
         let mut cursor = 0;
         let (values, places) = (&mut self.values, &self.jacobian_places);
-        visit_jacobian(system, motion, &mut |_, _, entries| {
+        visit_still_jacobian(system, motion, self.moving_rows, &mut |_, _, entries| {
             for &entry in entries {
                 for _ in 0..2 {
                     if places[cursor] != Blocks::skipped() {
@@ -149,6 +166,9 @@ impl IterationMatrix {
                 }
             }
         });
+        for &place in &self.placeholders {
+            self.values[place as usize] = PLACEHOLDER;
+        }
         for (part, range) in self.parts.iter_mut().zip(self.first_values.windows(2)) {
             part.factor(&self.values[range[0]..range[1]])
                 .map_err(|unknown| Singular { unknown })?;
@@ -197,6 +217,27 @@ pub(crate) fn visit_jacobian(system: &mut dyn System, motion: &Motion<'_>, sink:
         constraint.jacobian(motion, &mut JacobianRows::new(&mut shifted));
         first += constraint.dimension();
     });
+}
+
+/// The same for the rows that are in the pattern; returns the equations of those that are not.
+fn visit_still_jacobian(
+    system: &mut dyn System,
+    motion: &Motion<'_>,
+    moving_rows: MovingRows,
+    sink: &mut RowSink<'_>,
+) -> Vec<usize> {
+    let (mut first, mut moving) = (0, Vec::new());
+    system.constraints(&mut |constraint| {
+        let next = first + constraint.dimension();
+        if moving_rows == MovingRows::Placeholders && constraint.moves() {
+            moving.extend(first..next);
+        } else {
+            let mut shifted = |row: usize, columns: &[usize], values: &[f64]| sink(first + row, columns, values);
+            constraint.jacobian(motion, &mut JacobianRows::new(&mut shifted));
+        }
+        first = next;
+    });
+    moving
 }
 
 /// The constant mass matrix of a system, with all rows.

@@ -1,9 +1,9 @@
 //! What statics and time integration share: residuals, corrections, and the options of Newton's method.
-use crate::matrix::{IterationMatrix, visit_jacobian};
+use crate::matrix::{IterationMatrix, MovingRows};
 use crate::part::Thresholds;
+use crate::residual::{Correction, Imbalance, Residual, Since, all_finite};
 use crate::woodbury::Woodbury;
-use crate::{Motion, System, Updates, Weights};
-use pulp::{Arch, Simd, WithSimd};
+use crate::{Formulation, Motion, System, Updates, Weights};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -27,6 +27,8 @@ pub struct NewtonOptions {
     pub max_iterations: usize,
     /// See [`Jacobian`].
     pub jacobian: Jacobian,
+    /// See [`Formulation`]; statics have no accelerations and take positions.
+    pub formulation: Formulation,
 }
 
 impl Default for NewtonOptions {
@@ -37,6 +39,7 @@ impl Default for NewtonOptions {
             constraint_tolerance: 1e-12,
             max_iterations: 30,
             jacobian: Jacobian::Modified,
+            formulation: Formulation::Positions,
         }
     }
 }
@@ -46,8 +49,9 @@ impl Default for NewtonOptions {
 pub enum StepError {
     /// Newton's method used all its iterations; a smaller `h` may help.
     #[error(
-        "no equilibrium at t = {t} s (h = {h} s): residual {residual:.3e} N after {iterations} iterations, tolerance \
-         {tolerance:.1e} N, largest at {coordinate}"
+        "no equilibrium at t = {t} s (h = {h} s): residual {residual:.3e} {unit} after {iterations} iterations, tolerance \
+         {tolerance:.1e} {unit}, largest at {coordinate}",
+        unit = unit(coordinate)
     )]
     NotConverged {
         /// Time aimed at, s.
@@ -106,26 +110,6 @@ pub struct Counters {
     pub most_iterations: u64,
 }
 
-/// Size of the residual in units of its tolerance, and where it is largest.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Residual {
-    /// Largest ratio of residual to tolerance; converged at ≤ 1; not a number where a residual is none.
-    pub ratio: f64,
-    /// First unknown of those with the largest ratio: coordinates or constraint equations.
-    start: usize,
-    /// The largest residual of these, N or m.
-    pub value: f64,
-}
-
-/// What has changed since the last residual.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Since {
-    /// Anything.
-    Anything,
-    /// What the last correction has changed.
-    Correction,
-}
-
 /// Ranges of unknowns, ascending and apart.
 #[derive(Debug, Default)]
 struct Ranges(Vec<Range<usize>>);
@@ -156,18 +140,12 @@ const LEFT: f64 = 0.1;
 
 /// Matrix, low-rank terms and buffers of one system.
 pub(crate) struct Workspace {
-    arch: Arch,
     coordinates: usize,
-    fixed: Vec<usize>,
     pub matrix: IterationMatrix,
     woodbury: Woodbury,
     updates: Updates,
     scale: f64,
-    /// `Q − M v̇` of the contributions that evaluate ranges.
-    local_force: Vec<f64>,
-    scratch: Vec<f64>,
-    /// `Q − M v̇ − g_qᵀ λ` and `g`.
-    imbalance: Vec<f64>,
+    imbalance: Imbalance,
     /// `Δq` and `Δλ`.
     pub correction: Vec<f64>,
     /// Where the correction is not zero, and the unknowns whose equations it enters.
@@ -178,22 +156,18 @@ pub(crate) struct Workspace {
 
 impl Workspace {
     pub fn new(system: &mut dyn System, motion: &Motion<'_>) -> Self {
-        let matrix = IterationMatrix::analyse(system, motion);
+        let matrix = IterationMatrix::analyse(system, motion, MovingRows::Placeholders);
         let coordinates = system.layout().coordinates();
         let size = coordinates + system.layout().constraints();
         // Nothing allocates later: there are at most as many ranges as unknowns, and a few dozen in practice.
         let ranges = || Ranges(Vec::with_capacity(256));
         Self {
-            arch: Arch::new(),
             coordinates,
-            fixed: system.layout().fixed().to_vec(),
             matrix,
             woodbury: Woodbury::default(),
             updates: Updates::default(),
             scale: 1.0,
-            local_force: vec![0.0; coordinates],
-            scratch: vec![0.0; coordinates],
-            imbalance: vec![0.0; size],
+            imbalance: Imbalance::new(system, motion),
             correction: vec![0.0; size],
             changed: ranges(),
             affected: ranges(),
@@ -210,87 +184,26 @@ impl Workspace {
         lambda: &[f64],
         (options, since): (&NewtonOptions, Since),
     ) -> Residual {
-        let (force, constraint) = self.imbalance.split_at_mut(self.coordinates);
-        force.fill(0.0);
+        self.updates.set_multipliers(lambda);
         match v_dot {
-            None => system.forces(&mut |contribution| contribution.add_force(motion, force)),
+            None => self.imbalance.at_rest(system, motion),
             Some(v_dot) => {
-                if since == Since::Anything {
-                    self.local_force.fill(0.0);
-                }
-                let local = &mut self.local_force;
-                system.forces(&mut |contribution| {
-                    if contribution.evaluates_ranges() {
-                        if since == Since::Anything {
-                            contribution.add_dynamic_force(motion, v_dot, local);
-                        }
-                    } else if contribution.multiplies_mass() {
-                        contribution.add_dynamic_force(motion, v_dot, force);
-                    } else {
-                        contribution.add_force(motion, force);
-                    }
-                });
-                self.matrix.subtract_inertia(v_dot, force);
+                let last = Correction {
+                    change: &self.correction,
+                    updates: &self.updates,
+                    forces: self.woodbury.forces(),
+                    affected: &self.affected.0,
+                };
+                self.imbalance
+                    .in_motion(system, motion, v_dot, &self.matrix, (since, &last));
             }
         }
-        if let (Some(v_dot), Since::Correction) = (v_dot, since) {
-            for range in &self.affected.0 {
-                let range = range.start..range.end.min(self.coordinates);
-                if range.is_empty() {
-                    continue;
-                }
-                self.scratch[range.clone()].fill(0.0);
-                let scratch = &mut self.scratch;
-                system.forces(&mut |contribution| {
-                    if contribution.evaluates_ranges() {
-                        contribution.add_dynamic_force_within(range.clone(), motion, v_dot, scratch);
-                    }
-                });
-                self.local_force[range.clone()].copy_from_slice(&self.scratch[range]);
-            }
-        }
-        visit_jacobian(system, motion, &mut |row, columns, values| {
-            for (&column, &value) in columns.iter().zip(values) {
-                force[column] -= value * lambda[row];
-            }
-        });
-        let mut first = 0;
-        system.constraints(&mut |contribution| {
-            let next = first + contribution.dimension();
-            contribution.residual(motion, &mut constraint[first..next]);
-            first = next;
-        });
-        for &index in &self.fixed {
-            (force[index], self.local_force[index]) = (0.0, 0.0);
-        }
-        let other: &[f64] = if v_dot.is_some() { &self.local_force } else { &[] };
-        let of_forces = self.arch.dispatch(Add { target: force, other });
-        let of_constraints = self.arch.dispatch(Add {
-            target: constraint,
-            other: &[],
-        });
-        let ratios = [
-            of_forces / options.tolerance,
-            of_constraints / options.constraint_tolerance,
-        ];
-        let (ratio, start, value) = if ratios[1] > ratios[0] || ratios[1].is_nan() {
-            (ratios[1], self.coordinates, of_constraints)
-        } else {
-            (ratios[0], 0, of_forces)
-        };
-        Residual { ratio, start, value }
+        self.imbalance.sum_up(system, motion, lambda, options)
     }
 
     /// The unknown with the largest residual.
     pub fn worst(&self, residual: &Residual) -> usize {
-        let part = if residual.start == 0 {
-            &self.imbalance[..self.coordinates]
-        } else {
-            &self.imbalance[self.coordinates..]
-        };
-        let size = |value: f64| if value.is_finite() { value.abs() } else { f64::INFINITY };
-        let worst = (0..part.len()).max_by(|&i, &j| size(part[i]).total_cmp(&size(part[j])));
-        residual.start + worst.unwrap_or(0)
+        self.imbalance.worst(residual)
     }
 
     /// Assembles and factors.
@@ -308,6 +221,7 @@ impl Workspace {
         };
         self.counters.factorizations += 1;
         self.woodbury.clear();
+        self.imbalance.linearise(system, motion, mass_weight, weights);
         self.matrix
             .factor(system, motion, mass_weight, weights, self.scale)
             .map_err(|singular| StepError::Singular {
@@ -326,6 +240,7 @@ impl Workspace {
         options: Option<&NewtonOptions>,
     ) -> Result<(), StepError> {
         self.updates.clear();
+        self.updates.set_borders(self.coordinates, self.scale);
         let mut owner = 0;
         let updates = &mut self.updates;
         system.forces(&mut |force| {
@@ -333,9 +248,11 @@ impl Workspace {
             force.push_updates(motion, weights, updates);
             owner += 1;
         });
-        for value in &mut self.imbalance[self.coordinates..] {
+        for value in &mut self.imbalance.sum[self.coordinates..] {
             *value *= -self.scale;
         }
+        // A border asks of its coordinates whatever force brings them onto the constraint, however small beside others.
+        let options = options.filter(|_| !self.updates.has_borders());
         let thresholds = options.map_or_else(Thresholds::default, |options| Thresholds {
             force: LEFT * options.tolerance,
             constraint: LEFT * options.constraint_tolerance * self.scale,
@@ -349,7 +266,7 @@ impl Workspace {
         let regular = self.woodbury.solve(
             &mut self.matrix,
             &self.updates,
-            &self.imbalance,
+            &self.imbalance.sum,
             thresholds,
             &mut self.correction,
             &mut |inner, outer| {
@@ -364,8 +281,7 @@ impl Workspace {
         }
         self.counters.newton_iterations += 1;
         self.counters.solves += self.woodbury.solves - before;
-        // 0 · ∞ is not a number.
-        let finite = |range: &Range<usize>| self.correction[range.clone()].iter().map(|x| 0.0 * x).sum::<f64>() == 0.0;
+        let finite = |range: &Range<usize>| all_finite(&self.correction[range.clone()]);
         if regular && self.changed.0.iter().all(finite) {
             return Ok(());
         }
@@ -392,22 +308,7 @@ impl Workspace {
         after: &Motion<'_>,
         weights: Weights,
     ) -> Result<(), StepError> {
-        self.imbalance.fill(0.0);
-        let force = &mut self.imbalance[..self.coordinates];
-        let mut add = |motion: &Motion<'_>| {
-            system.forces(&mut |contribution| {
-                if !contribution.evaluates_ranges() {
-                    contribution.add_force(motion, force);
-                }
-            });
-            force.iter_mut().for_each(|value| *value = -*value);
-        };
-        add(before);
-        add(after);
-        force.iter_mut().for_each(|value| *value = -*value);
-        for &index in &self.fixed {
-            self.imbalance[index] = 0.0;
-        }
+        self.imbalance.jump(system, before, after);
         self.correct(system, after, weights, None)
     }
 
@@ -417,40 +318,8 @@ impl Workspace {
     }
 }
 
-/// `target += other` where there is another, and the largest absolute value of the sum; not a number where one of them is none or
-/// infinite.
-struct Add<'a> {
-    target: &'a mut [f64],
-    other: &'a [f64],
-}
-
-impl WithSimd for Add<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let zero = simd.splat_f64s(0.0);
-        let (mut largest, mut spoilt) = (zero, zero);
-        let mut see = |x: S::f64s| {
-            largest = simd.max_f64s(largest, simd.abs_f64s(x));
-            // 0 · ∞ is not a number either.
-            spoilt = simd.mul_add_e_f64s(x, zero, spoilt);
-        };
-        let (vectors, rest) = S::as_mut_simd_f64s(self.target);
-        if self.other.is_empty() {
-            vectors.iter().for_each(|&x| see(x));
-        } else {
-            let (others, other_rest) = S::as_simd_f64s(self.other);
-            for (x, &other) in vectors.iter_mut().zip(others) {
-                *x = simd.add_f64s(*x, other);
-                see(*x);
-            }
-            rest.iter_mut().zip(other_rest).for_each(|(x, other)| *x += other);
-        }
-        see(simd.partial_load_f64s(rest));
-        simd.reduce_max_f64s(largest) + simd.reduce_sum_f64s(spoilt)
-    }
-}
+/// What constraint equations are called in messages.
+const EQUATION: &str = "constraint equation";
 
 /// Name of a coordinate or multiplier for messages.
 pub(crate) fn name(system: &dyn System, unknown: usize) -> String {
@@ -458,6 +327,11 @@ pub(crate) fn name(system: &dyn System, unknown: usize) -> String {
     if unknown < coordinates {
         system.layout().name(unknown)
     } else {
-        format!("constraint equation {}", unknown - coordinates + 1)
+        format!("{EQUATION} {}", unknown - coordinates + 1)
     }
+}
+
+/// Unit of the residual of what [`name`] has named.
+fn unit(name: &str) -> &'static str {
+    if name.starts_with(EQUATION) { "m" } else { "N" }
 }

@@ -139,7 +139,7 @@ impl Part {
             blocks.unload(core);
             if let Some(leaves) = &mut self.leaves {
                 rest.fill(0.0);
-                leaves.substitute(0.0, |unknown| core[unknown], |leaf, value| rest[leaf] = value);
+                leaves.substitute(0.0, |unknown| core[unknown], |leaf, value| rest[leaf] = value, |_| ());
             }
         } else if let Some(sparse) = &mut self.sparse {
             sparse.solve(&mut self.local);
@@ -221,7 +221,12 @@ impl Part {
                         let first = range.as_ref().map_or(leaf, |range| range.start);
                         range = Some(first..leaf + 1);
                     };
-                    leaves.substitute(0.0, |unknown| solution[others[unknown]], set);
+                    let mut touched = |range: Range<usize>| {
+                        // Nothing changes there, but the equations do.
+                        let outer = others[range.start]..others[range.end - 1] + 1;
+                        changed(outer.start..outer.start, outer);
+                    };
+                    leaves.substitute(0.0, |unknown| solution[others[unknown]], set, &mut touched);
                     if let Some(range) = range {
                         for leaf in range.clone() {
                             solution[own[leaf]] = std::mem::take(&mut found[leaf]);

@@ -14,6 +14,9 @@ pub struct Checkpoint {
     u: Vec<f64>,
 }
 
+/// Sees the system, its motion, its multipliers and the length (s) of an internal step at its end.
+type AfterStep<'a, S> = dyn FnMut(&mut S, crate::Motion<'_>, &[f64], f64) + 'a;
+
 /// A system, its state and its integrator.
 pub struct Simulator<S> {
     /// The model.
@@ -105,8 +108,8 @@ impl<S: System> Simulator<S> {
         ((h / self.micro_step - 1e-9).ceil() as usize).max(1)
     }
 
-    /// Advances from `t` to `t + h`; `inputs_at(τ, u)` writes the inputs at `t + τ`, `after(system, motion, dt)` sees each
-    /// internal step of `dt` s at its end.
+    /// Advances from `t` to `t + h`; `inputs_at(τ, u)` writes the inputs at `t + τ`, `after(system, motion, lambda, dt)` sees
+    /// each internal step of `dt` s at its end, the multipliers included.
     ///
     /// # Errors
     /// See [`StepError`]; the caller restores the state it saved before.
@@ -115,7 +118,7 @@ impl<S: System> Simulator<S> {
         t: f64,
         h: f64,
         inputs_at: &mut dyn FnMut(f64, &mut [f64]),
-        after: &mut dyn FnMut(&mut S, crate::Motion<'_>, f64),
+        after: &mut AfterStep<'_, S>,
     ) -> Result<(), StepError> {
         let count = self.micro_steps(h);
         let dt = h / count as f64;
@@ -124,7 +127,7 @@ impl<S: System> Simulator<S> {
             inputs_at(tau, &mut self.u);
             self.integrator
                 .step(&mut self.system, &mut self.state, &self.u, t + tau, dt)?;
-            after(&mut self.system, self.state.motion(&self.u), dt);
+            after(&mut self.system, self.state.motion(&self.u), &self.state.lambda, dt);
             let continuity = self.system.follow(&mut self.state, &self.u);
             self.continue_with(continuity);
         }

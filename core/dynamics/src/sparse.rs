@@ -11,27 +11,38 @@ pub struct SparseMatrix {
 impl SparseMatrix {
     /// Sums entries (row, column, value) that may repeat; sums that are exactly zero are left out.
     #[must_use]
-    pub fn from_entries(size: usize, mut entries: Vec<(u32, u32, f64)>) -> Self {
-        entries.sort_by_key(|&(row, column, _)| (row, column));
-        entries.dedup_by(|next, kept| {
-            let same = (next.0, next.1) == (kept.0, kept.1);
-            if same {
-                kept.2 += next.2;
-            }
-            same
-        });
-        entries.retain(|entry| entry.2 != 0.0);
-        let mut starts = vec![0; size + 1];
+    pub fn from_entries(size: usize, entries: Vec<(u32, u32, f64)>) -> Self {
+        let mut firsts = vec![0; size + 1];
         for &(row, _, _) in &entries {
-            starts[row as usize + 1] += 1;
+            firsts[row as usize + 1] += 1;
         }
         for row in 0..size {
-            starts[row + 1] += starts[row];
+            firsts[row + 1] += firsts[row];
+        }
+        let mut by_row = vec![(0, 0.0); entries.len()];
+        let mut next = firsts.clone();
+        for (row, column, value) in entries {
+            by_row[next[row as usize]] = (column, value);
+            next[row as usize] += 1;
+        }
+        let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+        for range in firsts.windows(2) {
+            let of_row = &mut by_row[range[0]..range[1]];
+            // Stable: what repeats is summed in its order.
+            of_row.sort_by_key(|&(column, _)| column);
+            for repeated in of_row.chunk_by(|a, b| a.0 == b.0) {
+                let sum = repeated.iter().map(|&(_, value)| value).sum::<f64>();
+                if sum != 0.0 {
+                    columns.push(repeated[0].0);
+                    values.push(sum);
+                }
+            }
+            starts.push(columns.len());
         }
         Self {
             starts,
-            columns: entries.iter().map(|entry| entry.1).collect(),
-            values: entries.iter().map(|entry| entry.2).collect(),
+            columns,
+            values,
         }
     }
 

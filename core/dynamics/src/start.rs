@@ -1,15 +1,19 @@
-//! Consistent accelerations and multipliers at the start of a motion.
-use crate::matrix::{IterationMatrix, visit_jacobian};
+//! Consistent velocities, accelerations and multipliers at the start of a motion.
+use crate::matrix::{IterationMatrix, MovingRows, visit_jacobian};
 use crate::newton::name;
 use crate::{State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Solves `[M g_qᵀ; g_q 0] [v̇; λ] = [Q; −(g_q)˙ v]`.
+/// Solves `[M g_qᵀ; g_q 0] [v̇; λ] = [Q; −(g_q)˙ v − (g_t)˙]`.
+///
+/// Constraints that move are first made to hold for the velocities too, by the impulse `μ` of them all that changes the velocities
+/// least in the sense of their energy: `[M g_qᵀ; g_q 0] [Δv; μ] = [0; −ġ]`, with `ġ` of other constraints left as it is. A strip
+/// that is at rest under a sloping wire, and passes along it, is not at rest on it.
 pub(crate) fn accelerations(system: &mut dyn System, state: &mut State, u: &[f64]) -> Result<(), StepError> {
     let n = state.q.len();
     let equations = state.lambda.len();
     let motion = state.motion(u);
-    let mut matrix = IterationMatrix::analyse(system, &motion);
+    let mut matrix = IterationMatrix::analyse(system, &motion, MovingRows::AsTheyAre);
     let scale = matrix.mean_mass();
     // The stiffness stays out: weights zero. Contributions that freeze directions while assembling see the start state.
     let nothing = Weights { q: 0.0, v: 0.0 };
@@ -19,32 +23,59 @@ pub(crate) fn accelerations(system: &mut dyn System, state: &mut State, u: &[f64
             t: state.t,
             coordinate: name(system, singular.unknown),
         })?;
-    let mut right_side = vec![0.0; n + equations];
-    system.forces(&mut |force| force.add_force(&motion, &mut right_side[..n]));
-    let product = |system: &mut dyn System, at: &State| {
-        let mut rates = vec![0.0; equations];
-        visit_jacobian(system, &at.motion(u), &mut |row, columns, values| {
-            rates[row] += columns
-                .iter()
-                .zip(values)
-                .map(|(&column, value)| value * state.v[column])
-                .sum::<f64>();
-        });
-        rates
-    };
+    let (mut right_side, mut solution) = (vec![0.0; n + equations], vec![0.0; n + equations]);
+    let moving = moving_rows(system, equations);
+    if moving.contains(&true) {
+        let found = rates(system, state, &state.v, u);
+        for (row, rate) in found.iter().enumerate().filter(|(row, _)| moving[*row]) {
+            right_side[n + row] = -scale * rate;
+        }
+        matrix.solve(&right_side, &mut solution);
+        for (v, change) in state.v.iter_mut().zip(&solution) {
+            *v += change;
+        }
+        right_side.fill(0.0);
+    }
+    system.forces(&mut |force| force.add_force(&state.motion(u), &mut right_side[..n]));
     let h = 1e-6;
     let (ahead, behind) = (moved(system, state, h), moved(system, state, -h));
-    let (ahead, behind) = (product(system, &ahead), product(system, &behind));
+    let (ahead, behind) = (rates(system, &ahead, &state.v, u), rates(system, &behind, &state.v, u));
     for row in 0..equations {
         right_side[n + row] = -scale * (ahead[row] - behind[row]) / (2.0 * h);
     }
-    let mut solution = vec![0.0; n + equations];
     matrix.solve(&right_side, &mut solution);
     state.v_dot.copy_from_slice(&solution[..n]);
     for (lambda, value) in state.lambda.iter_mut().zip(&solution[n..]) {
         *lambda = value * scale;
     }
     Ok(())
+}
+
+/// Which equations belong to constraints that move.
+fn moving_rows(system: &mut dyn System, equations: usize) -> Vec<bool> {
+    let mut rows = Vec::with_capacity(equations);
+    system.constraints(&mut |constraint| {
+        rows.extend(std::iter::repeat_n(constraint.moves(), constraint.dimension()));
+    });
+    rows
+}
+
+/// `g_q v + g_t` at the place of a state, without the `g_t` of constraints that do not move.
+fn rates(system: &mut dyn System, at: &State, v: &[f64], u: &[f64]) -> Vec<f64> {
+    let motion = at.motion(u);
+    let mut rates = vec![0.0; at.lambda.len()];
+    visit_jacobian(system, &motion, &mut |row, columns, values| {
+        rates[row] += (columns.iter().zip(values)).map(|(&i, g)| g * v[i]).sum::<f64>();
+    });
+    let mut first = 0;
+    system.constraints(&mut |constraint| {
+        let next = first + constraint.dimension();
+        if constraint.moves() {
+            constraint.add_explicit_rate(&motion, &mut rates[first..next]);
+        }
+        first = next;
+    });
+    rates
 }
 
 /// The state moved on with its velocities for `h` s.

@@ -1,5 +1,6 @@
 //! Static equilibrium by Newton's method.
-use crate::newton::{Since, Workspace, name};
+use crate::newton::{Workspace, name};
+use crate::residual::Since;
 use crate::{NewtonOptions, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 

@@ -1,5 +1,8 @@
 //! Low-rank terms on top of a factored matrix.
 
+/// What the factored matrix has on the diagonal of the multiplier of a constraint that moves.
+pub(crate) const PLACEHOLDER: f64 = 1.0;
+
 /// One row `u` of a low-rank term.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
@@ -26,6 +29,10 @@ pub(crate) struct Core {
 #[derive(Debug, Default)]
 pub struct Updates {
     owner: u64,
+    coordinates: usize,
+    scale: f64,
+    multipliers: Vec<f64>,
+    borders: usize,
     pub(crate) rows: Vec<Row>,
     pub(crate) indices: Vec<usize>,
     pub(crate) values: Vec<f64>,
@@ -41,6 +48,7 @@ impl Updates {
         self.values.clear();
         self.cores.clear();
         self.core_values.clear();
+        self.borders = 0;
     }
 
     /// Sets which contribution pushes next; the system calls it.
@@ -62,6 +70,50 @@ impl Updates {
         self.core(first_row, 1, &[coefficient]);
     }
 
+    /// Says how many coordinates come before the multipliers, and how constraint rows are scaled in the factored matrix.
+    pub(crate) fn set_borders(&mut self, coordinates: usize, scale: f64) {
+        self.coordinates = coordinates;
+        self.scale = scale;
+    }
+
+    /// Whether there is one.
+    pub(crate) fn has_borders(&self) -> bool {
+        self.borders > 0
+    }
+
+    /// Takes the multipliers at the present iterate.
+    pub(crate) fn set_multipliers(&mut self, lambda: &[f64]) {
+        self.multipliers.clear();
+        self.multipliers.extend_from_slice(lambda);
+    }
+
+    /// The multiplier with this number at the present iterate, for the geometric stiffness of its constraint, N.
+    #[must_use]
+    pub fn multiplier(&self, number: usize) -> f64 {
+        self.multipliers[number]
+    }
+
+    /// Adds the row `u` of a constraint that [`crate::Constraint::moves`], and its transpose, as the border of the matrix that belongs
+    /// to the `multiplier` with this number; takes two slots. `entries` are the non-zero entries (index, value) of `u`.
+    ///
+    /// The factored matrix has `PLACEHOLDER` on the diagonal of that multiplier and nothing else in its row. With the unit vector `e`
+    /// of the multiplier the term is `s (u eᵀ + e uᵀ) − PLACEHOLDER e eᵀ`, `s` the scale of constraint rows, and the low-rank formula
+    /// becomes the elimination of a bordered matrix: what it divides by is `s² uᵀ A⁻¹ u`.
+    pub fn border(
+        &mut self,
+        first_slot: u32,
+        version: u64,
+        multiplier: usize,
+        entries: impl Iterator<Item = (usize, f64)>,
+    ) {
+        self.borders += 1;
+        let first_row = self.rows.len();
+        self.row(first_slot, version, entries);
+        let unknown = self.coordinates + multiplier;
+        self.row(first_slot + 1, unknown as u64, std::iter::once((unknown, 1.0)));
+        self.core(first_row, 2, &[0.0, self.scale, self.scale, -PLACEHOLDER]);
+    }
+
     /// Adds the dense matrix `matrix` (row by row) on the coordinates `indices`.
     pub fn dense(&mut self, first_slot: u32, indices: &[usize], matrix: &[f64]) {
         let first_row = self.rows.len();
@@ -72,18 +124,20 @@ impl Updates {
         self.core(first_row, indices.len(), matrix);
     }
 
+    /// Non-zero entries (index, value) of a row.
+    pub(crate) fn entries(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let Row { start, end, .. } = self.rows[row];
+        (start..end).map(|i| (self.indices[i], self.values[i]))
+    }
+
     /// Adds all terms to a dense matrix of `size` rows (row by row); for tests of contributions.
     pub fn add_to_dense(&self, size: usize, matrix: &mut [f64]) {
-        let entries = |row: usize| {
-            let Row { start, end, .. } = self.rows[row];
-            (start..end).map(|i| (self.indices[i], self.values[i]))
-        };
         for core in &self.cores {
             for a in 0..core.size {
                 for b in 0..core.size {
                     let coefficient = self.core_values[core.start + a * core.size + b];
-                    for (i, left) in entries(core.first_row + a) {
-                        for (j, right) in entries(core.first_row + b) {
+                    for (i, left) in self.entries(core.first_row + a) {
+                        for (j, right) in self.entries(core.first_row + b) {
                             matrix[i * size + j] += coefficient * left * right;
                         }
                     }

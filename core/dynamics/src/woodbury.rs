@@ -63,6 +63,11 @@ impl Woodbury {
         self.rows.clear();
     }
 
+    /// `z` of the last solution, one per row of its updates.
+    pub fn forces(&self) -> &[f64] {
+        &self.z
+    }
+
     /// Solves; `x` must be zero and stays so where there is nothing above the thresholds to solve. `changed` sees the ranges of
     /// unknowns with a solution and of those whose equations it enters. Returns false where the updated matrix is singular.
     pub fn solve(
@@ -77,6 +82,7 @@ impl Woodbury {
         let IterationMatrix { parts, places, .. } = matrix;
         self.refresh(parts, places, updates);
         self.solves += 1;
+        self.z.clear();
         for part in parts.iter_mut() {
             part.load(b, thresholds);
         }
@@ -100,7 +106,6 @@ impl Woodbury {
             return false;
         }
         // (I + C G) z = C Uᵀ A⁻¹ b
-        self.z.clear();
         for core in &updates.cores {
             let rows = core.first_row..core.first_row + core.size;
             let c = &updates.core_values[core.start..core.start + core.size * core.size];

@@ -259,7 +259,7 @@ fn a_restored_run_repeats_bit_for_bit_with_local_corrections() {
     let advance = |simulator: &mut Simulator<Model>, from: usize, to: usize| {
         for step in from..to {
             simulator
-                .advance(step as f64 * H, H, &mut |_, _| (), &mut |_, _, _| ())
+                .advance(step as f64 * H, H, &mut |_, _| (), &mut |_, _, _, _| ())
                 .unwrap();
         }
         simulator.state().clone()

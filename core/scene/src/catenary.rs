@@ -102,6 +102,11 @@ pub struct RegistrationArms {
     pub lateral_stiffness: f64,
     /// kg, lumped on the contact wire.
     pub mass: f64,
+    /// Rise of the contact wire at a support that the steady arm leaves free, m. Not modelled: what the uplift of a run is held
+    /// against.
+    pub free_uplift: Option<f64>,
+    /// Whether a stop limits the rise of the steady arm; not modelled either. [EN 50119:2009, 5.10.2]
+    pub uplift_stop: bool,
 }
 
 /// `[catenary.damping]`: Rayleigh damping of the wires.
@@ -377,6 +382,8 @@ impl Entry for RegistrationArms {
                 Number::not_negative("N/m"),
             ),
             mass: keys.number("mass", was.map(|arms| arms.mass), Number::not_negative("kg")),
+            free_uplift: keys.optional_number("free_uplift", was.map(|arms| arms.free_uplift), Number::positive("m")),
+            uplift_stop: keys.flag("uplift_stop", was.map(|arms| arms.uplift_stop), false),
         }
     }
 }

@@ -12,24 +12,25 @@ pub(crate) trait Choice: Copy + PartialEq + 'static {
 macro_rules! choice {
     (
         $(#[$meta:meta])*
-        pub enum $name:ident {
+        $vis:vis enum $name:ident {
             $($(#[$variant_meta:meta])* $variant:ident = $word:literal),+ $(,)?
         }
         unavailable: [$($unavailable:literal),*]
     ) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum $name {
+        $vis enum $name {
             $($(#[$variant_meta])* $variant),+
         }
 
         impl $name {
             /// All of them, in the order in which messages list them.
-            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+            #[allow(dead_code)]
+            $vis const ALL: &'static [Self] = &[$(Self::$variant),+];
 
             /// The word that stands for it in the scene file.
             #[must_use]
-            pub const fn name(self) -> &'static str {
+            $vis const fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $word),+
                 }

@@ -8,9 +8,9 @@ use crate::keys::{Entry, Keys, Number};
 pub struct Contact {
     /// Kind of law.
     pub law: ContactLaw,
-    /// `k`, N/m, positive.
+    /// `k`, N/m, positive; infinite under a sliding joint.
     pub stiffness: f64,
-    /// `c`, N·s/m, not negative.
+    /// `c`, N·s/m, not negative; zero under a sliding joint.
     pub damping: f64,
 }
 
@@ -19,24 +19,49 @@ choice! {
     pub enum ContactLaw {
         /// A unilateral spring and damper on the penetration.
         Penalty = "penalty",
+        /// The strip is held on the wire.
+        SlidingJoint = "sliding_joint",
     }
-    unavailable: ["sliding_joint"]
+    unavailable: []
+}
+
+/// The keys of the penalty law.
+struct Penalty {
+    stiffness: f64,
+    damping: f64,
+}
+
+impl Entry for Penalty {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            stiffness: keys.number("stiffness", was.map(|law| law.stiffness), Number::positive("N/m")),
+            damping: keys.number("damping", was.map(|law| law.damping), Number::not_negative("N s/m")),
+        }
+    }
 }
 
 impl Entry for Contact {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let law = keys.word("law", was.map(|contact| contact.law), None);
+        let Penalty { stiffness, damping } = match law {
+            ContactLaw::Penalty => {
+                let was = was.map(|&Self { stiffness, damping, .. }| Penalty { stiffness, damping });
+                Penalty::entry(keys, was.as_ref())
+            }
+            ContactLaw::SlidingJoint => {
+                keys.leave_out::<Penalty>(
+                    "contact.law is \"sliding_joint\", which holds the strip on the wire without a spring",
+                );
+                Penalty {
+                    stiffness: f64::INFINITY,
+                    damping: 0.0,
+                }
+            }
+        };
         Self {
-            law: keys.word("law", was.map(|contact| contact.law), None),
-            stiffness: keys.number(
-                "stiffness",
-                was.map(|contact| contact.stiffness),
-                Number::positive("N/m"),
-            ),
-            damping: keys.number(
-                "damping",
-                was.map(|contact| contact.damping),
-                Number::not_negative("N s/m"),
-            ),
+            law,
+            stiffness,
+            damping,
         }
     }
 }

@@ -34,6 +34,7 @@
 mod catenary;
 mod check;
 mod check_linkage;
+mod check_vehicle;
 mod choice;
 mod contact;
 mod coupling;
@@ -48,8 +49,12 @@ mod pantograph;
 mod run;
 mod scene;
 mod solver;
+mod table_file;
 mod third_party;
+mod track;
 mod tree;
+mod vehicle;
+mod wind;
 mod write;
 
 pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
@@ -61,7 +66,16 @@ pub use mesh::{AxialStrain, Cure, Element, Mesh};
 pub use mesh_error::MeshError;
 pub use model::{Model, Reduction};
 pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
-pub use run::{Evaluate, Initialise, Run};
+pub use run::{Electrification, Evaluate, Initialise, Run};
 pub use scene::{Line, Scene};
 pub use solver::{Formulation, Jacobian, Solver};
 pub use third_party::{Connection, Offset, ParameterValue, STEP_TIMEOUT, ThirdParty};
+pub use track::{Irregularities, Points, RailSection, Spectrum, Track};
+pub use vehicle::{
+    Axis, BearingEntry, BushingEntry, Creep, GivenMotion, Pivot, Stop, Train, Vehicle, VehicleBody, WheelContact,
+    Wheels,
+};
+pub use wind::{
+    AerodynamicMarker, GustExtent, Wind, WindGust, WindOnPantograph, WindOnWires, WindSpectrum, WindSurface,
+    WindTableError, WindTurbulence, rows_of,
+};

@@ -119,7 +119,13 @@ impl Scene {
         }
         match cure {
             Cure::ContactCompliance => {
-                let ContactLaw::Penalty = contact.law;
+                if contact.law == ContactLaw::SlidingJoint {
+                    return Some(
+                        "contact.law is \"sliding_joint\", which holds the strip on the wire that the mesh has, without a spring that \
+                         more flexibility could be in series with"
+                            .to_owned(),
+                    );
+                }
                 let (v, c) = (self.run.speed, catenary.contact_wire.wave_speed());
                 (v >= c).then(|| {
                     format!(

@@ -65,6 +65,13 @@ impl Scene {
         if catenary.stagger.iter().any(|y| *y != catenary.stagger[0]) {
             return Some("catenary.stagger differs from support to support".to_owned());
         }
+        if let Some(reason) = self.wind_pushes_sideways() {
+            return Some(reason);
+        }
+        let (vehicle, track) = (self.vehicle.as_deref(), self.track.as_deref());
+        if let Some(reason) = vehicle.and_then(|vehicle| vehicle.leaves_the_plane(track)) {
+            return Some(reason.to_owned());
+        }
         self.pantographs.iter().enumerate().find_map(|(index, pantograph)| {
             let PantographModel::ThirdParty(side) = &pantograph.model else {
                 return None;
@@ -114,7 +121,9 @@ impl Scene {
                 left_out(reduction, "the line is an FMU of somebody else".to_owned());
                 continue;
             }
-            if let Some(reason) = self.element_obstacle().filter(|_| reduction.of_the_line()) {
+            let of_the_line = reduction.of_the_line();
+            let obstacle = self.element_obstacle().filter(|_| of_the_line);
+            if let Some(reason) = obstacle.or_else(|| self.wind_forbids(reduction)) {
                 left_out(reduction, reason);
                 continue;
             }

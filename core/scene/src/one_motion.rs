@@ -130,6 +130,9 @@ impl Scene {
         if linkages.is_empty() {
             return Some("no pantograph is a linkage".to_owned());
         }
+        if self.vehicle.is_some() {
+            return Some("its base moves with the vehicle, and the one motion is that on a base at rest".to_owned());
+        }
         linkages.into_iter().find_map(|(index, linkage)| {
             let reason = linkage.motions_beyond_one()?;
             Some(format!("pantograph[{}]: {reason}", index + 1))

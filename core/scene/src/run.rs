@@ -25,6 +25,9 @@ pub struct Run {
     pub initialise: Initialise,
     /// Whether a speed above the contact wire's transverse wave speed is accepted.
     pub allow_supercritical: bool,
+    /// What feeds the line. It changes no motion, only the limits of standards that a run is held against; without it those that
+    /// depend on it are not applied.
+    pub electrification: Option<Electrification>,
 }
 
 /// `run.evaluate`: the range that statistics are taken over.
@@ -58,6 +61,21 @@ choice! {
     unavailable: []
 }
 
+choice! {
+    /// `run.electrification`: the traction power supply system. [EN 50163]
+    pub enum Electrification {
+        /// 25 kV, 50 Hz.
+        Ac25Kv = "ac_25kv",
+        /// 15 kV, 16.7 Hz.
+        Ac15Kv = "ac_15kv",
+        /// 3 kV direct current.
+        Dc3Kv = "dc_3kv",
+        /// 1.5 kV direct current.
+        Dc1_5Kv = "dc_1_5kv",
+    }
+    unavailable: []
+}
+
 impl Entry for Run {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
@@ -81,6 +99,7 @@ impl Entry for Run {
                 Some(Initialise::Equilibrium),
             ),
             allow_supercritical: keys.flag("allow_supercritical", was.map(|run| run.allow_supercritical), false),
+            electrification: keys.optional_word("electrification", was.map(|run| run.electrification)),
         }
     }
 }

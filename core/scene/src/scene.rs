@@ -3,7 +3,8 @@
 use crate::error::{SceneError, What};
 use crate::keys::{Entry, Keys, read, write};
 use crate::tree::{Sources, parse};
-use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, ThirdParty};
+use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, ThirdParty, Track, Vehicle, Wind};
+use std::sync::Arc;
 
 /// A scene: every value present, checked and in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +21,12 @@ pub struct Scene {
     pub contact: Option<Contact>,
     /// `[[pantograph]]`, at least one, the first one leads.
     pub pantographs: Vec<Pantograph>,
+    /// `[vehicle]`: what each pantograph stands on; shared, as it is never changed.
+    pub vehicle: Option<Arc<Vehicle>>,
+    /// `[track]`: what the wheels of the vehicle run on.
+    pub track: Option<Arc<Track>>,
+    /// `[wind]`; `None`: no air.
+    pub wind: Option<Wind>,
     /// `[model]`.
     pub model: Model,
     /// `[coupling]`.
@@ -163,9 +170,6 @@ impl Scene {
 
 impl Entry for Scene {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
-        for name in ["vehicle", "track", "wind"] {
-            keys.unavailable(name);
-        }
         let title = keys.text(
             "title",
             was.map(|scene| scene.title.as_str()),
@@ -194,6 +198,13 @@ impl Entry for Scene {
             catenary,
             contact,
             pantographs: keys.tables("pantograph", was.map(|scene| scene.pantographs.as_slice())),
+            vehicle: keys
+                .optional_table("vehicle", was.map(|scene| scene.vehicle.as_deref()))
+                .map(Arc::new),
+            track: keys
+                .optional_table("track", was.map(|scene| scene.track.as_deref()))
+                .map(Arc::new),
+            wind: keys.optional_table("wind", was.map(|scene| scene.wind.as_ref())),
             model: keys.table_or_empty("model", was.map(|scene| &scene.model)),
             coupling: keys.table_or_empty("coupling", was.map(|scene| &scene.coupling)),
             solver: keys.table_or_empty("solver", was.map(|scene| &scene.solver)),

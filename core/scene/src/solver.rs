@@ -29,8 +29,10 @@ choice! {
     pub enum Formulation {
         /// Index-3 constraints with multipliers inside generalised-α.
         Default = "default",
+        /// Accelerations and multipliers from one system of equations, constraints of accelerations [Thesis, Eq. (19)].
+        AugmentedLagrangian = "augmented_lagrangian",
     }
-    unavailable: ["augmented_lagrangian"]
+    unavailable: []
 }
 
 choice! {
@@ -90,6 +92,10 @@ impl Solver {
             jacobian: match self.jacobian {
                 Jacobian::Modified => dynamics::Jacobian::Modified,
                 Jacobian::Full => dynamics::Jacobian::Full,
+            },
+            formulation: match self.formulation {
+                Formulation::Default => dynamics::Formulation::Positions,
+                Formulation::AugmentedLagrangian => dynamics::Formulation::Accelerations,
             },
             ..dynamics::NewtonOptions::default()
         }

@@ -1,12 +1,14 @@
 //! What is read is what was typed, and what is written reads again as the same.
 
 use scene::{
-    Algorithm, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Reduction, Scene, Start, Statics,
+    Algorithm, ContactLaw, Cure, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Reduction,
+    Scene, Start, Statics,
 };
 
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
 const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
-const THESIS: &str = include_str!("../../../scenes/thesis.toml");
+const THESIS: &str = include_str!("../../../scenes/thesis-pantograph.toml");
+const VEHICLE: &str = include_str!("../../../scenes/thesis.toml");
 
 fn read(text: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_string()).collect();
@@ -39,13 +41,48 @@ fn every_shipped_scene_is_accepted() {
 
 #[test]
 fn a_written_scene_reads_again_as_an_equal_one() {
-    for text in [EN_250, EN_300, THESIS] {
+    for text in [EN_250, EN_300, THESIS, VEHICLE] {
         let scene = read(text, &[]);
         let written = scene.to_toml();
         let again = read(&written, &[]);
         assert_eq!(again, scene);
         assert_eq!(again.to_toml(), written);
     }
+}
+
+#[test]
+fn a_vehicle_and_its_track_survive_writing() {
+    let motion =
+        "vehicle={ model = \"rigid_motion\", motion = { time = [0.0, 0.5], z = [0.0, 0.01], roll = [0.0, -0.1] } }";
+    let spectrum = "track.irregularities={ model = \"spectrum\", seed = 7, wavelengths = [3.0, 80.0], \
+                    vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }";
+    let points =
+        "track.irregularities={ model = \"points\", x = [0.0, 10.0], z_left = [0.0, 0.01], z_right = [0.0, 0.02] }";
+    let file = "track.irregularities={ model = \"points\", file = \"track.csv\" }";
+    for (text, overrides) in [
+        (THESIS, [motion].as_slice()),
+        (VEHICLE, &[spectrum]),
+        (VEHICLE, &[points]),
+        (VEHICLE, &[file, "vehicle.model=vertical"]),
+    ] {
+        let scene = read(text, overrides);
+        assert_eq!(read(&scene.to_toml(), &[]), scene);
+    }
+}
+
+#[test]
+fn a_line_is_planar_under_a_symmetric_vehicle_on_rails_that_are_alike() {
+    let planar = |overrides: &[&str]| read(VEHICLE, overrides).is_planar();
+    let bump = |right: &str| {
+        format!(
+            "track.irregularities={{ model = \"points\", x = [0.0, 10.0], z_left = [0.0, 0.01], z_right = [0.0, {right}] }}"
+        )
+    };
+    assert!(planar(&[]));
+    assert!(planar(&[&bump("0.01")]));
+    assert!(!planar(&[&bump("0.02")]));
+    assert!(!planar(&["vehicle.bodies[2].positions[1]=[1.2954, 0.1, 0.7088]"]));
+    assert!(planar(&[&bump("0.02"), "vehicle.model=vertical"]));
 }
 
 #[test]
@@ -56,6 +93,10 @@ fn everything_optional_survives_writing() {
             "catenary.statics=nodal_displacement",
             "catenary.droppers.lengths=[1.1, 1.0, 0.9, 0.85, 0.8, 0.85, 0.9, 1.0, 1.1]",
             "catenary.contact_wire.breaking_force=40000",
+            "catenary.registration_arms.free_uplift=0.24",
+            "catenary.registration_arms.uplift_stop=true",
+            "run.electrification=dc_1_5kv",
+            "solver.formulation=augmented_lagrangian",
             "catenary.span_length=[60, 60.5, 61, 60, 60, 60, 60, 60, 60, 59]",
             "catenary.stagger=[0.2, -0.2]",
             "run.evaluate={ time = [2.0, 3.0] }",
@@ -337,6 +378,52 @@ fn the_evaluation_range_follows_each_strip() {
 }
 
 #[test]
+fn a_sliding_joint_has_no_spring_and_is_written_as_it_is_read() {
+    const JOINT: &str = include_str!("../../../scenes/thesis-sliding-joint.toml");
+    let scene = read(JOINT, &[]);
+    let contact = scene.contact.unwrap();
+    assert_eq!(
+        (contact.law, contact.stiffness, contact.damping),
+        (ContactLaw::SlidingJoint, f64::INFINITY, 0.0)
+    );
+    let written = scene.to_toml();
+    assert!(!written.contains("= inf"), "{written}");
+    assert_eq!(read(&written, &[]), scene);
+    // Nothing but the law and what it asks of the integrator is another than in the scene that it is compared with.
+    let penalty = read(THESIS, &["contact={law=\"sliding_joint\"}", "solver.rho_inf=0.5"]);
+    let named = Scene {
+        title: penalty.title.clone(),
+        ..scene
+    };
+    assert_eq!(named, penalty);
+    // What its mesh lacks has no spring to be in series with.
+    let cured = read(JOINT, &["catenary.mesh.cures=\"auto\""]);
+    assert!(!cured.cures().contains(&Cure::ContactCompliance) && cured.cures().contains(&Cure::BendingLayers));
+    let left_out = cured.cures_left_out();
+    let reason = &left_out
+        .iter()
+        .find(|(cure, _)| *cure == Cure::ContactCompliance)
+        .unwrap()
+        .1;
+    assert!(reason.contains("sliding_joint"), "{reason}");
+    for (key, expected) in [
+        (
+            "solver.rho_inf=0.9",
+            "solver.rho_inf = 0.9: must be at most 0.5 with contact.law = \"sliding_joint\"",
+        ),
+        (
+            "catenary.mesh.cures=[\"contact_compliance\"]",
+            "must be left out: contact.law is \"sliding_joint\"",
+        ),
+    ] {
+        let refused = Scene::from_toml(JOINT, "x.toml", &[key.to_owned()])
+            .unwrap_err()
+            .to_string();
+        assert!(refused.contains(expected), "{refused}");
+    }
+}
+
+#[test]
 fn supports_and_droppers_are_where_the_spans_put_them() {
     let scene = read(THESIS, &[]);
     let (catenary, contact) = scene.modelled_line().unwrap();
@@ -564,4 +651,71 @@ fn a_mesh_follows_the_error_that_is_asked_for() {
     // A step that is given stays.
     let given = for_error(EN_300, 1.0, &["solver.micro_step=0.0005"]);
     assert_eq!(given.solver.micro_step, 5e-4);
+}
+
+/// Everything that `[wind]` may hold beside the uplift.
+const WIND: &str = "\
+[wind]
+speed = 20.5
+yaw_deg = -35.0
+air_density = 1.225
+gust = { velocity = [0, 8, 0.5], start_x = 100, length = 60 }
+turbulence = { spectrum = \"kaimal\", intensities = [0.15, 0.12, 0.08], length_scales = [120, 60, 20], coherence_decays = [10, 7, 7], seed = 4 }
+record = [[0, 1, 2, 3, 100], [1, 1, 2, 3, 100]]
+wires = { drag_coefficient = 1.2, contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011 }
+
+[[wind.pantograph.surfaces]]
+body = \"pan_head\"
+angles_deg = [-10, 0, 10]
+drag = [0.06, 0.05, 0.06]
+lift = [-0.02, 0.02, 0.05]
+markers = [[0, 0.5, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5], [0, -0.5, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0.5]]
+
+[[wind.pantograph.surfaces]]
+body = \"upper_arm\"
+drag = 0.07
+lift = 0.02
+
+[coupling]
+";
+
+#[test]
+fn a_wind_survives_writing_and_pushes_the_line_sideways() {
+    let scene = read(&THESIS.replacen("[coupling]\n", WIND, 1), &[]);
+    let written = scene.to_toml();
+    assert_eq!(read(&written, &[]), scene);
+    assert_eq!(read(&written, &[]).to_toml(), written);
+    assert!(!scene.model.has(Reduction::Planar) && scene.model.has(Reduction::Linkage));
+    assert_eq!(
+        scene.pushed_sideways().unwrap(),
+        "wind.yaw_deg = -35 pushes the wires sideways"
+    );
+    let wind = scene.wind.as_ref().unwrap();
+    assert_eq!(wind.turbulence.unwrap().time_step, 0.05);
+    // It comes from the right, and blows to the left and against the train.
+    let [x, y, z] = wind.mean_velocity();
+    let (s, c) = 35_f64.to_radians().sin_cos();
+    assert!((x + 20.5 * c).abs() < 1e-14 && (y - 20.5 * s).abs() < 1e-14 && z == 0.0); // rounding
+    let ahead = "wind.yaw_deg=0";
+    let still = read(
+        &THESIS.replacen(
+            "[coupling]\n",
+            "[wind]\nspeed = 0\nyaw_deg = 0\nair_density = 1.2\n[coupling]\n",
+            1,
+        ),
+        &[],
+    );
+    assert!(still.model.has(Reduction::Planar));
+    // A head wind leaves the wires in their plane, a gust from the side does not.
+    assert_eq!(
+        read(&THESIS.replacen("[coupling]\n", WIND, 1), &[ahead])
+            .pushed_sideways()
+            .unwrap(),
+        "wind.gust pushes the wires sideways"
+    );
+    let uplift = read(
+        EN_250,
+        &["wind={ speed = 0, yaw_deg = 0, air_density = 1.2, pantograph = { uplift = 0.0125 } }"],
+    );
+    assert_eq!(read(&uplift.to_toml(), &[]), uplift);
 }

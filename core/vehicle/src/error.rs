@@ -1,4 +1,4 @@
-//! What can be wrong with a pantograph.
+//! What can be wrong with a pantograph or the vehicle under it.
 
 /// Why a pantograph could not be built, or has no equilibrium.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -79,6 +79,33 @@ pub enum VehicleError {
         residual: f64,
         /// Where it would have been accepted.
         tolerance: f64,
+    },
+    /// Points that make no force–displacement curve.
+    #[error(
+        "vehicle.bushings \"{name}\".stop must have two points or more, its displacements must ascend and its forces must not fall"
+    )]
+    NoCharacteristic {
+        /// Name of the bushing.
+        name: String,
+    },
+    /// A vehicle that has to be read from files, or that this build does not know.
+    #[error("{what}")]
+    NotAvailable {
+        /// What, and what would be right.
+        what: String,
+    },
+    /// The vehicle has no state of rest.
+    #[error("no equilibrium of the vehicle")]
+    Unsettled(#[source] dynamics::StepError),
+    /// Pantograph and vehicle do not come to rest together.
+    #[error(
+        "no common equilibrium of vehicle and pantograph: the base still moves by {change:.1e} m after {iterations} iterations"
+    )]
+    Restless {
+        /// Of the base in the last iteration, m.
+        change: f64,
+        /// Iterations done.
+        iterations: usize,
     },
     /// The accelerations at the start are not determined.
     #[error("the pantograph cannot start: {0}")]

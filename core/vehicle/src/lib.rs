@@ -6,7 +6,8 @@
 //!
 //! [`PantographModel`] builds each kind of pantograph from its scene entry into a shared [`dynamics::Layout`]:
 //! [`pantograph::Lumped`], masses one above the other; [`pantograph::Linkage`], rigid bodies and joints;
-//! [`pantograph::ReducedLinkage`], the latter in the two coordinates that its joints leave.
+//! [`pantograph::ReducedLinkage`], the latter in the two coordinates that its joints leave. What it stands on is the base itself, a
+//! given motion ([`GivenMotion`]), or a vehicle ([`train::Train`]) on a [`track`].
 //!
 //! # Sources
 //! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
@@ -15,18 +16,26 @@
 #![forbid(unsafe_code)]
 
 mod base;
+mod carriage;
 #[cfg(test)]
 mod check;
 mod error;
+mod given_motion;
 mod model;
 pub mod multibody;
 pub mod pantograph;
 mod signals;
+mod spline;
 mod subsystem;
+pub mod track;
+pub mod train;
+pub mod wheel_rail;
 
 pub use base::{Base, Travelling};
+pub use carriage::Carriage;
 pub use error::VehicleError;
+pub use given_motion::GivenMotion;
 pub use model::{PantographModel, Placement};
 pub use multibody::AppliedForce;
-pub use pantograph::Equilibrium;
+pub use pantograph::{Air, Equilibrium};
 pub use subsystem::{Checkpoint, INPUTS, Model, StripMotion, Subsystem, placement};

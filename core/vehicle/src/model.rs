@@ -1,13 +1,15 @@
 //! Any kind of pantograph, from its scene entry.
 use crate::multibody::AppliedForce;
-use crate::pantograph::{Equilibrium, Linkage, Lumped, ReducedLinkage};
-use crate::{Base, Travelling, VehicleError};
-use dynamics::{Constraint, Force, Layout, Marker, Motion, State};
+use crate::pantograph::{Equilibrium, Ground, Linkage, Lumped, ReducedLinkage, Target};
+use crate::train::{Load, Train};
+use crate::{Air, Base, Carriage, Travelling, VehicleError};
+use dynamics::{Constraint, Force, Frame, Layout, Marker, Motion, State};
 use nalgebra::Vector3;
 use scene::PantographModel as Entry;
+use std::sync::Arc;
 
-/// Where and how fast a pantograph travels.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Where and how fast a pantograph travels, and on what.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
     /// x of its strip at t = 0, m.
     pub start_x: f64,
@@ -17,12 +19,27 @@ pub struct Placement {
     pub gravity: f64,
     /// Whether a linkage is reduced to its one motion (`model.reduce`).
     pub one_motion: bool,
+    /// `[vehicle]`; none is a base on a straight line.
+    pub vehicle: Option<Arc<scene::Vehicle>>,
+    /// `[track]`; none is smooth.
+    pub track: Option<Arc<scene::Track>>,
+    /// Simulated time, s: the track is made up to where it ends.
+    pub duration: f64,
 }
+
+/// Change of the base's place in one iteration of the common equilibrium that counts as none, m or –: rounding at 10 m.
+const STILL: f64 = 1e-13;
+
+/// The base hardly gives way, so that each iteration gains three digits.
+const ITERATIONS: usize = 30;
 
 /// A pantograph on its base.
 #[derive(Clone, Debug)]
 pub struct PantographModel {
     kind: Kind,
+    carriage: Carriage,
+    /// The vehicle alone in a layout, for statics.
+    alone: Option<Box<(Train, Layout)>>,
     placement: Placement,
     base: Base,
 }
@@ -40,39 +57,92 @@ impl PantographModel {
     /// # Errors
     /// See [`VehicleError`].
     pub fn new(entry: &Entry, placement: Placement, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
+        let reference_x = match entry {
+            Entry::Linkage(entry) => {
+                Linkage::new(entry, placement.gravity, name, &mut Layout::new())?
+                    .reference_strip_position()
+                    .x
+            }
+            Entry::Lumped(_) | Entry::ThirdParty(_) => 0.0,
+        };
+        let base = Base {
+            start_x: placement.start_x - reference_x,
+            speed: placement.speed,
+        };
+        let under = format!("{name}, vehicle");
+        let carriage = Carriage::new(&placement, base, &under, layout)?;
+        let alone = carriage.train().map(|_| -> Result<_, VehicleError> {
+            let mut alone = Layout::new();
+            match Carriage::new(&placement, base, &under, &mut alone)? {
+                Carriage::Train(train) => Ok(Some(Box::new((*train, alone)))),
+                Carriage::Straight | Carriage::Given(_) => Ok(None),
+            }
+        });
+        let alone = alone.transpose()?.flatten();
+        let ground = carriage.ground();
         let kind = match entry {
-            Entry::Lumped(entry) => Kind::Lumped(Lumped::new(entry, name, layout)?),
+            Entry::Lumped(entry) => {
+                let mut lumped = Lumped::new(entry, name, layout)?;
+                lumped.stand_on(&ground, carriage.base_point(lumped.reference_height()));
+                Kind::Lumped(lumped)
+            }
+            Entry::Linkage(_) if placement.one_motion && !matches!(ground, Ground::Still) => {
+                return Err(VehicleError::NotReducible {
+                    reason: "its base moves".to_owned(),
+                });
+            }
             Entry::Linkage(entry) if placement.one_motion => {
                 Kind::Reduced(Box::new(ReducedLinkage::new(entry, placement.gravity, name, layout)?))
             }
-            Entry::Linkage(entry) => Kind::Linkage(Box::new(Linkage::new(entry, placement.gravity, name, layout)?)),
+            Entry::Linkage(entry) => {
+                Kind::Linkage(Box::new(Linkage::on(ground, entry, placement.gravity, name, layout)?))
+            }
             Entry::ThirdParty(entry) => {
                 return Err(VehicleError::ThirdParty { fmu: entry.fmu.clone() });
             }
         };
-        let strip_x = match &kind {
-            Kind::Lumped(_) => 0.0,
-            Kind::Linkage(linkage) => linkage.reference_strip_position().x,
-            Kind::Reduced(linkage) => linkage.reference_strip_position().x,
-        };
-        let base = Base {
-            start_x: placement.start_x - strip_x,
-            speed: placement.speed,
-        };
-        Ok(Self { kind, placement, base })
+        Ok(Self {
+            kind,
+            carriage,
+            alone,
+            placement,
+            base,
+        })
+    }
+
+    /// Lets the air act on the pantograph, or nothing.
+    pub fn expose_to(&mut self, air: Option<&Air>) {
+        let Some(air) = air else { return };
+        let base = self.base;
+        match &mut self.kind {
+            Kind::Lumped(lumped) => lumped.expose(air, base),
+            Kind::Linkage(linkage) => linkage.expose(air, base),
+            Kind::Reduced(linkage) => linkage.expose(air, base),
+        }
     }
 
     /// Visits every force in a fixed order.
     pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        if let Carriage::Train(train) = &mut self.carriage {
+            train.forces(visit);
+        }
         match &mut self.kind {
             Kind::Lumped(lumped) => lumped.forces(visit),
             Kind::Linkage(linkage) => linkage.forces(visit),
-            Kind::Reduced(linkage) => visit(linkage.as_mut()),
+            Kind::Reduced(linkage) => {
+                visit(linkage.as_mut());
+                for air in linkage.air_mut() {
+                    visit(air);
+                }
+            }
         }
     }
 
     /// Visits every constraint in a fixed order.
     pub fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        if let Carriage::Train(train) = &mut self.carriage {
+            train.constraints(visit);
+        }
         match &mut self.kind {
             Kind::Lumped(_) | Kind::Reduced(_) => {}
             Kind::Linkage(linkage) => linkage.constraints(visit),
@@ -84,11 +154,7 @@ impl PantographModel {
     /// # Errors
     /// Where there is none: [`VehicleError::OutOfReach`], [`VehicleError::NotConverged`].
     pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
-        match &self.kind {
-            Kind::Lumped(lumped) => lumped.equilibrium_at_force(force),
-            Kind::Linkage(linkage) => linkage.equilibrium_at_force(force),
-            Kind::Reduced(linkage) => linkage.equilibrium_at_force(force),
-        }
+        self.equilibrium(Target::Force(force))
     }
 
     /// The state of rest with the strip at `height` (m above the top of rail).
@@ -98,10 +164,83 @@ impl PantographModel {
     /// # Errors
     /// Where there is none: [`VehicleError::OutOfReach`], [`VehicleError::NotConverged`].
     pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
+        self.equilibrium(Target::Height(height))
+    }
+
+    /// Rest on whatever carries the pantograph.
+    fn equilibrium(&self, target: Target) -> Result<Equilibrium, VehicleError> {
+        let reference = self.carriage.base_point(self.base_z());
+        match (&self.carriage, &self.alone) {
+            (Carriage::Given(_), _) => {
+                let at_start = Motion {
+                    t: 0.0,
+                    q: &[],
+                    v: &[],
+                    rotation: &[],
+                    u: &[],
+                };
+                let frame = self.carriage.ground().frame(reference, &at_start);
+                self.equilibrium_on(reference, frame, target)
+            }
+            (Carriage::Train(_), Some(alone)) => {
+                let (mut train, layout) = (alone.0.clone(), &alone.1);
+                let mut state = layout.state_at_rest();
+                let mut frame = train.base_frame(&state.motion(&[]));
+                let mut change = f64::INFINITY;
+                for _ in 0..ITERATIONS {
+                    let mut equilibrium = self.equilibrium_on(reference, frame, target)?;
+                    let loads = self.loads(&equilibrium, frame)?;
+                    let rest = train.rest(layout, &mut state, &loads)?;
+                    change = (rest.base.position - frame.position)
+                        .amax()
+                        .max((rest.base.axes - frame.axes).amax());
+                    frame = rest.base;
+                    if change <= STILL {
+                        equilibrium.train = Some(Box::new(rest));
+                        return Ok(equilibrium);
+                    }
+                }
+                Err(VehicleError::Restless {
+                    change,
+                    iterations: ITERATIONS,
+                })
+            }
+            _ => match (&self.kind, target) {
+                (Kind::Lumped(lumped), Target::Force(force)) => lumped.equilibrium_at_force(force),
+                (Kind::Lumped(lumped), Target::Height(height)) => lumped.equilibrium_at_height(height),
+                (Kind::Linkage(linkage), Target::Force(force)) => linkage.equilibrium_at_force(force),
+                (Kind::Linkage(linkage), Target::Height(height)) => linkage.equilibrium_at_height(height),
+                (Kind::Reduced(linkage), Target::Force(force)) => linkage.equilibrium_at_force(force),
+                (Kind::Reduced(linkage), Target::Height(height)) => linkage.equilibrium_at_height(height),
+            },
+        }
+    }
+
+    /// Rest on a base whose point `reference` (m, reference position) is at `frame`.
+    fn equilibrium_on(
+        &self,
+        reference: Vector3<f64>,
+        frame: Frame,
+        target: Target,
+    ) -> Result<Equilibrium, VehicleError> {
         match &self.kind {
-            Kind::Lumped(lumped) => lumped.equilibrium_at_height(height),
-            Kind::Linkage(linkage) => linkage.equilibrium_at_height(height),
-            Kind::Reduced(linkage) => linkage.equilibrium_at_height(height),
+            Kind::Lumped(lumped) => lumped.equilibrium_risen(frame.position.z - reference.z, target),
+            Kind::Linkage(linkage) => linkage.equilibrium(Ground::Displaced { reference, frame }, target),
+            Kind::Reduced(_) => Err(VehicleError::NotReducible {
+                reason: "its base moves".to_owned(),
+            }),
+        }
+    }
+
+    /// What the vehicle bears of a pantograph at rest. A lumped one presses on its base with the contact force alone: its weight is
+    /// taken as part of what it stands on.
+    fn loads(&self, equilibrium: &Equilibrium, base: Frame) -> Result<Vec<Load>, VehicleError> {
+        match &self.kind {
+            Kind::Linkage(linkage) => linkage.loads(equilibrium),
+            Kind::Lumped(_) | Kind::Reduced(_) => Ok(vec![Load {
+                point: base.position,
+                force: -equilibrium.force,
+            }]),
         }
     }
 
@@ -117,7 +256,17 @@ impl PantographModel {
             }
         };
         equilibrium.write(offsets, state);
+        self.carriage.set_rest(equilibrium.train.as_deref(), state);
         self.base.start_x = self.placement.start_x - strip_x;
+        let base = self.base;
+        let air = match &mut self.kind {
+            Kind::Lumped(lumped) => lumped.air_mut(),
+            Kind::Linkage(linkage) => linkage.air_mut(),
+            Kind::Reduced(linkage) => linkage.air_mut(),
+        };
+        for force in air {
+            force.marker.base = base;
+        }
     }
 
     /// The middle of the strip in the world; the second axis runs along the strip.
@@ -196,7 +345,25 @@ impl PantographModel {
         }
     }
 
-    /// Height of the base above the top of rail, m. A lumped chain has no extent: its base is at the reference height.
+    /// What carries it.
+    #[must_use]
+    pub fn carriage(&self) -> &Carriage {
+        &self.carriage
+    }
+
+    /// The point of the base in the world: position, velocity, axes.
+    #[must_use]
+    pub fn base_frame(&self, motion: &Motion<'_>) -> Frame {
+        let point = self.carriage.base_point(self.base_z());
+        let frame = self.carriage.ground().frame(point, motion);
+        Frame {
+            position: frame.position + self.base.position(motion.t),
+            velocity: frame.velocity + self.base.velocity(),
+            ..frame
+        }
+    }
+
+    /// Height of the base above the top of rail in the reference position, m. A lumped chain has no extent: its base is at the reference height.
     #[must_use]
     pub fn base_z(&self) -> f64 {
         match &self.kind {
@@ -239,19 +406,21 @@ impl PantographModel {
     /// Number of generalised velocities.
     #[must_use]
     pub fn coordinates(&self) -> usize {
-        match &self.kind {
+        let own = match &self.kind {
             Kind::Lumped(lumped) => lumped.coordinates(),
             Kind::Linkage(linkage) => linkage.coordinates(),
             Kind::Reduced(_) => 2,
-        }
+        };
+        own + self.carriage.size()[0]
     }
 
     /// Number of constraint equations.
     #[must_use]
     pub fn constraint_count(&self) -> usize {
-        match &self.kind {
+        let own = match &self.kind {
             Kind::Lumped(_) | Kind::Reduced(_) => 0,
             Kind::Linkage(linkage) => linkage.constraint_count(),
-        }
+        };
+        own + self.carriage.size()[1]
     }
 }

@@ -5,6 +5,8 @@ use component::{Component, Parameter, Signal, StepFailure};
 use dynamics::StepError;
 use scene::{PantographModel, Scene};
 
+mod vehicle;
+
 /// Outputs behind the inputs, in order.
 const OUTPUTS: [(&str, &str, &str); 10] = [
     ("strip[1].x", "m", "Position of the strip's middle along the track"),
@@ -72,7 +74,8 @@ impl Component for Subsystem {
         ];
         let inputs = inputs.map(|(name, unit, start, text)| Signal::input(name, unit, start, text));
         let outputs = OUTPUTS.map(|(name, unit, text)| Signal::output(name, unit, text));
-        inputs.into_iter().chain(outputs).collect()
+        let vehicle = vehicle::outputs(scene);
+        inputs.into_iter().chain(outputs).chain(vehicle).collect()
     }
 
     fn parameters(scene: &Scene) -> Vec<Parameter> {
@@ -83,6 +86,7 @@ impl Component for Subsystem {
         };
         parameters.extend(component::solver_parameters());
         parameters.extend(component::start_parameters(0, ""));
+        parameters.extend(vehicle::parameters(scene));
         parameters
     }
 
@@ -108,8 +112,12 @@ impl Component for Subsystem {
             output @ 3..=5 => self.strip().velocity[output - 3],
             6 => self.strip().roll,
             7 => self.work(),
-            8 => self.pantograph().0.base_z(),
-            _ => self.pantograph().0.uplift_force(),
+            8 => self.base().position.z,
+            9 => self.pantograph().0.uplift_force(),
+            output @ 10..=11 => self.base().position[output - 10],
+            12 => self.base_roll(),
+            output if output % 2 == 1 => self.wheel_load((output - 13) / 2),
+            output => self.derailment_quotient((output - 13) / 2),
         }
     }
 

@@ -1,5 +1,5 @@
 //! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
-use crate::{AppliedForce, PantographModel, Placement, VehicleError};
+use crate::{Air, AppliedForce, PantographModel, Placement, VehicleError};
 use dynamics::{
     Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System,
 };
@@ -46,6 +46,9 @@ pub fn placement(scene: &Scene, index: usize) -> Placement {
         speed: scene.run.speed,
         gravity: scene.modelled_line().map_or(GRAVITY, |(line, _)| line.gravity),
         one_motion: scene.model.has(scene::Reduction::Linkage),
+        vehicle: scene.vehicle.clone(),
+        track: scene.track.clone(),
+        duration: scene.run.duration,
     }
 }
 
@@ -91,6 +94,11 @@ impl Subsystem {
         let entry = &scene.pantographs[index];
         let name = format!("pantograph {}", index + 1);
         let mut pantograph = PantographModel::new(&entry.model, placement(scene, index), &name, &mut layout)?;
+        let mut air = Air::of_scene(scene, index);
+        if let Some(air) = &mut air {
+            air.flow.input = Some(AppliedForce::INPUTS);
+        }
+        pantograph.expose_to(air.as_ref());
         let height = entry
             .start
             .map_or_else(|| pantograph.reference_height(), |start| start.height);
@@ -186,7 +194,7 @@ impl Subsystem {
                     *value = input.at(tau);
                 }
             },
-            &mut |model, motion, dt| {
+            &mut |model, motion, _, dt| {
                 let now = power(model, &motion);
                 work += 0.5 * dt * (last + now);
                 last = now;
@@ -213,6 +221,32 @@ impl Subsystem {
             velocity: frame.velocity,
             roll: frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]),
         }
+    }
+
+    /// The pantograph's base in the world.
+    pub fn base(&mut self) -> Frame {
+        let (pantograph, motion) = self.pantograph();
+        pantograph.base_frame(&motion)
+    }
+
+    /// Roll angle of the base about the direction of travel, rad.
+    pub fn base_roll(&mut self) -> f64 {
+        let axes = self.base().axes;
+        axes[(2, 1)].atan2(axes[(1, 1)])
+    }
+
+    /// Vertical force of the rail on a wheel (from 0: left and right wheel of each wheelset in turn), N; 0 where there is none.
+    pub fn wheel_load(&mut self, wheel: usize) -> f64 {
+        let (pantograph, motion) = self.pantograph();
+        let train = pantograph.carriage().train();
+        train.map_or(0.0, |train| train.wheel_load(wheel, &motion))
+    }
+
+    /// Y/Q of a wheel, counted as in [`Subsystem::wheel_load`]; 0 where no lateral force is modelled.
+    pub fn derailment_quotient(&mut self, wheel: usize) -> f64 {
+        let (pantograph, motion) = self.pantograph();
+        let train = pantograph.carriage().train();
+        train.map_or(0.0, |train| train.derailment_quotient(wheel, &motion))
     }
 
     /// Acceleration of the strip's middle from the accelerations of the coordinates, m/s²; what a turning body adds by its

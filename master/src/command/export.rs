@@ -6,6 +6,7 @@ use super::{CommandError, SceneFile, print, print_json, say};
 use crate::cli::Common;
 use crate::package::{Libraries, archives};
 use crate::simulation::prepare;
+use crate::sliding_joint;
 use crate::ssp;
 use crate::third_party::ThirdPartyPantograph;
 
@@ -18,6 +19,8 @@ pub fn export(path: &Path, common: &Common) -> Result<(), CommandError> {
     let file = SceneFile::read(path, common)?;
     file.notes.iter().for_each(|note| say(note));
     let folder = file.output(common);
+    let apart = sliding_joint::refuse(&file.scene, "master export");
+    apart.map_err(|error| CommandError::from(error).in_scene(path))?;
     let prepared = prepare(file.scene, &file.name, &file.base, false);
     let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let libraries = Libraries::find(&say)?;

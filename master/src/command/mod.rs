@@ -6,6 +6,7 @@ pub mod export;
 pub mod inspect;
 pub mod package;
 pub mod report;
+pub mod reproduce;
 pub mod run;
 pub mod stability;
 pub mod study;
@@ -188,16 +189,7 @@ impl SceneFile {
     /// # Errors
     /// [`CommandError::Read`], [`SetupError::Scene`], [`CommandError::Ssp`].
     pub fn read(path: &Path, common: &Common) -> Result<Self, CommandError> {
-        let in_tree = || {
-            crate::package::source_tree()
-                .map(|tree| tree.join(path))
-                .filter(|path| path.exists())
-        };
-        let found = if path.exists() {
-            path.to_owned()
-        } else {
-            in_tree().unwrap_or_else(|| path.to_owned())
-        };
+        let found = found(path);
         if found.exists() && has_extension(&found, "ssp") {
             let imported = ssp::import(&found, &common.overrides)?;
             return Ok(Self {
@@ -229,6 +221,15 @@ impl SceneFile {
             .clone()
             .unwrap_or_else(|| Path::new("results").join(&self.name))
     }
+}
+
+/// A file as it is named, or that of the source tree where there is none.
+fn found(path: &Path) -> PathBuf {
+    if path.exists() {
+        return path.to_owned();
+    }
+    let in_tree = crate::package::source_tree().map(|tree| tree.join(path));
+    in_tree.filter(|path| path.exists()).unwrap_or_else(|| path.to_owned())
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {

@@ -7,6 +7,7 @@ use crate::cli::Common;
 use crate::package::{Libraries, archives, folder};
 use crate::results::ResultsError;
 use crate::simulation::{SetupError, prepare};
+use crate::sliding_joint;
 
 /// Writes the FMUs of a scene.
 ///
@@ -15,6 +16,8 @@ use crate::simulation::{SetupError, prepare};
 pub fn package(path: &Path, descriptions: Option<&Path>, common: &Common) -> Result<(), CommandError> {
     let file = SceneFile::read(path, common)?;
     file.notes.iter().for_each(|note| say(common)(note));
+    let apart = sliding_joint::refuse(&file.scene, "master package");
+    apart.map_err(|error| CommandError::from(error).in_scene(path))?;
     let prepared = prepare(file.scene, &file.name, &file.base, false);
     let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let libraries = Libraries::find(&say(common))?;

@@ -11,6 +11,7 @@ use crate::report::Progress;
 use crate::results::LineGeometry;
 use crate::run::Watch;
 use crate::simulation::{Mode, SetupError, prepare};
+use crate::sliding_joint;
 use crate::table_of_runs::{
     AUTO, Curve, Errors, Keys, Performed, Row, Stage, Status, observed_orders, perform, pointwise_rms, settled,
 };
@@ -72,6 +73,7 @@ pub fn script(
     overrides: &[String],
     logging: bool,
 ) -> Result<Script, SetupError> {
+    sliding_joint::refuse(&scene, "master compare")?;
     scene.run.duration = settled(&scene);
     let scene = prepare(scene, name, base, logging)?.scene;
     let groups = groups(macro_steps, scene.solver.micro_step);

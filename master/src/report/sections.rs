@@ -1,7 +1,7 @@
 //! The sections of the report that are text and tables.
 
 use super::plots::COLOURS;
-use super::table::{number, quantity_name, readable, verdict};
+use super::table::{MARKS, bounded, number, quantity_name, readable, verdict};
 use super::{escape, remarks};
 use crate::results::{RunBundle, Summary};
 use crate::statistics::ForceStatistics;
@@ -174,23 +174,23 @@ fn ranges(runs: &[RunBundle]) -> String {
     )
 }
 
-/// Table of the limits with their verdicts.
+/// Table of the limits: where they are written, whether they apply and why, and their verdicts.
 pub(super) fn limits(runs: &[RunBundle]) -> String {
     let mut html = String::from(
-        "<div class=\"scroll\"><table><thead><tr><th>Standard</th><th>Quantity</th>\
-         <th class=\"n\">value</th><th class=\"n\">limit</th><th></th><th>verdict</th>\
-         <th>remark</th></tr></thead><tbody>\n",
+        "<div class=\"scroll\"><table><thead><tr><th>Standard</th><th>Clause</th><th>Quantity</th>\
+         <th class=\"n\">value</th><th class=\"n\">limit</th><th></th><th>verdict</th><th></th>\
+         <th>applies, or not</th><th>remark</th></tr></thead><tbody>\n",
     );
     for run in runs {
         if runs.len() > 1 {
             html.push_str(&format!(
-                "<tr><th colspan=\"7\">{}</th></tr>\n",
+                "<tr><th colspan=\"10\">{}</th></tr>\n",
                 escape(&run.summary.label())
             ));
         }
         let one = run.summary.pantographs.len() == 1;
         for limit in &run.summary.limits {
-            let (value, bound, unit) = readable(limit);
+            let (value, _, unit) = readable(limit);
             let class = match limit.pass {
                 Some(true) => "good",
                 Some(false) => "bad",
@@ -201,20 +201,24 @@ pub(super) fn limits(runs: &[RunBundle]) -> String {
                 shown.pantograph = None;
             }
             html.push_str(&format!(
-                "<tr><td class=\"s\">{}</td><td class=\"name\">{}</td><td class=\"n\">{}</td>\
-                 <td class=\"n\">{}</td><td>{}</td><td class=\"s\"><b class=\"{class}\">{}</b></td>\
-                 <td class=\"soft remark\">{}</td></tr>\n",
+                "<tr><td class=\"s\">{}</td><td class=\"soft\">{}</td><td class=\"name\">{}</td>\
+                 <td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td>\
+                 <td class=\"s\"><b class=\"{class}\">{}</b></td><td class=\"soft\">{}</td>\
+                 <td class=\"soft remark\">{}</td><td class=\"soft remark\">{}</td></tr>\n",
                 escape(&limit.standard),
+                escape(&limit.clause),
                 escape(&quantity_name(&shown)),
                 number(value, 2),
-                number(bound, 2),
+                escape(&bounded(limit)),
                 escape(unit),
                 verdict(limit),
+                limit.certainty.mark(),
+                escape(&limit.reason),
                 escape(&limit.remark),
             ));
         }
     }
-    html.push_str("</tbody></table></div>\n");
+    html.push_str(&format!("</tbody></table></div>\n<p class=\"caption\">{MARKS}.</p>\n"));
     html
 }
 

@@ -9,9 +9,9 @@ pub(super) fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
 }
 
-/// Number of the `limit` in a unit that is easy to read: lengths in mm.
+/// Number of the `limit` in a unit that is easy to read: heights in mm.
 pub(super) fn readable(limit: &Limit) -> (Option<f64>, Option<f64>, &str) {
-    if limit.unit == "m" {
+    if limit.unit == "m" && limit.quantity != "control_section" {
         (limit.value.map(|v| 1e3 * v), limit.limit.map(|v| 1e3 * v), "mm")
     } else {
         (limit.value, limit.limit, &limit.unit)
@@ -22,6 +22,13 @@ pub(super) fn readable(limit: &Limit) -> (Option<f64>, Option<f64>, &str) {
 pub(super) fn quantity_name(limit: &Limit) -> String {
     let name = match limit.quantity.as_str() {
         "mean" => "mean contact force",
+        "mean_lower" => "mean contact force, lower",
+        "min" => "minimum contact force",
+        "free_uplift" => "space for the uplift",
+        "speed_ratio" => "speed / wave speed",
+        "band" => "band of the force",
+        "sampling_rate" => "samples per second",
+        "control_section" => "evaluated section",
         "std" => "standard deviation",
         "max" => "maximum contact force",
         "uplift" => "uplift at support",
@@ -39,9 +46,19 @@ pub(super) fn verdict(limit: &Limit) -> &'static str {
     match limit.pass {
         Some(true) => "pass",
         Some(false) => "FAIL",
+        None if !limit.applicable => "not applicable",
         None => "not decided",
     }
 }
+
+/// Number a `limit` is held against, with the sign of the comparison.
+pub(super) fn bounded(limit: &Limit) -> String {
+    let (_, bound, _) = readable(limit);
+    bound.map_or_else(|| "–".to_owned(), |bound| format!("{} {bound:.2}", limit.bound.sign()))
+}
+
+/// What the marks of the limits mean.
+pub(super) const MARKS: &str = "[C] figure read in a text that quotes the standard, [R] remembered and not verified";
 
 /// Lays out `rows` in columns: the first one flush left, all others flush right.
 pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
@@ -75,6 +92,32 @@ fn row(cells: &[&str]) -> Vec<String> {
     cells.iter().map(|c| (*c).to_owned()).collect()
 }
 
+/// The limits, and below them why some do not apply: each reason once.
+fn limits(summary: &Summary) -> String {
+    let mut rows = vec![row(&["limit", "value", "limit", "unit", "", ""])];
+    let mut reasons: Vec<&str> = Vec::new();
+    for limit in &summary.limits {
+        let (value, _, unit) = readable(limit);
+        rows.push(vec![
+            format!("{}, {}", limit.standard, quantity_name(limit)),
+            number(value, 2),
+            bounded(limit),
+            unit.to_owned(),
+            verdict(limit).to_owned(),
+            limit.certainty.mark().to_owned(),
+        ]);
+        if !limit.applicable && !reasons.contains(&limit.reason.as_str()) {
+            reasons.push(&limit.reason);
+        }
+    }
+    let mut text = aligned(&rows);
+    text.push_str(&format!("  {MARKS}\n"));
+    for reason in reasons {
+        text.push_str(&format!("  not applicable: {reason}\n"));
+    }
+    text
+}
+
 /// The table at the end of a run: figures, limits, cost. Plain text, aligned, no colours.
 #[must_use]
 pub fn table(summary: &Summary) -> String {
@@ -105,19 +148,8 @@ pub fn table(summary: &Summary) -> String {
     text.push('\n');
     text.push_str(&aligned(&rows));
 
-    let mut rows = vec![row(&["limit", "value", "limit", "unit", ""])];
-    for limit in &summary.limits {
-        let (value, bound, unit) = readable(limit);
-        rows.push(vec![
-            format!("{}, {}", limit.standard, quantity_name(limit)),
-            number(value, 2),
-            number(bound, 2),
-            unit.to_owned(),
-            verdict(limit).to_owned(),
-        ]);
-    }
     text.push('\n');
-    text.push_str(&aligned(&rows));
+    text.push_str(&limits(summary));
 
     let cost = &summary.cost;
     text.push_str(&format!(

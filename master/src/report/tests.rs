@@ -78,3 +78,22 @@ fn the_columns_of_the_table_are_aligned() {
     assert!(text.contains("real-time factor 0.500"));
     assert!(text.contains("note: coarse mesh"));
 }
+
+#[test]
+fn table_and_page_say_which_limits_do_not_apply_and_what_to_set() {
+    let bundle = bundle(true);
+    let text = table(&bundle.summary);
+    // Mean force from above and from below and the maximum, of both pantographs, share one reason.
+    assert_eq!(text.matches("set run.electrification to one of").count(), 1);
+    assert!(text.contains("not applicable: the space at the steady arm is not given"));
+    let page = render(std::slice::from_ref(&bundle));
+    for part in [
+        "2012, Table 6 (TSI ENE 4.2.11)",
+        "set run.electrification to one of",
+        "[R] remembered and not verified",
+        "&lt; 30.00",
+        "≤ 120.00",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+}

@@ -3,8 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::Record;
-use crate::standards::{Figures, Limit, en50367, uplift_limit};
-use crate::statistics::{FilterError, ForceStatistics, LowPass, loss_of_contact_percent, peak_to_peak, sample_range};
+use crate::standards::{self, Conditions, Figures, Limit, SHORTEST_ARC};
+use crate::statistics::{
+    FilterError, ForceStatistics, LowPass, long_loss_of_contact_percent, loss_of_contact_percent, peak_to_peak,
+    sample_range,
+};
 
 /// What a run knows about itself besides its record.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,6 +26,8 @@ pub struct RunInfo {
     pub incomplete_reason: String,
     /// What is evaluated.
     pub evaluation: Evaluation,
+    /// What decides which limits of standards apply.
+    pub line: standards::Line,
     /// How the two sides were coupled.
     pub coupling: Coupling,
     /// What was modelled.
@@ -206,7 +211,7 @@ impl Summary {
     #[must_use]
     pub fn new(info: &RunInfo, record: &Record) -> Self {
         let mut notes = info.notes.clone();
-        let mut limits = Vec::new();
+        let mut figures = Vec::new();
         let mut pantographs = Vec::new();
         for (i, strip) in record.pantographs.iter().enumerate() {
             let range = info.evaluation.samples(&record.time, i);
@@ -231,16 +236,17 @@ impl Summary {
                     loss_of_contact_percent: loss_of_contact_percent(raw),
                 },
                 strip: StripSummary {
-                    vertical_amplitude: strip.strip_z.get(range).and_then(peak_to_peak),
+                    vertical_amplitude: strip.strip_z.get(range.clone()).and_then(peak_to_peak),
                 },
             };
-            limits.extend(en50367(&Figures {
-                pantograph: i + 1,
-                speed: info.evaluation.speed,
+            let (from, to) = info.evaluation.time.get(i).copied().unwrap_or_default();
+            figures.push(Figures {
                 force: filtered,
                 vertical_amplitude: summary.strip.vertical_amplitude,
                 loss_of_contact: summary.contact_force.loss_of_contact_percent,
-            }));
+                arcing: long_loss_of_contact_percent(&strip.force, range, info.evaluation.output_step, SHORTEST_ARC),
+                section: info.evaluation.speed * (to - from),
+            });
             pantographs.push(summary);
         }
         let samples = || record.supports.iter().flat_map(|s| &s.uplift).copied();
@@ -250,7 +256,14 @@ impl Summary {
         } else {
             samples().reduce(f64::max)
         };
-        limits.push(uplift_limit(max_at_support));
+        let conditions = Conditions {
+            line: info.line,
+            speed: info.evaluation.speed,
+            low_pass_hz: info.evaluation.low_pass_hz,
+            output_step: info.evaluation.output_step,
+            uplift: max_at_support,
+        };
+        let mut limits = standards::limits(&conditions, &figures);
         if !info.complete {
             for limit in &mut limits {
                 limit.pass = None;

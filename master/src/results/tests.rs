@@ -132,6 +132,11 @@ fn the_summary_has_the_agreed_keys_and_the_known_figures() {
         "/limits/0/limit",
         "/limits/0/unit",
         "/limits/0/pass",
+        "/limits/0/clause",
+        "/limits/0/bound",
+        "/limits/0/applicable",
+        "/limits/0/reason",
+        "/limits/0/certainty",
     ] {
         at(&json, path);
     }
@@ -172,6 +177,44 @@ fn a_run_that_ended_early_has_no_statistics_and_no_verdict() {
     assert!(summary.limits.iter().all(|limit| limit.pass.is_none()));
     assert!(summary.notes.iter().any(|note| note.contains("evaluation range")));
     assert!(summary.uplift.max_at_support.is_some());
+}
+
+#[test]
+fn a_summary_written_before_limits_had_clauses_is_still_read() {
+    let (info, record) = run(true);
+    let mut json = serde_json::to_value(Summary::new(&info, &record)).unwrap();
+    for limit in json["limits"].as_array_mut().unwrap() {
+        let limit = limit.as_object_mut().unwrap();
+        for new in ["clause", "bound", "applicable", "reason", "certainty"] {
+            assert!(limit.remove(new).is_some(), "{new}");
+        }
+    }
+    let read: Summary = serde_json::from_value(json).unwrap();
+    assert!(read.limits.iter().all(|limit| limit.applicable));
+}
+
+#[test]
+fn the_limits_of_a_run_are_those_of_its_line() {
+    let (mut info, record) = run(true); // 180 km/h; half of the samples of pantograph 2 are 0 N, one by one
+    let limit = |info: &RunInfo, quantity: &str, pantograph| {
+        let limits = Summary::new(info, &record).limits;
+        let found = limits
+            .into_iter()
+            .find(|l| l.quantity == quantity && l.pantograph == pantograph);
+        found.unwrap_or_else(|| panic!("{quantity}"))
+    };
+    assert!(!limit(&info, "mean", Some(1)).applicable);
+    info.line.electrification = Some(scene::Electrification::Dc3Kv);
+    info.line.free_uplift = Some(0.05);
+    let mean = limit(&info, "mean", Some(1));
+    // 0.00097 · 180² + 110 N, rounding of the conversion.
+    assert!((mean.limit.unwrap() - 141.428).abs() < 1e-6 && mean.pass == Some(true));
+    // No loss is longer than one sample of 1 ms.
+    assert_eq!(limit(&info, "arcing", Some(2)).value, Some(0.0));
+    // Largest uplift 30 mm, twice that is needed.
+    assert_eq!(limit(&info, "free_uplift", None).pass, Some(false));
+    // 1 s at 50 m/s.
+    assert_eq!(limit(&info, "control_section", Some(1)).value, Some(50.0));
 }
 
 #[test]

@@ -1,35 +1,288 @@
-//! Acceptance limits of standards, held against the figures of one run.
+//! Limits of standards, held against the figures of one run.
 //!
-//! Sources: `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc
-//! thesis, University of Illinois at Chicago, 2016. `[EN 50367]` CENELEC, EN 50367: Railway
-//! applications – Current collection systems – Technical criteria for the interaction between
-//! pantograph and overhead line.
+//! Every limit says where it is written, whether it applies to this run and why, and how sure its figure is: the texts of the
+//! standards are not public, so each figure carries a [`Certainty`]. One that is only remembered is a band of plausibility, not
+//! the standard.
+//!
+//! | standard | file | what it limits here |
+//! | --- | --- | --- |
+//! | EN 50367, TSI ENE | `en50367` | mean force by system and speed, σ, maximum, uplift, amplitude, arcing |
+//! | EN 50119 | `en50119` | extremes of the force by system and speed, space for the uplift, speed against waves |
+//! | EN 50317 | `en50317` | how the force is measured: band, sampling, section |
+//!
+//! Sources:
+//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
+//!   Chicago, 2016; its section 4.2.3 quotes EN 50367:2006.
+//! - `[EN 50367]` CENELEC, Railway applications – Current collection systems – Technical criteria for the interaction between
+//!   pantograph and overhead line, 2012.
+//! - `[EN 50119]` CENELEC, Railway applications – Fixed installations – Electric traction overhead contact lines, 2009.
+//! - `[EN 50317]` CENELEC, Railway applications – Current collection systems – Requirements for and validation of measurements
+//!   of the dynamic interaction between pantograph and overhead contact line, 2012.
+//! - `[TSI ENE]` Commission Regulation (EU) No 1301/2014 on the energy subsystem: 4.2.11 mean contact force, 4.2.12 dynamic
+//!   behaviour and quality of current collection.
+//! - `[Bane NOR]` Teknisk regelverk, book 540, chapter 6 (trv.banenor.no): TRV:00599 quotes EN 50119:2009, 5.2.4.
+//! - `[OCS]` github.com/showhoo/ocs-calculators, `src/force/meta.ts`: quotes EN 50367, Table 6, and the curves of the TSI for DC.
 
+mod en50119;
+mod en50317;
 mod en50367;
+#[cfg(test)]
+mod tests;
 
-pub use en50367::{Figures, en50367, uplift_limit};
-
+use scene::Electrification;
 use serde::{Deserialize, Serialize};
+
+use crate::statistics::ForceStatistics;
 
 /// One quantity held against its limit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limit {
     /// Name of the standard.
     pub standard: String,
-    /// What is limited: `mean`, `std`, `max`, `uplift`, `vertical_amplitude`, `arcing`.
+    /// Edition, clause or table of it.
+    #[serde(default)]
+    pub clause: String,
+    /// What is limited: `mean`, `mean_lower`, `std`, `max`, `min`, `uplift`, `free_uplift`, `vertical_amplitude`, `arcing`,
+    /// `speed_ratio`, `band`, `sampling_rate`, `control_section`.
     pub quantity: String,
-    /// Pantograph, numbered from 1; absent where the quantity belongs to the line.
+    /// Pantograph, numbered from 1; absent where the quantity belongs to the line or to the evaluation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pantograph: Option<usize>,
     /// Value of the run in `unit`; `null` where it is not known.
     pub value: Option<f64>,
-    /// Largest permitted value, in `unit`; `null` where it depends on an unknown value.
+    /// How `value` has to stand to `limit`.
+    #[serde(default)]
+    pub bound: Bound,
+    /// The limit, in `unit`; `null` where it depends on an unknown value or does not apply.
     pub limit: Option<f64>,
     /// Unit of `value` and `limit`.
     pub unit: String,
     /// Whether the limit is kept; `null` where this was not decided.
     pub pass: Option<bool>,
-    /// Where the limit comes from, or why nothing was decided.
+    /// Whether the limit is one for this run.
+    #[serde(default = "yes")]
+    pub applicable: bool,
+    /// Why it applies, or why it does not and what to set.
+    #[serde(default)]
+    pub reason: String,
+    /// How sure the figure is.
+    #[serde(default)]
+    pub certainty: Certainty,
+    /// Formula, and what the value is.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub remark: String,
+}
+
+/// How a value has to stand to its limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bound {
+    /// ≤
+    #[default]
+    AtMost,
+    /// <
+    Below,
+    /// ≥
+    AtLeast,
+    /// >
+    Above,
+    /// =
+    Equal,
+}
+
+impl Bound {
+    /// Its sign.
+    #[must_use]
+    pub const fn sign(self) -> &'static str {
+        match self {
+            Self::AtMost => "≤",
+            Self::Below => "<",
+            Self::AtLeast => "≥",
+            Self::Above => ">",
+            Self::Equal => "=",
+        }
+    }
+
+    fn holds(self, value: f64, limit: f64) -> bool {
+        match self {
+            Self::AtMost => value <= limit,
+            Self::Below => value < limit,
+            Self::AtLeast => value >= limit,
+            Self::Above => value > limit,
+            Self::Equal => value == limit,
+        }
+    }
+}
+
+/// How sure the figure of a limit is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Certainty {
+    /// Read in a text that quotes the standard.
+    #[default]
+    #[serde(rename = "C")]
+    Cited,
+    /// Remembered, not verified.
+    #[serde(rename = "R")]
+    Remembered,
+}
+
+impl Certainty {
+    /// Its mark.
+    #[must_use]
+    pub const fn mark(self) -> &'static str {
+        match self {
+            Self::Cited => "[C]",
+            Self::Remembered => "[R]",
+        }
+    }
+}
+
+/// What decides which limits apply, beside speed and evaluation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Line {
+    /// `run.electrification`.
+    pub electrification: Option<Electrification>,
+    /// Transverse wave speed of the contact wire, m/s; `None` for a line that this program does not model.
+    pub wave_speed: Option<f64>,
+    /// `catenary.registration_arms.free_uplift`, m.
+    pub free_uplift: Option<f64>,
+    /// `catenary.registration_arms.uplift_stop`.
+    pub uplift_stop: bool,
+}
+
+/// How a run was made and evaluated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions {
+    /// The line.
+    pub line: Line,
+    /// Running speed, m/s.
+    pub speed: f64,
+    /// Cut-off frequency of the filter of the contact force, Hz.
+    pub low_pass_hz: f64,
+    /// Time between two samples, s.
+    pub output_step: f64,
+    /// Largest rise of the contact wire at the supports of the evaluated spans, m.
+    pub uplift: Option<f64>,
+}
+
+impl Conditions {
+    /// Running speed, km/h, without the rounding of its conversion: limits change at whole numbers.
+    fn speed_kmh(&self) -> f64 {
+        (3.6e6 * self.speed).round() / 1e6
+    }
+}
+
+/// Figures of one pantograph over its evaluation range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Figures {
+    /// Low-pass filtered contact force, N; `None` where the run has none.
+    pub force: Option<ForceStatistics>,
+    /// Vertical amplitude of the strip, m.
+    pub vertical_amplitude: Option<f64>,
+    /// Share of the time without contact, %.
+    pub loss_of_contact: Option<f64>,
+    /// Share of the time in losses of contact that last [`SHORTEST_ARC`] or longer, %.
+    pub arcing: Option<f64>,
+    /// Length of track that was evaluated, m.
+    pub section: f64,
+}
+
+/// Duration from which an arc counts, s. `[TSI ENE, Table 4.2.12]`, remembered
+pub const SHORTEST_ARC: f64 = 5e-3;
+
+/// Every limit that is known here, in a fixed order: those of each pantograph, then those of the line and of the evaluation.
+#[must_use]
+pub fn limits(conditions: &Conditions, pantographs: &[Figures]) -> Vec<Limit> {
+    let mut all = Vec::new();
+    for (i, figures) in pantographs.iter().enumerate() {
+        let first = all.len();
+        all.extend(en50367::of_pantograph(conditions, figures));
+        all.extend(en50119::of_pantograph(conditions, figures));
+        all.push(en50317::control_section(figures));
+        for limit in &mut all[first..] {
+            limit.pantograph = Some(i + 1);
+        }
+    }
+    all.push(en50367::uplift(conditions));
+    all.extend(en50119::of_line(conditions));
+    all.extend(en50317::of_evaluation(conditions));
+    for limit in &mut all {
+        limit.decide();
+    }
+    all
+}
+
+impl Limit {
+    fn new((standard, clause): (&str, &str), quantity: &str, value: Option<f64>, unit: &str) -> Self {
+        Self {
+            standard: standard.to_owned(),
+            clause: clause.to_owned(),
+            quantity: quantity.to_owned(),
+            pantograph: None,
+            value,
+            bound: Bound::AtMost,
+            limit: None,
+            unit: unit.to_owned(),
+            pass: None,
+            applicable: true,
+            reason: String::new(),
+            certainty: Certainty::Cited,
+            remark: String::new(),
+        }
+    }
+
+    fn bounded(mut self, bound: Bound, limit: impl Into<Option<f64>>) -> Self {
+        self.bound = bound;
+        self.limit = limit.into();
+        self
+    }
+
+    fn remembered(mut self) -> Self {
+        self.certainty = Certainty::Remembered;
+        self
+    }
+
+    fn because(mut self, reason: impl Into<String>) -> Self {
+        self.reason = reason.into();
+        self
+    }
+
+    fn not_applicable(mut self, reason: impl Into<String>) -> Self {
+        self.applicable = false;
+        self.reason = reason.into();
+        self
+    }
+
+    fn remark(mut self, remark: impl Into<String>) -> Self {
+        self.remark = remark.into();
+        self
+    }
+
+    fn decide(&mut self) {
+        self.pass = match (self.applicable, self.value, self.limit) {
+            (true, Some(value), Some(limit)) => Some(self.bound.holds(value, limit)),
+            _ => None,
+        };
+    }
+}
+
+/// Why a limit by voltage cannot be applied to a scene without one.
+fn system_unknown() -> String {
+    let words: Vec<String> = Electrification::ALL
+        .iter()
+        .map(|system| format!("\"{system}\""))
+        .collect();
+    format!(
+        "differs from system to system: set run.electrification to one of {}",
+        words.join(", ")
+    )
+}
+
+/// Whether a system is one of alternating current.
+const fn alternating(system: Electrification) -> bool {
+    matches!(system, Electrification::Ac25Kv | Electrification::Ac15Kv)
+}
+
+fn yes() -> bool {
+    true
 }

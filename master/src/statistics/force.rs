@@ -60,6 +60,30 @@ pub fn loss_of_contact_percent(force: &[f64]) -> Option<f64> {
     Some(100.0 * lost as f64 / force.len() as f64)
 }
 
+/// Share of the samples in `range` that belong to losses of contact of at least `shortest` s, in percent; `None` without samples
+/// in it or where one of the record is not finite.
+///
+/// `force` is the whole raw record, N, one sample every `step` s: a loss that reaches beyond the range keeps its duration, and
+/// counts with the part of it that lies inside. Each sample without force stands for one step.
+#[must_use]
+pub fn long_loss_of_contact_percent(force: &[f64], range: Range<usize>, step: f64, shortest: f64) -> Option<f64> {
+    if range.is_empty() || range.end > force.len() || force.iter().any(|f| !f.is_finite()) {
+        return None;
+    }
+    // A rest of rounding in the quotient makes no further sample.
+    let fewest = (shortest / step - 1e-9).ceil().max(1.0) as usize;
+    let mut lost = 0;
+    let mut first = 0;
+    for loss in force.chunk_by(|a, b| (*a <= 0.0) == (*b <= 0.0)) {
+        let last = first + loss.len();
+        if loss[0] <= 0.0 && loss.len() >= fewest {
+            lost += last.min(range.end).saturating_sub(first.max(range.start));
+        }
+        first = last;
+    }
+    Some(100.0 * lost as f64 / range.len() as f64)
+}
+
 /// Largest minus smallest value of `signal`, in its unit; `None` without samples or where one is
 /// not finite.
 #[must_use]

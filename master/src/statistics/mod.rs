@@ -14,5 +14,8 @@ mod spectrum;
 mod tests;
 
 pub use filter::{FilterError, LowPass};
-pub use force::{ForceStatistics, Histogram, histogram, loss_of_contact_percent, peak_to_peak, sample_range};
+pub use force::{
+    ForceStatistics, Histogram, histogram, long_loss_of_contact_percent, loss_of_contact_percent, peak_to_peak,
+    sample_range,
+};
 pub use spectrum::{Spectrum, power_spectral_density};

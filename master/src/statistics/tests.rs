@@ -246,3 +246,25 @@ const DENSITY_15: [f64; 8] = [
     4.9179761827184736e-05,
     1.926044160465548e-05,
 ];
+
+#[test]
+fn a_loss_of_contact_counts_as_an_arc_from_its_shortest_duration_on() {
+    let lost = |force: &[f64], range: std::ops::Range<usize>| long_loss_of_contact_percent(force, range, 1e-3, 5e-3);
+    // Losses of 4, 5 and 6 samples of 1 ms among 30.
+    let mut force = vec![100.0; 30];
+    for loss in [2..6, 10..15, 20..26] {
+        force[loss].fill(0.0);
+    }
+    assert_eq!(lost(&force, 0..30), Some(100.0 * 11.0 / 30.0));
+    // A loss across the end of the range keeps its duration and counts with what lies inside: 3 and 2 of 10 samples.
+    assert_eq!(lost(&force, 12..22), Some(100.0 * 5.0 / 10.0));
+    assert_eq!(lost(&force, 13..20), Some(100.0 * 2.0 / 7.0));
+    // Every loss is long enough where the step is.
+    assert_eq!(
+        long_loss_of_contact_percent(&force, 0..30, 5e-3, 5e-3),
+        Some(100.0 * 15.0 / 30.0)
+    );
+    assert_eq!(lost(&force, 7..7), None);
+    force[29] = f64::NAN;
+    assert_eq!(lost(&force, 0..10), None);
+}

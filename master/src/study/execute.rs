@@ -20,6 +20,7 @@ use crate::report::Progress;
 use crate::results::ResultsError;
 use crate::run::Watch;
 use crate::simulation::{SetupError, prepare};
+use crate::sliding_joint;
 use crate::table_of_runs::{Attempt, Stage, attempt, settled};
 
 /// Most work of a run that is timed again alone, coordinates times micro steps: finer levels of references are judges, and
@@ -71,6 +72,7 @@ pub fn script(
     overrides: &[String],
     options: Options,
 ) -> Result<Script, SetupError> {
+    sliding_joint::refuse(&scene, "master study")?;
     scene.run.duration = settled(&scene);
     let prepared = prepare(scene.clone(), name, base, false)?;
     let ground = Ground::of(scene, &prepared, overrides);

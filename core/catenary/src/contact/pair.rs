@@ -1,6 +1,7 @@
 //! A strip against a wire, as a contribution of forces.
+use super::sides::Sides;
 use super::state::{ContactState, Sensitivity, Variation, vary};
-use super::{ContactGeometry, PenaltyContact};
+use super::{ContactGeometry, OnWire, PenaltyContact};
 use crate::{Curve, CurveColumns};
 use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
@@ -65,21 +66,10 @@ impl ContactPair {
         self.stiffness > limit
     }
 
-    /// Goes on with another wire, which continues the one before.
-    pub fn set_curve(&mut self, curve: Arc<dyn Curve>) {
-        self.curve = curve;
-    }
-
     /// Puts another marker in place of the strip's, made of it.
     pub fn replace_strip(&mut self, other: impl FnOnce(Box<dyn Marker>) -> Box<dyn Marker>) {
         let nowhere: Box<dyn Marker> = Box::new(super::PrescribedStrip { first: 0 });
         self.strip = other(std::mem::replace(&mut self.strip, nowhere));
-    }
-
-    /// The strip's marker.
-    #[must_use]
-    pub fn strip(&self, motion: &Motion<'_>) -> Frame {
-        self.strip.frame(motion)
     }
 
     /// Finds the contact for a motion; `None` where the strip is beyond the ends of the wire.
@@ -137,69 +127,28 @@ impl ContactPair {
         contact.change(&rate, (0.0, self.bend(contact)), [wire.velocity, Vector3::zeros()])
     }
 
-    /// `∂g/∂q`: the direction of the generalised contact force, as (index, value).
-    fn gap_gradient(&self, geometry: &ContactGeometry, motion: &Motion<'_>, out: &mut Vec<(usize, f64)>) {
-        let mut wire = CurveColumns::default();
-        self.curve.columns(geometry.s, &mut wire);
-        let mut strip = Columns::default();
-        self.strip.columns(motion, &mut strip);
-        let lever = geometry.eta * geometry.axis;
-        out.clear();
-        out.extend(
-            wire.as_slice()
-                .iter()
-                .map(|column| (column.index, column.n.dot(&geometry.normal))),
-        );
-        out.extend(strip.as_slice().iter().map(|column| {
-            let at_contact = column.translation + column.rotation.cross(&lever);
-            (column.index, -at_contact.dot(&geometry.normal))
-        }));
+    fn sides<'a>(&self, geometry: &'a ContactGeometry, motion: &Motion<'_>) -> Sides<'a> {
+        Sides::new(geometry, &*self.curve, &*self.strip, motion)
     }
 
-    /// The whole tangent on the coordinates of wire and strip; columns of the strip are taken as constant (exact for masses;
-    /// for rigid bodies the turn of the lever arms is left out).
+    /// The whole tangent on the coordinates of wire and strip.
     fn exact_tangent(&self, contact: &ContactState, motion: &Motion<'_>, weights: Weights) -> (Vec<usize>, Vec<f64>) {
-        let geometry = &contact.geometry;
         let frame = self.strip.frame(motion);
-        let mut wire = CurveColumns::default();
-        self.curve.columns(geometry.s, &mut wire);
-        let mut strip = Columns::default();
-        self.strip.columns(motion, &mut strip);
-        let (wire, strip) = (wire.as_slice(), strip.as_slice());
-        let lever = geometry.eta * geometry.axis;
-        let n = geometry.normal;
-        let indices: Vec<usize> = (wire.iter().map(|c| c.index))
-            .chain(strip.iter().map(|c| c.index))
-            .collect();
-        let size = indices.len();
-        let mut matrix = vec![0.0; size * size];
-        for j in 0..size {
-            let (variation, velocity) = if j < wire.len() {
-                let c = &wire[j];
-                (vary(geometry, &frame, Some((c.n, c.n_s)), None), c.n)
-            } else {
-                let c = &strip[j - wire.len()];
-                let velocity = c.translation + c.rotation.cross(&lever);
-                (
-                    vary(geometry, &frame, None, Some((c.translation, c.rotation))),
-                    -velocity,
-                )
-            };
-            let force = contact.force_change(&variation, 0.0);
-            let force_by_rate = -contact.damping * n.dot(&velocity);
-            let change = weights.q * force + weights.v * force_by_rate;
-            for (i, c) in wire.iter().enumerate() {
-                let turned = variation.normal.dot(&c.n) + variation.s * n.dot(&c.n_s);
-                matrix[i * size + j] = -(change * n.dot(&c.n) + weights.q * contact.force * turned);
-            }
-            let lever_change = variation.eta * geometry.axis + geometry.eta * variation.axis;
-            for (i, c) in strip.iter().enumerate() {
-                let at_contact = c.translation + c.rotation.cross(&lever);
-                let turned = variation.normal.dot(&at_contact) + n.dot(&c.rotation.cross(&lever_change));
-                matrix[(wire.len() + i) * size + j] = change * n.dot(&at_contact) + weights.q * contact.force * turned;
-            }
-        }
-        (indices, matrix)
+        let change = |variation: &Variation, rate: f64| {
+            weights.q * contact.force_change(variation, 0.0) + weights.v * (-contact.damping * rate)
+        };
+        self.sides(&contact.geometry, motion)
+            .tangent(&frame, contact.force, weights.q, change)
+    }
+}
+
+impl OnWire for ContactPair {
+    fn strip(&self, motion: &Motion<'_>) -> Frame {
+        self.strip.frame(motion)
+    }
+
+    fn set_curve(&mut self, curve: Arc<dyn Curve>) {
+        self.curve = curve;
     }
 }
 
@@ -209,9 +158,9 @@ impl Force for ContactPair {
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
             self.share = contact.share();
-            let mut direction = std::mem::take(&mut self.direction);
-            self.gap_gradient(&contact.geometry, motion, &mut direction);
-            self.direction = direction;
+            let sides = Sides::new(&contact.geometry, &*self.curve, &*self.strip, motion);
+            self.direction.clear();
+            self.direction.extend(sides.gap_gradient());
             self.version += 1;
         }
     }
@@ -266,15 +215,8 @@ impl Force for ContactPair {
         let Some(contact) = self.state(motion).filter(ContactState::closed) else {
             return Some(Power::default());
         };
-        let geometry = &contact.geometry;
-        let lever = geometry.eta * geometry.axis;
         let frame = self.strip.frame(motion);
-        let mut strip = Columns::default();
-        self.strip.columns(motion, &mut strip);
-        let total = frame.velocity + frame.angular_velocity.cross(&lever);
-        let free =
-            |column: &dynamics::Column| motion.v[column.index] * (column.translation + column.rotation.cross(&lever));
-        let prescribed = total - strip.as_slice().iter().map(free).sum::<Vector3<f64>>();
+        let prescribed = self.sides(&contact.geometry, motion).prescribed(&frame, motion);
         Some(Power {
             driven: -contact.force_on_strip().dot(&prescribed),
             dissipated: contact.dissipation(),

@@ -22,7 +22,7 @@ pub struct ContactState {
     pub geometry: ContactGeometry,
     /// Residual compliance of the curve there.
     pub compliance: Compliance,
-    /// Contact force, N, ≥ 0.
+    /// Contact force, N, positive in compression; never negative but at a [`super::SlidingJoint`].
     pub force: f64,
     /// `∂F/∂δ`, N/m.
     pub stiffness: f64,
@@ -128,6 +128,24 @@ impl ContactState {
         state
     }
 
+    /// A strip that is held on the curve by a `force` (N) of any sign.
+    pub(super) fn held(geometry: ContactGeometry, force: f64) -> Self {
+        Self {
+            geometry,
+            compliance: Compliance::default(),
+            force,
+            stiffness: 0.0,
+            damping: 0.0,
+            by_place: 0.0,
+            by_slide: 0.0,
+            share: 1.0,
+            share_s: 0.0,
+            spring_rate: 0.0,
+            slide: 0.0,
+            spring: 0.0,
+        }
+    }
+
     /// Force on the strip, N, world frame.
     #[must_use]
     pub fn force_on_strip(&self) -> Vector3<f64> {
@@ -152,7 +170,7 @@ impl ContactState {
         (spring - self.force) * self.geometry.gap_rate - along * self.slide
     }
 
-    /// Whether wire and strip touch.
+    /// Whether wire and strip press on each other.
     #[must_use]
     pub fn closed(&self) -> bool {
         self.force > 0.0

@@ -23,7 +23,10 @@ pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, 
 
 use crate::line::Equilibrium;
 use crate::window::{Cells, Source};
-use crate::{Curve, CurveColumns, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName};
+use crate::{
+    Curve, CurveColumns, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName,
+    WiresInWind,
+};
 use dynamics::{Force, Layout, State, StaticOptions, System, solve_static};
 use load::DeadLoad;
 use nalgebra::Vector3;
@@ -66,6 +69,8 @@ pub struct StaticLine {
     system: Standalone,
     /// Residual compliance of the contact wire under strips at rest.
     at_rest: Option<Arc<ResidualCompliance>>,
+    /// What blows on the wires; the static state itself is that without wind.
+    wind: Option<WiresInWind>,
     report: StaticsReport,
 }
 
@@ -109,6 +114,7 @@ impl StaticLine {
                 load: DeadLoad::default(),
             },
             at_rest,
+            wind: None,
             whole: catenary.clone(),
             repeat: Repeat::of_solved(&Source {
                 catenary,
@@ -124,6 +130,14 @@ impl StaticLine {
         line.report = line.found(iterations);
         line.check_strength()?;
         Ok(line)
+    }
+
+    /// Lets the wind act on the wires of the lines made from this static state, and on the answers to forces at t = 0. The static
+    /// state itself, its report and the elasticity stay those without wind: all coordinates zero is the line at rest in still air.
+    #[must_use]
+    pub fn in_wind(mut self, wind: Option<WiresInWind>) -> Self {
+        self.wind = wind;
+        self
     }
 
     /// What was found; without elasticity, see [`StaticLine::elasticity`].
@@ -174,6 +188,7 @@ impl StaticLine {
         let coordinates = self.topology.register(layout);
         self.topology.fix_ends(&coordinates, self.catenary.wire_ends, layout);
         self.cured(Line::new(&self.catenary, &self.topology, &self.equilibrium, first))
+            .in_wind(self.wind.as_ref())
     }
 
     /// With the residual compliance and the corrected mass that the line is to move with.
@@ -210,7 +225,9 @@ impl StaticLine {
     }
 
     fn solved_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {
-        let mut answer = self.answer(x, force, self.system.layout.state_at_rest())?;
+        let mut system = self.system.clone();
+        system.line = system.line.in_wind(self.wind.as_ref());
+        let mut answer = self.answer(system, x, force, self.system.layout.state_at_rest())?;
         answer.height += force * self.residual(self.system.line.compliance(), x, &answer.state);
         Ok(answer)
     }
@@ -220,7 +237,7 @@ impl StaticLine {
         let rest = start.clone();
         let mut reports = Vec::with_capacity(points.len());
         for &x in points {
-            let answer = self.answer(x, ELASTICITY_FORCE, start)?;
+            let answer = self.answer(self.system.clone(), x, ELASTICITY_FORCE, start)?;
             let rise = answer.height - self.height(x, &rest.q);
             reports.push(ElasticityReport {
                 x,
@@ -260,8 +277,13 @@ impl StaticLine {
         self.system.line.contact_curve().point(s, q, &v).r.z
     }
 
-    fn answer(&self, x: f64, force: f64, mut state: State) -> Result<StaticAnswer, StaticsError> {
-        let mut system = self.system.clone();
+    fn answer(
+        &self,
+        mut system: Standalone,
+        x: f64,
+        force: f64,
+        mut state: State,
+    ) -> Result<StaticAnswer, StaticsError> {
         let curve: Arc<dyn Curve> = system.line.contact_curve();
         let options = StaticOptions::default();
         let mut s = system.line.contact_wire_s(x, &state.q);

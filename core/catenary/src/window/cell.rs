@@ -3,6 +3,9 @@ use super::modes::{Envelope, lowest_modes, product};
 use dynamics::SparseMatrix;
 use nalgebra::{DMatrix, DVector};
 
+/// Modes that are evaluated side by side.
+pub(super) const GROUP: usize = 8;
+
 /// Stiffness, damping and mass of one span between its supports, linear about the static state.
 pub(super) struct SpanMatrices {
     /// Coordinates per support: the first ones are those of the left support, the last ones those of the right.
@@ -39,6 +42,8 @@ pub(super) struct Cell {
     /// Between supports (rows) and modes.
     pub damping_coupling: DMatrix<f64>,
     pub mass_coupling: DMatrix<f64>,
+    /// The same, group by group of modes and in these support by support, filled up with zeros: damping, then mass.
+    pub couplings: Vec<[[f64; GROUP]; 2]>,
 }
 
 impl Cell {
@@ -89,6 +94,13 @@ impl Cell {
         let (stiffness, _) = reduced(&k_ff, &k_fs, &k_ss);
         let (damping, damping_coupling) = reduced(&d_ff, &d_fs, &d_ss);
         let (mass, mass_coupling) = reduced(&m_ff, &m_fs, &m_ss);
+        let couplings = (0..modes.ncols().div_ceil(GROUP)).flat_map(|group| (0..2 * ni).map(move |row| (group, row)));
+        let lanes = |matrix: &DMatrix<f64>, group: usize, row: usize| {
+            std::array::from_fn(|lane| matrix.get((row, GROUP * group + lane)).copied().unwrap_or(0.0))
+        };
+        let couplings = couplings
+            .map(|(group, row)| [&damping_coupling, &mass_coupling].map(|matrix| lanes(matrix, group, row)))
+            .collect();
         let damped = product(&d_ff, &modes);
         let mode_damping = (0..modes.ncols()).map(|i| modes.column(i).dot(&damped.column(i)));
         Some(Self {
@@ -100,6 +112,7 @@ impl Cell {
             damping,
             mass,
             squares,
+            couplings,
             damping_coupling,
             mass_coupling,
         })

@@ -1,7 +1,7 @@
 //! The spans far from the strips as one contribution.
-use super::cell::Cell;
+use super::cell::{Cell, GROUP};
 use dynamics::{Blocks, Force, Motion, Weights};
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -12,8 +12,8 @@ pub(super) struct Member {
     pub supports: Vec<usize>,
     /// Coordinates of its first modes, as many as are kept.
     pub modes: Range<usize>,
-    /// Damping added to each mode, 1/s: the sponge.
-    pub sponge: Vec<f64>,
+    /// Stiffness (1/s²) and damping (1/s) of the modes, that of the sponge included.
+    own: Vec<[[f64; GROUP]; 2]>,
 }
 
 /// Coordinates of both supports of a span, with and without lateral ones.
@@ -37,11 +37,29 @@ pub(super) struct Ground {
 pub(super) struct FarField {
     pub members: Vec<Member>,
     pub grounds: Vec<Ground>,
-    /// Static forces of what was cut off, N.
-    pub load: Vec<(usize, f64)>,
+    /// Static forces of what was cut off, N, of the first coordinates.
+    pub load: Vec<f64>,
 }
 
 impl Member {
+    /// A span with damping `sponge` (1/s) added to its modes.
+    pub fn new(cell: Arc<Cell>, supports: Vec<usize>, modes: Range<usize>, sponge: &[f64]) -> Self {
+        let value = |of: &dyn Fn(usize) -> f64, i: usize| if i < modes.len() { of(i) } else { 0.0 };
+        let own = (0..modes.len().div_ceil(GROUP)).map(|group| {
+            let lanes = |of: &dyn Fn(usize) -> f64| std::array::from_fn(|lane| value(of, GROUP * group + lane));
+            [
+                lanes(&|i| cell.squares[i]),
+                lanes(&|i| cell.mode_damping[i] + sponge[i]),
+            ]
+        });
+        Self {
+            own: own.collect(),
+            cell,
+            supports,
+            modes,
+        }
+    }
+
     fn add_constant(&self, blocks: &mut Blocks<'_>, scratch: &mut Vec<f64>, [k, d, m]: [f64; 3]) {
         let cell = &self.cell;
         let size = self.supports.len();
@@ -71,20 +89,17 @@ impl Member {
         }
         blocks.add(&modes, &self.supports, scratch);
         for (i, &mode) in modes.iter().enumerate() {
-            let damping = cell.mode_damping[i] + self.sponge[i];
-            blocks.add(&[mode], &[mode], &[k * cell.squares[i] + d * damping + m]);
+            let [squares, damping] = self.own[i / GROUP].map(|lanes| lanes[i % GROUP]);
+            blocks.add(&[mode], &[mode], &[k * squares + d * damping + m]);
         }
     }
 
     /// Adds `−K q − D v`, and `−M v̇` where `v_dot` is given.
     fn add_force(&self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
-        Arch::new().dispatch(
-            #[inline(always)]
-            || match self.supports.len() {
-                PLANAR => self.add_force_of::<PLANAR>(motion, v_dot, force),
-                _ => self.add_force_of::<SPATIAL>(motion, v_dot, force),
-            },
-        );
+        match self.supports.len() {
+            PLANAR => self.add_force_of::<PLANAR>(motion, v_dot, force),
+            _ => self.add_force_of::<SPATIAL>(motion, v_dot, force),
+        }
     }
 
     /// Whether a coordinate of the span is within `range`.
@@ -93,34 +108,16 @@ impl Member {
         modes || self.supports.iter().any(|index| range.contains(index))
     }
 
-    #[inline(always)]
     fn add_force_of<const N: usize>(&self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
-        let cell = &self.cell;
         let gather = |values: &[f64]| -> [f64; N] { std::array::from_fn(|i| values[self.supports[i]]) };
-        let (q, v, a) = (gather(motion.q), gather(motion.v), v_dot.map_or([0.0; N], gather));
         let mut on_supports = [0.0; N];
-        let columns = (cell.stiffness.as_slice().chunks_exact(N))
-            .zip(cell.damping.as_slice().chunks_exact(N))
-            .zip(cell.mass.as_slice().chunks_exact(N));
-        for (column, ((k, d), m)) in columns.enumerate() {
-            for i in 0..N {
-                on_supports[i] += k[i] * q[column] + d[i] * v[column] + m[i] * a[column];
-            }
-        }
-        let range = self.modes.clone();
-        let (q_m, v_m) = (&motion.q[range.clone()], &motion.v[range.clone()]);
-        let couplings = (cell.damping_coupling.as_slice().chunks_exact(N))
-            .zip(cell.mass_coupling.as_slice().chunks_exact(N))
-            .take(range.len());
-        for (i, (d, m)) in couplings.enumerate() {
-            let a_m = v_dot.map_or(0.0, |v_dot| v_dot[range.start + i]);
-            let mut own = cell.squares[i] * q_m[i] + (cell.mode_damping[i] + self.sponge[i]) * v_m[i] + a_m;
-            for j in 0..N {
-                on_supports[j] += d[j] * v_m[i] + m[j] * a_m;
-                own += d[j] * v[j] + m[j] * a[j];
-            }
-            force[range.start + i] -= own;
-        }
+        Arch::new().dispatch(AddForce::<N> {
+            member: self,
+            supports: [gather(motion.q), gather(motion.v), v_dot.map_or([0.0; N], gather)],
+            modes: [motion.q, motion.v, v_dot.unwrap_or_default()],
+            on_supports: &mut on_supports,
+            force,
+        });
         for (&index, value) in self.supports.iter().zip(on_supports) {
             force[index] -= value;
         }
@@ -139,6 +136,68 @@ impl Member {
             + modes
                 .map(|(mode, square)| 0.5 * square * motion.q[mode].powi(2))
                 .sum::<f64>()
+    }
+}
+
+/// The force of a span with `N` coordinates at its supports.
+struct AddForce<'a, const N: usize> {
+    member: &'a Member,
+    /// `q`, `v` and `v̇` of the supports.
+    supports: [[f64; N]; 3],
+    /// `q`, `v` and `v̇` of everything; no `v̇` stands for zeros.
+    modes: [&'a [f64]; 3],
+    on_supports: &'a mut [f64; N],
+    force: &'a mut [f64],
+}
+
+impl<const N: usize> WithSimd for AddForce<'_, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Member { cell, modes, own, .. } = self.member;
+        let [q, v, a] = self.supports;
+        let columns = (cell.stiffness.as_slice().chunks_exact(N))
+            .zip(cell.damping.as_slice().chunks_exact(N))
+            .zip(cell.mass.as_slice().chunks_exact(N));
+        for (column, ((k, d), m)) in columns.enumerate() {
+            for i in 0..N {
+                self.on_supports[i] += k[i] * q[column] + d[i] * v[column] + m[i] * a[column];
+            }
+        }
+        let zero = simd.splat_f64s(0.0);
+        let mut sums = [zero; N];
+        let couplings = cell.couplings.chunks_exact(N);
+        for ((group, own), couplings) in own.iter().enumerate().zip(couplings) {
+            let first = modes.start + group * GROUP;
+            let range = first..modes.end.min(first + GROUP);
+            let mut values = [[0.0; GROUP]; 3];
+            for (lanes, all) in values.iter_mut().zip(self.modes) {
+                if let Some(all) = all.get(range.clone()) {
+                    lanes[..all.len()].copy_from_slice(all);
+                }
+            }
+            let mut forces = [0.0; GROUP];
+            for part in 0..GROUP / S::F64_LANES {
+                let lanes = |values: &[f64; GROUP]| S::as_simd_f64s(values).0[part];
+                let [q_m, v_m, a_m] = [lanes(&values[0]), lanes(&values[1]), lanes(&values[2])];
+                let mut by_damping = simd.mul_add_e_f64s(lanes(&own[0]), q_m, simd.mul_f64s(lanes(&own[1]), v_m));
+                let mut by_mass = a_m;
+                for j in 0..N {
+                    let (d, m) = (lanes(&couplings[j][0]), lanes(&couplings[j][1]));
+                    by_damping = simd.mul_add_e_f64s(d, simd.splat_f64s(v[j]), by_damping);
+                    by_mass = simd.mul_add_e_f64s(m, simd.splat_f64s(a[j]), by_mass);
+                    sums[j] = simd.mul_add_e_f64s(d, v_m, simd.mul_add_e_f64s(m, a_m, sums[j]));
+                }
+                S::as_mut_simd_f64s(&mut forces).0[part] = simd.add_f64s(by_damping, by_mass);
+            }
+            for (force, own) in self.force[range].iter_mut().zip(forces) {
+                *force -= own;
+            }
+        }
+        for (sum, on_support) in sums.iter().zip(self.on_supports) {
+            *on_support += simd.reduce_sum_f64s(*sum);
+        }
     }
 }
 
@@ -167,8 +226,10 @@ impl FarField {
             let a = v_dot.map_or(0.0, |v_dot| v_dot[ground.index]);
             force[ground.index] -= ground.stiffness * q + ground.damping * v + ground.mass * a;
         }
-        for &(index, load) in self.load.iter().filter(|(index, _)| range.contains(index)) {
-            force[index] += load;
+        let end = range.end.min(self.load.len());
+        let range = range.start.min(end)..end;
+        for (force, load) in force[range.clone()].iter_mut().zip(&self.load[range]) {
+            *force += load;
         }
     }
 }
@@ -190,6 +251,10 @@ impl Force for FarField {
         true
     }
 
+    fn is_linear(&self) -> bool {
+        true
+    }
+
     fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
         self.add_within(&range, motion, Some(v_dot), force);
     }
@@ -208,7 +273,7 @@ impl Force for FarField {
         let grounds: f64 = grounds
             .map(|ground| 0.5 * ground.stiffness * motion.q[ground.index].powi(2))
             .sum();
-        let load: f64 = self.load.iter().map(|&(index, load)| load * motion.q[index]).sum();
+        let load: f64 = self.load.iter().zip(motion.q).map(|(load, q)| load * q).sum();
         members + grounds - load
     }
 }

@@ -282,9 +282,8 @@ impl WindowedLine {
             u: &[],
         };
         self.inner.forces(&mut |part| part.add_force(&motion, &mut rest));
-        let load = rest.iter().enumerate().filter(|(_, force)| **force != 0.0);
         let mut far = FarField {
-            load: load.map(|(index, force)| (index, -force)).collect(),
+            load: rest.iter().map(|force| -force).collect(),
             ..FarField::default()
         };
 
@@ -298,12 +297,9 @@ impl WindowedLine {
             let supports = [span, span + 1]
                 .into_iter()
                 .filter_map(|support| fixed.support(arrangement, support));
-            far.members.push(Member {
-                sponge: fixed.sponge(arrangement, span, &cell),
-                supports: supports.flatten().collect(),
-                modes,
-                cell,
-            });
+            let sponge = fixed.sponge(arrangement, span, &cell);
+            far.members
+                .push(Member::new(cell, supports.flatten().collect(), modes, &sponge));
         }
         let mut used = vec![false; fixed.coordinates.len()];
         let window = first..first + count;

@@ -314,7 +314,7 @@ impl Wire {
 }
 
 /// Adds the entries of a matrix whose row and column exist.
-fn add_selected(blocks: &mut Blocks<'_>, index: &[Option<usize>], value: impl Fn(usize, usize) -> f64) {
+pub(super) fn add_selected(blocks: &mut Blocks<'_>, index: &[Option<usize>], value: impl Fn(usize, usize) -> f64) {
     let (mut kept, mut indices, mut count) = ([0; 12], [0; 12], 0);
     for (i, index) in index.iter().enumerate() {
         if let Some(index) = index {
@@ -354,6 +354,10 @@ impl Force for Wire {
 
     fn evaluates_ranges(&self) -> bool {
         self.batch.ascends()
+    }
+
+    fn is_linear(&self) -> bool {
+        self.linear
     }
 
     fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {

@@ -1,6 +1,7 @@
 //! A wire: a chain of cable elements in the coordinates of a system.
 mod batch;
 mod directors;
+mod drag;
 mod enrichment;
 mod force;
 mod geometry;
@@ -12,6 +13,7 @@ mod point;
 mod tests;
 
 pub use directors::{DirectorInertia, Directors, WireDirectors};
+pub use drag::WireDrag;
 pub use enrichment::Enrichment;
 pub use force::{Rayleigh, Wire, WireSection};
 pub use geometry::WireGeometry;

@@ -222,6 +222,59 @@ impl Keys<'_> {
         }
     }
 
+    /// One number, or a list of at least one.
+    pub(crate) fn one_or_more(&mut self, name: &str, was: Option<&[f64]>, number: Number) -> Vec<f64> {
+        match was {
+            Some([value]) => vec![self.number(name, Some(*value), number)],
+            Some(values) => self.numbers(name, Some(values), number, Length::NotEmpty),
+            None if matches!(
+                self.node(name),
+                Some(Node {
+                    value: Value::List(_),
+                    ..
+                })
+            ) =>
+            {
+                self.numbers(name, None, number, Length::NotEmpty)
+            }
+            None => vec![self.number(name, None, number)],
+        }
+    }
+
+    /// Rows of numbers, a list of lists; left out where there are none.
+    pub(crate) fn optional_rows(&mut self, name: &str, was: Option<&[Vec<f64>]>) -> Vec<Vec<f64>> {
+        if let Some(rows) = was {
+            let list = |row: &Vec<f64>| Value::List(row.iter().map(|value| Value::Float(*value).into()).collect());
+            if !rows.is_empty() {
+                self.push(name, Value::List(rows.iter().map(|row| list(row).into()).collect()));
+            }
+            return rows.to_vec();
+        }
+        let Some(node) = self.node(name).cloned() else {
+            return Vec::new();
+        };
+        let expected = "a list of rows, each a list of numbers".to_owned();
+        let Value::List(rows) = &node.value else {
+            self.wrong_type(name, &node.value, expected);
+            return Vec::new();
+        };
+        let mut found = Vec::with_capacity(rows.len());
+        for (i, row) in rows.iter().enumerate() {
+            let key = self.entry_key(name, i);
+            let Value::List(entries) = &row.value else {
+                let value = shown(&row.value);
+                self.problem(row.at, key, What::WrongType { value, expected });
+                return Vec::new();
+            };
+            let numbers = entries
+                .iter()
+                .enumerate()
+                .map(|(j, entry)| self.checked(format!("{key}[{}]", j + 1), entry, Number::any("")));
+            found.push(numbers.collect());
+        }
+        found
+    }
+
     /// A vector of three numbers.
     pub(crate) fn vector(&mut self, name: &str, was: Option<[f64; 3]>, number: Number) -> [f64; 3] {
         let values = self.numbers(
@@ -242,5 +295,55 @@ impl Keys<'_> {
             Length::Exactly(2),
         );
         values.try_into().unwrap_or([f64::NAN; 2])
+    }
+
+    /// A list of points of N numbers, at least one.
+    pub(crate) fn points<const N: usize>(
+        &mut self,
+        name: &str,
+        was: Option<&[[f64; N]]>,
+        number: Number,
+    ) -> Vec<[f64; N]> {
+        let expected = || format!("a list of points in {}, {N} numbers each, at least one", number.unit);
+        let list = |values: &[f64]| Value::List(values.iter().map(|value| Value::Float(*value).into()).collect());
+        if let Some(points) = was {
+            let value = Value::List(points.iter().map(|point| list(point).into()).collect());
+            self.push(name, value);
+            return points.to_vec();
+        }
+        let node = self.node(name).cloned();
+        let entries = match &node {
+            Some(Node {
+                value: Value::List(entries),
+                ..
+            }) if !entries.is_empty() => entries,
+            Some(node) => {
+                self.wrong_type(name, &node.value, expected());
+                return Vec::new();
+            }
+            None => {
+                self.missing(name, expected());
+                return Vec::new();
+            }
+        };
+        let mut points = Vec::with_capacity(entries.len());
+        for (i, entry) in entries.iter().enumerate() {
+            let key = self.entry_key(name, i);
+            match &entry.value {
+                Value::List(numbers) if numbers.len() == N => {
+                    points.push(std::array::from_fn(|k| {
+                        self.checked(format!("{key}[{}]", k + 1), &numbers[k], number)
+                    }));
+                }
+                other => {
+                    let what = What::WrongType {
+                        value: shown(other),
+                        expected: format!("a point in {}, {N} numbers", number.unit),
+                    };
+                    self.problem(entry.at, key, what);
+                }
+            }
+        }
+        points
     }
 }

@@ -24,6 +24,12 @@ impl Keys<'_> {
             .then(|| self.any_table(name, was.flatten(), true))
     }
 
+    /// A table that may be left out.
+    pub(crate) fn optional_table<T: Entry>(&mut self, name: &str, was: Option<Option<&T>>) -> Option<T> {
+        self.has(name, was.flatten().is_some())
+            .then(|| self.any_table(name, was.flatten(), false))
+    }
+
     /// A table that may be left out altogether, as if it were there and empty.
     pub(crate) fn table_or_empty<T: Entry>(&mut self, name: &str, was: Option<&T>) -> T {
         let present = self.has(name, was.is_some());

@@ -13,6 +13,12 @@ impl Keys<'_> {
         found.unwrap_or(T::NAMES[0].1)
     }
 
+    /// One of a few words, which may be left out.
+    pub(crate) fn optional_word<T: Choice>(&mut self, name: &str, was: Option<Option<T>>) -> Option<T> {
+        self.has(name, was.flatten().is_some())
+            .then(|| self.word(name, was.flatten(), None))
+    }
+
     /// One of the words in `names`; `None` where the word is missing or wrong, which is then reported.
     pub(crate) fn word_among<T: Copy + PartialEq>(
         &mut self,

@@ -1,7 +1,9 @@
 //! What a joint or a spring is fixed to: a body or the base.
 use super::BodyMarker;
+use crate::GivenMotion;
 use dynamics::{Columns, Frame, Marker, Motion};
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 
 /// A point and axes fixed in the base: no generalised velocity moves them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,13 +27,32 @@ impl Marker for BaseMarker {
     fn columns(&self, _motion: &Motion<'_>, _columns: &mut Columns) {}
 }
 
+/// A point and axes that a given motion carries along: a function of time alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GivenMarker {
+    /// Where they would be without the motion.
+    pub marker: BaseMarker,
+    /// The motion.
+    pub given: Arc<GivenMotion>,
+}
+
+impl Marker for GivenMarker {
+    fn frame(&self, motion: &Motion<'_>) -> Frame {
+        self.given.carry(&self.marker, motion.t)
+    }
+
+    fn columns(&self, _motion: &Motion<'_>, _columns: &mut Columns) {}
+}
+
 /// One end of a joint or spring.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Anchor {
     /// Fixed to the base.
     Base(BaseMarker),
     /// Fixed to a rigid body.
     Body(BodyMarker),
+    /// Carried along by a given motion.
+    Given(GivenMarker),
 }
 
 impl Marker for Anchor {
@@ -39,6 +60,7 @@ impl Marker for Anchor {
         match self {
             Self::Base(marker) => marker.frame(motion),
             Self::Body(marker) => marker.frame(motion),
+            Self::Given(marker) => marker.frame(motion),
         }
     }
 
@@ -46,6 +68,7 @@ impl Marker for Anchor {
         match self {
             Self::Base(marker) => marker.columns(motion, columns),
             Self::Body(marker) => marker.columns(motion, columns),
+            Self::Given(marker) => marker.columns(motion, columns),
         }
     }
 }

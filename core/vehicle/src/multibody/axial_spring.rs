@@ -11,7 +11,7 @@ use dynamics::{Blocks, Force, Motion, Weights};
 ///
 /// `F` acts along `+a` on the second anchor and along `−a` on the first: a positive preload pushes them apart. The
 /// potential is `½ k s² − P s`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct AxialSpring {
     /// What it joins.
     pub pair: Pair,

@@ -24,11 +24,15 @@ const PRISMATIC: &[Measure] = &[
     Measure::Direction(2, 0),
 ];
 
+/// What a revolute joint about the vertical holds in the plane along the track: both points coincide there, and the bodies pitch
+/// together.
+const UPRIGHT_IN_PLANE: &[Measure] = &[Measure::Point(0), Measure::Point(2), Measure::Direction(2, 0)];
+
 /// A joint: equations on the relative position of two anchors. [Haug 1989, chapter 9]
 ///
 /// Where two directions have to stay perpendicular the equation is their scalar product. The axis of a revolute or prismatic
 /// joint is the third axis of both anchors, which coincide in the reference position.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
     pair: Pair,
     equations: &'static [Measure],
@@ -53,6 +57,16 @@ impl Joint {
         }
     }
 
+    /// Three equations: those of [`Joint::revolute`] about the vertical for bodies that only move in the plane along the track. The
+    /// third axes are vertical and the first ones along the track in the reference position.
+    #[must_use]
+    pub fn upright_in_plane(first: Anchor, second: Anchor) -> Self {
+        Self {
+            pair: Pair { first, second },
+            equations: UPRIGHT_IN_PLANE,
+        }
+    }
+
     /// Five equations: the second point stays on the third axis of the first anchor (m), all axes are parallel (–).
     #[must_use]
     pub fn prismatic(first: Anchor, second: Anchor) -> Self {
@@ -65,7 +79,7 @@ impl Joint {
     /// What it joins.
     #[must_use]
     pub fn anchors(&self) -> [Anchor; 2] {
-        [self.pair.first, self.pair.second]
+        [self.pair.first.clone(), self.pair.second.clone()]
     }
 
     /// Adds the geometric stiffness `∂(g_qᵀ λ)/∂q` under the multipliers `lambda` (one per equation), 12 × 12 or, with
@@ -100,5 +114,19 @@ impl Constraint for Joint {
         for (row, &measure) in self.equations.iter().enumerate() {
             rows.add(row, indices, &view.gradient(measure).as_slice()[..indices.len()]);
         }
+    }
+
+    fn add_velocity_terms(&self, motion: &Motion<'_>, g: &mut [f64]) -> bool {
+        let view = self.pair.view(motion);
+        let indices = view.indices();
+        for (g, &measure) in g.iter_mut().zip(self.equations) {
+            let hessian = view.hessian(measure);
+            for (k, &of_row) in indices.iter().enumerate() {
+                for (l, &of_column) in indices.iter().enumerate() {
+                    *g += motion.v[of_row] * hessian[(k, l)] * motion.v[of_column];
+                }
+            }
+        }
+        true
     }
 }

@@ -12,7 +12,7 @@ use nalgebra::{SMatrix, SVector, Vector3};
 pub(crate) const WIDTH: usize = 12;
 
 /// Two anchors.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
     /// Its axes carry the directions that positions are measured along.
     pub first: Anchor,
@@ -183,7 +183,7 @@ impl PairView {
 }
 
 /// Adds the leading part of `matrix` on the coordinates `indices`.
-pub(super) fn add_square(blocks: &mut Blocks<'_>, indices: &[usize], matrix: &SMatrix<f64, WIDTH, WIDTH>) {
+pub(crate) fn add_square(blocks: &mut Blocks<'_>, indices: &[usize], matrix: &SMatrix<f64, WIDTH, WIDTH>) {
     let n = indices.len();
     let mut values = [0.0; WIDTH * WIDTH];
     for row in 0..n {

@@ -46,7 +46,7 @@ impl Two {
         ];
         kinds
             .iter()
-            .flat_map(|joint| ends.map(|(first, second)| joint(first, second)))
+            .flat_map(|joint| ends.clone().map(|(first, second)| joint(first, second)))
             .collect()
     }
 }
@@ -95,6 +95,20 @@ fn the_jacobian_of_a_joint_is_the_derivative_of_its_residual() {
         let difference = jacobian(&two.layout, &state, &mut |state| residual(&joint, state));
         let error = (difference - g_q(&joint, &state)).amax();
         assert!(error < 1e-9, "{error}"); // h² and rounding / h
+    }
+}
+
+#[test]
+fn the_velocity_terms_of_a_joint_are_the_rate_of_its_rate_at_constant_velocities() {
+    let two = two();
+    let state = awkward(&two.layout);
+    let v = DVector::from_column_slice(&state.v);
+    for joint in two.joints() {
+        // (g_q v)_q v
+        let difference = jacobian(&two.layout, &state, &mut |state| g_q(&joint, state) * &v) * &v;
+        let mut terms = DVector::zeros(joint.dimension());
+        assert!(joint.add_velocity_terms(&state.motion(&[]), terms.as_mut_slice()));
+        assert!(terms.amax() > 0.1 && (&difference - &terms).amax() < 1e-7 * terms.amax());
     }
 }
 

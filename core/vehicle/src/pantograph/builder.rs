@@ -1,6 +1,7 @@
 //! From the scene's mechanism to bodies, joints and forces.
+use super::Ground;
 use crate::VehicleError;
-use crate::multibody::{Anchor, AxialSpring, BaseMarker, BodyMarker, DeadForce, Joint, Pair, Pose, RigidBody};
+use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, Pair, Pose, RigidBody};
 use dynamics::Layout;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use scene::{JointKind, Linkage as Entry};
@@ -8,12 +9,13 @@ use scene::{JointKind, Linkage as Entry};
 /// The scene's mechanism on the way to its parts.
 pub(super) struct Builder<'a> {
     entry: &'a Entry,
+    ground: Ground,
     pub orientations: Vec<UnitQuaternion<f64>>,
     pub bodies: Vec<RigidBody>,
 }
 
 impl<'a> Builder<'a> {
-    pub fn new(entry: &'a Entry, gravity: f64, name: &str, layout: &mut Layout) -> Self {
+    pub fn new(entry: &'a Entry, ground: Ground, gravity: f64, name: &str, layout: &mut Layout) -> Self {
         let base = Vector3::new(entry.base[0], entry.base[1], 0.0);
         let mut orientations = Vec::new();
         let mut bodies = Vec::new();
@@ -36,6 +38,7 @@ impl<'a> Builder<'a> {
         }
         Self {
             entry,
+            ground,
             orientations,
             bodies,
         }
@@ -65,7 +68,7 @@ impl<'a> Builder<'a> {
             JointKind::Revolute { axis } | JointKind::Prismatic { axis } => frame_about(&axis.into()),
         };
         if name == Entry::BASE {
-            return Ok(Anchor::Base(BaseMarker { position: point, axes }));
+            return Ok(self.ground.anchor(point, axes));
         }
         Ok(Anchor::Body(self.marker(self.number(key, name)?, &point, &axes)))
     }

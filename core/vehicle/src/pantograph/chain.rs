@@ -1,5 +1,6 @@
 //! The parts of a lumped pantograph: masses that rise and fall, and what joins them.
-use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Updates, Weights};
+use crate::multibody::{Anchor, BaseMarker, Measure, Pair};
+use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::{Matrix3, Vector3};
 
 /// Sliding velocity (m/s) at which the regularised friction has reached tanh(1) = 76 % of Coulomb's.
@@ -34,22 +35,63 @@ impl Force for ChainMasses {
     }
 }
 
+/// What the last element of a chain stands on, where that moves.
+///
+/// It bears what the chain presses down with, and the reaction `S` of the static force: at rest the contact force.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Foot {
+    /// From a point that does not move, where the foot is in the reference state, to the foot.
+    pub pair: Pair,
+    /// `S`, N.
+    pub lift: f64,
+}
+
+impl Foot {
+    const RISE: Measure = Measure::Point(2);
+
+    /// A foot that is at `reference` (m) in the reference state.
+    #[must_use]
+    pub fn new(foot: Anchor, reference: Vector3<f64>, lift: f64) -> Self {
+        let first = Anchor::Base(BaseMarker {
+            position: reference,
+            axes: Matrix3::identity(),
+        });
+        Self {
+            pair: Pair { first, second: foot },
+            lift,
+        }
+    }
+
+    fn frame(&self, motion: &Motion<'_>) -> Frame {
+        self.pair.second.frame(motion)
+    }
+
+    /// Rise and its rate, m and m/s.
+    fn rise(&self, motion: &Motion<'_>) -> (f64, f64) {
+        let frame = self.frame(motion);
+        let reference = self.pair.first.frame(motion).position.z;
+        (frame.position.z - reference, frame.velocity.z)
+    }
+}
+
 /// Spring, damper and friction between a mass and the one below, or the base.
 ///
 /// ```text
-/// s = q_below − q_above         compression beyond the reference state, m; q_below = 0 for the base
+/// s = q_below − q_above         compression beyond the reference state, m; q_below is the rise of the base at the last one
 /// N = P + k s + c ṡ             a plain element
 /// N = max(0, P + k s + c ṡ)     where it pushes only (a stop, a loose head), as long as P + k s > 0, else 0
 /// F = N + R tanh(ṡ / v_R)       on the mass above; −F on the mass below
 /// ```
 ///
 /// `v_R` is [`FRICTION_VELOCITY`]: Coulomb friction `R sign(ṡ)` with the jump rounded off.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ChainElement {
     /// Coordinate of the mass above.
     pub above: usize,
     /// Coordinate of the mass below; `None` is the base.
     pub below: Option<usize>,
+    /// The base, where it moves and there is no mass below.
+    pub foot: Option<Foot>,
     /// `k`, N/m.
     pub stiffness: f64,
     /// `c`, N·s/m.
@@ -71,6 +113,7 @@ impl ChainElement {
         Self {
             above,
             below,
+            foot: None,
             stiffness,
             damping,
             preload,
@@ -82,9 +125,11 @@ impl ChainElement {
 
     /// `(s, ṡ)`, m and m/s.
     fn compression(&self, motion: &Motion<'_>) -> (f64, f64) {
-        let (q, v) = self
-            .below
-            .map_or((0.0, 0.0), |below| (motion.q[below], motion.v[below]));
+        let (q, v) = match (self.below, &self.foot) {
+            (Some(below), _) => (motion.q[below], motion.v[below]),
+            (None, Some(foot)) => foot.rise(motion),
+            (None, None) => (0.0, 0.0),
+        };
         (q - motion.q[self.above], v - motion.v[self.above])
     }
 
@@ -124,15 +169,45 @@ impl Force for ChainElement {
         force[self.above] += normal;
         if let Some(below) = self.below {
             force[below] -= normal;
+        } else if let Some(foot) = &self.foot {
+            let mut columns = Columns::default();
+            foot.pair.second.columns(motion, &mut columns);
+            columns.add_force(&Vector3::new(0.0, 0.0, -normal - foot.lift), &Vector3::zeros(), force);
         }
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         let s = self.coefficient(motion, weights);
         self.factored = s;
-        match self.below {
-            Some(below) => blocks.add(&[self.above, below], &[self.above, below], &[s, -s, -s, s]),
-            None => blocks.add(&[self.above], &[self.above], &[s]),
+        match (self.below, &self.foot) {
+            (Some(below), _) => blocks.add(&[self.above, below], &[self.above, below], &[s, -s, -s, s]),
+            (None, None) => blocks.add(&[self.above], &[self.above], &[s]),
+            (None, Some(foot)) => {
+                let view = foot.pair.view(motion);
+                let count = view.indices().len();
+                let (rise_q, rise_qq) = (view.gradient(Foot::RISE), view.hessian(Foot::RISE));
+                let load = self.law(motion).0 + foot.lift;
+                let mut v = rise_q * 0.0;
+                for (v, &index) in v.iter_mut().zip(view.indices()) {
+                    *v = motion.v[index];
+                }
+                // ∂ṡ/∂q at constant v
+                let (_, _, damping) = self.law(motion);
+                let rate_q = rise_qq.transpose() * v;
+                blocks.add(&[self.above], &[self.above], &[s]);
+                for k in 0..count {
+                    let index = view.indices()[k];
+                    let of_rate = weights.q * damping * rate_q[k];
+                    blocks.add(&[self.above], &[index], &[-s * rise_q[k] - of_rate]);
+                    blocks.add(&[index], &[self.above], &[-s * rise_q[k]]);
+                    for l in 0..count {
+                        let of_rate = weights.q * damping * rise_q[k] * rate_q[l];
+                        let bent = weights.q * load * rise_qq[(k, l)];
+                        let value = s * rise_q[k] * rise_q[l] + of_rate + bent;
+                        blocks.add(&[index], &[view.indices()[l]], &[value]);
+                    }
+                }
+            }
         }
     }
 
@@ -143,7 +218,20 @@ impl Force for ChainElement {
         let change = self.coefficient(motion, weights) - self.factored;
         if change != 0.0 {
             let below = self.below.map(|below| (below, 1.0));
-            updates.rank_one(0, 0, change, std::iter::once((self.above, -1.0)).chain(below));
+            let mut columns = Columns::default();
+            if let (None, Some(foot)) = (self.below, &self.foot) {
+                foot.pair.second.columns(motion, &mut columns);
+            }
+            let foot = columns
+                .as_slice()
+                .iter()
+                .map(|column| (column.index, column.translation.z));
+            updates.rank_one(
+                0,
+                0,
+                change,
+                std::iter::once((self.above, -1.0)).chain(below).chain(foot),
+            );
         }
     }
 
@@ -156,7 +244,27 @@ impl Force for ChainElement {
         } else {
             s
         };
-        self.preload * s + 0.5 * self.stiffness * s * s
+        let lifted = match (self.below, &self.foot) {
+            (None, Some(foot)) => foot.lift * foot.rise(motion).0,
+            _ => 0.0,
+        };
+        self.preload * s + 0.5 * self.stiffness * s * s + lifted
+    }
+
+    fn power(&self, motion: &Motion<'_>) -> Option<Power> {
+        let foot = self.foot.as_ref()?;
+        if !matches!(foot.pair.second, Anchor::Given(_)) {
+            return None;
+        }
+        // What lifts the foot works; the law at rest is what the energy knows of.
+        let (normal, ..) = self.law(motion);
+        let (s, rate) = self.compression(motion);
+        let elastic = self.preload + self.stiffness * s;
+        let elastic = if self.unilateral { elastic.max(0.0) } else { elastic };
+        Some(Power {
+            driven: (normal + foot.lift) * foot.rise(motion).1,
+            dissipated: (normal - elastic) * rate,
+        })
     }
 
     fn save(&self, out: &mut Vec<f64>) {

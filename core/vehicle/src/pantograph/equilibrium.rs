@@ -1,4 +1,5 @@
 //! A pantograph at rest under a contact force.
+use crate::train::TrainRest;
 use dynamics::State;
 use nalgebra::UnitQuaternion;
 
@@ -23,6 +24,8 @@ pub struct Equilibrium {
     pub rotation: Vec<UnitQuaternion<f64>>,
     /// The multipliers of its joints, N or N·m.
     pub lambda: Vec<f64>,
+    /// The vehicle under it, where there is one.
+    pub train: Option<Box<TrainRest>>,
 }
 
 impl Equilibrium {

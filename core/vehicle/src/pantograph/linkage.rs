@@ -1,12 +1,15 @@
 //! The linkage: a pantograph of rigid bodies and joints.
+use super::Ground;
+use super::air::{Air, AirForce, AirMarker, points_of};
 use super::builder::Builder;
 use super::equilibrium::{Equilibrium, Offsets};
 use super::statics::{self, Target};
-use crate::VehicleError;
 use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, RigidBody};
+use crate::train::Load;
+use crate::{Base, VehicleError};
 #[cfg(test)]
 use dynamics::State;
-use dynamics::{Constraint, Force, Layout, Marker, Motion};
+use dynamics::{AerodynamicLaw, Constraint, Force, Layout, Marker, Motion};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use scene::Linkage as Entry;
 
@@ -28,6 +31,8 @@ pub struct Linkage {
     /// Of the bodies in the reference position.
     orientations: Vec<UnitQuaternion<f64>>,
     static_force: f64,
+    /// Forces of the air; no part of the balance in the reference position.
+    air: Vec<AirForce>,
 }
 
 impl Linkage {
@@ -36,30 +41,58 @@ impl Linkage {
     /// # Errors
     /// Names that do not fit together; [`VehicleError::NotBalanced`] where the tabulated position cannot be at rest.
     pub fn new(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
-        let mut linkage = Self::without_preload(entry, gravity, name, layout)?;
-        let mut local = linkage.local()?;
+        Self::on(Ground::Still, entry, gravity, name, layout)
+    }
+
+    /// The same mechanism on another ground; the preload of its suspension is that of the reference position.
+    ///
+    /// # Errors
+    /// See [`Linkage::new`].
+    pub(crate) fn on(
+        ground: Ground,
+        entry: &Entry,
+        gravity: f64,
+        name: &str,
+        layout: &mut Layout,
+    ) -> Result<Self, VehicleError> {
+        let mut linkage = Self::without_preload(ground, entry, gravity, name, layout)?;
+        let mut local = linkage.local(Ground::Still)?;
         let balance = statics::balance(&mut local.0, &local.1)?;
         linkage.suspension.preload = balance.preload;
         linkage.static_force = balance.force;
         Ok(linkage)
     }
 
-    /// The same mechanism alone in a layout.
-    pub(crate) fn local(&self) -> Result<(Self, Layout), VehicleError> {
+    /// The same mechanism alone in a layout, on this ground.
+    pub(crate) fn local(&self, ground: Ground) -> Result<(Self, Layout), VehicleError> {
         let mut layout = Layout::new();
-        let mut linkage = Self::without_preload(&self.entry, self.gravity, "linkage", &mut layout)?;
+        let mut linkage = Self::without_preload(ground, &self.entry, self.gravity, "linkage", &mut layout)?;
         linkage.suspension.preload = self.suspension.preload;
         linkage.static_force = self.static_force;
+        linkage.air.clone_from(&self.air);
+        for force in &mut linkage.air {
+            if let AirMarker::Body(marker) = &mut force.marker.marker {
+                marker.pose.translation -= self.offsets.coordinate;
+                marker.pose.rotation -= self.offsets.coordinate;
+                marker.pose.orientation -= self.offsets.orientation;
+            }
+        }
         Ok((linkage, layout))
     }
 
-    fn without_preload(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
+    fn without_preload(
+        ground: Ground,
+        entry: &Entry,
+        gravity: f64,
+        name: &str,
+        layout: &mut Layout,
+    ) -> Result<Self, VehicleError> {
         let offsets = Offsets {
             coordinate: layout.coordinates(),
             constraint: layout.constraints(),
             orientation: layout.rotations().len(),
         };
-        let builder = Builder::new(entry, gravity, name, layout);
+        let builder = Builder::new(entry, ground, gravity, name, layout);
         let joints = builder.joints()?;
         layout.add_constraints(joints.iter().map(Constraint::dimension).sum());
         Ok(Self {
@@ -73,7 +106,41 @@ impl Linkage {
             gravity,
             offsets,
             static_force: 0.0,
+            air: Vec::new(),
         })
+    }
+
+    /// Lets the air act on bodies, or lift the strip.
+    pub(crate) fn expose(&mut self, air: &Air, base: Base) {
+        let mut forces = Vec::new();
+        if let Some(coefficient) = air.uplift {
+            let law = AerodynamicLaw::Uplift { coefficient };
+            forces.push(air.force(AirMarker::Body(self.strip), base, law));
+        }
+        for surface in &air.surfaces {
+            for (marker, area) in self.points_of(surface) {
+                let law = AerodynamicLaw::Polar(surface.polar(area));
+                forces.push(air.force(AirMarker::Body(marker), base, law));
+            }
+        }
+        self.air = forces;
+    }
+
+    /// The points of a surface and their areas in m²; a body that is not there has none.
+    pub(super) fn points_of(&self, surface: &scene::WindSurface) -> Vec<(BodyMarker, f64)> {
+        let Some(number) = self.entry.bodies.iter().position(|body| body.name == surface.body) else {
+            return Vec::new();
+        };
+        let pose = self.bodies[number].pose;
+        let points = points_of(surface, &self.orientations[number]).into_iter();
+        points
+            .map(|(offset, axes, area)| (BodyMarker { pose, offset, axes }, area))
+            .collect()
+    }
+
+    /// The forces of the air.
+    pub(crate) fn air_mut(&mut self) -> &mut [AirForce] {
+        &mut self.air
     }
 
     /// The strip in the frame of the base; its axes are those of the body.
@@ -148,6 +215,31 @@ impl Linkage {
         }
     }
 
+    /// What acts on the mechanism from outside, at rest: weights, uplift and contact force.
+    pub(crate) fn loads(&self, equilibrium: &Equilibrium) -> Result<Vec<Load>, VehicleError> {
+        let (linkage, layout) = self.local(Ground::Still)?;
+        let mut state = layout.state_at_rest();
+        equilibrium.write(Offsets::default(), &mut state);
+        let motion = state.motion(&[]);
+        let mut loads: Vec<Load> = linkage
+            .bodies
+            .iter()
+            .map(|body| Load {
+                point: body.pose.position(&motion),
+                force: -body.mass * body.gravity,
+            })
+            .collect();
+        loads.push(Load {
+            point: linkage.uplift.marker.frame(&motion).position,
+            force: linkage.uplift.force.z,
+        });
+        loads.push(Load {
+            point: linkage.strip.frame(&motion).position,
+            force: -equilibrium.force,
+        });
+        Ok(loads)
+    }
+
     /// Number of the strip's body.
     pub(super) fn strip_body(&self) -> usize {
         self.strip.pose.orientation - self.offsets.orientation
@@ -199,6 +291,9 @@ impl Linkage {
         }
         visit(&mut self.suspension);
         visit(&mut self.uplift);
+        for air in &mut self.air {
+            visit(air);
+        }
     }
 
     /// Visits every joint in a fixed order.
@@ -216,7 +311,7 @@ impl Linkage {
     /// # Errors
     /// [`VehicleError::NotConverged`] where the mechanism cannot bear that force.
     pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Target::Force(force))
+        self.equilibrium(Ground::Still, Target::Force(force))
     }
 
     /// The state of rest with the middle of the strip at `height` (m) above the top of rail.
@@ -224,11 +319,12 @@ impl Linkage {
     /// # Errors
     /// [`VehicleError::NotConverged`] where the mechanism does not reach that height.
     pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Target::Height(height))
+        self.equilibrium(Ground::Still, Target::Height(height))
     }
 
-    fn equilibrium(&self, target: Target) -> Result<Equilibrium, VehicleError> {
-        let (mut linkage, layout) = self.local()?;
+    /// As [`Linkage::equilibrium_at_height`] or [`Linkage::equilibrium_at_force`], on a ground that rests somewhere else.
+    pub(crate) fn equilibrium(&self, ground: Ground, target: Target) -> Result<Equilibrium, VehicleError> {
+        let (mut linkage, layout) = self.local(ground)?;
         let start = layout.state_at_rest();
         statics::solve(&mut linkage, start, self.static_force, target)
     }

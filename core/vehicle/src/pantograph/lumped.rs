@@ -1,8 +1,12 @@
 //! The lumped pantograph: any number of masses one above the other.
+use super::air::{Air, AirForce, AirMarker};
+use super::chain::Foot;
 use super::equilibrium::{Equilibrium, Offsets};
-use super::{ChainElement, ChainMasses, HeadMarker};
-use crate::VehicleError;
-use dynamics::{Force, Layout};
+use super::statics::Target;
+use super::{ChainElement, ChainMasses, Ground, HeadMarker};
+use crate::{Base, VehicleError};
+use dynamics::{AerodynamicLaw, Force, Layout};
+use nalgebra::{Matrix3, Vector3};
 
 /// A vertical chain of masses, collector head first, each on a spring–damper, the last one on the base.
 ///
@@ -21,6 +25,8 @@ pub struct Lumped {
     head: HeadMarker,
     /// Contact force at rest at the reference height, N.
     reference_force: f64,
+    /// Uplift of the air on the strip.
+    air: Vec<AirForce>,
 }
 
 impl Lumped {
@@ -65,7 +71,39 @@ impl Lumped {
                 reference_height,
             },
             reference_force,
+            air: Vec::new(),
         })
+    }
+
+    /// Lets the air lift the strip.
+    pub(crate) fn expose(&mut self, air: &Air, base: Base) {
+        let law = |coefficient| AerodynamicLaw::Uplift { coefficient };
+        let uplift = air
+            .uplift
+            .iter()
+            .map(|&uplift| air.force(AirMarker::Head(self.head), base, law(uplift)));
+        self.air = uplift.collect();
+    }
+
+    /// The forces of the air.
+    pub(crate) fn air_mut(&mut self) -> &mut [AirForce] {
+        &mut self.air
+    }
+
+    /// What the air lifts the strip with at rest at t = 0, N: it carries so much less of the contact force.
+    fn uplift(&self) -> f64 {
+        let q = vec![0.0; self.offsets.coordinate + 1];
+        let mut force = q.clone();
+        super::air::add_at_rest(&mut self.air.clone(), &q, &mut force);
+        force[self.offsets.coordinate]
+    }
+
+    /// Puts the chain on a ground that moves; `base` (m) is where it stands in the reference position.
+    pub(crate) fn stand_on(&mut self, ground: &Ground, base: Vector3<f64>) {
+        let lift = self.masses.static_force;
+        if let (Some(last), false) = (self.elements.last_mut(), matches!(ground, Ground::Still)) {
+            last.foot = Some(Foot::new(ground.anchor(base, Matrix3::identity()), base, lift));
+        }
     }
 
     /// The strip in the frame of the base.
@@ -98,6 +136,9 @@ impl Lumped {
         for element in &mut self.elements {
             visit(element);
         }
+        for air in &mut self.air {
+            visit(air);
+        }
     }
 
     pub(crate) fn offsets(&self) -> Offsets {
@@ -118,7 +159,7 @@ impl Lumped {
     /// [`VehicleError::OutOfReach`] where an element that pushes only would have to pull, or an element without stiffness
     /// to carry a force.
     pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
-        let excess = force - self.reference_force;
+        let excess = force - self.uplift() - self.reference_force;
         let compressions = self.elements.iter().map(|element| {
             let carried = element.preload + excess;
             if excess == 0.0 {
@@ -144,11 +185,22 @@ impl Lumped {
             // It gives way at no force; the others stay as they are.
             let mut compressions = vec![0.0; self.elements.len()];
             compressions[soft] = -rise;
-            return Ok(self.state(self.reference_force, &compressions));
+            return Ok(self.state(self.reference_force + self.uplift(), &compressions));
         }
         let compliance: f64 = self.elements.iter().map(|element| 1.0 / element.stiffness).sum();
-        let mut equilibrium = self.equilibrium_at_force(self.reference_force - rise / compliance)?;
+        let mut equilibrium = self.equilibrium_at_force(self.reference_force + self.uplift() - rise / compliance)?;
         equilibrium.height = height;
+        Ok(equilibrium)
+    }
+
+    /// As [`Lumped::equilibrium_at_force`] or [`Lumped::equilibrium_at_height`], on a base that has risen by `rise` m.
+    pub(crate) fn equilibrium_risen(&self, rise: f64, target: Target) -> Result<Equilibrium, VehicleError> {
+        let mut equilibrium = match target {
+            Target::Force(force) => self.equilibrium_at_force(force),
+            Target::Height(height) => self.equilibrium_at_height(height - rise),
+        }?;
+        equilibrium.q.iter_mut().for_each(|q| *q += rise);
+        equilibrium.height += rise;
         Ok(equilibrium)
     }
 
@@ -165,6 +217,7 @@ impl Lumped {
             q,
             rotation: Vec::new(),
             lambda: Vec::new(),
+            train: None,
         }
     }
 

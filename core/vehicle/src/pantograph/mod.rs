@@ -1,8 +1,10 @@
 //! Pantographs: masses in a chain, or a mechanism of rigid bodies.
+mod air;
 mod builder;
 mod chain;
 mod curve;
 mod equilibrium;
+mod ground;
 mod linkage;
 mod lumped;
 mod one_motion;
@@ -13,9 +15,13 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+pub use air::{Air, AirMarker, ReducedPoint};
 pub use chain::{ChainElement, ChainMasses, FRICTION_VELOCITY, HeadMarker};
 pub use equilibrium::Equilibrium;
+pub(crate) use equilibrium::Offsets;
+pub(crate) use ground::Ground;
 pub use linkage::Linkage;
 pub use lumped::Lumped;
 pub use one_motion::ReducedStrip;
 pub use reduced::ReducedLinkage;
+pub(crate) use statics::Target;

@@ -1,12 +1,13 @@
 //! The linkage reduced to what its joints leave free: its one motion and the collector suspension.
+use super::air::{Air, AirForce, AirMarker, PointPath, ReducedPoint, add_at_rest};
 use super::curve::{Curve, Node, Path};
 use super::equilibrium::{Equilibrium, Offsets};
 use super::linkage::Linkage;
 use super::one_motion::{OneMotion, Place, ReducedStrip};
 use super::statics::Target;
 use super::table::Table;
-use crate::VehicleError;
-use dynamics::{Blocks, Force, Layout, Motion, Weights};
+use crate::{Base, VehicleError};
+use dynamics::{AerodynamicLaw, Blocks, Force, Layout, Motion, Weights};
 use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
 use scene::Linkage as Entry;
 use std::sync::Arc;
@@ -39,7 +40,9 @@ pub struct ReducedLinkage {
     start: [f64; 2],
     /// The mechanism alone in a layout, and its bodies on the curve: for drawings.
     full: Linkage,
-    bodies: Vec<Curve<3>>,
+    bodies: Vec<Arc<Curve<3>>>,
+    /// Forces of the air; no part of the balance in the reference position.
+    air: Vec<AirForce>,
 }
 
 impl ReducedLinkage {
@@ -96,11 +99,61 @@ impl ReducedLinkage {
             uplift_force: entry.uplift.force,
             base_z: entry.base[2],
             start: [0.0; 2],
-            bodies: bodies.collect(),
+            bodies: bodies.map(Arc::new).collect(),
+            air: Vec::new(),
             full,
         };
         reduced.balance();
         Ok(reduced)
+    }
+
+    /// Lets the air act on bodies, or lift the strip.
+    pub(crate) fn expose(&mut self, air: &Air, base: Base) {
+        let mut forces = Vec::new();
+        if let Some(coefficient) = air.uplift {
+            let law = AerodynamicLaw::Uplift { coefficient };
+            forces.push(air.force(AirMarker::Strip(self.strip()), base, law));
+        }
+        let head = self.full.strip_body();
+        for surface in &air.surfaces {
+            for (marker, area) in self.full.points_of(surface) {
+                // Alone in its layout the mechanism counts its orientations from 0, as its bodies.
+                let number = marker.pose.orientation;
+                let orientation = self.full.orientation(number);
+                let point = ReducedPoint {
+                    path: if number == head {
+                        PointPath::Carried(Arc::clone(&self.motion))
+                    } else {
+                        PointPath::Follower(Arc::clone(&self.bodies[number - usize::from(number > head)]))
+                    },
+                    coordinate: self.offsets.coordinate,
+                    arm: orientation * marker.offset,
+                    y: marker.pose.reference.y,
+                    axes: orientation.to_rotation_matrix() * marker.axes,
+                };
+                let law = AerodynamicLaw::Polar(surface.polar(area));
+                forces.push(air.force(AirMarker::Reduced(point), base, law));
+            }
+        }
+        self.air = forces;
+    }
+
+    /// The forces of the air.
+    pub(crate) fn air_mut(&mut self) -> &mut [AirForce] {
+        &mut self.air
+    }
+
+    /// Generalised forces of the air at rest at t = 0.
+    fn air_at_rest(&self, [sigma, rise]: [f64; 2]) -> [f64; 2] {
+        if self.air.is_empty() {
+            return [0.0; 2];
+        }
+        let i = self.offsets.coordinate;
+        let mut q = vec![0.0; i + 2];
+        let mut force = q.clone();
+        (q[i], q[i + 1]) = (sigma, rise);
+        add_at_rest(&mut self.air.clone(), &q, &mut force);
+        [force[i], force[i + 1]]
     }
 
     /// Preload and contact force under which the reference position is at rest.
@@ -271,7 +324,9 @@ impl ReducedLinkage {
                 Target::Force(target) => (target - force, [0.0, 1.0]),
                 Target::Height(target) => (target - height, [1.0, 0.0]),
             };
-            let right = Vector3::new(along_sigma - force * z_1, along_zeta - force, missing);
+            // The air's own stiffness, far below that of the suspension, is left out of the matrix.
+            let air = self.air_at_rest(q);
+            let right = Vector3::new(along_sigma + air[0] - force * z_1, along_zeta + air[1] - force, missing);
             let scale = place.potential[1].abs().max(self.motion.weight).max(force.abs());
             tolerance = TOLERANCE * scale;
             residual = right.x.abs().max(right.y.abs()).max(right.z.abs() * scale);
@@ -285,6 +340,7 @@ impl ReducedLinkage {
                     q: q.to_vec(),
                     rotation: Vec::new(),
                     lambda: Vec::new(),
+                    train: None,
                 });
             }
             let [k11, k12, _, k22] = self.stiffness(&place);

@@ -29,7 +29,7 @@ const ITERATIONS: usize = 60;
 
 /// What an equilibrium is asked for at.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Target {
+pub(crate) enum Target {
     /// Contact force, N.
     Force(f64),
     /// Height of the strip, m.
@@ -124,7 +124,7 @@ pub(super) fn balance(linkage: &mut Linkage, layout: &Layout) -> Result<Balance,
         stiffness: 0.0,
         damping: 0.0,
         preload: 1.0,
-        ..*linkage.suspension()
+        ..linkage.suspension().clone()
     };
     unit.add_force(&state.motion(&[]), preload.as_mut_slice());
     // Q + P s_q − f z_q − g_qᵀ λ = 0, unknown (λ, P, f).
@@ -196,6 +196,7 @@ pub(super) fn solve(
                 q: state.q,
                 rotation: state.rotation,
                 lambda: state.lambda,
+                train: None,
             });
         }
 

@@ -97,7 +97,11 @@ fn the_four_bar_stays_closed_through_the_working_range() {
 fn links_that_may_spin_freely_stay_as_they_are() {
     let (linkage, _) = linkage(&thesis());
     let equilibrium = linkage.equilibrium_at_height(4.6).unwrap();
-    let start = linkage.local().unwrap().1.state_at_rest();
+    let start = linkage
+        .local(crate::pantograph::Ground::Still)
+        .unwrap()
+        .1
+        .state_at_rest();
     for link in [2, 3] {
         let turned = log(&(start.rotation[link].inverse() * equilibrium.rotation[link]));
         assert!(turned.y.abs() > 0.01, "the link follows the arm");
@@ -179,6 +183,9 @@ fn the_strip_starts_where_it_is_placed_and_travels() {
         speed: 55.0,
         gravity: GRAVITY,
         one_motion: false,
+        vehicle: None,
+        track: None,
+        duration: 0.0,
     };
     let entry = scene::PantographModel::Linkage(thesis());
     let mut model = PantographModel::new(&entry, placement, "pantograph 1", &mut layout).unwrap();
@@ -389,6 +396,9 @@ fn loads_accelerate_the_mechanism_as_its_effective_masses_say() {
         speed: 50.0,
         gravity: GRAVITY,
         one_motion: false,
+        vehicle: None,
+        track: None,
+        duration: 0.0,
     };
     let mut model = PantographModel::new(&entry, placement, "pantograph", &mut layout).unwrap();
     let mut state = layout.state_at_rest();

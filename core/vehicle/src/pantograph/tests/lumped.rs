@@ -26,6 +26,9 @@ fn alone(entry: scene::Lumped, with_contact: bool) -> (Alone, State) {
         speed: 70.0,
         gravity: 9.81,
         one_motion: false,
+        vehicle: None,
+        track: None,
+        duration: 0.0,
     };
     let model = PantographModel::new(
         &scene::PantographModel::Lumped(entry),

@@ -190,6 +190,9 @@ fn model(entry: &scene::Linkage, one_motion: bool) -> (PantographModel, Layout) 
         speed: 50.0,
         gravity: GRAVITY,
         one_motion,
+        vehicle: None,
+        track: None,
+        duration: 0.0,
     };
     let entry = scene::PantographModel::Linkage(entry.clone());
     let model = PantographModel::new(&entry, placement, "pantograph", &mut layout).unwrap();

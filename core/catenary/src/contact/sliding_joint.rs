@@ -1,0 +1,192 @@
+//! A strip that is held on a wire and slides along it.
+use super::sides::Sides;
+use super::{ContactGeometry, ContactState, ContactTangent, OnWire, PrescribedStrip};
+use crate::{Curve, CurveColumns};
+use dynamics::{Columns, Constraint, Force, Frame, JacobianRows, Marker, Motion, Updates, Weights};
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// The sliding joint between collector strip and contact wire [Thesis, section 4.2.1; Pappalardo et al. 2015]: one holonomic equation,
+/// with the arc length `s` of the contact as non-generalised coordinate.
+///
+/// ```text
+/// C_e(q, s) = 0                                  gives s(q)        [Thesis, Eq. (10), first row; Eq. (12)]
+/// g(t, q) = −n · (r(s) − p) = 0                                    [Thesis, Eq. (10), third row]
+/// g_q = −n · (r_q − p_q),    g_t = n · ṗ_t
+/// ```
+///
+/// `p` is the point of the strip, `ṗ_t` the part of its velocity that is prescribed, and `n` the common normal, see
+/// [`ContactGeometry`]. `s` is eliminated where it is found, as [Thesis, Eq. (13)] does: because the contact is where the distance is
+/// least, `r − p` is along `n` and what `s` changes drops out of `g_q`, also off the constraint. Written for the track,
+/// `g_q` says that the strip is at the height of the wire at its `x`: a strip that moves on by `δx` rises by the slope of the wire.
+/// `s` runs over the whole wire, so that nothing is handed over at the border of two elements: `r` and `r_s` are continuous there,
+/// and with them position and velocity of the strip. `r_ss` is not; the multiplier steps, see below.
+///
+/// The multiplier is the contact force, positive in compression, as that of [`super::PenaltyContact`]: `−g_qᵀ λ` presses the wire along `n` and
+/// the strip against it. It pulls where it is negative: this contact cannot be lost, and the width of the strip plays no part.
+///
+/// *Sideways.* The thesis' second row holds the strip's marker to the wire along `n₁` too, so that its contact point stays one point
+/// of the pan-head. With a stagger the wire would have to follow that point, or drag the strip along. Here the strip is a line, as
+/// with the penalty law: its point `p + η e` follows the wire sideways, and only the common normal carries a force. On a line
+/// without stagger, as the thesis', both are the same motion: nothing acts along `n₁`.
+///
+/// *Curvature.* `g̈ = 0` asks for a relative acceleration of `v² κ` along `n`, `κ = n·r_ss/|r_s|²`. Cubic elements have the same slope at
+/// a border but not the same curvature, so there the multiplier steps by
+///
+/// ```text
+/// Δλ = −v² Δκ / (1/m + Y),    1/m + Y = g_q M⁻¹ g_qᵀ               derived here
+/// ```
+///
+/// (it falls where the wire bends up more). `m` is the mass that the strip answers with and `Y` the wire's inverse mass there: `−m v² Δκ` for a strip much lighter than the wire
+/// around it. (`M v̇ + g_qᵀ λ = Q` and `g_q v̇ = −(g_q)˙ v − (g_t)˙` hold on both sides; `Q`, `M` and `g_q` are continuous; with `g = −n·(r − p)`
+/// the right side of the second steps by `v² Δκ`.)
+///
+/// *Integrator.* An error of the multiplier dies out with a double root `−rho_inf`; that the contact has moved on in the meantime feeds
+/// it. So `rho_inf` is to be well below 1, and scenes are held to 0.5; what that damps is of the second order of the step.
+pub struct SlidingJoint {
+    curve: Arc<dyn Curve>,
+    strip: Box<dyn Marker>,
+    tangent: ContactTangent,
+    /// Number of its multiplier in the system.
+    multiplier: usize,
+    /// Parameter found at the last predicted motion: every search of a step starts here.
+    s: f64,
+    /// Counts the directions, see [`Updates::border`].
+    version: u64,
+    direction: Vec<(usize, f64)>,
+}
+
+impl SlidingJoint {
+    /// A strip, seen through its marker (second axis along the strip), on a wire; its equation has the number `multiplier` in its
+    /// system.
+    #[must_use]
+    pub fn new(curve: Arc<dyn Curve>, strip: Box<dyn Marker>, multiplier: usize, tangent: ContactTangent) -> Self {
+        Self {
+            curve,
+            strip,
+            tangent,
+            multiplier,
+            s: 0.0,
+            version: 0,
+            direction: Vec::new(),
+        }
+    }
+
+    /// Puts another marker in place of the strip's, made of it.
+    pub fn replace_strip(&mut self, other: impl FnOnce(Box<dyn Marker>) -> Box<dyn Marker>) {
+        let nowhere: Box<dyn Marker> = Box::new(PrescribedStrip { first: 0 });
+        self.strip = other(std::mem::replace(&mut self.strip, nowhere));
+    }
+
+    /// The contact for a motion and the multipliers of its system; `None` where the strip is beyond the ends of the wire.
+    #[must_use]
+    pub fn state(&self, motion: &Motion<'_>, lambda: &[f64]) -> Option<ContactState> {
+        Some(ContactState::held(self.geometry(motion)?, lambda[self.multiplier]))
+    }
+
+    fn geometry(&self, motion: &Motion<'_>) -> Option<ContactGeometry> {
+        let frame = self.strip.frame(motion);
+        ContactGeometry::search(&*self.curve, &frame, self.s, motion.q, motion.v)
+    }
+
+    fn sides<'a>(&self, geometry: &'a ContactGeometry, motion: &Motion<'_>) -> Sides<'a> {
+        Sides::new(geometry, &*self.curve, &*self.strip, motion)
+    }
+
+    /// Takes `g_q` at a motion as the direction of the border.
+    fn turn(&mut self, geometry: &ContactGeometry, motion: &Motion<'_>) {
+        let sides = Sides::new(geometry, &*self.curve, &*self.strip, motion);
+        self.direction.clear();
+        self.direction
+            .extend(sides.gap_gradient().map(|(index, value)| (index, -value)));
+        self.version += 1;
+    }
+}
+
+impl OnWire for SlidingJoint {
+    fn strip(&self, motion: &Motion<'_>) -> Frame {
+        self.strip.frame(motion)
+    }
+
+    fn set_curve(&mut self, curve: Arc<dyn Curve>) {
+        self.curve = curve;
+    }
+}
+
+impl Force for SlidingJoint {
+    fn begin_step(&mut self, motion: &Motion<'_>) {
+        if let Some(geometry) = self.geometry(motion) {
+            self.s = geometry.s;
+            self.turn(&geometry, motion);
+        }
+    }
+
+    /// Nothing: the multiplier is the force.
+    fn add_force(&mut self, _motion: &Motion<'_>, _force: &mut [f64]) {}
+
+    fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
+        // With one direction for a step, what its turn leaves of the equation after a correction `Δq` is of the order of `κ Δs Δq`.
+        if self.tangent == ContactTangent::Exact
+            && let Some(geometry) = self.geometry(motion)
+        {
+            self.turn(&geometry, motion);
+            let frame = self.strip.frame(motion);
+            let lambda = updates.multiplier(self.multiplier);
+            let (indices, matrix) = self
+                .sides(&geometry, motion)
+                .tangent(&frame, lambda, weights.q, |_, _| 0.0);
+            updates.dense(2, &indices, &matrix);
+        }
+        updates.border(0, self.version, self.multiplier, self.direction.iter().copied());
+    }
+
+    fn save(&self, out: &mut Vec<f64>) {
+        out.push(self.s);
+    }
+
+    fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
+        if let Some(&s) = values.next() {
+            self.s = s;
+        }
+    }
+}
+
+impl Constraint for SlidingJoint {
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    /// No number where the strip is beyond the ends of the wire: a step does not get there.
+    fn residual(&self, motion: &Motion<'_>, g: &mut [f64]) {
+        g[0] = self.geometry(motion).map_or(f64::NAN, |geometry| -geometry.gap);
+    }
+
+    fn jacobian(&self, motion: &Motion<'_>, rows: &mut JacobianRows<'_>) {
+        const MOST: usize = CurveColumns::CAPACITY + Columns::CAPACITY;
+        let Some(geometry) = self.geometry(motion) else {
+            return;
+        };
+        let (mut indices, mut values, mut count) = ([0; MOST], [0.0; MOST], 0);
+        for (index, value) in self.sides(&geometry, motion).gap_gradient() {
+            (indices[count], values[count]) = (index, -value);
+            count += 1;
+        }
+        rows.add(0, &indices[..count], &values[..count]);
+    }
+
+    fn moves(&self) -> bool {
+        true
+    }
+
+    fn add_explicit_rate(&self, motion: &Motion<'_>, rates: &mut [f64]) {
+        if let Some(geometry) = self.geometry(motion) {
+            let prescribed: Vector3<f64> = self
+                .sides(&geometry, motion)
+                .prescribed(&self.strip.frame(motion), motion);
+            rates[0] += geometry.normal.dot(&prescribed);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

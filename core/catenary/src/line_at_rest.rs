@@ -1,0 +1,110 @@
+//! The line at rest over strips of given heights.
+use crate::contact::STRIP_INPUTS;
+use crate::{
+    CatenaryError, ContactTangent, OverheadLine, PrescribedStrip, SlidingJoint, StaticLine, StripStart, Subsystem,
+    scene_line,
+};
+use dynamics::{Constraint, Force, Layout, State, StaticOptions, System, solve_static};
+use scene::{ContactLaw, Scene};
+
+/// The line of a scene in the static equilibrium under its strips, with the contact law of the scene.
+pub struct LineAtRest(Law);
+
+enum Law {
+    Penalty(Box<Subsystem>),
+    SlidingJoint(Box<Joined>),
+}
+
+/// A line on strips that are held on its contact wire.
+struct Joined {
+    layout: Layout,
+    line: Box<dyn OverheadLine>,
+    joints: Vec<SlidingJoint>,
+    state: State,
+}
+
+impl System for Joined {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.line.forces(visit);
+        for joint in &mut self.joints {
+            visit(joint);
+        }
+    }
+
+    fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        for joint in &mut self.joints {
+            visit(joint);
+        }
+    }
+}
+
+impl LineAtRest {
+    /// The line of a solved static state with one strip per pantograph of the scene; [`LineAtRest::start`] must follow.
+    ///
+    /// # Errors
+    /// See [`CatenaryError`].
+    pub fn new(scene: &Scene, statics: &StaticLine) -> Result<Self, CatenaryError> {
+        let (_, contact) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
+        if contact.law == ContactLaw::Penalty {
+            return Ok(Self(Law::Penalty(Box::new(Subsystem::new(scene, statics)?))));
+        }
+        let mut layout = Layout::new();
+        let line = scene_line(scene, statics, &mut layout)?;
+        let joints = (0..scene.pantographs.len()).map(|strip| {
+            let first = strip * STRIP_INPUTS;
+            SlidingJoint::new(
+                line.contact_curve(),
+                Box::new(PrescribedStrip { first }),
+                layout.add_constraints(1),
+                ContactTangent::Exact,
+            )
+        });
+        let joints = joints.collect();
+        let state = layout.state_at_rest();
+        Ok(Self(Law::SlidingJoint(Box::new(Joined {
+            layout,
+            line,
+            joints,
+            state,
+        }))))
+    }
+
+    /// Puts the strips at these places and lets the line come to rest over them.
+    ///
+    /// # Errors
+    /// When there is no static equilibrium.
+    pub fn start(&mut self, strips: &[StripStart]) -> Result<(), CatenaryError> {
+        match &mut self.0 {
+            Law::Penalty(line) => line.start(strips),
+            Law::SlidingJoint(joined) => {
+                let inputs = |strip: &StripStart| [strip.x, strip.y, strip.height, 0.0, 0.0, 0.0, 0.0];
+                let u: Vec<f64> = strips.iter().flat_map(inputs).collect();
+                let mut state = std::mem::take(&mut joined.state);
+                let found = solve_static(&mut **joined, &mut state, &u, &StaticOptions::default());
+                joined.state = state;
+                found?;
+                Ok(())
+            }
+        }
+    }
+
+    /// Contact force of a strip (from 0), N.
+    pub fn force(&mut self, strip: usize) -> f64 {
+        match &mut self.0 {
+            Law::Penalty(line) => line.contact(strip).force,
+            Law::SlidingJoint(joined) => joined.state.lambda[strip],
+        }
+    }
+
+    /// Coordinates of the line.
+    pub fn q(&mut self) -> &[f64] {
+        match &mut self.0 {
+            Law::Penalty(line) => line.line().1.q,
+            Law::SlidingJoint(joined) => &joined.state.q,
+        }
+    }
+}

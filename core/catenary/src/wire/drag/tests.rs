@@ -1,0 +1,127 @@
+//! Drag on a wire: sums, differences, power.
+use super::*;
+use crate::NodeMap;
+use dynamics::State;
+
+const LENGTHS: [f64; 4] = [3.0, 2.5, 4.0, 1.5];
+
+fn geometry(spatial: bool) -> Arc<WireGeometry> {
+    let start = Vector3::new(10.0, 0.2, 5.0);
+    let map = |node: usize| {
+        if spatial {
+            NodeMap::spatial(6 * node)
+        } else {
+            NodeMap::planar(4 * node)
+        }
+    };
+    Arc::new(WireGeometry::straight(start, Vector3::x(), &LENGTHS, map))
+}
+
+fn drag(wind: Vector3<f64>) -> WireDrag {
+    WireDrag::new(
+        geometry(true),
+        CrossFlow::new(1.225, 1.2, 0.012),
+        Arc::new(Wind::uniform(wind)),
+    )
+}
+
+/// A wire that bends and moves.
+fn moving() -> State {
+    let mut state = State::at_rest(30, 0, Vec::new());
+    for (i, (q, v)) in state.q.iter_mut().zip(&mut state.v).enumerate() {
+        *q = 0.05 * (1.7 * i as f64).sin();
+        *v = 2.0 * (0.9 * i as f64).cos();
+    }
+    state
+}
+
+#[test]
+fn the_whole_force_is_pressure_times_area_and_acts_in_the_middle() {
+    let mut drag = drag(Vector3::new(-20.0, 15.0, 0.0));
+    let state = State::at_rest(30, 0, Vec::new());
+    let mut force = vec![0.0; 30];
+    drag.add_force(&state.motion(&[]), &mut force);
+    let whole: f64 = (0..5).map(|node| force[6 * node + 1]).sum();
+    // ½ 1.225 · 15² · 1.2 · 0.012 over 11 m, rounding.
+    let expected = 0.5 * 1.225 * 225.0 * 1.2 * 0.012 * 11.0;
+    assert!((whole - expected).abs() < 1e-13 * expected);
+    // A rigid turn about the start does the work of a moment F L/2; its slopes are one.
+    let mut s = 0.0;
+    let mut moment = 0.0;
+    for node in 0..5 {
+        moment += s * force[6 * node + 1] + force[6 * node + 4];
+        s += LENGTHS.get(node).copied().unwrap_or(0.0);
+    }
+    assert!((moment - expected * 5.5).abs() < 1e-12 * expected);
+    assert!((0..5).all(|node| force[6 * node] == 0.0 && force[6 * node + 2] == 0.0));
+}
+
+#[test]
+fn the_tangent_is_the_derivative_by_the_velocities_and_symmetric() {
+    let mut drag = drag(Vector3::new(-20.0, 15.0, 2.0));
+    let state = moving();
+    let motion = state.motion(&[]);
+    let weights = Weights { q: 0.0, v: 1.0 };
+    let mut places = Vec::new();
+    drag.add_tangent(&motion, weights, &mut Blocks::record(&mut places));
+    let order: Vec<u32> = (0..places.len() as u32).collect();
+    let mut values = vec![0.0; places.len()];
+    drag.add_tangent(&motion, weights, &mut Blocks::add_to(&order, &mut values));
+    let mut tangent = [[0.0; 30]; 30];
+    for (&(row, column), value) in places.iter().zip(&values) {
+        tangent[row as usize][column as usize] += value;
+    }
+    let h = 1e-5;
+    for column in 0..30 {
+        let mut side = |h: f64| {
+            let mut state = state.clone();
+            state.v[column] += h;
+            let mut force = vec![0.0; 30];
+            drag.add_force(&state.motion(&[]), &mut force);
+            force
+        };
+        let (up, down) = (side(h), side(-h));
+        for (row, of_row) in tangent.iter().enumerate() {
+            let difference = (down[row] - up[row]) / (2.0 * h);
+            // Rounding 1e-15/h of forces of some 10 N, and h².
+            assert!((of_row[column] - difference).abs() < 1e-8, "({row}, {column})");
+            assert!((of_row[column] - tangent[column][row]).abs() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn a_range_gets_what_the_whole_gives_there() {
+    for (spatial, size) in [(true, 30), (false, 20)] {
+        let law = CrossFlow::new(1.225, 1.2, 0.012);
+        let mut drag = WireDrag::new(
+            geometry(spatial),
+            law,
+            Arc::new(Wind::uniform(Vector3::new(3.0, 9.0, 5.0))),
+        );
+        let mut state = moving();
+        for values in [&mut state.q, &mut state.v] {
+            values.truncate(size);
+        }
+        assert_eq!(drag.evaluates_ranges(), spatial);
+        let mut whole = vec![0.0; size];
+        drag.add_force(&state.motion(&[]), &mut whole);
+        for range in [0..3, 5..14, 13..14, size - 1..size, 7..7] {
+            let mut part = vec![0.0; size];
+            drag.add_dynamic_force_within(range.clone(), &state.motion(&[]), &[], &mut part);
+            assert_eq!(part[range.clone()], whole[range], "{spatial}");
+        }
+    }
+}
+
+#[test]
+fn power_brought_in_less_power_lost_is_that_of_the_force() {
+    let mut drag = drag(Vector3::new(-20.0, 15.0, 2.0));
+    let state = moving();
+    let motion = state.motion(&[]);
+    let mut force = vec![0.0; 30];
+    drag.add_force(&motion, &mut force);
+    let expected: f64 = force.iter().zip(&state.v).map(|(q, v)| q * v).sum();
+    let power = Force::power(&drag, &motion).unwrap();
+    assert!((power.driven - power.dissipated - expected).abs() < 1e-12 * power.driven.abs().max(1.0)); // rounding
+}

@@ -1,0 +1,100 @@
+//! What calls itself linear has exactly the tangent and the mass that it gives to the solver.
+use catenary::{scene_line, static_line};
+use dynamics::{Blocks, Layout, Motion, SparseMatrix, Weights};
+use scene::Scene;
+
+const SCENE: &str = include_str!("../../../scenes/en50318-300.toml");
+
+/// Numbers in -1…1 that repeat in every run.
+fn noise(n: usize, seed: u64) -> Vec<f64> {
+    let mut state = seed;
+    let mut next = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1 << 30) - 1.0
+    };
+    (0..n).map(|_| next()).collect()
+}
+
+/// The matrix that `add` puts into blocks; it is called twice.
+fn matrix(size: usize, mut add: impl FnMut(&mut Blocks<'_>)) -> SparseMatrix {
+    let mut places = Vec::new();
+    add(&mut Blocks::record(&mut places));
+    let order: Vec<u32> = (0..places.len() as u32).collect();
+    let mut values = vec![0.0; places.len()];
+    add(&mut Blocks::add_to(&order, &mut values));
+    let entries = places.iter().zip(values);
+    SparseMatrix::from_entries(
+        size,
+        entries.map(|(&(row, column), value)| (row, column, value)).collect(),
+    )
+}
+
+/// Checks the contributions of a line that call themselves linear, and counts them.
+fn check(overrides: &[&str]) -> usize {
+    let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
+    let scene = Scene::from_toml(SCENE, "en50318-300.toml", &overrides).expect("the shipped scene is good");
+    let statics = static_line(&scene).expect("the shipped line has an equilibrium");
+    let mut layout = Layout::new();
+    let mut line = scene_line(&scene, &statics, &mut layout).expect("the reductions are possible");
+    let n = layout.coordinates();
+    let [q, v, a] = [(1e-3, 1), (0.1, 2), (10.0, 3)]
+        .map(|(size, seed)| noise(n, seed).iter().map(|x| size * x).collect::<Vec<f64>>());
+    let zeros = vec![0.0; n];
+    let [moved, rest] = [(&q, &v), (&zeros, &zeros)].map(|(q, v)| Motion {
+        t: 0.0,
+        q,
+        v,
+        rotation: &[],
+        u: &[],
+    });
+    let mut checked = 0;
+    line.forces(&mut |force| {
+        if !force.is_linear() {
+            return;
+        }
+        assert!(force.evaluates_ranges());
+        checked += 1;
+        let mut change = vec![0.0; n];
+        force.add_dynamic_force(&rest, &zeros, &mut change);
+        change.iter_mut().for_each(|value| *value = -*value);
+        force.add_dynamic_force(&moved, &a, &mut change);
+        let mut tangent = |weights| matrix(n, |blocks| force.add_tangent(&moved, weights, blocks));
+        let stiffness = tangent(Weights { q: 1.0, v: 0.0 });
+        let damping = tangent(Weights { q: 0.0, v: 1.0 });
+        let mass = matrix(n, |blocks| force.add_mass(blocks));
+        // Sums of absolute values: what rounding is relative to.
+        let mut largest = 0.0_f64;
+        for (row, change) in change.iter_mut().enumerate() {
+            for (matrix, x) in [(&stiffness, &q), (&damping, &v), (&mass, &a)] {
+                for (column, value) in matrix.row(row) {
+                    *change += value * x[column];
+                    largest = largest.max((value * x[column]).abs());
+                }
+            }
+        }
+        assert!(largest > 1.0, "there is something to compare");
+        for (row, left) in change.iter().enumerate() {
+            // Some hundred terms, each rounded to 1e-16 of the largest.
+            assert!(left.abs() < 1e-13 * largest, "{row}: {left:e} N of {largest:e} N");
+        }
+    });
+    checked
+}
+
+#[test]
+fn contributions_that_call_themselves_linear_change_by_their_tangent() {
+    // Two wires and their attachments; the window adds the spans beyond it, with damping where they end.
+    assert_eq!(check(&[r#"model.reduce=["planar","linearised"]"#]), 3);
+    assert_eq!(check(&[r#"model.reduce=["planar","linearised","window"]"#]), 4);
+    assert_eq!(
+        check(&[
+            r#"model.reduce=["linearised","window"]"#,
+            "catenary.mesh.elements_per_interval=2"
+        ]),
+        4
+    );
+    let long = ["catenary.spans=60", "catenary.mesh.elements_per_interval=2"];
+    assert_eq!(check(&[r#"model.reduce=["planar","window"]"#, long[0], long[1]]), 1);
+}

@@ -1,0 +1,260 @@
+//! Forces of the air against hand calculations and differences.
+use super::*;
+use crate::{Frame, rotation};
+use nalgebra::UnitQuaternion;
+
+const DENSITY: f64 = 1.225;
+
+/// A point fixed in a body with six coordinates: displacements, and the turn of its axes.
+struct Arm {
+    offset: Vector3<f64>,
+    axes: Matrix3<f64>,
+    travel: Vector3<f64>,
+}
+
+impl Marker for Arm {
+    fn frame(&self, motion: &Motion<'_>) -> Frame {
+        let body = motion.rotation[0].to_rotation_matrix().into_inner();
+        let offset = body * self.offset;
+        let omega = body * Vector3::from_column_slice(&motion.v[3..6]);
+        Frame {
+            position: Vector3::from_column_slice(&motion.q[..3]) + offset,
+            axes: body * self.axes,
+            velocity: Vector3::from_column_slice(&motion.v[..3]) + omega.cross(&offset) + self.travel,
+            angular_velocity: omega,
+        }
+    }
+
+    fn columns(&self, motion: &Motion<'_>, columns: &mut Columns) {
+        let body = motion.rotation[0].to_rotation_matrix().into_inner();
+        let offset = body * self.offset;
+        for axis in 0..3 {
+            columns.push(axis, Vector3::ith(axis, 1.0), Vector3::zeros());
+        }
+        for axis in 0..3 {
+            let turn = body.column(axis).into_owned();
+            columns.push(3 + axis, turn.cross(&offset), turn);
+        }
+    }
+}
+
+fn polar() -> Polar {
+    Polar::table(vec![-0.5, 0.1, 0.9], vec![0.05, 0.07, 0.2], vec![-0.02, 0.02, 0.06])
+}
+
+fn force(law: AerodynamicLaw) -> AerodynamicForce<Arm> {
+    AerodynamicForce {
+        marker: Arm {
+            offset: Vector3::new(0.7, -0.2, 0.4),
+            axes: rotation::exp(&Vector3::new(0.1, -0.2, 0.3))
+                .to_rotation_matrix()
+                .into_inner(),
+            travel: Vector3::new(30.0, 0.0, 0.0),
+        },
+        law,
+        flow: Flow {
+            wind: Arc::new(Wind::uniform(Vector3::new(-12.0, 7.0, 1.5))),
+            density: DENSITY,
+            input: Some(0),
+        },
+    }
+}
+
+#[test]
+fn drag_and_lift_are_those_of_the_hand_calculation() {
+    // 20 m/s from ahead on a plate that stands still: q = 245 Pa.
+    let law = AerodynamicLaw::Polar(Polar::constant(0.07, 0.02));
+    let load = law.load(DENSITY, &Vector3::new(-20.0, 0.0, 0.0), &Matrix3::identity());
+    assert!((load.force - Vector3::new(-245.0 * 0.07, 0.0, 245.0 * 0.02)).amax() < 1e-13); // rounding
+    // From behind the drag turns and the lift does not.
+    let load = law.load(DENSITY, &Vector3::new(20.0, 0.0, 0.0), &Matrix3::identity());
+    assert!((load.force - Vector3::new(245.0 * 0.07, 0.0, 245.0 * 0.02)).amax() < 1e-13);
+    // Obliquely from below: drag along (−3, 0, 4)/5, lift across it, towards +z: (4, 0, 3)/5.
+    let load = law.load(DENSITY, &Vector3::new(-12.0, 0.0, 16.0), &Matrix3::identity());
+    let expected = Vector3::new(-0.6, 0.0, 0.8) * (245.0 * 0.07) + Vector3::new(0.8, 0.0, 0.6) * (245.0 * 0.02);
+    assert!((load.force - expected).amax() < 1e-13);
+    // Along the third axis there is no direction for the lift.
+    let load = law.load(DENSITY, &Vector3::new(0.0, 0.0, 20.0), &Matrix3::identity());
+    assert!((load.force - Vector3::new(0.0, 0.0, 245.0 * 0.07)).amax() < 1e-13);
+    let still = law.load(DENSITY, &Vector3::zeros(), &Matrix3::identity());
+    assert_eq!(still.force, Vector3::zeros());
+}
+
+#[test]
+fn coefficients_follow_the_angle_of_attack() {
+    let law = AerodynamicLaw::Polar(polar());
+    let at = |angle: f64| {
+        let v_r = Vector3::new(-20.0 * angle.cos(), 0.0, 20.0 * angle.sin());
+        let force = law.load(DENSITY, &v_r, &Matrix3::identity()).force / 245.0;
+        let across = Vector3::new(angle.sin(), 0.0, angle.cos());
+        (force.dot(&v_r) / 20.0, force.dot(&across))
+    };
+    // Half way between 0.1 and 0.9; at an angle of the table; beyond its end.
+    for (angle, drag, lift) in [
+        (0.5, 0.135, 0.04),
+        (0.1, 0.07, 0.02),
+        (1.4, 0.2, 0.06),
+        (-0.7, 0.05, -0.02),
+    ] {
+        let found = at(angle);
+        assert!(
+            (found.0 - drag).abs() < 1e-14 && (found.1 - lift).abs() < 1e-14,
+            "{angle}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn uplift_grows_with_the_square_of_the_speed_along_the_track() {
+    let law = AerodynamicLaw::Uplift { coefficient: 0.0125 };
+    let load = law.load(DENSITY, &Vector3::new(-80.0, 9.0, 3.0), &Matrix3::identity());
+    assert!((load.force - Vector3::new(0.0, 0.0, 80.0)).amax() < 1e-12); // rounding
+}
+
+#[test]
+fn an_input_of_the_system_is_added_to_the_wind() {
+    let mut force = force(AerodynamicLaw::Polar(polar()));
+    let rotation = [UnitQuaternion::identity()];
+    let motion = |u| Motion {
+        t: 0.0,
+        q: &[0.0; 6],
+        v: &[0.0; 6],
+        rotation: &rotation,
+        u,
+    };
+    let expected = Vector3::new(-42.0, 7.0, 1.5);
+    assert_eq!(force.relative_velocity(&motion(&[])), expected);
+    let added = force.relative_velocity(&motion(&[1.0, -2.0, 0.5]));
+    assert_eq!(added, expected + Vector3::new(1.0, -2.0, 0.5));
+    force.flow.input = None;
+    assert_eq!(force.relative_velocity(&motion(&[1.0, -2.0, 0.5])), expected);
+}
+
+#[test]
+fn the_tangent_is_the_derivative_of_the_force() {
+    for law in [
+        AerodynamicLaw::Polar(polar()),
+        AerodynamicLaw::Polar(Polar::constant(0.07, 0.02)),
+        AerodynamicLaw::Uplift { coefficient: 0.01 },
+    ] {
+        let mut force = force(law.clone());
+        let q = [0.1, -0.2, 0.3, 0.0, 0.0, 0.0];
+        let v = [1.0, -2.0, 3.0, 4.0, -5.0, 6.0];
+        let orientation = rotation::exp(&Vector3::new(0.3, 0.4, -0.2));
+        let mut value = |q: &[f64], v: &[f64], turn: Vector3<f64>| {
+            let rotation = [orientation * rotation::exp(&turn)];
+            let motion = Motion {
+                t: 0.0,
+                q,
+                v,
+                rotation: &rotation,
+                u: &[],
+            };
+            let mut out = vec![0.0; 6];
+            force.add_force(&motion, &mut out);
+            out
+        };
+        let h = 1e-6;
+        let mut differences = [[[0.0; 6]; 6]; 2];
+        for l in 0..6 {
+            let sides = [h, -h].map(|h| {
+                let (mut q, mut turn) = (q, Vector3::zeros());
+                if l < 3 {
+                    q[l] += h;
+                } else {
+                    turn[l - 3] = h;
+                }
+                let by_q = value(&q, &v, turn);
+                let mut v = v;
+                v[l] += h;
+                [by_q, value(&self::q(&q, l, h), &v, Vector3::zeros())]
+            });
+            for (which, difference) in differences.iter_mut().enumerate() {
+                for (k, row) in difference.iter_mut().enumerate() {
+                    row[l] = -(sides[0][which][k] - sides[1][which][k]) / (2.0 * h);
+                }
+            }
+        }
+        let rotation = [orientation];
+        let motion = Motion {
+            t: 0.0,
+            q: &q,
+            v: &v,
+            rotation: &rotation,
+            u: &[],
+        };
+        for (which, weights) in [Weights { q: 1.0, v: 0.0 }, Weights { q: 0.0, v: 1.0 }]
+            .into_iter()
+            .enumerate()
+        {
+            let mut places = Vec::new();
+            force.add_tangent(&motion, weights, &mut Blocks::record(&mut places));
+            let order: Vec<u32> = (0..places.len() as u32).collect();
+            let mut values = vec![0.0; places.len()];
+            force.add_tangent(&motion, weights, &mut Blocks::add_to(&order, &mut values));
+            for (&(row, column), value) in places.iter().zip(&values) {
+                let expected = differences[which][row as usize][column as usize];
+                // Central difference: h² of a smooth function of the order of 100, rounding 1e-14/h.
+                assert!(
+                    (value - expected).abs() < 1e-6,
+                    "{law:?} {weights:?} ({row}, {column}): {value} {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// Displacements without the step that the derivative by a displacement takes.
+fn q(q: &[f64; 6], l: usize, h: f64) -> [f64; 6] {
+    let mut q = *q;
+    if l < 3 {
+        q[l] -= h;
+    }
+    q
+}
+
+#[test]
+fn power_brought_in_less_power_lost_is_that_of_the_force() {
+    let force = force(AerodynamicLaw::Polar(polar()));
+    let v = [1.0, -2.0, 3.0, 4.0, -5.0, 6.0];
+    let rotation = [rotation::exp(&Vector3::new(0.3, 0.4, -0.2))];
+    let motion = Motion {
+        t: 0.0,
+        q: &[0.0; 6],
+        v: &v,
+        rotation: &rotation,
+        u: &[],
+    };
+    let mut generalised = vec![0.0; 6];
+    let mut moving = force.clone_for_test();
+    moving.add_force(&motion, &mut generalised);
+    let expected: f64 = generalised.iter().zip(v).map(|(q, v)| q * v).sum();
+    let power = Force::power(&force, &motion).unwrap();
+    assert!((power.driven - power.dissipated - expected).abs() < 1e-10); // rounding of some 1000 W
+    // Drag on a body that moves into the wind brakes it more than the wind drives one that stands.
+    assert!(power.dissipated > 0.0);
+}
+
+impl AerodynamicForce<Arm> {
+    fn clone_for_test(&self) -> Self {
+        force(self.law.clone())
+    }
+}
+
+#[test]
+fn a_cylinder_feels_the_air_across_its_axis_only() {
+    let wire = CrossFlow::new(DENSITY, 1.2, 0.012);
+    let axis = Vector3::new(3.0, 0.0, 0.0);
+    let f = wire.force(&Vector3::new(-50.0, 20.0, 0.0), &axis);
+    // ½ 1.225 · 1.2 · 0.012 · 20²
+    assert!((f - Vector3::new(0.0, 3.528, 0.0)).amax() < 1e-14, "{f}"); // rounding
+    assert_eq!(wire.force(&Vector3::new(-50.0, 0.0, 0.0), &axis), Vector3::zeros());
+    let (v_r, axis) = (Vector3::new(3.0, -20.0, 5.0), Vector3::new(1.0, 0.1, -0.05));
+    let exact = wire.by_velocity(&v_r, &axis);
+    let h = 1e-5;
+    for l in 0..3 {
+        let side = |h: f64| wire.force(&(v_r + Vector3::ith(l, h)), &axis);
+        let difference = (side(h) - side(-h)) / (2.0 * h);
+        assert!((exact.column(l) - difference).amax() < 1e-10); // rounding 1e-15/h
+    }
+}

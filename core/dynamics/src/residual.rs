@@ -1,0 +1,399 @@
+//! What is left over of the equations of motion: evaluated whole, where a correction has changed it, or known without evaluation.
+use crate::matrix::{IterationMatrix, visit_jacobian};
+use crate::{Blocks, Force, Layout, Motion, NewtonOptions, SparseMatrix, System, Updates, Weights};
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// Size of the residual in units of its tolerance, and where it is largest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Residual {
+    /// Largest ratio of residual to tolerance; converged at ≤ 1; not a number where a residual is none.
+    pub ratio: f64,
+    /// First unknown of those with the largest ratio: coordinates or constraint equations.
+    start: usize,
+    /// The largest residual of these, N or m.
+    pub value: f64,
+}
+
+/// What has changed since the last residual.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Since {
+    /// Anything.
+    Anything,
+    /// What the last correction has changed, applied as it is.
+    Correction,
+    /// The same, but only a part of the correction was applied.
+    PartOfCorrection,
+}
+
+/// The last correction, and what it solves.
+pub(crate) struct Correction<'a> {
+    /// `Δq` and `Δλ`.
+    pub change: &'a [f64],
+    /// Low-rank terms `U C Uᵀ`.
+    pub updates: &'a Updates,
+    /// `C Uᵀ Δq`.
+    pub forces: &'a [f64],
+    /// The unknowns whose equations it enters.
+    pub affected: &'a [Range<usize>],
+}
+
+/// A solution with the factored matrix leaves less than this part of its right side: blocks inverted on the diagonal of a line lose
+/// about half of the digits of a double. Who asks for more gets an evaluation.
+const SOLVED: f64 = 1e-7;
+
+/// `Q − M v̇ − g_qᵀ λ` and `g` of one system, and what they are made of.
+pub(crate) struct Imbalance {
+    arch: Arch,
+    coordinates: usize,
+    fixed: Vec<usize>,
+    /// `Q − M v̇` of the contributions that evaluate ranges.
+    local: Vec<f64>,
+    /// All other forces.
+    others: Vec<f64>,
+    scratch: Vec<f64>,
+    /// The sum of both, then `g`.
+    pub sum: Vec<f64>,
+    linear: Option<LinearPart>,
+    /// First residual of the present step in units of its tolerance.
+    first: Option<f64>,
+}
+
+/// Linear contributions that are all that evaluates ranges. With their part `A_l` of the iteration matrix, that of the others `A_o`
+/// and a correction `(A_l + A_o + U C Uᵀ) Δq = r_l + r_o` they leave
+///
+/// ```text
+/// r_l − A_l Δq = A_o Δq + U z − r_o,    z = C Uᵀ Δq
+/// ```
+///
+/// to which droppers and strips contribute a few entries.
+struct LinearPart {
+    /// Which rows `A_l` has, and these as ranges, ascending and apart.
+    own: Vec<bool>,
+    rows: Vec<Range<usize>>,
+    /// `A_o`, and which of its rows are not empty.
+    others: SparseMatrix,
+    occupied: Vec<usize>,
+}
+
+impl LinearPart {
+    /// None where other contributions evaluate ranges too, or constraints act on the rows.
+    fn of(system: &mut dyn System, motion: &Motion<'_>) -> Option<Self> {
+        let (mut any, mut all) = (false, true);
+        system.forces(&mut |force| {
+            any |= force.evaluates_ranges();
+            all &= force.is_linear() || !force.evaluates_ranges();
+        });
+        if !(any && all) {
+            return None;
+        }
+        let mut entries = Vec::new();
+        let mut blocks = Blocks::record(&mut entries);
+        system.forces(&mut |force| {
+            if force.evaluates_ranges() {
+                force.add_tangent(motion, Weights { q: 1.0, v: 1.0 }, &mut blocks);
+                force.add_mass(&mut blocks);
+            }
+        });
+        let mut own = vec![false; system.layout().coordinates()];
+        entries.iter().for_each(|&(row, _)| own[row as usize] = true);
+        let mut constrained = false;
+        visit_jacobian(system, motion, &mut |_, columns, _| {
+            constrained |= columns.iter().any(|&column| own[column]);
+        });
+        let mut rows: Vec<Range<usize>> = Vec::new();
+        for index in (0..own.len()).filter(|&index| own[index]) {
+            match rows.last_mut() {
+                Some(last) if last.end == index => last.end += 1,
+                _ => rows.push(index..index + 1),
+            }
+        }
+        (!constrained).then(|| Self {
+            own,
+            rows,
+            others: SparseMatrix::default(),
+            occupied: Vec::new(),
+        })
+    }
+
+    /// Takes over the part of the other contributions in the matrix that is factored at `motion`.
+    fn linearise(&mut self, system: &mut dyn System, motion: &Motion<'_>, mass_weight: f64, weights: Weights) {
+        let (mut places, mut values) = (Vec::new(), Vec::new());
+        for weigh_mass in [false, true] {
+            let mut add = |blocks: &mut Blocks<'_>| {
+                system.forces(&mut |force: &mut dyn Force| {
+                    if force.evaluates_ranges() {
+                    } else if weigh_mass {
+                        force.add_mass(blocks);
+                    } else {
+                        force.add_tangent(motion, weights, blocks);
+                    }
+                });
+            };
+            let first = places.len();
+            add(&mut Blocks::record(&mut places));
+            let order: Vec<u32> = (first..places.len()).map(|place| place as u32).collect();
+            values.resize(places.len(), 0.0);
+            add(&mut Blocks::add_to(&order, &mut values));
+            if weigh_mass {
+                values[first..].iter_mut().for_each(|value| *value *= mass_weight);
+            }
+        }
+        let entries = places
+            .iter()
+            .zip(values)
+            .map(|(&(row, column), value)| (row, column, value));
+        let entries = entries.filter(|entry| self.own[entry.0 as usize]);
+        self.others = SparseMatrix::from_entries(system.layout().coordinates(), entries.collect());
+        let occupied = (0..self.others.size()).filter(|&row| self.others.row(row).next().is_some());
+        self.occupied = occupied.collect();
+    }
+
+    /// What a correction leaves of the linear contributions; `others` holds their residual before it.
+    fn after(&self, correction: &Correction<'_>, others: &[f64], local: &mut [f64]) {
+        for range in &self.rows {
+            for (left, other) in local[range.clone()].iter_mut().zip(&others[range.clone()]) {
+                *left = -other;
+            }
+        }
+        for &row in &self.occupied {
+            local[row] += self.others.row_product(row, correction.change);
+        }
+        for (row, z) in correction.forces.iter().enumerate() {
+            for (index, value) in correction.updates.entries(row).filter(|entry| self.own[entry.0]) {
+                local[index] += z * value;
+            }
+        }
+    }
+}
+
+impl Imbalance {
+    pub fn new(system: &mut dyn System, motion: &Motion<'_>) -> Self {
+        let linear = LinearPart::of(system, motion);
+        let layout: &Layout = system.layout();
+        let coordinates = layout.coordinates();
+        Self {
+            arch: Arch::new(),
+            coordinates,
+            fixed: layout.fixed().to_vec(),
+            local: vec![0.0; coordinates],
+            others: vec![0.0; coordinates],
+            scratch: vec![0.0; coordinates],
+            sum: vec![0.0; coordinates + layout.constraints()],
+            linear,
+            first: None,
+        }
+    }
+
+    /// Takes note of the matrix that is factored at `motion`.
+    pub fn linearise(&mut self, system: &mut dyn System, motion: &Motion<'_>, mass_weight: f64, weights: Weights) {
+        if let Some(linear) = &mut self.linear {
+            linear.linearise(system, motion, mass_weight, weights);
+        }
+    }
+
+    /// Evaluates `Q`.
+    pub fn at_rest(&mut self, system: &mut dyn System, motion: &Motion<'_>) {
+        let others = &mut self.others;
+        others.fill(0.0);
+        self.local.fill(0.0);
+        system.forces(&mut |contribution| contribution.add_force(motion, others));
+    }
+
+    /// Evaluates `Q − M v̇`, as far as it may have changed.
+    pub fn in_motion(
+        &mut self,
+        system: &mut dyn System,
+        motion: &Motion<'_>,
+        v_dot: &[f64],
+        matrix: &IterationMatrix,
+        (since, last): (Since, &Correction<'_>),
+    ) {
+        let linear = self.linear.as_ref().filter(|_| {
+            let solved = self.first.is_some_and(|first| first * SOLVED <= 1.0);
+            since == Since::Correction && solved
+        });
+        let known = linear.is_some();
+        if let Some(linear) = linear {
+            linear.after(last, &self.others, &mut self.local);
+        }
+        if since == Since::Anything {
+            self.local.fill(0.0);
+            self.first = None;
+        }
+        self.others.fill(0.0);
+        let (local, others) = (&mut self.local, &mut self.others);
+        system.forces(&mut |contribution| {
+            if contribution.evaluates_ranges() {
+                if since == Since::Anything {
+                    contribution.add_dynamic_force(motion, v_dot, local);
+                }
+            } else if contribution.multiplies_mass() {
+                contribution.add_dynamic_force(motion, v_dot, others);
+            } else {
+                contribution.add_force(motion, others);
+            }
+        });
+        matrix.subtract_inertia(v_dot, others);
+        if since == Since::Anything || known {
+            return;
+        }
+        for range in last.affected {
+            let range = range.start..range.end.min(self.coordinates);
+            if range.is_empty() {
+                continue;
+            }
+            self.scratch[range.clone()].fill(0.0);
+            let scratch = &mut self.scratch;
+            system.forces(&mut |contribution| {
+                if contribution.evaluates_ranges() {
+                    contribution.add_dynamic_force_within(range.clone(), motion, v_dot, scratch);
+                }
+            });
+            self.local[range.clone()].copy_from_slice(&self.scratch[range]);
+        }
+    }
+
+    /// Adds up what was evaluated, and the constraints with the multipliers `lambda`.
+    pub fn sum_up(
+        &mut self,
+        system: &mut dyn System,
+        motion: &Motion<'_>,
+        lambda: &[f64],
+        options: &NewtonOptions,
+    ) -> Residual {
+        let (force, constraint) = self.sum.split_at_mut(self.coordinates);
+        let others = &mut self.others;
+        visit_jacobian(system, motion, &mut |row, columns, values| {
+            for (&column, &value) in columns.iter().zip(values) {
+                others[column] -= value * lambda[row];
+            }
+        });
+        let mut first = 0;
+        system.constraints(&mut |contribution| {
+            let next = first + contribution.dimension();
+            contribution.residual(motion, &mut constraint[first..next]);
+            first = next;
+        });
+        for &index in &self.fixed {
+            (self.others[index], self.local[index]) = (0.0, 0.0);
+        }
+        let of_forces = self.arch.dispatch(Sum {
+            terms: [&self.local, &self.others],
+            sum: force,
+        });
+        let of_constraints = largest(constraint);
+        let ratios = [
+            of_forces / options.tolerance,
+            of_constraints / options.constraint_tolerance,
+        ];
+        self.first.get_or_insert(ratios[0]);
+        let (ratio, start, value) = if ratios[1] > ratios[0] || ratios[1].is_nan() {
+            (ratios[1], self.coordinates, of_constraints)
+        } else {
+            (ratios[0], 0, of_forces)
+        };
+        Residual { ratio, start, value }
+    }
+
+    /// Becomes what the change of the inputs from motion `before` to motion `after`, the same state, does.
+    pub fn jump(&mut self, system: &mut dyn System, before: &Motion<'_>, after: &Motion<'_>) {
+        self.sum.fill(0.0);
+        let force = &mut self.sum[..self.coordinates];
+        let mut add = |motion: &Motion<'_>| {
+            system.forces(&mut |contribution| {
+                if !contribution.evaluates_ranges() {
+                    contribution.add_force(motion, force);
+                }
+            });
+            force.iter_mut().for_each(|value| *value = -*value);
+        };
+        add(before);
+        add(after);
+        force.iter_mut().for_each(|value| *value = -*value);
+        for &index in &self.fixed {
+            self.sum[index] = 0.0;
+        }
+    }
+
+    /// The unknown with the largest residual.
+    pub fn worst(&self, residual: &Residual) -> usize {
+        let part = if residual.start == 0 {
+            &self.sum[..self.coordinates]
+        } else {
+            &self.sum[self.coordinates..]
+        };
+        let size = |value: f64| if value.is_finite() { value.abs() } else { f64::INFINITY };
+        let worst = (0..part.len()).max_by(|&i, &j| size(part[i]).total_cmp(&size(part[j])));
+        residual.start + worst.unwrap_or(0)
+    }
+}
+
+/// The sum of two vectors, and its largest absolute value; not a number where one of them is none or infinite.
+struct Sum<'a> {
+    terms: [&'a [f64]; 2],
+    sum: &'a mut [f64],
+}
+
+impl WithSimd for Sum<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let zero = simd.splat_f64s(0.0);
+        let (mut largest, mut spoilt) = (zero, zero);
+        let mut see = |x: S::f64s| {
+            largest = simd.max_f64s(largest, simd.abs_f64s(x));
+            // 0 · ∞ is not a number either.
+            spoilt = simd.mul_add_e_f64s(x, zero, spoilt);
+        };
+        let [a, b] = self.terms;
+        let ((a, a_rest), (b, b_rest)) = (S::as_simd_f64s(a), S::as_simd_f64s(b));
+        let (sum, rest) = S::as_mut_simd_f64s(self.sum);
+        for (sum, (&a, &b)) in sum.iter_mut().zip(a.iter().zip(b)) {
+            *sum = simd.add_f64s(a, b);
+            see(*sum);
+        }
+        for (sum, (a, b)) in rest.iter_mut().zip(a_rest.iter().zip(b_rest)) {
+            *sum = a + b;
+        }
+        see(simd.partial_load_f64s(rest));
+        simd.reduce_max_f64s(largest) + simd.reduce_sum_f64s(spoilt)
+    }
+}
+
+/// The largest absolute value of a few numbers; not a number where one of them is none or infinite.
+fn largest(values: &[f64]) -> f64 {
+    values
+        .iter()
+        .fold(0.0, |most: f64, value| most.max(value.abs()) + 0.0 * value)
+}
+
+/// Whether all of many numbers are finite.
+pub(crate) fn all_finite(values: &[f64]) -> bool {
+    struct Spoilt<'a>(&'a [f64]);
+    impl WithSimd for Spoilt<'_> {
+        type Output = f64;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> f64 {
+            let zero = simd.splat_f64s(0.0);
+            let mut sums = [zero; 4];
+            let (vectors, rest) = S::as_simd_f64s(self.0);
+            let groups = vectors.chunks_exact(4);
+            // 0 · ∞ is not a number.
+            for &x in groups.remainder() {
+                sums[0] = simd.mul_add_e_f64s(x, zero, sums[0]);
+            }
+            for group in groups {
+                for (sum, &x) in sums.iter_mut().zip(group) {
+                    *sum = simd.mul_add_e_f64s(x, zero, *sum);
+                }
+            }
+            let [a, b, c, d] = sums;
+            let sum = simd.reduce_sum_f64s(simd.add_f64s(simd.add_f64s(a, b), simd.add_f64s(c, d)));
+            rest.iter().fold(sum, |sum, x| sum + 0.0 * x)
+        }
+    }
+    Arch::new().dispatch(Spoilt(values)) == 0.0
+}

@@ -1,0 +1,118 @@
+//! Tables that a scene leaves to files.
+
+use std::sync::Arc;
+
+use crate::{GivenMotion, Irregularities, Points, Scene, Vehicle};
+
+/// The columns `names` of comma-separated text whose first line names them; a column that is not there is zero, but for the first.
+///
+/// Lines that begin with `#` and empty lines are left out.
+fn columns(text: &str, names: &[&str]) -> Result<Vec<Vec<f64>>, String> {
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .map(|(number, line)| (number + 1, line.trim()))
+        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    let (_, header) = lines
+        .next()
+        .ok_or("is empty: must begin with the names of its columns")?;
+    let header: Vec<&str> = header.split(',').map(str::trim).collect();
+    if let Some(unknown) = header.iter().find(|name| !names.contains(name)) {
+        return Err(format!(
+            "column {unknown:?}: unknown; known columns: {}",
+            names.join(", ")
+        ));
+    }
+    if !header.contains(&names[0]) {
+        return Err(format!("must have a column {:?}", names[0]));
+    }
+    let mut found = vec![Vec::new(); names.len()];
+    for (number, line) in lines {
+        let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+        if cells.len() != header.len() {
+            return Err(format!(
+                "line {number} has {} entries, must have {}, one per column",
+                cells.len(),
+                header.len()
+            ));
+        }
+        for (column, name) in found.iter_mut().zip(names) {
+            let cell = header.iter().position(|entry| entry == name).map(|place| cells[place]);
+            let value = cell.map_or(Ok(0.0), |cell| {
+                let value = cell.parse::<f64>().ok().filter(|value| value.is_finite());
+                value.ok_or_else(|| format!("line {number}, {name}: {cell:?} must be a finite number"))
+            });
+            column.push(value?);
+        }
+    }
+    if found[0].is_empty() {
+        return Err("has no rows".to_owned());
+    }
+    Ok(found)
+}
+
+impl Scene {
+    /// Reads the files that tables are left to and writes their content into the scene in their place; `open` gives the text of a
+    /// file, whose path is as the scene has it. What is read has still to be checked ([`Scene::check`]).
+    ///
+    /// # Errors
+    /// The key, the file and what is wrong with it.
+    pub fn fill_tables(&mut self, open: &dyn Fn(&str) -> Result<String, String>) -> Result<(), String> {
+        let read = |key: &str, path: &str, names: &[&str]| {
+            let found = open(path).and_then(|text| columns(&text, names));
+            found.map_err(|reason| format!("{key} = {path:?}: {reason}"))
+        };
+        if let Some(vehicle) = &mut self.vehicle
+            && let Vehicle::RigidMotion(GivenMotion { file: Some(path), .. }) = vehicle.as_ref()
+        {
+            let found = read("vehicle.motion.file", path, &["time", "y", "z", "roll"])?;
+            let [time, y, z, roll] = <[Vec<f64>; 4]>::try_from(found).unwrap_or_default();
+            *Arc::make_mut(vehicle) = Vehicle::RigidMotion(GivenMotion {
+                time,
+                y,
+                z,
+                roll,
+                file: None,
+            });
+        }
+        if let Some(track) = &mut self.track
+            && let Irregularities::Points(Points { file: Some(path), .. }) = &track.irregularities
+        {
+            let names = ["x", "z_left", "z_right", "y_left", "y_right"];
+            let found = read("track.irregularities.file", path, &names)?;
+            let [x, z_left, z_right, y_left, y_right] = <[Vec<f64>; 5]>::try_from(found).unwrap_or_default();
+            Arc::make_mut(track).irregularities = Irregularities::Points(Points {
+                x,
+                z_left,
+                z_right,
+                y_left,
+                y_right,
+                file: None,
+            });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_found_by_name_and_missing_ones_are_zero() {
+        let text = "# measured\nz, time\n0.1, 0\n\n-0.2, 1.5\n";
+        let found = columns(text, &["time", "y", "z"]).unwrap();
+        assert_eq!(found, [vec![0.0, 1.5], vec![0.0, 0.0], vec![0.1, -0.2]]);
+    }
+
+    #[test]
+    fn refusals_name_line_and_column() {
+        let refusal = |text: &str| columns(text, &["time", "z"]).unwrap_err();
+        assert!(refusal("").contains("is empty"));
+        assert!(refusal("z\n1\n").contains("\"time\""));
+        assert!(refusal("time,zz\n").contains("\"zz\""));
+        assert!(refusal("time,z\n1\n").contains("line 2 has 1 entries"));
+        assert!(refusal("time,z\n1,up\n").contains("line 2, z: \"up\""));
+        assert!(refusal("time,z\n").contains("no rows"));
+    }
+}

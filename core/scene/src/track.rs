@@ -1,0 +1,225 @@
+//! `[track]`: what the wheels run on.
+
+use crate::error::What;
+use crate::keys::{Entry, Keys, Length, Number};
+
+/// `[track]`: straight, level track.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// `track.rail`; only for `vehicle.model = "full"`.
+    pub rail: Option<RailSection>,
+    /// How far the rails are from straight.
+    pub irregularities: Irregularities,
+}
+
+/// `track.rail`: the cross-section of the rails, and how they stand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RailSection {
+    /// Distance of the gauge faces, 14 mm below the top, m.
+    pub gauge: f64,
+    /// How far a rail leans inward, – (1/40, 1/20).
+    pub inclination: f64,
+    /// Cross-section from the gauge face outward: (outward, up) relative to the middle of its top, m, without the inclination.
+    pub profile: Vec<[f64; 2]>,
+}
+
+/// `track.irregularities`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Irregularities {
+    /// `"none"`.
+    None,
+    /// `{ model = "spectrum", … }`: made from power spectral densities.
+    Spectrum(Spectrum),
+    /// `{ model = "points", … }`: measured.
+    Points(Points),
+}
+
+/// One realisation of irregularities with the spectra of ORE B176.
+///
+/// ```text
+/// S_v(Ω) = A_v Ω_c² / ((Ω² + Ω_r²)(Ω² + Ω_c²))                       rise of the middle, alignment with A_a
+/// S_c(Ω) = A_v Ω_c² Ω² / (b² (Ω² + Ω_r²)(Ω² + Ω_c²)(Ω² + Ω_s²))      cant angle, b half the distance of the rails
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spectrum {
+    /// Which realisation.
+    pub seed: usize,
+    /// Shortest and longest wavelength, m.
+    pub wavelengths: [f64; 2],
+    /// `A_v`, rad m.
+    pub vertical_roughness: f64,
+    /// `A_a`, rad m.
+    pub lateral_roughness: f64,
+    /// `Ω_r`, `Ω_c`, `Ω_s`, rad/m.
+    pub corners: [f64; 3],
+    /// Length over which the irregularities grow from nothing, from the start of the wheel that is furthest ahead, m.
+    pub fade: f64,
+}
+
+/// Irregularities at points along the track, interpolated by a cubic spline; constant beyond.
+///
+/// All lists have the same length; one that is left out is zero.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Points {
+    /// m, ascending.
+    pub x: Vec<f64>,
+    /// Rise of the left rail, m.
+    pub z_left: Vec<f64>,
+    /// Rise of the right rail, m.
+    pub z_right: Vec<f64>,
+    /// Lateral displacement of the left rail, m.
+    pub y_left: Vec<f64>,
+    /// Lateral displacement of the right rail, m.
+    pub y_right: Vec<f64>,
+    /// File that the lists are still to be read from; its columns are called as the keys.
+    pub file: Option<String>,
+}
+
+impl Track {
+    /// Whether both rails are alike and stay where they are sideways.
+    #[must_use]
+    pub fn is_symmetric(&self) -> bool {
+        match &self.irregularities {
+            Irregularities::None => true,
+            Irregularities::Spectrum(_) => false,
+            Irregularities::Points(points) => {
+                let still = |values: &[f64]| values.iter().all(|value| *value == 0.0);
+                points.z_left == points.z_right && still(&points.y_left) && still(&points.y_right)
+            }
+        }
+    }
+}
+
+impl Entry for Track {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        keys.unavailable("curve");
+        let rail = keys.optional_table("rail", was.map(|track| track.rail.as_ref()));
+        let inline = was
+            .map(|track| &track.irregularities)
+            .filter(|given| **given != Irregularities::None);
+        let irregularities = if keys.holds_table("irregularities") || inline.is_some() {
+            keys.inline_table("irregularities", inline)
+        } else {
+            keys.word_among("irregularities", was.map(|_| ()), &[("none", ())], &[], Some(()));
+            Irregularities::None
+        };
+        Self { rail, irregularities }
+    }
+}
+
+impl Entry for RailSection {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            gauge: keys.number("gauge", was.map(|rail| rail.gauge), Number::positive("m")),
+            inclination: keys.number("inclination", was.map(|rail| rail.inclination), Number::any("")),
+            profile: keys.points("profile", was.map(|rail| rail.profile.as_slice()), Number::any("m")),
+        }
+    }
+}
+
+/// The words of `track.irregularities.model`.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Spectrum,
+    Points,
+}
+
+impl Entry for Irregularities {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let kind = was.map(|given| match given {
+            Self::Points(_) => Kind::Points,
+            _ => Kind::Spectrum,
+        });
+        let names = [("spectrum", Kind::Spectrum), ("points", Kind::Points)];
+        match keys.word_among("model", kind, &names, &[], None) {
+            Some(Kind::Spectrum) => {
+                let was = was.and_then(|given| match given {
+                    Self::Spectrum(spectrum) => Some(spectrum),
+                    _ => None,
+                });
+                Self::Spectrum(Spectrum::entry(keys, was))
+            }
+            Some(Kind::Points) => {
+                let was = was.and_then(|given| match given {
+                    Self::Points(points) => Some(points),
+                    _ => None,
+                });
+                Self::Points(Points::entry(keys, was))
+            }
+            None => {
+                keys.abandon();
+                Self::None
+            }
+        }
+    }
+}
+
+impl Entry for Spectrum {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let roughness = Number::not_negative("rad m");
+        let corners = was.map(|spectrum| spectrum.corners);
+        Self {
+            seed: keys.count("seed", was.map(|spectrum| spectrum.seed), 0..=usize::MAX >> 1, None),
+            wavelengths: keys.pair(
+                "wavelengths",
+                was.map(|spectrum| spectrum.wavelengths),
+                Number::positive("m"),
+            ),
+            vertical_roughness: keys.number(
+                "vertical_roughness",
+                was.map(|spectrum| spectrum.vertical_roughness),
+                roughness,
+            ),
+            lateral_roughness: keys.number(
+                "lateral_roughness",
+                was.map(|spectrum| spectrum.lateral_roughness),
+                roughness,
+            ),
+            corners: keys.vector("corners", corners, Number::positive("rad/m")),
+            fade: keys.number("fade", was.map(|spectrum| spectrum.fade), Number::positive("m")),
+        }
+    }
+}
+
+impl Entry for Points {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let file = was.map(|points| points.file.as_deref());
+        if keys.has("file", file.flatten().is_some()) {
+            let path = keys.text("file", file.flatten(), "the path of a CSV file, relative to the scene");
+            let because = "file is given, which has the lists as columns".to_string();
+            for name in ["x", "z_left", "z_right", "y_left", "y_right"] {
+                if keys.has(name, false) {
+                    let because = because.clone();
+                    keys.report(name, What::LeaveOut { because });
+                }
+            }
+            return Self {
+                file: Some(path),
+                ..Self::default()
+            };
+        }
+        let x = keys.numbers(
+            "x",
+            was.map(|points| points.x.as_slice()),
+            Number::any("m"),
+            Length::NotEmpty,
+        );
+        let n = x.len();
+        let mut list = |name: &str, was: Option<&[f64]>| {
+            let written = was.is_some_and(|values| values.iter().any(|value| *value != 0.0));
+            if keys.has(name, written) {
+                keys.numbers(name, was, Number::any("m"), Length::Exactly(n))
+            } else {
+                vec![0.0; n]
+            }
+        };
+        Self {
+            z_left: list("z_left", was.map(|points| points.z_left.as_slice())),
+            z_right: list("z_right", was.map(|points| points.z_right.as_slice())),
+            y_left: list("y_left", was.map(|points| points.y_left.as_slice())),
+            y_right: list("y_right", was.map(|points| points.y_right.as_slice())),
+            x,
+            file: None,
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! The keys of `[wind]`.
+use super::{
+    AerodynamicMarker, GustExtent, Wind, WindGust, WindOnPantograph, WindOnWires, WindSurface, WindTurbulence,
+};
+use crate::error::What;
+use crate::keys::{Entry, Keys, Length, Number};
+
+/// Faster than any wind that was measured at the ground, m/s.
+const FASTEST: f64 = 120.0;
+
+impl Entry for Wind {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let speed = keys.number("speed", was.map(|wind| wind.speed), Number::not_negative("m/s"));
+        if speed > FASTEST {
+            keys.refuse("speed", format!("must be a speed in m/s, at most {FASTEST} m/s"));
+        }
+        Self {
+            speed,
+            yaw_deg: keys.number("yaw_deg", was.map(|wind| wind.yaw_deg), Number::between(-180.0, 180.0)),
+            air_density: keys.number(
+                "air_density",
+                was.map(|wind| wind.air_density),
+                Number::positive("kg/m³"),
+            ),
+            gust: keys.optional_inline_table("gust", was.map(|wind| wind.gust.as_ref())),
+            turbulence: keys.optional_inline_table("turbulence", was.map(|wind| wind.turbulence.as_ref())),
+            file: keys.optional_text("file", was.map(|wind| wind.file.as_deref()), "the path of a CSV file"),
+            record: keys.optional_rows("record", was.map(|wind| wind.record.as_slice())),
+            pantograph: keys.optional_table("pantograph", was.map(|wind| wind.pantograph.as_ref())),
+            wires: keys.optional_inline_table("wires", was.map(|wind| wind.wires.as_ref())),
+        }
+    }
+}
+
+impl Entry for WindGust {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let velocity = keys.vector("velocity", was.map(|gust| gust.velocity), Number::any("m/s"));
+        let extent = was.map(|gust| gust.extent);
+        let (time, place) = match extent {
+            Some(GustExtent::Time { start, duration }) => (Some((start, duration)), None),
+            Some(GustExtent::Place { start_x, length }) => (None, Some((start_x, length))),
+            None => (None, None),
+        };
+        let extent = if keys.has("start_x", place.is_some()) {
+            if keys.has("start", false) {
+                let because = "start_x is given, where the gust stands".to_owned();
+                keys.report("start", What::LeaveOut { because });
+            }
+            GustExtent::Place {
+                start_x: keys.number("start_x", place.map(|place| place.0), Number::any("m")),
+                length: keys.number("length", place.map(|place| place.1), Number::positive("m")),
+            }
+        } else {
+            GustExtent::Time {
+                start: keys.number("start", time.map(|time| time.0), Number::any("s")),
+                duration: keys.number("duration", time.map(|time| time.1), Number::positive("s")),
+            }
+        };
+        Self { velocity, extent }
+    }
+}
+
+impl Entry for WindTurbulence {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let steps = keys.count("steps", was.map(|wind| wind.steps), 2..=1 << 20, Some(1024));
+        if !steps.is_power_of_two() {
+            keys.refuse(
+                "steps",
+                format!("must be a power of two, such as {}", steps.next_power_of_two()),
+            );
+        }
+        Self {
+            spectrum: keys.word("spectrum", was.map(|wind| wind.spectrum), None),
+            intensities: keys.vector(
+                "intensities",
+                was.map(|wind| wind.intensities),
+                Number::not_negative(""),
+            ),
+            length_scales: keys.vector(
+                "length_scales",
+                was.map(|wind| wind.length_scales),
+                Number::positive("m"),
+            ),
+            coherence_decays: keys.vector(
+                "coherence_decays",
+                was.map(|wind| wind.coherence_decays),
+                Number::not_negative(""),
+            ),
+            seed: keys.count("seed", was.map(|wind| wind.seed), 0..=i64::MAX as usize, None),
+            time_step: keys.number(
+                "time_step",
+                was.map(|wind| wind.time_step),
+                Number::positive("s").default(0.05),
+            ),
+            steps,
+            spacing: keys.number(
+                "spacing",
+                was.map(|wind| wind.spacing),
+                Number::positive("m").default(2.0),
+            ),
+        }
+    }
+}
+
+impl Entry for WindOnPantograph {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let uplift = was.map(|wind| wind.uplift.as_slice());
+        let surfaces = was.map(|wind| wind.surfaces.as_slice());
+        let there = |values: Option<bool>| values == Some(false);
+        let with_uplift = keys.has("uplift", there(uplift.map(<[f64]>::is_empty)));
+        let with_surfaces = keys.has("surfaces", there(surfaces.map(<[WindSurface]>::is_empty)));
+        if with_uplift && with_surfaces {
+            let because = "surfaces are given, whose lift it would count again".to_owned();
+            keys.report("uplift", What::LeaveOut { because });
+        } else if !with_uplift && !with_surfaces && was.is_none() {
+            let expected =
+                "a number in N/(m/s)², or else surfaces: [[wind.pantograph.surfaces]], bodies that the air acts on";
+            keys.report(
+                "uplift",
+                What::Missing {
+                    expected: expected.to_owned(),
+                },
+            );
+        }
+        Self {
+            uplift: if with_uplift {
+                keys.one_or_more("uplift", uplift, Number::not_negative("N/(m/s)²"))
+            } else {
+                Vec::new()
+            },
+            surfaces: if with_surfaces {
+                keys.tables("surfaces", surfaces)
+            } else {
+                Vec::new()
+            },
+        }
+    }
+}
+
+impl Entry for WindSurface {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let body = keys.text("body", was.map(|surface| surface.body.as_str()), "the name of a body");
+        let angles = was.map(|surface| surface.angles_deg.as_slice());
+        let angles_deg = if keys.has("angles_deg", angles.is_some_and(|angles| !angles.is_empty())) {
+            keys.numbers("angles_deg", angles, Number::between(-180.0, 180.0), Length::NotEmpty)
+        } else {
+            Vec::new()
+        };
+        let drag = keys.one_or_more(
+            "drag",
+            was.map(|surface| surface.drag.as_slice()),
+            Number::not_negative(""),
+        );
+        let lift = keys.one_or_more("lift", was.map(|surface| surface.lift.as_slice()), Number::any(""));
+        let rows = was.map(|surface| {
+            surface
+                .markers
+                .iter()
+                .map(|marker| marker.row().to_vec())
+                .collect::<Vec<_>>()
+        });
+        let rows = keys.optional_rows("markers", rows.as_deref());
+        let markers = AerodynamicMarker::from_rows(&rows).unwrap_or_else(|error| {
+            keys.refuse("markers", error.to_string());
+            Vec::new()
+        });
+        let marker_file = keys.optional_text(
+            "marker_file",
+            was.map(|surface| surface.marker_file.as_deref()),
+            "the path of a CSV file",
+        );
+        if marker_file.is_some() && !markers.is_empty() {
+            let because = "markers are given".to_owned();
+            keys.report("marker_file", What::LeaveOut { because });
+        }
+        if !angles_deg.windows(2).all(|pair| pair[0] < pair[1]) {
+            keys.refuse("angles_deg", "must ascend");
+        }
+        let expected = angles_deg.len().max(1);
+        for (name, values) in [("drag", &drag), ("lift", &lift)] {
+            if values.len() != expected && !values.is_empty() {
+                let of_what = if angles_deg.is_empty() {
+                    "one number, or angles_deg be given".to_owned()
+                } else {
+                    format!("{expected} numbers, one per angle of angles_deg")
+                };
+                keys.refuse(name, format!("has {} entries, must be {of_what}", values.len()));
+            }
+        }
+        Self {
+            body,
+            angles_deg,
+            drag,
+            lift,
+            markers,
+            marker_file,
+        }
+    }
+}
+
+impl Entry for WindOnWires {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            drag_coefficient: keys.number(
+                "drag_coefficient",
+                was.map(|wires| wires.drag_coefficient),
+                Number::not_negative(""),
+            ),
+            contact_wire_diameter: keys.number(
+                "contact_wire_diameter",
+                was.map(|wires| wires.contact_wire_diameter),
+                Number::positive("m"),
+            ),
+            messenger_wire_diameter: keys.number(
+                "messenger_wire_diameter",
+                was.map(|wires| wires.messenger_wire_diameter),
+                Number::positive("m"),
+            ),
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! What carries a pantograph.
+use crate::pantograph::Ground;
+use crate::track::{Reach, TrackShape};
+use crate::train::Train;
+use crate::{Base, GivenMotion, Placement, VehicleError};
+use dynamics::{Layout, State};
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// What moves under a pantograph.
+#[derive(Clone, Debug)]
+pub enum Carriage {
+    /// Nothing: the base travels on a straight line.
+    Straight,
+    /// The base moves as given.
+    Given(Arc<GivenMotion>),
+    /// A vehicle.
+    Train(Box<Train>),
+}
+
+fn unread(key: &str, file: &str) -> VehicleError {
+    VehicleError::NotAvailable {
+        what: format!(
+            "{key} = {file:?}: must be read into the scene first, as `master` does; or give the lists themselves"
+        ),
+    }
+}
+
+impl Carriage {
+    /// Builds what carries a pantograph into `layout`; `name` begins the names of its coordinates.
+    ///
+    /// # Errors
+    /// See [`VehicleError`].
+    pub(crate) fn new(
+        placement: &Placement,
+        base: Base,
+        name: &str,
+        layout: &mut Layout,
+    ) -> Result<Self, VehicleError> {
+        let entry = match placement.vehicle.as_deref() {
+            None => return Ok(Self::Straight),
+            Some(scene::Vehicle::RigidMotion(motion)) => {
+                if let Some(file) = &motion.file {
+                    return Err(unread("vehicle.motion.file", file));
+                }
+                return Ok(Self::Given(Arc::new(GivenMotion::new(motion))));
+            }
+            Some(scene::Vehicle::Vertical(entry) | scene::Vehicle::Full(entry)) => entry,
+        };
+        if let Some(scene::Irregularities::Points(scene::Points { file: Some(file), .. })) =
+            placement.track.as_deref().map(|track| &track.irregularities)
+        {
+            return Err(unread("track.irregularities.file", file));
+        }
+        let wheels = entry.body(&entry.wheels.wheelset);
+        let places = wheels.iter().flat_map(|body| &body.positions);
+        let foremost = places.fold(f64::NEG_INFINITY, |most, position| most.max(position[0]));
+        let start = base.start_x + foremost - entry.pantograph_base[0];
+        let reach = Reach {
+            start,
+            end: start + base.speed * placement.duration,
+            rail_distance: entry.wheels.distance,
+        };
+        let track = placement
+            .track
+            .as_deref()
+            .and_then(|track| TrackShape::new(track, reach));
+        let gravity = placement.gravity;
+        let train = match (placement.vehicle.as_deref(), placement.track.as_deref()) {
+            (Some(scene::Vehicle::Full(_)), Some(rails)) => {
+                Train::full(entry, (rails, track.as_ref()), base, gravity, name, layout)?
+            }
+            (Some(scene::Vehicle::Full(_)), None) => {
+                return Err(VehicleError::NotAvailable {
+                    what: "vehicle.model = \"full\" needs [track]".to_owned(),
+                });
+            }
+            _ => Train::vertical(entry, track.as_ref(), base, gravity, name, layout)?,
+        };
+        Ok(Self::Train(Box::new(train)))
+    }
+
+    /// What the pantograph's base is fixed to.
+    pub(crate) fn ground(&self) -> Ground {
+        match self {
+            Self::Straight => Ground::Still,
+            Self::Given(given) => Ground::Given(Arc::clone(given)),
+            Self::Train(train) => Ground::Body(train.carrier()),
+        }
+    }
+
+    /// The vehicle.
+    #[must_use]
+    pub fn train(&self) -> Option<&Train> {
+        match self {
+            Self::Train(train) => Some(train),
+            Self::Straight | Self::Given(_) => None,
+        }
+    }
+
+    /// Number of generalised velocities and of constraint equations.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        self.train()
+            .map_or([0; 2], |train| [train.coordinates(), train.constraint_count()])
+    }
+
+    /// The point of the pantograph's base in the reference position, in the frame of the base, m; `height` where nothing else says
+    /// its z.
+    pub(crate) fn base_point(&self, height: f64) -> Vector3<f64> {
+        match self {
+            Self::Train(train) => {
+                let marker = train.carrier();
+                marker.pose.reference + marker.offset
+            }
+            Self::Straight | Self::Given(_) => Vector3::new(0.0, 0.0, height),
+        }
+    }
+
+    /// The vehicle's part of an equilibrium goes into `state`.
+    pub(crate) fn set_rest(&self, rest: Option<&crate::train::TrainRest>, state: &mut State) {
+        if let (Self::Train(train), Some(rest)) = (self, rest) {
+            train.set_rest(rest, state);
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! What scenes with a vehicle exchange besides.
+use component::{Parameter, Signal};
+use scene::{Scene, Train, Vehicle};
+use std::sync::Arc;
+
+/// Outputs of the base; `base.z` is among those of every pantograph.
+const BASE_OUTPUTS: [(&str, &str, &str); 3] = [
+    ("base.x", "m", "Position of the pantograph's base along the track"),
+    (
+        "base.y",
+        "m",
+        "Lateral position of the pantograph's base, positive to the left",
+    ),
+    (
+        "base.roll",
+        "rad",
+        "Roll angle of the pantograph's base about the direction of travel",
+    ),
+];
+
+/// Number of wheels of the scene's vehicle.
+fn wheel_count(scene: &Scene) -> usize {
+    let train = scene.vehicle.as_deref().and_then(scene::Vehicle::train);
+    let wheelsets = train.and_then(|train| train.body(&train.wheels.wheelset));
+    wheelsets.map_or(0, |body| 2 * body.positions.len())
+}
+
+/// What scenes with a vehicle offer besides.
+pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
+    if scene.vehicle.is_none() {
+        return Vec::new();
+    }
+    let base = BASE_OUTPUTS.map(|(name, unit, text)| Signal::output(name, unit, text));
+    let wheels = (1..=wheel_count(scene)).flat_map(|i| {
+        let which = format!("wheel {i}, left and right wheel of each wheelset in turn");
+        [
+            Signal::output(
+                format!("wheel[{i}].load"),
+                "N",
+                format!("Vertical force of the rail on {which}"),
+            ),
+            Signal::output(
+                format!("wheel[{i}].derailment_quotient"),
+                "1",
+                format!("Y/Q of {which}: lateral force outward on the rail over vertical force"),
+            ),
+        ]
+    });
+    base.into_iter().chain(wheels).collect()
+}
+
+/// A value of the vehicle at the place that `field` finds.
+fn parameter(
+    name: String,
+    unit: &'static str,
+    text: String,
+    field: impl Fn(&mut Train) -> Option<&mut f64> + Clone + Send + Sync + 'static,
+) -> Parameter {
+    fn train(vehicle: &mut Vehicle) -> Option<&mut Train> {
+        match vehicle {
+            Vehicle::Vertical(train) | Vehicle::Full(train) => Some(train),
+            Vehicle::RigidMotion(_) => None,
+        }
+    }
+    let read = field.clone();
+    Parameter::new(
+        name,
+        unit,
+        text,
+        move |scene| {
+            let mut vehicle = scene.vehicle.as_deref().cloned();
+            let train = vehicle.as_mut().and_then(train);
+            train.and_then(&read).copied().unwrap_or_default()
+        },
+        move |scene, value| {
+            let train = scene.vehicle.as_mut().and_then(|vehicle| train(Arc::make_mut(vehicle)));
+            if let Some(place) = train.and_then(&field) {
+                *place = value;
+            }
+        },
+    )
+}
+
+/// Masses, stiffnesses and dampers of the scene's vehicle.
+pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
+    const AXES: [&str; 3] = ["x", "y", "z"];
+    let mut parameters = Vec::new();
+    let Some(train) = scene.vehicle.as_deref().and_then(Vehicle::train) else {
+        return parameters;
+    };
+    for (i, body) in train.bodies.iter().enumerate() {
+        parameters.push(parameter(
+            format!("vehicle.bodies[{}].mass", i + 1),
+            "kg",
+            format!("Mass of each {}", body.name),
+            move |train| train.bodies.get_mut(i).map(|body| &mut body.mass),
+        ));
+    }
+    for (i, bushing) in train.bushings.iter().enumerate() {
+        let path = format!("vehicle.bushings[{}]", i + 1);
+        for (axis, title) in AXES.into_iter().enumerate() {
+            if bushing.stiffness[axis] != 0.0 {
+                parameters.push(parameter(
+                    format!("{path}.stiffness[{}]", axis + 1),
+                    "N/m",
+                    format!("Stiffness of each {} along {title}", bushing.name),
+                    move |train| train.bushings.get_mut(i).map(|bushing| &mut bushing.stiffness[axis]),
+                ));
+            }
+            if bushing.damping[axis] != 0.0 {
+                parameters.push(parameter(
+                    format!("{path}.damping[{}]", axis + 1),
+                    "N.s/m",
+                    format!("Damping of each {} along {title}", bushing.name),
+                    move |train| train.bushings.get_mut(i).map(|bushing| &mut bushing.damping[axis]),
+                ));
+            }
+        }
+    }
+    if train.contact.is_some() {
+        parameters.push(parameter(
+            "vehicle.contact.friction".to_owned(),
+            "1",
+            "Friction coefficient between wheels and rails".to_owned(),
+            |train| train.contact.as_mut().map(|contact| &mut contact.friction),
+        ));
+    }
+    parameters
+}

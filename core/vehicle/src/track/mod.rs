@@ -1,0 +1,72 @@
+//! The shape of the rails: straight, level track with irregularities.
+mod spectrum;
+
+use crate::spline::RestingSpline;
+use scene::{Irregularities, Points};
+use std::sync::Arc;
+
+/// How far one rail is from its ideal line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RailShape {
+    z: RestingSpline,
+    y: RestingSpline,
+}
+
+impl RailShape {
+    /// Rise and its first and second derivative along the track at `x` (m): m, –, 1/m.
+    #[must_use]
+    pub fn rise(&self, x: f64) -> [f64; 3] {
+        self.z.at(x)
+    }
+
+    /// As [`RailShape::rise`], to the left.
+    #[must_use]
+    pub fn lateral(&self, x: f64) -> [f64; 3] {
+        self.y.at(x)
+    }
+}
+
+/// Both rails.
+#[derive(Clone, Debug)]
+pub struct TrackShape {
+    /// Left and right.
+    pub rails: [Arc<RailShape>; 2],
+}
+
+/// What the shape of a track is made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// Where irregularities begin to grow, m: the place of the wheel that is furthest ahead at t = 0.
+    pub start: f64,
+    /// The last place that a wheel comes to, m.
+    pub end: f64,
+    /// Distance of the rails, m.
+    pub rail_distance: f64,
+}
+
+impl TrackShape {
+    /// The shape of a track; `None` where both rails are straight.
+    #[must_use]
+    pub fn new(track: &scene::Track, reach: Reach) -> Option<Self> {
+        match &track.irregularities {
+            Irregularities::None => None,
+            Irregularities::Spectrum(entry) => Some(spectrum::realise(entry, reach)),
+            Irregularities::Points(points) => Some(Self::measured(points)),
+        }
+    }
+
+    fn measured(points: &Points) -> Self {
+        let rail = |z: &[f64], y: &[f64]| {
+            Arc::new(RailShape {
+                z: RestingSpline::new(points.x.clone(), z.to_vec()),
+                y: RestingSpline::new(points.x.clone(), y.to_vec()),
+            })
+        };
+        Self {
+            rails: [
+                rail(&points.z_left, &points.y_left),
+                rail(&points.z_right, &points.y_right),
+            ],
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The vehicle under the pantograph: rigid bodies, what joins them, and the wheels.
+//!
+//! Coordinates are those of the frame of the base, which travels at constant speed: a vehicle that runs undisturbed is at rest. The
+//! centre of mass of the body that carries the pantograph keeps its place along the track there: that is what drives the
+//! vehicle, and it does no work in this frame. [Thesis, section 3.1, Table 1]
+mod builder;
+mod rolling_wheel;
+mod spin;
+mod statics;
+#[cfg(test)]
+mod tests;
+mod wheel_spring;
+
+use crate::multibody::{BodyMarker, Bushing, Joint, RigidBody};
+use crate::pantograph::Offsets;
+use dynamics::{Constraint, Force, Frame, Marker, Motion, State};
+pub use rolling_wheel::RollingWheel;
+pub use spin::{Spin, WheelsetMarker};
+pub(crate) use statics::Load;
+pub use statics::TrainRest;
+pub use wheel_spring::WheelSpring;
+
+/// What is between a wheel and its rail.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "eight per vehicle")]
+pub enum TrainWheel {
+    /// A linear spring.
+    Spring(WheelSpring),
+    /// Rolling contact.
+    Rolling(RollingWheel),
+}
+
+impl TrainWheel {
+    /// Vertical force of the rail on the wheel, N.
+    #[must_use]
+    pub fn load(&self, motion: &Motion<'_>) -> f64 {
+        match self {
+            Self::Spring(wheel) => wheel.load(motion),
+            Self::Rolling(wheel) => wheel.force(motion).z,
+        }
+    }
+
+    fn contribution(&mut self) -> &mut dyn Force {
+        match self {
+            Self::Spring(wheel) => wheel,
+            Self::Rolling(wheel) => wheel,
+        }
+    }
+}
+
+/// A vehicle of rigid bodies on its wheels.
+#[derive(Clone, Debug)]
+pub struct Train {
+    offsets: Offsets,
+    constraint_count: usize,
+    names: Vec<String>,
+    bodies: Vec<RigidBody>,
+    /// Bushings, then bearings.
+    bushings: Vec<Bushing>,
+    bearing_count: usize,
+    joints: Vec<Joint>,
+    /// Left and right wheel of each wheelset in turn.
+    wheels: Vec<TrainWheel>,
+    /// Of the wheelsets, where they roll.
+    spins: Vec<Spin>,
+    carrier: BodyMarker,
+    fixed: usize,
+}
+
+impl Train {
+    /// Where the base of the pantograph stands on its body.
+    #[must_use]
+    pub fn carrier(&self) -> BodyMarker {
+        self.carrier
+    }
+
+    /// The bodies, in the order of the scene.
+    #[must_use]
+    pub fn bodies(&self) -> &[RigidBody] {
+        &self.bodies
+    }
+
+    /// Name of each body.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Number of bushings, of bearings and of joints.
+    #[must_use]
+    pub fn counts(&self) -> [usize; 3] {
+        [
+            self.bushings.len() - self.bearing_count,
+            self.bearing_count,
+            self.joints.len(),
+        ]
+    }
+
+    /// Bushings, then bearings.
+    #[must_use]
+    pub fn bushings(&self) -> &[Bushing] {
+        &self.bushings
+    }
+
+    /// Number of generalised velocities that are free.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        6 * self.bodies.len() + self.spins.len() - self.fixed
+    }
+
+    /// Number of constraint equations.
+    #[must_use]
+    pub fn constraint_count(&self) -> usize {
+        self.constraint_count
+    }
+
+    /// Vertical force of the rail on each wheel, N: left and right wheel of each wheelset in turn.
+    pub fn wheel_loads<'a>(&'a self, motion: &'a Motion<'_>) -> impl Iterator<Item = f64> + 'a {
+        self.wheels.iter().map(|wheel| wheel.load(motion))
+    }
+
+    /// That of one wheel, counted from 0; 0 where there is none.
+    #[must_use]
+    pub fn wheel_load(&self, wheel: usize, motion: &Motion<'_>) -> f64 {
+        self.wheels.get(wheel).map_or(0.0, |wheel| wheel.load(motion))
+    }
+
+    /// Y/Q of one wheel, counted from 0; 0 where no lateral force is modelled.
+    #[must_use]
+    pub fn derailment_quotient(&self, wheel: usize, motion: &Motion<'_>) -> f64 {
+        match self.wheels.get(wheel) {
+            Some(TrainWheel::Rolling(wheel)) => wheel.derailment_quotient(motion),
+            _ => 0.0,
+        }
+    }
+
+    /// Number of wheels.
+    #[must_use]
+    pub fn wheel_count(&self) -> usize {
+        self.wheels.len()
+    }
+
+    /// The base of the pantograph, in the frame of the base.
+    #[must_use]
+    pub fn base_frame(&self, motion: &Motion<'_>) -> Frame {
+        self.carrier.frame(motion)
+    }
+
+    /// Visits every force in a fixed order.
+    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        for body in &mut self.bodies {
+            visit(body);
+        }
+        for bushing in &mut self.bushings {
+            visit(bushing);
+        }
+        for wheel in &mut self.wheels {
+            visit(wheel.contribution());
+        }
+        for spin in &mut self.spins {
+            visit(spin);
+        }
+    }
+
+    /// Visits every joint in a fixed order.
+    pub fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        for joint in &mut self.joints {
+            visit(joint);
+        }
+    }
+
+    /// Writes a state of rest into the vehicle's part of a state.
+    pub(crate) fn set_rest(&self, rest: &TrainRest, state: &mut State) {
+        rest.equilibrium.write(self.offsets, state);
+        for (spin, rate) in self.spins.iter().zip(&rest.spins) {
+            state.v[spin.coordinate] = *rate;
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Wheels that roll on rails.
+use super::spin::{Spin, WheelsetMarker};
+use crate::Base;
+use crate::track::RailShape;
+use crate::wheel_rail::{
+    CreepLaw, CreepModel, Hertz, Profile, Rail, RailFrame, RailLine, Side, Wheel, WheelRail, WheelRailParts,
+};
+use dynamics::{Blocks, Force, Motion, Power, Weights};
+use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
+
+/// Slower rolling than this counts as this in creepages, m/s: walking pace.
+const SLOWEST: f64 = 1.0;
+
+/// A straight, level rail with irregularities; its cross-section stays upright and across the track.
+struct IrregularRail {
+    /// y of the profile's origin, m.
+    y: f64,
+    shape: Option<Arc<RailShape>>,
+}
+
+impl RailLine for IrregularRail {
+    fn frame(&self, s: f64) -> RailFrame {
+        let none = ([0.0; 3], [0.0; 3]);
+        let (y, z) = self
+            .shape
+            .as_ref()
+            .map_or(none, |shape| (shape.lateral(s), shape.rise(s)));
+        RailFrame {
+            position: Vector3::new(s, self.y + y[0], z[0]),
+            direction: Vector3::new(1.0, y[1], z[1]),
+            bend: Vector3::new(0.0, y[2], z[2]),
+            axes: Matrix3::identity(),
+            turn: Vector3::zeros(),
+            turn_rate: Vector3::zeros(),
+        }
+    }
+}
+
+/// What all wheels of a vehicle share.
+#[derive(Clone)]
+pub(super) struct Rolling {
+    pub base: Base,
+    pub radius: f64,
+    /// From the middle of a wheelset to the nominal rolling circle, m.
+    pub distance: f64,
+    pub wheel: Arc<Profile>,
+    pub rail: Arc<Profile>,
+    /// From the middle of the track to the origin of a rail's profile, m.
+    pub rail_distance: f64,
+    pub hertz: Hertz,
+    pub damping: f64,
+    pub creep: CreepModel,
+}
+
+/// One wheel on its rail.
+pub struct RollingWheel {
+    shared: Rolling,
+    spin: Spin,
+    side: Side,
+    shape: Option<Arc<RailShape>>,
+    contact: WheelRail,
+}
+
+impl Clone for RollingWheel {
+    /// Without the memory of past searches.
+    fn clone(&self) -> Self {
+        Self::new(self.shared.clone(), self.spin, self.side, self.shape.clone())
+    }
+}
+
+impl std::fmt::Debug for RollingWheel {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter
+            .debug_struct("RollingWheel")
+            .field("side", &self.side)
+            .finish_non_exhaustive()
+    }
+}
+
+impl RollingWheel {
+    pub(super) fn new(shared: Rolling, spin: Spin, side: Side, shape: Option<Arc<RailShape>>) -> Self {
+        let contact = WheelRail::new(WheelRailParts {
+            marker: Box::new(WheelsetMarker::new(spin.pose, spin.coordinate)),
+            base: shared.base,
+            spin: spin.rolling,
+            wheel: Wheel {
+                profile: Arc::clone(&shared.wheel),
+                radius: shared.radius,
+                distance: shared.distance,
+                side,
+            },
+            rail: Rail {
+                profile: Arc::clone(&shared.rail),
+                line: Arc::new(IrregularRail {
+                    y: side.sign() * shared.rail_distance,
+                    shape: shape.clone(),
+                }),
+                side,
+            },
+            hertz: shared.hertz.clone(),
+            damping: shared.damping,
+            creep: shared.creep.clone(),
+            slowest: SLOWEST,
+        });
+        Self {
+            shared,
+            spin,
+            side,
+            shape,
+            contact,
+        }
+    }
+
+    /// Takes the creep forces out for statics, in which nothing rolls, and puts them back.
+    pub(super) fn set_creeping(&mut self, creeping: bool) {
+        let law = if creeping {
+            self.shared.creep.law
+        } else {
+            CreepLaw::Frictionless
+        };
+        self.contact.set_creep(CreepModel {
+            law,
+            ..self.shared.creep.clone()
+        });
+    }
+
+    /// Force of the rail on the wheel, world axes, N.
+    #[must_use]
+    pub fn force(&self, motion: &Motion<'_>) -> Vector3<f64> {
+        self.contact.force(motion)
+    }
+
+    /// Y/Q: lateral force with which the wheel presses the rail outward over the vertical force; 0 where it has lifted off.
+    #[must_use]
+    pub fn derailment_quotient(&self, motion: &Motion<'_>) -> f64 {
+        let force = self.force(motion);
+        if force.z > 0.0 {
+            -self.side.sign() * force.y / force.z
+        } else {
+            0.0
+        }
+    }
+}
+
+impl Force for RollingWheel {
+    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        self.contact.add_force(motion, force);
+    }
+
+    fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+        // The matrix may be analysed and made again at other motions than the present one: a restored run repeats bit for bit only if
+        // that leaves the start of the next search alone.
+        let mut start = Vec::new();
+        self.contact.save(&mut start);
+        self.contact.add_tangent(motion, weights, blocks);
+        self.contact.restore(&mut start.iter());
+    }
+
+    fn energy(&self, motion: &Motion<'_>) -> f64 {
+        self.contact.energy(motion)
+    }
+
+    fn power(&self, motion: &Motion<'_>) -> Option<Power> {
+        self.contact.power(motion)
+    }
+
+    fn begin_step(&mut self, motion: &Motion<'_>) {
+        self.contact.begin_step(motion);
+    }
+
+    fn save(&self, out: &mut Vec<f64>) {
+        self.contact.save(out);
+    }
+
+    fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
+        self.contact.restore(values);
+    }
+}

@@ -1,0 +1,163 @@
+//! The vehicle at rest under what stands on it.
+use super::{Train, TrainWheel};
+use crate::VehicleError;
+use crate::multibody::{BodyMarker, DeadForce};
+use crate::pantograph::Equilibrium;
+use dynamics::{Constraint, Force, Frame, Layout, NewtonOptions, State, StaticOptions, System, solve_static};
+use nalgebra::{Matrix3, Vector3};
+
+/// `μ` of [`StaticOptions::mass_shift`], 1/s²: holds what has no stiffness; eigenfrequencies of vehicles are above 1 rad/s.
+const MASS_SHIFT: f64 = 1e-2;
+
+/// Accepted residual, N or N·m: 1e-10 of a wheel load.
+const TOLERANCE: f64 = 1e-5;
+
+/// A vertical force on the body that carries the pantograph.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Load {
+    /// Where it acts, m, in the frame of the base.
+    pub point: Vector3<f64>,
+    /// N, upward.
+    pub force: f64,
+}
+
+/// A vehicle at rest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrainRest {
+    /// Its coordinates; height and force are those of the base of the pantograph.
+    pub(crate) equilibrium: Equilibrium,
+    /// The base of the pantograph, in the frame of the base.
+    pub base: Frame,
+    /// χ̇ of the wheelsets, rad/s, at which they roll freely.
+    pub(crate) spins: Vec<f64>,
+}
+
+/// A vehicle alone.
+struct Alone<'a> {
+    train: &'a mut Train,
+    layout: &'a Layout,
+    loads: Vec<DeadForce>,
+}
+
+impl System for Alone<'_> {
+    fn layout(&self) -> &Layout {
+        self.layout
+    }
+
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.train.forces(visit);
+        for load in &mut self.loads {
+            visit(load);
+        }
+    }
+
+    fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        self.train.constraints(visit);
+    }
+}
+
+impl Train {
+    /// The state of rest of this vehicle, alone in `layout`, under `loads`; Newton's method begins at `state`.
+    ///
+    /// # Errors
+    /// [`VehicleError::Unsettled`].
+    pub(crate) fn rest(
+        &mut self,
+        layout: &Layout,
+        state: &mut State,
+        loads: &[Load],
+    ) -> Result<TrainRest, VehicleError> {
+        let pose = self.carrier.pose;
+        let loads = loads
+            .iter()
+            .map(|load| {
+                let motion = state.motion(&[]);
+                let offset = pose.axes(&motion).transpose() * (load.point - pose.position(&motion));
+                DeadForce {
+                    marker: BodyMarker {
+                        pose,
+                        offset,
+                        axes: Matrix3::identity(),
+                    },
+                    force: Vector3::new(0.0, 0.0, load.force),
+                }
+            })
+            .collect();
+        let options = StaticOptions {
+            newton: NewtonOptions {
+                tolerance: TOLERANCE,
+                max_iterations: 200,
+                ..NewtonOptions::default()
+            },
+            mass_shift: MASS_SHIFT,
+            ..StaticOptions::default()
+        };
+        self.set_creeping(false);
+        let mut alone = Alone {
+            train: self,
+            layout,
+            loads,
+        };
+        let settled = solve_static(&mut alone, state, &[], &options);
+        self.set_creeping(true);
+        settled.map_err(VehicleError::Unsettled)?;
+        let spins = self.free_rolling(state);
+        let base = self.base_frame(&state.motion(&[]));
+        Ok(TrainRest {
+            equilibrium: Equilibrium {
+                height: base.position.z,
+                force: 0.0,
+                q: state.q.clone(),
+                rotation: state.rotation.clone(),
+                lambda: state.lambda.clone(),
+                train: None,
+            },
+            base,
+            spins,
+        })
+    }
+
+    fn set_creeping(&mut self, creeping: bool) {
+        for wheel in &mut self.wheels {
+            if let TrainWheel::Rolling(wheel) = wheel {
+                wheel.set_creeping(creeping);
+            }
+        }
+    }
+
+    /// χ̇ of each wheelset (rad/s) at which no moment turns it about its axle, the vehicle being otherwise at rest.
+    ///
+    /// Wheels do not roll on their nominal radius exactly: they are pressed in, and touch beside it.
+    fn free_rolling(&mut self, state: &State) -> Vec<f64> {
+        /// Accepted moment, N·m: a creepage of 1e-9.
+        const MOMENT: f64 = 1e-3;
+        let mut state = state.clone();
+        let spins = self.spins.clone();
+        let mut force = vec![0.0; state.q.len()];
+        let mut moment = |state: &State, coordinate: usize| {
+            force.fill(0.0);
+            for wheel in &mut self.wheels {
+                wheel.contribution().add_force(&state.motion(&[]), &mut force);
+            }
+            force[coordinate]
+        };
+        spins
+            .iter()
+            .map(|spin| {
+                let at = spin.coordinate;
+                let (mut before, mut rate) = (0.0, 1e-5 * spin.rolling);
+                let mut old = moment(&state, at);
+                for _ in 0..30 {
+                    state.v[at] = rate;
+                    let new = moment(&state, at);
+                    if new.abs() <= MOMENT || new == old {
+                        break;
+                    }
+                    let next = rate - new * (rate - before) / (new - old);
+                    (before, old, rate) = (rate, new, next);
+                }
+                rate
+            })
+            .collect()
+    }
+}

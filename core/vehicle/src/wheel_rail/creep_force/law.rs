@@ -1,0 +1,105 @@
+//! The creep laws behind one method.
+use super::dual::{Dual, INPUTS};
+use super::{Fastsim, polach, saturated};
+use crate::wheel_rail::{Creepage, KalkerCoefficients};
+
+/// How creepages make tangential forces.
+///
+/// The thesis does not say which creep law it uses (its section 4.1 ends with the contact points), so none is a default here.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CreepLaw {
+    /// No tangential force.
+    Frictionless,
+    /// Kalker's linear theory with the saturation of Shen, Hedrick & Elkins.
+    Saturated,
+    /// Kalker's simplified theory.
+    Fastsim(Fastsim),
+    /// Polach's closed form.
+    Polach,
+}
+
+/// A contact ellipse with its load, as a creep law sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// Semi-axis along the rolling direction, m.
+    pub along: f64,
+    /// Semi-axis across it, m.
+    pub across: f64,
+    /// N.
+    pub normal_force: f64,
+}
+
+/// Tangential forces on the wheel and their derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CreepForce {
+    /// Longitudinal force (N), lateral force (N), moment about the normal (N·m).
+    pub components: [f64; 3],
+    /// Derivatives of each by ξ_x (–), ξ_y (–), φ (1/m), a (m), b (m) and the normal force (N).
+    pub slopes: [[f64; INPUTS]; 3],
+}
+
+/// What the laws work with.
+pub(super) struct Inputs {
+    /// ξ_x, ξ_y, φ.
+    pub creepage: [Dual; 3],
+    pub along: Dual,
+    pub across: Dual,
+    /// μN.
+    pub limit: Dual,
+    /// C11, C22, C23.
+    pub coefficients: [Dual; 3],
+    pub shear_modulus: f64,
+}
+
+/// A creep law with its constants.
+#[derive(Clone, Debug)]
+pub struct CreepModel {
+    /// The law.
+    pub law: CreepLaw,
+    /// Friction coefficient μ, –.
+    pub friction: f64,
+    /// Shear modulus G, Pa.
+    pub shear_modulus: f64,
+    /// For the material's Poisson's ratio.
+    pub coefficients: KalkerCoefficients,
+}
+
+impl CreepModel {
+    /// The force that the rail exerts on the wheel, in the directions of the creepages.
+    #[must_use]
+    pub fn force(&self, creepage: &Creepage, patch: &Patch) -> CreepForce {
+        let none = CreepForce {
+            components: [0.0; 3],
+            slopes: [[0.0; INPUTS]; 3],
+        };
+        if self.law == CreepLaw::Frictionless || !(patch.normal_force > 0.0 && self.friction > 0.0) {
+            return none;
+        }
+        let (along, across) = (Dual::input(patch.along, 3), Dual::input(patch.across, 4));
+        let logarithm =
+            along.map(patch.along.ln(), 1.0 / patch.along) - across.map(patch.across.ln(), 1.0 / patch.across);
+        let inputs = Inputs {
+            creepage: [
+                Dual::input(creepage.longitudinal, 0),
+                Dual::input(creepage.lateral, 1),
+                Dual::input(creepage.spin, 2),
+            ],
+            along,
+            across,
+            limit: Dual::input(patch.normal_force, 5) * self.friction,
+            coefficients: (self.coefficients.at(patch.along, patch.across))
+                .map(|[value, slope]| logarithm.map(value, slope)),
+            shear_modulus: self.shear_modulus,
+        };
+        let forces = match self.law {
+            CreepLaw::Frictionless => return none,
+            CreepLaw::Saturated => saturated::forces(&inputs),
+            CreepLaw::Fastsim(grid) => grid.forces(&inputs),
+            CreepLaw::Polach => polach::forces(&inputs),
+        };
+        CreepForce {
+            components: forces.map(|force| force.value),
+            slopes: forces.map(|force| force.slopes),
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! Wheels as surfaces of revolution, rails as profiles swept along a line.
+use super::Profile;
+use dynamics::rotation::skew;
+use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
+
+/// Which wheel of a wheelset, which rail of a track.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// y positive.
+    Left,
+    /// y negative.
+    Right,
+}
+
+impl Side {
+    /// Direction of outward along the lateral axis, –.
+    #[must_use]
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Left => 1.0,
+            Self::Right => -1.0,
+        }
+    }
+}
+
+/// A point of a surface with its first and second derivatives by its two parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SurfacePoint {
+    pub position: Vector3<f64>,
+    pub first: [Vector3<f64>; 2],
+    /// By the first parameter twice, by both, by the second twice.
+    pub second: [Vector3<f64>; 3],
+}
+
+/// A wheel: its profile turned about the axis of the wheelset.
+#[derive(Clone, Debug)]
+pub struct Wheel {
+    /// Its origin is on the nominal rolling circle.
+    pub profile: Arc<Profile>,
+    /// Radius of the nominal rolling circle, m.
+    pub radius: f64,
+    /// Distance of the nominal rolling circle from the middle of the wheelset, m.
+    pub distance: f64,
+    /// Which wheel.
+    pub side: Side,
+}
+
+/// Axes that follow a wheelset but not its spin: forward, along the axis to the left, up; as columns.
+pub(crate) fn axes_without_spin(axis: &Vector3<f64>) -> Matrix3<f64> {
+    let forward = axis.cross(&Vector3::z()).normalize();
+    Matrix3::from_columns(&[forward, *axis, forward.cross(axis)])
+}
+
+impl Wheel {
+    /// Relative to the middle of the wheelset, world axes; parameters: the angle φ (rad) from straight down, forward, and the
+    /// profile's σ (m).
+    ///
+    /// ```text
+    /// r = ±(b + y(σ)) e_y + (R − z(σ)) (sin φ e_x − cos φ e_z)
+    /// ```
+    pub(crate) fn at(&self, axes: &Matrix3<f64>, phi: f64, sigma: f64) -> SurfacePoint {
+        let profile = self.profile.at(sigma);
+        let (sine, cosine) = phi.sin_cos();
+        let (forward, up) = (axes.column(0), axes.column(2));
+        let radial = forward * sine - up * cosine;
+        let turned = forward * cosine + up * sine;
+        let lateral = axes.column(1) * self.side.sign();
+        let radius = self.radius - profile.position.y;
+        SurfacePoint {
+            position: lateral * (self.distance + profile.position.x) + radial * radius,
+            first: [turned * radius, lateral * profile.first.x - radial * profile.first.y],
+            second: [
+                radial * -radius,
+                turned * -profile.first.y,
+                lateral * profile.second.x - radial * profile.second.y,
+            ],
+        }
+    }
+}
+
+/// Where the origin of a rail's profile is along the track, and how that changes with the arc length s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RailFrame {
+    /// World position of the profile's origin, m.
+    pub position: Vector3<f64>,
+    /// Its derivative by s, –: the direction of the rail, not necessarily of unit length.
+    pub direction: Vector3<f64>,
+    /// Its second derivative by s, 1/m.
+    pub bend: Vector3<f64>,
+    /// Axes of the rail as columns: along the rail, to the left, up.
+    pub axes: Matrix3<f64>,
+    /// Rotation of the axes per length, world axes, rad/m.
+    pub turn: Vector3<f64>,
+    /// Derivative of `turn` by s, rad/m².
+    pub turn_rate: Vector3<f64>,
+}
+
+/// The line of one rail: straight, curved, canted, with irregularities.
+pub trait RailLine: Send + Sync {
+    /// The rail at the arc length `s`, m.
+    fn frame(&self, s: f64) -> RailFrame;
+}
+
+/// A straight, level rail along x.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StraightRail {
+    /// y of the profile's origin, m; signed.
+    pub y: f64,
+    /// z of the profile's origin, m.
+    pub z: f64,
+}
+
+impl RailLine for StraightRail {
+    fn frame(&self, s: f64) -> RailFrame {
+        RailFrame {
+            position: Vector3::new(s, self.y, self.z),
+            direction: Vector3::x(),
+            bend: Vector3::zeros(),
+            axes: Matrix3::identity(),
+            turn: Vector3::zeros(),
+            turn_rate: Vector3::zeros(),
+        }
+    }
+}
+
+/// A rail: its profile swept along a line.
+#[derive(Clone)]
+pub struct Rail {
+    /// Cross-section, its inclination included.
+    pub profile: Arc<Profile>,
+    /// The line that the origin of the profile follows.
+    pub line: Arc<dyn RailLine>,
+    /// Which rail.
+    pub side: Side,
+}
+
+impl Rail {
+    /// World axes; parameters: arc length s (m) and the profile's σ (m).
+    ///
+    /// ```text
+    /// r = p(s) + A(s) (0, ±y(σ), z(σ))
+    /// ```
+    pub(crate) fn at(&self, s: f64, sigma: f64) -> SurfacePoint {
+        let frame = self.line.frame(s);
+        let profile = self.profile.at(sigma);
+        let to_world = |vector: nalgebra::Vector2<f64>| {
+            frame.axes.column(1) * (self.side.sign() * vector.x) + frame.axes.column(2) * vector.y
+        };
+        let (offset, first, second) = (
+            to_world(profile.position),
+            to_world(profile.first),
+            to_world(profile.second),
+        );
+        let turn = skew(&frame.turn);
+        SurfacePoint {
+            position: frame.position + offset,
+            first: [frame.direction + turn * offset, first],
+            second: [
+                frame.bend + frame.turn_rate.cross(&offset) + turn * (turn * offset),
+                turn * first,
+                second,
+            ],
+        }
+    }
+}

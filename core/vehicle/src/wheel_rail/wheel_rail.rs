@@ -1,0 +1,314 @@
+//! The force of one wheel on its rail.
+use super::contact_point::{ContactPoint, Pairing};
+use super::overlap::overlaps;
+use super::search::{Found, MAX_CONTACTS, Search};
+use super::wheel_contact::{Change, WheelContact};
+use super::{CreepModel, Hertz, Rail, SurfaceParameters, Wheel};
+use crate::Base;
+use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Power, Weights};
+use nalgebra::Vector3;
+
+/// What a wheel on a rail is made of.
+pub struct WheelRailParts {
+    /// The middle of the wheelset, its second axis along the axle to the left, in the frame of the base. A marker of a rigid body.
+    pub marker: Box<dyn Marker>,
+    /// What the marker's frame travels with.
+    pub base: Base,
+    /// What the wheelset turns about its axle faster than its marker does, rad/s, positive for forward; 0 where the marker's body
+    /// spins with the wheels. Where the body stands for the axle without its spin, this is the spin, which a drive holds.
+    pub spin: f64,
+    /// The wheel.
+    pub wheel: Wheel,
+    /// Its rail, at rest in the world.
+    pub rail: Rail,
+    /// Normal force.
+    pub hertz: Hertz,
+    /// `c` of the normal force, N·s/m².
+    pub damping: f64,
+    /// Tangential forces.
+    pub creep: CreepModel,
+    /// Rolling slower than this counts as this in the creepages, m/s, positive.
+    pub slowest: f64,
+}
+
+/// The contact of one wheel with its rail.
+///
+/// ```text
+/// N = max(0, F_H(δ) + c δ δ̇)                     [Hertz; damping: Shabana, Zaazaa, Escalona & Sany 2004, section 4]
+/// Q = Σ_contacts ∂r/∂q · (N n + T_x t_x + T_y t_y) + ∂θ/∂q · M_z n
+/// ```
+///
+/// The forces act at the point of the undeformed wheel. All points where wheel and rail overlap most count (tread, flange). They
+/// are searched for over the whole width at the begin of a step and followed by Newton's method within it; they are searched for
+/// again where one is lost.
+pub struct WheelRail {
+    parts: WheelRailParts,
+    search: Search,
+    start: Start,
+}
+
+/// Where the next search begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Start {
+    /// Arc length of the rail near the wheelset; none before the first search.
+    s: Option<f64>,
+    found: Found,
+}
+
+/// The contacts of a wheel at one instant.
+pub type WheelContacts = [Option<WheelContact>; MAX_CONTACTS];
+
+impl WheelRail {
+    /// A wheel on its rail.
+    #[must_use]
+    pub fn new(parts: WheelRailParts) -> Self {
+        Self {
+            search: Search::new(&parts.wheel.profile, &parts.rail.profile),
+            parts,
+            start: Start {
+                s: None,
+                found: Found::default(),
+            },
+        }
+    }
+
+    /// What it is made of.
+    #[must_use]
+    pub fn parts(&self) -> &WheelRailParts {
+        &self.parts
+    }
+
+    /// Puts other tangential forces in place: a static solution, in which nothing rolls, takes none.
+    pub fn set_creep(&mut self, creep: CreepModel) {
+        self.parts.creep = creep;
+    }
+
+    /// The contacts at a motion, those with no force left out.
+    #[must_use]
+    pub fn contacts(&self, motion: &Motion<'_>) -> WheelContacts {
+        self.evaluate(motion).0
+    }
+
+    /// Sum of the forces of the rail on the wheel, world axes, N.
+    #[must_use]
+    pub fn force(&self, motion: &Motion<'_>) -> Vector3<f64> {
+        self.contacts(motion)
+            .iter()
+            .flatten()
+            .map(|contact| contact.force)
+            .sum()
+    }
+
+    /// The middle of the wheelset in the world, with all of the spin.
+    fn frame(&self, motion: &Motion<'_>) -> Frame {
+        let frame = self.parts.marker.frame(motion);
+        Frame {
+            position: frame.position + self.parts.base.position(motion.t),
+            velocity: frame.velocity + self.parts.base.velocity(),
+            angular_velocity: frame.angular_velocity + frame.axes.column(1) * self.parts.spin,
+            ..frame
+        }
+    }
+
+    fn pairing(&self, frame: &Frame) -> Pairing<'_> {
+        Pairing::new(
+            &self.parts.wheel,
+            &self.parts.rail,
+            frame.position,
+            &frame.axes.column(1).into_owned(),
+        )
+    }
+
+    /// Searches over the whole width of the profiles.
+    fn search(&self, pairing: &Pairing<'_>) -> Start {
+        // The arc length whose normal plane holds the middle of the wheelset; a wheelset starts where x is the arc length.
+        let mut s = self.start.s.unwrap_or(pairing.middle.x);
+        for _ in 0..20 {
+            let rail = self.parts.rail.line.frame(s);
+            let to_middle = pairing.middle - rail.position;
+            let change = rail.direction.dot(&to_middle) / rail.direction.norm_squared();
+            s += change;
+            if change.abs() < 1e-6 {
+                break; // A start is enough.
+            }
+        }
+        Start {
+            s: Some(s),
+            found: self.search.contacts(pairing, s),
+        }
+    }
+
+    /// The contacts, and the start of the next search.
+    fn evaluate(&self, motion: &Motion<'_>) -> (WheelContacts, Start) {
+        let frame = self.frame(motion);
+        let pairing = self.pairing(&frame);
+        let (points, start) = match self.start.s.and_then(|_| follow(&pairing, &self.start)) {
+            Some(followed) => followed,
+            None => {
+                let start = self.search(&pairing);
+                follow(&pairing, &start).unwrap_or((Points::default(), start))
+            }
+        };
+        let overlaps = overlaps(&points.highest, &points.valleys);
+        let contact = |place: usize| WheelContact::new(&self.parts, points.highest[place]?, overlaps[place]?, &frame);
+        (std::array::from_fn(contact), start)
+    }
+}
+
+/// Points of largest overlap, and those of least overlap between them.
+#[derive(Default)]
+struct Points {
+    highest: [Option<ContactPoint>; MAX_CONTACTS],
+    valleys: [Option<ContactPoint>; MAX_CONTACTS],
+}
+
+/// The points of a start at a new position; `None` where one is lost, or two have become one.
+fn follow(pairing: &Pairing<'_>, start: &Start) -> Option<(Points, Start)> {
+    let mut points = Points::default();
+    let mut next = *start;
+    let mut last = f64::NEG_INFINITY;
+    for place in 0..MAX_CONTACTS {
+        let Some(parameters) = &start.found.points[place] else {
+            continue;
+        };
+        let point = pairing.solve(parameters)?;
+        if point.curvature.min() <= 0.0 || point.parameters.wheel <= last {
+            return None;
+        }
+        last = point.parameters.wheel;
+        next.found.points[place] = Some(point.parameters);
+        points.highest[place] = Some(point);
+        let Some(parameters) = &start.found.valleys[place] else {
+            continue;
+        };
+        let valley = pairing.solve(parameters)?;
+        if valley.curvature.y >= 0.0 || valley.parameters.wheel <= last {
+            return None;
+        }
+        last = valley.parameters.wheel;
+        next.found.valleys[place] = Some(valley.parameters);
+        points.valleys[place] = Some(valley);
+    }
+    Some((points, next))
+}
+
+impl Force for WheelRail {
+    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        let (contacts, start) = self.evaluate(motion);
+        self.start = start;
+        let mut columns = Columns::default();
+        self.parts.marker.columns(motion, &mut columns);
+        for contact in contacts.iter().flatten() {
+            for column in columns.as_slice() {
+                force[column.index] += column.translation.dot(&contact.force) + column.rotation.dot(&contact.moment);
+            }
+        }
+    }
+
+    fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+        let (contacts, start) = self.evaluate(motion);
+        self.start = start;
+        let frame = self.frame(motion);
+        let mut columns = Columns::default();
+        self.parts.marker.columns(motion, &mut columns);
+        let columns = columns.as_slice();
+        let n = columns.len();
+        // The part of the velocity that turns with the body.
+        let turning: Vector3<f64> = (columns.iter())
+            .filter(|column| column.rotation != Vector3::zeros())
+            .map(|column| column.translation * motion.v[column.index])
+            .sum();
+        let mut values = [0.0; Columns::CAPACITY * Columns::CAPACITY];
+        let mut indices = [0; Columns::CAPACITY];
+        for (l, by) in columns.iter().enumerate() {
+            indices[l] = by.index;
+            let change = Change {
+                displacement: by.translation * weights.q,
+                rotation: by.rotation * weights.q,
+                velocity: by.rotation.cross(&turning) * weights.q + by.translation * weights.v,
+                angular_velocity: by.rotation.cross(&frame.angular_velocity) * weights.q + by.rotation * weights.v,
+            };
+            for contact in contacts.iter().flatten() {
+                let [force, moment] = contact.change(&self.parts, &frame, &change);
+                for (k, of) in columns.iter().enumerate() {
+                    let mut sum = of.translation.dot(&force) + of.rotation.dot(&moment);
+                    if of.rotation != Vector3::zeros() {
+                        // The column itself turns with the body.
+                        sum += weights.q
+                            * (by.rotation.cross(&of.translation).dot(&contact.force)
+                                + by.rotation.cross(&of.rotation).dot(&contact.moment));
+                    }
+                    values[k * n + l] -= sum;
+                }
+            }
+        }
+        blocks.add(&indices[..n], &indices[..n], &values[..n * n]);
+    }
+
+    /// Elastic energy of the contacts, `⅖ F_H δ`.
+    fn energy(&self, motion: &Motion<'_>) -> f64 {
+        (self.contacts(motion).iter().flatten())
+            .map(|contact| 0.4 * contact.ellipse.force * contact.penetration)
+            .sum()
+    }
+
+    /// Brought in by the travel of the base over the resting rail and by the drive that holds the spin; turned into heat by
+    /// sliding and by the damping of the normal force.
+    ///
+    /// Hertz' stiffness changes with the place of the contact, and what counts of the penetration with the neighbours in a patch.
+    /// What the elastic energy changes by that comes from no force and is counted as brought in.
+    fn power(&self, motion: &Motion<'_>) -> Option<Power> {
+        let frame = self.frame(motion);
+        let axle = frame.axes.column(1);
+        let mut power = Power::default();
+        for contact in self.contacts(motion).iter().flatten() {
+            let (point, sliding) = (&contact.point, &contact.sliding);
+            let by_wheel = contact.force.dot(&sliding.velocity)
+                + contact.creep.components[2] * point.normal.dot(&frame.angular_velocity);
+            let stored = contact.ellipse.force * contact.rate;
+            power.dissipated -= by_wheel + stored;
+            power.driven -= contact.force.dot(&self.parts.base.velocity());
+            power.driven -= axle.dot(&contact.moment) * self.parts.spin;
+            let change = point.change(&frame.velocity, &frame.angular_velocity);
+            let growth = contact.ellipse.by_curvature[2][0] * change.curvature.x
+                + contact.ellipse.by_curvature[2][1] * change.curvature.y;
+            power.driven += 0.4 * contact.ellipse.force * contact.penetration * growth;
+            let rate = contact.overlap.rate(&frame.velocity, &frame.angular_velocity);
+            power.driven += contact.ellipse.force * (rate - contact.rate);
+        }
+        Some(power)
+    }
+
+    fn begin_step(&mut self, motion: &Motion<'_>) {
+        let frame = self.frame(motion);
+        self.start = self.search(&self.pairing(&frame));
+    }
+
+    fn save(&self, out: &mut Vec<f64>) {
+        out.push(self.start.s.unwrap_or(f64::NAN));
+        let found = &self.start.found;
+        for place in found.points.iter().chain(&found.valleys) {
+            match place {
+                Some(at) => out.extend([1.0, at.s, at.rail, at.angle, at.wheel]),
+                None => out.extend([0.0; 5]),
+            }
+        }
+    }
+
+    fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
+        let mut next = || values.next().copied().unwrap_or(f64::NAN);
+        let s = next();
+        self.start.s = (!s.is_nan()).then_some(s);
+        let found = &mut self.start.found;
+        for place in found.points.iter_mut().chain(&mut found.valleys) {
+            let is_there = next() == 1.0;
+            let at = SurfaceParameters {
+                s: next(),
+                rail: next(),
+                angle: next(),
+                wheel: next(),
+            };
+            *place = is_there.then_some(at);
+        }
+    }
+}

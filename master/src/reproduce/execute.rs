@@ -1,0 +1,242 @@
+//! Making the runs of a reproduction, side by side.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use serde::Serialize;
+
+use super::plan::{Group, Mesh, Planned};
+use super::published::Case;
+use super::relation::{Relation, relations};
+use crate::report::Progress;
+use crate::run::Watch;
+use crate::simulation::SetupError;
+use crate::statistics::ForceStatistics;
+use crate::table_of_runs::{Attempt, Column, Curve, Row, Stage, attempt};
+
+/// One run of a reproduction.
+#[derive(Clone, Debug, Serialize)]
+pub struct Line {
+    /// What it is for.
+    pub group: Group,
+    /// The published case that it is a variant of.
+    pub case: &'static Case,
+    /// Mesh of the line.
+    pub mesh: Mesh,
+    /// What was changed besides the mesh.
+    pub quantity: &'static str,
+    /// To what, with its unit.
+    pub value: String,
+    /// The columns of all tables.
+    #[serde(flatten)]
+    pub row: Row,
+    /// Standard deviation of the raw force, N.
+    #[serde(rename = "raw_std_N")]
+    pub raw_std: Option<f64>,
+    /// Contact force, whole run.
+    #[serde(skip)]
+    pub curve: Option<Curve>,
+    /// Time between its samples, s.
+    #[serde(skip)]
+    pub output_step: f64,
+}
+
+/// The table of a reproduction, complete or not.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Reproduction {
+    /// Whether every run was made.
+    pub complete: bool,
+    /// One per run.
+    pub lines: Vec<Line>,
+    /// Changes between cases.
+    pub relations: Vec<Relation>,
+}
+
+impl Reproduction {
+    fn new(planned: &[Planned], lines: Vec<Line>) -> Self {
+        Self {
+            complete: lines.len() == planned.len() && lines.iter().all(|line| line.row.status.is_some()),
+            relations: relations(&lines),
+            lines,
+        }
+    }
+
+    /// The rows.
+    #[must_use]
+    pub fn rows(&self) -> Vec<Row> {
+        self.lines.iter().map(|line| line.row.clone()).collect()
+    }
+
+    /// The columns before and behind the common ones.
+    #[must_use]
+    pub fn columns(&self) -> (Vec<Column>, Vec<Column>) {
+        let cells = |cell: &dyn Fn(&Line) -> String| self.lines.iter().map(cell).collect();
+        let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:?}"));
+        (
+            vec![
+                ("group", cells(&|line| line.group.name().to_owned())),
+                ("case", cells(&|line| line.case.title.to_owned())),
+                ("quantity", cells(&|line| line.quantity.to_owned())),
+                ("value", cells(&|line| line.value.clone())),
+            ],
+            vec![
+                ("raw_std_N", cells(&|line| number(line.raw_std))),
+                ("published_mean_N", cells(&|line| line.case.mean.printed())),
+                ("published_std_N", cells(&|line| line.case.std.printed())),
+                (
+                    "mean_difference_percent",
+                    cells(&|line| number(difference(line.row.mean, line.case.mean.value))),
+                ),
+                (
+                    "std_difference_percent",
+                    cells(&|line| number(difference(line.row.std, line.case.std.value))),
+                ),
+                ("source", cells(&|line| line.case.source.to_owned())),
+            ],
+        )
+    }
+
+    /// Number of runs that were made.
+    #[must_use]
+    pub fn made(&self) -> usize {
+        self.lines.iter().filter(|line| line.row.status.is_some()).count()
+    }
+}
+
+impl Line {
+    fn new(planned: &Planned, stage: &Stage<'_>, row: Row, curve: Option<Curve>) -> Self {
+        let raw = curve.as_ref().and_then(|curve| curve.raw.get(curve.range.clone()));
+        Self {
+            group: planned.group,
+            case: planned.case,
+            mesh: planned.mesh,
+            quantity: planned.quantity,
+            value: planned.value.clone(),
+            row,
+            raw_std: raw.and_then(ForceStatistics::of).map(|force| force.std),
+            // Only what is drawn is kept.
+            curve: curve.filter(|_| planned.group == Group::Published),
+            output_step: planned
+                .variant
+                .scene(stage)
+                .map_or(f64::NAN, |scene| scene.run.output_step),
+        }
+    }
+}
+
+/// A computed figure over the published one, %.
+pub(super) fn difference(computed: Option<f64>, published: f64) -> Option<f64> {
+    computed.map(|computed| 100.0 * (computed / published - 1.0))
+}
+
+/// What is run and where.
+pub struct Site<'a> {
+    /// Folder of the scenes.
+    pub scenes: &'a Path,
+    /// Text of each scene by its name.
+    pub texts: &'a BTreeMap<&'static str, String>,
+    /// Folder for FMUs.
+    pub fmus: &'a Path,
+    /// Runs made side by side.
+    pub workers: usize,
+}
+
+impl Site<'_> {
+    /// What the runs of each scene share.
+    fn stages(&self) -> BTreeMap<&'static str, Stage<'_>> {
+        let stage = |(name, text): (&&'static str, &String)| {
+            let stage = Stage {
+                name,
+                base: self.scenes,
+                scene: text.clone(),
+                fmus: self.fmus.join(name),
+                say: &|_| {},
+                logging: false,
+                repeats: 1,
+            };
+            (*name, stage)
+        };
+        self.texts.iter().map(stage).collect()
+    }
+}
+
+/// Makes all runs; `keep` is given the table from time to time, so that nothing computed is lost.
+///
+/// # Errors
+/// FMUs that cannot be made, and what `keep` returns.
+pub fn execute<E: From<SetupError>>(
+    planned: &[Planned],
+    site: &Site<'_>,
+    interrupted: &AtomicBool,
+    progress: &Progress,
+    keep: &mut dyn FnMut(&Reproduction) -> Result<(), E>,
+) -> Result<Reproduction, E> {
+    let share = 1.0 / planned.len().max(1) as f64;
+    let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let stop = AtomicBool::new(false);
+    let made: Vec<Mutex<Option<Result<Attempt, SetupError>>>> = planned.iter().map(|_| Mutex::new(None)).collect();
+    let stages = site.stages();
+    let table = || {
+        let line = |(planned, made): (&Planned, &Mutex<Option<Result<Attempt, SetupError>>>)| {
+            let made = made.lock().unwrap_or_else(PoisonError::into_inner);
+            let stage = &stages[planned.case.scene];
+            match &*made {
+                Some(Ok(attempt)) => Line::new(planned, stage, attempt.judged(None), attempt.curves.first().cloned()),
+                _ => Line::new(planned, stage, planned.variant.planned(stage), None),
+            }
+        };
+        Reproduction::new(planned, planned.iter().zip(&made).map(line).collect())
+    };
+    keep(&table())?;
+    let work = || {
+        let stages = site.stages();
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(run) = planned.get(index) else { break };
+            if interrupted.load(Ordering::Relaxed) || stop.load(Ordering::Relaxed) {
+                break;
+            }
+            let stage = &stages[run.case.scene];
+            let duration = run.variant.scene(stage).map_or(1.0, |scene| scene.run.duration);
+            let part = progress.beside(share, duration);
+            let watch = Watch {
+                interrupted,
+                progress: &part,
+            };
+            let result = attempt(stage, &run.variant, &watch, &mut || {});
+            part.fill();
+            if result.is_err() {
+                stop.store(true, Ordering::Relaxed);
+            }
+            *made[index].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
+            ended.fetch_add(1, Ordering::Release);
+        }
+    };
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..site.workers.max(1)).map(|_| scope.spawn(work)).collect();
+        let mut kept = 0;
+        while !workers.iter().all(|worker| worker.is_finished()) {
+            std::thread::sleep(Duration::from_millis(100));
+            let so_far = ended.load(Ordering::Acquire);
+            if so_far > kept {
+                kept = so_far;
+                if let Err(error) = keep(&table()) {
+                    stop.store(true, Ordering::Relaxed);
+                    return Err(error);
+                }
+            }
+        }
+        Ok(())
+    })?;
+    let reproduction = table();
+    keep(&reproduction)?;
+    for made in made {
+        if let Some(Err(error)) = made.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            return Err(error.into());
+        }
+    }
+    Ok(reproduction)
+}

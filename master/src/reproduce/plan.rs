@@ -1,0 +1,150 @@
+//! The runs of a reproduction.
+
+use serde::Serialize;
+
+use super::open::OPEN;
+use super::published::{CASES, Case};
+use crate::simulation::Mode;
+use crate::table_of_runs::Variant;
+
+/// What a run is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Group {
+    /// A published case, as its scene has it.
+    Published,
+    /// A published case on another mesh.
+    Mesh,
+    /// A quantity that the publication leaves open.
+    Open,
+}
+
+impl Group {
+    /// As the table names it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Published => "published",
+            Self::Mesh => "mesh",
+            Self::Open => "open",
+        }
+    }
+}
+
+/// A mesh of the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Mesh {
+    /// Plain elements, so many per dropper interval: nine intervals make a span, so that 1 is the thesis' mesh.
+    Plain(usize),
+    /// Eight elements per interval with all cures, at half the thesis' step: converged to one percent of the standard deviation.
+    Cured,
+}
+
+impl Mesh {
+    /// From the thesis' mesh to a converged one.
+    pub const ALL: [Self; 5] = [
+        Self::Plain(1),
+        Self::Plain(2),
+        Self::Plain(4),
+        Self::Plain(8),
+        Self::Cured,
+    ];
+
+    /// What it is called.
+    #[must_use]
+    pub fn name(self) -> String {
+        match self {
+            Self::Plain(count) => format!("{} elements per span", 9 * count),
+            Self::Cured => "72 cured elements per span".to_owned(),
+        }
+    }
+
+    /// The keys that make it.
+    fn keys(self) -> Vec<String> {
+        let key = |name: &str, value: &str| format!("{name}={value}");
+        match self {
+            Self::Plain(count) => vec![
+                key("catenary.mesh.elements_per_interval", &count.to_string()),
+                key("catenary.mesh.cures", "\"none\""),
+            ],
+            Self::Cured => vec![
+                key("catenary.mesh.elements_per_interval", "8"),
+                key("catenary.mesh.cures", "\"auto\""),
+                key("solver.micro_step", "0.0005"),
+            ],
+        }
+    }
+}
+
+/// A run to be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// What for.
+    pub group: Group,
+    /// The published case that it is a variant of.
+    pub case: &'static Case,
+    /// Mesh of the line.
+    pub mesh: Mesh,
+    /// What was changed besides the mesh; empty for a published case.
+    pub quantity: &'static str,
+    /// To what, with its unit.
+    pub value: String,
+    /// How it is run.
+    pub variant: Variant,
+}
+
+/// All runs: the published cases in both ways of running them, all of them on finer meshes, and, on the thesis' mesh and on the
+/// converged one, each open quantity over its range. `quick` leaves out the finer plain meshes but one, and the open quantities on
+/// the converged mesh. `overrides` hold for all runs, and give way to what a run is about.
+#[must_use]
+pub fn plan(quick: bool, overrides: &[String]) -> Vec<Planned> {
+    let [thesis, ..] = Mesh::ALL;
+    let mut runs = Vec::new();
+    for case in &CASES {
+        runs.push(planned(Group::Published, case, thesis, Mode::Monolithic));
+    }
+    runs.push(planned(Group::Published, &CASES[0], thesis, Mode::Cosimulation));
+    for mesh in Mesh::ALL {
+        if mesh == thesis || (quick && mesh != Mesh::Plain(2)) {
+            continue;
+        }
+        for case in &CASES {
+            runs.push(planned(Group::Mesh, case, mesh, Mode::Monolithic));
+        }
+    }
+    for mesh in [thesis, Mesh::Cured] {
+        if quick && mesh == Mesh::Cured {
+            continue;
+        }
+        for open in OPEN {
+            for value in open.values {
+                let mut run = planned(Group::Open, &CASES[0], mesh, Mode::Monolithic);
+                // Behind the mesh, whose step it may change.
+                run.variant.overrides.push(format!("{}={value}", open.key));
+                run.quantity = open.quantity;
+                run.value = format!("{value} {}", open.unit);
+                runs.push(run);
+            }
+        }
+    }
+    for run in &mut runs {
+        run.variant.overrides.splice(0..0, overrides.iter().cloned());
+    }
+    runs
+}
+
+fn planned(group: Group, case: &'static Case, mesh: Mesh, mode: Mode) -> Planned {
+    let own = group == Group::Published;
+    Planned {
+        group,
+        case,
+        mesh,
+        quantity: "",
+        value: String::new(),
+        variant: Variant {
+            mode,
+            algorithm: if mode == Mode::Monolithic { "" } else { "auto" }.to_owned(),
+            overrides: if own { Vec::new() } else { mesh.keys() },
+        },
+    }
+}

@@ -1,0 +1,148 @@
+use super::execute::Line;
+use super::relation::relations;
+use super::{CASES, Group, Mesh, Reproduction, page, plan, text};
+use crate::simulation::Mode;
+use crate::table_of_runs::{Row, Status};
+
+/// A run that was made, with these figures.
+fn line(group: Group, case: usize, mesh: Mesh, mean: f64, std: f64) -> Line {
+    Line {
+        group,
+        case: &CASES[case],
+        mesh,
+        quantity: "",
+        value: String::new(),
+        row: Row {
+            mode: Mode::Monolithic.name().to_owned(),
+            status: Some(Status::Stable),
+            mean: Some(mean),
+            std: Some(std),
+            ..Row::default()
+        },
+        raw_std: Some(1.5 * std),
+        curve: None,
+        output_step: 1e-3,
+    }
+}
+
+fn reproduction(lines: Vec<Line>) -> Reproduction {
+    Reproduction {
+        complete: true,
+        relations: relations(&lines),
+        lines,
+    }
+}
+
+#[test]
+fn published_figures_are_printed_with_the_digits_of_the_thesis() {
+    let printed: Vec<String> = CASES
+        .iter()
+        .flat_map(|case| [case.mean.printed(), case.std.printed()])
+        .collect();
+    assert_eq!(
+        printed,
+        [
+            "107.79", "36.73", "110.427", "37.3033", "120.22", "35.70", "120.21", "35.66"
+        ]
+    );
+}
+
+#[test]
+fn every_published_case_is_planned_on_every_mesh_and_the_first_through_fmus() {
+    let runs = plan(false, &[]);
+    for case in &CASES {
+        for mesh in Mesh::ALL {
+            let of = |run: &&super::Planned| {
+                run.case == case && run.mesh == mesh && run.quantity.is_empty() && run.variant.mode == Mode::Monolithic
+            };
+            assert_eq!(runs.iter().filter(of).count(), 1, "{} {mesh:?}", case.scene);
+        }
+    }
+    let coupled: Vec<&str> = runs
+        .iter()
+        .filter(|run| run.variant.mode == Mode::Cosimulation)
+        .map(|run| run.case.scene)
+        .collect();
+    assert_eq!(coupled, ["thesis"]);
+}
+
+#[test]
+fn an_open_quantity_is_changed_alone_and_behind_what_was_typed() {
+    let typed = ["run.duration=3.0".to_owned()];
+    for run in plan(true, &typed).iter().filter(|run| run.group == Group::Open) {
+        let keys = &run.variant.overrides;
+        assert_eq!(keys[0], typed[0]);
+        // Two keys of the mesh and one of the quantity.
+        assert_eq!(keys.len(), 4, "{keys:?}");
+    }
+}
+
+#[test]
+fn a_relation_holds_in_the_direction_of_the_published_change_only() {
+    let thesis = Mesh::Plain(1);
+    let lines = vec![
+        line(Group::Published, 0, thesis, 100.0, 40.0),
+        line(Group::Published, 1, thesis, 101.0, 39.0),
+        line(Group::Published, 2, thesis, 112.0, 40.0),
+        line(Group::Published, 3, thesis, 112.0, 40.0),
+    ];
+    let found = relations(&lines);
+    let verdicts: Vec<&str> = found.iter().map(super::relation::Relation::verdict).collect();
+    assert_eq!(
+        verdicts,
+        [
+            "holds: same direction",
+            "refuted: other direction",
+            "holds: same direction",
+            "refuted: no visible change",
+            "holds: no visible change",
+            // Published: 35.70 N to 35.66 N, -0.11 %.
+            "refuted: no visible change",
+        ]
+    );
+    // 112/100, and 120.22/107.79.
+    assert!((found[2].computed.unwrap() - 12.0).abs() < 1e-9); // rounding
+    assert!((found[2].published - 11.53).abs() < 0.005); // printed digits
+}
+
+#[test]
+fn a_spread_says_whether_the_published_value_lies_inside() {
+    let thesis = Mesh::Plain(1);
+    let mut changed = line(Group::Open, 0, thesis, 100.0, 30.0);
+    changed.quantity = "contact damping d";
+    changed.value = "300.0 N s/m".to_owned();
+    let mut lines = vec![line(Group::Published, 0, thesis, 100.0, 40.0), changed];
+    let inside = reproduction(lines.clone());
+    assert!(text(&inside).contains("published inside"), "{}", text(&inside));
+    assert!(page(&inside).contains("inside the range of: contact damping d"));
+    lines[1].row.std = Some(38.0);
+    let outside = reproduction(lines);
+    assert!(!text(&outside).contains("published inside"), "{}", text(&outside));
+    assert!(page(&outside).contains("inside the range of none of them"));
+}
+
+#[test]
+fn what_could_not_be_computed_is_said_with_its_reason() {
+    let mut refused = line(Group::Mesh, 1, Mesh::Cured, 0.0, 0.0);
+    refused.row = Row {
+        status: Some(Status::Refused),
+        reason: "the cure has no meaning here".to_owned(),
+        ..Row::default()
+    };
+    let made = reproduction(vec![refused]);
+    assert!(text(&made).contains("the cure has no meaning here"), "{}", text(&made));
+    assert!(page(&made).contains("the cure has no meaning here"));
+}
+
+#[test]
+fn every_open_quantity_is_a_key_of_the_thesis_scene() {
+    let text = include_str!("../../../scenes/thesis.toml");
+    for run in plan(true, &[]).iter().filter(|run| run.group == Group::Open) {
+        let scene = scene::Scene::from_toml(text, "thesis.toml", &run.variant.overrides);
+        let own = scene::Scene::from_toml(text, "thesis.toml", &[]).unwrap();
+        match scene {
+            Ok(scene) => assert_ne!(scene, own, "{} {} changes nothing", run.quantity, run.value),
+            Err(error) => panic!("{} {}: {error}", run.quantity, run.value),
+        }
+    }
+}

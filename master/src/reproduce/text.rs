@@ -1,0 +1,161 @@
+//! The tables on the terminal.
+
+use super::execute::{Line, Reproduction, difference};
+use super::plan::{Group, Mesh};
+use crate::report::aligned;
+use crate::table_of_runs::{Status, short, wrapped};
+
+/// Two decimals, where there is a number: the thesis prints its forces so.
+pub(super) fn force(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), |value| format!("{value:.2}"))
+}
+
+/// A change with its sign.
+pub(super) fn percent(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), |value| format!("{value:+.2}"))
+}
+
+/// Case, how and on which mesh it was run, published and computed figures; for the groups of the published cases.
+pub(super) fn cases(reproduction: &Reproduction) -> Vec<Vec<String>> {
+    let head = [
+        "case",
+        "mesh",
+        "mode",
+        "mean [N]",
+        "published",
+        "diff. %",
+        "std [N]",
+        "published",
+        "diff. %",
+        "std, raw",
+    ];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for line in &reproduction.lines {
+        if line.group == Group::Open {
+            continue;
+        }
+        let (case, row) = (line.case, &line.row);
+        rows.push(vec![
+            case.title.to_owned(),
+            line.mesh.name(),
+            row.mode.clone(),
+            force(row.mean),
+            case.mean.printed(),
+            percent(difference(row.mean, case.mean.value)),
+            force(row.std),
+            case.std.printed(),
+            percent(difference(row.std, case.std.value)),
+            force(line.raw_std),
+        ]);
+    }
+    rows
+}
+
+/// What an open quantity does to the standard deviation on one mesh.
+pub(super) struct Spread<'a> {
+    /// What it is called.
+    pub quantity: &'static str,
+    /// Runs, in the order of the values.
+    pub lines: Vec<&'a Line>,
+    /// Smallest and largest standard deviation over the range and the scene's own value, N; nothing where no run has one.
+    pub std: Option<[f64; 2]>,
+}
+
+impl Spread<'_> {
+    /// Whether the published standard deviation lies inside.
+    pub fn holds(&self, published: f64) -> bool {
+        self.std.is_some_and(|[low, high]| (low..=high).contains(&published))
+    }
+}
+
+/// The spreads on one mesh.
+pub(super) fn spreads(reproduction: &Reproduction, mesh: Mesh) -> Vec<Spread<'_>> {
+    let of_mesh = |line: &&Line| line.mesh == mesh;
+    let own = |line: &&Line| line.group != Group::Open && line.case.scene == super::CASES[0].scene;
+    let own = reproduction.lines.iter().filter(of_mesh).find(own);
+    let open: Vec<&Line> = reproduction
+        .lines
+        .iter()
+        .filter(of_mesh)
+        .filter(|line| line.group == Group::Open)
+        .collect();
+    open.chunk_by(|a, b| a.quantity == b.quantity)
+        .map(|lines| {
+            let values = || lines.iter().copied().chain(own).filter_map(|line| line.row.std);
+            Spread {
+                quantity: lines[0].quantity,
+                lines: lines.to_vec(),
+                std: values().reduce(f64::min).zip(values().reduce(f64::max)).map(Into::into),
+            }
+        })
+        .collect()
+}
+
+/// The tables of a reproduction.
+#[must_use]
+pub fn text(reproduction: &Reproduction) -> String {
+    let mut text = aligned(&cases(reproduction));
+    text.push_str("\nchanges between cases, in percent\n");
+    let head = ["from", "to", "mesh", "of", "published", "computed", ""];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    rows.extend(reproduction.relations.iter().map(|relation| {
+        vec![
+            relation.from.to_owned(),
+            relation.to.to_owned(),
+            relation.mesh.clone(),
+            relation.of.to_owned(),
+            percent(Some(relation.published)),
+            percent(relation.computed),
+            relation.verdict().to_owned(),
+        ]
+    }));
+    text.push_str(&aligned(&rows));
+    let published = super::CASES[0].std;
+    for mesh in Mesh::ALL {
+        let spreads = spreads(reproduction, mesh);
+        if spreads.is_empty() {
+            continue;
+        }
+        text.push_str(&format!(
+            "\nwhat the thesis leaves open, on {}: std [N] over the range, published {}\n",
+            mesh.name(),
+            published.printed()
+        ));
+        let mut rows = vec![["quantity", "smallest", "largest", ""].map(str::to_owned).to_vec()];
+        for spread in &spreads {
+            let [low, high] = spread.std.map_or([None; 2], |bounds| bounds.map(Some));
+            let inside = if spread.holds(published.value) {
+                "published inside"
+            } else {
+                ""
+            };
+            rows.push(vec![
+                spread.quantity.to_owned(),
+                force(low),
+                force(high),
+                inside.to_owned(),
+            ]);
+        }
+        text.push_str(&aligned(&rows));
+    }
+    for line in &reproduction.lines {
+        if matches!(line.row.status, Some(Status::Refused | Status::Diverged)) {
+            let what = format!("{} {}", line.quantity, line.value);
+            text.push_str(&wrapped(&format!(
+                "{}, {}, {}: {}",
+                line.case.title,
+                line.mesh.name(),
+                what.trim(),
+                line.row.reason
+            )));
+        }
+    }
+    let slowest = reproduction.lines.iter().filter_map(|line| line.row.real_time_factor);
+    text.push_str(&format!(
+        "\n{} of {} runs made, side by side; largest real-time factor {}\n",
+        reproduction.made(),
+        reproduction.lines.len(),
+        short(slowest.reduce(f64::max))
+    ));
+    text
+}

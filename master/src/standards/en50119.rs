@@ -1,0 +1,95 @@
+//! EN 50119: extremes of the contact force, space for the uplift, speed against the speed of waves.
+
+use scene::Electrification;
+
+use super::{Bound, Conditions, Figures, Limit, alternating, system_unknown};
+
+const NAME: &str = "EN 50119";
+
+/// Largest share of the speed of waves that a train may run at, –.  [EN 50119:2009, 5.2.4; Bane NOR, TRV:00599]
+const MAX_SPEED_RATIO: f64 = 0.7;
+
+/// Largest contact force, N.  `[EN 50119:2009, Table 4]`, remembered
+///
+/// | | up to 200 km/h | above |
+/// | --- | --- | --- |
+/// | AC | 300 | 350 |
+/// | DC | 300 | 400 |
+fn largest(system: Electrification, speed_kmh: f64) -> f64 {
+    match (alternating(system), speed_kmh > 200.0) {
+        (_, false) => 300.0,
+        (true, true) => 350.0,
+        (false, true) => 400.0,
+    }
+}
+
+/// Limits for one pantograph: in Table 4 the maximum goes with system and speed, the minimum is positive.
+pub(super) fn of_pantograph(conditions: &Conditions, figures: &Figures) -> [Limit; 2] {
+    let table = (NAME, "2009, 5.2.5.2, Table 4");
+    let speed = conditions.speed_kmh();
+    let max = Limit::new(table, "max", figures.force.map(|f| f.max), "N")
+        .remembered()
+        .remark("largest filtered force");
+    let max = match conditions.line.electrification {
+        // The same for all systems.
+        None if speed <= 200.0 => max
+            .bounded(Bound::AtMost, largest(Electrification::Ac25Kv, speed))
+            .because("every system, up to 200 km/h"),
+        None => max.not_applicable(system_unknown()),
+        Some(system) => max
+            .bounded(Bound::AtMost, largest(system, speed))
+            .because(format!("{system}, {speed:.0} km/h")),
+    };
+    let min = Limit::new(table, "min", figures.force.map(|f| f.min), "N")
+        .bounded(Bound::Above, 0.0)
+        .remembered()
+        .because("every system and speed")
+        .remark("smallest filtered force");
+    [max, min]
+}
+
+/// Limits for the line.
+///
+/// The space that a steady arm leaves for the rise of the contact wire has to be twice the simulated uplift `S₀`, one and a half
+/// times where a stop limits it.  `[EN 50119:2009, 5.10.2; TSI ENE, 4.2.12]`, remembered
+pub(super) fn of_line(conditions: &Conditions) -> [Limit; 2] {
+    let line = &conditions.line;
+    let factor = if line.uplift_stop { 1.5 } else { 2.0 };
+    let space = Limit::new(
+        (NAME, "2009, 5.10.2 (TSI ENE 4.2.12)"),
+        "free_uplift",
+        line.free_uplift,
+        "m",
+    )
+    .remembered();
+    // A wire that only sinks needs no space.
+    let needed = conditions.uplift.map(|uplift| factor * uplift.max(0.0));
+    let space = match line.free_uplift {
+        None => {
+            let needed = needed.map_or_else(String::new, |needed| {
+                format!("; the uplift of this run needs {:.0} mm", 1e3 * needed)
+            });
+            space.not_applicable(format!(
+                "the space at the steady arm is not given: set catenary.registration_arms.free_uplift (m){needed}"
+            ))
+        }
+        Some(_) => space
+            .bounded(Bound::AtLeast, needed)
+            .because(if line.uplift_stop {
+                "a stop limits the steady arm (catenary.registration_arms.uplift_stop)"
+            } else {
+                "no stop limits the steady arm"
+            })
+            .remark(format!("{factor} times the largest uplift of the run")),
+    };
+    let ratio = line.wave_speed.map(|waves| conditions.speed / waves);
+    let waves = Limit::new((NAME, "2009, 5.2.4"), "speed_ratio", ratio, "–");
+    let waves = match line.wave_speed {
+        None => waves.not_applicable("the line is an FMU of somebody else: its wave speed is not known"),
+        Some(waves_at) => waves
+            .bounded(Bound::AtMost, MAX_SPEED_RATIO)
+            .because("every system and speed")
+            .remark(format!("waves of the contact wire run at {:.0} km/h", 3.6 * waves_at)),
+    };
+    [space, waves]
+}

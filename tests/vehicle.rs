@@ -1,0 +1,71 @@
+//! The thesis with its vehicle, through the program: from wheel to wire, coupled and as one system.
+use integration_tests::fmus::DEFAULT;
+use integration_tests::runs::{Run, prepared, run, scene_with};
+use master::simulation::Mode;
+
+/// Two and a half seconds; the force is looked at after the first.
+const SHORT: [&str; 2] = ["run.duration=2.5", "run.evaluate={time=[1.0,2.5]}"];
+
+fn short(mode: Mode, more: &[&str]) -> Run {
+    run(scene_with(DEFAULT, &[&SHORT[..], more].concat()), mode, "vehicle")
+}
+
+#[test]
+fn coupled_and_as_one_system_the_force_is_the_same() {
+    let whole = short(Mode::Monolithic, &[]);
+    let coupled = short(Mode::Inprocess, &[]);
+    assert!(whole.summary.complete && coupled.summary.complete);
+    // The coupling of 1 ms; without the vehicle it is as much.
+    let difference = whole.filtered_difference(&coupled) / whole.sigma();
+    assert!(difference < 0.02, "{difference}");
+}
+
+#[test]
+fn the_summary_says_what_of_vehicle_and_track_is_modelled() {
+    let modelled = |overrides: &[&str]| {
+        let model = prepared(scene_with(DEFAULT, overrides), "vehicle").model();
+        ["vehicle", "wheel_rail", "track"].map(|name| {
+            let part = model.parts.iter().find(|part| part.part == name).unwrap();
+            assert!(!part.reason.is_empty());
+            part.modelled
+        })
+    };
+    assert_eq!(modelled(&[]), [true, true, true]);
+    assert_eq!(modelled(&["vehicle.model=vertical"]), [true, false, true]);
+}
+
+#[test]
+fn on_smooth_track_the_vehicle_hardly_changes_the_contact_force() {
+    let with = short(Mode::Monolithic, &[]);
+    let text = include_str!("../scenes/thesis-pantograph.toml");
+    let without = run(scene_with(text, &SHORT), Mode::Monolithic, "vehicle");
+    // A base that gives way by 1.7 MN/m under a pantograph of a few kN/m.
+    let difference = with.filtered_difference(&without) / without.sigma();
+    assert!(difference > 0.0 && difference < 0.02, "{difference}");
+}
+
+#[test]
+fn a_motion_from_a_file_is_that_of_the_same_lists() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows: String = (0..=100)
+        .map(|i| {
+            let t = f64::from(i) * 0.01;
+            format!("{t:?},{:?}\n", 0.01 * (1.0 - (6.0 * t).cos()))
+        })
+        .collect();
+    let path = folder.path().join("base.csv");
+    std::fs::write(&path, format!("time,z\n{rows}")).unwrap();
+    let text = include_str!("../scenes/thesis-pantograph.toml");
+    let motion = format!("vehicle={{ model = \"rigid_motion\", motion = {{ file = {path:?} }} }}");
+    let prepared = prepared(scene_with(text, &[&motion]), "vehicle");
+    let Some(scene::Vehicle::RigidMotion(found)) = prepared.scene.vehicle.as_deref() else {
+        panic!("a given motion");
+    };
+    assert_eq!(found.file, None);
+    assert_eq!(found.time.len(), 101);
+    assert_eq!(found.z[100], 0.01 * (1.0 - 6.0_f64.cos()));
+    assert!(found.y.iter().all(|y| *y == 0.0));
+    // What is written holds the lists: it needs no file.
+    let again = scene_with(&prepared.scene.to_toml(), &[]);
+    assert_eq!(again.vehicle, prepared.scene.vehicle);
+}
