@@ -28,7 +28,7 @@ pub struct BeamStiffness {
     /// `E ∫ z² dA` and `E ∫ y² dA`: bending about y and about z, N·m².
     pub bending: [f64; 2],
     /// Against stretching of the cross-section along y and along z, and against shear between them, N. `EA, EA, GA` is the
-    /// material's own without Poisson's ratio; the directors keep their length in proportion.
+    /// material's own without Poisson's ratio.
     pub section: [f64; 3],
 }
 
