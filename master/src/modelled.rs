@@ -291,7 +291,10 @@ fn dimension(scene: &scene::Scene) -> String {
     if scene.is_planar() {
         return "planar: nothing pushes it sideways, so leaving out the lateral coordinates changes nothing".to_owned();
     }
-    let reason = scene.pushed_sideways();
+    let is_beam = |(line, _): &(&scene::Catenary, _)| line.mesh.element == scene::Element::Beam;
+    let beam = scene.modelled_line().filter(is_beam);
+    let beam = beam.map(|_| "catenary.mesh.element = \"beam\" turns and shears in all directions".to_owned());
+    let reason = scene.pushed_sideways().or(beam);
     format!(
         "spatial: {}",
         reason.unwrap_or_else(|| "asked for by model.reduce".to_owned())

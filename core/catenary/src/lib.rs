@@ -5,11 +5,21 @@
 //!   Chicago, 2016.
 //! - `[Gerstmayr & Shabana 2006]` Analysis of thin beams and cables using the absolute nodal co-ordinate formulation,
 //!   Nonlinear Dynamics 45, doi 10.1007/s11071-006-1856-1.
+//! - `[Yakoub & Shabana 2001]` Three dimensional absolute nodal coordinate formulation for beam elements: implementation and
+//!   applications, Journal of Mechanical Design 123, doi 10.1115/1.1410099.
+//! - `[Gerstmayr, Matikainen & Mikkola 2008]` A geometrically exact beam element based on the absolute nodal coordinate
+//!   formulation, Multibody System Dynamics 20, doi 10.1007/s11044-008-9125-3.
+//! - `[Nachbagauer, Gruber & Gerstmayr 2013]` Structural and continuum mechanics approaches for a 3D shear deformable ANCF beam
+//!   finite element: application to static and linearized dynamic examples, Journal of Computational and Nonlinear Dynamics 8,
+//!   doi 10.1115/1.4006787.
+//! - `[Bauchau et al. 2015]` Experimental validation of flexible multibody dynamics beam formulations, Multibody System Dynamics
+//!   34, doi 10.1007/s11044-014-9430-y.
 #![forbid(unsafe_code)]
 
 mod ancf;
 mod anchor;
 mod attachment;
+mod beam_wire;
 mod contact;
 mod curve;
 mod dropper;
@@ -32,7 +42,8 @@ mod wire;
 mod wires_in_wind;
 
 pub use ancf::{
-    AxialLaw, BendingLaw, Cable, CableSection, Coordinates, ShapeFunctions, Tangent, bending_matrix, mass_matrix,
+    AxialLaw, Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, BendingLaw, Cable,
+    CableSection, Coordinates, ShapeFunctions, Tangent, beam_mass_matrix, beam_shape, bending_matrix, mass_matrix,
     nominal_stretch, tension_matrix,
 };
 pub use anchor::Anchor;
@@ -60,5 +71,8 @@ pub use subsystem::{Checkpoint, ContactOutputs, StripStart, Subsystem};
 pub use support::Supports;
 pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, MassCorrection, Topology, WireName};
 pub use window::{WindowSize, WindowedLine};
-pub use wire::{Enrichment, NodeMap, Rayleigh, Wire, WireDrag, WireGeometry, WireNode, WirePoint, WireSection};
+pub use wire::{
+    DirectorInertia, Directors, Enrichment, NodeMap, Rayleigh, Wire, WireDirectors, WireDrag, WireGeometry, WireNode,
+    WirePoint, WireSection,
+};
 pub use wires_in_wind::WiresInWind;

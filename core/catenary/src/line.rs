@@ -1,9 +1,10 @@
 //! The overhead line as a list of contributions.
+use crate::beam_wire::directors;
 use crate::topology::WireCoordinates;
 use crate::{
-    Anchor, Attachment, AxialLaw, BendingLaw, CompliantWire, Curve, Dropper, DropperLaw, Droppers, Enrichment, LineEnd,
-    LineEnds, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance, Supports, Topology, Wire,
-    WireDrag, WireGeometry, WireName, WireNode, WireSection, WiresInWind,
+    Anchor, Attachment, AxialLaw, BendingLaw, CompliantWire, Curve, Directors, Dropper, DropperLaw, Droppers,
+    Enrichment, LineEnd, LineEnds, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance, Supports,
+    Topology, Wire, WireDirectors, WireDrag, WireGeometry, WireName, WireNode, WireSection, WiresInWind,
 };
 use dynamics::{Force, Motion};
 use nalgebra::Vector3;
@@ -15,6 +16,8 @@ use std::sync::Arc;
 pub(crate) struct Equilibrium {
     pub contact_wire: WireGeometry,
     pub messenger_wire: WireGeometry,
+    /// Of the contact wire where it is a beam, else none.
+    pub directors: Vec<Directors>,
     /// Unstressed length of each dropper, m.
     pub dropper_lengths: Vec<f64>,
     /// Force of each inner support on the messenger wire, N.
@@ -29,6 +32,12 @@ impl Equilibrium {
         Self {
             contact_wire: shifted(&self.contact_wire, first),
             messenger_wire: shifted(&self.messenger_wire, first),
+            directors: (self.directors.iter())
+                .map(|directors| Directors {
+                    first: directors.first + first,
+                    ..*directors
+                })
+                .collect(),
             ..self.clone()
         }
     }
@@ -72,6 +81,8 @@ pub struct DropperSample {
 pub struct Line {
     topology: Arc<Topology>,
     contact_wire: Wire,
+    /// What makes beams of the contact wire's elements.
+    directors: Option<WireDirectors>,
     messenger_wire: Wire,
     droppers: Droppers,
     supports: Supports,
@@ -88,11 +99,16 @@ impl Line {
     /// A line in the coordinates of `equilibrium`, moved on by `first`.
     pub(crate) fn new(catenary: &Catenary, topology: &Arc<Topology>, equilibrium: &Equilibrium, first: usize) -> Self {
         let equilibrium = equilibrium.shifted(first);
-        let [contact_wire, messenger_wire] = [
+        let [mut contact_wire, messenger_wire] = [
             (equilibrium.contact_wire, WireName::ContactWire),
             (equilibrium.messenger_wire, WireName::MessengerWire),
         ]
         .map(|(geometry, name)| wire(catenary, name, Arc::new(geometry)));
+        let beam = catenary.contact_wire.beam.filter(|_| !equilibrium.directors.is_empty());
+        let directors = beam.map(|beam| {
+            contact_wire = contact_wire.without_bending();
+            directors(catenary, &beam, contact_wire.geometry(), &equilibrium.directors)
+        });
         let upper = |node: usize| Attachment::node(&messenger_wire.geometry().nodes()[node]);
         let lower = |node: usize| Attachment::node(&contact_wire.geometry().nodes()[node]);
 
@@ -146,6 +162,7 @@ impl Line {
             drag: Vec::new(),
             topology: Arc::clone(topology),
             contact_wire,
+            directors,
             messenger_wire,
         }
     }
@@ -191,6 +208,9 @@ impl Line {
     pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         visit(&mut self.contact_wire);
         visit(&mut self.messenger_wire);
+        if let Some(directors) = &mut self.directors {
+            visit(directors);
+        }
         self.attachments(visit);
         for drag in &mut self.drag {
             visit(drag);
@@ -305,7 +325,11 @@ impl Line {
             &self.arms,
             &self.ends,
         ];
-        parts.iter().map(|part| part.energy(motion)).sum()
+        let directors = self
+            .directors
+            .as_ref()
+            .map_or(0.0, |directors| directors.energy(motion));
+        parts.iter().map(|part| part.energy(motion)).sum::<f64>() + directors
     }
 
     /// Positions of the nodes of a wire, m: the polyline that a picture shows.

@@ -2,7 +2,7 @@
 use crate::NodeMap;
 use dynamics::Layout;
 use nalgebra::Vector3;
-use scene::{Catenary, WireEnds};
+use scene::{Catenary, Element, WireEnds};
 
 /// Which coordinates the nodes of a line have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -101,6 +101,7 @@ pub struct Topology {
     staggered: bool,
     /// Whether each wire has bending stiffness; a string has no layers.
     bends: [bool; 2],
+    element: Element,
 }
 
 /// The unknowns of one bending layer.
@@ -116,13 +117,15 @@ pub(crate) struct LayerCoordinate {
 pub(crate) struct WireCoordinates {
     pub nodes: Vec<NodeMap>,
     pub layers: Vec<LayerCoordinate>,
+    /// First of the six coordinates of the directors of each node; none in a wire of cable elements.
+    pub directors: Vec<usize>,
 }
 
 impl Topology {
     /// Divides the line of a scene.
     ///
     /// # Panics
-    /// When a staggered line is to be planar.
+    /// When a staggered line or one with beam elements is to be planar.
     #[must_use]
     pub fn new(catenary: &Catenary, options: LineOptions) -> Self {
         let staggered = catenary.stagger.iter().any(|y| *y != catenary.stagger[0]);
@@ -130,6 +133,10 @@ impl Topology {
         assert!(
             options.dimension == Dimension::Spatial || !staggered,
             "a staggered line has lateral coordinates"
+        );
+        assert!(
+            options.dimension == Dimension::Spatial || catenary.mesh.element == Element::Cable,
+            "a beam has lateral coordinates"
         );
         let per_interval = catenary.mesh.elements_per_interval;
         let (mut x, mut span, mut droppers) = (vec![0.0], vec![1], Vec::new());
@@ -167,6 +174,7 @@ impl Topology {
             options,
             staggered,
             bends,
+            element: catenary.mesh.element,
         }
     }
 
@@ -224,13 +232,17 @@ impl Topology {
                 1
             };
             for ((wire, name), bends) in wires.iter_mut().zip(WireName::BOTH).zip(self.bends) {
-                let name = format!("{}, span {span}, node {within}", name.name());
+                let label = format!("{}, span {span}, node {within}", name.name());
                 wire.nodes.push(match self.options.dimension {
-                    Dimension::Spatial => NodeMap::spatial(layout.add_coordinates(6, name.clone())),
-                    Dimension::Planar => NodeMap::planar(layout.add_coordinates(4, name.clone())),
+                    Dimension::Spatial => NodeMap::spatial(layout.add_coordinates(6, label.clone())),
+                    Dimension::Planar => NodeMap::planar(layout.add_coordinates(4, label.clone())),
                 });
+                if self.element == Element::Beam && name == WireName::ContactWire {
+                    let name = format!("{label}, directors");
+                    wire.directors.push(layout.add_coordinates(6, name));
+                }
                 for direction in self.layer_directions(node).into_iter().filter(|_| bends) {
-                    let index = layout.add_coordinates(1, format!("{name}, bending layer"));
+                    let index = layout.add_coordinates(1, format!("{label}, bending layer"));
                     wire.layers.push(LayerCoordinate { node, index, direction });
                 }
             }
@@ -252,9 +264,19 @@ impl Topology {
         directions
     }
 
-    /// Holds the ends of both wires: y and z always, x where the ends are fixed.
+    /// Holds the directors, as long as the wires are taken for cables.
+    pub(crate) fn hold_directors(wires: &[WireCoordinates; 2], layout: &mut Layout) {
+        for &first in wires.iter().flat_map(|wire| &wire.directors) {
+            (first..first + 6).for_each(|index| layout.fix(index));
+        }
+    }
+
+    /// Holds the ends of both wires: y and z always, x where the ends are fixed; a beam may not spin about its axis there either.
     pub(crate) fn fix_ends(&self, wires: &[WireCoordinates; 2], ends: WireEnds, layout: &mut Layout) {
         for wire in wires {
+            for directors in wire.directors.first().into_iter().chain(wire.directors.last()) {
+                layout.fix(directors + 2);
+            }
             for map in [wire.nodes[0], wire.nodes[self.last()]] {
                 for axis in 0..3 {
                     if let Some(index) = map.position(axis)

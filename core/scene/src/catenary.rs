@@ -52,6 +52,19 @@ pub struct Wire {
     pub bending_stiffness: f64,
     /// Tension above which the scene is refused, N.
     pub breaking_force: Option<f64>,
+    /// What a beam has beyond a cable; of the contact wire with `mesh.element = "beam"` only.
+    pub beam: Option<Beam>,
+}
+
+/// `[catenary.contact_wire.beam]`: a round wire as a shear-deformable beam.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beam {
+    /// `k G A`, shear correction factor included, N.
+    pub shear_stiffness: f64,
+    /// `G J`, N·m².
+    pub torsional_stiffness: f64,
+    /// `ρ I` about a diameter, kg·m.
+    pub rotary_inertia: f64,
 }
 
 /// `[catenary.droppers]`: the same in every span.
@@ -277,6 +290,29 @@ impl Entry for Wire {
                 "breaking_force",
                 was.map(|wire| wire.breaking_force),
                 Number::positive("N"),
+            ),
+            beam: keys.optional_inline_table("beam", was.map(|wire| wire.beam.as_ref())),
+        }
+    }
+}
+
+impl Entry for Beam {
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        Self {
+            shear_stiffness: keys.number(
+                "shear_stiffness",
+                was.map(|beam| beam.shear_stiffness),
+                Number::positive("N"),
+            ),
+            torsional_stiffness: keys.number(
+                "torsional_stiffness",
+                was.map(|beam| beam.torsional_stiffness),
+                Number::positive("N m²"),
+            ),
+            rotary_inertia: keys.number(
+                "rotary_inertia",
+                was.map(|beam| beam.rotary_inertia),
+                Number::positive("kg m"),
             ),
         }
     }

@@ -3,7 +3,8 @@
 use crate::error::What;
 use crate::write::{shown_key, shown_number};
 use crate::{
-    Catenary, ContactLaw, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics, ThirdParty, Wire,
+    Catenary, ContactLaw, Element, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics,
+    ThirdParty, Wire,
 };
 
 /// Contradictions found so far: the key and what is wrong with it.
@@ -239,6 +240,7 @@ impl Catenary {
     fn check(&self, found: &mut Found) {
         self.contact_wire.check("catenary.contact_wire", found);
         self.messenger_wire.check("catenary.messenger_wire", found);
+        self.check_beam(found);
         if self.presag >= self.contact_wire_height {
             let expected = format!("must be less than contact_wire_height = {} m", self.contact_wire_height);
             refuse(found, "catenary.presag", shown_number(self.presag, "m"), expected);
@@ -269,6 +271,39 @@ impl Catenary {
                 );
                 refuse(found, key, format!("{lengths:?} m"), expected);
             }
+        }
+    }
+}
+
+impl Catenary {
+    /// The contact wire has what its elements need and nothing else.
+    fn check_beam(&self, found: &mut Found) {
+        let (key, shown) = ("catenary.contact_wire.beam", |given: bool| {
+            if given { "{ … }" } else { "left out" }.to_owned()
+        });
+        let given = self.contact_wire.beam.is_some();
+        match self.mesh.element {
+            Element::Cable if given => {
+                let expected =
+                    "must be left out with catenary.mesh.element = \"cable\", which neither shears nor twists";
+                refuse(found, key, shown(given), expected);
+            }
+            Element::Beam if !given => {
+                let expected = "must be given with catenary.mesh.element = \"beam\": { shear_stiffness = … N, \
+                                torsional_stiffness = … N m², rotary_inertia = … kg m }";
+                refuse(found, key, shown(given), expected);
+            }
+            Element::Cable | Element::Beam => {}
+        }
+        if self.mesh.element == Element::Beam && self.contact_wire.bending_stiffness == 0.0 {
+            let expected =
+                "must be greater than 0 with catenary.mesh.element = \"beam\": directors of a string have no hold";
+            let key = "catenary.contact_wire.bending_stiffness";
+            refuse(found, key, shown_number(0.0, "N m²"), expected);
+        }
+        if self.messenger_wire.beam.is_some() {
+            let expected = "must be left out: the messenger wire is of cable elements";
+            refuse(found, "catenary.messenger_wire.beam", shown(true), expected);
         }
     }
 }

@@ -57,7 +57,7 @@ mod vehicle;
 mod wind;
 mod write;
 
-pub use catenary::{Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
+pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
 pub use contact::{Contact, ContactLaw};
 pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};
 pub use error::{Place, Problem, SceneError, What};

@@ -9,7 +9,7 @@ use crate::{Catenary, ContactLaw, Scene};
 /// `[catenary.mesh]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// Element of both wires.
+    /// Element of the contact wire.
     pub element: Element,
     /// Elements between neighbouring droppers or supports, at least 1.
     pub elements_per_interval: usize,
@@ -40,8 +40,11 @@ choice! {
     pub enum Element {
         /// ANCF cable element: position and one gradient per node.
         Cable = "cable",
+        /// Fully parameterised ANCF beam element: position and three gradients per node, in the contact wire; the messenger wire is of
+        /// cable elements.
+        Beam = "beam",
     }
-    unavailable: ["beam"]
+    unavailable: []
 }
 
 choice! {
@@ -111,6 +114,9 @@ impl Scene {
     /// Why `cure` cannot be used in this scene's line beside `others`; `None` where it can.
     fn cure_obstacle(&self, cure: Cure, others: &[Cure]) -> Option<String> {
         let (catenary, contact) = self.modelled_line()?;
+        if catenary.mesh.element == Element::Beam {
+            return Some("cures are made for cable elements, and catenary.mesh.element = \"beam\"".to_owned());
+        }
         match cure {
             Cure::ContactCompliance => {
                 if contact.law == ContactLaw::SlidingJoint {
@@ -246,6 +252,13 @@ impl Scene {
         cures.iter().filter_map(obstacle).collect()
     }
 
+    /// Why a reduction of the line cannot be had with its elements; `None` where it can.
+    pub(crate) fn element_obstacle(&self) -> Option<String> {
+        let (catenary, _) = self.modelled_line()?;
+        (catenary.mesh.element == Element::Beam)
+            .then(|| "it is made for cable elements, and catenary.mesh.element = \"beam\"".to_owned())
+    }
+
     pub(crate) fn check_cures(&self, found: &mut Found) {
         for (cure, obstacle) in self.impossible_cures() {
             let expected = format!("must be left out: {obstacle}");
@@ -282,7 +295,13 @@ impl Entry for Mesh {
             was.map(|mesh| mesh.axial_strain),
             Some(AxialStrain::Mean),
         );
-        if keys.has("error_percent", false) {
+        if keys.has("error_percent", false) && element == Element::Beam {
+            keys.refuse(
+                "error_percent",
+                "must be left out: the rule was measured with cable elements, and catenary.mesh.element = \"beam\"; give \
+                 elements_per_interval",
+            );
+        } else if keys.has("error_percent", false) {
             for name in ["elements_per_interval", "cures"] {
                 if keys.has(name, false) {
                     let because = "catenary.mesh.error_percent chooses it".to_owned();

@@ -97,7 +97,8 @@ impl Scene {
         if !std::mem::take(&mut self.model.unresolved) {
             return;
         }
-        if self.modelled_line().is_some() && self.pushed_sideways().is_none() {
+        let can_be_planar = self.pushed_sideways().is_none() && self.element_obstacle().is_none();
+        if self.modelled_line().is_some() && can_be_planar {
             self.model.reductions.push(Reduction::Planar);
         }
         if self.linkage_not_reducible().is_none() {
@@ -120,7 +121,9 @@ impl Scene {
                 left_out(reduction, "the line is an FMU of somebody else".to_owned());
                 continue;
             }
-            if let Some(reason) = self.wind_forbids(reduction) {
+            let of_the_line = reduction.of_the_line();
+            let obstacle = self.element_obstacle().filter(|_| of_the_line);
+            if let Some(reason) = obstacle.or_else(|| self.wind_forbids(reduction)) {
                 left_out(reduction, reason);
                 continue;
             }

@@ -122,6 +122,45 @@ fn everything_optional_survives_writing() {
     assert_eq!(lumped(&scene).friction, [0.0, 2.5]);
 }
 
+const BEAM: [&str; 2] = [
+    "catenary.mesh.element=beam",
+    "catenary.contact_wire.beam={ shear_stiffness = 5.6e6, torsional_stiffness = 145.0, rotary_inertia = 1.5e-5 }",
+];
+
+#[test]
+fn a_contact_wire_of_beams_is_spatial_without_cures_and_survives_writing() {
+    let scene = read(EN_250, &BEAM);
+    assert!(scene.cures().is_empty() && !scene.is_planar());
+    assert_eq!(read(&scene.to_toml(), &[]), scene);
+}
+
+#[test]
+fn what_is_made_for_cables_is_refused_with_beams() {
+    for (more, key) in [
+        ("model.reduce=[\"planar\"]", "model.reduce"),
+        ("model.reduce=[\"linearised\"]", "model.reduce"),
+        ("model.reduce=[\"flat\"]", "model.reduce"),
+        ("model.reduce=[\"window\"]", "model.reduce"),
+        ("catenary.mesh.cures=[\"mass_correction\"]", "catenary.mesh.cures"),
+        (
+            "catenary.contact_wire.bending_stiffness=0",
+            "catenary.contact_wire.bending_stiffness",
+        ),
+    ] {
+        let overrides = [BEAM[0], BEAM[1], more].map(str::to_owned);
+        let error = Scene::from_toml(EN_250, "x.toml", &overrides).unwrap_err().to_string();
+        assert!(
+            error.contains(key) && error.contains("catenary.mesh.element = \"beam\""),
+            "{error}"
+        );
+    }
+    let text = EN_250.replace("element = \"cable\"", "element = \"beam\"\nerror_percent = 1.0");
+    let error = Scene::from_toml(&text, "x.toml", &[BEAM[1].to_owned()])
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("the rule was measured with cable elements"), "{error}");
+}
+
 #[test]
 fn a_third_party_pantograph_and_line_survive_writing() {
     let (before, rest) = EN_250.split_once("[catenary]").unwrap();

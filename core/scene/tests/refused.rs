@@ -87,7 +87,11 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("model = \"lumped\"", "model = \"lumpd\"", &["pantograph[1].model = \"lumpd\": unknown word, did you mean \"lumped\"?"]),
     // Known, but not available.
     ("\"penalty\"", "\"sliding_joint\"", &["contact.stiffness: must be left out: contact.law is \"sliding_joint\", which holds the strip on the wire", "contact.damping: must be left out"]),
-    ("element = \"cable\"", "element = \"beam\"", &["catenary.mesh.element = \"beam\": not modelled yet by this version; must be \"cable\""]),
+    // A beam has what it needs, and nothing made for cables.
+    ("element = \"cable\"", "element = \"beam\"", &["catenary.contact_wire.beam = left out: must be given with catenary.mesh.element = \"beam\"", "torsional_stiffness = … N m²"]),
+    ("bending_stiffness = 195.0", "bending_stiffness = 195.0\nbeam = { shear_stiffness = 5.6e6, torsional_stiffness = 145.0, rotary_inertia = 1.5e-5 }", &["catenary.contact_wire.beam = { … }: must be left out with catenary.mesh.element = \"cable\", which neither shears nor twists"]),
+    ("bending_stiffness = 131.7", "bending_stiffness = 131.7\nbeam = { shear_stiffness = 5.6e6, torsional_stiffness = 145.0, rotary_inertia = 1.5e-5 }", &["catenary.messenger_wire.beam = { … }: must be left out: the messenger wire is of cable elements"]),
+    ("bending_stiffness = 195.0", "bending_stiffness = 195.0\nbeam = { shear_stiffness = 5.6e6, torsional_stiffness = 0.0, rotary_inertia = 1.5e-5 }", &["catenary.contact_wire.beam.torsional_stiffness = 0 N m²: must be positive and finite"]),
     ("macro_step = 0.001", "macro_step = { min = 1e-4, max = 1e-2 }", &["coupling.macro_step.tolerance", "a positive number in N"]),
     ("macro_step = 0.001", "macro_step = { tolerance = 0.0 }", &["coupling.macro_step.tolerance = 0 N: must be positive and finite"]),
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, min = 1e-3, max = 1e-4 }", &["coupling.macro_step.max = 0.0001: must be at least min = 0.001 s"]),

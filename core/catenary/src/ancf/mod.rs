@@ -1,6 +1,6 @@
-//! The gradient-deficient cable element of the absolute nodal coordinate formulation.
+//! Elements of the absolute nodal coordinate formulation: the gradient-deficient cable and the fully parameterised beam.
 //!
-//! Position and one gradient at each of two nodes, `e = (r₁, r₁,ₓ, r₂, r₂,ₓ)` [Thesis, Eq. (1)], cubic Hermite polynomials
+//! The cable: position and one gradient at each of two nodes, `e = (r₁, r₁,ₓ, r₂, r₂,ₓ)` [Thesis, Eq. (1)], cubic Hermite polynomials
 //! between them [Thesis, Eq. (2)], a constant mass matrix [Thesis, Eq. (3)]. `x` is the arc length at the nominal tension,
 //! so that `|r,ₓ| = 1` there.
 //!
@@ -11,11 +11,14 @@
 //! axial      axial laws (element mean, Green–Lagrange, engineering strain)
 //! bending    bending laws (|r,ₓₓ|², exact curvature)
 //! cable      one element: its laws together, energy, force and tangent in the twelve coordinates
+//! beam       the beam element: the cable's axis and two directors per node, energy, force and tangent in the 24 coordinates
+//! strain     what a beam has beyond the stretch of its axis: shear, torsion, bending, strain of the cross-section
 //! even       constant matrices of an element that are the same from either end, as batches of elements multiply them
 //! number     what laws compute with: the numbers and vectors of one element, or of several side by side
 //! lanes      several elements side by side in vector registers
 //! ```
 mod axial;
+mod beam;
 mod bending;
 mod cable;
 mod even;
@@ -23,11 +26,15 @@ mod lanes;
 mod number;
 mod shape;
 mod slopes;
+mod strain;
 #[cfg(test)]
 mod tests;
 
 pub(crate) use axial::FIVE_POINTS;
 pub use axial::{AxialLaw, nominal_stretch};
+pub use beam::{
+    Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, beam_mass_matrix, beam_shape,
+};
 pub use bending::BendingLaw;
 pub use cable::{Cable, CableSection, Coordinates, Tangent};
 pub(crate) use even::EvenMatrix;

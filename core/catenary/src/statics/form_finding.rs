@@ -49,6 +49,7 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
     let mut layout = Layout::new();
     let coordinates = topology.register(&mut layout);
     hold(topology, &coordinates, &mut layout);
+    Topology::hold_directors(&coordinates, &mut layout);
     let [contact, messenger] = &coordinates;
     let mut wires = Wires {
         wires: [
@@ -127,6 +128,7 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
             let mut equilibrium = Equilibrium {
                 contact_wire: WireGeometry::clone(contact_wire.geometry()),
                 messenger_wire: WireGeometry::clone(messenger_wire.geometry()),
+                directors: Vec::new(),
                 dropper_lengths: Vec::new(),
                 support_reactions: topology
                     .inner_supports()

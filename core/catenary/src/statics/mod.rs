@@ -4,10 +4,12 @@
 //! file                subject
 //! form_finding        contact wire held at its heights; lengths follow
 //! nodal_displacement  lengths given; shape follows
+//! directors           a contact wire of beams, known from one of cables
 //! repeat              long lines, known from short ones
 //! report              what was found, with the names of the result files
 //! error               why a line has no static state
 //! ```
+mod directors;
 mod error;
 mod form_finding;
 mod load;
@@ -88,10 +90,13 @@ impl StaticLine {
     /// See [`StaticsError`].
     pub fn solve(catenary: &Catenary, options: LineOptions) -> Result<Self, StaticsError> {
         let topology = Arc::new(Topology::new(catenary, options));
-        let (equilibrium, iterations) = match catenary.statics {
+        let (mut equilibrium, mut iterations) = match catenary.statics {
             scene::Statics::FormFinding => form_finding::find_form(catenary, &topology)?,
             scene::Statics::NodalDisplacement => nodal_displacement::displace_ends(catenary, &topology)?,
         };
+        if catenary.mesh.element == scene::Element::Beam {
+            iterations += directors::turn_into_beam(catenary, &topology, &mut equilibrium)?;
+        }
         let mut layout = Layout::new();
         let coordinates = topology.register(&mut layout);
         topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);

@@ -22,6 +22,7 @@ pub(super) fn displace_ends(
     let mut layout = Layout::new();
     let coordinates = topology.register(&mut layout);
     topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);
+    Topology::hold_directors(&coordinates, &mut layout);
     let [contact, messenger] = &coordinates;
     let straight = |z: f64| vec![z; topology.x().len()];
     let low = catenary.contact_wire_height;
@@ -35,6 +36,7 @@ pub(super) fn displace_ends(
             &catenary.messenger_wire,
             straight(low + catenary.encumbrance),
         ),
+        directors: Vec::new(),
         dropper_lengths: topology
             .droppers()
             .iter()
@@ -100,12 +102,17 @@ const MOST_ROUNDS: usize = 8;
 const SETTLED: f64 = 1e-9;
 
 /// The state of a line as its reference.
-fn taken_as_reference(before: &Equilibrium, line: &Line, state: &State) -> Equilibrium {
+pub(super) fn taken_as_reference(before: &Equilibrium, line: &Line, state: &State) -> Equilibrium {
     let motion = state.motion(&[]);
     let forces = |anchors: &[Anchor]| anchors.iter().map(|anchor| anchor.force(&motion)).collect();
     Equilibrium {
         contact_wire: before.contact_wire.with_reference(&state.q),
         messenger_wire: before.messenger_wire.with_reference(&state.q),
+        directors: before
+            .directors
+            .iter()
+            .map(|directors| directors.with_reference(&state.q))
+            .collect(),
         dropper_lengths: before.dropper_lengths.clone(),
         support_reactions: forces(line.supports().as_slice()),
         arm_reactions: forces(line.registration_arms().as_slice()),

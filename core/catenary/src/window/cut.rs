@@ -80,6 +80,8 @@ impl Source<'_> {
         Equilibrium {
             contact_wire: wire(&self.equilibrium.contact_wire, &coordinates[0]),
             messenger_wire: wire(&self.equilibrium.messenger_wire, &coordinates[1]),
+            // Windows are cut from lines of cables only.
+            directors: Vec::new(),
             dropper_lengths: droppers.map(|(_, &length)| length).collect(),
             support_reactions: inner(&self.equilibrium.support_reactions),
             arm_reactions: inner(&self.equilibrium.arm_reactions),

@@ -183,6 +183,24 @@ impl Wire {
         Self::assembled(section, damping, laws, gravity, correction, self.geometry)
     }
 
+    /// The same wire as a string, for what bends by other contributions.
+    #[must_use]
+    pub(crate) fn without_bending(&self) -> Self {
+        let section = WireSection {
+            bending_stiffness: 0.0,
+            ..self.section
+        };
+        let geometry = Arc::clone(&self.geometry);
+        Self::assembled(
+            section,
+            self.damping,
+            self.laws,
+            self.gravity,
+            self.correction,
+            geometry,
+        )
+    }
+
     /// The wire whose strain is linear in the displacements from the reference, and whose force there is its weight alone; none
     /// where the laws are not in closed form.
     #[must_use]

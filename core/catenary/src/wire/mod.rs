@@ -1,5 +1,6 @@
 //! A wire: a chain of cable elements in the coordinates of a system.
 mod batch;
+mod directors;
 mod drag;
 mod enrichment;
 mod force;
@@ -11,6 +12,7 @@ mod point;
 #[cfg(test)]
 mod tests;
 
+pub use directors::{DirectorInertia, Directors, WireDirectors};
 pub use drag::WireDrag;
 pub use enrichment::Enrichment;
 pub use force::{Rayleigh, Wire, WireSection};

@@ -1,0 +1,43 @@
+//! The static state of a line whose contact wire is a beam, from that of the same line of cables.
+use super::nodal_displacement::taken_as_reference;
+use super::{Standalone, StaticsError};
+use crate::line::Equilibrium;
+use crate::{Directors, Line, Topology};
+use dynamics::{Layout, NewtonOptions, StaticOptions, solve_static};
+use scene::Catenary;
+use std::sync::Arc;
+
+/// Gives the contact wire its directors, across the cable, and lets the line settle: the lengths of wires and droppers stay, and
+/// shear moves the nodes by what it adds to bending. Returns the number of Newton iterations.
+pub(super) fn turn_into_beam(
+    catenary: &Catenary,
+    topology: &Arc<Topology>,
+    equilibrium: &mut Equilibrium,
+) -> Result<usize, StaticsError> {
+    let mut layout = Layout::new();
+    let coordinates = topology.register(&mut layout);
+    topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);
+    let nodes = equilibrium.contact_wire.nodes().iter();
+    equilibrium.directors = nodes
+        .zip(&coordinates[0].directors)
+        .map(|(node, &first)| Directors::across(&node.slope, first))
+        .collect();
+    let mut system = Standalone {
+        line: Line::new(catenary, topology, equilibrium, 0),
+        layout,
+        load: Default::default(),
+    };
+    let mut state = system.layout.state_at_rest();
+    let options = StaticOptions {
+        newton: NewtonOptions {
+            // As in form finding.
+            tolerance: 1e-7,
+            max_iterations: 200,
+            ..NewtonOptions::default()
+        },
+        ..StaticOptions::default()
+    };
+    let report = solve_static(&mut system, &mut state, &[], &options)?;
+    *equilibrium = taken_as_reference(equilibrium, &system.line, &state);
+    Ok(report.iterations)
+}
