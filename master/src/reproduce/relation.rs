@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::execute::Line;
-use super::plan::{Group, Mesh};
+use super::plan::Mesh;
 use super::published::{CASES, Case};
 use crate::simulation::Mode;
 
