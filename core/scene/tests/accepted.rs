@@ -390,7 +390,8 @@ fn a_sliding_joint_has_no_spring_and_is_written_as_it_is_read() {
     assert!(!written.contains("= inf"), "{written}");
     assert_eq!(read(&written, &[]), scene);
     // Nothing but the law and what it asks of the integrator is another than in the scene that it is compared with.
-    let penalty = read(THESIS, &["contact={law=\"sliding_joint\"}", "solver.rho_inf=0.5"]);
+    let thesis = include_str!("../../../scenes/thesis.toml");
+    let penalty = read(thesis, &["contact={law=\"sliding_joint\"}", "solver.rho_inf=0.5"]);
     let named = Scene {
         title: penalty.title.clone(),
         ..scene

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `published` | what was published |
 //! | `open` | what the publication leaves open, and the range each such quantity plausibly has |
+//! | `wind` | how the published wind can be read |
 //! | `plan` | the runs |
 //! | `execute` | making them, side by side |
 //! | `relation` | changes between cases, published and computed |
@@ -24,6 +25,7 @@ mod relation;
 #[cfg(test)]
 mod tests;
 mod text;
+mod wind;
 
 pub use execute::{Line, Reproduction, Site, execute};
 pub use page::page;

@@ -8,7 +8,7 @@ use super::execute::{Line, Reproduction};
 use super::open::OPEN;
 use super::plan::{Group, Mesh};
 use super::published::{CASES, Case};
-use super::text::{cases, force, percent, spreads};
+use super::text::{cases, force, percent, readings, spreads};
 use crate::report::plots::{COLOURS, axis, finished, layout, rounded};
 use crate::report::{Page, escape, remarks};
 use crate::simulation::Mode;
@@ -28,6 +28,10 @@ pub fn page(reproduction: &Reproduction) -> String {
     page.section("Mean and standard deviation", &table(&cases(reproduction)));
     page.section("Standard deviation against the mesh", &meshes(reproduction));
     page.section("Changes between cases", &changes(reproduction));
+    page.section(
+        "Readings of the wind: changes, the published ones in the head",
+        &table(&readings(reproduction)),
+    );
     for mesh in Mesh::ALL {
         let heading = format!("What the thesis leaves open, {}", mesh.name());
         page.section(&heading, &open(reproduction, mesh));
@@ -123,7 +127,7 @@ fn meshes(reproduction: &Reproduction) -> String {
 /// Runs of a case in one system, as published and on other meshes.
 fn computed<'a>(reproduction: &'a Reproduction, case: &'a Case) -> impl Iterator<Item = &'a Line> {
     reproduction.lines.iter().filter(|line| {
-        line.group != Group::Open && line.case.scene == case.scene && line.row.mode == Mode::Monolithic.name()
+        line.group.is_case() && line.case.scene == case.scene && line.row.mode == Mode::Monolithic.name()
     })
 }
 

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::open::OPEN;
 use super::published::{CASES, Case};
+use super::wind::readings;
 use crate::simulation::Mode;
 use crate::table_of_runs::Variant;
 
@@ -15,17 +16,26 @@ pub enum Group {
     Published,
     /// A published case on another mesh.
     Mesh,
+    /// A reading of the published wind.
+    Reading,
     /// A quantity that the publication leaves open.
     Open,
 }
 
 impl Group {
+    /// Whether its runs are published cases with nothing changed but the mesh.
+    #[must_use]
+    pub fn is_case(self) -> bool {
+        matches!(self, Self::Published | Self::Mesh)
+    }
+
     /// As the table names it.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Published => "published",
             Self::Mesh => "mesh",
+            Self::Reading => "reading",
             Self::Open => "open",
         }
     }
@@ -93,7 +103,7 @@ pub struct Planned {
     pub variant: Variant,
 }
 
-/// All runs: the published cases in both ways of running them, all of them on finer meshes, and, on the thesis' mesh and on the
+/// All runs: the published cases in both ways of running them, all of them on finer meshes, the readings of the wind, and, on the thesis' mesh and on the
 /// converged one, each open quantity over its range. `quick` leaves out the finer plain meshes but one, and the open quantities on
 /// the converged mesh. `overrides` hold for all runs, and give way to what a run is about.
 #[must_use]
@@ -111,6 +121,13 @@ pub fn plan(quick: bool, overrides: &[String]) -> Vec<Planned> {
         for case in &CASES {
             runs.push(planned(Group::Mesh, case, mesh, Mode::Monolithic));
         }
+    }
+    for (reading, keys) in readings() {
+        let mut run = planned(Group::Reading, &CASES[2], thesis, Mode::Monolithic);
+        run.variant.overrides = keys;
+        run.quantity = "wind";
+        run.value = reading.to_owned();
+        runs.push(run);
     }
     for mesh in [thesis, Mesh::Cured] {
         if quick && mesh == Mesh::Cured {

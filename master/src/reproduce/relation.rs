@@ -86,7 +86,7 @@ pub fn relations(lines: &[Line]) -> Vec<Relation> {
 impl Line {
     /// Whether it is a published case on a mesh, in one system.
     fn is(&self, case: &Case, mesh: Mesh) -> bool {
-        self.group != Group::Open
+        self.group.is_case()
             && self.case.scene == case.scene
             && self.mesh == mesh
             && self.row.mode == Mode::Monolithic.name()

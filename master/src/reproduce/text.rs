@@ -31,7 +31,7 @@ pub(super) fn cases(reproduction: &Reproduction) -> Vec<Vec<String>> {
     ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for line in &reproduction.lines {
-        if line.group == Group::Open {
+        if !line.group.is_case() {
             continue;
         }
         let (case, row) = (line.case, &line.row);
@@ -49,6 +49,39 @@ pub(super) fn cases(reproduction: &Reproduction) -> Vec<Vec<String>> {
         ]);
     }
     rows
+}
+
+/// What each reading of the wind does to mean and standard deviation, the scene's own first; the published changes in the head.
+pub(super) fn readings(reproduction: &Reproduction) -> Vec<Vec<String>> {
+    let [calm, _, windy, _] = super::CASES;
+    let published = |windy: f64, calm: f64| percent(Some(windy - calm));
+    let head = [
+        "reading".to_owned(),
+        format!("mean {} N", published(windy.mean.value, calm.mean.value)),
+        format!("std {} N", published(windy.std.value, calm.std.value)),
+        "std, raw".to_owned(),
+    ];
+    let own = |scene: &'static str| {
+        let of = move |line: &&Line| line.group == Group::Published && line.case.scene == scene;
+        reproduction.lines.iter().find(of)
+    };
+    let (Some(without), Some(with)) = (own(calm.scene), own(windy.scene)) else {
+        return Vec::new();
+    };
+    let rows = |line: &Line, name: &str| {
+        let change =
+            |with: Option<f64>, without: Option<f64>| percent(with.zip(without).map(|(with, without)| with - without));
+        vec![
+            name.to_owned(),
+            change(line.row.mean, without.row.mean),
+            change(line.row.std, without.row.std),
+            change(line.raw_std, without.raw_std),
+        ]
+    };
+    let mut table = vec![head.to_vec(), rows(with, "over the ground, from ahead (the scene)")];
+    let others = reproduction.lines.iter().filter(|line| line.group == Group::Reading);
+    table.extend(others.map(|line| rows(line, &line.value)));
+    table
 }
 
 /// What an open quantity does to the standard deviation on one mesh.
@@ -71,7 +104,7 @@ impl Spread<'_> {
 /// The spreads on one mesh.
 pub(super) fn spreads(reproduction: &Reproduction, mesh: Mesh) -> Vec<Spread<'_>> {
     let of_mesh = |line: &&Line| line.mesh == mesh;
-    let own = |line: &&Line| line.group != Group::Open && line.case.scene == super::CASES[0].scene;
+    let own = |line: &&Line| line.group.is_case() && line.case.scene == super::CASES[0].scene;
     let own = reproduction.lines.iter().filter(of_mesh).find(own);
     let open: Vec<&Line> = reproduction
         .lines
@@ -110,6 +143,8 @@ pub fn text(reproduction: &Reproduction) -> String {
         ]
     }));
     text.push_str(&aligned(&rows));
+    text.push_str("\nreadings of the wind: changes in N, the published ones in the head\n");
+    text.push_str(&aligned(&readings(reproduction)));
     let published = super::CASES[0].std;
     for mesh in Mesh::ALL {
         let spreads = spreads(reproduction, mesh);
