@@ -137,7 +137,7 @@ fn the_error_of_a_rolled_up_beam_falls_with_the_fourth_power_of_the_element_leng
 }
 
 /// Displacements of the tip (m) in the Princeton beam experiment by converged beam elements of ANSYS, for a force (N) at an angle
-/// (°) from the stiff direction: down along y, and sideways along z [Obrezkov, Matikainen & Kouhia 2022].
+/// (°) from the stiff direction: down along y, and sideways along z [Obrezkov, Mikkola & Matikainen, Nonlinear Dynamics 109 (2022), as quoted in the examples of Exudyn].
 const PRINCETON: [(f64, f64, f64, f64); 14] = [
     (8.896, 0.0, 1.071_417_630e-2, 0.0),
     (8.896, 15.0, 1.061_328_706e-2, 4.208_232_124e-2),
