@@ -111,14 +111,17 @@ fn others(scene: &Scene, line: Option<&ThirdPartyLine>, pantographs: &[Option<Th
     others
 }
 
-/// The FMU of an entry, whose path is made absolute.
-fn open(entry: &mut ThirdParty, base: &Path) -> Result<Fmu, SetupError> {
+/// The FMU of an entry of a table of the scene, whose path is made absolute.
+fn open(table: &str, entry: &mut ThirdParty, base: &Path) -> Result<Fmu, SetupError> {
     let path = base.join(&entry.fmu);
     let options = Options {
         time_limit: Some(isolation::time_limit(entry)),
         ..Options::default()
     };
-    let fmu = Fmu::open_with(&path, &options).map_err(SetupError::FmuFile)?;
+    let fmu = Fmu::open_with(&path, &options).map_err(|source| SetupError::SceneFmu {
+        key: format!("{table}.fmu"),
+        source: Box::new(source),
+    })?;
     entry.fmu = std::path::absolute(&path).unwrap_or(path).display().to_string();
     Ok(fmu)
 }
@@ -133,7 +136,7 @@ fn start_pantograph(
     logging: bool,
 ) -> Result<ThirdPartyPantograph, SetupError> {
     let table = format!("pantograph[{}]", index + 1);
-    let fmu = open(&mut entry, base)?;
+    let fmu = open(&table, &mut entry, base)?;
     let started = ThirdPartyPantograph::start(&fmu, &mut entry, scene, index, logging);
     let mut pantograph = started.map_err(|source| refused(&table, &entry, source))?;
     let force = pantograph.start_force();
@@ -189,7 +192,7 @@ fn start_line(
     logging: bool,
 ) -> Result<ThirdPartyLine, SetupError> {
     let strips = scene.pantographs.len();
-    let fmu = open(&mut entry, base)?;
+    let fmu = open("catenary", &mut entry, base)?;
     let wiring = Wiring::resolve(fmu.description(), &mut entry, Side::Line, strips)
         .map_err(|source| refused("catenary", &entry, source.into()))?;
     for (index, height) in own_heights(&fmu, &wiring, strips).into_iter().enumerate() {

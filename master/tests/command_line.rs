@@ -268,6 +268,16 @@ fn files_of_another_kind_are_named_with_what_would_be_right() {
     let zip = made("x.toml", b"PK\x03\x04");
     let bytes = made("y.toml", &[0xff, 0xfe, 0x00]);
     let here = folder.path().to_str().unwrap();
+    let usual = std::fs::read_to_string(scene()).unwrap();
+    let (before, rest) = usual.split_once("[[pantograph]]").unwrap();
+    let after = &rest[rest.find("\n[").unwrap()..];
+    let theirs = |name: &str, fmu: &str| {
+        made(
+            name,
+            format!("{before}[[pantograph]]\nfmu = \"{fmu}\"\n{after}").as_bytes(),
+        )
+    };
+    let (missing, text_as_fmu) = (theirs("missing.toml", "none.fmu"), theirs("text.toml", "missing.toml"));
     for (arguments, said) in [
         (
             &["run", &fmu][..],
@@ -275,6 +285,11 @@ fn files_of_another_kind_are_named_with_what_would_be_right() {
         ),
         (&["compare", &zip], "is a zip archive; expected"),
         (&["check", &bytes], "is no text in UTF-8; expected"),
+        (&["check", &missing], "missing.toml: pantograph[1].fmu: "),
+        (
+            &["check", &text_as_fmu],
+            "it is a file of another kind, or damaged or cut off",
+        ),
         (&["report", here], "holds no summary.json; expected"),
         (
             &["inspect", &fmu, "--set", "a=1"],

@@ -8,6 +8,7 @@ use std::path::Path;
 use tempfile::TempDir;
 use zip::CompressionMethod;
 use zip::read::ZipArchive;
+use zip::result::ZipError;
 
 /// What an archive may hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,10 +53,16 @@ pub fn extract(path: &Path, root: &'static str, limits: &Limits) -> Result<TempD
     if metadata.len() == 0 {
         return Err(ArchiveError::Empty);
     }
-    let not_zip = |problem: zip::result::ZipError| ArchiveError::NotZip {
+    let not_zip = |problem: ZipError| ArchiveError::NotZip {
         problem: problem.to_string(),
     };
-    let mut archive = ZipArchive::new(BufReader::new(file)).map_err(not_zip)?;
+    let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|problem| match problem {
+        // What the reader calls it says nothing to whoever named the wrong file.
+        ZipError::InvalidArchive(_) => ArchiveError::NotZip {
+            problem: format!("it is a file of another kind, or damaged or cut off ({problem})"),
+        },
+        problem => not_zip(problem),
+    })?;
     let count = archive.len();
     if count > limits.entries {
         return Err(ArchiveError::TooManyEntries {

@@ -37,6 +37,15 @@ pub enum SetupError {
     /// An FMU file cannot be used.
     #[error(transparent)]
     FmuFile(fmi2::Error),
+    /// An FMU file that the scene names cannot be used.
+    #[error("{key}")]
+    SceneFmu {
+        /// Key of the scene.
+        key: String,
+        /// Reason.
+        #[source]
+        source: Box<fmi2::Error>,
+    },
     /// Somebody else's FMU does not fit what the scene says of it.
     #[error("{key}")]
     Wiring {
@@ -97,6 +106,7 @@ impl SetupError {
                 | Self::NotInThisMode { .. }
                 | Self::NotAvailable(_)
                 | Self::FmuFile(_)
+                | Self::SceneFmu { .. }
         ) || matches!(self, Self::Wiring { source, .. } if source.is_input())
             || matches!(self, Self::Cosimulation(source) if source.is_input())
     }

@@ -153,7 +153,9 @@ pub fn attempt(
     });
     let finished = match run {
         Ok(finished) => finished,
-        Err(error @ (SetupError::Package(_) | SetupError::FmuFile(_))) => return Err(error),
+        Err(error @ (SetupError::Package(_) | SetupError::FmuFile(_) | SetupError::SceneFmu { .. })) => {
+            return Err(error);
+        }
         Err(error) => {
             attempt.interrupted = matches!(error, SetupError::Interrupted { .. });
             attempt.row.status = (!attempt.interrupted).then_some(Status::Refused);
