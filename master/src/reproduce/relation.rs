@@ -24,8 +24,8 @@ pub struct Relation {
     pub computed: Option<f64>,
 }
 
-/// A change below this says nothing about its direction, %: the thesis prints its figures to 0.01 N of 36 N.
-const VISIBLE: f64 = 0.1;
+/// A change below this is none, %: the thesis calls one of 0.11 % negligible.
+const VISIBLE: f64 = 0.2;
 
 impl Relation {
     /// Whether the computed change has the direction of the published one, in words.

@@ -97,7 +97,7 @@ fn a_relation_holds_in_the_direction_of_the_published_change_only() {
             "refuted: no visible change",
             "holds: no visible change",
             // Published: 35.70 N to 35.66 N, -0.11 %.
-            "refuted: no visible change",
+            "holds: no visible change",
         ]
     );
     // 112/100, and 120.22/107.79.
