@@ -1,6 +1,8 @@
 //! What is done to a run on purpose, to see whether it survives: strips moved against their pantographs, steps discarded, every
 //! step gone back on.
 
+use dynamics::SplitMix64;
+
 use crate::interface::strip;
 use crate::results::Frame;
 use crate::slave::{Abilities, Slave, SlaveError, Work};
@@ -142,8 +144,8 @@ struct NotRepeated {
 struct Burdened {
     inner: Box<dyn Slave>,
     lift: Option<Lift>,
-    /// State of the pseudo-random sequence, and one call in how many fails.
-    dice: Option<(u64, u64)>,
+    /// Pseudo-random sequence, and one call in how many fails.
+    dice: Option<(SplitMix64, u64)>,
     rehearsed: bool,
     /// Inputs and their derivatives as set last, by order.
     given: Vec<Vec<f64>>,
@@ -162,10 +164,8 @@ impl Burdened {
             inner,
             lift: hardship.lift.clone(),
             dice: hardship.discards.map(|discards| {
-                (
-                    discards.seed.wrapping_add(number.wrapping_mul(0x9E37)),
-                    discards.one_in.max(2),
-                )
+                let seed = discards.seed.wrapping_add(number.wrapping_mul(0x9E37));
+                (SplitMix64::new(seed), discards.one_in.max(2))
             }),
             rehearsed: hardship.rehearsed,
             given: vec![Vec::new(); dynamics::MAX_ORDER + 1],
@@ -179,15 +179,8 @@ impl Burdened {
 
     /// Whether this call is to fail.
     fn fails(&mut self) -> bool {
-        let Some((state, one_in)) = &mut self.dice else {
-            return false;
-        };
-        // SplitMix64 [Steele, Lea & Flood 2014].
-        *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = *state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        (z ^ (z >> 31)) % *one_in == 0
+        let dice = self.dice.as_mut();
+        dice.is_some_and(|(random, one_in)| random.next() % *one_in == 0)
     }
 
     /// Vertical force that the slave was given, `tau` s into the step, N.

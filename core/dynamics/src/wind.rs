@@ -6,7 +6,6 @@
 //!
 //! The field depends on nothing but its own numbers, so that two programs that hold the same scene see the same wind, bit for bit.
 mod gust;
-mod random;
 mod record;
 mod spectrum;
 mod turbulence;

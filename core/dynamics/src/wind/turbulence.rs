@@ -1,6 +1,6 @@
 //! Turbulence along the track: a Gaussian field made of harmonics, tabulated once.
-use super::random::SplitMix64;
 use super::spectrum::TurbulenceSpectrum;
+use crate::SplitMix64;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 

@@ -1,6 +1,7 @@
 //! Irregularities made from power spectral densities.
 use super::{RailShape, Reach, TrackShape};
 use crate::spline::RestingSpline;
+use dynamics::SplitMix64;
 use scene::Spectrum;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -11,20 +12,6 @@ const WAVES: usize = 400;
 /// Samples per shortest wavelength: a cubic spline then misses a wave by (2π/16)⁴/384 of its amplitude, 6e-5.
 const SAMPLES: f64 = 16.0;
 
-/// The generator of S. Vigna, `SplitMix64`: a seed gives the same sequence on every machine.
-struct Random(u64);
-
-impl Random {
-    /// Evenly distributed in 0…1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// `√(2 S ΔΩ) cos(Ω x + φ)`: amplitude (m or rad), Ω (rad/m), φ (rad).
 struct Wave {
     amplitude: f64,
@@ -33,18 +20,18 @@ struct Wave {
 }
 
 /// Waves of the one-sided density `density(Ω)`, in bands of equal ratio, the wave number anywhere within its band.
-fn waves(wavelengths: [f64; 2], random: &mut Random, density: impl Fn(f64) -> f64) -> Vec<Wave> {
+fn waves(wavelengths: [f64; 2], random: &mut SplitMix64, density: impl Fn(f64) -> f64) -> Vec<Wave> {
     let [shortest, longest] = wavelengths;
     let (from, ratio) = (TAU / longest, longest / shortest);
     (0..WAVES)
         .map(|i| {
             let edge = |i: usize| from * ratio.powf(i as f64 / WAVES as f64);
             let (low, high) = (edge(i), edge(i + 1));
-            let number = low + (high - low) * random.next();
+            let number = low + (high - low) * random.unit();
             Wave {
                 amplitude: (2.0 * density(number) * (high - low)).sqrt(),
                 number,
-                phase: TAU * random.next(),
+                phase: TAU * random.unit(),
             }
         })
         .collect()
@@ -60,7 +47,7 @@ fn sum(waves: &[Wave], x: f64) -> f64 {
 /// One realisation; see [`Spectrum`] for the densities.
 pub(super) fn realise(entry: &Spectrum, reach: Reach) -> TrackShape {
     let [rise, shift, tilt] = densities(entry, reach.rail_distance);
-    let mut random = Random(entry.seed as u64);
+    let mut random = SplitMix64::new(entry.seed as u64);
     let rise = waves(entry.wavelengths, &mut random, rise);
     let shift = waves(entry.wavelengths, &mut random, shift);
     let tilt = waves(entry.wavelengths, &mut random, tilt);
