@@ -25,6 +25,20 @@ pub(crate) fn refuse(found: &mut Found, key: impl Into<String>, value: impl Into
     ));
 }
 
+/// Refuses principal moments of inertia (kg m²) of which one is more than the other two together; equality is a flat plate, `room` a
+/// share for what tables have beyond it.
+pub(crate) fn check_inertia(found: &mut Found, path: &str, inertia: &[f64; 3], room: f64) {
+    let &[xx, yy, zz] = inertia;
+    for (largest, others) in [(xx, yy + zz), (yy, xx + zz), (zz, xx + yy)] {
+        if largest > others * (1.0 + room) {
+            let expected = format!(
+                "{largest} kg m² is more than the other two together, {others} kg m², which no rigid body can have"
+            );
+            refuse(found, format!("{path}.inertia"), format!("{inertia:?} kg m²"), expected);
+        }
+    }
+}
+
 impl Scene {
     /// Everything that contradicts something else.
     pub(crate) fn contradictions(&self) -> Found {

@@ -1,6 +1,6 @@
 //! Whether bodies and joints make a mechanism that can carry a strip.
 
-use crate::check::{Found, refuse};
+use crate::check::{Found, check_inertia, refuse};
 use crate::write::shown_number;
 use crate::{Body, Joint, JointKind, Linkage};
 
@@ -41,21 +41,8 @@ impl Linkage {
                 let expected = "must be unique: another body has this name";
                 refuse(found, format!("{path}.name"), format!("{:?}", body.name), expected);
             }
-            let [xx, yy, zz] = body.inertia;
-            for (largest, others) in [(xx, yy + zz), (yy, xx + zz), (zz, xx + yy)] {
-                // Equality is a flat plate; the room is for the last printed digit.
-                if largest > others * (1.0 + 1e-9) {
-                    let expected = format!(
-                        "{largest} kg m² is more than the other two together, {others} kg m², which no rigid body can have"
-                    );
-                    refuse(
-                        found,
-                        format!("{path}.inertia"),
-                        format!("{:?} kg m²", body.inertia),
-                        expected,
-                    );
-                }
-            }
+            // The last printed digit.
+            check_inertia(found, &path, &body.inertia, 1e-9);
         }
     }
 

@@ -8,6 +8,7 @@ use crate::error::{Problem, SceneError, What};
 use crate::tree::{At, Node, Sources, Table, Value};
 use crate::write::{shown, shown_key};
 
+mod columns;
 mod number;
 mod plain;
 mod table;

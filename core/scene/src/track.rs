@@ -1,6 +1,5 @@
 //! `[track]`: what the wheels run on.
 
-use crate::error::What;
 use crate::keys::{Entry, Keys, Length, Number};
 
 /// `[track]`: straight, level track.
@@ -184,17 +183,9 @@ impl Entry for Spectrum {
 impl Entry for Points {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let file = was.map(|points| points.file.as_deref());
-        if keys.has("file", file.flatten().is_some()) {
-            let path = keys.text("file", file.flatten(), "the path of a CSV file, relative to the scene");
-            let because = "file is given, which has the lists as columns".to_string();
-            for name in ["x", "z_left", "z_right", "y_left", "y_right"] {
-                if keys.has(name, false) {
-                    let because = because.clone();
-                    keys.report(name, What::LeaveOut { because });
-                }
-            }
+        if let file @ Some(_) = keys.column_file(file, &["x", "z_left", "z_right", "y_left", "y_right"]) {
             return Self {
-                file: Some(path),
+                file,
                 ..Self::default()
             };
         }
@@ -205,14 +196,7 @@ impl Entry for Points {
             Length::NotEmpty,
         );
         let n = x.len();
-        let mut list = |name: &str, was: Option<&[f64]>| {
-            let written = was.is_some_and(|values| values.iter().any(|value| *value != 0.0));
-            if keys.has(name, written) {
-                keys.numbers(name, was, Number::any("m"), Length::Exactly(n))
-            } else {
-                vec![0.0; n]
-            }
-        };
+        let mut list = |name: &str, was: Option<&[f64]>| keys.column(name, was, "m", n);
         Self {
             z_left: list("z_left", was.map(|points| points.z_left.as_slice())),
             z_right: list("z_right", was.map(|points| points.z_right.as_slice())),

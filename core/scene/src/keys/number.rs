@@ -135,7 +135,6 @@ impl Keys<'_> {
             .then(|| self.number(name, was.flatten(), number))
     }
 
-    /// A number found in a value, which may be entry `index` (from 0) of a list.
     /// A number found at `node`, whose full path is `key`.
     fn checked(&mut self, key: String, node: &Node, number: Number) -> f64 {
         let found = match &node.value {
@@ -201,6 +200,11 @@ impl Keys<'_> {
         }
     }
 
+    /// Whether a list was typed.
+    fn is_list(&mut self, name: &str) -> bool {
+        self.node(name).is_some_and(|node| matches!(node.value, Value::List(_)))
+    }
+
     /// One number for all of `n`, or a list of `n` numbers.
     pub(crate) fn number_or_numbers(&mut self, name: &str, was: Option<&[f64]>, number: Number, n: usize) -> Vec<f64> {
         match was {
@@ -208,16 +212,7 @@ impl Keys<'_> {
                 vec![self.number(name, Some(values[0]), number); n]
             }
             Some(values) => self.numbers(name, Some(values), number, Length::Exactly(n)),
-            None if matches!(
-                self.node(name),
-                Some(Node {
-                    value: Value::List(_),
-                    ..
-                })
-            ) =>
-            {
-                self.numbers(name, None, number, Length::Exactly(n))
-            }
+            None if self.is_list(name) => self.numbers(name, None, number, Length::Exactly(n)),
             None => vec![self.number(name, None, number); n],
         }
     }
@@ -227,16 +222,7 @@ impl Keys<'_> {
         match was {
             Some([value]) => vec![self.number(name, Some(*value), number)],
             Some(values) => self.numbers(name, Some(values), number, Length::NotEmpty),
-            None if matches!(
-                self.node(name),
-                Some(Node {
-                    value: Value::List(_),
-                    ..
-                })
-            ) =>
-            {
-                self.numbers(name, None, number, Length::NotEmpty)
-            }
+            None if self.is_list(name) => self.numbers(name, None, number, Length::NotEmpty),
             None => vec![self.number(name, None, number)],
         }
     }

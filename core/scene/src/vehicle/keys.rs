@@ -3,7 +3,6 @@
 use super::{
     BearingEntry, BushingEntry, GivenMotion, Kind, Pivot, Stop, Train, Vehicle, VehicleBody, WheelContact, Wheels,
 };
-use crate::error::What;
 use crate::keys::{Entry, Keys, Length, Number, placeholder};
 
 impl Entry for Vehicle {
@@ -38,17 +37,9 @@ impl Entry for Vehicle {
 impl Entry for GivenMotion {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let file = was.map(|motion| motion.file.as_deref());
-        if keys.has("file", file.flatten().is_some()) {
-            let path = keys.text("file", file.flatten(), "the path of a CSV file, relative to the scene");
-            let because = "file is given, which has the lists as columns".to_string();
-            for name in ["time", "y", "z", "roll"] {
-                if keys.has(name, false) {
-                    let because = because.clone();
-                    keys.report(name, What::LeaveOut { because });
-                }
-            }
+        if let file @ Some(_) = keys.column_file(file, &["time", "y", "z", "roll"]) {
             return Self {
-                file: Some(path),
+                file,
                 ..Self::default()
             };
         }
@@ -59,14 +50,7 @@ impl Entry for GivenMotion {
             Length::NotEmpty,
         );
         let n = time.len();
-        let mut list = |name: &str, was: Option<&[f64]>, unit: &'static str| {
-            let written = was.is_some_and(|values| values.iter().any(|value| *value != 0.0));
-            if keys.has(name, written) {
-                keys.numbers(name, was, Number::any(unit), Length::Exactly(n))
-            } else {
-                vec![0.0; n]
-            }
-        };
+        let mut list = |name: &str, was: Option<&[f64]>, unit| keys.column(name, was, unit, n);
         Self {
             y: list("y", was.map(|motion| motion.y.as_slice()), "m"),
             z: list("z", was.map(|motion| motion.z.as_slice()), "m"),
