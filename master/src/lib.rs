@@ -64,7 +64,7 @@ pub mod standards;
 pub mod standstill;
 pub mod statistics;
 pub mod study;
+mod table_files;
 pub mod table_of_runs;
 pub mod test_problem;
 pub mod third_party;
-mod wind_files;

@@ -13,10 +13,10 @@ use crate::equilibrium;
 use crate::hardship::Hardship;
 use crate::isolation;
 use crate::simulation::{Prepared, SetupError};
+use crate::table_files;
 use crate::third_party::{
     Side, StripAtStart, ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph, Wiring, aligned, own_heights,
 };
-use crate::wind_files;
 
 /// Contact force that no strip starts with, N: several times what pantographs press with at any speed.
 const LARGEST_START: f64 = 1000.0;
@@ -36,16 +36,13 @@ pub struct Other {
 
 /// Solves the statics of a scene and resolves what it leaves open.
 ///
-/// Paths of FMUs and of files of the wind are relative to `base`. With `logging`, FMUs are asked for their debug messages.
+/// Paths of FMUs and of files that tables are left to are relative to `base`. With `logging`, FMUs are asked for their debug messages.
 ///
 /// # Errors
 /// See [`SetupError`].
 pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Result<Prepared, SetupError> {
     let begin = Instant::now();
-    wind_files::read(&mut scene, base)?;
-    let read = |path: &str| std::fs::read_to_string(base.join(path)).map_err(|error| error.to_string());
-    scene.fill_tables(&read).map_err(SetupError::NotAvailable)?;
-    scene.check(name)?;
+    table_files::read(&mut scene, name, base)?;
     let statics = match &scene.catenary {
         Line::Modelled(_) => Some(static_line(&scene)?),
         Line::ThirdParty(_) => None,

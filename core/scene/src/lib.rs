@@ -77,5 +77,5 @@ pub use vehicle::{
 };
 pub use wind::{
     AerodynamicMarker, GustExtent, Wind, WindGust, WindOnPantograph, WindOnWires, WindSpectrum, WindSurface,
-    WindTableError, WindTurbulence, rows_of,
+    WindTableError, WindTurbulence,
 };

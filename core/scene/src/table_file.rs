@@ -2,7 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::{GivenMotion, Irregularities, Points, Scene, Vehicle};
+use crate::wind::rows_of;
+use crate::{AerodynamicMarker, GivenMotion, Irregularities, Points, Scene, Vehicle, Wind};
+
+/// Most rows of a record of the wind: what a scene can still hold as text.
+const MOST_ROWS: usize = 200_000;
+
+/// Gives the text of a file, or why it cannot.
+type Open<'a> = &'a dyn Fn(&str) -> Result<String, String>;
 
 /// The columns `names` of comma-separated text whose first line names them; a column that is not there is zero, but for the first.
 ///
@@ -51,16 +58,54 @@ fn columns(text: &str, names: &[&str]) -> Result<Vec<Vec<f64>>, String> {
     Ok(found)
 }
 
+fn refused(key: &str, path: &str, reason: &str) -> String {
+    format!("{key} = {path:?}: {reason}")
+}
+
+impl Wind {
+    fn fill_tables(&mut self, open: Open<'_>) -> Result<(), String> {
+        if let Some(file) = self.file.take() {
+            let refused = |reason: String| refused("wind.file", &file, &reason);
+            let rows = rows_of(&open(&file).map_err(refused)?).map_err(|error| refused(error.to_string()))?;
+            if rows.len() > MOST_ROWS {
+                return Err(refused(format!(
+                    "has {} rows, must have at most {MOST_ROWS}",
+                    rows.len()
+                )));
+            }
+            dynamics::WindRecord::from_rows(&rows).map_err(|error| refused(error.to_string()))?;
+            self.record = rows;
+        }
+        let surfaces = self
+            .pantograph
+            .iter_mut()
+            .flat_map(|pantograph| &mut pantograph.surfaces);
+        for (index, surface) in surfaces.enumerate() {
+            let Some(file) = surface.marker_file.take() else {
+                continue;
+            };
+            let key = format!("wind.pantograph.surfaces[{}].marker_file", index + 1);
+            let refused = |reason: String| refused(&key, &file, &reason);
+            let markers = AerodynamicMarker::read(&open(&file).map_err(refused)?);
+            surface.markers = markers.map_err(|error| refused(error.to_string()))?;
+        }
+        Ok(())
+    }
+}
+
 impl Scene {
     /// Reads the files that tables are left to and writes their content into the scene in their place; `open` gives the text of a
     /// file, whose path is as the scene has it. What is read has still to be checked ([`Scene::check`]).
     ///
     /// # Errors
     /// The key, the file and what is wrong with it.
-    pub fn fill_tables(&mut self, open: &dyn Fn(&str) -> Result<String, String>) -> Result<(), String> {
+    pub fn fill_tables(&mut self, open: Open<'_>) -> Result<(), String> {
+        if let Some(wind) = &mut self.wind {
+            wind.fill_tables(open)?;
+        }
         let read = |key: &str, path: &str, names: &[&str]| {
             let found = open(path).and_then(|text| columns(&text, names));
-            found.map_err(|reason| format!("{key} = {path:?}: {reason}"))
+            found.map_err(|reason| refused(key, path, &reason))
         };
         if let Some(vehicle) = &mut self.vehicle
             && let Vehicle::RigidMotion(GivenMotion { file: Some(path), .. }) = vehicle.as_ref()

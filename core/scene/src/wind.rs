@@ -7,7 +7,8 @@ mod entry;
 mod field;
 mod table;
 
-pub use table::{AerodynamicMarker, WindTableError, rows_of};
+pub(crate) use table::rows_of;
+pub use table::{AerodynamicMarker, WindTableError};
 
 use crate::choice::choice;
 

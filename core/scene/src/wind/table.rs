@@ -67,7 +67,7 @@ pub enum WindTableError {
 ///
 /// # Errors
 /// [`WindTableError::NotANumber`], [`WindTableError::Empty`].
-pub fn rows_of(text: &str) -> Result<Vec<Vec<f64>>, WindTableError> {
+pub(crate) fn rows_of(text: &str) -> Result<Vec<Vec<f64>>, WindTableError> {
     let mut rows = Vec::new();
     let mut heading_allowed = true;
     for (index, line) in text.lines().enumerate() {
