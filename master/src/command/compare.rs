@@ -7,7 +7,7 @@ use crate::cli::Common;
 use crate::compare::{self, Comparison, Trial};
 use crate::package;
 use crate::report::{Progress, Show};
-use crate::results::{self, OutputDirectory};
+use crate::results::OutputDirectory;
 use crate::table_of_runs::{self, Stage};
 
 /// Table of the comparison.
@@ -35,7 +35,7 @@ pub fn compare(path: &Path, macro_steps: &[f64], repeats: usize, common: &Common
     );
     let script = script.map_err(|error| in_scene(error.into()))?;
     let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
-    remove(&directory.join(PAGE))?;
+    output.remove(PAGE).map_err(CommandError::Directory)?;
     let show = if common.quiet { Show::Never } else { Show::OnTerminal };
     let progress = Progress::share(&file.name, show);
     let stage = Stage {
@@ -61,7 +61,7 @@ pub fn test_problem(macro_steps: &[f64], repeats: usize, common: &Common) -> Res
     nothing_to_set("master compare --test-problem", common)?;
     let directory = common.out.clone().unwrap_or_else(|| "results/compare".into());
     let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
-    remove(&directory.join(PAGE))?;
+    output.remove(PAGE).map_err(CommandError::Directory)?;
     let interrupted = interrupted(common);
     let show = if common.quiet { Show::Never } else { Show::OnTerminal };
     let progress = Progress::share("test problem", show);
@@ -75,7 +75,9 @@ pub fn test_problem(macro_steps: &[f64], repeats: usize, common: &Common) -> Res
     };
     let trial = compare::trial(macro_steps, repeats, interrupted, &progress, &mut keep)?;
     progress.finish();
-    write_page(&output, &compare::trial_page(&trial))?;
+    output
+        .write_page(PAGE, &compare::trial_page(&trial))
+        .map_err(CommandError::Results)?;
     if common.json {
         print_json(&trial)?;
     } else if !common.quiet {
@@ -93,7 +95,9 @@ pub fn test_problem(macro_steps: &[f64], repeats: usize, common: &Common) -> Res
 
 /// Writes the page and prints the table; an incomplete comparison is a failure.
 fn finish(output: &OutputDirectory, comparison: &Comparison, common: &Common) -> Result<(), CommandError> {
-    write_page(output, &compare::page(comparison))?;
+    output
+        .write_page(PAGE, &compare::page(comparison))
+        .map_err(CommandError::Results)?;
     let directory = output.path();
     if common.json {
         print_json(comparison)?;
@@ -115,28 +119,10 @@ fn finish(output: &OutputDirectory, comparison: &Comparison, common: &Common) ->
     })
 }
 
-fn write_page(output: &OutputDirectory, page: &str) -> Result<(), CommandError> {
-    output
-        .replace(PAGE, |out, path| {
-            out.write_all(page.as_bytes()).map_err(results::io(path, "write"))
-        })
-        .map_err(CommandError::Results)
-}
-
 fn write_table(output: &OutputDirectory, comparison: &Comparison) -> Result<(), CommandError> {
     output
         .replace(CSV, |out, path| {
             table_of_runs::write(out, path, &comparison.rows, &[], &[])
         })
         .map_err(CommandError::Results)
-}
-
-/// Removes the page of an earlier comparison, which would not fit the table that is being written.
-fn remove(page: &Path) -> Result<(), CommandError> {
-    match std::fs::remove_file(page) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-            Err(CommandError::Directory(results::io(page, "remove")(source)))
-        }
-        _ => Ok(()),
-    }
 }

@@ -7,7 +7,7 @@ use super::{CommandError, found, interrupted, print, print_json, scene_text};
 use crate::cli::Common;
 use crate::report::{Progress, Show};
 use crate::reproduce::{self, CASES, Reproduction, Site};
-use crate::results::{self, OutputDirectory};
+use crate::results::OutputDirectory;
 use crate::table_of_runs;
 
 /// Table of the runs.
@@ -38,6 +38,7 @@ pub fn thesis(quick: bool, common: &Common) -> Result<(), CommandError> {
     }
     let directory = common.out.clone().unwrap_or_else(|| "results/reproduce".into());
     let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
+    output.remove(PAGE).map_err(CommandError::Directory)?;
     // The libraries are made before runs that need them stand side by side.
     crate::package::Libraries::find(&super::say(common))?;
     let interrupted = interrupted(common);
@@ -52,11 +53,8 @@ pub fn thesis(quick: bool, common: &Common) -> Result<(), CommandError> {
     let mut keep = |reproduction: &Reproduction| write_table(&output, reproduction);
     let reproduction = reproduce::execute(&planned, &site, interrupted, &progress, &mut keep)?;
     progress.finish();
-    let page = reproduce::page(&reproduction);
     output
-        .replace(PAGE, |out, path| {
-            out.write_all(page.as_bytes()).map_err(results::io(path, "write"))
-        })
+        .write_page(PAGE, &reproduce::page(&reproduction))
         .map_err(CommandError::Results)?;
     if common.json {
         print_json(&reproduction)?;

@@ -3,7 +3,7 @@
 use super::{CommandError, interrupted, nothing_to_set, print, print_json};
 use crate::cli::Common;
 use crate::report::{Progress, Show};
-use crate::results::{self, OutputDirectory};
+use crate::results::OutputDirectory;
 use crate::stability::{self, Case, Hardships, Plan};
 use crate::table_of_runs;
 
@@ -24,13 +24,7 @@ pub fn stability(names: &[String], quick: bool, common: &Common) -> Result<(), C
     let cases = chosen(names, quick)?;
     let directory = common.out.clone().unwrap_or_else(|| "results/stability".into());
     let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
-    let stale = directory.join(PAGE);
-    match std::fs::remove_file(&stale) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
-            return Err(CommandError::Directory(results::io(&stale, "remove")(source)));
-        }
-        _ => {}
-    }
+    output.remove(PAGE).map_err(CommandError::Directory)?;
     // The libraries are made before runs that need them stand side by side.
     crate::package::Libraries::find(&super::say(common))?;
     let interrupted = interrupted(common);
@@ -46,11 +40,8 @@ pub fn stability(names: &[String], quick: bool, common: &Common) -> Result<(), C
     let mut keep = |hardships: &Hardships| write_table(&output, hardships);
     let hardships = stability::execute(&plan, interrupted, &progress, &mut keep)?;
     progress.finish();
-    let page = stability::page(&hardships);
     output
-        .replace(PAGE, |out, path| {
-            out.write_all(page.as_bytes()).map_err(results::io(path, "write"))
-        })
+        .write_page(PAGE, &stability::page(&hardships))
         .map_err(CommandError::Results)?;
     if common.json {
         print_json(&hardships)?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{CommandError, SceneFile, interrupted, print, print_json, say};
 use crate::cli::Common;
 use crate::report::{Progress, Show};
-use crate::results::{self, OutputDirectory};
+use crate::results::{OutputDirectory, ResultsError};
 use crate::study::{self, CSV, Options, PAGE, Study, StudyError};
 use crate::table_of_runs;
 
@@ -39,10 +39,7 @@ pub fn study(path: &Path, options: Options, common: &Common) -> Result<(), Comma
     let study = study.map_err(|error| in_scene(error.into()))?;
     progress.finish();
     output
-        .replace(PAGE, |out, path| {
-            let page = study::page(&study);
-            out.write_all(page.as_bytes()).map_err(results::io(path, "write"))
-        })
+        .write_page(PAGE, &study::page(&study))
         .map_err(CommandError::Results)?;
     if common.json {
         print_json(&study)?;
@@ -66,7 +63,7 @@ pub fn study(path: &Path, options: Options, common: &Common) -> Result<(), Comma
     })
 }
 
-fn write_table(output: &OutputDirectory, study: &Study) -> Result<(), results::ResultsError> {
+fn write_table(output: &OutputDirectory, study: &Study) -> Result<(), ResultsError> {
     let (rows, columns) = study.table();
     output.replace(CSV, |out, path| table_of_runs::write(out, path, &rows, &[], &columns))
 }

@@ -155,9 +155,23 @@ impl OutputDirectory {
     ///
     /// [`ResultsError::Io`] with the path and the reason.
     pub fn write_report(&self, page: &str) -> Result<(), ResultsError> {
-        self.replace(REPORT, |out, path| {
+        self.write_page(REPORT, page)
+    }
+
+    /// Writes a page.
+    pub(crate) fn write_page(&self, name: &str, page: &str) -> Result<(), ResultsError> {
+        self.replace(name, |out, path| {
             out.write_all(page.as_bytes()).map_err(io(path, "write"))
         })
+    }
+
+    /// Removes the file of an earlier run, which would not fit what is being written, where there is one.
+    pub(crate) fn remove(&self, name: &str) -> Result<(), ResultsError> {
+        let path = self.path.join(name);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(io(&path, "remove")(source)),
+            _ => Ok(()),
+        }
     }
 
     /// Writes a file beside its final place and moves it there when it is complete.

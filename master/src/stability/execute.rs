@@ -12,7 +12,7 @@ use super::trial::{Figures, Made, Way, make, refined, steps};
 use crate::report::Progress;
 use crate::simulation::Mode;
 use crate::table_of_runs::significant;
-use crate::table_of_runs::{Column, Row, Status};
+use crate::table_of_runs::{Cell, Column, Row, Status};
 
 /// Wall time after which a run is ended, s: the longest one needs a tenth of it.
 const LIMIT: u64 = 300;
@@ -72,12 +72,7 @@ impl Hardships {
     #[must_use]
     pub fn columns(&self) -> (Vec<Column>, Vec<Column>) {
         let cells = |cell: &dyn Fn(&Line) -> String| self.lines.iter().map(cell).collect();
-        let number = |value: Option<f64>| {
-            let value = value.filter(|value| value.is_finite());
-            value.map_or_else(String::new, |value| format!("{value:?}"))
-        };
-        let count = |value: Option<u64>| value.map_or_else(String::new, |value| value.to_string());
-        let figure = |pick: fn(&Figures) -> Option<f64>| cells(&|line| number(pick(&line.figures)));
+        let figure = |pick: fn(&Figures) -> Option<f64>| cells(&|line| pick(&line.figures).cell());
         (
             vec![("case", cells(&|line| line.case.clone()))],
             vec![
@@ -88,12 +83,12 @@ impl Hardships {
                 ("amplification", figure(|figures| figures.amplification)),
                 (
                     "most_newton_iterations",
-                    cells(&|line| count(line.figures.most_iterations)),
+                    cells(&|line| line.figures.most_iterations.cell()),
                 ),
                 ("constraint_drift_m", figure(|figures| figures.drift)),
                 ("constraint_rate_m_per_s", figure(|figures| figures.drift_rate)),
                 ("largest_force_N", figure(|figures| figures.largest_force)),
-                ("slack_droppers", cells(&|line| count(line.figures.slack_droppers))),
+                ("slack_droppers", cells(&|line| line.figures.slack_droppers.cell())),
                 ("boundary", cells(&|line| line.figures.boundary.clone())),
             ],
         )

@@ -8,7 +8,7 @@ use super::order::Order;
 use super::plan::Sweep;
 use super::recipe::Family;
 use super::reference::Discretisation;
-use crate::table_of_runs::{AUTO, Column, Row, milliseconds};
+use crate::table_of_runs::{AUTO, Cell, Column, Row, milliseconds};
 
 /// A study, complete or not.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -132,12 +132,13 @@ impl Study {
     #[must_use]
     pub fn table(&self) -> (Vec<Row>, Vec<Column>) {
         let cells = |cell: &dyn Fn(&Entry) -> String| self.rows.iter().map(cell).collect::<Vec<_>>();
-        let float = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:?}"));
-        let count = |value: Option<u64>| value.map_or_else(String::new, |value| value.to_string());
         let uncertainty = |entry: &Entry| {
             let reference = self.reference(Family::of(&entry.row.reduction));
             let judged = !entry.row.reference.is_empty();
-            float(reference.filter(|_| judged).and_then(|found| found.uncertainty_percent))
+            reference
+                .filter(|_| judged)
+                .and_then(|found| found.uncertainty_percent)
+                .cell()
         };
         let columns: Vec<Column> = vec![
             ("sweep", cells(&|entry| entry.sweep.clone())),
@@ -150,13 +151,13 @@ impl Study {
             ("reference_uncertainty_percent_of_std", cells(&uncertainty)),
             (
                 "distance_from_nonlinear_percent_of_std",
-                cells(&|entry| float(entry.distance_from_nonlinear_percent)),
+                cells(&|entry| entry.distance_from_nonlinear_percent.cell()),
             ),
-            ("setup_s", cells(&|entry| float(entry.setup_s))),
-            ("spans", cells(&|entry| count(entry.spans))),
+            ("setup_s", cells(&|entry| entry.setup_s.cell())),
+            ("spans", cells(&|entry| entry.spans.cell())),
             (
                 "working_memory_bytes",
-                cells(&|entry| count(entry.working_memory_bytes)),
+                cells(&|entry| entry.working_memory_bytes.cell()),
             ),
             ("scene_hash", cells(&|_| self.identity.clone())),
         ];

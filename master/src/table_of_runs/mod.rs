@@ -22,5 +22,6 @@ pub use curve::{Curve, Errors, pointwise_rms};
 pub(crate) use format::{milliseconds, short, significant, wrapped};
 pub use keys::{AUTO, Keys, macro_step};
 pub use perform::{Attempt, Performed, SETTLE, Stage, Variant, attempt, median, perform, settled};
+pub(crate) use row::Cell;
 pub use row::{Column, Row, observed_orders, write};
 pub use status::{ENERGY, LOSS, RAW_ERROR, RUNAWAY, STATUS_RULE, Status};

@@ -11,7 +11,7 @@ use crate::results::{ResultsError, RunInfo, Summary};
 use crate::simulation::Mode;
 
 /// A value as a cell: empty where it has no meaning for the row.
-trait Cell {
+pub(crate) trait Cell {
     fn cell(&self) -> String;
 }
 
