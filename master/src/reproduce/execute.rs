@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use serde::Serialize;
@@ -15,7 +15,7 @@ use crate::report::Progress;
 use crate::run::Watch;
 use crate::simulation::SetupError;
 use crate::statistics::ForceStatistics;
-use crate::table_of_runs::{Attempt, Column, Curve, Row, Stage, attempt};
+use crate::table_of_runs::{Attempt, Cell, Column, Curve, Row, Stage, attempt};
 
 /// One run of a reproduction.
 #[derive(Clone, Debug, Serialize)]
@@ -56,9 +56,9 @@ pub struct Reproduction {
 }
 
 impl Reproduction {
-    fn new(planned: &[Planned], lines: Vec<Line>) -> Self {
+    fn new(lines: Vec<Line>) -> Self {
         Self {
-            complete: lines.len() == planned.len() && lines.iter().all(|line| line.row.status.is_some()),
+            complete: lines.iter().all(|line| line.row.status.is_some()),
             relations: relations(&lines),
             lines,
         }
@@ -74,7 +74,6 @@ impl Reproduction {
     #[must_use]
     pub fn columns(&self) -> (Vec<Column>, Vec<Column>) {
         let cells = |cell: &dyn Fn(&Line) -> String| self.lines.iter().map(cell).collect();
-        let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:?}"));
         (
             vec![
                 ("group", cells(&|line| line.group.name().to_owned())),
@@ -83,16 +82,16 @@ impl Reproduction {
                 ("value", cells(&|line| line.value.clone())),
             ],
             vec![
-                ("raw_std_N", cells(&|line| number(line.raw_std))),
+                ("raw_std_N", cells(&|line| line.raw_std.cell())),
                 ("published_mean_N", cells(&|line| line.case.mean.printed())),
                 ("published_std_N", cells(&|line| line.case.std.printed())),
                 (
                     "mean_difference_percent",
-                    cells(&|line| number(difference(line.row.mean, line.case.mean.value))),
+                    cells(&|line| difference(line.row.mean, line.case.mean.value).cell()),
                 ),
                 (
                     "std_difference_percent",
-                    cells(&|line| number(difference(line.row.std, line.case.std.value))),
+                    cells(&|line| difference(line.row.std, line.case.std.value).cell()),
                 ),
                 ("source", cells(&|line| line.case.source.to_owned())),
             ],
@@ -107,23 +106,30 @@ impl Reproduction {
 }
 
 impl Line {
-    fn new(planned: &Planned, stage: &Stage<'_>, row: Row, curve: Option<Curve>) -> Self {
-        let raw = curve.as_ref().and_then(|curve| curve.raw.get(curve.range.clone()));
+    /// The line of a run that has not been made.
+    fn new(planned: &Planned, stage: &Stage<'_>) -> Self {
         Self {
             group: planned.group,
             case: planned.case,
             mesh: planned.mesh,
             quantity: planned.quantity,
             value: planned.value.clone(),
-            row,
-            raw_std: raw.and_then(ForceStatistics::of).map(|force| force.std),
-            // Only what is drawn is kept.
-            curve: curve.filter(|_| planned.group == Group::Published),
-            output_step: planned
-                .variant
-                .scene(stage)
-                .map_or(f64::NAN, |scene| scene.run.output_step),
+            row: planned.variant.planned(stage),
+            raw_std: None,
+            curve: None,
+            output_step: f64::NAN,
         }
+    }
+
+    /// Takes in a run, of a scene with this output step (s).
+    fn take(&mut self, mut made: Attempt, output_step: f64) {
+        self.row = made.judged(None);
+        let curve = (!made.curves.is_empty()).then(|| made.curves.swap_remove(0));
+        let raw = curve.as_ref().and_then(|curve| curve.raw.get(curve.range.clone()));
+        self.raw_std = raw.and_then(ForceStatistics::of).map(|force| force.std);
+        // Only what is drawn is kept.
+        self.curve = curve.filter(|_| self.group == Group::Published);
+        self.output_step = output_step;
     }
 }
 
@@ -163,6 +169,10 @@ impl Site<'_> {
     }
 }
 
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Makes all runs; `keep` is given the table from time to time, so that nothing computed is lost.
 ///
 /// # Errors
@@ -177,19 +187,13 @@ pub fn execute<E: From<SetupError>>(
     let share = 1.0 / planned.len().max(1) as f64;
     let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let stop = AtomicBool::new(false);
-    let made: Vec<Mutex<Option<Result<Attempt, SetupError>>>> = planned.iter().map(|_| Mutex::new(None)).collect();
     let stages = site.stages();
-    let table = || {
-        let line = |(planned, made): (&Planned, &Mutex<Option<Result<Attempt, SetupError>>>)| {
-            let made = made.lock().unwrap_or_else(PoisonError::into_inner);
-            let stage = &stages[planned.case.scene];
-            match &*made {
-                Some(Ok(attempt)) => Line::new(planned, stage, attempt.judged(None), attempt.curves.first().cloned()),
-                _ => Line::new(planned, stage, planned.variant.planned(stage), None),
-            }
-        };
-        Reproduction::new(planned, planned.iter().zip(&made).map(line).collect())
-    };
+    let lines: Vec<Mutex<Line>> = planned
+        .iter()
+        .map(|run| Mutex::new(Line::new(run, &stages[run.case.scene])))
+        .collect();
+    let failed = Mutex::new(None);
+    let table = || Reproduction::new(lines.iter().map(|line| lock(line).clone()).collect());
     keep(&table())?;
     let work = || {
         let stages = site.stages();
@@ -200,18 +204,23 @@ pub fn execute<E: From<SetupError>>(
                 break;
             }
             let stage = &stages[run.case.scene];
-            let duration = run.variant.scene(stage).map_or(1.0, |scene| scene.run.duration);
+            let scene = run.variant.scene(stage);
+            let (duration, output_step) =
+                scene.map_or((1.0, f64::NAN), |scene| (scene.run.duration, scene.run.output_step));
             let part = progress.beside(share, duration);
             let watch = Watch {
                 interrupted,
                 progress: &part,
             };
-            let result = attempt(stage, &run.variant, &watch, &mut || {});
+            let made = attempt(stage, &run.variant, &watch, &mut || {});
             part.fill();
-            if result.is_err() {
-                stop.store(true, Ordering::Relaxed);
+            match made {
+                Ok(made) => lock(&lines[index]).take(made, output_step),
+                Err(error) => {
+                    stop.store(true, Ordering::Relaxed);
+                    *lock(&failed) = Some(error);
+                }
             }
-            *made[index].lock().unwrap_or_else(PoisonError::into_inner) = Some(result);
             ended.fetch_add(1, Ordering::Release);
         }
     };
@@ -233,10 +242,8 @@ pub fn execute<E: From<SetupError>>(
     })?;
     let reproduction = table();
     keep(&reproduction)?;
-    for made in made {
-        if let Some(Err(error)) = made.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            return Err(error.into());
-        }
+    if let Some(error) = failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        return Err(error.into());
     }
     Ok(reproduction)
 }

@@ -8,11 +8,10 @@ use super::execute::{Line, Reproduction};
 use super::open::OPEN;
 use super::plan::{Group, Mesh};
 use super::published::{CASES, Case};
-use super::text::{cases, force, percent, readings, spreads};
+use super::text::{cases, changes, force, missing, readings, spreads};
 use crate::report::plots::{COLOURS, axis, finished, layout, rounded};
 use crate::report::{Page, escape, remarks};
 use crate::simulation::Mode;
-use crate::table_of_runs::Status;
 
 /// A curve as the plots take it.
 type Trace = Box<Scatter<f64, f64>>;
@@ -27,7 +26,7 @@ pub fn page(reproduction: &Reproduction) -> String {
     page.lead(&lead(reproduction));
     page.section("Mean and standard deviation", &table(&cases(reproduction)));
     page.section("Standard deviation against the mesh", &meshes(reproduction));
-    page.section("Changes between cases", &changes(reproduction));
+    page.section("Changes between cases, in percent", &table(&changes(reproduction)));
     page.section(
         "Readings of the wind: changes, the published ones in the head",
         &table(&readings(reproduction)),
@@ -39,7 +38,7 @@ pub fn page(reproduction: &Reproduction) -> String {
     for (heading, cases, times) in FIGURES {
         page.section(heading, &figure(reproduction, heading, cases, *times));
     }
-    page.section("What was not computed", &missing(reproduction));
+    page.section("What was not computed", &remarks(&missing(reproduction)));
     page.finish()
 }
 
@@ -129,23 +128,6 @@ fn computed<'a>(reproduction: &'a Reproduction, case: &'a Case) -> impl Iterator
     reproduction.lines.iter().filter(|line| {
         line.group.is_case() && line.case.scene == case.scene && line.row.mode == Mode::Monolithic.name()
     })
-}
-
-fn changes(reproduction: &Reproduction) -> String {
-    let head = ["from", "to", "mesh", "of", "published %", "computed %", ""];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    rows.extend(reproduction.relations.iter().map(|relation| {
-        vec![
-            relation.from.to_owned(),
-            relation.to.to_owned(),
-            relation.mesh.clone(),
-            relation.of.to_owned(),
-            percent(Some(relation.published)),
-            percent(relation.computed),
-            relation.verdict().to_owned(),
-        ]
-    }));
-    table(&rows)
 }
 
 /// The open quantities on one mesh: ranges as bars, every run in a table.
@@ -291,25 +273,4 @@ fn figure(reproduction: &Reproduction, heading: &str, shown: &[usize], [from, to
         &format!("figure-{id}"),
         320,
     )
-}
-
-fn missing(reproduction: &Reproduction) -> String {
-    let mut notes: Vec<String> = reproduction
-        .lines
-        .iter()
-        .filter(|line| matches!(line.row.status, Some(Status::Refused | Status::Diverged)))
-        .map(|line| {
-            let what = format!("{} {}", line.quantity, line.value);
-            format!(
-                "{}, {}, {}: {}",
-                line.case.title,
-                line.mesh.name(),
-                what.trim(),
-                line.row.reason
-            )
-        })
-        .collect();
-    notes.sort();
-    notes.dedup();
-    remarks(&notes)
 }

@@ -124,11 +124,8 @@ pub(super) fn spreads(reproduction: &Reproduction, mesh: Mesh) -> Vec<Spread<'_>
         .collect()
 }
 
-/// The tables of a reproduction.
-#[must_use]
-pub fn text(reproduction: &Reproduction) -> String {
-    let mut text = aligned(&cases(reproduction));
-    text.push_str("\nchanges between cases, in percent\n");
+/// Changes between cases, published and computed, in percent.
+pub(super) fn changes(reproduction: &Reproduction) -> Vec<Vec<String>> {
     let head = ["from", "to", "mesh", "of", "published", "computed", ""];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     rows.extend(reproduction.relations.iter().map(|relation| {
@@ -142,7 +139,26 @@ pub fn text(reproduction: &Reproduction) -> String {
             relation.verdict().to_owned(),
         ]
     }));
-    text.push_str(&aligned(&rows));
+    rows
+}
+
+/// What was not computed, and why.
+pub(super) fn missing(reproduction: &Reproduction) -> Vec<String> {
+    let not = |line: &&Line| matches!(line.row.status, Some(Status::Refused | Status::Diverged));
+    let said = |line: &Line| {
+        let what = format!("{} {}", line.quantity, line.value);
+        let (case, mesh) = (line.case.title, line.mesh.name());
+        format!("{case}, {mesh}, {}: {}", what.trim(), line.row.reason)
+    };
+    reproduction.lines.iter().filter(not).map(said).collect()
+}
+
+/// The tables of a reproduction.
+#[must_use]
+pub fn text(reproduction: &Reproduction) -> String {
+    let mut text = aligned(&cases(reproduction));
+    text.push_str("\nchanges between cases, in percent\n");
+    text.push_str(&aligned(&changes(reproduction)));
     text.push_str("\nreadings of the wind: changes in N, the published ones in the head\n");
     text.push_str(&aligned(&readings(reproduction)));
     let published = super::CASES[0].std;
@@ -173,17 +189,8 @@ pub fn text(reproduction: &Reproduction) -> String {
         }
         text.push_str(&aligned(&rows));
     }
-    for line in &reproduction.lines {
-        if matches!(line.row.status, Some(Status::Refused | Status::Diverged)) {
-            let what = format!("{} {}", line.quantity, line.value);
-            text.push_str(&wrapped(&format!(
-                "{}, {}, {}: {}",
-                line.case.title,
-                line.mesh.name(),
-                what.trim(),
-                line.row.reason
-            )));
-        }
+    for note in missing(reproduction) {
+        text.push_str(&wrapped(&note));
     }
     let slowest = reproduction.lines.iter().filter_map(|line| line.row.real_time_factor);
     text.push_str(&format!(
