@@ -1,9 +1,9 @@
 //! The static state of a line whose contact wire is a beam, from that of the same line of cables.
 use super::nodal_displacement::taken_as_reference;
-use super::{Standalone, StaticsError};
+use super::{Standalone, StaticsError, options};
 use crate::line::Equilibrium;
 use crate::{Directors, Line, Topology};
-use dynamics::{Layout, NewtonOptions, StaticOptions, solve_static};
+use dynamics::{Layout, solve_static};
 use scene::Catenary;
 use std::sync::Arc;
 
@@ -28,15 +28,7 @@ pub(super) fn turn_into_beam(
         load: Default::default(),
     };
     let mut state = system.layout.state_at_rest();
-    let options = StaticOptions {
-        newton: NewtonOptions {
-            // As in form finding.
-            tolerance: 1e-7,
-            max_iterations: 200,
-            ..NewtonOptions::default()
-        },
-        ..StaticOptions::default()
-    };
+    let options = options(200);
     let report = solve_static(&mut system, &mut state, &[], &options)?;
     *equilibrium = taken_as_reference(equilibrium, &system.line, &state);
     Ok(report.iterations)

@@ -1,10 +1,10 @@
 //! Form finding: the shape and the lengths of a line whose contact wire is held at its heights.
-use super::StaticsError;
 use super::load::{DeadLoad, LateralPull};
+use super::{StaticsError, options};
 use crate::line::{Equilibrium, layers, wire};
 use crate::topology::WireCoordinates;
 use crate::{Attachment, Topology, Wire, WireGeometry, WireName, WireNode};
-use dynamics::{Force, Layout, NewtonOptions, StaticOptions, System, solve_static};
+use dynamics::{Force, Layout, System, solve_static};
 use nalgebra::Vector3;
 use scene::Catenary;
 use std::sync::Arc;
@@ -68,15 +68,7 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
         lateral: LateralPull::default(),
         layout,
     };
-    let options = StaticOptions {
-        newton: NewtonOptions {
-            // Rounding of elements of 1e7 N/m at 1e-16 m is a hundred times smaller.
-            tolerance: 1e-7,
-            max_iterations: 200,
-            ..NewtonOptions::default()
-        },
-        ..StaticOptions::default()
-    };
+    let options = options(200);
     let half_weight = 0.5 * catenary.droppers.mass * catenary.gravity;
     let tension_load = [
         (position(contact, topology.last(), 0), catenary.contact_wire.tension),

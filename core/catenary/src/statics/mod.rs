@@ -27,7 +27,7 @@ use crate::{
     Curve, CurveColumns, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName,
     WiresInWind,
 };
-use dynamics::{Force, Layout, State, StaticOptions, System, solve_static};
+use dynamics::{Force, Layout, NewtonOptions, State, StaticOptions, System, solve_static};
 use load::DeadLoad;
 use nalgebra::Vector3;
 use scene::Catenary;
@@ -35,6 +35,19 @@ use std::sync::{Arc, OnceLock};
 
 /// Force under which elasticity is measured, N.
 const ELASTICITY_FORCE: f64 = 100.0;
+
+/// How a shape is solved for, with at most so many iterations.
+fn options(max_iterations: usize) -> StaticOptions {
+    StaticOptions {
+        newton: NewtonOptions {
+            // Rounding of elements of 1e7 N/m at 1e-16 m is a hundred times smaller.
+            tolerance: 1e-7,
+            max_iterations,
+            ..NewtonOptions::default()
+        },
+        ..StaticOptions::default()
+    }
+}
 
 /// A line alone in its own layout, possibly under a dead load.
 #[derive(Clone, Debug)]

@@ -1,9 +1,9 @@
 //! Tension by nodal displacement [Thesis, 3.2]: straight wires, stretched, and what gravity makes of them.
 use super::form_finding::guess;
-use super::{Standalone, StaticsError};
+use super::{Standalone, StaticsError, options};
 use crate::line::Equilibrium;
 use crate::{Anchor, Line, Topology};
-use dynamics::{Layout, NewtonOptions, State, StaticOptions, solve_static};
+use dynamics::{Layout, State, solve_static};
 use nalgebra::Vector3;
 use scene::Catenary;
 use std::sync::Arc;
@@ -54,14 +54,7 @@ pub(super) fn displace_ends(
         load: Default::default(),
     };
     let mut state = system.layout.state_at_rest();
-    let options = StaticOptions {
-        newton: NewtonOptions {
-            tolerance: 1e-7,
-            max_iterations: 500,
-            ..NewtonOptions::default()
-        },
-        ..StaticOptions::default()
-    };
+    let options = options(500);
     // Start from the parabola of both wires together: the messenger wire is held at every support.
     let weight = (catenary.contact_wire.mass_per_length + catenary.messenger_wire.mass_per_length) * catenary.gravity;
     let tension = catenary.contact_wire.tension + catenary.messenger_wire.tension;

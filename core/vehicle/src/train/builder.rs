@@ -40,6 +40,20 @@ impl Builder<'_> {
         Ok(self.bodies[self.firsts[entry] + self.entry.bodies[entry].nearest(point)])
     }
 
+    /// Where two bodies, named under `keys`, meet at a point.
+    fn pair(
+        &self,
+        keys: [&'static str; 2],
+        bodies: [&str; 2],
+        point: &[f64; 3],
+        axes: &Matrix3<f64>,
+    ) -> Result<Pair, VehicleError> {
+        Ok(Pair {
+            first: Anchor::Body(self.anchor(keys[0], bodies[0], point, axes)?),
+            second: Anchor::Body(self.anchor(keys[1], bodies[1], point, axes)?),
+        })
+    }
+
     /// The marker at a point of the body called `name` nearest to it.
     fn anchor(
         &self,
@@ -78,10 +92,12 @@ impl Builder<'_> {
         }
         for point in &entry.points {
             into.push(Bushing {
-                pair: Pair {
-                    first: Anchor::Body(self.anchor("bushings.first", &entry.first, point, &axes)?),
-                    second: Anchor::Body(self.anchor("bushings.second", &entry.second, point, &axes)?),
-                },
+                pair: self.pair(
+                    ["bushings.first", "bushings.second"],
+                    [&entry.first, &entry.second],
+                    point,
+                    &axes,
+                )?,
                 rates: Rates {
                     stiffness: entry.stiffness.into(),
                     damping: entry.damping.into(),
@@ -101,10 +117,12 @@ impl Builder<'_> {
             let [about_x, about_z] = entry.tilting_stiffness;
             for point in &entry.points {
                 into.push(Bushing {
-                    pair: Pair {
-                        first: Anchor::Body(self.anchor("bearings.first", &entry.first, point, &axes)?),
-                        second: Anchor::Body(self.anchor("bearings.second", &entry.second, point, &axes)?),
-                    },
+                    pair: self.pair(
+                        ["bearings.first", "bearings.second"],
+                        [&entry.first, &entry.second],
+                        point,
+                        &axes,
+                    )?,
                     rates: Rates {
                         stiffness: entry.stiffness.into(),
                         damping: entry.damping.into(),
@@ -124,8 +142,12 @@ impl Builder<'_> {
         let mut joints = Vec::new();
         for entry in &self.entry.joints {
             for point in &entry.points {
-                let first = Anchor::Body(self.anchor("joints.first", &entry.first, point, &axes)?);
-                let second = Anchor::Body(self.anchor("joints.second", &entry.second, point, &axes)?);
+                let Pair { first, second } = self.pair(
+                    ["joints.first", "joints.second"],
+                    [&entry.first, &entry.second],
+                    point,
+                    &axes,
+                )?;
                 joints.push(if in_plane {
                     Joint::upright_in_plane(first, second)
                 } else {
