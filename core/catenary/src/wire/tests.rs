@@ -186,7 +186,9 @@ fn the_correction_takes_the_tension_matrix_off_the_inertia_only() {
 fn the_corrected_mass_of_a_wire_with_free_ends_is_positive_up_to_a_quarter_of_a_waves_travelling_time() {
     let (length, elements) = (0.625, 40);
     let start = Vector3::new(0.0, 0.0, 5.3);
-    let geometry = WireGeometry::straight(start, Vector3::x(), &vec![length; elements], |node| NodeMap::spatial(6 * node));
+    let geometry = WireGeometry::straight(start, Vector3::x(), &vec![length; elements], |node| {
+        NodeMap::spatial(6 * node)
+    });
     let wire = Wire::new(SECTION, DAMPING, LAWS, 9.81, Arc::new(geometry));
     let least = |share: f64| {
         let h = share * length / (SECTION.tension / SECTION.mass_per_length).sqrt();
