@@ -54,6 +54,8 @@ struct Block {
     at: usize,
     /// Rows, filled up.
     height: usize,
+    /// Its size where it fills its vectors and the block that it is eliminated into is as large; else 0.
+    square: usize,
     /// First number of its forward and backward blocks.
     forward: usize,
     backward: usize,
@@ -166,6 +168,7 @@ impl BlockTridiagonal {
                 size,
                 at,
                 height,
+                square: 0,
                 forward: 0,
                 backward: 0,
                 assembled,
@@ -181,6 +184,9 @@ impl BlockTridiagonal {
         let (down, up) = (coupling, coupling);
         let (mut forward, mut backward) = (0, 0);
         for (i, next) in inwards(blocks.len(), middle) {
+            if sizes[i] == heights[i] && sizes[next] == sizes[i] {
+                blocks[i].square = sizes[i];
+            }
             blocks[i].forward = forward;
             forward += heights[next] * sizes[i];
         }
