@@ -46,12 +46,7 @@ fn chains<S: Simd, const V: usize, const U: usize>(
 
 /// `start + B x` for a square block of `V` vectors' width: its length is known, so that there is no loop.
 #[inline(always)]
-pub(super) fn square<S: Simd, const V: usize>(
-    simd: S,
-    block: &[f64],
-    x: &[f64],
-    start: [S::f64s; V],
-) -> [S::f64s; V] {
+pub(super) fn square<S: Simd, const V: usize>(simd: S, block: &[f64], x: &[f64], start: [S::f64s; V]) -> [S::f64s; V] {
     let width = V * S::F64_LANES;
     let columns = S::as_simd_f64s(&block[..width * width]).0;
     let x = &x[..width];
