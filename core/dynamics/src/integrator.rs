@@ -1,5 +1,6 @@
 //! Generalized-α time integration of constrained systems.
-use crate::augmented::{Augmented, Formulation};
+use crate::augmented::{Formulation, Stepped};
+use crate::moving::MovingMultipliers;
 use crate::newton::{Jacobian, Workspace, name};
 use crate::passes::{Apply, Predict};
 use crate::residual::Since;
@@ -69,6 +70,7 @@ pub struct Memory {
     linearisation: Option<Arc<Linearisation>>,
     history: Vec<f64>,
     last_h: Option<f64>,
+    moving: MovingMultipliers,
 }
 
 /// Generalized-α for constrained systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012],
@@ -194,7 +196,10 @@ impl GeneralizedAlpha {
             q: 1.0,
             v: velocity_rate,
         };
+        let stretch = self.stretch(h);
         self.predict(system, state, t_end, h);
+        let moving = &mut self.memory.moving;
+        moving.begin(workspace.moving(), &self.scheme, stretch, &mut state.lambda);
         system.forces(&mut |force| force.begin_step(&state.motion(u)));
         let n = state.q.len();
         let options = self.options;
@@ -209,12 +214,12 @@ impl GeneralizedAlpha {
                 _ if damping < 1.0 => Since::PartOfCorrection,
                 _ => Since::Correction,
             };
-            let mut augmented;
+            let mut stepped;
             let at: &mut dyn System = match options.formulation {
-                Formulation::Positions => &mut *system,
-                Formulation::Accelerations => {
-                    augmented = Augmented::new(system, &state.v_dot, (mass_rate, velocity_rate));
-                    &mut augmented
+                Formulation::Positions if workspace.moving().is_empty() => &mut *system,
+                formulation => {
+                    stepped = Stepped::new(system, formulation, &state.v_dot, (mass_rate, weights));
+                    &mut stepped
                 }
             };
             let residual = workspace.residual(at, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
@@ -227,6 +232,8 @@ impl GeneralizedAlpha {
             }
             if residual.ratio <= 1.0 {
                 system.forces(&mut |force| force.end_step(&motion));
+                let moving = &mut self.memory.moving;
+                moving.end(workspace.moving(), &self.scheme, (h, stretch), &mut state.lambda);
                 return Ok(());
             }
             if iteration == options.max_iterations {
@@ -327,6 +334,15 @@ impl GeneralizedAlpha {
         workspace.factor(system, &motion, mass_rate, weights)
     }
 
+    /// Ratio of a step of `h` s to the last one: `a` approximates `v̇` at `t + (α_m − α_f) h`, so its distance from `v̇` goes with
+    /// the step.
+    fn stretch(&self, h: f64) -> f64 {
+        match self.memory.last_h {
+            Some(last_h) if (last_h - h).abs() > 1e-9 * h => h / last_h,
+            _ => 1.0,
+        }
+    }
+
     /// Predicts the end of the step with the auxiliary acceleration kept; the start goes to `self.start`.
     fn predict(&mut self, system: &dyn System, state: &mut State, t_end: f64, h: f64) {
         if self.start.q.len() == state.q.len() {
@@ -336,11 +352,7 @@ impl GeneralizedAlpha {
         } else {
             self.start.copy_from(state);
         }
-        // a approximates v̇ at t + (α_m − α_f) h, so its distance from v̇ goes with the step.
-        let stretch = match self.memory.last_h {
-            Some(last_h) if (last_h - h).abs() > 1e-9 * h => h / last_h,
-            _ => 1.0,
-        };
+        let stretch = self.stretch(h);
         state.t = t_end;
         Arch::new().dispatch(Predict {
             start: &self.start,
@@ -411,7 +423,13 @@ impl GeneralizedAlpha {
     ) -> Result<(), StepError> {
         crate::start::accelerations(system, state, u)?;
         state.a.clone_from(&state.v_dot);
+        self.begin_anew();
         Ok(())
+    }
+
+    /// Takes note that the state was not reached by a step.
+    pub fn begin_anew(&mut self) {
+        self.memory.moving.clear();
     }
 
     /// Takes a jump of the inputs at the present state, from `before` to `u`, into accelerations and multipliers before a step of
@@ -455,6 +473,7 @@ impl GeneralizedAlpha {
             for (lambda, change) in state.lambda.iter_mut().zip(of_multipliers) {
                 *lambda += change;
             }
+            self.memory.moving.jump(workspace.moving(), of_multipliers);
         }
         self.workspace = Some(workspace);
         result
@@ -480,6 +499,7 @@ impl GeneralizedAlpha {
     pub fn save(&self, system: &mut dyn System, memory: &mut Memory) {
         memory.linearisation.clone_from(&self.memory.linearisation);
         memory.last_h = self.memory.last_h;
+        memory.moving.copy_from(&self.memory.moving);
         memory.history.clear();
         system.forces(&mut |force| force.save(&mut memory.history));
     }
@@ -502,6 +522,7 @@ impl GeneralizedAlpha {
         };
         self.memory.linearisation.clone_from(&memory.linearisation);
         self.memory.last_h = memory.last_h;
+        self.memory.moving.copy_from(&memory.moving);
         if let Some(mut workspace) = self.workspace.take() {
             workspace.forget();
             self.workspace = Some(workspace);

@@ -3,7 +3,6 @@ use super::sides::Sides;
 use super::{ContactGeometry, ContactState, ContactTangent, OnWire, PrescribedStrip};
 use crate::{Curve, CurveColumns};
 use dynamics::{Columns, Constraint, Force, Frame, JacobianRows, Marker, Motion, Updates, Weights};
-use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// The sliding joint between collector strip and contact wire [Thesis, section 4.2.1; Pappalardo et al. 2015]: one holonomic equation,
@@ -53,7 +52,8 @@ pub struct SlidingJoint {
     s: f64,
     /// Counts the directions, see [`Updates::border`].
     version: u64,
-    direction: Vec<(usize, f64)>,
+    /// Index, `g_q` and `∂ġ/∂q` (1/s).
+    direction: Vec<(usize, f64, f64)>,
 }
 
 impl SlidingJoint {
@@ -93,12 +93,14 @@ impl SlidingJoint {
         Sides::new(geometry, &*self.curve, &*self.strip, motion)
     }
 
-    /// Takes `g_q` at a motion as the direction of the border.
+    /// Takes `g_q` and `∂ġ/∂q` at a motion for the border.
     fn turn(&mut self, geometry: &ContactGeometry, motion: &Motion<'_>) {
         let sides = Sides::new(geometry, &*self.curve, &*self.strip, motion);
+        let frame = self.strip.frame(motion);
+        let entries = sides.gap_gradient().zip(sides.gap_rate_gradient(&frame));
         self.direction.clear();
         self.direction
-            .extend(sides.gap_gradient().map(|(index, value)| (index, -value)));
+            .extend(entries.map(|((index, value), of_rate)| (index, -value, -of_rate)));
         self.version += 1;
     }
 }
@@ -135,7 +137,7 @@ impl Force for SlidingJoint {
             let (indices, matrix) = self
                 .sides(&geometry, motion)
                 .tangent(&frame, lambda, weights.q, |_, _| 0.0);
-            updates.dense(2, &indices, &matrix);
+            updates.dense(3, &indices, &matrix);
         }
         updates.border(0, self.version, self.multiplier, self.direction.iter().copied());
     }
@@ -178,13 +180,10 @@ impl Constraint for SlidingJoint {
         true
     }
 
-    fn add_explicit_rate(&self, motion: &Motion<'_>, rates: &mut [f64]) {
-        if let Some(geometry) = self.geometry(motion) {
-            let prescribed: Vector3<f64> = self
-                .sides(&geometry, motion)
-                .prescribed(&self.strip.frame(motion), motion);
-            rates[0] += geometry.normal.dot(&prescribed);
-        }
+    /// Because the contact is where the distance is least, its travel along the wire drops out: `ġ` is the rate between the points
+    /// that touch.
+    fn add_rate(&self, motion: &Motion<'_>, rates: &mut [f64]) {
+        rates[0] += self.geometry(motion).map_or(f64::NAN, |geometry| -geometry.gap_rate);
     }
 }
 
