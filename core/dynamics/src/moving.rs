@@ -108,3 +108,85 @@ impl MovingMultipliers {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EQUATIONS: [usize; 1] = [1];
+
+    /// What is reported for steps of these lengths (s) with these multipliers at their ends, from `start` on.
+    fn reported(rho_inf: f64, start: f64, steps: &[(f64, f64)]) -> Vec<f64> {
+        let (scheme, mut moving, mut last) = (Scheme::new(rho_inf), MovingMultipliers::default(), None);
+        let mut lambda = [7.0, start];
+        let mut found = Vec::new();
+        for &(h, end) in steps {
+            let stretch = last.map_or(1.0, |last| h / last);
+            moving.begin(&EQUATIONS, &scheme, stretch, &mut lambda);
+            lambda[1] = end;
+            moving.end(&EQUATIONS, &scheme, (h, stretch), &mut lambda);
+            assert_eq!(lambda[0], 7.0, "not one of its equations");
+            found.push(lambda[1]);
+            last = Some(h);
+        }
+        found
+    }
+
+    #[test]
+    fn an_error_that_comes_back_in_every_step_is_not_reported() {
+        for rho_inf in [0.0, 0.4, 0.9, 1.0] {
+            let Scheme { alpha_f, .. } = Scheme::new(rho_inf);
+            let root = -alpha_f / (1.0 - alpha_f);
+            assert!((root + rho_inf).abs() < 1e-12, "rounding: {root}");
+            let steps: Vec<_> = (1..200).map(|n| (1e-3, 100.0 + 5.0 * root.powi(n))).collect();
+            let found = reported(rho_inf, 105.0, &steps);
+            // The start is one of the two points of the first straight line; ℓ has the start's error for a while where α_m is not α_f.
+            let left = (found[190] - 100.0).abs();
+            assert!(left < 1e-6, "rho_inf = {rho_inf}: {left} N");
+        }
+    }
+
+    #[test]
+    fn a_force_that_grows_evenly_is_reported_as_it_is_whatever_the_steps() {
+        for rho_inf in [0.0, 0.4, 0.9, 1.0] {
+            let mut t = 0.0;
+            let lengths = std::iter::repeat_n(1e-3, 60).chain(std::iter::repeat_n(4e-4, 60));
+            let steps: Vec<_> = lengths
+                .map(|h| {
+                    t += h;
+                    (h, 50.0 + 300.0 * t)
+                })
+                .collect();
+            let found = reported(rho_inf, 50.0, &steps);
+            for n in [59, 119] {
+                // Rounding, and what is left of a start without the shift of ℓ.
+                assert!(
+                    (found[n] - steps[n].1).abs() < 1e-9,
+                    "rho_inf = {rho_inf}, step {n}: {}",
+                    found[n] - steps[n].1
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_guess_goes_on_with_the_mean_force_and_a_jump_moves_everything() {
+        let (scheme, mut moving) = (Scheme::new(0.9), MovingMultipliers::default());
+        let mut lambda = [0.0, 20.0];
+        for end in [22.0, 17.0] {
+            moving.begin(&EQUATIONS, &scheme, 1.0, &mut lambda);
+            lambda[1] = end;
+            moving.end(&EQUATIONS, &scheme, (1e-3, 1.0), &mut lambda);
+        }
+        moving.jump(&EQUATIONS, &[0.0, 3.0]);
+        lambda[1] += 3.0;
+        let before = lambda[1];
+        moving.begin(&EQUATIONS, &scheme, 1.0, &mut lambda);
+        moving.end(&EQUATIONS, &scheme, (1e-3, 1.0), &mut lambda);
+        let mean = moving.courses[0].mean;
+        assert!(
+            (mean - before).abs() < 1e-12 * before.abs(),
+            "rounding: {mean} of {before}"
+        );
+    }
+}

@@ -3,8 +3,7 @@
 use crate::error::What;
 use crate::write::{shown_key, shown_number};
 use crate::{
-    Catenary, Element, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics,
-    ThirdParty, Wire,
+    Catenary, Element, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics, ThirdParty, Wire,
 };
 
 /// Contradictions found so far: the key and what is wrong with it.

@@ -49,8 +49,8 @@ impl<'a> Sides<'a> {
     ///
     /// Columns of the strip are taken as constant, see [`Sides::tangent`].
     pub fn gap_rate_gradient<'b>(&'b self, frame: &'b Frame) -> impl Iterator<Item = f64> + 'b {
-        let of_wire = (self.wire.as_slice().iter())
-            .map(move |c| vary(self.geometry, frame, Some((c.n, c.n_s)), None).gap_rate);
+        let of_wire =
+            (self.wire.as_slice().iter()).map(move |c| vary(self.geometry, frame, Some((c.n, c.n_s)), None).gap_rate);
         let of_strip = (self.strip.as_slice().iter())
             .map(move |c| vary(self.geometry, frame, None, Some((c.translation, c.rotation))).gap_rate);
         of_wire.chain(of_strip)
