@@ -83,6 +83,21 @@ pub struct Memory {
 /// (1 − α_m) aₙ₊₁ + α_m aₙ = (1 − α_f) v̇ₙ₊₁ + α_f v̇ₙ
 /// ```
 ///
+/// A constraint that [`crate::Constraint::moves`] along the coordinates, as a strip along a wire, has
+///
+/// ```text
+/// ġ(qₙ₊₁, vₙ₊₁) + ω g(qₙ₊₁) = 0,    ω = 50 1/s
+/// ```
+///
+/// in place of `g = 0`, whatever the formulation. Held at the position, its multiplier repeats an error with the double root
+/// `−rho_inf` of index 3 [Cardona & Géradin, Computers & Structures 33 (1989) 801, for the trapezoid], which the turn of `g_q` from
+/// step to step feeds: it grows. Held at the rate the root is single (index 2), and the turn can only take from it: with
+/// `Y_ab = g_q(a) A⁻¹ g_q(b)ᵀ` of the iteration matrix `A`, the trapezoid (`rho_inf` = 1) makes `−Y_(n+1)(n) / Y_(n+1)(n+1)` of an error
+/// at step `n`, and `Y_ab² ≤ Y_aa Y_bb` leaves no more than `√(Y_00/Y_NN)` of it after `N` steps (derived here). The motion feels what the
+/// turn has taken, of the order of `h`, and the multipliers that are reported come from the impulses of the steps, see
+/// [`State::lambda`]. The distance that rates leave, of the order of `h²`, decays with `ω` [Baumgarte 1972] as under
+/// [`Formulation::Accelerations`].
+///
 /// The iteration matrix `β' M + γ' D + K` treats the derivative of the exponential map as the identity: its error is of the
 /// order of the rotation within one step and costs at most iterations.
 pub struct GeneralizedAlpha {

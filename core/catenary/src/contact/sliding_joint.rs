@@ -11,10 +11,10 @@ use std::sync::Arc;
 /// ```text
 /// C_e(q, s) = 0                                  gives s(q)        [Thesis, Eq. (10), first row; Eq. (12)]
 /// g(t, q) = −n · (r(s) − p) = 0                                    [Thesis, Eq. (10), third row]
-/// g_q = −n · (r_q − p_q),    g_t = n · ṗ_t
+/// g_q = −n · (r_q − p_q),    ġ = −n · (ṙ − ṗ)
 /// ```
 ///
-/// `p` is the point of the strip, `ṗ_t` the part of its velocity that is prescribed, and `n` the common normal, see
+/// `p` is the point of the strip and `n` the common normal, see
 /// [`ContactGeometry`]. `s` is eliminated where it is found, as [Thesis, Eq. (13)] does: because the contact is where the distance is
 /// least, `r − p` is along `n` and what `s` changes drops out of `g_q`, also off the constraint. Written for the track,
 /// `g_q` says that the strip is at the height of the wire at its `x`: a strip that moves on by `δx` rises by the slope of the wire.
@@ -40,8 +40,9 @@ use std::sync::Arc;
 /// around it. (`M v̇ + g_qᵀ λ = Q` and `g_q v̇ = −(g_q)˙ v − (g_t)˙` hold on both sides; `Q`, `M` and `g_q` are continuous; with `g = −n·(r − p)`
 /// the right side of the second steps by `v² Δκ`.)
 ///
-/// *Integrator.* An error of the multiplier dies out with a double root `−rho_inf`; that the contact has moved on in the meantime feeds
-/// it. So `rho_inf` is to be well below 1, and scenes are held to 0.5; what that damps is of the second order of the step.
+/// *In time.* The integrator holds `ġ`, the rate between the points that touch, rather than `g`: slopes are
+/// continuous, so that the impulse of a step is right wherever in it a border is passed. See [`dynamics::GeneralizedAlpha`] for what
+/// becomes of `g`, and for the multiplier that is reported.
 pub struct SlidingJoint {
     curve: Arc<dyn Curve>,
     strip: Box<dyn Marker>,
