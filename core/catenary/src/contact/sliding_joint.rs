@@ -14,10 +14,10 @@ use std::sync::Arc;
 /// g_q = −n · (r_q − p_q),    ġ = −n · (ṙ − ṗ)
 /// ```
 ///
-/// `p` is the point of the strip and `n` the common normal, see
-/// [`ContactGeometry`]. `s` is eliminated where it is found, as [Thesis, Eq. (13)] does: because the contact is where the distance is
-/// least, `r − p` is along `n` and what `s` changes drops out of `g_q`, also off the constraint. Written for the track,
-/// `g_q` says that the strip is at the height of the wire at its `x`: a strip that moves on by `δx` rises by the slope of the wire.
+/// `p` is the point of the strip and `n` the common normal, see [`ContactGeometry`]. `s` is eliminated where it is found, as
+/// [Thesis, Eq. (13)] does: because the contact is where the distance is least, `r − p` is along `n` and what `s` changes drops out of
+/// `g_q`, also off the constraint, and `ġ` is the rate between the points that touch. Written for the track, `g_q` says that the strip
+/// is at the height of the wire at its `x`: a strip that moves on by `δx` rises by the slope of the wire.
 /// `s` runs over the whole wire, so that nothing is handed over at the border of two elements: `r` and `r_s` are continuous there,
 /// and with them position and velocity of the strip. `r_ss` is not; the multiplier steps, see below.
 ///
@@ -40,9 +40,8 @@ use std::sync::Arc;
 /// around it. (`M v̇ + g_qᵀ λ = Q` and `g_q v̇ = −(g_q)˙ v − (g_t)˙` hold on both sides; `Q`, `M` and `g_q` are continuous; with `g = −n·(r − p)`
 /// the right side of the second steps by `v² Δκ`.)
 ///
-/// *In time.* The integrator holds `ġ`, the rate between the points that touch, rather than `g`: slopes are
-/// continuous, so that the impulse of a step is right wherever in it a border is passed. See [`dynamics::GeneralizedAlpha`] for what
-/// becomes of `g`, and for the multiplier that is reported.
+/// *In time.* The integrator holds `ġ` rather than `g`: slopes are continuous, so that the impulse of a step is right wherever in it a
+/// border is passed. See [`dynamics::GeneralizedAlpha`] for what becomes of `g`, and for the multiplier that is reported.
 pub struct SlidingJoint {
     curve: Arc<dyn Curve>,
     strip: Box<dyn Marker>,
@@ -181,8 +180,6 @@ impl Constraint for SlidingJoint {
         true
     }
 
-    /// Because the contact is where the distance is least, its travel along the wire drops out: `ġ` is the rate between the points
-    /// that touch.
     fn add_rate(&self, motion: &Motion<'_>, rates: &mut [f64]) {
         rates[0] += self.geometry(motion).map_or(f64::NAN, |geometry| -geometry.gap_rate);
     }
