@@ -96,6 +96,27 @@ pub struct RailFrame {
     pub turn_rate: Vector3<f64>,
 }
 
+impl RailFrame {
+    /// The line beside this one, at an offset along its axes that changes with s: the offset (m) and its first two derivatives by s.
+    ///
+    /// ```text
+    /// r = p + A o,   r' = p' + ω × A o + A o',   r'' = p'' + ω' × A o + ω × (ω × A o) + 2 ω × A o' + A o''
+    /// ```
+    #[must_use]
+    pub fn beside(&self, offset: [Vector3<f64>; 3]) -> Self {
+        let [offset, rate, second] = offset.map(|vector| self.axes * vector);
+        Self {
+            position: self.position + offset,
+            direction: self.direction + self.turn.cross(&offset) + rate,
+            bend: self.bend
+                + self.turn_rate.cross(&offset)
+                + self.turn.cross(&(self.turn.cross(&offset) + 2.0 * rate))
+                + second,
+            ..*self
+        }
+    }
+}
+
 /// The line of one rail: straight, curved, canted, with irregularities.
 pub trait RailLine: Send + Sync {
     /// The rail at the arc length `s`, m.

@@ -1,7 +1,7 @@
 //! Wheels, rails and wheelsets for tests.
-use crate::Base;
 use crate::multibody::{BodyMarker, Pose};
 use crate::wheel_rail::*;
+use crate::{Base, Travel};
 use dynamics::{Layout, State};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -169,10 +169,10 @@ impl Design {
                     offset: Vector3::zeros(),
                     axes: Matrix3::identity(),
                 }),
-                base: Base {
+                travel: Travel::straight(Base {
                     start_x: 0.0,
                     speed: self.speed,
-                },
+                }),
                 spin: self.spin,
                 wheel: Wheel {
                     profile: self.wheel.clone(),
