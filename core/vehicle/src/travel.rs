@@ -16,12 +16,12 @@ pub struct Travel {
     alignment: Option<Arc<Alignment>>,
 }
 
-/// The frame at one instant, as the world sees it.
+/// The frame at one instant, as seen from a place of the track, whose axes are those of the world here.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carrying {
     /// Origin, axes, velocity of the origin, angular velocity.
     frame: Frame,
-    /// Whether its axes are others than those of the world.
+    /// Whether its axes are others.
     turned: bool,
 }
 
@@ -63,8 +63,8 @@ impl Travel {
         self.base.position(t).x
     }
 
-    /// What the frame is in the world at time `t` (s).
-    pub(crate) fn carrying(&self, t: f64) -> Carrying {
+    /// What the frame is at time `t` (s), seen `from` a place of the track (m), see [`Alignment::seen_from`].
+    pub(crate) fn carrying(&self, t: f64, from: f64) -> Carrying {
         let Some(alignment) = &self.alignment else {
             return Carrying {
                 frame: Frame {
@@ -76,7 +76,7 @@ impl Travel {
                 turned: false,
             };
         };
-        let track = alignment.at(self.place(t));
+        let track = alignment.seen_from(self.place(t), from);
         Carrying {
             frame: Frame {
                 position: track.position,
@@ -95,7 +95,7 @@ impl Travel {
     /// ```
     ///
     /// along the horizontal direction of travel, left and up, turned by φ about the first: the derivatives by s of position and
-    /// rotation of [`Alignment::at`].
+    /// rotation of [`Alignment::seen_from`].
     #[must_use]
     pub fn apparent(&self, t: f64) -> Option<Apparent> {
         let alignment = self.alignment.as_ref()?;

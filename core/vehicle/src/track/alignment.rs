@@ -3,9 +3,9 @@ use crate::wheel_rail::RailFrame;
 use nalgebra::{Matrix3, Vector3};
 use scene::Curve;
 
-/// Distance of the places whose position is stored, m. Between them the position is an integral by three points: its error in the
-/// sharpest clothoid of EN 13803 (`κ' = 1/150 m / 10 m`) is `15 κ'³ (1 m)⁷/2016000`, far below rounding.
-const SPACING: f64 = 1.0;
+/// Length of the pieces that positions are integrated over, m, each by three points: in the sharpest clothoid of EN 13803
+/// (`κ' = 1/150 m / 10 m`) their error is `15 κ'³ (1 m)⁷/2016000` each, below rounding.
+const PIECE: f64 = 1.0;
 
 /// Abscissae and weights of Gauss' quadrature by three points on 0…1.
 const GAUSS: [[f64; 2]; 3] = [
@@ -25,15 +25,6 @@ const GAUSS: [[f64; 2]; 3] = [
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alignment {
     bends: Vec<Bend>,
-    places: Vec<Place>,
-}
-
-/// A place on the plan: s, x, y in m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Place {
-    s: f64,
-    x: f64,
-    y: f64,
 }
 
 /// One curve.
@@ -141,26 +132,7 @@ impl Alignment {
     #[must_use]
     pub fn new(curves: &[Curve], distance: f64) -> Option<Self> {
         let bends: Vec<Bend> = curves.iter().map(|curve| Bend::new(curve, distance)).collect();
-        let start = bends.first()?.corners[0];
-        let mut alignment = Self {
-            bends,
-            places: vec![Place {
-                s: start,
-                x: start,
-                y: 0.0,
-            }],
-        };
-        // Each piece between two corners is smooth.
-        let corners: Vec<f64> = alignment.bends.iter().flat_map(|bend| bend.corners).collect();
-        for pair in corners.windows(2) {
-            let count = ((pair[1] - pair[0]) / SPACING).ceil().max(1.0);
-            for i in 1..=count as usize {
-                let s = pair[0] + (pair[1] - pair[0]) * i as f64 / count;
-                let [x, y] = alignment.plan(s);
-                alignment.places.push(Place { s, x, y });
-            }
-        }
-        Some(alignment)
+        (!bends.is_empty()).then_some(Self { bends })
     }
 
     /// Where the first curve begins to bend or to lift the track, m.
@@ -194,43 +166,67 @@ impl Alignment {
         sum
     }
 
-    /// x and y of the middle at `s`, m.
-    fn plan(&self, s: f64) -> [f64; 2] {
-        let before = self.places.partition_point(|place| place.s <= s);
-        let Some(place) = before.checked_sub(1).map(|i| self.places[i]) else {
-            return [s, 0.0];
-        };
-        let length = s - place.s;
-        if before == self.places.len() && self.bends.last().is_none_or(|bend| s > bend.corners[3]) {
-            let (sine, cosine) = self.bend(s).heading[0].sin_cos();
-            return [place.x + length * cosine, place.y + length * sine];
-        }
-        let (mut x, mut y) = (place.x, place.y);
-        for [abscissa, weight] in GAUSS {
-            let (sine, cosine) = self.bend(place.s + abscissa * length).heading[0].sin_cos();
-            x += weight * length * cosine;
-            y += weight * length * sine;
-        }
-        [x, y]
+    /// The next corner of the curvature behind `s`, m.
+    fn corner_behind(&self, s: f64) -> f64 {
+        let corners = self.bends.iter().flat_map(|bend| bend.corners);
+        corners.into_iter().find(|&corner| corner > s).unwrap_or(f64::INFINITY)
     }
 
-    /// The middle of the track at `s` (m), in the world: its axes are the horizontal direction of travel, and left and up of the
-    /// plane of the rails.
+    /// The way in plan from `from` to `s` (m), along the direction of travel at `from` and to its left, m.
+    ///
+    /// It takes the longer the farther both are apart.
+    fn way(&self, from: f64, s: f64) -> [f64; 2] {
+        let heading = self.bend(from).heading[0];
+        let (low, high) = if from <= s { (from, s) } else { (s, from) };
+        let (mut at, mut sum) = (low, [0.0; 2]);
+        while at < high {
+            // Each piece is smooth.
+            let end = self.corner_behind(at).min(high);
+            let count = ((end - at) / PIECE).ceil().max(1.0);
+            let length = (end - at) / count;
+            for i in 0..count as usize {
+                for [abscissa, weight] in GAUSS {
+                    let place = at + (i as f64 + abscissa) * length;
+                    let (sine, cosine) = (self.bend(place).heading[0] - heading).sin_cos();
+                    sum[0] += weight * length * cosine;
+                    sum[1] += weight * length * sine;
+                }
+            }
+            at = end;
+        }
+        if from <= s { sum } else { sum.map(|way| -way) }
+    }
+
+    /// The middle of the track at `s` (m). Its axes are the horizontal direction of travel, and left and up of the plane of the rails;
+    /// all is given in those at `from` (m), where the middle is at (`from`, 0, 0): `from` a place before the first curve is the world.
     #[must_use]
-    pub fn at(&self, s: f64) -> RailFrame {
-        let bend = self.bend(s);
+    pub fn seen_from(&self, s: f64, from: f64) -> RailFrame {
+        let (bend, origin) = (self.bend(s), self.bend(from));
         let ([heading, curvature, curvature_rate], [cant, twist, twist_rate]) = (bend.heading, bend.cant);
-        let [x, y] = self.plan(s);
-        let ((sine, cosine), (lean, upright)) = (heading.sin_cos(), cant.sin_cos());
+        let [along, aside] = self.way(from, s);
+        let ((sine, cosine), (lean, upright)) = ((heading - origin.heading[0]).sin_cos(), cant.sin_cos());
+        // First in horizontal axes at `from`, then turned by the cant there.
         let (forward, left) = (Vector3::new(cosine, sine, 0.0), Vector3::new(-sine, cosine, 0.0));
         let up = Vector3::z();
+        let (origin_lean, origin_upright) = origin.cant[0].sin_cos();
+        let turned = |vector: Vector3<f64>| {
+            Vector3::new(
+                vector.x,
+                origin_upright * vector.y + origin_lean * vector.z,
+                origin_upright * vector.z - origin_lean * vector.y,
+            )
+        };
         RailFrame {
-            position: Vector3::new(x, y, bend.rise[0]),
-            direction: forward + up * bend.rise[1],
-            bend: left * curvature + up * bend.rise[2],
-            axes: Matrix3::from_columns(&[forward, left * upright + up * lean, up * upright - left * lean]),
-            turn: up * curvature + forward * twist,
-            turn_rate: up * curvature_rate + forward * twist_rate + left * (curvature * twist),
+            position: Vector3::new(from, 0.0, 0.0) + turned(Vector3::new(along, aside, bend.rise[0] - origin.rise[0])),
+            direction: turned(forward + up * bend.rise[1]),
+            bend: turned(left * curvature + up * bend.rise[2]),
+            axes: Matrix3::from_columns(&[
+                turned(forward),
+                turned(left * upright + up * lean),
+                turned(up * upright - left * lean),
+            ]),
+            turn: turned(up * curvature + forward * twist),
+            turn_rate: turned(up * curvature_rate + forward * twist_rate + left * (curvature * twist)),
         }
     }
 }

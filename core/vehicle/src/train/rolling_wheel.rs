@@ -22,14 +22,14 @@ struct IrregularRail {
 }
 
 impl RailLine for IrregularRail {
-    fn frame(&self, s: f64) -> RailFrame {
+    fn frame(&self, s: f64, from: f64) -> RailFrame {
         let none = ([0.0; 3], [0.0; 3]);
         let (y, z) = self
             .shape
             .as_ref()
             .map_or(none, |shape| (shape.lateral(s), shape.rise(s)));
         if let Some(alignment) = &self.alignment {
-            return alignment.at(s).beside([
+            return alignment.seen_from(s, from).beside([
                 Vector3::new(0.0, self.y + y[0], z[0]),
                 Vector3::new(0.0, y[1], z[1]),
                 Vector3::new(0.0, y[2], z[2]),
@@ -92,6 +92,7 @@ impl RollingWheel {
         let contact = WheelRail::new(WheelRailParts {
             marker: Box::new(WheelsetMarker::new(spin.pose, spin.coordinate)),
             travel: shared.travel.clone(),
+            along: spin.pose.reference.x,
             spin: spin.rolling,
             wheel: Wheel {
                 profile: Arc::clone(&shared.wheel),

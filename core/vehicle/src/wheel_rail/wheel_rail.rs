@@ -14,6 +14,8 @@ pub struct WheelRailParts {
     pub marker: Box<dyn Marker>,
     /// How that frame travels.
     pub travel: Travel,
+    /// Nominal place of the middle of the wheelset in it along the track, m: the contact is seen from there.
+    pub along: f64,
     /// What the wheelset turns about its axle faster than its marker does, rad/s, positive for forward; 0 where the marker's body
     /// spins with the wheels. Where the body stands for the axle without its spin, this is the spin, which a drive holds.
     pub spin: f64,
@@ -49,7 +51,9 @@ pub struct WheelRail {
 
 /// A wheelset at one instant.
 struct Place {
-    /// Its middle in the world, with all of the spin.
+    /// Where it is seen from, see [`super::RailLine::frame`], m: the axes there are those of the world in what follows.
+    from: f64,
+    /// Its middle, with all of the spin.
     frame: Frame,
     /// Arc length of the rail nearby, m.
     s: f64,
@@ -99,24 +103,27 @@ impl WheelRail {
         self.evaluate(&self.place(motion)).0
     }
 
-    /// Sum of the forces of the rail on the wheel, N, along the axes of the rail under the wheelset: along the track, to its left, and
-    /// up from the plane of the rails.
+    /// Sum of the forces of the rail on the wheel, N, in the axes of the track under the wheelset: along it, to its left, and up from
+    /// the plane of the rails.
     #[must_use]
     pub fn force(&self, motion: &Motion<'_>) -> Vector3<f64> {
-        let place = self.place(motion);
-        let force: Vector3<f64> = (self.evaluate(&place).0.iter().flatten())
+        self.contacts(motion)
+            .iter()
+            .flatten()
             .map(|contact| contact.force)
-            .sum();
-        self.parts.rail.line.frame(place.s).axes.transpose() * force
+            .sum()
     }
 
     /// Where the wheelset is at a motion.
     fn place(&self, motion: &Motion<'_>) -> Place {
-        let carrying = self.parts.travel.carrying(motion.t);
+        let origin = self.parts.travel.place(motion.t);
+        let from = origin + self.parts.along;
+        let carrying = self.parts.travel.carrying(motion.t, from);
         let inner = self.parts.marker.frame(motion);
         let frame = carrying.to_world(&inner);
         Place {
-            s: self.parts.travel.place(motion.t) + inner.position.x,
+            from,
+            s: origin + inner.position.x,
             frame: Frame {
                 angular_velocity: frame.angular_velocity + frame.axes.column(1) * self.parts.spin,
                 ..frame
@@ -131,12 +138,12 @@ impl WheelRail {
         place.carrying.columns_to_world(columns)
     }
 
-    fn pairing(&self, frame: &Frame) -> Pairing<'_> {
+    fn pairing(&self, place: &Place) -> Pairing<'_> {
         Pairing::new(
             &self.parts.wheel,
-            &self.parts.rail,
-            frame.position,
-            &frame.axes.column(1).into_owned(),
+            (&self.parts.rail, place.from),
+            place.frame.position,
+            &place.frame.axes.column(1).into_owned(),
         )
     }
 
@@ -145,7 +152,7 @@ impl WheelRail {
         // The arc length whose normal plane holds the middle of the wheelset.
         let mut s = self.start.s.unwrap_or(place.s);
         for _ in 0..20 {
-            let rail = self.parts.rail.line.frame(s);
+            let rail = self.parts.rail.line.frame(s, place.from);
             let to_middle = pairing.middle - rail.position;
             let change = rail.direction.dot(&to_middle) / rail.direction.norm_squared();
             s += change;
@@ -162,7 +169,7 @@ impl WheelRail {
     /// The contacts, and the start of the next search.
     fn evaluate(&self, place: &Place) -> (WheelContacts, Start) {
         let frame = &place.frame;
-        let pairing = self.pairing(frame);
+        let pairing = self.pairing(place);
         let (points, start) = match self.start.s.and_then(|_| follow(&pairing, &self.start)) {
             Some(followed) => followed,
             None => {
@@ -308,7 +315,7 @@ impl Force for WheelRail {
 
     fn begin_step(&mut self, motion: &Motion<'_>) {
         let place = self.place(motion);
-        self.start = self.search(&self.pairing(&place.frame), &place);
+        self.start = self.search(&self.pairing(&place), &place);
     }
 
     fn save(&self, out: &mut Vec<f64>) {

@@ -15,6 +15,13 @@ fn curve(direction: Direction) -> Curve {
     }
 }
 
+/// In the world.
+impl Alignment {
+    fn at(&self, s: f64) -> RailFrame {
+        self.seen_from(s, 0.0)
+    }
+}
+
 fn left() -> Alignment {
     Alignment::new(&[curve(Direction::Left)], DISTANCE).unwrap()
 }
@@ -41,7 +48,7 @@ fn clothoid(length: f64, square: f64) -> [f64; 2] {
 fn before_its_first_curve_the_track_is_the_x_axis() {
     for s in [-300.0, 0.0, 46.9] {
         let frame = left().at(s);
-        assert_eq!(frame.position, Vector3::new(s, 0.0, 0.0));
+        assert!((frame.position - Vector3::new(s, 0.0, 0.0)).norm() < 1e-12); // rounding of a sum of 300 pieces
         assert_eq!(frame.axes, Matrix3::identity());
         assert_eq!(frame.direction, Vector3::x());
         assert_eq!([frame.bend, frame.turn, frame.turn_rate], [Vector3::zeros(); 3]);
@@ -108,8 +115,8 @@ fn position_and_axes_have_the_derivatives_they_are_given_with() {
     for s in [
         20.0, 48.6, 51.2, 70.0, 138.7, 141.9, 200.0, 338.0, 341.0, 400.0, 428.2, 431.7, 500.0,
     ] {
-        let [plus, minus, frame] = [s + h, s - h, s].map(|s| alignment.at(s));
-        // Central differences: h² of third derivatives below 1e-4, and rounding of 500 m by h.
+        let [plus, minus, frame] = [s + h, s - h, s].map(|place| alignment.seen_from(place, s - 1.3));
+        // Central differences: h² of third derivatives below 1e-4, and rounding of 1 m by h, seen from nearby.
         let near = |a: Vector3<f64>, b: Vector3<f64>| (a - b).norm() < 2e-10;
         assert!(
             near((plus.position - minus.position) / (2.0 * h), frame.direction),
@@ -214,4 +221,27 @@ fn an_offset_that_changes_along_a_line_has_its_derivatives() {
     let [plus, minus, frame] = [s + h, s - h, s].map(at);
     assert!(((plus.position - minus.position) / (2.0 * h) - frame.direction).norm() < 1e-10);
     assert!(((plus.direction - minus.direction) / (2.0 * h) - frame.bend).norm() < 1e-10);
+}
+
+#[test]
+fn a_track_seen_from_another_place_is_the_same_track() {
+    let alignment = left();
+    for from in [20.0, 49.0, 97.3, 200.0, 341.0, 500.0] {
+        let origin = alignment.at(from);
+        for s in [30.0, 97.0, 97.3, 150.0, 339.0, 460.0] {
+            let (seen, at) = (alignment.seen_from(s, from), alignment.at(s));
+            let position = origin.position + origin.axes * (seen.position - Vector3::new(from, 0.0, 0.0));
+            assert!((position - at.position).norm() < 1e-11, "{from} {s}");
+            let vectors = [
+                (seen.direction, at.direction),
+                (seen.bend, at.bend),
+                (seen.turn, at.turn),
+                (seen.turn_rate, at.turn_rate),
+            ];
+            for (seen, at) in vectors {
+                assert!((origin.axes * seen - at).norm() < 1e-13, "{from} {s}");
+            }
+            assert!((origin.axes * seen.axes - at.axes).norm() < 1e-13, "{from} {s}");
+        }
+    }
 }

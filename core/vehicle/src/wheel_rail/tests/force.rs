@@ -102,7 +102,7 @@ fn the_frame_of_a_curved_rail_is_consistent() {
         cant_rate: 5e-3,
     };
     let (s, h) = (7.0, 1e-3);
-    let [plus, minus, frame] = [s + h, s - h, s].map(|s| rail.frame(s));
+    let [plus, minus, frame] = [s + h, s - h, s].map(|s| rail.frame(s, 0.0));
     // Central differences: h² and rounding / h.
     let near = |a: Vector3<f64>, b: Vector3<f64>| (a - b).norm() < 1e-10;
     assert!(near((plus.position - minus.position) / (2.0 * h), frame.direction));

@@ -78,7 +78,7 @@ pub struct CurvedRail {
 }
 
 impl RailLine for CurvedRail {
-    fn frame(&self, s: f64) -> RailFrame {
+    fn frame(&self, s: f64, _from: f64) -> RailFrame {
         let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.curvature * s);
         let cant = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), self.cant_rate * s);
         let axes = (heading * cant).to_rotation_matrix().into_inner();
@@ -169,6 +169,7 @@ impl Design {
                     offset: Vector3::zeros(),
                     axes: Matrix3::identity(),
                 }),
+                along: 0.0,
                 travel: Travel::straight(Base {
                     start_x: 0.0,
                     speed: self.speed,
