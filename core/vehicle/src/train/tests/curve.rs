@@ -226,27 +226,53 @@ fn in_an_arc_the_rails_push_with_the_uncompensated_acceleration_and_the_outer_wh
         // The curve is to the left: the right wheels are the outer ones.
         let lateral: f64 = forces.iter().map(|force| force.y).sum();
         let load: f64 = forces.iter().map(|force| force.z).sum();
-        let transfer: f64 = forces.chunks(2).map(|axle| axle[1].z - axle[0].z).sum();
-        let expected = 2.0 / DISTANCE * mass * (outward * shift.z - upward * shift.y);
-        let rigid = 2.0 / DISTANCE * mass * outward * shift.z;
+        let moment = moment_about_the_track(&mut simulator);
+        // The spins of the axles are turned about the vertical: I v/r · v/R each.
+        let gyroscopic = 4.0 * 191.0 * speed * speed / (0.457_048_8 * curve.radius) * cosine;
+        let expected = -mass * (outward * shift.z - upward * shift.y) - gyroscopic;
+        // Eight bolster springs hold car body and bolsters in the frames sideways, which roll a little.
+        let body = 24_170.0 + 2.0 * 1107.0;
+        let (alone, motion) = simulator.parts();
+        let springs = &alone.train.bushings()[..8];
+        let mean = |value: &dyn Fn(&Bushing) -> f64| springs.iter().map(value).sum::<f64>() / 8.0;
+        let yielded = mean(&|spring| spring.load(&motion).displacement.y);
+        let roll = mean(&|spring| spring.pair.first.frame(&motion).axes[(2, 1)]);
+        let sprung = body * (-outward - upward * roll) / (8.0 * 80e3);
         println!(
-            "{speed} m/s, {outward:.3} m/s2: lateral {lateral:.1} N of {:.1}, load {load:.1} of {:.1}, transfer {transfer:.1} of \
-             {expected:.1} (without displacements {rigid:.1}), {:.1} mm, {forces:.0?}",
+            "{speed} m/s, {outward:.3} m/s2: lateral {lateral:.1} N of {:.1}, load {load:.1} of {:.1}, moment {moment:.1} N m of \
+             {expected:.1}, bolster springs {:.2} mm of {:.2}, {forces:.0?}",
             mass * outward,
             mass * upward,
-            1e3 * shift.y
+            1e3 * yielded,
+            1e3 * sprung
         );
         let weight = MASS * 9.81;
         // 1e-4 of the weight: what is left of the motions that the transition has made, and forces along rails that are not parallel.
         assert!((lateral - mass * outward).abs() < 1e-4 * weight, "{lateral}");
         assert!((load - mass * upward).abs() < 1e-4 * weight, "{load}");
-        // The contacts are not where the nominal ones are: some 5 mm of 0.75 m, opposite ones on both wheels but for the flange.
-        assert!((transfer - expected).abs() < 5e-3 * weight, "{transfer} {expected}");
-        assert!(
-            (transfer - expected).abs() < 0.1 * expected.abs(),
-            "{transfer} {expected}"
-        );
+        assert!((moment - expected).abs() < 1e-4 * weight, "{moment} {expected}"); // by 1 m
+        assert!((yielded / sprung - 1.0).abs() < 0.02, "{yielded} {sprung}"); // the bolsters turn with the car body against the frames
+        let outer = forces.iter().skip(1).step_by(2).map(|force| force.z).sum::<f64>();
+        assert_eq!(outer > 0.5 * load, outward > 0.0);
     }
+}
+
+/// Moment of all wheel forces about the middle of the track under each axle, about the direction of travel, N m.
+fn moment_about_the_track(simulator: &mut Simulator<Alone>) -> f64 {
+    let moments = moments_on_axles(simulator);
+    let forces = wheel_forces(simulator);
+    let (alone, motion) = simulator.parts();
+    let travel = alone.train.travel();
+    let origin = travel.place(motion.t);
+    let mut sum = 0.0;
+    for (i, spin) in alone.train.spins.iter().enumerate() {
+        let middle = spin.pose.position(&motion);
+        let track = travel.alignment().unwrap().seen_from(origin + middle.x, origin);
+        let from_track = track.axes.transpose() * (middle + Vector3::new(origin, 0.0, 0.0) - track.position);
+        let force = forces[2 * i] + forces[2 * i + 1];
+        sum += moments[i][0] + from_track.y * force.z - from_track.z * force.y;
+    }
+    sum
 }
 
 #[test]

@@ -31,7 +31,7 @@ fn moving(law: CreepLaw, left: f64) -> (Wheelset, State) {
 
 /// The tangent of a contact is compared with central differences over 10 nm and 20 µm/s: the penetration is some 30 µm, so that
 /// h² is 1e-8; rounding of 1e-16 m of it by h is the same.
-fn assert_tangent(wheel: &mut WheelRail, layout: &Layout, state: &State) {
+pub(super) fn assert_tangent(wheel: &mut WheelRail, layout: &Layout, state: &State) {
     let n = layout.coordinates();
     let h = 1e-8;
     for weights in [Weights { q: 1.0, v: 0.0 }, Weights { q: 0.0, v: 1.0 }] {
