@@ -184,30 +184,66 @@ fn wheel_rail(scene: &scene::Scene) -> Part {
 /// What the rails are like.
 fn track(scene: &scene::Scene) -> Part {
     use scene::Irregularities;
-    let runs = scene.vehicle.as_deref().and_then(scene::Vehicle::train).is_some();
-    let irregularities = scene.track.as_deref().map(|track| &track.irregularities);
-    match irregularities {
-        _ if !runs => part("track", false, "no wheel runs on it".to_owned()),
-        None => part(
+    let Some(train) = scene.vehicle.as_deref().and_then(scene::Vehicle::train) else {
+        return part("track", false, "no wheel runs on it".to_owned());
+    };
+    let Some(track) = scene.track.as_deref() else {
+        return part(
             "track",
             false,
             "scene has no [track]: straight, level and smooth".to_owned(),
+        );
+    };
+    let line = if track.curves.is_empty() {
+        "straight and level".to_owned()
+    } else {
+        curves(scene, train, &track.curves)
+    };
+    let surface = match &track.irregularities {
+        Irregularities::None => "smooth".to_owned(),
+        Irregularities::Spectrum(spectrum) => format!(
+            "irregularities from spectra, seed {}, wavelengths {} to {} m",
+            spectrum.seed, spectrum.wavelengths[0], spectrum.wavelengths[1]
         ),
-        Some(Irregularities::None) => part("track", true, "straight, level and smooth".to_owned()),
-        Some(Irregularities::Spectrum(spectrum)) => part(
-            "track",
-            true,
+        Irregularities::Points(points) => format!("irregularities from {} points", points.x.len()),
+    };
+    part("track", true, format!("{line}; {surface}"))
+}
+
+/// Curves of the track with what they ask of the vehicle, and what the line does not see of them.
+fn curves(scene: &scene::Scene, train: &scene::Train, curves: &[scene::Curve]) -> String {
+    let (speed, gravity, distance) = (scene.run.speed, scene.gravity(), train.wheels.distance);
+    let mut lines: Vec<String> = (curves.iter())
+        .map(|curve| {
+            let [start, _, _, end] = curve.corners();
+            let deficiency = 1e3 * curve.cant_deficiency(speed, gravity, distance);
             format!(
-                "straight and level, irregularities from spectra, seed {}, wavelengths {} to {} m",
-                spectrum.seed, spectrum.wavelengths[0], spectrum.wavelengths[1]
-            ),
-        ),
-        Some(Irregularities::Points(points)) => part(
-            "track",
-            true,
-            format!("straight and level, irregularities from {} points", points.x.len()),
-        ),
+                "{} curve from {start} to {end} m, radius {} m, cant {:.0} mm, transitions {} m, at this speed {:.2} m/s² {} uncompensated \
+                 (cant {} {:.0} mm)",
+                curve.direction,
+                curve.radius,
+                1e3 * curve.cant,
+                curve.transition,
+                curve.uncompensated_acceleration(speed, gravity, distance).abs(),
+                if deficiency >= 0.0 { "outward" } else { "inward" },
+                if deficiency >= 0.0 { "deficiency" } else { "excess" },
+                deficiency.abs(),
+            )
+        })
+        .collect();
+    lines.push(
+        "the line is computed along the developed middle of the track, heights and staggers measured from the plane of the rails: left \
+         out are the radial pull of its wires, the offset of its chords between supports from the arc, and the part of its weight \
+         that leans in a canted curve"
+            .to_owned(),
+    );
+    let lumped = |pantograph: &scene::Pantograph| matches!(pantograph.model, PantographModel::Lumped(_));
+    if scene.pantographs.iter().any(lumped) {
+        lines.push(
+            "of a lumped pantograph's base the rise alone is felt: its strip does not sway with the vehicle".to_owned(),
+        );
     }
+    lines.join("; ")
 }
 
 /// A part that the wind may act on; without a reason it does not.

@@ -205,13 +205,12 @@ impl Train {
         if outward.abs() * height > 0.5 * upward * distance {
             let over = if outward > 0.0 { "outer" } else { "inner" };
             let expected = format!(
-                "does not go with run.speed_kmh = {:.1} and cant = {} m: {:.2} m/s² along the plane of the rails would topple the \
-                 vehicle over the {over} rail, its centre of mass being {height:.2} m above them; must be such that less than {:.2} m/s² \
-                 is left",
+                "must leave less than {:.2} m/s² along the plane of the rails: with run.speed_kmh = {:.1} and cant = {} m it leaves {:.2} \
+                 m/s², and the vehicle topples over the {over} rail, its centre of mass being {height:.2} m above them",
+                0.5 * upward * distance / height,
                 3.6 * speed,
                 curve.cant,
                 outward.abs(),
-                0.5 * upward * distance / height,
             );
             refuse(
                 found,
