@@ -102,3 +102,34 @@ fn the_strip_of_a_lumped_pantograph_answers_a_sinus_of_its_base_as_its_transfer_
         }
     }
 }
+
+/// 1.9 s on straight track and in the transition, then in the arc.
+const ARC: &str = "track.curve={ radius = 1200.0, direction = \"left\", cant = 0.15, start = 80.0, transition = 80.0, length = 400.0, \
+                   rounding = 6.0 }";
+
+#[test]
+fn in_a_canted_curve_the_strip_goes_aside_as_the_vehicle_under_it_leans() {
+    let start = "pantograph[1].start={ height = 4.945, force = 107.0 }";
+    let mut carried = Subsystem::new(&full_scene(&[start, ARC]), 0).unwrap();
+    let mut straight = Subsystem::new(&full_scene(&[start]), 0).unwrap();
+    let mut y = 0.0;
+    for step in 0..6000 {
+        for side in [&mut straight, &mut carried] {
+            // A wire that stays over the middle of the track.
+            let strip = side.strip();
+            side.set_contact_input(2, -107.0 - 500.0 * (strip.position.z - 4.945) - 50.0 * strip.velocity.z);
+            side.set_contact_input(3, 0.0);
+            side.advance_to(f64::from(step) * 1e-3, 1e-3).unwrap();
+        }
+        y = carried.strip().position.y;
+    }
+    let (strip, base, roll) = (carried.strip(), carried.base().position, carried.base_roll());
+    println!("{strip:?} {base:?} {roll}, {:?}", straight.strip());
+    // 200 km/h: 2.57 m/s² of which the cant takes 0.98 m/s².
+    let outward = 55.555_f64.powi(2) / 1200.0 * 0.995 - 9.81 * 0.1;
+    // Roll of the vehicle by its springs about the plane of the rails, outward in a curve to the left: clockwise.
+    assert!(roll > 0.0 && outward > 0.0, "{roll}");
+    let lean = base.y - roll * (strip.position.z - base.z);
+    assert!((strip.position.y - lean).abs() < 0.05 * lean.abs(), "{} {lean}", strip.position.y);
+    assert!(y < -0.05, "{y}");
+}
