@@ -216,7 +216,12 @@ fn curves(scene: &scene::Scene, train: &scene::Train, curves: &[scene::Curve]) -
     let mut lines: Vec<String> = (curves.iter())
         .map(|curve| {
             let [start, _, _, end] = curve.corners();
-            let deficiency = 1e3 * curve.cant_deficiency(speed, gravity, distance);
+            let outward = curve.uncompensated_acceleration(speed, gravity, distance);
+            let (side, name) = if outward >= 0.0 {
+                ("outward", "deficiency")
+            } else {
+                ("inward", "excess")
+            };
             format!(
                 "{} curve from {start} to {end} m, radius {} m, cant {:.0} mm, transitions {} m, at this speed {:.2} m/s² {} uncompensated \
                  (cant {} {:.0} mm)",
@@ -224,10 +229,10 @@ fn curves(scene: &scene::Scene, train: &scene::Train, curves: &[scene::Curve]) -
                 curve.radius,
                 1e3 * curve.cant,
                 curve.transition,
-                curve.uncompensated_acceleration(speed, gravity, distance).abs(),
-                if deficiency >= 0.0 { "outward" } else { "inward" },
-                if deficiency >= 0.0 { "deficiency" } else { "excess" },
-                deficiency.abs(),
+                outward.abs(),
+                side,
+                name,
+                1e3 * curve.cant_deficiency(speed, gravity, distance).abs(),
             )
         })
         .collect();

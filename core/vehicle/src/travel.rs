@@ -100,16 +100,9 @@ impl Travel {
     pub fn apparent(&self, t: f64) -> Option<Apparent> {
         let alignment = self.alignment.as_ref()?;
         let bend = alignment.bend(self.place(t));
-        let ([_, curvature, curvature_rate], [cant, twist, twist_rate]) = (bend.heading, bend.cant);
+        let ([_, curvature, curvature_rate], [_, twist, twist_rate]) = (bend.heading, bend.cant);
         let (speed, square) = (self.base.speed, self.base.speed * self.base.speed);
-        let (lean, upright) = cant.sin_cos();
-        let turned = |vector: Vector3<f64>| {
-            Vector3::new(
-                vector.x,
-                upright * vector.y + lean * vector.z,
-                upright * vector.z - lean * vector.y,
-            )
-        };
+        let turned = |vector: Vector3<f64>| bend.leaning(vector);
         Some(Apparent {
             acceleration: turned(Vector3::new(0.0, curvature, bend.rise[2]) * square),
             angular_velocity: turned(Vector3::new(twist, 0.0, curvature) * speed),
@@ -148,8 +141,8 @@ impl Carrying {
         self.frame.angular_velocity
     }
 
-    /// A marker's frame in the world.
-    pub fn to_world(&self, inner: &Frame) -> Frame {
+    /// The frame of a marker that is given in this frame.
+    pub fn frame_of(&self, inner: &Frame) -> Frame {
         if !self.turned {
             return Frame {
                 position: inner.position + self.frame.position,
@@ -167,8 +160,8 @@ impl Carrying {
         }
     }
 
-    /// A marker's columns in world axes.
-    pub fn columns_to_world(&self, inner: Columns) -> Columns {
+    /// The columns of a marker that is given in this frame.
+    pub fn columns_of(&self, inner: Columns) -> Columns {
         if !self.turned {
             return inner;
         }

@@ -37,12 +37,12 @@ pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
             Signal::output(
                 format!("wheel[{i}].load"),
                 "N",
-                format!("Vertical force of the rail on {which}"),
+                format!("Force of the rail, perpendicular to the plane of the rails, on {which}"),
             ),
             Signal::output(
                 format!("wheel[{i}].derailment_quotient"),
                 "1",
-                format!("Y/Q of {which}: lateral force outward on the rail over vertical force"),
+                format!("Y/Q of {which}: force outward on the rail in the plane of the rails over the one perpendicular to it"),
             ),
         ]
     });

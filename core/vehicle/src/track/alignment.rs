@@ -51,6 +51,18 @@ pub struct TrackBend {
     pub rise: [f64; 3],
 }
 
+impl TrackBend {
+    /// A vector along the horizontal direction of travel, left and up, in axes that lean with the plane of the rails.
+    pub(crate) fn leaning(&self, vector: Vector3<f64>) -> Vector3<f64> {
+        let (lean, upright) = self.cant[0].sin_cos();
+        Vector3::new(
+            vector.x,
+            upright * vector.y + lean * vector.z,
+            upright * vector.z - lean * vector.y,
+        )
+    }
+}
+
 /// Signs with which the slopes change at the four corners of a curve.
 const CORNERS: [f64; 4] = [1.0, -1.0, -1.0, 1.0];
 
@@ -135,12 +147,6 @@ impl Alignment {
         (!bends.is_empty()).then_some(Self { bends })
     }
 
-    /// Where the first curve begins to bend or to lift the track, m.
-    #[must_use]
-    pub fn start(&self) -> f64 {
-        self.bends[0].range()[0]
-    }
-
     /// How the track bends at `s` (m).
     #[must_use]
     pub fn bend(&self, s: f64) -> TrackBend {
@@ -208,14 +214,7 @@ impl Alignment {
         // First in horizontal axes at `from`, then turned by the cant there.
         let (forward, left) = (Vector3::new(cosine, sine, 0.0), Vector3::new(-sine, cosine, 0.0));
         let up = Vector3::z();
-        let (origin_lean, origin_upright) = origin.cant[0].sin_cos();
-        let turned = |vector: Vector3<f64>| {
-            Vector3::new(
-                vector.x,
-                origin_upright * vector.y + origin_lean * vector.z,
-                origin_upright * vector.z - origin_lean * vector.y,
-            )
-        };
+        let turned = |vector: Vector3<f64>| origin.leaning(vector);
         RailFrame {
             position: Vector3::new(from, 0.0, 0.0) + turned(Vector3::new(along, aside, bend.rise[0] - origin.rise[0])),
             direction: turned(forward + up * bend.rise[1]),

@@ -120,7 +120,7 @@ impl WheelRail {
         let from = origin + self.parts.along;
         let carrying = self.parts.travel.carrying(motion.t, from);
         let inner = self.parts.marker.frame(motion);
-        let frame = carrying.to_world(&inner);
+        let frame = carrying.frame_of(&inner);
         Place {
             from,
             s: origin + inner.position.x,
@@ -135,7 +135,7 @@ impl WheelRail {
     fn columns(&self, motion: &Motion<'_>, place: &Place) -> Columns {
         let mut columns = Columns::default();
         self.parts.marker.columns(motion, &mut columns);
-        place.carrying.columns_to_world(columns)
+        place.carrying.columns_of(columns)
     }
 
     fn pairing(&self, place: &Place) -> Pairing<'_> {

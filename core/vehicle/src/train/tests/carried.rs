@@ -130,6 +130,10 @@ fn in_a_canted_curve_the_strip_goes_aside_as_the_vehicle_under_it_leans() {
     // Roll of the vehicle by its springs about the plane of the rails, outward in a curve to the left: clockwise.
     assert!(roll > 0.0 && outward > 0.0, "{roll}");
     let lean = base.y - roll * (strip.position.z - base.z);
-    assert!((strip.position.y - lean).abs() < 0.05 * lean.abs(), "{} {lean}", strip.position.y);
+    assert!(
+        (strip.position.y - lean).abs() < 0.05 * lean.abs(),
+        "{} {lean}",
+        strip.position.y
+    );
     assert!(y < -0.05, "{y}");
 }

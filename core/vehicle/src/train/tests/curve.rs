@@ -81,7 +81,7 @@ fn flown(step: f64) -> [Vector3<f64>; 3] {
         offset: Vector3::zeros(),
         axes: Matrix3::identity(),
     };
-    let frame = travel.carrying(motion.t, 0.0).to_world(&marker.frame(&motion));
+    let frame = travel.carrying(motion.t, 0.0).frame_of(&marker.frame(&motion));
     let omega_b = frame.axes.transpose() * frame.angular_velocity;
     [
         frame.position,
