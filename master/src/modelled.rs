@@ -9,6 +9,8 @@ use crate::simulation::Prepared;
 use crate::sliding_joint;
 use crate::standstill::{self, Standstill};
 
+mod track;
+
 impl Prepared {
     /// What is modelled, and what is not, with reasons.
     #[must_use]
@@ -71,7 +73,7 @@ impl Prepared {
                 part("pantograph", true, kinds.join("; ")),
                 vehicle(scene),
                 wheel_rail(scene),
-                track(scene),
+                track::track(scene),
                 wind_part("wind_pantograph", wind_on_pantograph(scene)),
                 wind_part("wind_wires", wind_on_wires(scene)),
             ],
@@ -179,76 +181,6 @@ fn wheel_rail(scene: &scene::Scene) -> Part {
         ),
         Some(scene::Vehicle::Full(_)) => part("wheel_rail", true, "wheels roll on rails".to_owned()),
     }
-}
-
-/// What the rails are like.
-fn track(scene: &scene::Scene) -> Part {
-    use scene::Irregularities;
-    let Some(train) = scene.vehicle.as_deref().and_then(scene::Vehicle::train) else {
-        return part("track", false, "no wheel runs on it".to_owned());
-    };
-    let Some(track) = scene.track.as_deref() else {
-        return part(
-            "track",
-            false,
-            "scene has no [track]: straight, level and smooth".to_owned(),
-        );
-    };
-    let line = if track.curves.is_empty() {
-        "straight and level".to_owned()
-    } else {
-        curves(scene, train, &track.curves)
-    };
-    let surface = match &track.irregularities {
-        Irregularities::None => "smooth".to_owned(),
-        Irregularities::Spectrum(spectrum) => format!(
-            "irregularities from spectra, seed {}, wavelengths {} to {} m",
-            spectrum.seed, spectrum.wavelengths[0], spectrum.wavelengths[1]
-        ),
-        Irregularities::Points(points) => format!("irregularities from {} points", points.x.len()),
-    };
-    part("track", true, format!("{line}; {surface}"))
-}
-
-/// Curves of the track with what they ask of the vehicle, and what the line does not see of them.
-fn curves(scene: &scene::Scene, train: &scene::Train, curves: &[scene::Curve]) -> String {
-    let (speed, gravity, distance) = (scene.run.speed, scene.gravity(), train.wheels.distance);
-    let mut lines: Vec<String> = (curves.iter())
-        .map(|curve| {
-            let [start, _, _, end] = curve.corners();
-            let outward = curve.uncompensated_acceleration(speed, gravity, distance);
-            let (side, name) = if outward >= 0.0 {
-                ("outward", "deficiency")
-            } else {
-                ("inward", "excess")
-            };
-            format!(
-                "{} curve from {start} to {end} m, radius {} m, cant {:.0} mm, transitions {} m, at this speed {:.2} m/s² {} uncompensated \
-                 (cant {} {:.0} mm)",
-                curve.direction,
-                curve.radius,
-                1e3 * curve.cant,
-                curve.transition,
-                outward.abs(),
-                side,
-                name,
-                1e3 * curve.cant_deficiency(speed, gravity, distance).abs(),
-            )
-        })
-        .collect();
-    lines.push(
-        "the line is computed along the developed middle of the track, heights and staggers measured from the plane of the rails: left \
-         out are the radial pull of its wires, the offset of its chords between supports from the arc, and the part of its weight \
-         that leans in a canted curve"
-            .to_owned(),
-    );
-    let lumped = |pantograph: &scene::Pantograph| matches!(pantograph.model, PantographModel::Lumped(_));
-    if scene.pantographs.iter().any(lumped) {
-        lines.push(
-            "of a lumped pantograph's base the rise alone is felt: its strip does not sway with the vehicle".to_owned(),
-        );
-    }
-    lines.join("; ")
 }
 
 /// A part that the wind may act on; without a reason it does not.

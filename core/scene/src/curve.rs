@@ -90,11 +90,11 @@ impl Curve {
         };
         if self.radius < SMALLEST_RADIUS {
             let expected =
-                format!("must be {SMALLEST_RADIUS} m or more, the smallest radius of a running line (EN 13803)");
+                format!("must be {SMALLEST_RADIUS} m or more, the smallest radius of a running line (EN 13803-2)");
             refuse("radius", self.radius, expected);
         }
         if self.cant > LARGEST_CANT {
-            let expected = format!("must be from 0 to {LARGEST_CANT} m: no line has more (EN 13803 allows 0.18 m)");
+            let expected = format!("must be from 0 to {LARGEST_CANT} m: no line in service has more");
             refuse("cant", self.cant, expected);
         }
         for (name, part) in [("transition", self.transition), ("length", self.length)] {
@@ -106,7 +106,7 @@ impl Curve {
         }
         if self.cant > STEEPEST_RAMP * self.transition {
             let expected = format!(
-                "must be {:.3} m or more: with cant = {} m the track is twisted by {:.1} mm per m, and vehicles are made for {} (EN 14363)",
+                "must be {:.3} m or more: with cant = {} m the track is twisted by {:.1} mm per m, and vehicles are made for {}",
                 self.cant / STEEPEST_RAMP,
                 self.cant,
                 1e3 * self.cant / self.transition,
@@ -120,10 +120,10 @@ impl Curve {
 /// m [EN 13803-2:2006, 7.3].
 const SMALLEST_RADIUS: f64 = 150.0;
 
-/// m: that of the Tokaido Shinkansen.
+/// m: more than any line in service has; EN 13803 allows 0.18 m (figures from memory).
 const LARGEST_CANT: f64 = 0.2;
 
-/// Steepest cant ramp, –: the largest twist that EN 14363 tests vehicles on.
+/// Steepest cant ramp, –: the largest twist that EN 14363 has vehicles tested on (figure from memory).
 const STEEPEST_RAMP: f64 = 7e-3;
 
 impl Entry for Curve {

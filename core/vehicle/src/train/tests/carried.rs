@@ -137,3 +137,23 @@ fn in_a_canted_curve_the_strip_goes_aside_as_the_vehicle_under_it_leans() {
     );
     assert!(y < -0.05, "{y}");
 }
+
+#[test]
+fn an_importer_may_set_what_a_curve_is_like() {
+    use component::Component;
+    let mut scene = full_scene(&[ARC]);
+    let parameters = Subsystem::parameters(&scene);
+    let ours: Vec<_> = (parameters.iter())
+        .filter(|parameter| parameter.name.starts_with("track.curve."))
+        .collect();
+    let values: Vec<f64> = ours.iter().map(|parameter| parameter.value(&scene)).collect();
+    assert_eq!(values, [1200.0, 0.15, 80.0, 80.0, 400.0, 6.0]);
+    let radius = ours
+        .iter()
+        .find(|parameter| parameter.name == "track.curve.radius")
+        .unwrap();
+    radius.set(&mut scene, 900.0);
+    assert_eq!(scene.track.as_deref().unwrap().curves[0].radius, 900.0);
+    let none = Subsystem::parameters(&full_scene(&[]));
+    assert!(none.iter().all(|parameter| !parameter.name.starts_with("track.")));
+}
