@@ -13,9 +13,9 @@
 //! # Sources
 //! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
 //!   Chicago, 2016.
+//! - `[Haug 1989]` E. J. Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, Allyn and Bacon.
 //! - `[Shabana, Zaazaa & Sugiyama 2008]` A. A. Shabana, K. E. Zaazaa & H. Sugiyama, Railroad Vehicle Dynamics: A Computational
 //!   Approach, CRC Press.
-//! - `[Haug 1989]` E. J. Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, Allyn and Bacon.
 #![forbid(unsafe_code)]
 
 mod base;

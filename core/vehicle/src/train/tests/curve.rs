@@ -216,7 +216,7 @@ fn in_an_arc_the_rails_push_with_the_uncompensated_acceleration_and_the_outer_wh
         let curve = gentle();
         let mut scene = curved(&curve);
         scene.run.speed = speed;
-        let mut simulator = run(&scene, 400.0 / speed);
+        let mut simulator = run(&scene, 120.0 / speed + 9.0);
         let forces = wheel_forces(&mut simulator);
         let (mass, centre) = centre(&mut simulator);
         let shift = centre - track_under(&mut simulator);
@@ -279,7 +279,7 @@ fn moment_about_the_track(simulator: &mut Simulator<Alone>) -> f64 {
 fn at_the_speed_that_the_cant_balances_no_bogie_is_pushed_to_a_side() {
     let mut scene = curved(&gentle());
     scene.run.speed = (9.81 * 800.0 * gentle().cant_angle(DISTANCE).tan()).sqrt();
-    let mut simulator = run(&scene, 400.0 / scene.run.speed);
+    let mut simulator = run(&scene, 320.0 / scene.run.speed);
     let forces = wheel_forces(&mut simulator);
     let moments = moments_on_axles(&mut simulator);
     let weight = MASS * 9.81;
@@ -341,7 +341,7 @@ fn the_energy_of_a_run_into_a_curve_is_accounted_for() {
         let state = rolling(&mut alone);
         let mut simulator = Simulator::new(alone, state, Vec::new(), 1e-3, 1.0, NewtonOptions::default());
         let mut balance = simulator.energy_balance();
-        for i in 0..(4.0 / step).round() as usize {
+        for i in 0..(2.5 / step).round() as usize {
             simulator
                 .advance(i as f64 * step, step, &mut |_, _| (), &mut |_, _, _, _| ())
                 .unwrap();
