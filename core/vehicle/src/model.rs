@@ -403,6 +403,17 @@ impl PantographModel {
         }
     }
 
+    /// Drag and lift of the air on the body that carries the strip, N: along the air that meets it, and across it, positive upward;
+    /// 0 where nothing exposes it.
+    #[must_use]
+    pub fn wind_on_head(&self, motion: &Motion<'_>) -> [f64; 2] {
+        match &self.kind {
+            Kind::Lumped(lumped) => lumped.air().on_head(motion),
+            Kind::Linkage(linkage) => linkage.air().on_head(motion),
+            Kind::Reduced(linkage) => linkage.air().on_head(motion),
+        }
+    }
+
     /// Number of generalised velocities.
     #[must_use]
     pub fn coordinates(&self) -> usize {
