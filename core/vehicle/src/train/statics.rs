@@ -96,7 +96,7 @@ impl Train {
         let settled = self.settle(layout, state, &loads, &options);
         self.set_creeping(true);
         settled?;
-        let spins = self.steady_rolling(layout, state, &loads, &options)?;
+        let spins = self.steady_rolling(layout, state, &loads, &options);
         let base = self.base_frame(&state.motion(&[]));
         Ok(TrainRest {
             equilibrium: Equilibrium {
@@ -129,7 +129,7 @@ impl Train {
     }
 
     /// From rest without creep forces to rest under those of steady rolling: a wheel that rolls on a slope turns about the normal of its
-    /// contact, which pushes it sideways, and the rail bears it at another height. Returns χ̇ of the wheelsets, rad/s.
+    /// contact, which pushes it sideways, and the rail bears it at another height. Where there is no such state it stays as it is. Returns χ̇ of the wheelsets, rad/s.
     ///
     /// Positions at given spins and spins at given positions are found in turn. A change of a position by `δ` changes the rolling radius by
     /// less than that, and the spin by `Ω δ/r`, which moves nothing that bears weight: two rounds are enough for most.
@@ -139,7 +139,7 @@ impl Train {
         state: &mut State,
         loads: &[DeadForce],
         options: &StaticOptions,
-    ) -> Result<Vec<f64>, VehicleError> {
+    ) -> Vec<f64> {
         /// Accepted change of a spin, of that of rolling: a creepage of 1e-10, by which a wheel of 53 kN is pushed 1 mN.
         const CREEPAGE: f64 = 1e-10;
         const ROUNDS: usize = 20;
@@ -147,12 +147,18 @@ impl Train {
         for spin in &self.spins {
             layout.fix(spin.coordinate);
         }
+        let still = state.clone();
         let mut spins = self.free_rolling(state);
+        let standing = spins.clone();
         for _ in 0..ROUNDS {
             self.set_rolling(&spins);
             let settled = self.settle(&layout, state, loads, options);
             self.set_rolling(&[]);
-            settled?;
+            if settled.is_err() {
+                // On rails that are bent where it starts a wheelset rolls on, but not steadily.
+                *state = still;
+                return standing;
+            }
             let next = self.free_rolling(state);
             let change = (self.spins.iter().zip(spins.iter().zip(&next)))
                 .map(|(spin, (old, new))| ((new - old) / spin.rolling).abs())
@@ -162,7 +168,7 @@ impl Train {
                 break;
             }
         }
-        Ok(spins)
+        spins
     }
 
     /// Lets the wheels of each wheelset turn by χ̇ (rad/s) for statics, in which no coordinate has a velocity; by nothing where there is
