@@ -200,6 +200,12 @@ impl Catenary {
         })
     }
 
+    /// Number of intervals of one span.
+    #[must_use]
+    pub fn intervals_per_span(&self) -> usize {
+        self.droppers.positions.len() + 1
+    }
+
     /// Length of the shortest element along the track, m.
     #[must_use]
     pub fn shortest_element(&self) -> f64 {

@@ -479,7 +479,7 @@ fn a_cure_that_cannot_be_is_refused_with_its_reason() {
     for (more, what, reason) in [
         (
             &["solver.micro_step=0.002", "coupling.macro_step=0.002"][..],
-            "\"mass_correction\": must be left out: internal steps of 2.0000 ms are longer than 1.4311 ms",
+            "\"mass_correction\": must be left out: internal steps of 2.0000 ms are longer than 1.2778 ms",
             "the corrected mass would not be positive",
         ),
         (

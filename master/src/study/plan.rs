@@ -438,23 +438,24 @@ fn vehicle(runs: &mut Runs<'_>) {
     }
 }
 
-/// Steps of the ladder: elements in eighths of the base case's, micro step in halves of the base case's.
-const LADDER: [(usize, usize); 11] = [
-    (2, 4),
-    (4, 4),
-    (4, 2),
-    (6, 2),
-    (7, 2),
-    (8, 2),
-    (10, 2),
-    (12, 2),
-    (8, 1),
-    (12, 1),
-    (16, 1),
+/// Steps of the ladder: elements and micro step, both in eighths of the base case's.
+const LADDER: [(usize, usize); 12] = [
+    (2, 16),
+    (4, 16),
+    (4, 8),
+    (6, 8),
+    (7, 8),
+    (8, 10),
+    (8, 8),
+    (10, 8),
+    (12, 8),
+    (8, 4),
+    (12, 4),
+    (16, 4),
 ];
 
 /// The same with `quick`.
-const SHORT_LADDER: [(usize, usize); 4] = [(4, 4), (6, 2), (8, 2), (12, 1)];
+const SHORT_LADDER: [(usize, usize); 5] = [(4, 16), (6, 8), (8, 10), (8, 8), (12, 4)];
 
 /// Residual that ends Newton's method on the ladder, N: on the line of EN 50318 at 300 km/h it moves the filtered force by 0.02 % of
 /// its standard deviation, far less than the meshes of the ladder do, and saves a quarter of the time.
@@ -466,9 +467,9 @@ fn ladder(runs: &mut Runs<'_>, options: &Options) {
         return;
     }
     let rungs = if options.quick { &SHORT_LADDER[..] } else { &LADDER[..] };
-    let recipe = |(eighths, halves): (usize, usize), cures: &[String], reductions: &[String]| {
-        let elements = (ground.elements * eighths).div_ceil(8).max(1);
-        let micro_step = 0.5 * halves as f64 * ground.micro_step;
+    let recipe = |(elements, micro_step): (usize, usize), cures: &[String], reductions: &[String]| {
+        let elements = (ground.elements * elements).div_ceil(8).max(1);
+        let micro_step = 0.125 * micro_step as f64 * ground.micro_step;
         Recipe {
             mesh: ground.mesh(elements, cures.to_vec()),
             micro_step,
@@ -490,7 +491,7 @@ fn ladder(runs: &mut Runs<'_>, options: &Options) {
         }
     }
     if both(ground) && !options.quick {
-        let mut fine = recipe((16, 1), &[], &ground.reductions);
+        let mut fine = recipe((16, 4), &[], &ground.reductions);
         fine.micro_step = 0.25 * ground.micro_step;
         fine.exchange = ground.plain_exchange(fine.micro_step);
         runs.add(fine, Sweep::Ladder);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use scene::Scene;
+use scene::{Catenary, Scene};
 
 use super::vehicle::{Standing, StandingName, own_name, standings};
 use crate::monolithic::Monolithic;
@@ -193,7 +193,7 @@ impl Ground {
                 .collect(),
             keys: Keys::of(&scene, overrides),
             elements: line.map_or(1, |_| resolving_elements(&scene)),
-            intervals: line.map_or(1, |line| line.droppers.positions.len() + 1),
+            intervals: line.map_or(1, Catenary::intervals_per_span),
             micro_step: 0.02 / scene.run.low_pass_hz,
             others: prepared.others.iter().map(|other: &Other| other.fmu.clone()).collect(),
             standings: Vec::new(),
@@ -395,11 +395,7 @@ fn resolving_elements(scene: &Scene) -> usize {
         return 1;
     };
     let wave = (line.contact_wire.wave_speed() - scene.run.speed) / scene.run.low_pass_hz;
-    let mut points = line.supports_x();
-    points.extend(line.droppers_x());
-    points.sort_by(f64::total_cmp);
-    let longest = points.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-    let wanted = longest / (FINE * wave);
+    let wanted = line.intervals().fold(0.0, f64::max) / (FINE * wave);
     if !(wanted.is_finite() && wanted > 0.0) {
         return 8;
     }

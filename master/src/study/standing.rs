@@ -79,9 +79,7 @@ pub fn standing(folder: &Path, scene: &scene::Scene, mode: Mode) -> Option<Strin
         let row = &read.row;
         row.algorithm == own.algorithm && row.extrapolation == own.extrapolation && row.macro_step == own.macro_step
     };
-    let intervals = scene
-        .modelled_line()
-        .map_or(1, |(line, _)| line.droppers.positions.len() + 1);
+    let intervals = scene.modelled_line().map_or(1, |(line, _)| line.intervals_per_span());
     let names = Study {
         intervals,
         ..Study::default()

@@ -173,8 +173,7 @@ impl Row {
             extrapolation: coupled.then_some(scene.coupling.extrapolation as u64),
             macro_step: coupled.then_some(macro_step),
             micro_step: Some(micro),
-            elements_per_span: line
-                .map(|line| ((line.droppers.positions.len() + 1) * line.mesh.elements_per_interval) as u64),
+            elements_per_span: line.map(|line| (line.intervals_per_span() * line.mesh.elements_per_interval) as u64),
             mesh: line.map_or_else(String::new, |line| line.mesh.name()),
             reduction: if reductions.is_empty() {
                 "none".to_owned()

@@ -181,6 +181,25 @@ fn the_correction_takes_the_tension_matrix_off_the_inertia_only() {
     assert_eq!(a, b);
 }
 
+/// Its ends are those of a wire under tensioning weights. The bound of scenes, 0.25, lies below it.
+#[test]
+fn the_corrected_mass_of_a_wire_with_free_ends_is_positive_up_to_a_quarter_of_a_waves_travelling_time() {
+    let (length, elements) = (0.625, 40);
+    let start = Vector3::new(0.0, 0.0, 5.3);
+    let geometry = WireGeometry::straight(start, Vector3::x(), &vec![length; elements], |node| {
+        NodeMap::spatial(6 * node)
+    });
+    let wire = Wire::new(SECTION, DAMPING, LAWS, 9.81, Arc::new(geometry));
+    let least = |share: f64| {
+        let h = share * length / (SECTION.tension / SECTION.mass_per_length).sqrt();
+        let corrected = wire.clone().with_mass_correction(h);
+        let mass = dense(6 * (elements + 1), &mut |blocks| corrected.add_mass(blocks));
+        mass.symmetric_eigenvalues().min()
+    };
+    assert!(least(0.256) > 0.0);
+    assert!(least(0.257) < 0.0);
+}
+
 #[test]
 fn a_straight_wire_at_nominal_tension_feels_only_its_weight() {
     let (_, n) = spatial();
