@@ -112,6 +112,7 @@ impl Train {
         })
     }
 
+    /// Newton's method, from `state` on.
     fn settle(
         &mut self,
         layout: &Layout,
@@ -129,7 +130,8 @@ impl Train {
     }
 
     /// From rest without creep forces to rest under those of steady rolling: a wheel that rolls on a slope turns about the normal of its
-    /// contact, which pushes it sideways, and the rail bears it at another height. Where there is no such state it stays as it is. Returns χ̇ of the wheelsets, rad/s.
+    /// contact, which pushes it sideways, and the rail bears it at another height. Where there is no such state it stays as it is.
+    /// Returns χ̇ of the wheelsets, rad/s.
     ///
     /// Positions at given spins and spins at given positions are found in turn. A change of a position by `δ` changes the rolling radius by
     /// less than that, and the spin by `Ω δ/r`, which moves nothing that bears weight: two rounds are enough for most.
@@ -143,6 +145,9 @@ impl Train {
         /// Accepted change of a spin, of that of rolling: a creepage of 1e-10, by which a wheel of 53 kN is pushed 1 mN.
         const CREEPAGE: f64 = 1e-10;
         const ROUNDS: usize = 20;
+        if self.spins.is_empty() {
+            return Vec::new();
+        }
         let mut layout = layout.clone();
         for spin in &self.spins {
             layout.fix(spin.coordinate);
