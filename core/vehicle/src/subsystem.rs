@@ -221,6 +221,12 @@ impl Subsystem {
         }
     }
 
+    /// See [`PantographModel::wind_on_head`].
+    pub fn wind_on_head(&mut self) -> [f64; 2] {
+        let (pantograph, motion) = self.pantograph();
+        pantograph.wind_on_head(&motion)
+    }
+
     /// The pantograph's base in the world.
     pub fn base(&mut self) -> Frame {
         let (pantograph, motion) = self.pantograph();

@@ -136,6 +136,11 @@ impl RollingWheel {
         });
     }
 
+    /// Makes the wheel turn faster by `rate` (rad/s) than its coordinates say.
+    pub(super) fn set_rolling(&mut self, rate: f64) {
+        self.contact.set_spin(self.spin.rolling + rate);
+    }
+
     /// Force of the rail on the wheel, N: along the track, to its left, and up from the plane of the rails.
     #[must_use]
     pub fn force(&self, motion: &Motion<'_>) -> Vector3<f64> {

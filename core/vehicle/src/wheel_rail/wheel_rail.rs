@@ -97,6 +97,11 @@ impl WheelRail {
         self.parts.creep = creep;
     }
 
+    /// Puts another spin in place, rad/s, see [`WheelRailParts::spin`].
+    pub fn set_spin(&mut self, spin: f64) {
+        self.parts.spin = spin;
+    }
+
     /// The contacts at a motion, those with no force left out.
     #[must_use]
     pub fn contacts(&self, motion: &Motion<'_>) -> WheelContacts {
