@@ -46,7 +46,7 @@ pub struct PantographModel {
 
 #[derive(Clone, Debug)]
 enum Kind {
-    Lumped(Lumped),
+    Lumped(Box<Lumped>),
     Linkage(Box<Linkage>),
     Reduced(Box<ReducedLinkage>),
 }
@@ -87,7 +87,7 @@ impl PantographModel {
                 if let Some(train) = carriage.train() {
                     lumped.carry(train.travel(), placement.gravity);
                 }
-                Kind::Lumped(lumped)
+                Kind::Lumped(Box::new(lumped))
             }
             Entry::Linkage(_) if placement.one_motion && !matches!(ground, Ground::Still) => {
                 return Err(VehicleError::NotReducible {
