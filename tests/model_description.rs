@@ -167,11 +167,13 @@ fn inputs_and_outputs_are_those_that_users_rely_on() {
     ];
     assert_eq!(names(&pantograph, Causality::Input), load.into_iter().collect());
     let offered = names(&pantograph, Causality::Output);
-    for name in motion
-        .iter()
-        .map(String::as_str)
-        .chain(["strip[1].work", "base.z", "uplift_force"])
-    {
+    for name in motion.iter().map(String::as_str).chain([
+        "strip[1].work",
+        "strip[1].wind.drag",
+        "strip[1].wind.lift",
+        "base.z",
+        "uplift_force",
+    ]) {
         assert!(offered.contains(name), "Pantograph has no output {name}");
     }
     let parameters = names(&pantograph, Causality::Parameter);

@@ -9,7 +9,7 @@ use crate::command::{self, CommandError};
 use crate::compare;
 use crate::isolation;
 use crate::simulation::Mode;
-use crate::study::Options;
+use crate::study::{Options, Sweep};
 use crate::table_of_runs::{SETTLE, STATUS_RULE, macro_step};
 
 /// Scene that is run when nothing is said.
@@ -113,6 +113,9 @@ enum Command {
         /// Also measures the cost of a window at these numbers of spans: 80,400,2000
         #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = positive)]
         window_spans: Vec<usize>,
+        /// Sweeps to make, separated by commas: scene,mesh,micro_step,coupling,rho_inf,reductions,vehicle,ladder,spans [default: all]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = sweep)]
+        sweeps: Vec<Sweep>,
     },
     /// Runs the hard cases: what is stable, and where it stops being so
     #[command(after_long_help = stability_help())]
@@ -193,7 +196,8 @@ fn study_help() -> String {
          line with two meshes (cured and plain), which confirm each other. Their last difference is stated as what is not known \
          of the reference. Linearised and flat lines have references of their own.\n\n\
          Runs: a base case that resolves the waves ahead of the pantograph and the band of the low-pass filter; sweeps that \
-         change one thing of it; a ladder of balanced recipes for each class of reductions. They end when the last strip has left \
+         change one thing of it; where the scene has a vehicle, every model of it that the scene has what it needs for, on its track \
+         and, where that is smooth, on one with irregularities of the lower level of ORE B176; a ladder of balanced recipes for each class of reductions. They end when the last strip has left \
          the evaluation range and the low-pass filter has settled ({SETTLE} periods of its cut-off).\n\n\
          Errors are computed on all cores at once, wall times one run at a time afterwards. Every run is kept in the folder study \
          of the output directory: a study that was ended goes on where it was, with the same program.\n\n\
@@ -207,6 +211,12 @@ fn positive(text: &str) -> Result<usize, String> {
         Ok(count) if count > 0 => Ok(count),
         _ => Err("must be a whole number, at least 1".to_owned()),
     }
+}
+
+/// A sweep of a study by its name.
+fn sweep(text: &str) -> Result<Sweep, String> {
+    let found = Sweep::CHOICE.into_iter().find(|sweep| sweep.name() == text.trim());
+    found.ok_or_else(|| format!("must be one of {}", Sweep::CHOICE.map(Sweep::name).join(", ")))
 }
 
 /// A number above zero.
@@ -325,6 +335,7 @@ pub fn main() -> ExitCode {
             reference_work,
             spans,
             window_spans,
+            sweeps,
         } => {
             let options = Options {
                 elements: or(
@@ -352,6 +363,7 @@ pub fn main() -> ExitCode {
                 work: reference_work,
                 spans,
                 window_spans,
+                sweeps,
             };
             command::study::study(&scene, options, &common)
         }

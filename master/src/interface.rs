@@ -3,11 +3,11 @@
 //! | side | inputs | outputs |
 //! | --- | --- | --- |
 //! | line | [`strip`] motion of strip 1, of strip 2, … | [`contact`] of strip 1, of strip 2, …, then the uplift of each recorded support |
-//! | pantograph | [`load`] | [`strip`] motion and work |
+//! | pantograph | [`load`] | [`strip`] motion, work and wind |
 //!
 //! The names are those of the FMU variables.
 
-/// Motion of a collector strip: inputs of the line, and with the work the outputs of a pantograph.
+/// Motion of a collector strip: inputs of the line, and with work and wind the outputs of a pantograph.
 pub mod strip {
     /// Position along the track, m.
     pub const X: usize = 0;
@@ -27,10 +27,25 @@ pub mod strip {
     pub const MOTION: usize = 7;
     /// Work done by the contact on the strip since the start, J; an output only.
     pub const WORK: usize = 7;
+    /// Drag of the wind on the body of the strip, N; an output only.
+    pub const WIND_DRAG: usize = 8;
+    /// Lift of the wind on the body of the strip, N, positive upward; an output only.
+    pub const WIND_LIFT: usize = 9;
     /// Outputs of a pantograph.
-    pub const OUTPUTS: usize = 8;
+    pub const OUTPUTS: usize = 10;
     /// Names, in order.
-    pub const NAMES: [&str; OUTPUTS] = ["x", "y", "z", "vx", "vy", "vz", "roll", "work"];
+    pub const NAMES: [&str; OUTPUTS] = [
+        "x",
+        "y",
+        "z",
+        "vx",
+        "vy",
+        "vz",
+        "roll",
+        "work",
+        "wind.drag",
+        "wind.lift",
+    ];
 }
 
 /// Outputs of the line per strip.
@@ -160,5 +175,6 @@ mod tests {
         assert_eq!(line_inputs(2)[strip::MOTION + strip::VZ], "strip[2].vz");
         assert_eq!(pantograph_inputs()[load::FZ], "contact[1].fz");
         assert_eq!(pantograph_outputs()[strip::WORK], "strip[1].work");
+        assert_eq!(pantograph_outputs()[strip::WIND_LIFT], "strip[1].wind.lift");
     }
 }

@@ -436,6 +436,7 @@ fn read(whole: &Whole, (motion, lambda): (&Motion<'_>, &[f64]), supports: &[usiz
             values[strip::VX + axis] = frame.velocity[axis];
         }
         values[strip::ROLL] = frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]);
+        [values[strip::WIND_DRAG], values[strip::WIND_LIFT]] = whole.pantographs[i].wind_on_head(motion);
         let state = pair.state(motion, lambda);
         let on_strip = state.map(|state| state.force_on_strip());
         let position = state.map_or(frame.position, |state| state.position());

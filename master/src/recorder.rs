@@ -5,7 +5,7 @@
 
 use crate::algorithm::Point;
 use crate::interface::{contact, strip};
-use crate::results::{Animation, Frame, LineGeometry, Record, StripRecord, SupportRecord};
+use crate::results::{Animation, Frame, LineGeometry, Record, StripRecord, SupportRecord, WindRecord};
 
 /// Time between two pictures of the animation, s: 25 per second.
 const FRAME_STEP: f64 = 0.04;
@@ -41,6 +41,7 @@ impl Recorder {
             strip_z: column(),
             strip_vz: column(),
             gap: column(),
+            wind: None,
         };
         let record = Record {
             time: column(),
@@ -62,6 +63,18 @@ impl Recorder {
             frame_step: FRAME_STEP.max(duration / MAX_FRAMES),
             frames: 0,
         }
+    }
+
+    /// Records the wind on the strips of these pantographs (from 0) too.
+    #[must_use]
+    pub fn with_wind(mut self, pantographs: impl IntoIterator<Item = usize>) -> Self {
+        for index in pantographs {
+            self.record.pantographs[index].wind = Some(WindRecord {
+                drag: Vec::with_capacity(self.rows),
+                lift: Vec::with_capacity(self.rows),
+            });
+        }
+        self
     }
 
     /// Records the start.
@@ -88,13 +101,13 @@ impl Recorder {
         time >= (self.frames as f64 - ROUNDING) * self.frame_step
     }
 
-    /// Adds a picture; its time and forces are set to those of `point`.
+    /// Adds a picture; its time, forces and contacts are set to those of `point`.
     pub fn frame(&mut self, point: &Point, mut frame: Frame) {
         self.frames = (point.t / self.frame_step + ROUNDING).floor() as usize + 1;
         frame.time = point.t;
-        frame.forces = (0..point.strip_count())
-            .map(|i| point.contact(i)[contact::FORCE])
-            .collect();
+        let contacts = |value: usize| (0..point.strip_count()).map(move |i| point.contact(i)[value]).collect();
+        frame.forces = contacts(contact::FORCE);
+        frame.contacts = contacts(contact::X);
         self.record.animation.frames.push(frame);
     }
 
@@ -118,6 +131,11 @@ impl Recorder {
             let (z, vz) = strip_at(start.strip(i), end.strip(i), end.t - start.t, part);
             record.strip_z.push(z);
             record.strip_vz.push(vz);
+            if let Some(wind) = &mut record.wind {
+                let value = |index: usize| linear(start.strip(i)[index], end.strip(i)[index]);
+                wind.drag.push(value(strip::WIND_DRAG));
+                wind.lift.push(value(strip::WIND_LIFT));
+            }
         }
         let first = start.strip_count() * contact::COUNT;
         for (support, k) in self.record.supports.iter_mut().zip(first..) {
@@ -172,11 +190,14 @@ mod tests {
         let mut strips = vec![0.0; strip::OUTPUTS];
         strips[strip::Z] = t * t * t;
         strips[strip::VZ] = 3.0 * t * t;
+        strips[strip::WIND_DRAG] = 170.0 - 4.0 * t;
+        strips[strip::WIND_LIFT] = 70.0 + 4.0 * t;
         Point { t, from, line, strips }
     }
 
     fn recorded(h: f64, steps: usize, duration: f64, output_step: f64) -> Record {
-        let mut recorder = Recorder::new(duration, output_step, 1, &[3], LineGeometry::default());
+        let recorder = Recorder::new(duration, output_step, 1, &[3], LineGeometry::default());
+        let mut recorder = recorder.with_wind([0]);
         recorder.start(&point(0.0, 0.0));
         for n in 0..steps {
             let (from, to) = (n as f64 * h, (n + 1) as f64 * h);
@@ -205,6 +226,9 @@ mod tests {
                 assert!((strip.strip_vz[k] - 3.0 * t * t).abs() < 1e-11);
                 assert!((strip.contact_x[k] - 80.0 * t).abs() < 1e-10);
                 assert!((record.supports[0].uplift[k] - 2.0 * t).abs() < 1e-12);
+                let wind = strip.wind.as_ref().unwrap();
+                assert!((wind.drag[k] - (170.0 - 4.0 * t)).abs() < 1e-10);
+                assert!((wind.lift[k] - (70.0 + 4.0 * t)).abs() < 1e-10);
             }
         }
     }
@@ -256,5 +280,6 @@ mod tests {
         assert_eq!(record.animation.frames.len(), 26);
         assert!((record.animation.frames[1].time - 0.04).abs() < 1e-12);
         assert_eq!(record.animation.frames[0].forces, [100.0]);
+        assert!((record.animation.frames[1].contacts[0] - 80.0 * 0.04).abs() < 1e-12);
     }
 }

@@ -233,6 +233,13 @@ impl Prepared {
             supports,
             line,
         )
+        .with_wind((0..self.scene.pantographs.len()).filter(|&index| {
+            let own = !matches!(
+                self.scene.pantographs[index].model,
+                scene::PantographModel::ThirdParty(_)
+            );
+            own && vehicle::Air::of_scene(&self.scene, index).is_some()
+        }))
     }
 
     fn run_coupled<E: From<SetupError>>(

@@ -100,6 +100,16 @@ impl AerodynamicLaw {
             }
         }
     }
+
+    /// The amounts of the drag, along the air that meets the marker, and of the lift, across it, N: `F = F_D v̂_r + F_L v̂_L`. A
+    /// quasi-steady uplift is all lift. For the arguments see [`AerodynamicLaw::load`].
+    #[must_use]
+    pub fn drag_and_lift(&self, density: f64, v_r: &Vector3<f64>, axes: &Matrix3<f64>) -> [f64; 2] {
+        match self {
+            Self::Polar(polar) => polar.drag_and_lift(0.5 * density, v_r, axes),
+            Self::Uplift { coefficient } => [0.0, coefficient * v_r.x * v_r.x],
+        }
+    }
 }
 
 /// The force of the air on a marker.
@@ -136,6 +146,14 @@ impl<M: Marker> AerodynamicForce<M> {
         let frame = self.marker.frame(motion);
         let v_r = self.flow.velocity(motion, frame.position.x) - frame.velocity;
         self.law.load(self.flow.density, &v_r, &frame.axes)
+    }
+
+    /// Drag and lift now, N; see [`AerodynamicLaw::drag_and_lift`].
+    #[must_use]
+    pub fn drag_and_lift(&self, motion: &Motion<'_>) -> [f64; 2] {
+        let frame = self.marker.frame(motion);
+        let v_r = self.flow.velocity(motion, frame.position.x) - frame.velocity;
+        self.law.drag_and_lift(self.flow.density, &v_r, &frame.axes)
     }
 
     fn view(&self, motion: &Motion<'_>) -> View {

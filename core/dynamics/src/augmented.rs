@@ -1,7 +1,7 @@
-//! The augmented form of the equations of motion: accelerations and multipliers from one system of equations.
-use crate::{Constraint, Force, JacobianRows, Layout, Motion, System};
+//! The form that constraints take within a time step.
+use crate::{Constraint, Force, JacobianRows, Layout, Motion, System, Weights};
 
-/// How constraints enter a time step.
+/// How constraints enter a time step, but those that [`Constraint::moves`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Formulation {
     /// Index 3 (default): `g(q) = 0` at the end of the step, to rounding.
@@ -23,29 +23,50 @@ pub enum Formulation {
 /// `ω`, 1/s: a drift has decayed after a tenth of a second, and the rate is far below those that steps of a millisecond resolve.
 const DRIFT_RATE: f64 = 50.0;
 
-/// A system whose constraints are those of its accelerations.
-pub(crate) struct Augmented<'a> {
-    system: &'a mut dyn System,
-    v_dot: &'a [f64],
-    scale: f64,
+/// What a constraint that moves weighs its rate with in a time step, s; nothing in statics, which have no rates.
+///
+/// Such a constraint asks for `(ġ + ω g) / (γ' + ω) = 0`, a length as `g` is, with the derivative `g_q + ∂ġ/∂q / (γ' + ω)` where
+/// velocities change by `γ'` per change of the coordinates.
+pub(crate) fn rate_weight(weights: Weights) -> f64 {
+    if weights.v > 0.0 {
+        1.0 / (weights.v + DRIFT_RATE)
+    } else {
+        0.0
+    }
 }
 
-impl<'a> Augmented<'a> {
-    /// The constraints of `system` at the accelerations `v_dot`, where a change of the coordinates by 1 changes velocities and
-    /// accelerations by `velocity_rate` (1/s) and `mass_rate` (1/s²).
+/// A system whose constraints are those that a time step solves.
+pub(crate) struct Stepped<'a> {
+    system: &'a mut dyn System,
+    formulation: Formulation,
+    v_dot: &'a [f64],
+    of_accelerations: f64,
+    of_rates: f64,
+}
+
+impl<'a> Stepped<'a> {
+    /// The constraints of `system` at the accelerations `v_dot`, where a change of the coordinates by 1 changes accelerations by
+    /// `mass_rate` (1/s²) and velocities by `weights.v` (1/s).
     ///
-    /// Residuals are divided by `∂(v̇ + 2 ω v + ω² q)/∂q`, so that their derivative is `g_q` but for terms of the order of the step:
-    /// the iteration matrix and the tolerance are those of the positions.
-    pub fn new(system: &'a mut dyn System, v_dot: &'a [f64], (mass_rate, velocity_rate): (f64, f64)) -> Self {
+    /// Residuals of accelerations are divided by `∂(v̇ + 2 ω v + ω² q)/∂q`, so that their derivative is `g_q` but for terms of the order
+    /// of the step: the iteration matrix and the tolerance are those of the positions.
+    pub fn new(
+        system: &'a mut dyn System,
+        formulation: Formulation,
+        v_dot: &'a [f64],
+        (mass_rate, weights): (f64, Weights),
+    ) -> Self {
         Self {
             system,
+            formulation,
             v_dot,
-            scale: 1.0 / (mass_rate + DRIFT_RATE * (2.0 * velocity_rate + DRIFT_RATE)),
+            of_accelerations: 1.0 / (mass_rate + DRIFT_RATE * (2.0 * weights.v + DRIFT_RATE)),
+            of_rates: rate_weight(weights),
         }
     }
 }
 
-impl System for Augmented<'_> {
+impl System for Stepped<'_> {
     fn layout(&self) -> &Layout {
         self.system.layout()
     }
@@ -55,14 +76,51 @@ impl System for Augmented<'_> {
     }
 
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        let (v_dot, scale) = (self.v_dot, self.scale);
+        let (v_dot, formulation) = (self.v_dot, self.formulation);
+        let (of_accelerations, of_rates) = (self.of_accelerations, self.of_rates);
         self.system.constraints(&mut |constraint| {
-            visit(&mut OfAccelerations {
-                constraint,
-                v_dot,
-                scale,
-            });
+            if constraint.moves() {
+                visit(&mut OfRates {
+                    constraint,
+                    scale: of_rates,
+                });
+            } else if formulation == Formulation::Accelerations {
+                visit(&mut OfAccelerations {
+                    constraint,
+                    v_dot,
+                    scale: of_accelerations,
+                });
+            } else {
+                visit(constraint);
+            }
         });
+    }
+}
+
+/// `ġ + ω g`, scaled.
+struct OfRates<'a> {
+    constraint: &'a mut dyn Constraint,
+    scale: f64,
+}
+
+impl Constraint for OfRates<'_> {
+    fn dimension(&self) -> usize {
+        self.constraint.dimension()
+    }
+
+    fn residual(&self, motion: &Motion<'_>, g: &mut [f64]) {
+        self.constraint.residual(motion, g);
+        g.iter_mut().for_each(|g| *g *= DRIFT_RATE);
+        self.constraint.add_rate(motion, g);
+        g.iter_mut().for_each(|g| *g *= self.scale);
+    }
+
+    fn jacobian(&self, motion: &Motion<'_>, rows: &mut JacobianRows<'_>) {
+        self.constraint.jacobian(motion, rows);
+    }
+
+    fn moves(&self) -> bool {
+        true
     }
 }
 

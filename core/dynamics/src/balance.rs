@@ -182,7 +182,8 @@ impl EnergyBalance {
             let next = first + constraint.dimension();
             constraint.residual(motion, &mut residuals[first..next]);
             if constraint.moves() {
-                constraint.add_explicit_rate(motion, &mut rates[first..next]);
+                rates[first..next].fill(0.0);
+                constraint.add_rate(motion, &mut rates[first..next]);
             }
             first = next;
         });

@@ -23,14 +23,15 @@ pub trait Constraint: Send {
     }
 
     /// Whether the Jacobian reaches other coordinates in the course of time, as that of a strip that slides along a wire; the answer
-    /// never changes. Such rows stay out of the factored matrix: a [`crate::Force`] brings them by [`crate::Updates::border`].
+    /// never changes. Such rows stay out of the factored matrix: a [`crate::Force`] brings them by [`crate::Updates::border`]. In time
+    /// they hold by [`Constraint::add_rate`], see [`crate::GeneralizedAlpha`].
     fn moves(&self) -> bool {
         false
     }
 
-    /// Adds `g_t`, the rate of the residuals (m/s or 1/s) at held coordinates: what prescribed motion does to them. Only asked for
-    /// where the constraint [`Constraint::moves`].
-    fn add_explicit_rate(&self, motion: &Motion<'_>, rates: &mut [f64]) {
+    /// Adds `ġ = g_q v + g_t`, the rate of the residuals (m/s or 1/s), with `g_t` what prescribed motion does to them at held
+    /// coordinates. Only asked for where the constraint [`Constraint::moves`].
+    fn add_rate(&self, motion: &Motion<'_>, rates: &mut [f64]) {
         let _ = (motion, rates);
     }
 }

@@ -1,5 +1,6 @@
 //! Generalized-α time integration of constrained systems.
-use crate::augmented::{Augmented, Formulation};
+use crate::augmented::{Formulation, Stepped};
+use crate::moving::MovingMultipliers;
 use crate::newton::{Jacobian, Workspace, name};
 use crate::passes::{Apply, Predict};
 use crate::residual::Since;
@@ -69,6 +70,7 @@ pub struct Memory {
     linearisation: Option<Arc<Linearisation>>,
     history: Vec<f64>,
     last_h: Option<f64>,
+    moving: MovingMultipliers,
 }
 
 /// Generalized-α for constrained systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012],
@@ -80,6 +82,21 @@ pub struct Memory {
 /// vₙ₊₁ = vₙ + h (1 − γ) aₙ + h γ aₙ₊₁
 /// (1 − α_m) aₙ₊₁ + α_m aₙ = (1 − α_f) v̇ₙ₊₁ + α_f v̇ₙ
 /// ```
+///
+/// A constraint that [`crate::Constraint::moves`] along the coordinates, as a strip along a wire, has
+///
+/// ```text
+/// ġ(qₙ₊₁, vₙ₊₁) + ω g(qₙ₊₁) = 0,    ω = 50 1/s
+/// ```
+///
+/// in place of `g = 0`, whatever the formulation. Held at the position, its multiplier repeats an error with the double root
+/// `−rho_inf` of index 3 [Cardona & Géradin, Computers & Structures 33 (1989) 801, for the trapezoid], which the turn of `g_q` from
+/// step to step feeds: it grows. Held at the rate the root is single (index 2), and the turn can only take from it: with
+/// `Y_ab = g_q(a) A⁻¹ g_q(b)ᵀ` of the iteration matrix `A`, the trapezoid (`rho_inf` = 1) makes `−Y_(n+1)(n) / Y_(n+1)(n+1)` of an error
+/// at step `n`, and `Y_ab² ≤ Y_aa Y_bb` leaves no more than `√(Y_00/Y_NN)` of it after `N` steps (derived here). The motion feels what the
+/// turn has taken, of the order of `h`, and the multipliers that are reported come from the impulses of the steps, see
+/// [`State::lambda`]. The distance that rates leave, of the order of `h²`, decays with `ω` [Baumgarte 1972] as under
+/// [`Formulation::Accelerations`].
 ///
 /// The iteration matrix `β' M + γ' D + K` treats the derivative of the exponential map as the identity: its error is of the
 /// order of the rotation within one step and costs at most iterations.
@@ -194,7 +211,10 @@ impl GeneralizedAlpha {
             q: 1.0,
             v: velocity_rate,
         };
+        let stretch = self.stretch(h);
         self.predict(system, state, t_end, h);
+        let moving = &mut self.memory.moving;
+        moving.begin(workspace.moving(), &self.scheme, stretch, &mut state.lambda);
         system.forces(&mut |force| force.begin_step(&state.motion(u)));
         let n = state.q.len();
         let options = self.options;
@@ -209,12 +229,12 @@ impl GeneralizedAlpha {
                 _ if damping < 1.0 => Since::PartOfCorrection,
                 _ => Since::Correction,
             };
-            let mut augmented;
+            let mut stepped;
             let at: &mut dyn System = match options.formulation {
-                Formulation::Positions => &mut *system,
-                Formulation::Accelerations => {
-                    augmented = Augmented::new(system, &state.v_dot, (mass_rate, velocity_rate));
-                    &mut augmented
+                Formulation::Positions if workspace.moving().is_empty() => &mut *system,
+                formulation => {
+                    stepped = Stepped::new(system, formulation, &state.v_dot, (mass_rate, weights));
+                    &mut stepped
                 }
             };
             let residual = workspace.residual(at, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
@@ -227,6 +247,8 @@ impl GeneralizedAlpha {
             }
             if residual.ratio <= 1.0 {
                 system.forces(&mut |force| force.end_step(&motion));
+                let moving = &mut self.memory.moving;
+                moving.end(workspace.moving(), &self.scheme, (h, stretch), &mut state.lambda);
                 return Ok(());
             }
             if iteration == options.max_iterations {
@@ -327,6 +349,15 @@ impl GeneralizedAlpha {
         workspace.factor(system, &motion, mass_rate, weights)
     }
 
+    /// Ratio of a step of `h` s to the last one: `a` approximates `v̇` at `t + (α_m − α_f) h`, so its distance from `v̇` goes with
+    /// the step.
+    fn stretch(&self, h: f64) -> f64 {
+        match self.memory.last_h {
+            Some(last_h) if (last_h - h).abs() > 1e-9 * h => h / last_h,
+            _ => 1.0,
+        }
+    }
+
     /// Predicts the end of the step with the auxiliary acceleration kept; the start goes to `self.start`.
     fn predict(&mut self, system: &dyn System, state: &mut State, t_end: f64, h: f64) {
         if self.start.q.len() == state.q.len() {
@@ -336,11 +367,7 @@ impl GeneralizedAlpha {
         } else {
             self.start.copy_from(state);
         }
-        // a approximates v̇ at t + (α_m − α_f) h, so its distance from v̇ goes with the step.
-        let stretch = match self.memory.last_h {
-            Some(last_h) if (last_h - h).abs() > 1e-9 * h => h / last_h,
-            _ => 1.0,
-        };
+        let stretch = self.stretch(h);
         state.t = t_end;
         Arch::new().dispatch(Predict {
             start: &self.start,
@@ -411,7 +438,13 @@ impl GeneralizedAlpha {
     ) -> Result<(), StepError> {
         crate::start::accelerations(system, state, u)?;
         state.a.clone_from(&state.v_dot);
+        self.begin_anew();
         Ok(())
+    }
+
+    /// Takes note that the state was not reached by a step.
+    pub fn begin_anew(&mut self) {
+        self.memory.moving.clear();
     }
 
     /// Takes a jump of the inputs at the present state, from `before` to `u`, into accelerations and multipliers before a step of
@@ -455,6 +488,7 @@ impl GeneralizedAlpha {
             for (lambda, change) in state.lambda.iter_mut().zip(of_multipliers) {
                 *lambda += change;
             }
+            self.memory.moving.jump(workspace.moving(), of_multipliers);
         }
         self.workspace = Some(workspace);
         result
@@ -480,6 +514,7 @@ impl GeneralizedAlpha {
     pub fn save(&self, system: &mut dyn System, memory: &mut Memory) {
         memory.linearisation.clone_from(&self.memory.linearisation);
         memory.last_h = self.memory.last_h;
+        memory.moving.copy_from(&self.memory.moving);
         memory.history.clear();
         system.forces(&mut |force| force.save(&mut memory.history));
     }
@@ -502,6 +537,7 @@ impl GeneralizedAlpha {
         };
         self.memory.linearisation.clone_from(&memory.linearisation);
         self.memory.last_h = memory.last_h;
+        self.memory.moving.copy_from(&memory.moving);
         if let Some(mut workspace) = self.workspace.take() {
             workspace.forget();
             self.workspace = Some(workspace);

@@ -36,6 +36,7 @@ mod lu;
 mod marker;
 mod matrix;
 mod motion;
+mod moving;
 mod newton;
 mod part;
 mod passes;

@@ -18,7 +18,8 @@ pub(crate) struct IterationMatrix {
     /// Two places per Jacobian entry: in `g_q` and in its transpose.
     jacobian_places: Vec<u32>,
     moving_rows: MovingRows,
-    /// Places on the diagonal of the multipliers of constraints that move.
+    /// Equations of the constraints that move, and places on the diagonal of their multipliers, where placeholders stand there.
+    pub moving: Vec<usize>,
     placeholders: Vec<u32>,
     values: Vec<f64>,
     /// First of `values` of each part, and their number.
@@ -108,9 +109,10 @@ impl IterationMatrix {
         Self {
             coordinates,
             moving_rows,
-            placeholders: (moving.into_iter())
+            placeholders: (moving.iter())
                 .map(|row| place((coordinates + row) as u32, (coordinates + row) as u32))
                 .collect(),
+            moving,
             mass_entries: mass_places
                 .iter()
                 .map(|&(row, column, value)| (place(row, column), value))

@@ -1,4 +1,5 @@
 //! What statics and time integration share: residuals, corrections, and the options of Newton's method.
+use crate::augmented::rate_weight;
 use crate::matrix::{IterationMatrix, MovingRows};
 use crate::part::Thresholds;
 use crate::residual::{Correction, Imbalance, Residual, Since, all_finite};
@@ -201,6 +202,11 @@ impl Workspace {
         self.imbalance.sum_up(system, motion, lambda, options)
     }
 
+    /// The equations of constraints that move, ascending.
+    pub fn moving(&self) -> &[usize] {
+        &self.matrix.moving
+    }
+
     /// The unknown with the largest residual.
     pub fn worst(&self, residual: &Residual) -> usize {
         self.imbalance.worst(residual)
@@ -240,7 +246,8 @@ impl Workspace {
         options: Option<&NewtonOptions>,
     ) -> Result<(), StepError> {
         self.updates.clear();
-        self.updates.set_borders(self.coordinates, self.scale);
+        self.updates
+            .set_borders(self.coordinates, self.scale, rate_weight(weights));
         let mut owner = 0;
         let updates = &mut self.updates;
         system.forces(&mut |force| {

@@ -68,6 +68,7 @@ impl<S: System> Simulator<S> {
     /// # Errors
     /// See [`crate::solve_static`].
     pub fn settle(&mut self, options: &StaticOptions) -> Result<StaticReport, StepError> {
+        self.integrator.begin_anew();
         solve_static(&mut self.system, &mut self.state, &self.u, options)
     }
 
@@ -80,6 +81,7 @@ impl<S: System> Simulator<S> {
     /// Replaces the present state, for starts that are found elsewhere.
     pub fn set_state(&mut self, state: State) {
         self.state = state;
+        self.integrator.begin_anew();
     }
 
     /// Consistent accelerations for a start that is not an equilibrium.

@@ -1,7 +1,7 @@
 //! Consistent velocities, accelerations and multipliers at the start of a motion.
 use crate::matrix::{IterationMatrix, MovingRows, visit_jacobian};
 use crate::newton::name;
-use crate::{State, StepError, System, Weights};
+use crate::{Motion, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Solves `[M g_qᵀ; g_q 0] [v̇; λ] = [Q; −(g_q)˙ v − (g_t)˙]`.
@@ -62,7 +62,7 @@ fn moving_rows(system: &mut dyn System, equations: usize) -> Vec<bool> {
 
 /// `g_q v + g_t` at the place of a state, without the `g_t` of constraints that do not move.
 fn rates(system: &mut dyn System, at: &State, v: &[f64], u: &[f64]) -> Vec<f64> {
-    let motion = at.motion(u);
+    let motion = Motion { v, ..at.motion(u) };
     let mut rates = vec![0.0; at.lambda.len()];
     visit_jacobian(system, &motion, &mut |row, columns, values| {
         rates[row] += (columns.iter().zip(values)).map(|(&i, g)| g * v[i]).sum::<f64>();
@@ -71,7 +71,8 @@ fn rates(system: &mut dyn System, at: &State, v: &[f64], u: &[f64]) -> Vec<f64> 
     system.constraints(&mut |constraint| {
         let next = first + constraint.dimension();
         if constraint.moves() {
-            constraint.add_explicit_rate(&motion, &mut rates[first..next]);
+            rates[first..next].fill(0.0);
+            constraint.add_rate(&motion, &mut rates[first..next]);
         }
         first = next;
     });

@@ -31,6 +31,7 @@ pub struct Updates {
     owner: u64,
     coordinates: usize,
     scale: f64,
+    rate_weight: f64,
     multipliers: Vec<f64>,
     borders: usize,
     pub(crate) rows: Vec<Row>,
@@ -70,10 +71,12 @@ impl Updates {
         self.core(first_row, 1, &[coefficient]);
     }
 
-    /// Says how many coordinates come before the multipliers, and how constraint rows are scaled in the factored matrix.
-    pub(crate) fn set_borders(&mut self, coordinates: usize, scale: f64) {
+    /// Says how many coordinates come before the multipliers, how constraint rows are scaled in the factored matrix, and what rates of
+    /// constraints that move are weighed with, s.
+    pub(crate) fn set_borders(&mut self, coordinates: usize, scale: f64, rate_weight: f64) {
         self.coordinates = coordinates;
         self.scale = scale;
+        self.rate_weight = rate_weight;
     }
 
     /// Whether there is one.
@@ -93,25 +96,29 @@ impl Updates {
         self.multipliers[number]
     }
 
-    /// Adds the row `u` of a constraint that [`crate::Constraint::moves`], and its transpose, as the border of the matrix that belongs
-    /// to the `multiplier` with this number; takes two slots. `entries` are the non-zero entries (index, value) of `u`.
+    /// Adds row and column of a constraint that [`crate::Constraint::moves`] as the border of the matrix that belongs to the
+    /// `multiplier` with this number; takes three slots. `entries` are index, `g_q` and `∂ġ/∂q` (1/s) where one of these is not zero.
     ///
-    /// The factored matrix has `PLACEHOLDER` on the diagonal of that multiplier and nothing else in its row. With the unit vector `e`
-    /// of the multiplier the term is `s (u eᵀ + e uᵀ) − PLACEHOLDER e eᵀ`, `s` the scale of constraint rows, and the low-rank formula
-    /// becomes the elimination of a bordered matrix: what it divides by is `s² uᵀ A⁻¹ u`.
+    /// The column is `u = g_q`, the row `w = g_q + τ ∂ġ/∂q`, where `τ` is the weight of rates in a time step. The factored matrix has
+    /// `PLACEHOLDER` on the diagonal of that multiplier and nothing else in its row. With the unit vector `e` of the multiplier the term
+    /// is `s (u eᵀ + e wᵀ) − PLACEHOLDER e eᵀ`, `s` the scale of constraint rows, and the low-rank formula becomes the elimination of a
+    /// bordered matrix: what it divides by is `s² wᵀ A⁻¹ u`.
     pub fn border(
         &mut self,
         first_slot: u32,
         version: u64,
         multiplier: usize,
-        entries: impl Iterator<Item = (usize, f64)>,
+        entries: impl Iterator<Item = (usize, f64, f64)> + Clone,
     ) {
         self.borders += 1;
-        let first_row = self.rows.len();
-        self.row(first_slot, version, entries);
+        let (first_row, s, weight) = (self.rows.len(), self.scale, self.rate_weight);
+        let column = entries.clone().map(|(index, direction, _)| (index, direction));
+        self.row(first_slot, version, column);
+        let row = entries.map(|(index, direction, of_rate)| (index, direction + weight * of_rate));
+        self.row(first_slot + 1, version, row);
         let unknown = self.coordinates + multiplier;
-        self.row(first_slot + 1, unknown as u64, std::iter::once((unknown, 1.0)));
-        self.core(first_row, 2, &[0.0, self.scale, self.scale, -PLACEHOLDER]);
+        self.row(first_slot + 2, unknown as u64, std::iter::once((unknown, 1.0)));
+        self.core(first_row, 3, &[0.0, 0.0, s, 0.0, 0.0, 0.0, 0.0, s, -PLACEHOLDER]);
     }
 
     /// Adds the dense matrix `matrix` (row by row) on the coordinates `indices`.

@@ -46,7 +46,7 @@ pub struct PantographModel {
 
 #[derive(Clone, Debug)]
 enum Kind {
-    Lumped(Lumped),
+    Lumped(Box<Lumped>),
     Linkage(Box<Linkage>),
     Reduced(Box<ReducedLinkage>),
 }
@@ -84,7 +84,10 @@ impl PantographModel {
             Entry::Lumped(entry) => {
                 let mut lumped = Lumped::new(entry, name, layout)?;
                 lumped.stand_on(&ground, carriage.base_point(lumped.reference_height()));
-                Kind::Lumped(lumped)
+                if let Some(train) = carriage.train() {
+                    lumped.carry(train.travel(), placement.gravity);
+                }
+                Kind::Lumped(Box::new(lumped))
             }
             Entry::Linkage(_) if placement.one_motion && !matches!(ground, Ground::Still) => {
                 return Err(VehicleError::NotReducible {
@@ -95,7 +98,11 @@ impl PantographModel {
                 Kind::Reduced(Box::new(ReducedLinkage::new(entry, placement.gravity, name, layout)?))
             }
             Entry::Linkage(entry) => {
-                Kind::Linkage(Box::new(Linkage::on(ground, entry, placement.gravity, name, layout)?))
+                let mut linkage = Linkage::on(ground, entry, placement.gravity, name, layout)?;
+                if let Some(train) = carriage.train() {
+                    linkage.carry(train.travel());
+                }
+                Kind::Linkage(Box::new(linkage))
             }
             Entry::ThirdParty(entry) => {
                 return Err(VehicleError::ThirdParty { fmu: entry.fmu.clone() });
@@ -400,6 +407,17 @@ impl PantographModel {
             Kind::Lumped(lumped) => lumped.reference_height(),
             Kind::Linkage(linkage) => linkage.reference_height(),
             Kind::Reduced(linkage) => linkage.reference_height(),
+        }
+    }
+
+    /// Drag and lift of the air on the body that carries the strip, N: along the air that meets it, and across it, positive upward;
+    /// 0 where nothing exposes it.
+    #[must_use]
+    pub fn wind_on_head(&self, motion: &Motion<'_>) -> [f64; 2] {
+        match &self.kind {
+            Kind::Lumped(lumped) => lumped.air().on_head(motion),
+            Kind::Linkage(linkage) => linkage.air().on_head(motion),
+            Kind::Reduced(linkage) => linkage.air().on_head(motion),
         }
     }
 

@@ -8,7 +8,7 @@ use scene::{PantographModel, Scene};
 mod vehicle;
 
 /// Outputs behind the inputs, in order.
-const OUTPUTS: [(&str, &str, &str); 10] = [
+const OUTPUTS: [(&str, &str, &str); 12] = [
     ("strip[1].x", "m", "Position of the strip's middle along the track"),
     (
         "strip[1].y",
@@ -28,6 +28,16 @@ const OUTPUTS: [(&str, &str, &str); 10] = [
         "strip[1].work",
         "J",
         "Work done by the contact on the strip since the start",
+    ),
+    (
+        "strip[1].wind.drag",
+        "N",
+        "Drag of the wind on the body of the strip, along the air that meets it",
+    ),
+    (
+        "strip[1].wind.lift",
+        "N",
+        "Lift of the wind on the body of the strip, across the air that meets it, positive upward",
     ),
     ("base.z", "m", "Height of the base above the top of rail"),
     ("uplift_force", "N", "Force that raises the pantograph"),
@@ -112,12 +122,13 @@ impl Component for Subsystem {
             output @ 3..=5 => self.strip().velocity[output - 3],
             6 => self.strip().roll,
             7 => self.work(),
-            8 => self.base().position.z,
-            9 => self.pantograph().0.uplift_force(),
-            output @ 10..=11 => self.base().position[output - 10],
-            12 => self.base_roll(),
-            output if output % 2 == 1 => self.wheel_load((output - 13) / 2),
-            output => self.derailment_quotient((output - 13) / 2),
+            output @ 8..=9 => self.wind_on_head()[output - 8],
+            10 => self.base().position.z,
+            11 => self.pantograph().0.uplift_force(),
+            output @ 12..=13 => self.base().position[output - 12],
+            14 => self.base_roll(),
+            output if output % 2 == 1 => self.wheel_load((output - 15) / 2),
+            output => self.derailment_quotient((output - 15) / 2),
         }
     }
 

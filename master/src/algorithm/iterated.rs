@@ -89,7 +89,7 @@ impl Iterated {
         for (index, residual) in self.residual.iter_mut().enumerate() {
             let scale = match index % strip::OUTPUTS {
                 strip::VX..=strip::VZ => h,
-                strip::WORK => 0.0,
+                strip::WORK.. => 0.0,
                 _ => 1.0,
             };
             *residual = scale * (reached[index] - self.guess[index]);

@@ -461,10 +461,10 @@ fn a_prediction_of_degree_two_repeats_a_parabola() {
 #[test]
 fn the_cubic_reaches_both_positions_and_velocities() {
     let start = Point {
-        strips: vec![1.0, 0.0, 5.0, 80.0, 0.1, -0.3, 0.0, 0.0],
+        strips: vec![1.0, 0.0, 5.0, 80.0, 0.1, -0.3, 0.0, 0.0, 0.0, 0.0],
         ..Point::default()
     };
-    let end = [9.1, 0.02, 4.9, 80.5, 0.2, 0.4, 0.01, 0.0];
+    let end = [9.1, 0.02, 4.9, 80.5, 0.2, 0.4, 0.01, 0.0, 0.0, 0.0];
     let (h, mut polynomial) = (0.1, Polynomial::zeros(strip::MOTION));
     predict::hermite(&start, &end, h, &mut polynomial);
     for (i, (from, to)) in start.strips.iter().zip(end).enumerate().take(strip::MOTION) {

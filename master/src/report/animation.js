@@ -28,7 +28,8 @@
     const s = b.time > a.time ? Math.min(1, Math.max(0, (t - a.time) / (b.time - a.time))) : 0;
     return { contact: between(a.contact_wire, b.contact_wire, s), messenger: between(a.messenger_wire, b.messenger_wire, s),
              droppers: between(a.droppers, b.droppers, s), slack: (s < 0.5 ? a : b).droppers.map((d) => d[4] > 0),
-             pantographs: between(a.pantographs, b.pantographs, s), forces: between(a.forces, b.forces, s) };
+             pantographs: between(a.pantographs, b.pantographs, s), forces: between(a.forces, b.forces, s),
+             contacts: between(a.contacts, b.contacts, s) };
   }
 
   function choose(index) {
@@ -125,9 +126,9 @@
     g.textAlign = "right"; g.fillText(`heights ${exaggeration < 10 ? exaggeration.toFixed(1) : exaggeration.toFixed(0)}×`, width - right, 4);
 
     const forces = picture.forces.map((f, i) => {
-      const centre = stripCentre(picture.pantographs[i]);
+      const x = picture.contacts[i];
       const name = picture.forces.length > 1 ? `pantograph ${i + 1}: ` : "";
-      return `${name}${centre ? `x = ${centre[0].toFixed(1)} m, ` : ""}contact force ${f === null ? "–" : f.toFixed(0)} N`;
+      return `${name}${typeof x === "number" ? `x = ${x.toFixed(1)} m, ` : ""}contact force ${f === null ? "–" : f.toFixed(0)} N`;
     });
     part("readout").textContent = [`t = ${time.toFixed(2)} s`, ...forces].join(" · ") +
       ` · slack droppers ${picture.slack.filter(Boolean).length}`;

@@ -31,6 +31,18 @@ fn the_page_holds_every_section_and_loads_nothing() {
 }
 
 #[test]
+fn the_wind_is_drawn_where_it_was_recorded_only() {
+    let mut bundle = bundle(true);
+    assert!(!render(std::slice::from_ref(&bundle)).contains("plot-wind"));
+    bundle.record.pantographs[0].wind = Some(crate::results::WindRecord {
+        drag: vec![172.53; bundle.record.time.len()],
+        lift: vec![69.01; bundle.record.time.len()],
+    });
+    let page = render(&[bundle]);
+    assert!(page.contains("plot-wind") && page.contains("172.53") && page.contains("69.01"));
+}
+
+#[test]
 fn text_of_the_scene_cannot_become_markup() {
     let page = render(&[bundle(true)]);
     assert!(page.contains("A &lt;sample&gt; &amp; more"));

@@ -1,6 +1,7 @@
 //! Making the runs of a reproduction, side by side.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -12,6 +13,7 @@ use super::plan::{Group, Mesh, Planned};
 use super::published::Case;
 use super::relation::{Relation, relations};
 use crate::report::Progress;
+use crate::results::WindRecord;
 use crate::run::Watch;
 use crate::simulation::SetupError;
 use crate::statistics::ForceStatistics;
@@ -36,12 +38,58 @@ pub struct Line {
     /// Standard deviation of the raw force, N.
     #[serde(rename = "raw_std_N")]
     pub raw_std: Option<f64>,
+    /// The wind on the pan-head over the evaluation range, where one acts.
+    pub head: Option<HeadWind>,
     /// Contact force, whole run.
     #[serde(skip)]
     pub curve: Option<Curve>,
+    /// The wind on the pan-head, whole run.
+    #[serde(skip)]
+    pub wind: Option<WindRecord>,
     /// Time between its samples, s.
     #[serde(skip)]
     pub output_step: f64,
+}
+
+/// Smallest, mean and largest value of a force, N.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Extent {
+    /// Smallest.
+    #[serde(rename = "min_N")]
+    pub min: f64,
+    /// Mean.
+    #[serde(rename = "mean_N")]
+    pub mean: f64,
+    /// Largest.
+    #[serde(rename = "max_N")]
+    pub max: f64,
+}
+
+/// The wind on the pan-head.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HeadWind {
+    /// Drag, along the air that meets it.
+    pub drag: Extent,
+    /// Lift, across it, positive upward.
+    pub lift: Extent,
+}
+
+impl HeadWind {
+    /// Over some samples of a record.
+    fn of(wind: &WindRecord, range: Range<usize>) -> Option<Self> {
+        let extent = |force: &[f64]| {
+            let force = ForceStatistics::of(force.get(range.clone())?)?;
+            Some(Extent {
+                min: force.min,
+                mean: force.mean,
+                max: force.max,
+            })
+        };
+        Some(Self {
+            drag: extent(&wind.drag)?,
+            lift: extent(&wind.lift)?,
+        })
+    }
 }
 
 /// The table of a reproduction, complete or not.
@@ -74,6 +122,7 @@ impl Reproduction {
     #[must_use]
     pub fn columns(&self) -> (Vec<Column>, Vec<Column>) {
         let cells = |cell: &dyn Fn(&Line) -> String| self.lines.iter().map(cell).collect();
+        let head = |figure: &dyn Fn(&HeadWind) -> f64| cells(&|line| line.head.as_ref().map(figure).cell());
         (
             vec![
                 ("group", cells(&|line| line.group.name().to_owned())),
@@ -83,6 +132,12 @@ impl Reproduction {
             ],
             vec![
                 ("raw_std_N", cells(&|line| line.raw_std.cell())),
+                ("head_drag_min_N", head(&|head| head.drag.min)),
+                ("head_drag_mean_N", head(&|head| head.drag.mean)),
+                ("head_drag_max_N", head(&|head| head.drag.max)),
+                ("head_lift_min_N", head(&|head| head.lift.min)),
+                ("head_lift_mean_N", head(&|head| head.lift.mean)),
+                ("head_lift_max_N", head(&|head| head.lift.max)),
                 ("published_mean_N", cells(&|line| line.case.mean.printed())),
                 ("published_std_N", cells(&|line| line.case.std.printed())),
                 (
@@ -116,7 +171,9 @@ impl Line {
             value: planned.value.clone(),
             row: planned.variant.planned(stage),
             raw_std: None,
+            head: None,
             curve: None,
+            wind: None,
             output_step: f64::NAN,
         }
     }
@@ -127,8 +184,15 @@ impl Line {
         let curve = (!made.curves.is_empty()).then(|| made.curves.swap_remove(0));
         let raw = curve.as_ref().and_then(|curve| curve.raw.get(curve.range.clone()));
         self.raw_std = raw.and_then(ForceStatistics::of).map(|force| force.std);
+        let wind = made.winds.into_iter().next().flatten();
+        let range = curve.as_ref().map(|curve| curve.range.clone());
+        self.head = wind
+            .as_ref()
+            .zip(range)
+            .and_then(|(wind, range)| HeadWind::of(wind, range));
         // Only what is drawn is kept.
         self.curve = curve.filter(|_| self.group == Group::Published);
+        self.wind = wind.filter(|_| self.group == Group::Published);
         self.output_step = output_step;
     }
 }

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | `published` | what was published |
 //! | `open` | what the publication leaves open, and the range each such quantity plausibly has |
-//! | `wind` | how the published wind can be read |
+//! | `wind` | how the published wind can be read, and its forces on the pan-head by hand |
 //! | `plan` | the runs |
 //! | `execute` | making them, side by side |
 //! | `relation` | changes between cases, published and computed |
@@ -27,7 +27,7 @@ mod tests;
 mod text;
 mod wind;
 
-pub use execute::{Line, Reproduction, Site, execute};
+pub use execute::{Extent, HeadWind, Line, Reproduction, Site, execute};
 pub use page::page;
 pub use plan::{Group, Mesh, Planned, plan};
 pub use published::{CASES, Case, Figure};

@@ -8,7 +8,8 @@ use super::execute::{Line, Reproduction};
 use super::open::OPEN;
 use super::plan::{Group, Mesh};
 use super::published::{CASES, Case};
-use super::text::{cases, changes, force, missing, readings, spreads};
+use super::text::{cases, changes, force, head, missing, published as case_of, readings, spreads};
+use super::wind;
 use crate::report::plots::{COLOURS, axis, finished, layout, rounded};
 use crate::report::{Page, escape, remarks};
 use crate::simulation::Mode;
@@ -31,12 +32,18 @@ pub fn page(reproduction: &Reproduction) -> String {
         "Readings of the wind: changes, the published ones in the head",
         &table(&readings(reproduction)),
     );
+    page.section("Wind on the pan-head", &wind_on_head(reproduction));
     for mesh in Mesh::ALL {
         let heading = format!("What the thesis leaves open, {}", mesh.name());
         page.section(&heading, &open(reproduction, mesh));
     }
-    for (heading, cases, times) in FIGURES {
-        page.section(heading, &figure(reproduction, heading, cases, *times));
+    for (heading, shown, times) in FIGURES {
+        let body = match shown {
+            Shown::Contact(cases) => figure(reproduction, heading, cases, *times),
+            Shown::Drag => wind_figure(reproduction, heading, 0),
+            Shown::Lift => wind_figure(reproduction, heading, 1),
+        };
+        page.section(heading, &body);
     }
     page.section("What was not computed", &remarks(&missing(reproduction)));
     page.finish()
@@ -221,23 +228,81 @@ fn open(reproduction: &Reproduction, mesh: Mesh) -> String {
     format!("{plot}<p>{}</p>\n{}", escape(&verdict), table(&rows))
 }
 
-/// Figures of the thesis that show contact forces: heading, cases, time range in s.
-const FIGURES: &[(&str, &[usize], [f64; 2])] = &[
-    ("Fig. 6: contact force without wind", &[0], [0.0, 10.0]),
-    ("Fig. 7: the same, 7 to 10 s", &[0], [7.0, 10.0]),
-    ("Fig. 8: penalty force and sliding joint", &[0, 1], [0.0, 10.0]),
-    ("Fig. 9: the same, 7 to 10 s", &[0, 1], [7.0, 10.0]),
-    ("Fig. 10: wind on the pantograph", &[2], [0.0, 10.0]),
-    ("Fig. 13: with wind on the pantograph and without", &[0, 2], [0.0, 10.0]),
-    ("Fig. 14: the same, 7 to 10 s", &[0, 2], [7.0, 10.0]),
-    ("Fig. 15: wind on pantograph and wires", &[3], [0.0, 10.0]),
+/// What a figure of the thesis shows.
+enum Shown {
+    /// Contact forces of these cases.
+    Contact(&'static [usize]),
+    /// Drag of the wind on the pan-head, with wind on the pantograph.
+    Drag,
+    /// Its lift.
+    Lift,
+}
+
+use Shown::{Contact, Drag, Lift};
+
+/// Figures of the thesis that show computed forces: heading, what of which cases, time range in s.
+const FIGURES: &[(&str, Shown, [f64; 2])] = &[
+    ("Fig. 6: contact force without wind", Contact(&[0]), [0.0, 10.0]),
+    ("Fig. 7: the same, 7 to 10 s", Contact(&[0]), [7.0, 10.0]),
+    ("Fig. 8: penalty force and sliding joint", Contact(&[0, 1]), [0.0, 10.0]),
+    ("Fig. 9: the same, 7 to 10 s", Contact(&[0, 1]), [7.0, 10.0]),
+    ("Fig. 10: wind on the pantograph", Contact(&[2]), [0.0, 10.0]),
+    ("Fig. 11: drag on the pan-head", Drag, [0.0, 10.0]),
+    ("Fig. 12: lift on the pan-head", Lift, [0.0, 10.0]),
     (
-        "Fig. 16: with wind on pantograph and wires and without",
-        &[0, 3],
+        "Fig. 13: with wind on the pantograph and without",
+        Contact(&[0, 2]),
         [0.0, 10.0],
     ),
-    ("Fig. 17: the same, 7 to 10 s", &[0, 3], [7.0, 10.0]),
+    ("Fig. 14: the same, 7 to 10 s", Contact(&[0, 2]), [7.0, 10.0]),
+    ("Fig. 15: wind on pantograph and wires", Contact(&[3]), [0.0, 10.0]),
+    (
+        "Fig. 16: with wind on pantograph and wires and without",
+        Contact(&[0, 3]),
+        [0.0, 10.0],
+    ),
+    ("Fig. 17: the same, 7 to 10 s", Contact(&[0, 3]), [7.0, 10.0]),
 ];
+
+/// Drag and lift in every reading of the wind.
+fn wind_on_head(reproduction: &Reproduction) -> String {
+    let rows = head(reproduction);
+    if rows.is_empty() {
+        return String::new();
+    }
+    format!(
+        "{}<p>Over the evaluation range, in N; \u{201c}even travel\u{201d}: Eq. (18) with Table 5 for a pan-head that moves with the \
+         train, in air of 1.225 kg/m³. The thesis prints Figs. 11 and 12 without a figure in its text; it says that the forces are \
+         nonlinear, depend on the speeds of train and wind, and that the lift is positive, upward. By Eq. (18) drag and lift are 5 to 2 \
+         at all times.</p>\n",
+        table(&rows)
+    )
+}
+
+/// Drag (`part` = 0) or lift (1) of the wind on the pan-head; that of even travel as a line.
+fn wind_figure(reproduction: &Reproduction, heading: &str, part: usize) -> String {
+    let line = case_of(reproduction, 2);
+    let Some((line, wind)) = line.and_then(|line| Some((line, line.wind.as_ref()?))) else {
+        return String::new();
+    };
+    let (name, force) = [("drag", &wind.drag), ("lift", &wind.lift)][part];
+    let time: Vec<f64> = (0..force.len()).map(|index| index as f64 * line.output_step).collect();
+    let end = time.last().copied().unwrap_or_default();
+    let even = wind::on_even_head(wind::own().air)[part];
+    let computed = Scatter::new(rounded(&time, 1e3), rounded(force, 1e2))
+        .mode(Draw::Lines)
+        .name(name)
+        .line(Stroke::new().color(COLOURS[0]).width(1.1));
+    let traces = vec![computed, published([0.0, end], [even, even], "Eq. (18), even travel")];
+    let y = axis(&format!("{name} on the pan-head [N]"));
+    finished(traces, layout(axis("time [s]"), y), &figure_id(heading), 320)
+}
+
+/// Name of a figure in the page.
+fn figure_id(heading: &str) -> String {
+    let number: String = heading.chars().filter(char::is_ascii_digit).take(2).collect();
+    format!("figure-{number}")
+}
 
 /// Contact forces of some cases, as the time integration gives them; the published mean as a line. Its curves are printed as
 /// pictures only.
@@ -265,12 +330,11 @@ fn figure(reproduction: &Reproduction, heading: &str, shown: &[usize], [from, to
     let mean = CASES[last].mean.value;
     let name = format!("published mean, {}", CASES[last].title);
     traces.push(published([from, to], [mean, mean], &name));
-    let id: String = heading.chars().filter(char::is_ascii_digit).take(2).collect();
     let time: Axis = axis("time [s]").range(vec![from, to]);
     finished(
         traces,
         layout(time, axis("contact force [N]")),
-        &format!("figure-{id}"),
+        &figure_id(heading),
         320,
     )
 }

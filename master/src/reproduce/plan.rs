@@ -122,11 +122,11 @@ pub fn plan(quick: bool, overrides: &[String]) -> Vec<Planned> {
             runs.push(planned(Group::Mesh, case, mesh, Mode::Monolithic));
         }
     }
-    for (reading, keys) in readings() {
+    for reading in readings() {
         let mut run = planned(Group::Reading, &CASES[2], thesis, Mode::Monolithic);
-        run.variant.overrides = keys;
+        run.variant.overrides = reading.keys;
         run.quantity = "wind";
-        run.value = reading.to_owned();
+        run.value = reading.name.to_owned();
         runs.push(run);
     }
     for mesh in [thesis, Mesh::Cured] {

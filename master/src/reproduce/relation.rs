@@ -85,7 +85,7 @@ pub fn relations(lines: &[Line]) -> Vec<Relation> {
 
 impl Line {
     /// Whether it is a published case on a mesh, in one system.
-    fn is(&self, case: &Case, mesh: Mesh) -> bool {
+    pub(super) fn is(&self, case: &Case, mesh: Mesh) -> bool {
         self.group.is_case()
             && self.case.scene == case.scene
             && self.mesh == mesh

@@ -1,6 +1,7 @@
 use super::execute::Line;
 use super::relation::relations;
-use super::{CASES, Group, Mesh, Reproduction, page, plan, text};
+use super::{CASES, Extent, Group, HeadWind, Mesh, Reproduction, page, plan, text, wind};
+use crate::results::WindRecord;
 use crate::simulation::Mode;
 use crate::table_of_runs::{Row, Status};
 
@@ -20,7 +21,9 @@ fn line(group: Group, case: usize, mesh: Mesh, mean: f64, std: f64) -> Line {
             ..Row::default()
         },
         raw_std: Some(1.5 * std),
+        head: None,
         curve: None,
+        wind: None,
         output_step: 1e-3,
     }
 }
@@ -119,6 +122,64 @@ fn a_spread_says_whether_the_published_value_lies_inside() {
     let outside = reproduction(lines);
     assert!(!text(&outside).contains("published inside"), "{}", text(&outside));
     assert!(page(&outside).contains("inside the range of none of them"));
+}
+
+#[test]
+fn the_wind_on_the_pan_head_stands_beside_the_hand_calculation() {
+    // Thesis, Eq. (18): 20 m/s over the ground at 15 degrees and 200 km/h ahead make |v_r|² = 5632.74 m²/s², q = 3450.05 Pa.
+    let [drag, lift] = wind::on_even_head(wind::own().air);
+    assert!(
+        (drag - 172.50).abs() < 0.01 && (lift - 69.00).abs() < 0.01,
+        "{drag} {lift}"
+    ); // printed digits
+    let mut calm = line(Group::Published, 0, Mesh::Plain(1), 100.0, 40.0);
+    calm.output_step = 0.5;
+    let mut windy = line(Group::Published, 2, Mesh::Plain(1), 112.0, 40.0);
+    windy.head = Some(HeadWind {
+        drag: Extent {
+            min: 171.25,
+            mean: 172.5,
+            max: 173.75,
+        },
+        lift: Extent {
+            min: 68.5,
+            mean: 69.0,
+            max: 69.5,
+        },
+    });
+    windy.wind = Some(WindRecord {
+        drag: vec![171.25, 172.5, 173.75],
+        lift: vec![68.5, 69.0, 69.5],
+    });
+    let made = reproduction(vec![calm, windy]);
+    let page = page(&made);
+    for part in [
+        "Fig. 11: drag on the pan-head",
+        "Fig. 12: lift on the pan-head",
+        "173.75",
+    ] {
+        assert!(
+            page.contains(part) && page.contains("figure-11") && page.contains("figure-12"),
+            "{part}"
+        );
+    }
+    assert!(text(&made).contains("173.75"), "{}", text(&made));
+    let (_, behind) = made.columns();
+    let column = behind.iter().find(|(name, _)| *name == "head_lift_max_N").unwrap();
+    assert_eq!(column.1, ["", "69.5"]);
+}
+
+#[test]
+fn the_air_of_a_reading_is_that_of_its_keys() {
+    let text = include_str!("../../../scenes/thesis-wind-pantograph.toml");
+    for reading in wind::readings().into_iter().chain([wind::own()]) {
+        let scene = scene::Scene::from_toml(text, "thesis-wind-pantograph.toml", &reading.keys).unwrap();
+        let over_ground = scene.wind_field().unwrap().velocity(0.0, 0.0);
+        let air = [over_ground.x - scene.run.speed, over_ground.y];
+        // Degrees and back.
+        let off = (air[0] - reading.air[0]).hypot(air[1] - reading.air[1]);
+        assert!(off < 1e-12, "{}: {air:?} {:?}", reading.name, reading.air);
+    }
 }
 
 #[test]

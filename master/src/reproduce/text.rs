@@ -2,6 +2,7 @@
 
 use super::execute::{Line, Reproduction, difference};
 use super::plan::{Group, Mesh};
+use super::wind;
 use crate::report::aligned;
 use crate::table_of_runs::{Status, short, wrapped};
 
@@ -78,10 +79,53 @@ pub(super) fn readings(reproduction: &Reproduction) -> Vec<Vec<String>> {
             change(line.raw_std, without.raw_std),
         ]
     };
-    let mut table = vec![head.to_vec(), rows(with, "over the ground, from ahead (the scene)")];
+    let mut table = vec![head.to_vec(), rows(with, wind::own().name)];
     let others = reproduction.lines.iter().filter(|line| line.group == Group::Reading);
     table.extend(others.map(|line| rows(line, &line.value)));
     table
+}
+
+/// The wind on the pan-head in every reading, the scene's own first, over the evaluation range; what [Thesis, Eq. (18)] gives for a
+/// pan-head that moves with the train beside it. The thesis prints these forces as curves only.
+pub(super) fn head(reproduction: &Reproduction) -> Vec<Vec<String>> {
+    let head = [
+        "reading",
+        "drag, even travel [N]",
+        "drag: min",
+        "mean",
+        "max",
+        "lift, even travel [N]",
+        "lift: min",
+        "mean",
+        "max",
+    ];
+    let mut table = vec![head.map(str::to_owned).to_vec()];
+    let mut readings = vec![(wind::own(), published(reproduction, 2))];
+    for reading in wind::readings() {
+        let of = |line: &&Line| line.group == Group::Reading && line.value == reading.name;
+        let line = reproduction.lines.iter().find(of);
+        readings.push((reading, line));
+    }
+    for (reading, line) in readings {
+        let Some(found) = line.and_then(|line| line.head) else {
+            continue;
+        };
+        let mut row = vec![reading.name.to_owned()];
+        for (even, found) in wind::on_even_head(reading.air)
+            .into_iter()
+            .zip([found.drag, found.lift])
+        {
+            row.extend([even, found.min, found.mean, found.max].map(|value| force(Some(value))));
+        }
+        table.push(row);
+    }
+    if table.len() == 1 { Vec::new() } else { table }
+}
+
+/// A published case as its scene has it, in one system.
+pub(super) fn published(reproduction: &Reproduction, case: usize) -> Option<&Line> {
+    let mut lines = reproduction.lines.iter();
+    lines.find(|line| line.is(&super::CASES[case], Mesh::ALL[0]))
 }
 
 /// What an open quantity does to the standard deviation on one mesh.
@@ -161,6 +205,10 @@ pub fn text(reproduction: &Reproduction) -> String {
     text.push_str(&aligned(&changes(reproduction)));
     text.push_str("\nreadings of the wind: changes in N, the published ones in the head\n");
     text.push_str(&aligned(&readings(reproduction)));
+    text.push_str(
+        "\nwind on the pan-head (Figs. 11 and 12), beside Eq. (18) with Table 5 for one that moves with the train\n",
+    );
+    text.push_str(&aligned(&head(reproduction)));
     let published = super::CASES[0].std;
     for mesh in Mesh::ALL {
         let spreads = spreads(reproduction, mesh);

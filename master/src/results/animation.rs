@@ -25,6 +25,9 @@ pub struct Frame {
     pub pantographs: Vec<Vec<Vec<(f64, f64)>>>,
     /// Contact force of each pantograph at this time, N.
     pub forces: Vec<f64>,
+    /// Position of each contact along the track at this time, m; nothing in files of earlier versions.
+    #[serde(default)]
+    pub contacts: Vec<f64>,
 }
 
 /// A dropper between the wires. In files: `[x_top, z_top, x_bottom, z_bottom, slack]`, slack 0 or 1.
@@ -56,9 +59,12 @@ impl From<DropperLine> for (f64, f64, f64, f64, u8) {
 }
 
 /// Rounds to 0.1 mm: a tenth of what a screen shows at the largest magnification.
+fn rounded(v: f64) -> f64 {
+    (v * 1e4).round() / 1e4
+}
+
 fn round(p: (f64, f64)) -> (f64, f64) {
-    let r = |v: f64| (v * 1e4).round() / 1e4;
-    (r(p.0), r(p.1))
+    (rounded(p.0), rounded(p.1))
 }
 
 impl Animation {
@@ -71,7 +77,7 @@ impl Animation {
             .frames
             .iter()
             .map(|frame| Frame {
-                time: (frame.time * 1e4).round() / 1e4,
+                time: rounded(frame.time),
                 contact_wire: line(&frame.contact_wire),
                 messenger_wire: line(&frame.messenger_wire),
                 droppers: frame
@@ -89,6 +95,7 @@ impl Animation {
                     .map(|lines| lines.iter().map(|l| line(l)).collect())
                     .collect(),
                 forces: frame.forces.iter().map(|f| (f * 10.0).round() / 10.0).collect(),
+                contacts: frame.contacts.iter().copied().map(rounded).collect(),
             })
             .collect();
         Self { frames }

@@ -21,7 +21,7 @@ pub use animation::{Animation, DropperLine, Frame};
 pub(crate) use directory::io;
 pub use directory::{OutputDirectory, RunBundle, SUMMARY};
 pub use error::ResultsError;
-pub use record::{LineGeometry, Record, StripRecord, SupportRecord};
+pub use record::{LineGeometry, Record, StripRecord, SupportRecord, WindRecord};
 pub use series::{read_timeseries, write_timeseries};
 pub use summary::{
     ContactForceSummary, Cost, Coupling, Evaluation, Model, PantographSummary, Part, RunInfo, StripSummary, Summary,

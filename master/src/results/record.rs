@@ -36,6 +36,17 @@ pub struct StripRecord {
     pub strip_vz: Vec<f64>,
     /// Gap between strip and wire, m, positive when open.
     pub gap: Vec<f64>,
+    /// The wind on the body of the strip; nothing where no wind acts on the pantograph.
+    pub wind: Option<WindRecord>,
+}
+
+/// The wind on the body that carries a strip.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WindRecord {
+    /// Drag, along the air that meets it, N.
+    pub drag: Vec<f64>,
+    /// Lift, across the air that meets it, N, positive upward.
+    pub lift: Vec<f64>,
 }
 
 /// Uplift at one support.
@@ -82,8 +93,14 @@ impl StripRecord {
             strip_z,
             strip_vz,
             gap,
+            wind: None,
         }
     }
+}
+
+/// Names of the series of the wind on strip `i` (from 1).
+pub(super) fn wind_names(i: usize) -> [String; 2] {
+    ["drag", "lift"].map(|force| format!("strip[{i}].wind.{force}"))
 }
 
 impl Record {
@@ -97,6 +114,12 @@ impl Record {
         }
         for support in &self.supports {
             columns.push((format!("support[{}].uplift", support.number), &support.uplift));
+        }
+        for (i, pantograph) in self.pantographs.iter().enumerate() {
+            if let Some(wind) = &pantograph.wind {
+                let [drag, lift] = wind_names(i + 1);
+                columns.extend([(drag, &wind.drag), (lift, &wind.lift)]);
+            }
         }
         columns
     }

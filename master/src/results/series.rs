@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{Record, ResultsError, StripRecord, SupportRecord};
+use super::record::wind_names;
+use super::{Record, ResultsError, StripRecord, SupportRecord, WindRecord};
 
 /// Names of the seven series of pantograph `i` (from 1).
 fn strip_names(i: usize) -> [String; 7] {
@@ -93,7 +94,8 @@ pub fn read_timeseries(path: &Path) -> Result<Record, ResultsError> {
     }
     record.time = columns.next().unwrap_or_default();
     let mut at = 1;
-    while names.get(at).is_some_and(|name| !name.starts_with("support[")) {
+    let behind = |name: &String| name.starts_with("support[") || name.contains("].wind.");
+    while names.get(at).is_some_and(|name| !behind(name)) {
         for (k, expected) in strip_names(record.pantographs.len() + 1).iter().enumerate() {
             if names.get(at + k) != Some(expected) {
                 return Err(wrong(at + k, expected));
@@ -103,13 +105,29 @@ pub fn read_timeseries(path: &Path) -> Result<Record, ResultsError> {
         record.pantographs.push(StripRecord::from_columns(series));
         at += 7;
     }
-    for (name, uplift) in names[at..].iter().zip(columns) {
+    let winds = names
+        .iter()
+        .position(|name| name.contains("].wind."))
+        .unwrap_or(names.len());
+    for (name, uplift) in names[at..winds].iter().zip(&mut columns) {
         let number = name
             .strip_prefix("support[")
             .and_then(|rest| rest.strip_suffix("].uplift"))
             .and_then(|number| number.parse().ok())
             .ok_or_else(|| wrong(at + record.supports.len(), "support[k].uplift"))?;
         record.supports.push(SupportRecord { number, uplift });
+    }
+    at = winds;
+    for (i, pantograph) in record.pantographs.iter_mut().enumerate() {
+        let expected = wind_names(i + 1);
+        if names.get(at..at + 2) == Some(&expected) {
+            let [drag, lift] = std::array::from_fn(|_| columns.next().unwrap_or_default());
+            pantograph.wind = Some(WindRecord { drag, lift });
+            at += 2;
+        }
+    }
+    if at < names.len() {
+        return Err(wrong(at, "strip[i].wind.drag"));
     }
     Ok(record)
 }

@@ -13,6 +13,7 @@ pub(crate) fn run(complete: bool) -> (RunInfo, Record) {
         strip_z: time.iter().map(|t| 5.0 + 0.02 * t).collect(),
         strip_vz: vec![0.02; time.len()],
         gap: vec![-0.001; time.len()],
+        wind: None,
     };
     let half = (0..n).map(|i| if i % 2 == 0 { 0.0 } else { 200.0 }).collect();
     let record = Record {
@@ -43,6 +44,7 @@ pub(crate) fn run(complete: bool) -> (RunInfo, Record) {
                 }],
                 pantographs: vec![vec![vec![(20.0, 5.0)], vec![(20.0, 5.0), (20.0, 4.5)]]],
                 forces: vec![100.0, 0.0],
+                contacts: vec![20.1, -80.0],
             }],
         },
         time,
@@ -253,6 +255,11 @@ fn a_directory_that_was_read_back_holds_the_same_run_bit_for_bit() {
     record.animation = record.animation.rounded();
     let directory = OutputDirectory::open(folder.path().join("a/b")).unwrap();
     directory.begin("title = \"x\"\n").unwrap();
+    // The wind acts on the second pantograph only.
+    record.pantographs[1].wind = Some(WindRecord {
+        drag: record.time.iter().map(|t| 170.0 + t.sin()).collect(),
+        lift: record.time.iter().map(|t| 70.0 + t.cos()).collect(),
+    });
     let written = directory.finish(&info, record.clone(), "title = \"x\"\n").unwrap();
     let read = RunBundle::read(directory.path()).unwrap();
     assert_eq!(read.record, record);
@@ -314,6 +321,12 @@ fn a_damaged_time_series_is_refused_with_line_and_column() {
     let error = read_timeseries(&path).unwrap_err().to_string();
     assert!(
         error.ends_with("line 3, column contact[1].y: \"x\" is not a number"),
+        "{error}"
+    );
+    std::fs::write(&path, format!("{head},strip[1].wind.lift\n")).unwrap();
+    let error = read_timeseries(&path).unwrap_err().to_string();
+    assert!(
+        error.contains("column 9 is \"strip[1].wind.lift\", expected \"strip[i].wind.drag\""),
         "{error}"
     );
     std::fs::write(&path, "time,contact[1].force,contact[1].y\n").unwrap();

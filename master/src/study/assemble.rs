@@ -42,7 +42,12 @@ pub fn assemble(script: &Script, state: &State) -> Study {
     study.rows = (0..state.runs.len())
         .map(|index| entry(script, state, &study, index))
         .collect();
-    let rows: Vec<&Row> = study.rows.iter().map(|entry| &entry.row).collect();
+    // What stands on another vehicle is no choice of mesh, steps and reductions.
+    let apart = Row::default();
+    let competes = |entry: &Entry| entry.sweep != Sweep::Vehicle.name();
+    let rows: Vec<&Row> = (study.rows.iter())
+        .map(|entry| if competes(entry) { &entry.row } else { &apart })
+        .collect();
     let front = pareto(&rows);
     let chosen = recommendations(&rows, |index| study.advice(&study.rows[index]));
     for (entry, front) in study.rows.iter_mut().zip(front) {
@@ -122,16 +127,26 @@ fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
     let made = state.made[index].as_ref();
     let family = planned.class().family;
     let reference = study.reference(family).filter(|_| !growth);
+    let vehicles = planned.is_for_vehicle().then(|| judge(script, state, planned));
     // A row has no status before it can be judged.
-    let known = growth || study.references.iter().any(|found| found.family == family);
+    let known = match vehicles {
+        Some(judge) => judge.is_some_and(|at| state.made[at].is_some()),
+        None => growth || study.references.iter().any(|found| found.family == family),
+    };
     let mut distance = None;
     let mut row = match made {
         Some(made) if made.row.status == Some(Status::Refused) => asked_for(script, planned, made.row.clone()),
         Some(made) if known => {
-            let against = reference.and_then(|found| {
-                let at = found.row.filter(|at| *at != index)?;
+            let (at, name) = match vehicles {
+                Some(judge) => (
+                    judge,
+                    judge.map_or_else(String::new, |at| standing_label(script, &state.runs[at])),
+                ),
+                None => reference.map_or_else(Default::default, |found| (found.row, found.name.clone())),
+            };
+            let against = at.filter(|at| *at != index).and_then(|at| {
                 let truth = state.made[at].as_ref()?;
-                Some((found.name.as_str(), &truth.row, forces(state, Some(at))?))
+                Some((name.as_str(), &truth.row, forces(state, Some(at))?))
             });
             if family != Family::Nonlinear {
                 let nonlinear = study
@@ -169,7 +184,26 @@ fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
         setup_s: made.filter(|made| made.complete).map(|made| made.setup),
         spans: planned.recipe.spans.map(|spans| spans as u64),
         working_memory_bytes: times.and_then(|times| times.memory),
+        standing: (!script.ground.standings.is_empty()).then(|| script.ground.standing_of(&planned.recipe)),
     }
+}
+
+/// The run that judges what else the pantograph may stand on, on the same track: the first that is planned for it, whether it is there
+/// for that alone or is the base case.
+fn judge(script: &Script, state: &State, planned: &Planned) -> Option<usize> {
+    let ground = &script.ground;
+    let own = ground.standing_of(&planned.recipe);
+    let first = (ground.standings.iter()).find(|standing| standing.name.track == own.track)?;
+    state
+        .runs
+        .iter()
+        .position(|run| run.sweeps.contains(&Sweep::Vehicle) && ground.standing_of(&run.recipe) == first.name)
+}
+
+/// What a run that judges others is called.
+fn standing_label(script: &Script, planned: &Planned) -> String {
+    let name = script.ground.standing_of(&planned.recipe);
+    format!("vehicle {}, track {}", name.vehicle, name.track)
 }
 
 /// A refused row with what was asked for, where its scene could not be read.
@@ -208,7 +242,7 @@ fn asked_for(script: &Script, planned: &Planned, mut row: Row) -> Row {
 fn planned_row(script: &Script, planned: &Planned) -> Row {
     let ground = &script.ground;
     let variant = &planned.variant;
-    match scene::Scene::from_toml(&ground.text, &ground.name, &variant.overrides) {
+    match scene::Scene::from_toml(ground.text_of(&planned.recipe), &ground.name, &variant.overrides) {
         Ok(scene) => Row::planned(&ground.name, &scene, variant.mode, &variant.algorithm),
         Err(_) => {
             let row = Row {

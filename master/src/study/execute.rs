@@ -79,10 +79,12 @@ pub fn script(
     let planned = plan(&ground, &options);
     let mut families: Vec<Family> = planned
         .iter()
-        .filter(|run| run.scene.is_some() && !run.sweeps.contains(&Sweep::Spans))
+        .filter(|run| run.scene.is_some() && run.sweeps.iter().any(|sweep| sweep.is_judged_by_reference()))
         .map(|run| run.class().family)
         .collect();
-    families.push(Family::Nonlinear);
+    if !families.is_empty() {
+        families.push(Family::Nonlinear);
+    }
     families.sort();
     families.dedup();
     Ok(Script {
@@ -184,7 +186,7 @@ impl Runner<'_> {
         let stage = Stage {
             name: &ground.name,
             base: &self.script.base,
-            scene: ground.text.clone(),
+            scene: ground.text_of(&planned.recipe).to_owned(),
             fmus: PathBuf::new(),
             say: &|_| {},
             logging: false,

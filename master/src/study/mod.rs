@@ -5,6 +5,7 @@
 //! | `recipe` | what a run is made of, and what a scene allows |
 //! | `plan` | sweeps and ladder |
 //! | `reference` | refined until two levels agree |
+//! | `vehicle` | what the pantograph stands on |
 //! | `store` | runs that are kept |
 //! | `execute` | making them in parallel, timing them one at a time |
 //! | `assemble`, `outcome` | rows judged, in one table |
@@ -31,6 +32,7 @@ mod store;
 #[cfg(test)]
 mod tests;
 mod text;
+mod vehicle;
 
 pub use execute::{Script, StudyError, script, study};
 pub use front::{Recommendation, TARGETS};
@@ -44,6 +46,7 @@ pub use reference::{Discretisation, Refinement};
 pub use standing::standing;
 pub use store::Store;
 pub use text::text;
+pub use vehicle::{Standing, StandingName};
 
 /// Table of a study.
 pub const CSV: &str = "study.csv";

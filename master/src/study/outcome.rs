@@ -8,6 +8,7 @@ use super::order::Order;
 use super::plan::Sweep;
 use super::recipe::Family;
 use super::reference::Discretisation;
+use super::vehicle::StandingName;
 use crate::table_of_runs::{AUTO, Cell, Column, Row, milliseconds};
 
 /// A study, complete or not.
@@ -63,6 +64,9 @@ pub struct Entry {
     pub spans: Option<u64>,
     /// Memory touched by the time loop, bytes.
     pub working_memory_bytes: Option<u64>,
+    /// What the pantograph stands on; nothing where the scene has no vehicle.
+    #[serde(flatten)]
+    pub standing: Option<StandingName>,
 }
 
 /// A reference and what is known of it.
@@ -132,9 +136,12 @@ impl Study {
     #[must_use]
     pub fn table(&self) -> (Vec<Row>, Vec<Column>) {
         let cells = |cell: &dyn Fn(&Entry) -> String| self.rows.iter().map(cell).collect::<Vec<_>>();
+        let standing = |entry: &Entry, word: fn(StandingName) -> &'static str| {
+            entry.standing.map_or_else(String::new, |name| word(name).to_owned())
+        };
         let uncertainty = |entry: &Entry| {
             let reference = self.reference(Family::of(&entry.row.reduction));
-            let judged = !entry.row.reference.is_empty();
+            let judged = !entry.row.reference.is_empty() && entry.sweep != Sweep::Vehicle.name();
             reference
                 .filter(|_| judged)
                 .and_then(|found| found.uncertainty_percent)
@@ -159,6 +166,8 @@ impl Study {
                 "working_memory_bytes",
                 cells(&|entry| entry.working_memory_bytes.cell()),
             ),
+            ("vehicle", cells(&|entry| standing(entry, |name| name.vehicle))),
+            ("track", cells(&|entry| standing(entry, |name| name.track))),
             ("scene_hash", cells(&|_| self.identity.clone())),
         ];
         (self.rows.iter().map(|entry| entry.row.clone()).collect(), columns)

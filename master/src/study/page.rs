@@ -27,6 +27,7 @@ pub fn page(study: &Study) -> String {
     page.section("Observed orders", &orders(study));
     page.section("Coupling", &plots::coupling(study));
     page.section("Reductions", &part(study, Sweep::Reductions));
+    page.section("What the pantograph stands on", &vehicles(study));
     page.section("Spectral radius", &part(study, Sweep::RhoInf));
     page.section("Length of the line", &growth(study));
     page.section("All runs", &all(study));
@@ -301,6 +302,52 @@ fn part(study: &Study, sweep: Sweep) -> String {
     } else {
         format!("{html}<ul class=\"soft\">{said}</ul>\n")
     }
+}
+
+/// What each model of the vehicle changes and costs.
+fn vehicles(study: &Study) -> String {
+    const VEHICLES: &Cells = &[
+        ("track", "", true, |_, entry| {
+            breakable(entry.standing.map_or("", |name| name.track))
+        }),
+        ("vehicle", "", true, |_, entry| {
+            breakable(entry.standing.map_or("", |name| name.vehicle))
+        }),
+        ("status", "", true, |_, entry| status(&entry.row)),
+        ("difference", "% of σ", false, |_, entry| {
+            number(vehicle_error(entry, entry.row.filtered_error))
+        }),
+        ("of σ", "%", false, |_, entry| {
+            number(vehicle_error(entry, entry.row.std_error))
+        }),
+        ("mean", "N", false, |_, entry| fixed(entry.row.mean, 3)),
+        ("σ", "N", false, |_, entry| fixed(entry.row.std, 3)),
+        ("real-time factor", "", false, |_, entry| {
+            number(entry.row.real_time_factor)
+        }),
+        ("wall", "s", false, |_, entry| number(entry.row.wall)),
+        ("coordinates", "", false, |_, entry| count(entry.row.coordinates)),
+        ("reductions", "", true, |_, entry| breakable(&entry.row.reduction)),
+        ("why", "", true, |_, entry| match entry.row.status {
+            Some(Status::Stable) | None => String::new(),
+            Some(_) => escape(&entry.row.reason),
+        }),
+    ];
+    let table = table(study, study.of(Sweep::Vehicle), VEHICLES);
+    if table.is_empty() {
+        return table;
+    }
+    format!(
+        "{table}<p class=\"caption\">One mesh and one micro step, with those reductions that change nothing. Differences are rms of the \
+         filtered force, in percent of the standard deviation on the most detailed model of the same track, which is the first. \
+         none: the base moves on a straight line. rigid_motion: it moves as on that model under a constant contact force, but does not \
+         pitch, and feels nothing of the pantograph. Track ore_b176_low: irregularities of the lower level of ORE B176.</p>\n"
+    )
+}
+
+/// An error of a row, where it is one against another vehicle.
+pub(super) fn vehicle_error(entry: &Entry, error: Option<f64>) -> Option<f64> {
+    error.filter(|_| entry.sweep == Sweep::Vehicle.name())
 }
 
 fn growth(study: &Study) -> String {

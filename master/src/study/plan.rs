@@ -3,6 +3,7 @@
 use scene::Scene;
 
 use super::recipe::{Class, Exchange, Ground, Mesh, Recipe};
+use super::vehicle::OWN;
 use crate::compare::algorithms;
 use crate::simulation::Mode;
 use crate::table_of_runs::{AUTO, Row, Variant};
@@ -32,6 +33,8 @@ pub struct Options {
     pub spans: Vec<usize>,
     /// Numbers of spans that the cost of a window is measured at.
     pub window_spans: Vec<usize>,
+    /// Sweeps that are made; empty is all.
+    pub sweeps: Vec<Sweep>,
 }
 
 impl Options {
@@ -68,6 +71,7 @@ impl Default for Options {
             work: Self::WORK,
             spans: Vec::new(),
             window_spans: Vec::new(),
+            sweeps: Vec::new(),
         }
     }
 }
@@ -93,9 +97,30 @@ pub enum Sweep {
     Ladder,
     /// Number of spans.
     Spans,
+    /// What the pantograph stands on.
+    Vehicle,
 }
 
 impl Sweep {
+    /// Those that can be asked for: every study has its references.
+    pub const CHOICE: [Self; 9] = [
+        Self::Scene,
+        Self::Mesh,
+        Self::MicroStep,
+        Self::Coupling,
+        Self::RhoInf,
+        Self::Reductions,
+        Self::Vehicle,
+        Self::Ladder,
+        Self::Spans,
+    ];
+
+    /// Whether its runs are judged by the reference of their family.
+    #[must_use]
+    pub fn is_judged_by_reference(self) -> bool {
+        !matches!(self, Self::Spans | Self::Vehicle)
+    }
+
     /// The word of the table.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -109,6 +134,7 @@ impl Sweep {
             Self::Reductions => "reductions",
             Self::Ladder => "ladder",
             Self::Spans => "spans",
+            Self::Vehicle => "vehicle",
         }
     }
 }
@@ -133,7 +159,7 @@ impl Planned {
     #[must_use]
     pub fn new(ground: &Ground, recipe: Recipe, sweep: Sweep) -> Self {
         let variant = ground.variant(&recipe);
-        let scene = Scene::from_toml(&ground.text, &ground.name, &variant.overrides);
+        let scene = Scene::from_toml(ground.text_of(&recipe), &ground.name, &variant.overrides);
         Self {
             work: ground.work(&recipe),
             scene: scene.ok().map(|scene| scene.to_toml()),
@@ -147,11 +173,20 @@ impl Planned {
     #[must_use]
     pub fn same(&self, other: &Self) -> bool {
         let one = self.variant.mode == other.variant.mode && self.variant.algorithm == other.variant.algorithm;
-        one && match (&self.scene, &other.scene) {
-            (Some(own), Some(theirs)) => own == theirs,
-            (None, None) => self.recipe == other.recipe,
-            _ => false,
-        }
+        // What stands on no track is judged by what stands on each.
+        let track = |run: &Self| run.recipe.standing.as_ref().map_or(OWN, |standing| standing.name.track);
+        one && track(self) == track(other)
+            && match (&self.scene, &other.scene) {
+                (Some(own), Some(theirs)) => own == theirs,
+                (None, None) => self.recipe == other.recipe,
+                _ => false,
+            }
+    }
+
+    /// Whether it is there for what the pantograph stands on alone: nothing else competes with it.
+    #[must_use]
+    pub fn is_for_vehicle(&self) -> bool {
+        self.sweeps == [Sweep::Vehicle]
     }
 
     /// Rows that it competes with.
@@ -192,6 +227,7 @@ pub fn base(ground: &Ground) -> Recipe {
         reductions: ground.reductions.clone(),
         exchange: ground.plain_exchange(ground.micro_step),
         spans: None,
+        standing: None,
     }
 }
 
@@ -209,8 +245,15 @@ pub fn plan(ground: &Ground, options: &Options) -> Vec<Planned> {
     coupling(&mut runs, options);
     rho_inf(&mut runs, options);
     reductions(&mut runs, options);
+    vehicle(&mut runs);
     ladder(&mut runs, options);
     spans(&mut runs, options);
+    if !options.sweeps.is_empty() {
+        for run in &mut runs.runs {
+            run.sweeps.retain(|sweep| options.sweeps.contains(sweep));
+        }
+        runs.runs.retain(|run| !run.sweeps.is_empty());
+    }
     runs.runs
 }
 
@@ -379,6 +422,19 @@ fn reductions(runs: &mut Runs<'_>, options: &Options) {
             },
             Sweep::Reductions,
         );
+    }
+}
+
+/// The base case on everything else that the pantograph may stand on, with all reductions that change nothing there.
+fn vehicle(runs: &mut Runs<'_>) {
+    let ground = runs.ground;
+    for standing in &ground.standings {
+        let recipe = Recipe {
+            reductions: vec![AUTO.to_owned()],
+            standing: Some(standing.clone()),
+            ..base(ground)
+        };
+        runs.add(recipe, Sweep::Vehicle);
     }
 }
 

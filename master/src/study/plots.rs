@@ -81,6 +81,7 @@ pub(super) fn precision(study: &Study) -> String {
     let points: Vec<(&Entry, (f64, f64))> = study
         .rows
         .iter()
+        .filter(|entry| entry.sweep != Sweep::Vehicle.name())
         .filter_map(|entry| Some((entry, point(&entry.row)?)))
         .filter(|(_, (_, error))| *error > 0.0)
         .collect();

@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 
 use scene::{Catenary, Scene};
 
+use super::vehicle::{Standing, StandingName, own_name, standings};
 use crate::monolithic::Monolithic;
 use crate::simulation::{Mode, Other, Prepared};
-use crate::table_of_runs::{Keys, Variant};
+use crate::table_of_runs::{AUTO, Keys, Variant};
 
 /// Cures of the mesh that a scene may name, best set first; the first one that the scene takes is called cured here.
 const CURES: [&[&str]; 4] = [
@@ -133,6 +134,8 @@ pub struct Recipe {
     pub exchange: Exchange,
     /// Spans of a line that is longer or shorter than the scene's.
     pub spans: Option<usize>,
+    /// A vehicle or a track other than the scene's.
+    pub standing: Option<Standing>,
 }
 
 /// Simulated time of runs on lines of other lengths, s.
@@ -165,6 +168,8 @@ pub struct Ground {
     pub micro_step: f64,
     /// FMUs of somebody else.
     pub others: Vec<String>,
+    /// What else the pantograph may stand on.
+    pub standings: Vec<Standing>,
 }
 
 impl Ground {
@@ -191,11 +196,26 @@ impl Ground {
             intervals: line.map_or(1, Catenary::intervals_per_span),
             micro_step: 0.02 / scene.run.low_pass_hz,
             others: prepared.others.iter().map(|other: &Other| other.fmu.clone()).collect(),
+            standings: Vec::new(),
             scene,
             text,
         };
+        ground.standings = standings(&ground.scene, ground.micro_step);
         ground.cures = ground.accepted_cures();
         ground
+    }
+
+    /// The scene that the keys of a recipe change, as text.
+    #[must_use]
+    pub fn text_of<'a>(&'a self, recipe: &'a Recipe) -> &'a str {
+        recipe.standing.as_ref().map_or(&self.text, |standing| &standing.text)
+    }
+
+    /// What the pantograph of a recipe stands on.
+    #[must_use]
+    pub fn standing_of(&self, recipe: &Recipe) -> StandingName {
+        let other = recipe.standing.as_ref().map(|standing| standing.name);
+        other.unwrap_or_else(|| own_name(&self.scene))
     }
 
     fn accepted_cures(&self) -> Option<Vec<String>> {
@@ -276,7 +296,7 @@ impl Ground {
             return Exchange::None;
         }
         Exchange::Of {
-            algorithm: crate::table_of_runs::AUTO.to_owned(),
+            algorithm: AUTO.to_owned(),
             extrapolation: None,
             macro_step: micro_step,
         }
@@ -403,10 +423,10 @@ fn cures_key(cures: &[String]) -> String {
 }
 
 fn reduce_key(reductions: &[String]) -> String {
-    if reductions.is_empty() {
-        "model.reduce=none".to_owned()
-    } else {
-        format!("model.reduce={}", list(reductions))
+    match reductions {
+        [] => "model.reduce=none".to_owned(),
+        [auto] if auto == AUTO => format!("model.reduce={AUTO}"),
+        reductions => format!("model.reduce={}", list(reductions)),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::front::{point, speed};
+use super::plan::Sweep;
 use super::recipe::{Class, identity};
 use super::{CSV, outcome::Study};
 use crate::simulation::Mode;
@@ -26,8 +27,8 @@ fn read(folder: &Path) -> Vec<Read> {
         return Vec::new();
     };
     let place = |name: &str| head.iter().position(|column| column == name);
-    let columns = ["rho_inf", "newton_tolerance_N", "pareto", "scene_hash"].map(place);
-    let [Some(rho), Some(tolerance), Some(pareto), Some(hash)] = columns else {
+    let columns = ["rho_inf", "newton_tolerance_N", "pareto", "scene_hash", "sweep"].map(place);
+    let [Some(rho), Some(tolerance), Some(pareto), Some(hash), Some(sweep)] = columns else {
         return Vec::new();
     };
     let mut rows = Vec::new();
@@ -36,6 +37,10 @@ fn read(folder: &Path) -> Vec<Read> {
         let Ok(row) = record.deserialize::<Row>(Some(&head)) else {
             return Vec::new();
         };
+        // On another vehicle it is another scene.
+        if &record[sweep] == Sweep::Vehicle.name() {
+            continue;
+        }
         rows.push(Read {
             row,
             rho_inf: record[rho].parse().unwrap_or(f64::NAN),

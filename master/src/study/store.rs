@@ -96,6 +96,7 @@ impl Store {
         Some(Attempt {
             row: head.row,
             curves: curves(&bytes)?,
+            winds: Vec::new(),
             complete: head.complete,
             interrupted: false,
             energy_share: head.energy_share,
@@ -228,6 +229,7 @@ mod tests {
                 filtered: samples,
                 range: 3..47,
             }],
+            winds: Vec::new(),
             complete: true,
             interrupted: false,
             energy_share: 0.1 + 0.2,

@@ -305,3 +305,75 @@ fn a_recipe_that_the_scene_refuses_has_a_row_with_the_reason() {
         "{row:?}"
     );
 }
+
+#[test]
+fn a_study_says_what_each_vehicle_changes_and_keeps_it_apart_from_the_front() {
+    let toml = include_str!("../../../scenes/thesis.toml");
+    let keys = [
+        "catenary.spans=4",
+        "run.duration=1.2",
+        "run.evaluate={ time = [0.3, 1.0] }",
+        "run.low_pass_hz=10",
+        "catenary.mesh.elements_per_interval=1",
+        "solver.micro_step=0.002",
+    ];
+    let scene = Scene::from_toml(toml, "thesis.toml", &keys.map(str::to_owned)).unwrap();
+    let options = Options {
+        sweeps: vec![Sweep::Vehicle],
+        ..tiny()
+    };
+    let script = scripted(scene, options);
+    // What the pantograph stands on is no matter of a converged line.
+    assert!(script.refinements.is_empty());
+    let folder = tempfile::tempdir().unwrap();
+    let study = studied(&script, folder.path(), None);
+    assert!(study.complete, "{:?}", without_times(&study));
+    let row = |track: &str, vehicle: &str| {
+        let of = |entry: &&Entry| {
+            entry
+                .standing
+                .is_some_and(|name| name.track == track && name.vehicle == vehicle)
+        };
+        let mut rows = study.of(Sweep::Vehicle).filter(of);
+        (rows.next().unwrap(), rows.next().is_none())
+    };
+    for track in ["scene", "ore_b176_low"] {
+        let error = |vehicle: &str| {
+            let (entry, alone) = row(track, vehicle);
+            assert!(alone && entry.row.status == Some(Status::Stable), "{:?}", entry.row);
+            assert!(entry.row.real_time_factor.is_some());
+            if entry.sweep == "vehicle" {
+                assert!(
+                    !entry.pareto
+                        && study
+                            .recommendations
+                            .iter()
+                            .all(|found| { found.row.is_none_or(|index| study.rows[index].sweep != "vehicle") })
+                );
+            }
+            assert!(vehicle == "full" || entry.row.reference == format!("vehicle full, track {track}"));
+            entry.row.filtered_error
+        };
+        let [vertical, given, none] = ["vertical", "rigid_motion", "none"].map(|vehicle| error(vehicle).unwrap());
+        println!("{track}: vertical {vertical} %, rigid motion {given} %, none {none} %");
+        error("full");
+        if track == "scene" {
+            // Nothing but the pantograph moves the vehicle.
+            assert!(vertical.max(given).max(none) < 0.5, "{vertical} {given} {none}");
+        } else {
+            // Bounce and pitch are in the plane along the track; a given motion has no pitch, a straight one nothing of the track.
+            assert!(
+                vertical < 0.5 && 10.0 * vertical < given.min(none),
+                "{vertical} {given} {none}"
+            );
+        }
+    }
+    // The scene's own vehicle on its own track is the base case.
+    assert_eq!(row("ore_b176_low", "full").0.sweep, "vehicle");
+    let page = page(&study);
+    assert!(page.contains("What the pantograph stands on") && page.contains("ore_<wbr>b176_<wbr>low"));
+    assert!(text(&study).contains("rigid_motion"));
+    let (_, columns) = study.table();
+    let vehicles = &columns.iter().find(|(name, _)| *name == "vehicle").unwrap().1;
+    assert!(vehicles.iter().any(|vehicle| vehicle == "none"));
+}

@@ -2,6 +2,8 @@
 
 use super::front::speed;
 use super::outcome::{Reference, Study};
+use super::page::vehicle_error;
+use super::plan::Sweep;
 use crate::report::aligned;
 use crate::table_of_runs::{Status, milliseconds, short, wrapped};
 
@@ -115,6 +117,7 @@ pub fn text(study: &Study) -> String {
     {
         text.push_str(&format!("  the cheapest run on a front is {}\n", speed(cheapest)));
     }
+    text.push_str(&vehicles(study));
     text.push_str(&format!("  machine: {}\n", study.machine.name()));
     for note in &study.notes {
         text.push_str(&wrapped(note));
@@ -134,6 +137,23 @@ pub fn text(study: &Study) -> String {
         text.push_str(&wrapped(&format!("{count} × {reason}")));
     }
     text
+}
+
+/// What each model of the vehicle changes and costs.
+fn vehicles(study: &Study) -> String {
+    let head = ["track", "vehicle", "from the first, rms % σ", "σ N", "real-time factor"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for entry in study.of(Sweep::Vehicle) {
+        let name = entry.standing.map_or(["", ""], |name| [name.track, name.vehicle]);
+        let mut row = name.map(str::to_owned).to_vec();
+        row.extend([vehicle_error(entry, entry.row.filtered_error), entry.row.std].map(short));
+        row.push(short(entry.row.real_time_factor));
+        rows.push(row);
+    }
+    if rows.len() == 1 {
+        return String::new();
+    }
+    format!("\n{}\n", aligned(&rows))
 }
 
 /// Names of cures by their initials, for narrow tables: `contact_compliance+bending_layers` is `cc+bl`.

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use scene::Scene;
 
 use super::{Curve, Errors, Row, Status};
-use crate::results::Summary;
+use crate::results::{Summary, WindRecord};
 use crate::run::Watch;
 use crate::simulation::{FmuSource, Mode, SetupError, prepare};
 
@@ -82,6 +82,8 @@ pub struct Attempt {
     pub row: Row,
     /// Its contact forces; none where it cannot be compared.
     pub curves: Vec<Curve>,
+    /// The wind on each strip, whole run, where one acts.
+    pub winds: Vec<Option<WindRecord>>,
     /// Whether it reached its end.
     pub complete: bool,
     /// Whether it was ended from outside: there is nothing to judge then.
@@ -133,6 +135,7 @@ pub fn attempt(
     let mut attempt = Attempt {
         row: variant.planned(stage),
         curves: Vec::new(),
+        winds: Vec::new(),
         complete: false,
         interrupted: false,
         energy_share: 0.0,
@@ -166,6 +169,8 @@ pub fn attempt(
     attempt.complete = finished.failure.is_none();
     attempt.interrupted = !attempt.complete && watch.interrupted.load(Ordering::Relaxed);
     attempt.curves = Curve::of(&finished.info.evaluation, &finished.record);
+    let strips = finished.record.pantographs.iter();
+    attempt.winds = strips.map(|strip| strip.wind.clone()).collect();
     attempt.energy_share = finished.info.coupling.energy_share;
     attempt.setup = finished.info.cost.setup_s;
     let summary = Summary::new(&finished.info, &finished.record);

@@ -45,6 +45,17 @@ impl<'a> Sides<'a> {
         total - self.strip.as_slice().iter().map(free).sum::<Vector3<f64>>()
     }
 
+    /// `∂ġ/∂q` at held velocities of the rate of the gap, in the order of [`Sides::gap_gradient`], 1/s.
+    ///
+    /// Columns of the strip are taken as constant, see [`Sides::tangent`].
+    pub fn gap_rate_gradient<'b>(&'b self, frame: &'b Frame) -> impl Iterator<Item = f64> + 'b {
+        let of_wire =
+            (self.wire.as_slice().iter()).map(move |c| vary(self.geometry, frame, Some((c.n, c.n_s)), None).gap_rate);
+        let of_strip = (self.strip.as_slice().iter())
+            .map(move |c| vary(self.geometry, frame, None, Some((c.translation, c.rotation))).gap_rate);
+        of_wire.chain(of_strip)
+    }
+
     /// `−∂Q/∂q`, dense on the coordinates of wire and strip, of a `force` (N) along the normal that presses wire and strip apart.
     /// `change` gives the weighted change of the force itself from the variation of the contact and the change of `n·(ṙ − ṗ)` per
     /// unit of velocity (–); `weight` is that of the turn of the direction.

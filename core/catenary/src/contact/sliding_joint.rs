@@ -3,7 +3,6 @@ use super::sides::Sides;
 use super::{ContactGeometry, ContactState, ContactTangent, OnWire, PrescribedStrip};
 use crate::{Curve, CurveColumns};
 use dynamics::{Columns, Constraint, Force, Frame, JacobianRows, Marker, Motion, Updates, Weights};
-use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// The sliding joint between collector strip and contact wire [Thesis, section 4.2.1; Pappalardo et al. 2015]: one holonomic equation,
@@ -12,13 +11,13 @@ use std::sync::Arc;
 /// ```text
 /// C_e(q, s) = 0                                  gives s(q)        [Thesis, Eq. (10), first row; Eq. (12)]
 /// g(t, q) = −n · (r(s) − p) = 0                                    [Thesis, Eq. (10), third row]
-/// g_q = −n · (r_q − p_q),    g_t = n · ṗ_t
+/// g_q = −n · (r_q − p_q),    ġ = −n · (ṙ − ṗ)
 /// ```
 ///
-/// `p` is the point of the strip, `ṗ_t` the part of its velocity that is prescribed, and `n` the common normal, see
-/// [`ContactGeometry`]. `s` is eliminated where it is found, as [Thesis, Eq. (13)] does: because the contact is where the distance is
-/// least, `r − p` is along `n` and what `s` changes drops out of `g_q`, also off the constraint. Written for the track,
-/// `g_q` says that the strip is at the height of the wire at its `x`: a strip that moves on by `δx` rises by the slope of the wire.
+/// `p` is the point of the strip and `n` the common normal, see [`ContactGeometry`]. `s` is eliminated where it is found, as
+/// [Thesis, Eq. (13)] does: because the contact is where the distance is least, `r − p` is along `n` and what `s` changes drops out of
+/// `g_q`, also off the constraint, and `ġ` is the rate between the points that touch. Written for the track, `g_q` says that the strip
+/// is at the height of the wire at its `x`: a strip that moves on by `δx` rises by the slope of the wire.
 /// `s` runs over the whole wire, so that nothing is handed over at the border of two elements: `r` and `r_s` are continuous there,
 /// and with them position and velocity of the strip. `r_ss` is not; the multiplier steps, see below.
 ///
@@ -41,8 +40,8 @@ use std::sync::Arc;
 /// around it. (`M v̇ + g_qᵀ λ = Q` and `g_q v̇ = −(g_q)˙ v − (g_t)˙` hold on both sides; `Q`, `M` and `g_q` are continuous; with `g = −n·(r − p)`
 /// the right side of the second steps by `v² Δκ`.)
 ///
-/// *Integrator.* An error of the multiplier dies out with a double root `−rho_inf`; that the contact has moved on in the meantime feeds
-/// it. So `rho_inf` is to be well below 1, and scenes are held to 0.5; what that damps is of the second order of the step.
+/// *In time.* The integrator holds `ġ` rather than `g`: slopes are continuous, so that the impulse of a step is right wherever in it a
+/// border is passed. See [`dynamics::GeneralizedAlpha`] for what becomes of `g`, and for the multiplier that is reported.
 pub struct SlidingJoint {
     curve: Arc<dyn Curve>,
     strip: Box<dyn Marker>,
@@ -53,7 +52,8 @@ pub struct SlidingJoint {
     s: f64,
     /// Counts the directions, see [`Updates::border`].
     version: u64,
-    direction: Vec<(usize, f64)>,
+    /// Index, `g_q` and `∂ġ/∂q` (1/s).
+    direction: Vec<(usize, f64, f64)>,
 }
 
 impl SlidingJoint {
@@ -93,12 +93,14 @@ impl SlidingJoint {
         Sides::new(geometry, &*self.curve, &*self.strip, motion)
     }
 
-    /// Takes `g_q` at a motion as the direction of the border.
+    /// Takes `g_q` and `∂ġ/∂q` at a motion for the border.
     fn turn(&mut self, geometry: &ContactGeometry, motion: &Motion<'_>) {
         let sides = Sides::new(geometry, &*self.curve, &*self.strip, motion);
+        let frame = self.strip.frame(motion);
+        let entries = sides.gap_gradient().zip(sides.gap_rate_gradient(&frame));
         self.direction.clear();
         self.direction
-            .extend(sides.gap_gradient().map(|(index, value)| (index, -value)));
+            .extend(entries.map(|((index, value), of_rate)| (index, -value, -of_rate)));
         self.version += 1;
     }
 }
@@ -135,7 +137,7 @@ impl Force for SlidingJoint {
             let (indices, matrix) = self
                 .sides(&geometry, motion)
                 .tangent(&frame, lambda, weights.q, |_, _| 0.0);
-            updates.dense(2, &indices, &matrix);
+            updates.dense(3, &indices, &matrix);
         }
         updates.border(0, self.version, self.multiplier, self.direction.iter().copied());
     }
@@ -178,13 +180,8 @@ impl Constraint for SlidingJoint {
         true
     }
 
-    fn add_explicit_rate(&self, motion: &Motion<'_>, rates: &mut [f64]) {
-        if let Some(geometry) = self.geometry(motion) {
-            let prescribed: Vector3<f64> = self
-                .sides(&geometry, motion)
-                .prescribed(&self.strip.frame(motion), motion);
-            rates[0] += geometry.normal.dot(&prescribed);
-        }
+    fn add_rate(&self, motion: &Motion<'_>, rates: &mut [f64]) {
+        rates[0] += self.geometry(motion).map_or(f64::NAN, |geometry| -geometry.gap_rate);
     }
 }
 

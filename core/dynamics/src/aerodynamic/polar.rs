@@ -50,6 +50,15 @@ impl Polar {
         })
     }
 
+    /// The amounts of drag and lift of [`Polar::force`], N.
+    pub(super) fn drag_and_lift(&self, half: f64, v_r: &Vector3<f64>, axes: &Matrix3<f64>) -> [f64; 2] {
+        let square = v_r.norm_squared();
+        let (w_1, w_3) = (axes.column(0).dot(v_r), axes.column(2).dot(v_r));
+        let [(drag, _), (lift, _)] = self.at(w_3.atan2(-w_1));
+        let lift = if w_3 * w_3 < square { lift } else { 0.0 }; // along the third axis there is no direction for it
+        [drag, lift].map(|coefficient| half * square * coefficient)
+    }
+
     /// The force for `half` the density (kg/m³) and its derivative by `v_r`.
     pub(super) fn force(&self, half: f64, v_r: &Vector3<f64>, axes: &Matrix3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
         let square = v_r.norm_squared();

@@ -81,6 +81,39 @@ fn drag_and_lift_are_those_of_the_hand_calculation() {
 }
 
 #[test]
+fn drag_and_lift_are_the_parts_of_the_force_along_the_air_and_across_it() {
+    let axes = rotation::exp(&Vector3::new(0.1, -0.2, 0.3))
+        .to_rotation_matrix()
+        .into_inner();
+    for v_r in [
+        Vector3::new(-20.0, 3.0, 2.0),
+        Vector3::new(15.0, -6.0, -8.0),
+        Vector3::zeros(),
+    ] {
+        let law = AerodynamicLaw::Polar(polar());
+        let [drag, lift] = law.drag_and_lift(DENSITY, &v_r, &axes);
+        let force = law.load(DENSITY, &v_r, &axes).force;
+        let along = v_r.try_normalize(0.0).unwrap_or_default();
+        let up = axes.column(2) - along * axes.column(2).dot(&along);
+        assert!((force.dot(&along) - drag).abs() < 1e-12, "{v_r}"); // rounding of some 50 N
+        // The polar's lift has both signs; the third axis is the side of a positive one.
+        let across = force - along * drag;
+        assert!((across.dot(&up) - lift * up.norm()).abs() < 1e-12, "{v_r}");
+        assert!((across.norm() - lift.abs()).abs() < 1e-12, "{v_r}");
+    }
+    // Along the third axis there is no direction for the lift.
+    let law = AerodynamicLaw::Polar(Polar::constant(0.07, 0.02));
+    let [drag, lift] = law.drag_and_lift(DENSITY, &Vector3::new(0.0, 0.0, 20.0), &Matrix3::identity());
+    assert!((drag - 245.0 * 0.07).abs() < 1e-13 && lift == 0.0, "{drag} {lift}");
+    let law = AerodynamicLaw::Uplift { coefficient: 0.0125 };
+    let v_r = Vector3::new(-80.0, 9.0, 3.0);
+    assert_eq!(
+        law.drag_and_lift(DENSITY, &v_r, &axes),
+        [0.0, law.load(DENSITY, &v_r, &axes).force.z]
+    );
+}
+
+#[test]
 fn coefficients_follow_the_angle_of_attack() {
     let law = AerodynamicLaw::Polar(polar());
     let at = |angle: f64| {

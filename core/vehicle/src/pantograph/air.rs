@@ -53,6 +53,38 @@ impl Air {
 /// The force of the air on a point of a pantograph.
 pub(crate) type AirForce = AerodynamicForce<Travelling<AirMarker>>;
 
+/// The forces of the air on a pantograph.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct AirForces {
+    forces: Vec<AirForce>,
+    /// Which of them act on the body that carries the strip.
+    on_head: Vec<bool>,
+}
+
+impl AirForces {
+    pub(super) fn push(&mut self, force: AirForce, on_head: bool) {
+        self.forces.push(force);
+        self.on_head.push(on_head);
+    }
+
+    pub(super) fn as_slice(&self) -> &[AirForce] {
+        &self.forces
+    }
+
+    pub(crate) fn as_mut_slice(&mut self) -> &mut [AirForce] {
+        &mut self.forces
+    }
+
+    /// Drag and lift on the body that carries the strip, N: sums over its points.
+    pub(crate) fn on_head(&self, motion: &Motion<'_>) -> [f64; 2] {
+        let on_head = self.forces.iter().zip(&self.on_head).filter(|(_, on_head)| **on_head);
+        on_head.fold([0.0; 2], |[drag, lift], (force, _)| {
+            let [more_drag, more_lift] = force.drag_and_lift(motion);
+            [drag + more_drag, lift + more_lift]
+        })
+    }
+}
+
 /// Points of a surface: offset from the body's centre of mass (m) and axes in those of the body, and area in m².
 pub(crate) fn points_of(
     surface: &WindSurface,

@@ -1,12 +1,12 @@
 //! The linkage: a pantograph of rigid bodies and joints.
 use super::Ground;
-use super::air::{Air, AirForce, AirMarker, points_of};
+use super::air::{Air, AirForce, AirForces, AirMarker, points_of};
 use super::builder::Builder;
 use super::equilibrium::{Equilibrium, Offsets};
 use super::statics::{self, Target};
 use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, RigidBody};
-use crate::train::Load;
-use crate::{Base, VehicleError};
+use crate::train::{CurveInertia, Load};
+use crate::{Base, Travel, VehicleError};
 #[cfg(test)]
 use dynamics::State;
 use dynamics::{AerodynamicLaw, Constraint, Force, Layout, Marker, Motion};
@@ -32,7 +32,9 @@ pub struct Linkage {
     orientations: Vec<UnitQuaternion<f64>>,
     static_force: f64,
     /// Forces of the air; no part of the balance in the reference position.
-    air: Vec<AirForce>,
+    air: AirForces,
+    /// On a base that follows a curve; no part of statics.
+    inertia: Option<CurveInertia>,
 }
 
 impl Linkage {
@@ -70,7 +72,7 @@ impl Linkage {
         linkage.suspension.preload = self.suspension.preload;
         linkage.static_force = self.static_force;
         linkage.air.clone_from(&self.air);
-        for force in &mut linkage.air {
+        for force in linkage.air.as_mut_slice() {
             if let AirMarker::Body(marker) = &mut force.marker.marker {
                 marker.pose.translation -= self.offsets.coordinate;
                 marker.pose.rotation -= self.offsets.coordinate;
@@ -106,21 +108,28 @@ impl Linkage {
             gravity,
             offsets,
             static_force: 0.0,
-            air: Vec::new(),
+            air: AirForces::default(),
+            inertia: None,
         })
+    }
+
+    /// Lets it feel the curves that its base runs through.
+    pub(crate) fn carry(&mut self, travel: &Travel) {
+        self.inertia = CurveInertia::new(travel, &self.bodies, &[]);
     }
 
     /// Lets the air act on bodies, or lift the strip.
     pub(crate) fn expose(&mut self, air: &Air, base: Base) {
-        let mut forces = Vec::new();
+        let mut forces = AirForces::default();
         if let Some(coefficient) = air.uplift {
             let law = AerodynamicLaw::Uplift { coefficient };
-            forces.push(air.force(AirMarker::Body(self.strip), base, law));
+            forces.push(air.force(AirMarker::Body(self.strip), base, law), true);
         }
         for surface in &air.surfaces {
             for (marker, area) in self.points_of(surface) {
                 let law = AerodynamicLaw::Polar(surface.polar(area));
-                forces.push(air.force(AirMarker::Body(marker), base, law));
+                let on_head = marker.pose.orientation == self.strip.pose.orientation;
+                forces.push(air.force(AirMarker::Body(marker), base, law), on_head);
             }
         }
         self.air = forces;
@@ -139,8 +148,13 @@ impl Linkage {
     }
 
     /// The forces of the air.
+    pub(crate) fn air(&self) -> &AirForces {
+        &self.air
+    }
+
+    /// The forces of the air, to be moved or visited.
     pub(crate) fn air_mut(&mut self) -> &mut [AirForce] {
-        &mut self.air
+        self.air.as_mut_slice()
     }
 
     /// The strip in the frame of the base; its axes are those of the body.
@@ -291,8 +305,11 @@ impl Linkage {
         }
         visit(&mut self.suspension);
         visit(&mut self.uplift);
-        for air in &mut self.air {
+        for air in self.air.as_mut_slice() {
             visit(air);
+        }
+        if let Some(inertia) = &mut self.inertia {
+            visit(inertia);
         }
     }
 

@@ -1,10 +1,10 @@
 //! The lumped pantograph: any number of masses one above the other.
-use super::air::{Air, AirForce, AirMarker};
+use super::air::{Air, AirForce, AirForces, AirMarker};
 use super::chain::Foot;
 use super::equilibrium::{Equilibrium, Offsets};
 use super::statics::Target;
-use super::{ChainElement, ChainMasses, Ground, HeadMarker};
-use crate::{Base, VehicleError};
+use super::{ChainElement, ChainInertia, ChainMasses, Ground, HeadMarker};
+use crate::{Base, Travel, VehicleError};
 use dynamics::{AerodynamicLaw, Force, Layout};
 use nalgebra::{Matrix3, Vector3};
 
@@ -26,7 +26,9 @@ pub struct Lumped {
     /// Contact force at rest at the reference height, N.
     reference_force: f64,
     /// Uplift of the air on the strip.
-    air: Vec<AirForce>,
+    air: AirForces,
+    /// On a base that follows a curve; no part of statics.
+    inertia: Option<ChainInertia>,
 }
 
 impl Lumped {
@@ -71,30 +73,46 @@ impl Lumped {
                 reference_height,
             },
             reference_force,
-            air: Vec::new(),
+            air: AirForces::default(),
+            inertia: None,
         })
+    }
+
+    /// Lets it feel the curves that its base runs through; `gravity` in m/s².
+    pub(crate) fn carry(&mut self, travel: &Travel, gravity: f64) {
+        self.inertia = travel.alignment().map(|_| ChainInertia {
+            travel: travel.clone(),
+            first: self.masses.first,
+            masses: self.masses.masses.clone(),
+            height: self.head.reference_height,
+            gravity,
+        });
     }
 
     /// Lets the air lift the strip.
     pub(crate) fn expose(&mut self, air: &Air, base: Base) {
-        let law = |coefficient| AerodynamicLaw::Uplift { coefficient };
-        let uplift = air
-            .uplift
-            .iter()
-            .map(|&uplift| air.force(AirMarker::Head(self.head), base, law(uplift)));
-        self.air = uplift.collect();
+        self.air = AirForces::default();
+        if let Some(coefficient) = air.uplift {
+            let law = AerodynamicLaw::Uplift { coefficient };
+            self.air.push(air.force(AirMarker::Head(self.head), base, law), true);
+        }
     }
 
     /// The forces of the air.
+    pub(crate) fn air(&self) -> &AirForces {
+        &self.air
+    }
+
+    /// The forces of the air, to be moved or visited.
     pub(crate) fn air_mut(&mut self) -> &mut [AirForce] {
-        &mut self.air
+        self.air.as_mut_slice()
     }
 
     /// What the air lifts the strip with at rest at t = 0, N: it carries so much less of the contact force.
     fn uplift(&self) -> f64 {
         let q = vec![0.0; self.offsets.coordinate + 1];
         let mut force = q.clone();
-        super::air::add_at_rest(&mut self.air.clone(), &q, &mut force);
+        super::air::add_at_rest(self.air.clone().as_mut_slice(), &q, &mut force);
         force[self.offsets.coordinate]
     }
 
@@ -136,8 +154,11 @@ impl Lumped {
         for element in &mut self.elements {
             visit(element);
         }
-        for air in &mut self.air {
+        for air in self.air.as_mut_slice() {
             visit(air);
+        }
+        if let Some(inertia) = &mut self.inertia {
+            visit(inertia);
         }
     }
 

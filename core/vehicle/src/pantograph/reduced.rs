@@ -1,5 +1,5 @@
 //! The linkage reduced to what its joints leave free: its one motion and the collector suspension.
-use super::air::{Air, AirForce, AirMarker, PointPath, ReducedPoint, add_at_rest};
+use super::air::{Air, AirForce, AirForces, AirMarker, PointPath, ReducedPoint, add_at_rest};
 use super::curve::{Curve, Node, Path};
 use super::equilibrium::{Equilibrium, Offsets};
 use super::linkage::Linkage;
@@ -42,7 +42,7 @@ pub struct ReducedLinkage {
     full: Linkage,
     bodies: Vec<Arc<Curve<3>>>,
     /// Forces of the air; no part of the balance in the reference position.
-    air: Vec<AirForce>,
+    air: AirForces,
 }
 
 impl ReducedLinkage {
@@ -100,7 +100,7 @@ impl ReducedLinkage {
             base_z: entry.base[2],
             start: [0.0; 2],
             bodies: bodies.map(Arc::new).collect(),
-            air: Vec::new(),
+            air: AirForces::default(),
             full,
         };
         reduced.balance();
@@ -109,10 +109,10 @@ impl ReducedLinkage {
 
     /// Lets the air act on bodies, or lift the strip.
     pub(crate) fn expose(&mut self, air: &Air, base: Base) {
-        let mut forces = Vec::new();
+        let mut forces = AirForces::default();
         if let Some(coefficient) = air.uplift {
             let law = AerodynamicLaw::Uplift { coefficient };
-            forces.push(air.force(AirMarker::Strip(self.strip()), base, law));
+            forces.push(air.force(AirMarker::Strip(self.strip()), base, law), true);
         }
         let head = self.full.strip_body();
         for surface in &air.surfaces {
@@ -132,27 +132,32 @@ impl ReducedLinkage {
                     axes: orientation.to_rotation_matrix() * marker.axes,
                 };
                 let law = AerodynamicLaw::Polar(surface.polar(area));
-                forces.push(air.force(AirMarker::Reduced(point), base, law));
+                forces.push(air.force(AirMarker::Reduced(point), base, law), number == head);
             }
         }
         self.air = forces;
     }
 
     /// The forces of the air.
+    pub(crate) fn air(&self) -> &AirForces {
+        &self.air
+    }
+
+    /// The forces of the air, to be moved or visited.
     pub(crate) fn air_mut(&mut self) -> &mut [AirForce] {
-        &mut self.air
+        self.air.as_mut_slice()
     }
 
     /// Generalised forces of the air at rest at t = 0.
     fn air_at_rest(&self, [sigma, rise]: [f64; 2]) -> [f64; 2] {
-        if self.air.is_empty() {
+        if self.air.as_slice().is_empty() {
             return [0.0; 2];
         }
         let i = self.offsets.coordinate;
         let mut q = vec![0.0; i + 2];
         let mut force = q.clone();
         (q[i], q[i + 1]) = (sigma, rise);
-        add_at_rest(&mut self.air.clone(), &q, &mut force);
+        add_at_rest(self.air.clone().as_mut_slice(), &q, &mut force);
         [force[i], force[i + 1]]
     }
 

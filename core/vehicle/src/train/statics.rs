@@ -1,4 +1,4 @@
-//! The vehicle at rest under what stands on it.
+//! The vehicle at rest in the frame that travels with it, under what stands on it.
 use super::{Train, TrainWheel};
 use crate::VehicleError;
 use crate::multibody::{BodyMarker, DeadForce};
@@ -68,7 +68,7 @@ impl Train {
         loads: &[Load],
     ) -> Result<TrainRest, VehicleError> {
         let pose = self.carrier.pose;
-        let loads = loads
+        let loads: Vec<DeadForce> = loads
             .iter()
             .map(|load| {
                 let motion = state.motion(&[]);
@@ -93,15 +93,10 @@ impl Train {
             ..StaticOptions::default()
         };
         self.set_creeping(false);
-        let mut alone = Alone {
-            train: self,
-            layout,
-            loads,
-        };
-        let settled = solve_static(&mut alone, state, &[], &options);
+        let settled = self.settle(layout, state, &loads, &options);
         self.set_creeping(true);
-        settled.map_err(VehicleError::Unsettled)?;
-        let spins = self.free_rolling(state);
+        settled?;
+        let spins = self.steady_rolling(layout, state, &loads, &options);
         let base = self.base_frame(&state.motion(&[]));
         Ok(TrainRest {
             equilibrium: Equilibrium {
@@ -115,6 +110,80 @@ impl Train {
             base,
             spins,
         })
+    }
+
+    /// Newton's method, from `state` on.
+    fn settle(
+        &mut self,
+        layout: &Layout,
+        state: &mut State,
+        loads: &[DeadForce],
+        options: &StaticOptions,
+    ) -> Result<(), VehicleError> {
+        let mut alone = Alone {
+            train: self,
+            layout,
+            loads: loads.to_vec(),
+        };
+        let settled = solve_static(&mut alone, state, &[], options);
+        settled.map(|_| ()).map_err(VehicleError::Unsettled)
+    }
+
+    /// From rest without creep forces to rest under those of steady rolling: a wheel that rolls on a slope turns about the normal of its
+    /// contact, which pushes it sideways, and the rail bears it at another height. Where there is no such state it stays as it is.
+    /// Returns χ̇ of the wheelsets, rad/s.
+    ///
+    /// Positions at given spins and spins at given positions are found in turn. A change of a position by `δ` changes the rolling radius by
+    /// less than that, and the spin by `Ω δ/r`, which moves nothing that bears weight: two rounds are enough for most.
+    fn steady_rolling(
+        &mut self,
+        layout: &Layout,
+        state: &mut State,
+        loads: &[DeadForce],
+        options: &StaticOptions,
+    ) -> Vec<f64> {
+        /// Accepted change of a spin, of that of rolling: a creepage of 1e-10, by which a wheel of 53 kN is pushed 1 mN.
+        const CREEPAGE: f64 = 1e-10;
+        const ROUNDS: usize = 20;
+        if self.spins.is_empty() {
+            return Vec::new();
+        }
+        let mut layout = layout.clone();
+        for spin in &self.spins {
+            layout.fix(spin.coordinate);
+        }
+        let still = state.clone();
+        let mut spins = self.free_rolling(state);
+        let standing = spins.clone();
+        for _ in 0..ROUNDS {
+            self.set_rolling(&spins);
+            let settled = self.settle(&layout, state, loads, options);
+            self.set_rolling(&[]);
+            if settled.is_err() {
+                // On rails that are bent where it starts a wheelset rolls on, but not steadily.
+                *state = still;
+                return standing;
+            }
+            let next = self.free_rolling(state);
+            let change = (self.spins.iter().zip(spins.iter().zip(&next)))
+                .map(|(spin, (old, new))| ((new - old) / spin.rolling).abs())
+                .fold(0.0, f64::max);
+            spins = next;
+            if change <= CREEPAGE {
+                break;
+            }
+        }
+        spins
+    }
+
+    /// Lets the wheels of each wheelset turn by χ̇ (rad/s) for statics, in which no coordinate has a velocity; by nothing where there is
+    /// none.
+    fn set_rolling(&mut self, rates: &[f64]) {
+        for (i, wheel) in self.wheels.iter_mut().enumerate() {
+            if let TrainWheel::Rolling(wheel) = wheel {
+                wheel.set_rolling(rates.get(i / 2).copied().unwrap_or(0.0));
+            }
+        }
     }
 
     fn set_creeping(&mut self, creeping: bool) {

@@ -206,6 +206,7 @@ pub(super) fn sections(runs: &[RunBundle]) -> Vec<(&'static str, String)> {
     vec![
         ("Contact force", series::force(&curves)),
         ("Uplift at the supports", series::uplift(runs)),
+        ("Wind on the collector head", series::wind(&curves)),
         ("Spectrum and histogram", pair),
     ]
 }

@@ -135,3 +135,30 @@ pub(super) fn uplift(runs: &[RunBundle]) -> String {
         320,
     )
 }
+
+/// Drag and lift of the wind on the bodies that carry the strips; empty where there is none.
+pub(super) fn wind(curves: &[Curve]) -> String {
+    let mut traces = Vec::new();
+    for (i, c) in curves.iter().enumerate() {
+        let Some(wind) = &c.strip.wind else { continue };
+        let time = rounded(&c.run.record.time, 1e4);
+        for (what, force, colour) in [("drag", &wind.drag, 2 * i), ("lift", &wind.lift, 2 * i + 1)] {
+            let colour = COLOURS[colour % COLOURS.len()];
+            let name = name(what, &c.label);
+            traces.push(curve(time.clone(), rounded(force, 1e2), &name, colour, 1.4));
+        }
+    }
+    if traces.is_empty() {
+        return String::new();
+    }
+    let drawn = finished(
+        traces,
+        layout(axis("time [s]").zero_line(false), axis("force of the wind [N]")),
+        "plot-wind",
+        320,
+    );
+    format!(
+        "{drawn}<p class=\"caption\">On the body that carries the strip: drag along the air that meets it, lift across it, positive \
+         upward.</p>\n"
+    )
+}

@@ -5,7 +5,7 @@ use crate::check::{assert_tangent, awkward, dense};
 use dynamics::{NewtonOptions, Simulator};
 use nalgebra::{Matrix2, SymmetricEigen};
 
-fn full(scene: &Scene, shape: Option<&TrackShape>) -> Alone {
+pub(super) fn full(scene: &Scene, shape: Option<&TrackShape>) -> Alone {
     let mut layout = Layout::new();
     let entry = scene.vehicle.as_deref().unwrap().train().unwrap();
     let rails = scene.track.as_deref().unwrap();
@@ -18,7 +18,7 @@ fn full(scene: &Scene, shape: Option<&TrackShape>) -> Alone {
 }
 
 /// The vehicle at rest in its frame, its wheelsets rolling freely.
-fn rolling(alone: &mut Alone) -> State {
+pub(super) fn rolling(alone: &mut Alone) -> State {
     let mut state = alone.layout.state_at_rest();
     let rest = alone.train.rest(&alone.layout, &mut state, &[]).unwrap();
     alone.train.set_rest(&rest, &mut state);
@@ -30,8 +30,8 @@ fn each_rolling_wheel_bears_an_eighth_of_the_weight_at_rest() {
     let mut alone = full(&full_scene(&[]), None);
     let state = rolling(&mut alone);
     for load in alone.train.wheel_loads(&state.motion(&[])) {
-        // Statics know no creep: the spin in the contact makes a lateral force of some 1 kN on a slope of 1/40.
-        assert!((load - 43_052.0 * 9.81 / 8.0).abs() < 30.0, "{load}");
+        // Residuals of 1e-5 N; what holds the speed against the rolling resistance of the spin lifts the front by 1e-4 N.
+        assert!((load - 43_052.0 * 9.81 / 8.0).abs() < 1e-3, "{load}");
     }
     // Bearings and contacts give way, no spring does.
     let farthest = state.q.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
@@ -43,17 +43,24 @@ fn a_rolling_vehicle_on_smooth_track_goes_on_rolling() {
     let mut alone = full(&full_scene(&[]), None);
     let state = rolling(&mut alone);
     let start = state.clone();
+    let loads: Vec<f64> = alone.train.wheel_loads(&state.motion(&[])).collect();
     let mut simulator = Simulator::new(alone, state, Vec::new(), 1e-3, 0.9, NewtonOptions::default());
-    let mut largest = 0.0_f64;
+    let (mut largest, mut change) = (0.0_f64, 0.0_f64);
     simulator
         .advance(0.0, 2.0, &mut |_, _| (), &mut |alone, motion, _, _| {
             let base = alone.train.base_frame(&motion);
             largest = largest.max(base.velocity.norm());
+            for (i, load) in alone.train.wheel_loads(&motion).enumerate() {
+                change = change.max((load - loads[i]).abs());
+            }
         })
         .unwrap();
     let moved = alone_moved(&start, simulator.state());
-    assert!(largest < 1e-5, "{largest} m/s");
-    assert!(moved < 1e-5, "{moved} m");
+    println!("{largest} m/s, {moved} m, {change} N");
+    // Residuals of statics and steps, 1e-5 N to 1e-3 N, on springs of 1e6 N/m and 43 t; creep forces that statics leave out would be 30 N.
+    assert!(largest < 1e-7, "{largest} m/s");
+    assert!(moved < 1e-8, "{moved} m");
+    assert!(change < 2e-3, "{change} N");
 }
 
 /// Largest change of a displacement, spins left out.

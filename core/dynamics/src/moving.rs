@@ -1,0 +1,192 @@
+//! Multipliers of constraints that move: what the time steps hold, and what is reported.
+use crate::Scheme;
+use serde::{Deserialize, Serialize};
+
+/// The multipliers of constraints that move along the coordinates of a system, [`crate::Constraint::moves`], in generalized-α.
+///
+/// Such a constraint holds by its rate at both ends of a step, and so the impulse of its multiplier over the step follows from
+/// velocities alone: nothing of earlier steps is in it. The multiplier at the end of the step is. With `ℓ` the multiplier's share in
+/// the auxiliary accelerations,
+///
+/// ```text
+/// (1 − α_m) ℓₙ₊₁ + α_m ℓₙ = (1 − α_f) λₙ₊₁ + α_f λₙ
+/// I / h = (1 − γ) ℓₙ + γ ℓₙ₊₁                                        derived here
+/// ```
+///
+/// an error of `λ` comes back in the next step `−α_f/(1 − α_f) = −rho_inf` times, though `I` has none. The mean force `I/h` belongs to
+/// the middle of the step, to second order for all coefficients with `γ = ½ + α_f − α_m`. What is reported is the straight line
+/// through the last two means, at the end of the step: of second order, and without the memory.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct MovingMultipliers {
+    courses: Vec<Course>,
+    /// From where the means belong to up to now, s.
+    age: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Course {
+    /// `λ`, N.
+    end: f64,
+    /// `ℓ`, N.
+    auxiliary: f64,
+    /// `I/h` of the last step, N.
+    mean: f64,
+}
+
+impl Course {
+    /// `ℓ` for a step that is `stretch` times the last one: what [`crate::State::a`] becomes, too.
+    fn auxiliary(&self, stretch: f64) -> f64 {
+        self.end + (self.auxiliary - self.end) * stretch
+    }
+}
+
+impl MovingMultipliers {
+    /// Takes over `other` without allocating where the sizes agree.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.courses.clone_from(&other.courses);
+        self.age = other.age;
+    }
+
+    /// Forgets what earlier steps have left.
+    pub fn clear(&mut self) {
+        self.courses.clear();
+    }
+
+    /// Takes the reported multipliers of these `equations` for what they are where no step was made before, and puts a first guess for
+    /// the end of the next one in their place: that the mean force is the one reported last.
+    pub fn begin(&mut self, equations: &[usize], scheme: &Scheme, stretch: f64, lambda: &mut [f64]) {
+        if self.courses.len() != equations.len() {
+            let at_start = |&equation: &usize| Course {
+                end: lambda[equation],
+                auxiliary: lambda[equation],
+                mean: lambda[equation],
+            };
+            self.courses.clear();
+            self.courses.extend(equations.iter().map(at_start));
+            self.age = 0.0;
+        }
+        let Scheme {
+            alpha_m,
+            alpha_f,
+            gamma,
+            ..
+        } = *scheme;
+        for (course, &equation) in self.courses.iter().zip(equations) {
+            let before = course.auxiliary(stretch);
+            let after = (lambda[equation] - (1.0 - gamma) * before) / gamma;
+            lambda[equation] = ((1.0 - alpha_m) * after + alpha_m * before - alpha_f * course.end) / (1.0 - alpha_f);
+        }
+    }
+
+    /// Takes in the multipliers at the end of a step of `h` s and puts what is reported in their place.
+    pub fn end(&mut self, equations: &[usize], scheme: &Scheme, (h, stretch): (f64, f64), lambda: &mut [f64]) {
+        let Scheme {
+            alpha_m,
+            alpha_f,
+            gamma,
+            ..
+        } = *scheme;
+        let half = 0.5 * h;
+        for (course, &equation) in self.courses.iter_mut().zip(equations) {
+            let before = course.auxiliary(stretch);
+            let end = lambda[equation];
+            let auxiliary = ((1.0 - alpha_f) * end + alpha_f * course.end - alpha_m * before) / (1.0 - alpha_m);
+            let mean = (1.0 - gamma) * before + gamma * auxiliary;
+            lambda[equation] = mean + (mean - course.mean) * half / (self.age + half);
+            *course = Course { end, auxiliary, mean };
+        }
+        self.age = half;
+    }
+
+    /// Takes in a jump of the multipliers between two steps.
+    pub fn jump(&mut self, equations: &[usize], changes: &[f64]) {
+        for (course, &equation) in self.courses.iter_mut().zip(equations) {
+            let change = changes[equation];
+            course.end += change;
+            course.auxiliary += change;
+            course.mean += change;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EQUATIONS: [usize; 1] = [1];
+
+    /// What is reported for steps of these lengths (s) with these multipliers at their ends, from `start` on.
+    fn reported(rho_inf: f64, start: f64, steps: &[(f64, f64)]) -> Vec<f64> {
+        let (scheme, mut moving, mut last) = (Scheme::new(rho_inf), MovingMultipliers::default(), None);
+        let mut lambda = [7.0, start];
+        let mut found = Vec::new();
+        for &(h, end) in steps {
+            let stretch = last.map_or(1.0, |last| h / last);
+            moving.begin(&EQUATIONS, &scheme, stretch, &mut lambda);
+            lambda[1] = end;
+            moving.end(&EQUATIONS, &scheme, (h, stretch), &mut lambda);
+            assert_eq!(lambda[0], 7.0, "not one of its equations");
+            found.push(lambda[1]);
+            last = Some(h);
+        }
+        found
+    }
+
+    #[test]
+    fn an_error_that_comes_back_in_every_step_is_not_reported() {
+        for rho_inf in [0.0, 0.4, 0.9, 1.0] {
+            let Scheme { alpha_f, .. } = Scheme::new(rho_inf);
+            let root = -alpha_f / (1.0 - alpha_f);
+            assert!((root + rho_inf).abs() < 1e-12, "rounding: {root}");
+            let steps: Vec<_> = (1..200).map(|n| (1e-3, 100.0 + 5.0 * root.powi(n))).collect();
+            let found = reported(rho_inf, 105.0, &steps);
+            // The start is one of the two points of the first straight line; ℓ has the start's error for a while where α_m is not α_f.
+            let left = (found[190] - 100.0).abs();
+            assert!(left < 1e-6, "rho_inf = {rho_inf}: {left} N");
+        }
+    }
+
+    #[test]
+    fn a_force_that_grows_evenly_is_reported_as_it_is_whatever_the_steps() {
+        for rho_inf in [0.0, 0.4, 0.9, 1.0] {
+            let mut t = 0.0;
+            let lengths = std::iter::repeat_n(1e-3, 60).chain(std::iter::repeat_n(4e-4, 60));
+            let steps: Vec<_> = lengths
+                .map(|h| {
+                    t += h;
+                    (h, 50.0 + 300.0 * t)
+                })
+                .collect();
+            let found = reported(rho_inf, 50.0, &steps);
+            for n in [59, 119] {
+                // Rounding, and what is left of a start without the shift of ℓ.
+                assert!(
+                    (found[n] - steps[n].1).abs() < 1e-9,
+                    "rho_inf = {rho_inf}, step {n}: {}",
+                    found[n] - steps[n].1
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_guess_goes_on_with_the_mean_force_and_a_jump_moves_everything() {
+        let (scheme, mut moving) = (Scheme::new(0.9), MovingMultipliers::default());
+        let mut lambda = [0.0, 20.0];
+        for end in [22.0, 17.0] {
+            moving.begin(&EQUATIONS, &scheme, 1.0, &mut lambda);
+            lambda[1] = end;
+            moving.end(&EQUATIONS, &scheme, (1e-3, 1.0), &mut lambda);
+        }
+        moving.jump(&EQUATIONS, &[0.0, 3.0]);
+        lambda[1] += 3.0;
+        let before = lambda[1];
+        moving.begin(&EQUATIONS, &scheme, 1.0, &mut lambda);
+        moving.end(&EQUATIONS, &scheme, (1e-3, 1.0), &mut lambda);
+        let mean = moving.courses[0].mean;
+        assert!(
+            (mean - before).abs() < 1e-12 * before.abs(),
+            "rounding: {mean} of {before}"
+        );
+    }
+}
