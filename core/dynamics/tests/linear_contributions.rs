@@ -19,8 +19,8 @@ struct Chain {
     is_linear: bool,
     /// Evaluations of the whole and within ranges.
     evaluations: [usize; 2],
-    /// All of these ranges together.
-    within: Range<usize>,
+    /// Least start and largest end of these ranges.
+    within: [usize; 2],
 }
 
 impl Chain {
@@ -61,7 +61,8 @@ impl Force for Chain {
 
     fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
         self.evaluations[1] += 1;
-        self.within = self.within.start.min(range.start)..self.within.end.max(range.end);
+        let [start, end] = self.within;
+        self.within = [start.min(range.start), end.max(range.end)];
         self.add(range.start.min(NODES)..range.end.min(NODES), motion, v_dot, force);
     }
 
@@ -257,7 +258,7 @@ fn run(is_linear: bool, bed: Range<usize>, tolerance: f64) -> Run {
         chain: Chain {
             is_linear,
             evaluations: [0; 2],
-            within: NODES..0,
+            within: [NODES, 0],
         },
         bed: Bed(bed),
         ropes: Ropes {
@@ -329,9 +330,10 @@ fn beside_nonlinear_contributions_linear_ones_are_evaluated_on_common_rows_only(
     let chain = &known.model.chain;
     assert!(known.iterations > 900, "the bed takes more corrections");
     assert!(chain.evaluations[0] == 600 && chain.evaluations[1] > 600);
-    assert!(bed.start <= chain.within.start && chain.within.end <= bed.end);
-    let whole = &evaluated.model.chain.within;
-    assert!(whole.start < bed.start && bed.end < whole.end, "{whole:?}");
+    let [start, end] = chain.within;
+    assert!(bed.start <= start && end <= bed.end);
+    let [start, end] = evaluated.model.chain.within;
+    assert!(start < bed.start && bed.end < end, "{start}, {end}");
     assert!(known.left <= tolerance, "{} N are left", known.left);
     // As above.
     for (a, b) in known.states.iter().zip(&evaluated.states) {

@@ -136,7 +136,7 @@ impl ResidualCompliance {
         Some(none.along(geometry))
     }
 
-    /// The same along another piece of the wire. Patches that are known serve again, to the last bit.
+    /// The same along another piece of the wire. Patches that both have serve again, to the last bit.
     #[must_use]
     pub fn along(&self, geometry: &WireGeometry) -> Self {
         let lengths: Vec<i64> = (geometry.lengths().iter())
@@ -148,20 +148,18 @@ impl ResidualCompliance {
                 layers[enrichment.node] = enrichment.bending_length;
             }
         }
-        let (beam, mut known, mut patches) = (self.beam, self.known.clone(), self.patches.clone());
+        // Only what this piece needs is kept: memory does not grow on the way along a line.
+        let (mut known, mut patches) = (BTreeMap::new(), Vec::new());
         let patch = (0..lengths.len()).map(|element| {
             let first = element.saturating_sub(NEIGHBOURS);
             let last = (element + NEIGHBOURS).min(lengths.len() - 1);
             let bits = layers[first..=last + 1].iter().map(|layer| layer.to_bits());
-            let key = (
-                element - first,
-                lengths[first..=last].to_vec(),
-                bits.collect::<Vec<_>>(),
-            );
-            *known.entry(key).or_insert_with_key(|(middle, lengths, layers)| {
-                let lengths: Vec<f64> = lengths.iter().map(|length| (*length as f64 * ALIKE).exp()).collect();
-                let layers: Vec<f64> = layers.iter().map(|bits| f64::from_bits(*bits)).collect();
-                patches.push(solved(*middle, &lengths, &layers, beam));
+            let key: Key = (element - first, lengths[first..=last].to_vec(), bits.collect());
+            *known.entry(key).or_insert_with_key(|key| {
+                patches.push(match self.known.get(key) {
+                    Some(&at) => self.patches[at as usize].clone(),
+                    None => solved_for(key, self.beam),
+                });
                 patches.len() as u32 - 1
             })
         });
@@ -170,7 +168,7 @@ impl ResidualCompliance {
             starts: (0..geometry.nodes().len()).map(|node| geometry.node_s(node)).collect(),
             patches,
             known,
-            beam,
+            beam: self.beam,
         }
     }
 
@@ -210,6 +208,12 @@ fn straight(lengths: &[f64], layers: &[f64]) -> WireGeometry {
         reference: 0.0,
     });
     WireGeometry::straight(Vector3::zeros(), Vector3::x(), lengths, map).with_enrichments(enrichments.collect())
+}
+
+fn solved_for((middle, lengths, layers): &Key, beam: Beam) -> Patch {
+    let lengths: Vec<f64> = lengths.iter().map(|length| (*length as f64 * ALIKE).exp()).collect();
+    let layers: Vec<f64> = layers.iter().map(|bits| f64::from_bits(*bits)).collect();
+    solved(*middle, &lengths, &layers, beam)
 }
 
 /// Solves a patch for its element `middle`.

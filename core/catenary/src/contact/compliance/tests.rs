@@ -146,3 +146,17 @@ fn finer_elements_and_layers_leave_less() {
         compliance.at(24.0)
     );
 }
+
+#[test]
+fn along_another_piece_of_the_wire_it_is_what_a_new_one_is_to_the_last_bit() {
+    let known = ResidualCompliance::new(&wire(3, 4, true), &SECTION, 70.0).expect("below the wave speed");
+    let other = wire(5, 4, true);
+    let (again, new) = (
+        known.along(&other),
+        ResidualCompliance::new(&other, &SECTION, 70.0).expect("below the wave speed"),
+    );
+    for s in places(other.length(), 200) {
+        assert_eq!(again.at(s), new.at(s), "{s}");
+    }
+    assert_eq!(again.patches(), new.patches(), "nothing is kept that it has no use for");
+}
