@@ -20,6 +20,37 @@ fn coupled_and_as_one_system_the_force_is_the_same() {
     assert!(difference < 0.02, "{difference}");
 }
 
+/// The run enters it after half a second and is in its arc from 2.4 s on; 7 cm of cant are missing.
+const CURVE: &str = "track.curve={ radius = 1400.0, direction = \"left\", cant = 0.1, start = 75.0, transition = 75.0, length = 300.0, \
+                     rounding = 6.0 }";
+
+#[test]
+fn coupled_and_as_one_system_the_force_is_the_same_in_a_curve() {
+    let of = |mode| {
+        let more = [CURVE, "run.duration=4.0", "run.evaluate={time=[1.0,4.0]}"];
+        run(scene_with(DEFAULT, &more), mode, "vehicle")
+    };
+    let (whole, coupled) = (of(Mode::Monolithic), of(Mode::Inprocess));
+    assert!(whole.summary.complete && coupled.summary.complete);
+    let difference = whole.filtered_difference(&coupled) / whole.sigma();
+    println!("{difference}");
+    assert!(difference < 0.02, "{difference}"); // as on straight track
+    let track = whole
+        .summary
+        .model
+        .parts
+        .iter()
+        .find(|part| part.part == "track")
+        .unwrap();
+    for fragment in [
+        "left curve from 75 to 525 m, radius 1400 m, cant 100 mm",
+        "cant deficiency",
+        "radial pull",
+    ] {
+        assert!(track.reason.contains(fragment), "{}", track.reason);
+    }
+}
+
 #[test]
 fn the_summary_says_what_of_vehicle_and_track_is_modelled() {
     let modelled = |overrides: &[&str]| {

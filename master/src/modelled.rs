@@ -9,6 +9,8 @@ use crate::simulation::Prepared;
 use crate::sliding_joint;
 use crate::standstill::{self, Standstill};
 
+mod track;
+
 impl Prepared {
     /// What is modelled, and what is not, with reasons.
     #[must_use]
@@ -71,7 +73,7 @@ impl Prepared {
                 part("pantograph", true, kinds.join("; ")),
                 vehicle(scene),
                 wheel_rail(scene),
-                track(scene),
+                track::track(scene),
                 wind_part("wind_pantograph", wind_on_pantograph(scene)),
                 wind_part("wind_wires", wind_on_wires(scene)),
             ],
@@ -178,35 +180,6 @@ fn wheel_rail(scene: &scene::Scene) -> Part {
             "vertical vehicle: linear springs in place of the contacts, no profiles and no creep forces".to_owned(),
         ),
         Some(scene::Vehicle::Full(_)) => part("wheel_rail", true, "wheels roll on rails".to_owned()),
-    }
-}
-
-/// What the rails are like.
-fn track(scene: &scene::Scene) -> Part {
-    use scene::Irregularities;
-    let runs = scene.vehicle.as_deref().and_then(scene::Vehicle::train).is_some();
-    let irregularities = scene.track.as_deref().map(|track| &track.irregularities);
-    match irregularities {
-        _ if !runs => part("track", false, "no wheel runs on it".to_owned()),
-        None => part(
-            "track",
-            false,
-            "scene has no [track]: straight, level and smooth".to_owned(),
-        ),
-        Some(Irregularities::None) => part("track", true, "straight, level and smooth".to_owned()),
-        Some(Irregularities::Spectrum(spectrum)) => part(
-            "track",
-            true,
-            format!(
-                "straight and level, irregularities from spectra, seed {}, wavelengths {} to {} m",
-                spectrum.seed, spectrum.wavelengths[0], spectrum.wavelengths[1]
-            ),
-        ),
-        Some(Irregularities::Points(points)) => part(
-            "track",
-            true,
-            format!("straight and level, irregularities from {} points", points.x.len()),
-        ),
     }
 }
 

@@ -75,6 +75,49 @@ impl WithSimd for Product<'_> {
     }
 }
 
+/// `sums[j] = Σ rows[j] x`, four rows side by side: one sum after the other would wait for its additions.
+struct Products<'a> {
+    rows: &'a [f64],
+    x: &'a [f64],
+    sums: &'a mut [f64],
+}
+
+impl WithSimd for Products<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let count = self.x.len();
+        let (x, x_rest) = S::as_simd_f64s(self.x);
+        let x_rest = simd.partial_load_f64s(x_rest);
+        for (rows, sums) in self.rows.chunks(4 * count).zip(self.sums.chunks_mut(4)) {
+            if let [a, b, c, d] = sums {
+                let row = |j: usize| {
+                    let (vectors, rest) = S::as_simd_f64s(&rows[j * count..(j + 1) * count]);
+                    (&vectors[..x.len()], rest)
+                };
+                let rows = [row(0), row(1), row(2), row(3)];
+                let mut totals = [simd.splat_f64s(0.0); 4];
+                for (total, (_, rest)) in totals.iter_mut().zip(rows) {
+                    *total = simd.mul_f64s(simd.partial_load_f64s(rest), x_rest);
+                }
+                for (i, &x) in x.iter().enumerate() {
+                    for (total, (row, _)) in totals.iter_mut().zip(rows) {
+                        *total = simd.mul_add_e_f64s(row[i], x, *total);
+                    }
+                }
+                for (sum, total) in [a, b, c, d].into_iter().zip(totals) {
+                    *sum = simd.reduce_sum_f64s(total);
+                }
+            } else {
+                for (row, sum) in rows.chunks_exact(count).zip(sums) {
+                    *sum = Product(row, self.x).with_simd(simd);
+                }
+            }
+        }
+    }
+}
+
 /// `forces −= Σ aⱼ xⱼ`
 struct Subtract<'a> {
     rows: &'a [f64],
@@ -245,9 +288,15 @@ impl Leaves {
             for (scaled, (value, inverse)) in scaled.iter_mut().zip(values) {
                 *scaled = value * inverse;
             }
-            for (i, &neighbour) in self.neighbours[group.neighbours.clone()].iter().enumerate() {
-                let sum = self.arch.dispatch(Product(&self.coefficients[group.row(i)], scaled));
-                add(neighbour as usize, -sum);
+            let neighbours = &self.neighbours[group.neighbours.clone()];
+            let sums = &mut self.scratch[..neighbours.len()];
+            self.arch.dispatch(Products {
+                rows: &self.coefficients[group.first..group.row(neighbours.len()).start],
+                x: scaled,
+                sums: &mut *sums,
+            });
+            for (&neighbour, sum) in neighbours.iter().zip(sums) {
+                add(neighbour as usize, -*sum);
             }
         }
     }
@@ -350,6 +399,27 @@ mod tests {
         );
         for leaf in 0..leaves {
             assert!((last[leaf] - exact[core + leaf]).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn products_side_by_side_are_those_of_one_row_after_the_other() {
+        // Rows beyond fours, numbers beyond whole vectors.
+        let (rows, count) = (7, 21);
+        let values: Vec<f64> = (0..rows * count)
+            .map(|i| f64::from((i * 37 % 19) as u8) - 9.0)
+            .collect();
+        let x: Vec<f64> = (0..count).map(|i| f64::from((i * 5 % 7) as u8) - 3.0).collect();
+        let mut sums = vec![0.0; rows];
+        Arch::new().dispatch(Products {
+            rows: &values,
+            x: &x,
+            sums: &mut sums,
+        });
+        for (row, sum) in values.chunks_exact(count).zip(sums) {
+            let exact: f64 = row.iter().zip(&x).map(|(a, b)| a * b).sum();
+            // Whole numbers: nothing is rounded.
+            assert_eq!(sum, exact);
         }
     }
 

@@ -59,8 +59,8 @@ pub(crate) struct Imbalance {
     first: Option<f64>,
 }
 
-/// Linear contributions that are all that evaluates ranges. With their part `A_l` of the iteration matrix, that of the others `A_o`
-/// and a correction `(A_l + A_o + U C Uᵀ) Δq = r_l + r_o` they leave
+/// The rows on which linear contributions act and no others that evaluate ranges, and no constraints. With their part `A_l` of the
+/// iteration matrix, that of the others `A_o` and a correction `(A_l + A_o + U C Uᵀ) Δq = r_l + r_o` they leave there
 ///
 /// ```text
 /// r_l − A_l Δq = A_o Δq + U z − r_o,    z = C Uᵀ Δq
@@ -68,47 +68,64 @@ pub(crate) struct Imbalance {
 ///
 /// to which droppers and strips contribute a few entries.
 struct LinearPart {
-    /// Which rows `A_l` has, and these as ranges, ascending and apart.
+    /// Which rows these are, and the same as ranges, ascending and apart.
     own: Vec<bool>,
     rows: Vec<Range<usize>>,
+    /// The other rows of contributions that evaluate ranges, each range with what is between its rows.
+    evaluated: Vec<Range<usize>>,
     /// `A_o`, and which of its rows are not empty.
     others: SparseMatrix,
     occupied: Vec<usize>,
 }
 
+/// Where `selected` holds, as ranges that are ascending and apart.
+fn ranges(count: usize, selected: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    for index in (0..count).filter(|&index| selected(index)) {
+        match ranges.last_mut() {
+            Some(last) if last.end == index => last.end += 1,
+            _ => ranges.push(index..index + 1),
+        }
+    }
+    ranges
+}
+
+/// What two ranges have in common.
+fn common(a: &Range<usize>, b: &Range<usize>) -> Range<usize> {
+    a.start.max(b.start)..a.end.min(b.end)
+}
+
 impl LinearPart {
-    /// None where other contributions evaluate ranges too, or constraints act on the rows.
+    /// None where there are no such rows.
     fn of(system: &mut dyn System, motion: &Motion<'_>) -> Option<Self> {
-        let (mut any, mut all) = (false, true);
-        system.forces(&mut |force| {
-            any |= force.evaluates_ranges();
-            all &= force.is_linear() || !force.evaluates_ranges();
-        });
-        if !(any && all) {
-            return None;
-        }
-        let mut entries = Vec::new();
-        let mut blocks = Blocks::record(&mut entries);
-        system.forces(&mut |force| {
-            if force.evaluates_ranges() {
-                force.add_tangent(motion, Weights { q: 1.0, v: 1.0 }, &mut blocks);
-                force.add_mass(&mut blocks);
-            }
-        });
-        let mut own = vec![false; system.layout().coordinates()];
-        entries.iter().for_each(|&(row, _)| own[row as usize] = true);
-        let mut constrained = false;
+        let coordinates = system.layout().coordinates();
+        let mut rows_of = |linear: bool| {
+            let mut entries = Vec::new();
+            let mut blocks = Blocks::record(&mut entries);
+            system.forces(&mut |force| {
+                if force.evaluates_ranges() && force.is_linear() == linear {
+                    force.add_tangent(motion, Weights { q: 1.0, v: 1.0 }, &mut blocks);
+                    force.add_mass(&mut blocks);
+                }
+            });
+            let mut rows = vec![false; coordinates];
+            entries.iter().for_each(|&(row, _)| rows[row as usize] = true);
+            rows
+        };
+        let (mut own, mut evaluated) = (rows_of(true), rows_of(false));
         visit_jacobian(system, motion, &mut |_, columns, _| {
-            constrained |= columns.iter().any(|&column| own[column]);
+            columns.iter().for_each(|&column| evaluated[column] |= own[column]);
         });
-        let mut rows: Vec<Range<usize>> = Vec::new();
-        for index in (0..own.len()).filter(|&index| own[index]) {
-            match rows.last_mut() {
-                Some(last) if last.end == index => last.end += 1,
-                _ => rows.push(index..index + 1),
-            }
+        for (own, evaluated) in own.iter_mut().zip(&evaluated) {
+            *own &= !evaluated;
         }
-        (!constrained).then(|| Self {
+        let rows = ranges(coordinates, |index| own[index]);
+        // Rows between two others cost less than a range of their own.
+        let evaluated = ranges(coordinates, |index| !own[index])
+            .into_iter()
+            .filter(|range| evaluated[range.clone()].contains(&true));
+        (!rows.is_empty()).then(|| Self {
+            evaluated: evaluated.collect(),
             own,
             rows,
             others: SparseMatrix::default(),
@@ -235,14 +252,19 @@ impl Imbalance {
             }
         });
         matrix.subtract_inertia(v_dot, others);
-        if since == Since::Anything || known {
+        if since == Since::Anything {
             return;
         }
-        for range in last.affected {
-            let range = range.start..range.end.min(self.coordinates);
-            if range.is_empty() {
-                continue;
-            }
+        let everything = 0..self.coordinates;
+        let evaluated = match &self.linear {
+            Some(linear) if known => &linear.evaluated[..],
+            _ => std::slice::from_ref(&everything),
+        };
+        let ranges = last.affected.iter().flat_map(|affected| {
+            let within = evaluated.iter().map(|evaluated| common(affected, evaluated));
+            within.filter(|range| !range.is_empty())
+        });
+        for range in ranges {
             self.scratch[range.clone()].fill(0.0);
             let scratch = &mut self.scratch;
             system.forces(&mut |contribution| {

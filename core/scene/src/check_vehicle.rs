@@ -1,6 +1,7 @@
 //! Whether bodies, bushings and wheels make a vehicle, and whether there is something for them to run on.
 
 use crate::check::{Found, check_inertia, refuse};
+use crate::curve;
 use crate::error::What;
 use crate::write::shown_number;
 use crate::{
@@ -22,7 +23,15 @@ impl Scene {
             Some(Vehicle::Vertical(train) | Vehicle::Full(train)) => train.check(found),
             None => {}
         }
+        let curved = self.track.as_deref().is_some_and(|track| !track.curves.is_empty());
+        if let (Some(Vehicle::Vertical(_)), true) = (self.vehicle.as_deref(), curved) {
+            let because = "the bodies of vehicle.model = \"vertical\" stay in the plane along the track, which is straight; a curve needs \
+                           vehicle.model = \"full\""
+                .to_owned();
+            found.push(("track.curve".to_owned(), What::LeaveOut { because }));
+        }
         if let Some(Vehicle::Full(train)) = self.vehicle.as_deref() {
+            curve::check(self, train, found);
             let rail = self.track.as_deref().is_some_and(|track| track.rail.is_some());
             let needed = [
                 (

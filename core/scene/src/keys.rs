@@ -186,19 +186,6 @@ impl Keys<'_> {
         )
     }
 
-    /// A key or table of the format that this version cannot do.
-    pub(crate) fn unavailable(&mut self, name: &str) {
-        if self.node(name).is_some() {
-            self.report(
-                name,
-                What::NotAvailable {
-                    value: None,
-                    available: Vec::new(),
-                },
-            );
-        }
-    }
-
     /// Refuses every key of `T` that is there and is not a key of this table already.
     pub(crate) fn leave_out<T: Entry>(&mut self, because: &str) {
         for name in table::keys_of::<T>() {

@@ -112,6 +112,12 @@ impl Scene {
         }
     }
 
+    /// Gravitational acceleration, m/s²; 9.81 where no modelled line says it.
+    #[must_use]
+    pub fn gravity(&self) -> f64 {
+        self.modelled_line().map_or(9.81, |(line, _)| line.gravity)
+    }
+
     /// Internal time step of both sides, s: the macro step evenly divided into steps of at most `solver.micro_step`; where the
     /// macro step is controlled, that of all macro steps that are not shorter than it.
     #[must_use]

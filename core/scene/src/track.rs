@@ -1,13 +1,17 @@
 //! `[track]`: what the wheels run on.
 
+use crate::Curve;
+use crate::curve::curves;
 use crate::keys::{Entry, Keys, Length, Number};
 
-/// `[track]`: straight, level track.
+/// `[track]`: level track, straight but for its curves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     /// `track.rail`; only for `vehicle.model = "full"`.
     pub rail: Option<RailSection>,
-    /// How far the rails are from straight.
+    /// `track.curve`: in the order in which they follow each other; only for `vehicle.model = "full"`.
+    pub curves: Vec<Curve>,
+    /// How far the rails are from their ideal lines.
     pub irregularities: Irregularities,
 }
 
@@ -91,8 +95,8 @@ impl Track {
 
 impl Entry for Track {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
-        keys.unavailable("curve");
         let rail = keys.optional_table("rail", was.map(|track| track.rail.as_ref()));
+        let curves = curves(keys, was.map(|track| track.curves.as_slice()));
         let inline = was
             .map(|track| &track.irregularities)
             .filter(|given| **given != Irregularities::None);
@@ -102,7 +106,11 @@ impl Entry for Track {
             keys.word_among("irregularities", was.map(|_| ()), &[("none", ())], &[], Some(()));
             Irregularities::None
         };
-        Self { rail, irregularities }
+        Self {
+            rail,
+            curves,
+            irregularities,
+        }
     }
 }
 

@@ -221,6 +221,9 @@ impl Vehicle {
             Self::Full(train) if !train.is_symmetric() => {
                 Some("the vehicle is not symmetric to the plane along the track")
             }
+            Self::Full(_) if track.is_some_and(|track| !track.curves.is_empty()) => {
+                Some("track.curve makes the vehicle sway and roll")
+            }
             Self::Full(_) if track.is_some_and(|track| !track.is_symmetric()) => {
                 Some("track.irregularities make the vehicle sway and roll")
             }

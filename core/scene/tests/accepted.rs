@@ -59,8 +59,15 @@ fn a_vehicle_and_its_track_survive_writing() {
     let points =
         "track.irregularities={ model = \"points\", x = [0.0, 10.0], z_left = [0.0, 0.01], z_right = [0.0, 0.02] }";
     let file = "track.irregularities={ model = \"points\", file = \"track.csv\" }";
+    let curve = "track.curve={ radius = 1500.0, direction = \"left\", cant = 0.1, start = 100.0, transition = 80.0, length = 200.0, \
+                 rounding = 6.0 }";
+    let table = curve.trim_start_matches("track.curve=");
+    let reverse = table.replace("left", "right").replace("100.0", "500.0");
+    let curves = format!("track.curve=[{table}, {reverse}]");
     for (text, overrides) in [
         (THESIS, [motion].as_slice()),
+        (VEHICLE, &[curve]),
+        (VEHICLE, &[&curves, spectrum]),
         (VEHICLE, &[spectrum]),
         (VEHICLE, &[points]),
         (VEHICLE, &[file, "vehicle.model=vertical"]),
@@ -81,6 +88,10 @@ fn a_line_is_planar_under_a_symmetric_vehicle_on_rails_that_are_alike() {
     assert!(planar(&[]));
     assert!(planar(&[&bump("0.01")]));
     assert!(!planar(&[&bump("0.02")]));
+    assert!(!planar(&[
+        "track.curve={ radius = 1500.0, direction = \"left\", cant = 0.0, start = 100.0, transition = 80.0, length = 200.0, \
+                       rounding = 6.0 }"
+    ]));
     assert!(!planar(&["vehicle.bodies[2].positions[1]=[1.2954, 0.1, 0.7088]"]));
     assert!(planar(&[&bump("0.02"), "vehicle.model=vertical"]));
 }

@@ -4,6 +4,7 @@ use scene::{Reduction, Scene};
 
 const EN: &str = include_str!("../../../scenes/en50318-250.toml");
 const THESIS: &str = include_str!("../../../scenes/thesis-pantograph.toml");
+const VEHICLE: &str = include_str!("../../../scenes/thesis.toml");
 
 fn message(text: &str, overrides: &[&str]) -> String {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_string()).collect();
@@ -105,7 +106,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 0.0] }\n[coupling]", &["vehicle.motion.time[2] = 0 s: must be greater than the entry before it, 0 s"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { file = \"a.csv\", z = [0.0] }\n[coupling]", &["vehicle.motion.z: must be left out: file is given"]),
     ("[coupling]", "[track]\n[coupling]", &["track: must be left out: no wheel runs on it"]),
-    ("[coupling]", "[track]\ncurve = 1\n[coupling]", &["track.curve: known, but not modelled yet by this version: leave it out"]),
+    ("[coupling]", "[track]\ncurve = 1\n[coupling]", &["track.curve = 1: must be at least one table under the header [[track.curve]]"]),
     ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind.yaw_deg is missing: must be a number from -180 to 180", "wind.air_density is missing: must be a positive number in kg/m³"]),
     ("[coupling]", "[wind]\nspeed = -1\nyaw_deg = 200\nair_density = 0\n[coupling]", &["wind.speed = -1 m/s: must be zero or positive", "wind.yaw_deg = 200: must be from -180 to 180", "wind.air_density = 0 kg/m³: must be positive"]),
     ("[coupling]", "[wind]\nspeed = 200\nyaw_deg = 0\nair_density = 1.2\n[coupling]", &["wind.speed = 200: must be a speed in m/s, at most 120 m/s"]),
@@ -399,6 +400,96 @@ fn a_wrong_override_is_refused_with_its_own_text() {
         );
         holds(&message, fragments);
     }
+}
+
+/// (what differs from a curve that is accepted, fragments of the message), on the scene with the full vehicle.
+const CURVES: &[(&str, &[&str])] = &[
+    (
+        "track.curve.radius=149",
+        &["track.curve.radius = 149 m: must be 150 m or more, the smallest radius of a running line"],
+    ),
+    (
+        "track.curve.radius=-800",
+        &["track.curve.radius = -800 m: must be positive and finite"],
+    ),
+    (
+        "track.curve.direction=west",
+        &["track.curve.direction = \"west\": unknown word; must be \"left\" or \"right\""],
+    ),
+    (
+        "track.curve.cant=0.21",
+        &["track.curve.cant = 0.21 m: must be from 0 to 0.2 m"],
+    ),
+    (
+        "track.curve.cant=-0.1",
+        &["track.curve.cant = -0.1 m: must be zero or positive"],
+    ),
+    ("track.curve.length=0", &["track.curve.length = 0 m: must be positive"]),
+    (
+        "track.curve.transition=12",
+        &[
+            "track.curve.transition = 12 m: must be 14.286 m or more: with cant = 0.1 m the track is twisted by 8.3 mm per m",
+        ],
+    ),
+    (
+        "track.curve.rounding=300",
+        &[
+            "track.curve.rounding = 300 m: must be at most transition = 80 m",
+            "must be at most length = 200 m",
+        ],
+    ),
+    (
+        "track.curve.lenght=3",
+        &["track.curve.lenght: unknown key, did you mean \"length\"?"],
+    ),
+    (
+        "vehicle.model=vertical",
+        &[
+            "track.curve: must be left out: the bodies of vehicle.model = \"vertical\" stay in the plane",
+            "vehicle.model = \"full\"",
+        ],
+    ),
+    // 200 km/h in 300 m: v²/R cos φ − g sin φ = 9.61 m/s²; the vehicle of the thesis stands up to 6.33.
+    (
+        "track.curve.radius=300",
+        &[
+            "track.curve.radius = 300 m: must leave less than 6.33 m/s² along the plane of the rails",
+            "run.speed_kmh = 200.0",
+            "leaves 9.61 m/s²",
+            "over the outer rail",
+        ],
+    ),
+    (
+        "model.reduce=planar",
+        &["model.reduce = \"planar\": must be left out: track.curve makes the vehicle sway and roll"],
+    ),
+];
+
+const CURVE: &str = "track.curve={ radius = 1500.0, direction = \"left\", cant = 0.1, start = 100.0, transition = 80.0, length = 200.0, \
+                     rounding = 6.0 }";
+
+#[test]
+fn impossible_curves_are_refused_with_value_unit_and_expectation() {
+    assert_eq!(message(VEHICLE, &[CURVE]), "accepted");
+    for (change, fragments) in CURVES {
+        holds(&message(VEHICLE, &[CURVE, change]), fragments);
+    }
+}
+
+#[test]
+fn a_curve_that_begins_before_the_one_before_it_ends_is_refused() {
+    let second = |start: f64| {
+        let first = CURVE.trim_start_matches("track.curve=");
+        format!(
+            "track.curve=[{first}, {}]",
+            first.replace("start = 100.0", &format!("start = {start:?}"))
+        )
+    };
+    // The first one ends at 460 m; both cant ramps are rounded over 6 m.
+    assert_eq!(message(VEHICLE, &[&second(466.0)]), "accepted");
+    let expected =
+        "track.curve[2].start = 465.9 m: must be 466 m or more: there the cant ramp of the curve before it ends";
+    holds(&message(VEHICLE, &[&second(465.9)]), &[expected]);
 }
 
 #[test]

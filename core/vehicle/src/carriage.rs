@@ -65,6 +65,19 @@ impl Carriage {
             .track
             .as_deref()
             .and_then(|track| TrackShape::new(track, reach));
+        let curves = placement.track.as_deref().map_or(&[][..], |track| &track.curves);
+        if let Some(first) = curves.first()
+            && start > first.start - 0.5 * first.rounding
+        {
+            let least = start + 0.5 * first.rounding;
+            return Err(VehicleError::NotAvailable {
+                what: format!(
+                    "track.curve: start = {} m must be {least:.3} m or more: a run starts at rest on straight track, the foremost wheel \
+                     at {start:.3} m, and the cant ramp begins half its rounding = {} m before",
+                    first.start, first.rounding
+                ),
+            });
+        }
         let gravity = placement.gravity;
         let train = match (placement.vehicle.as_deref(), placement.track.as_deref()) {
             (Some(scene::Vehicle::Full(_)), Some(rails)) => {

@@ -1,7 +1,8 @@
 //! The rigid side: pantographs on a base that travels along the track.
 //!
-//! Coordinates describe a pantograph in the frame of its base. The base moves on a straight line at constant speed, so that
-//! this frame is inertial; only the markers that the outside sees ([`Travelling`]) add the travel. Statics are rest in this
+//! Coordinates describe a pantograph in the frame of its base. The base moves along the track at constant speed. On straight track
+//! this frame is inertial; in a curve it turns and leans with the track ([`Travel`]), and what bodies feel of that is a force
+//! ([`train::CurveInertia`]). Only the markers that the outside sees ([`Travelling`]) add the travel. Statics are rest in this
 //! frame, and no digits are lost to the distance covered.
 //!
 //! [`PantographModel`] builds each kind of pantograph from its scene entry into a shared [`dynamics::Layout`]:
@@ -13,6 +14,8 @@
 //! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
 //!   Chicago, 2016.
 //! - `[Haug 1989]` E. J. Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, Allyn and Bacon.
+//! - `[Shabana, Zaazaa & Sugiyama 2008]` A. A. Shabana, K. E. Zaazaa & H. Sugiyama, Railroad Vehicle Dynamics: A Computational
+//!   Approach, CRC Press.
 #![forbid(unsafe_code)]
 
 mod base;
@@ -29,6 +32,7 @@ mod spline;
 mod subsystem;
 pub mod track;
 pub mod train;
+mod travel;
 pub mod wheel_rail;
 
 pub use base::{Base, Travelling};
@@ -39,3 +43,4 @@ pub use model::{PantographModel, Placement};
 pub use multibody::AppliedForce;
 pub use pantograph::{Air, Equilibrium};
 pub use subsystem::{Checkpoint, INPUTS, Model, StripMotion, Subsystem, placement};
+pub use travel::{Apparent, Travel};

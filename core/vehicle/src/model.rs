@@ -84,6 +84,9 @@ impl PantographModel {
             Entry::Lumped(entry) => {
                 let mut lumped = Lumped::new(entry, name, layout)?;
                 lumped.stand_on(&ground, carriage.base_point(lumped.reference_height()));
+                if let Some(train) = carriage.train() {
+                    lumped.carry(train.travel(), placement.gravity);
+                }
                 Kind::Lumped(lumped)
             }
             Entry::Linkage(_) if placement.one_motion && !matches!(ground, Ground::Still) => {
@@ -95,7 +98,11 @@ impl PantographModel {
                 Kind::Reduced(Box::new(ReducedLinkage::new(entry, placement.gravity, name, layout)?))
             }
             Entry::Linkage(entry) => {
-                Kind::Linkage(Box::new(Linkage::on(ground, entry, placement.gravity, name, layout)?))
+                let mut linkage = Linkage::on(ground, entry, placement.gravity, name, layout)?;
+                if let Some(train) = carriage.train() {
+                    linkage.carry(train.travel());
+                }
+                Kind::Linkage(Box::new(linkage))
             }
             Entry::ThirdParty(entry) => {
                 return Err(VehicleError::ThirdParty { fmu: entry.fmu.clone() });

@@ -39,12 +39,10 @@ impl System for Model {
 /// Where and how fast a pantograph of a scene travels.
 #[must_use]
 pub fn placement(scene: &Scene, index: usize) -> Placement {
-    /// Where no line says it, m/s².
-    const GRAVITY: f64 = 9.81;
     Placement {
         start_x: scene.strip_start_x(index),
         speed: scene.run.speed,
-        gravity: scene.modelled_line().map_or(GRAVITY, |(line, _)| line.gravity),
+        gravity: scene.gravity(),
         one_motion: scene.model.has(scene::Reduction::Linkage),
         vehicle: scene.vehicle.clone(),
         track: scene.track.clone(),

@@ -38,7 +38,13 @@ pub struct ResidualCompliance {
     /// Patch of each element.
     patch: Vec<u32>,
     patches: Vec<Patch>,
+    known: BTreeMap<Key, u32>,
+    beam: Beam,
 }
+
+/// All that a patch depends on but for the beam: the number of its middle element, lengths in steps of `ALIKE`, and the bits of the
+/// bending length of the vertical layer at each node, those of zero standing for none.
+type Key = (usize, Vec<i64>, Vec<u64>);
 
 /// Elements on either side of one that its residual compliance is found with. The answer of cubic elements to a force at a node
 /// that it does not act on falls by a factor of about eight per element.
@@ -120,18 +126,29 @@ impl ResidualCompliance {
             tension,
             bending_length: (section.bending_stiffness / tension).sqrt(),
         };
+        let none = Self {
+            starts: Vec::new(),
+            patch: Vec::new(),
+            patches: Vec::new(),
+            known: BTreeMap::new(),
+            beam,
+        };
+        Some(none.along(geometry))
+    }
+
+    /// The same along another piece of the wire. Patches that are known serve again, to the last bit.
+    #[must_use]
+    pub fn along(&self, geometry: &WireGeometry) -> Self {
         let lengths: Vec<i64> = (geometry.lengths().iter())
             .map(|length| (length.ln() / ALIKE).round() as i64)
             .collect();
-        // Bending length of the vertical layer at each node; the bits of zero stand for none.
         let mut layers = vec![0.0; geometry.nodes().len()];
         for enrichment in geometry.enrichments() {
             if enrichment.direction.z.abs() > 0.5 {
                 layers[enrichment.node] = enrichment.bending_length;
             }
         }
-        let mut known: BTreeMap<(usize, Vec<i64>, Vec<u64>), u32> = BTreeMap::new();
-        let mut patches = Vec::new();
+        let (beam, mut known, mut patches) = (self.beam, self.known.clone(), self.patches.clone());
         let patch = (0..lengths.len()).map(|element| {
             let first = element.saturating_sub(NEIGHBOURS);
             let last = (element + NEIGHBOURS).min(lengths.len() - 1);
@@ -148,12 +165,13 @@ impl ResidualCompliance {
                 patches.len() as u32 - 1
             })
         });
-        let patch = patch.collect();
-        Some(Self {
+        Self {
+            patch: patch.collect(),
             starts: (0..geometry.nodes().len()).map(|node| geometry.node_s(node)).collect(),
-            patch,
             patches,
-        })
+            known,
+            beam,
+        }
     }
 
     /// The residual compliance at `s` m.

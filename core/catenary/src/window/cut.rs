@@ -38,14 +38,24 @@ impl Source<'_> {
         (line, layout.coordinates())
     }
 
-    /// The same with the residual compliance of the contact wire, which nothing but contact asks for.
-    pub fn cut_for_contact(&self, spans: Range<usize>, first: usize) -> (Line, usize) {
+    /// The same with the residual compliance of the contact wire, which nothing but contact asks for. What is `known` of another
+    /// piece of the line is not found again.
+    pub fn cut_for_contact(
+        &self,
+        spans: Range<usize>,
+        first: usize,
+        known: &mut Option<Arc<ResidualCompliance>>,
+    ) -> (Line, usize) {
         let (line, count) = self.cut(spans, first);
-        let compliance = self.topology.options().contact_compliance.and_then(|speed| {
+        if let Some(speed) = self.topology.options().contact_compliance {
             let wire = line.wire(WireName::ContactWire);
-            ResidualCompliance::new(wire.geometry(), wire.section(), speed).map(Arc::new)
-        });
-        (line.with_contact_compliance(compliance), count)
+            let found = match known {
+                Some(known) => Some(known.along(wire.geometry())),
+                None => ResidualCompliance::new(wire.geometry(), wire.section(), speed),
+            };
+            *known = found.map(Arc::new);
+        }
+        (line.with_contact_compliance(known.clone()), count)
     }
 
     fn equilibrium_of(&self, spans: &Range<usize>, coordinates: &[WireCoordinates; 2]) -> Equilibrium {

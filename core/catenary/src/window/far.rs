@@ -155,7 +155,12 @@ impl<const N: usize> WithSimd for AddForce<'_, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Member { cell, modes, own, .. } = self.member;
+        let Member {
+            cell,
+            modes,
+            own,
+            supports,
+        } = self.member;
         let [q, v, a] = self.supports;
         let columns = (cell.stiffness.as_slice().chunks_exact(N))
             .zip(cell.damping.as_slice().chunks_exact(N))
@@ -167,32 +172,28 @@ impl<const N: usize> WithSimd for AddForce<'_, N> {
         }
         let zero = simd.splat_f64s(0.0);
         let mut sums = [zero; N];
-        let couplings = cell.couplings.chunks_exact(N);
+        let [_, v_s, a_s] = &self.supports;
+        let couplings = cell.couplings.chunks_exact(supports.len());
         for ((group, own), couplings) in own.iter().enumerate().zip(couplings) {
-            let first = modes.start + group * GROUP;
-            let range = first..modes.end.min(first + GROUP);
-            let mut values = [[0.0; GROUP]; 3];
-            for (lanes, all) in values.iter_mut().zip(self.modes) {
-                if let Some(all) = all.get(range.clone()) {
-                    lanes[..all.len()].copy_from_slice(all);
-                }
-            }
-            let mut forces = [0.0; GROUP];
             for part in 0..GROUP / S::F64_LANES {
+                let first = modes.start + group * GROUP + part * S::F64_LANES;
+                let range = first.min(modes.end)..modes.end.min(first + S::F64_LANES);
+                let of_modes = |values: &[f64]| simd.partial_load_f64s(values.get(range.clone()).unwrap_or_default());
+                let [q, v, a] = self.modes;
+                let [q_m, v_m, a_m] = [of_modes(q), of_modes(v), of_modes(a)];
                 let lanes = |values: &[f64; GROUP]| S::as_simd_f64s(values).0[part];
-                let [q_m, v_m, a_m] = [lanes(&values[0]), lanes(&values[1]), lanes(&values[2])];
                 let mut by_damping = simd.mul_add_e_f64s(lanes(&own[0]), q_m, simd.mul_f64s(lanes(&own[1]), v_m));
                 let mut by_mass = a_m;
-                for j in 0..N {
-                    let (d, m) = (lanes(&couplings[j][0]), lanes(&couplings[j][1]));
-                    by_damping = simd.mul_add_e_f64s(d, simd.splat_f64s(v[j]), by_damping);
-                    by_mass = simd.mul_add_e_f64s(m, simd.splat_f64s(a[j]), by_mass);
-                    sums[j] = simd.mul_add_e_f64s(d, v_m, simd.mul_add_e_f64s(m, a_m, sums[j]));
+                // The number of rounds is not known to the compiler: unrolled they would need more registers than there are.
+                for (((coupling, sum), v), a) in couplings.iter().zip(&mut sums).zip(v_s).zip(a_s) {
+                    let [d, m] = [lanes(&coupling[0]), lanes(&coupling[1])];
+                    by_damping = simd.mul_add_e_f64s(d, simd.splat_f64s(*v), by_damping);
+                    by_mass = simd.mul_add_e_f64s(m, simd.splat_f64s(*a), by_mass);
+                    *sum = simd.mul_add_e_f64s(d, v_m, simd.mul_add_e_f64s(m, a_m, *sum));
                 }
-                S::as_mut_simd_f64s(&mut forces).0[part] = simd.add_f64s(by_damping, by_mass);
-            }
-            for (force, own) in self.force[range].iter_mut().zip(forces) {
-                *force -= own;
+                let force = &mut self.force[range];
+                let sum = simd.add_f64s(by_damping, by_mass);
+                simd.partial_store_f64s(force, simd.sub_f64s(simd.partial_load_f64s(force), sum));
             }
         }
         for (sum, on_support) in sums.iter().zip(self.on_supports) {

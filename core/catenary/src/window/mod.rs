@@ -42,7 +42,9 @@ mod transfer;
 use crate::line::Equilibrium;
 use crate::linear_line::assembled;
 use crate::statics::Repeat;
-use crate::{Dimension, Line, LinearLine, OverheadLine, StaticLine, StaticsError, Topology, WireName};
+use crate::{
+    Dimension, Line, LinearLine, OverheadLine, ResidualCompliance, StaticLine, StaticsError, Topology, WireName,
+};
 use cell::{Cell, SpanMatrices};
 pub(crate) use cut::Source;
 use dynamics::{Continuity, Layout, Motion, SparseMatrix, Weights};
@@ -132,6 +134,8 @@ pub struct WindowedLine {
     far: FarField,
     held: Vec<usize>,
     uplift_reference: Vec<f64>,
+    /// Of the window's contact wire, with what was found for earlier windows.
+    compliance: Option<Arc<ResidualCompliance>>,
 }
 
 impl Fixed {
@@ -227,6 +231,7 @@ impl WindowedLine {
             inner: Box::new(line),
             far: FarField::default(),
             held: Vec::new(),
+            compliance: None,
             arrangement,
             fixed,
         };
@@ -262,7 +267,8 @@ impl WindowedLine {
         let (plan, arrangement) = (&fixed.plan, &self.arrangement);
         let first = plan.window_first();
         let from = fixed.source_of(arrangement.at, plan.window);
-        let (mut line, count) = fixed.source().cut_for_contact(from..from + plan.window, first);
+        let spans = from..from + plan.window;
+        let (mut line, count) = fixed.source().cut_for_contact(spans, first, &mut self.compliance);
         self.inner = if fixed.linearised {
             let mut own = Layout::new();
             own.add_coordinates(first + count, "window");

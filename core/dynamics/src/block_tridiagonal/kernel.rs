@@ -44,6 +44,26 @@ fn chains<S: Simd, const V: usize, const U: usize>(
     sums[0]
 }
 
+/// `start + B x` for a square block of `V` vectors' width: its length is known, so that there is no loop.
+#[inline(always)]
+pub(super) fn square<S: Simd, const V: usize>(simd: S, block: &[f64], x: &[f64], start: [S::f64s; V]) -> [S::f64s; V] {
+    let width = V * S::F64_LANES;
+    let columns = S::as_simd_f64s(&block[..width * width]).0;
+    let x = &x[..width];
+    if V == 1 {
+        chains::<S, V, 4>(simd, columns, x, start)
+    } else {
+        chains::<S, V, 2>(simd, columns, x, start)
+    }
+}
+
+/// The first `V` vectors of `x`.
+#[inline(always)]
+pub(super) fn load<S: Simd, const V: usize>(x: &[f64]) -> [S::f64s; V] {
+    let vectors = S::as_simd_f64s(&x[..V * S::F64_LANES]).0;
+    std::array::from_fn(|v| vectors[v])
+}
+
 /// A block and where the vector it multiplies begins.
 #[derive(Clone, Copy)]
 pub(super) struct Term<'a> {

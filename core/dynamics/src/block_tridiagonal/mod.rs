@@ -54,6 +54,8 @@ struct Block {
     at: usize,
     /// Rows, filled up.
     height: usize,
+    /// Its size where it fills its vectors and the block that it is eliminated into is as large; else 0.
+    square: usize,
     /// First number of its forward and backward blocks.
     forward: usize,
     backward: usize,
@@ -112,6 +114,29 @@ impl LocalColumn {
     }
 }
 
+/// The blocks in the order in which they are eliminated, each with the one it is taken out of: from both ends in turn to the `middle`
+/// one.
+///
+/// Factors stand in memory in the order in which they are used. Of two streams of which one goes back the processor fetches only
+/// the other one ahead.
+fn inwards(count: usize, middle: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count).flat_map(move |k| {
+        let top = (k < middle).then(|| (k, k + 1));
+        let bottom = (count - 1 - k > middle).then(|| (count - 1 - k, count - 2 - k));
+        top.into_iter().chain(bottom)
+    })
+}
+
+/// The same for the substitution back: from the middle block in turn to both ends, each block with the one before it.
+fn outwards(count: usize, middle: usize) -> impl Iterator<Item = (usize, Option<usize>)> {
+    let pairs = (1..count).flat_map(move |k| {
+        let top = (k <= middle).then(|| (middle - k, Some(middle + 1 - k)));
+        let bottom = (middle + k < count).then(|| (middle + k, Some(middle + k - 1)));
+        top.into_iter().chain(bottom)
+    });
+    std::iter::once((middle, None)).chain(pairs)
+}
+
 /// Vectors fill up to this many numbers.
 struct Lanes;
 
@@ -135,36 +160,39 @@ impl BlockTridiagonal {
         let middle = (bounds.len() - 1) / 2;
         let sizes: Vec<usize> = bounds.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let heights: Vec<usize> = sizes.iter().map(|size| size.next_multiple_of(lanes)).collect();
-        let (mut at, mut forward, mut backward, mut assembled, mut coupling) = (0, 0, 0, 0, 0);
-        let (mut down, mut up) = (0, 0);
+        let (mut at, mut assembled, mut coupling) = (0, 0, 0);
         let mut blocks = Vec::with_capacity(sizes.len());
         for (i, (&size, &height)) in sizes.iter().zip(&heights).enumerate() {
-            let first = bounds[i];
             blocks.push(Block {
-                first,
+                first: bounds[i],
                 size,
                 at,
                 height,
-                forward,
-                backward,
+                square: 0,
+                forward: 0,
+                backward: 0,
                 assembled,
                 coupling,
             });
-            let next = match i.cmp(&middle) {
-                std::cmp::Ordering::Less => Some(i + 1),
-                std::cmp::Ordering::Equal => None,
-                std::cmp::Ordering::Greater => Some(i - 1),
-            };
             at += height;
-            forward += next.map_or(0, |next| heights[next] * size);
-            backward += height * (size + next.map_or(0, |next| sizes[next]));
             assembled += height * size;
             if i + 1 < sizes.len() {
                 // One start for both couplings: each gets the room of the larger one.
-                let room = (heights[i + 1] * size).max(height * sizes[i + 1]);
-                coupling += room;
-                (down, up) = (coupling, coupling);
+                coupling += (heights[i + 1] * size).max(height * sizes[i + 1]);
             }
+        }
+        let (down, up) = (coupling, coupling);
+        let (mut forward, mut backward) = (0, 0);
+        for (i, next) in inwards(blocks.len(), middle) {
+            if sizes[i] == heights[i] && sizes[next] == sizes[i] {
+                blocks[i].square = sizes[i];
+            }
+            blocks[i].forward = forward;
+            forward += heights[next] * sizes[i];
+        }
+        for (i, next) in outwards(blocks.len(), middle) {
+            blocks[i].backward = backward;
+            backward += heights[i] * (sizes[i] + next.map_or(0, |next| sizes[next]));
         }
         let mut block_of = vec![0; unknowns.len()];
         let mut positions = vec![0; unknowns.len()];

@@ -1,6 +1,6 @@
 //! Elimination towards the middle block and substitution back to both ends.
-use super::kernel::{Term, any_above, any_product_above, combine};
-use super::{Block, BlockTridiagonal, Buffer};
+use super::kernel::{Term, any_above, any_product_above, combine, load, square};
+use super::{Block, BlockTridiagonal};
 use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
@@ -16,9 +16,9 @@ struct Pass<'a, S> {
     simd: S,
     threshold: f64,
     blocks: &'a [Block],
-    forward: &'a Buffer,
-    backward: &'a Buffer,
-    diagonal: &'a Buffer,
+    forward: &'a [f64],
+    backward: &'a [f64],
+    diagonal: &'a [f64],
     work: &'a mut [f64],
     active: &'a mut [bool],
     lanes: usize,
@@ -41,6 +41,40 @@ impl<S: Simd> Pass<'_, S> {
     /// `c_next −= F c`; returns whether there was anything to eliminate.
     #[inline(always)]
     fn eliminate(&mut self, i: usize, next: usize) -> bool {
+        let own = &self.blocks[i];
+        match own.square / S::F64_LANES {
+            1 => self.eliminate_square::<1>(i, next),
+            2 => self.eliminate_square::<2>(i, next),
+            _ => self.simd.vectorize(Eliminate { pass: self, i, next }),
+        }
+    }
+
+    /// The same where both blocks have `V` vectors, without any to fill up.
+    #[inline(always)]
+    fn eliminate_square<const V: usize>(&mut self, i: usize, next: usize) -> bool {
+        let width = V * S::F64_LANES;
+        let (own, next) = (&self.blocks[i], &self.blocks[next]);
+        let c = &mut self.work[own.at..own.at + width];
+        if !any_above(self.simd, c, self.threshold) {
+            c.fill(0.0);
+            self.active[i] = false;
+            return false;
+        }
+        self.active[i] = true;
+        let (at, end) = (next.at, next.at + width);
+        let sum = square::<S, V>(
+            self.simd,
+            &self.forward[own.forward..],
+            &self.work[own.at..],
+            load::<S, V>(&self.work[at..end]),
+        );
+        S::as_mut_simd_f64s(&mut self.work[at..end]).0.copy_from_slice(&sum);
+        true
+    }
+
+    /// The same for any blocks.
+    #[inline(always)]
+    fn eliminate_any(&mut self, i: usize, next: usize) -> bool {
         if !self.decide(i) {
             return false;
         }
@@ -67,7 +101,38 @@ impl<S: Simd> Pass<'_, S> {
 
     /// `x = S⁻¹ c − Fᵀ x_next`; `has_right_side` and `has_next` say which of the terms exist. Returns whether `x` is kept.
     #[inline(always)]
-    fn substitute(&mut self, i: usize, next: Option<usize>, has_right_side: bool, has_next: bool) -> bool {
+    fn substitute(&mut self, i: usize, next: usize, has_right_side: bool, has_next: bool) -> bool {
+        match self.blocks[i].square / S::F64_LANES {
+            1 if has_right_side && has_next => self.substitute_square::<1>(i, next),
+            2 if has_right_side && has_next => self.substitute_square::<2>(i, next),
+            _ => self.simd.vectorize(Substitute {
+                pass: self,
+                i,
+                next: Some(next),
+                has_right_side,
+                has_next,
+            }),
+        }
+    }
+
+    /// The same where both terms exist and both blocks have `V` vectors, without any to fill up.
+    #[inline(always)]
+    fn substitute_square<const V: usize>(&mut self, i: usize, next: usize) -> bool {
+        let width = V * S::F64_LANES;
+        let (own, next) = (&self.blocks[i], &self.blocks[next]);
+        let blocks = &self.backward[own.backward..own.backward + 2 * width * width];
+        let (at, end) = (own.at, own.at + width);
+        let start = [self.simd.splat_f64s(0.0); V];
+        // The chain of blocks hangs on the second term: the first is summed before it.
+        let sum = square::<S, V>(self.simd, blocks, &self.work[at..end], start);
+        let sum = square::<S, V>(self.simd, &blocks[width * width..], &self.work[next.at..], sum);
+        S::as_mut_simd_f64s(&mut self.work[at..end]).0.copy_from_slice(&sum);
+        true
+    }
+
+    /// The same for any blocks and terms; without a `next` for the middle block.
+    #[inline(always)]
+    fn substitute_any(&mut self, i: usize, next: Option<usize>, has_right_side: bool, has_next: bool) -> bool {
         let block = &self.blocks[i];
         if !has_right_side && !has_next {
             self.active[i] = false;
@@ -103,6 +168,41 @@ impl<S: Simd> Pass<'_, S> {
         }
         self.active[i] = true;
         true
+    }
+}
+
+/// [`Pass::eliminate_any`], not inlined: the code of the common blocks keeps its registers.
+struct Eliminate<'p, 'a, S> {
+    pass: &'p mut Pass<'a, S>,
+    i: usize,
+    next: usize,
+}
+
+impl<P: Simd> WithSimd for Eliminate<'_, '_, P> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        self.pass.eliminate_any(self.i, self.next)
+    }
+}
+
+/// [`Pass::substitute_any`], not inlined.
+struct Substitute<'p, 'a, S> {
+    pass: &'p mut Pass<'a, S>,
+    i: usize,
+    next: Option<usize>,
+    has_right_side: bool,
+    has_next: bool,
+}
+
+impl<P: Simd> WithSimd for Substitute<'_, '_, P> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        self.pass
+            .substitute_any(self.i, self.next, self.has_right_side, self.has_next)
     }
 }
 
@@ -162,7 +262,7 @@ impl WithSimd for Sweep<'_> {
             last = last.max(i + 1);
         };
         if has_middle {
-            pass.substitute(middle, None, true, false);
+            pass.substitute_any(middle, None, true, false);
             include(middle);
         }
         // Blocks of the two halves that elimination has visited: `low..top` and `bottom + 1..=high`.
@@ -188,7 +288,7 @@ impl WithSimd for Sweep<'_> {
             if top_runs {
                 let (i, next) = (top - 1, top);
                 let own = top_visited.contains(&i) && i < middle && pass.active[i];
-                top_carries = pass.substitute(i, Some(next), own, top_carries);
+                top_carries = pass.substitute(i, next, own, top_carries);
                 if top_carries {
                     include(i);
                 }
@@ -197,7 +297,7 @@ impl WithSimd for Sweep<'_> {
             if bottom_runs {
                 let (i, next) = (bottom + 1, bottom);
                 let own = bottom_visited.contains(&i) && i > middle && pass.active[i];
-                bottom_carries = pass.substitute(i, Some(next), own, bottom_carries);
+                bottom_carries = pass.substitute(i, next, own, bottom_carries);
                 if bottom_carries {
                     include(i);
                 }

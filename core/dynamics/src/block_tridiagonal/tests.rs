@@ -110,7 +110,7 @@ fn sizes(random: &mut Random, blocks: usize, largest: usize) -> Vec<usize> {
 #[test]
 fn solutions_agree_with_dense_cholesky_for_blocks_of_any_size() {
     let mut random = Random(1);
-    for (blocks, largest) in [
+    let random_sizes = [
         (1, 1),
         (1, 9),
         (2, 5),
@@ -120,9 +120,17 @@ fn solutions_agree_with_dense_cholesky_for_blocks_of_any_size() {
         (9, 17),
         (5, 40),
         (40, 8),
-    ] {
+    ];
+    let mut cases: Vec<Vec<usize>> = (random_sizes.iter())
+        .map(|&(blocks, largest)| sizes(&mut random, blocks, largest))
+        .collect();
+    // Blocks that fill the vectors of one processor or another, with others between them.
+    for width in [4, 8, 16] {
+        cases.push(vec![width; 13]);
+        cases.push((0..24).map(|i| width + 2 * usize::from(i % 8 == 5)).collect());
+    }
+    for sizes in cases {
         for spread in [false, true] {
-            let sizes = sizes(&mut random, blocks, largest);
             let sample = Sample::new(&mut random, &sizes, 0.1, spread);
             let mut matrix = sample.factored();
             let b: Vec<f64> = (0..sample.unknowns.len()).map(|_| random.next()).collect();
@@ -137,7 +145,7 @@ fn solutions_agree_with_dense_cholesky_for_blocks_of_any_size() {
             for (x, exact) in x.iter().zip(&exact) {
                 assert!(
                     (x - exact).abs() < 1e-12 * (1.0 + exact.abs()),
-                    "{blocks}, {largest}: {x} {exact}"
+                    "{sizes:?}: {x} {exact}"
                 );
             }
         }

@@ -1,5 +1,6 @@
 //! The parts of a lumped pantograph: masses that rise and fall, and what joins them.
 use crate::multibody::{Anchor, BaseMarker, Measure, Pair};
+use crate::{Apparent, Travel};
 use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::{Matrix3, Vector3};
 
@@ -32,6 +33,71 @@ impl Force for ChainMasses {
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         -self.static_force * motion.q[self.first + self.masses.len() - 1]
+    }
+}
+
+/// What the masses of a chain feel on a base that follows a curve: along the chain, perpendicular to the plane of the rails.
+///
+/// ```text
+/// F = −m (a + Ω̇ × r + Ω × (Ω × r) + 2 Ω × ṙ)_z + m g (1 − e_up·e_z),    r = (0, 0, h + q)
+/// ```
+///
+/// `F` is the part of the weight that leans away, which the static force of a chain contains, and the centrifugal force's
+/// share. What acts across the chain is borne by its guide.
+#[derive(Clone, Debug)]
+pub struct ChainInertia {
+    /// What its base follows.
+    pub travel: Travel,
+    /// Index of the first mass's coordinate; the others follow.
+    pub first: usize,
+    /// kg, collector head first.
+    pub masses: Vec<f64>,
+    /// `h`, height of a chain without extent above the top of rail, m.
+    pub height: f64,
+    /// `g`, m/s².
+    pub gravity: f64,
+}
+
+impl ChainInertia {
+    /// Force per mass on one whose coordinate is `index`, N/kg.
+    fn force_per_mass(&self, apparent: &Apparent, index: usize, motion: &Motion<'_>) -> f64 {
+        let position = Vector3::new(0.0, 0.0, self.height + motion.q[index]);
+        let velocity = Vector3::new(0.0, 0.0, motion.v[index]);
+        apparent.leaning_weight(self.gravity).z - apparent.acceleration_of(&position, &velocity).z
+    }
+}
+
+impl Force for ChainInertia {
+    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        let Some(apparent) = self.travel.apparent(motion.t) else {
+            return;
+        };
+        for (index, mass) in (self.first..).zip(&self.masses) {
+            force[index] += mass * self.force_per_mass(&apparent, index, motion);
+        }
+    }
+
+    fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+        let Some(apparent) = self.travel.apparent(motion.t) else {
+            return;
+        };
+        // −∂F/∂q = m e_z·(Ω × (Ω × e_z))
+        let turn = apparent.angular_velocity;
+        let stiffness = weights.q * turn.cross(&turn.cross(&Vector3::z())).z;
+        for (index, mass) in (self.first..).zip(&self.masses) {
+            blocks.add(&[index], &[index], &[mass * stiffness]);
+        }
+    }
+
+    /// All of it is brought in by the travel of the base.
+    fn power(&self, motion: &Motion<'_>) -> Option<Power> {
+        let mut power = Power::default();
+        if let Some(apparent) = self.travel.apparent(motion.t) {
+            for (index, mass) in (self.first..).zip(&self.masses) {
+                power.driven += mass * self.force_per_mass(&apparent, index, motion) * motion.v[index];
+            }
+        }
+        Some(power)
     }
 }
 

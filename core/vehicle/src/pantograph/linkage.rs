@@ -5,8 +5,8 @@ use super::builder::Builder;
 use super::equilibrium::{Equilibrium, Offsets};
 use super::statics::{self, Target};
 use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, RigidBody};
-use crate::train::Load;
-use crate::{Base, VehicleError};
+use crate::train::{CurveInertia, Load};
+use crate::{Base, Travel, VehicleError};
 #[cfg(test)]
 use dynamics::State;
 use dynamics::{AerodynamicLaw, Constraint, Force, Layout, Marker, Motion};
@@ -33,6 +33,8 @@ pub struct Linkage {
     static_force: f64,
     /// Forces of the air; no part of the balance in the reference position.
     air: Vec<AirForce>,
+    /// On a base that follows a curve; no part of statics.
+    inertia: Option<CurveInertia>,
 }
 
 impl Linkage {
@@ -107,7 +109,13 @@ impl Linkage {
             offsets,
             static_force: 0.0,
             air: Vec::new(),
+            inertia: None,
         })
+    }
+
+    /// Lets it feel the curves that its base runs through.
+    pub(crate) fn carry(&mut self, travel: &Travel) {
+        self.inertia = CurveInertia::new(travel, &self.bodies, &[]);
     }
 
     /// Lets the air act on bodies, or lift the strip.
@@ -293,6 +301,9 @@ impl Linkage {
         visit(&mut self.uplift);
         for air in &mut self.air {
             visit(air);
+        }
+        if let Some(inertia) = &mut self.inertia {
+            visit(inertia);
         }
     }
 

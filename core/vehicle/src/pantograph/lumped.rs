@@ -3,8 +3,8 @@ use super::air::{Air, AirForce, AirMarker};
 use super::chain::Foot;
 use super::equilibrium::{Equilibrium, Offsets};
 use super::statics::Target;
-use super::{ChainElement, ChainMasses, Ground, HeadMarker};
-use crate::{Base, VehicleError};
+use super::{ChainElement, ChainInertia, ChainMasses, Ground, HeadMarker};
+use crate::{Base, Travel, VehicleError};
 use dynamics::{AerodynamicLaw, Force, Layout};
 use nalgebra::{Matrix3, Vector3};
 
@@ -27,6 +27,8 @@ pub struct Lumped {
     reference_force: f64,
     /// Uplift of the air on the strip.
     air: Vec<AirForce>,
+    /// On a base that follows a curve; no part of statics.
+    inertia: Option<ChainInertia>,
 }
 
 impl Lumped {
@@ -72,7 +74,19 @@ impl Lumped {
             },
             reference_force,
             air: Vec::new(),
+            inertia: None,
         })
+    }
+
+    /// Lets it feel the curves that its base runs through; `gravity` in m/s².
+    pub(crate) fn carry(&mut self, travel: &Travel, gravity: f64) {
+        self.inertia = travel.alignment().map(|_| ChainInertia {
+            travel: travel.clone(),
+            first: self.masses.first,
+            masses: self.masses.masses.clone(),
+            height: self.head.reference_height,
+            gravity,
+        });
     }
 
     /// Lets the air lift the strip.
@@ -138,6 +152,9 @@ impl Lumped {
         }
         for air in &mut self.air {
             visit(air);
+        }
+        if let Some(inertia) = &mut self.inertia {
+            visit(inertia);
         }
     }
 

@@ -16,7 +16,7 @@ mod table;
 mod tests;
 
 pub use air::{Air, AirMarker, ReducedPoint};
-pub use chain::{ChainElement, ChainMasses, FRICTION_VELOCITY, HeadMarker};
+pub use chain::{ChainElement, ChainInertia, ChainMasses, FRICTION_VELOCITY, HeadMarker};
 pub use equilibrium::Equilibrium;
 pub(crate) use equilibrium::Offsets;
 pub(crate) use ground::Ground;

@@ -1,3 +1,4 @@
+mod chain_in_curve;
 mod four_bar;
 mod linkage;
 mod lumped;

@@ -1,6 +1,6 @@
 //! What scenes with a vehicle exchange besides.
 use component::{Parameter, Signal};
-use scene::{Scene, Train, Vehicle};
+use scene::{Curve, Scene, Train, Vehicle};
 use std::sync::Arc;
 
 /// Outputs of the base; `base.z` is among those of every pantograph.
@@ -37,12 +37,12 @@ pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
             Signal::output(
                 format!("wheel[{i}].load"),
                 "N",
-                format!("Vertical force of the rail on {which}"),
+                format!("Force of the rail, perpendicular to the plane of the rails, on {which}"),
             ),
             Signal::output(
                 format!("wheel[{i}].derailment_quotient"),
                 "1",
-                format!("Y/Q of {which}: lateral force outward on the rail over vertical force"),
+                format!("Y/Q of {which}: force outward on the rail in the plane of the rails over the one perpendicular to it"),
             ),
         ]
     });
@@ -117,6 +117,7 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
             }
         }
     }
+    parameters.extend(curves(scene));
     if train.contact.is_some() {
         parameters.push(parameter(
             "vehicle.contact.friction".to_owned(),
@@ -124,6 +125,53 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
             "Friction coefficient between wheels and rails".to_owned(),
             |train| train.contact.as_mut().map(|contact| &mut contact.friction),
         ));
+    }
+    parameters
+}
+
+/// What the curves of the track are like.
+fn curves(scene: &Scene) -> Vec<Parameter> {
+    type Field = fn(&mut Curve) -> &mut f64;
+    const FIELDS: [(&str, &str, Field); 6] = [
+        ("radius", "Radius of the curve", |curve| &mut curve.radius),
+        ("cant", "Height of the outer rail above the inner one", |curve| {
+            &mut curve.cant
+        }),
+        ("start", "Begin of the transition into the curve", |curve| {
+            &mut curve.start
+        }),
+        ("transition", "Length of each transition", |curve| &mut curve.transition),
+        ("length", "Length of the arc", |curve| &mut curve.length),
+        (
+            "rounding",
+            "Length over which the ends of cant ramps are rounded",
+            |curve| &mut curve.rounding,
+        ),
+    ];
+    let count = scene.track.as_deref().map_or(0, |track| track.curves.len());
+    let mut parameters = Vec::new();
+    for i in 0..count {
+        let path = match count {
+            1 => "track.curve".to_owned(),
+            _ => format!("track.curve[{}]", i + 1),
+        };
+        for (name, text, field) in FIELDS {
+            parameters.push(Parameter::new(
+                format!("{path}.{name}"),
+                "m",
+                text,
+                move |scene| {
+                    let curve = scene.track.as_deref().and_then(|track| track.curves.get(i));
+                    curve.map_or(0.0, |curve| *field(&mut curve.clone()))
+                },
+                move |scene, value| {
+                    let track = scene.track.as_mut().map(Arc::make_mut);
+                    if let Some(curve) = track.and_then(|track| track.curves.get_mut(i)) {
+                        *field(curve) = value;
+                    }
+                },
+            ));
+        }
     }
     parameters
 }

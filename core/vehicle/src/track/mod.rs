@@ -1,11 +1,14 @@
-//! The shape of the rails: straight, level track with irregularities.
+//! The shape of the track: its curves, and the irregularities of its rails.
+mod alignment;
 mod spectrum;
+
+pub use alignment::{Alignment, TrackBend};
 
 use crate::spline::RestingSpline;
 use scene::{Irregularities, Points};
 use std::sync::Arc;
 
-/// How far one rail is from its ideal line.
+/// How far one rail is from its ideal line, along the axes of the track.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RailShape {
     z: RestingSpline,
@@ -45,7 +48,7 @@ pub struct Reach {
 }
 
 impl TrackShape {
-    /// The shape of a track; `None` where both rails are straight.
+    /// The irregularities of a track; `None` where both rails are smooth.
     #[must_use]
     pub fn new(track: &scene::Track, reach: Reach) -> Option<Self> {
         match &track.irregularities {

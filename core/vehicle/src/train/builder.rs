@@ -1,11 +1,11 @@
 //! From the scene's vehicle to bodies, bushings, joints and wheels.
 use super::rolling_wheel::Rolling;
-use super::{RollingWheel, Spin, Train, TrainWheel, WheelSpring};
+use super::{CurveInertia, RollingWheel, Spin, Train, TrainWheel, WheelSpring};
 use crate::multibody::{Anchor, BodyMarker, Bushing, Characteristic, Joint, Pair, Pose, Rates, RigidBody};
 use crate::pantograph::Offsets;
-use crate::track::TrackShape;
+use crate::track::{Alignment, TrackShape};
 use crate::wheel_rail::{CreepLaw, CreepModel, Fastsim, Hertz, KalkerCoefficients, Material, Profile, Side};
-use crate::{Base, VehicleError};
+use crate::{Base, Travel, VehicleError};
 use dynamics::{Constraint, Layout};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use scene::{BushingEntry, Train as Entry, VehicleBody};
@@ -205,7 +205,8 @@ impl Train {
         Ok(train)
     }
 
-    /// Builds a vehicle whose bodies move in space, on wheels that roll on the rails of `track`; `shape` is how these are bent.
+    /// Builds a vehicle whose bodies move in space, on wheels that roll on the rails of `track`; `shape` is how far these are from
+    /// their ideal lines.
     ///
     /// # Errors
     /// Names that do not fit together; profiles that are none.
@@ -219,7 +220,9 @@ impl Train {
     ) -> Result<Self, VehicleError> {
         let mut train = Self::build(entry, None, base, gravity, name, layout, false)?;
         let wheelsets = train.hold_axles_and_speed(entry, layout);
-        let rolling = rolling(entry, track, base)?;
+        let alignment = Alignment::new(&track.curves, entry.wheels.distance);
+        train.travel = Travel::along(base, alignment.map(Arc::new));
+        let rolling = rolling(entry, track, train.travel.clone())?;
         train.wheels.clear();
         for (i, body) in wheelsets.enumerate() {
             let body = train.bodies[body];
@@ -236,6 +239,7 @@ impl Train {
                 train.wheels.push(TrainWheel::Rolling(wheel));
             }
         }
+        train.inertia = CurveInertia::new(&train.travel, &train.bodies, &train.spins);
         Ok(train)
     }
 
@@ -314,6 +318,8 @@ impl Train {
             carrier: builder.anchor("carrier", &entry.carrier, &entry.pantograph_base, &Matrix3::identity())?,
             bodies: builder.bodies,
             fixed: 0,
+            travel: Travel::straight(base),
+            inertia: None,
         })
     }
 }
@@ -325,7 +331,7 @@ const SPACING: f64 = 1e-5;
 const GAUGE_DEPTH: f64 = 0.014;
 
 /// What all wheels of a full vehicle share.
-fn rolling(entry: &Entry, track: &scene::Track, base: Base) -> Result<Rolling, VehicleError> {
+fn rolling(entry: &Entry, track: &scene::Track, travel: Travel) -> Result<Rolling, VehicleError> {
     let missing = |key: &str| VehicleError::NotAvailable {
         what: format!("vehicle.model = \"full\" needs {key}"),
     };
@@ -353,7 +359,7 @@ fn rolling(entry: &Entry, track: &scene::Track, base: Base) -> Result<Rolling, V
         poisson: contact.poisson,
     };
     Ok(Rolling {
-        base,
+        travel,
         radius: entry.wheels.radius,
         distance: 0.5 * entry.wheels.distance,
         wheel: profile("vehicle.wheels.profile", wheel)?,

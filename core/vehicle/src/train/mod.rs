@@ -2,8 +2,10 @@
 //!
 //! Coordinates are those of the frame of the base, which travels at constant speed: a vehicle that runs undisturbed is at rest. The
 //! centre of mass of the body that carries the pantograph keeps its place along the track there: that is what drives the
-//! vehicle, and it does no work in this frame. [Thesis, section 3.1, Table 1]
+//! vehicle, and it does no work in this frame. [Thesis, section 3.1, Table 1] In a curve the frame follows the track
+//! ([`Travel`]), so that a vehicle in a long arc is at rest, too, under what [`CurveInertia`] adds.
 mod builder;
+mod curve_inertia;
 mod rolling_wheel;
 mod spin;
 mod statics;
@@ -13,6 +15,8 @@ mod wheel_spring;
 
 use crate::multibody::{BodyMarker, Bushing, Joint, RigidBody};
 use crate::pantograph::Offsets;
+use crate::travel::Travel;
+pub use curve_inertia::CurveInertia;
 use dynamics::{Constraint, Force, Frame, Marker, Motion, State};
 pub use rolling_wheel::RollingWheel;
 pub use spin::{Spin, WheelsetMarker};
@@ -31,7 +35,7 @@ pub enum TrainWheel {
 }
 
 impl TrainWheel {
-    /// Vertical force of the rail on the wheel, N.
+    /// Force of the rail on the wheel perpendicular to the plane of the rails, N.
     #[must_use]
     pub fn load(&self, motion: &Motion<'_>) -> f64 {
         match self {
@@ -65,9 +69,18 @@ pub struct Train {
     spins: Vec<Spin>,
     carrier: BodyMarker,
     fixed: usize,
+    travel: Travel,
+    /// On curved track.
+    inertia: Option<CurveInertia>,
 }
 
 impl Train {
+    /// How the frame of its coordinates travels.
+    #[must_use]
+    pub fn travel(&self) -> &Travel {
+        &self.travel
+    }
+
     /// Where the base of the pantograph stands on its body.
     #[must_use]
     pub fn carrier(&self) -> BodyMarker {
@@ -114,7 +127,7 @@ impl Train {
         self.constraint_count
     }
 
-    /// Vertical force of the rail on each wheel, N: left and right wheel of each wheelset in turn.
+    /// Force of the rail on each wheel perpendicular to the plane of the rails, N: left and right wheel of each wheelset in turn.
     pub fn wheel_loads<'a>(&'a self, motion: &'a Motion<'_>) -> impl Iterator<Item = f64> + 'a {
         self.wheels.iter().map(|wheel| wheel.load(motion))
     }
@@ -159,6 +172,9 @@ impl Train {
         }
         for spin in &mut self.spins {
             visit(spin);
+        }
+        if let Some(inertia) = &mut self.inertia {
+            visit(inertia);
         }
     }
 

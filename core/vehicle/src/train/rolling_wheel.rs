@@ -1,7 +1,7 @@
 //! Wheels that roll on rails.
 use super::spin::{Spin, WheelsetMarker};
-use crate::Base;
-use crate::track::RailShape;
+use crate::Travel;
+use crate::track::{Alignment, RailShape};
 use crate::wheel_rail::{
     CreepLaw, CreepModel, Hertz, Profile, Rail, RailFrame, RailLine, Side, Wheel, WheelRail, WheelRailParts,
 };
@@ -12,20 +12,29 @@ use std::sync::Arc;
 /// Slower rolling than this counts as this in creepages, m/s: walking pace.
 const SLOWEST: f64 = 1.0;
 
-/// A straight, level rail with irregularities; its cross-section stays upright and across the track.
+/// A rail beside the middle of the track, with irregularities; its cross-section stays across the track and upright on its plane.
 struct IrregularRail {
     /// y of the profile's origin, m.
     y: f64,
     shape: Option<Arc<RailShape>>,
+    /// None is straight and level.
+    alignment: Option<Arc<Alignment>>,
 }
 
 impl RailLine for IrregularRail {
-    fn frame(&self, s: f64) -> RailFrame {
+    fn frame(&self, s: f64, from: f64) -> RailFrame {
         let none = ([0.0; 3], [0.0; 3]);
         let (y, z) = self
             .shape
             .as_ref()
             .map_or(none, |shape| (shape.lateral(s), shape.rise(s)));
+        if let Some(alignment) = &self.alignment {
+            return alignment.seen_from(s, from).beside([
+                Vector3::new(0.0, self.y + y[0], z[0]),
+                Vector3::new(0.0, y[1], z[1]),
+                Vector3::new(0.0, y[2], z[2]),
+            ]);
+        }
         RailFrame {
             position: Vector3::new(s, self.y + y[0], z[0]),
             direction: Vector3::new(1.0, y[1], z[1]),
@@ -40,7 +49,7 @@ impl RailLine for IrregularRail {
 /// What all wheels of a vehicle share.
 #[derive(Clone)]
 pub(super) struct Rolling {
-    pub base: Base,
+    pub travel: Travel,
     pub radius: f64,
     /// From the middle of a wheelset to the nominal rolling circle, m.
     pub distance: f64,
@@ -82,7 +91,8 @@ impl RollingWheel {
     pub(super) fn new(shared: Rolling, spin: Spin, side: Side, shape: Option<Arc<RailShape>>) -> Self {
         let contact = WheelRail::new(WheelRailParts {
             marker: Box::new(WheelsetMarker::new(spin.pose, spin.coordinate)),
-            base: shared.base,
+            travel: shared.travel.clone(),
+            along: spin.pose.reference.x,
             spin: spin.rolling,
             wheel: Wheel {
                 profile: Arc::clone(&shared.wheel),
@@ -95,6 +105,7 @@ impl RollingWheel {
                 line: Arc::new(IrregularRail {
                     y: side.sign() * shared.rail_distance,
                     shape: shape.clone(),
+                    alignment: shared.travel.alignment().cloned(),
                 }),
                 side,
             },
@@ -125,13 +136,14 @@ impl RollingWheel {
         });
     }
 
-    /// Force of the rail on the wheel, world axes, N.
+    /// Force of the rail on the wheel, N: along the track, to its left, and up from the plane of the rails.
     #[must_use]
     pub fn force(&self, motion: &Motion<'_>) -> Vector3<f64> {
         self.contact.force(motion)
     }
 
-    /// Y/Q: lateral force with which the wheel presses the rail outward over the vertical force; 0 where it has lifted off.
+    /// Y/Q: force in the plane of the rails with which the wheel presses its rail outward, over the one perpendicular to that plane
+    /// [EN 14363]; 0 where it has lifted off.
     #[must_use]
     pub fn derailment_quotient(&self, motion: &Motion<'_>) -> f64 {
         let force = self.force(motion);

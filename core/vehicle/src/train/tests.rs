@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use scene::Scene;
 
 mod carried;
+mod curve;
 mod full;
 mod vertical;
 

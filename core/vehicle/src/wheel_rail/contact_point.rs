@@ -64,6 +64,8 @@ pub(crate) struct ContactChange {
 pub(crate) struct Pairing<'a> {
     pub wheel: &'a Wheel,
     pub rail: &'a Rail,
+    /// Where both are seen from, see [`super::RailLine::frame`], m.
+    pub from: f64,
     /// Middle of the wheelset, m.
     pub middle: Vector3<f64>,
     /// See [`axes_without_spin`].
@@ -77,10 +79,11 @@ const MAX_ITERATIONS: usize = 30;
 const LONGEST: f64 = 2e-3;
 
 impl<'a> Pairing<'a> {
-    pub fn new(wheel: &'a Wheel, rail: &'a Rail, middle: Vector3<f64>, axis: &Vector3<f64>) -> Self {
+    pub fn new(wheel: &'a Wheel, (rail, from): (&'a Rail, f64), middle: Vector3<f64>, axis: &Vector3<f64>) -> Self {
         Self {
             wheel,
             rail,
+            from,
             middle,
             axes: axes_without_spin(axis),
         }
@@ -117,7 +120,7 @@ impl<'a> Pairing<'a> {
     }
 
     fn view(&self, at: &SurfaceParameters) -> View {
-        let rail = self.rail.at(at.s, at.rail);
+        let rail = self.rail.at(at.s, at.rail, self.from);
         let wheel = self.wheel.at(&self.axes, at.angle, at.wheel);
         let [r_s, r_a] = rail.first;
         let [r_ss, r_sa, r_aa] = rail.second;

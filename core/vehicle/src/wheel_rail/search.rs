@@ -140,7 +140,7 @@ struct Outline<'a> {
 
 impl<'a> Outline<'a> {
     fn new(search: &'a Search, pairing: &'a Pairing<'a>, s: f64) -> Self {
-        let frame = pairing.rail.line.frame(s);
+        let frame = pairing.rail.line.frame(s, pairing.from);
         let along = frame.direction.normalize();
         let axes = &pairing.axes;
         let (forward, upward) = (axes.column(0).dot(&along), axes.column(2).dot(&along));

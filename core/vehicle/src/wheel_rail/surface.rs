@@ -79,7 +79,8 @@ impl Wheel {
     }
 }
 
-/// Where the origin of a rail's profile is along the track, and how that changes with the arc length s.
+/// Where the origin of a rail's profile is along the track, and how that changes with the arc length s. "World" axes are those that
+/// the line is seen in, which are at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RailFrame {
     /// World position of the profile's origin, m.
@@ -96,10 +97,35 @@ pub struct RailFrame {
     pub turn_rate: Vector3<f64>,
 }
 
+impl RailFrame {
+    /// The line beside this one, at an offset along its axes that changes with s: the offset (m) and its first two derivatives by s.
+    ///
+    /// ```text
+    /// r = p + A o,   r' = p' + ω × A o + A o',   r'' = p'' + ω' × A o + ω × (ω × A o) + 2 ω × A o' + A o''
+    /// ```
+    #[must_use]
+    pub fn beside(&self, offset: [Vector3<f64>; 3]) -> Self {
+        let [offset, rate, second] = offset.map(|vector| self.axes * vector);
+        Self {
+            position: self.position + offset,
+            direction: self.direction + self.turn.cross(&offset) + rate,
+            bend: self.bend
+                + self.turn_rate.cross(&offset)
+                + self.turn.cross(&(self.turn.cross(&offset) + 2.0 * rate))
+                + second,
+            ..*self
+        }
+    }
+}
+
 /// The line of one rail: straight, curved, canted, with irregularities.
 pub trait RailLine: Send + Sync {
-    /// The rail at the arc length `s`, m.
-    fn frame(&self, s: f64) -> RailFrame;
+    /// The rail at the arc length `s` (m), in the axes of the track at the arc length `from` (m), the middle of the track there being
+    /// at (`from`, 0, 0). On straight track these are the same for any `from`.
+    ///
+    /// Seen from nearby, positions across the track are small numbers: penetrations of micrometres would drown in the rounding of
+    /// hundreds of metres.
+    fn frame(&self, s: f64, from: f64) -> RailFrame;
 }
 
 /// A straight, level rail along x.
@@ -112,7 +138,7 @@ pub struct StraightRail {
 }
 
 impl RailLine for StraightRail {
-    fn frame(&self, s: f64) -> RailFrame {
+    fn frame(&self, s: f64, _from: f64) -> RailFrame {
         RailFrame {
             position: Vector3::new(s, self.y, self.z),
             direction: Vector3::x(),
@@ -136,13 +162,13 @@ pub struct Rail {
 }
 
 impl Rail {
-    /// World axes; parameters: arc length s (m) and the profile's σ (m).
+    /// Seen `from` there; parameters: arc length s (m) and the profile's σ (m).
     ///
     /// ```text
     /// r = p(s) + A(s) (0, ±y(σ), z(σ))
     /// ```
-    pub(crate) fn at(&self, s: f64, sigma: f64) -> SurfacePoint {
-        let frame = self.line.frame(s);
+    pub(crate) fn at(&self, s: f64, sigma: f64, from: f64) -> SurfacePoint {
+        let frame = self.line.frame(s, from);
         let profile = self.profile.at(sigma);
         let to_world = |vector: nalgebra::Vector2<f64>| {
             frame.axes.column(1) * (self.side.sign() * vector.x) + frame.axes.column(2) * vector.y

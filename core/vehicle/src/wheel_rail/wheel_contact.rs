@@ -21,9 +21,9 @@ pub struct WheelContact {
     pub creep: CreepForce,
     /// Penetration that counts where contacts share a patch, m.
     pub penetration: f64,
-    /// World axes, N.
+    /// In the axes of the track at the wheelset, N.
     pub force: Vector3<f64>,
-    /// About the middle of the wheelset, world axes, N·m.
+    /// About the middle of the wheelset, same axes, N·m.
     pub moment: Vector3<f64>,
     pub(super) sliding: Sliding,
     pub(super) overlap: Overlap,

@@ -4,16 +4,18 @@ use super::overlap::overlaps;
 use super::search::{Found, MAX_CONTACTS, Search};
 use super::wheel_contact::{Change, WheelContact};
 use super::{CreepModel, Hertz, Rail, SurfaceParameters, Wheel};
-use crate::Base;
+use crate::travel::{Carrying, Travel};
 use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Power, Weights};
 use nalgebra::Vector3;
 
 /// What a wheel on a rail is made of.
 pub struct WheelRailParts {
-    /// The middle of the wheelset, its second axis along the axle to the left, in the frame of the base. A marker of a rigid body.
+    /// The middle of the wheelset, its second axis along the axle to the left, in the frame of the vehicle. A marker of a rigid body.
     pub marker: Box<dyn Marker>,
-    /// What the marker's frame travels with.
-    pub base: Base,
+    /// How that frame travels.
+    pub travel: Travel,
+    /// Nominal place of the middle of the wheelset in it along the track, m: the contact is seen from there.
+    pub along: f64,
     /// What the wheelset turns about its axle faster than its marker does, rad/s, positive for forward; 0 where the marker's body
     /// spins with the wheels. Where the body stands for the axle without its spin, this is the spin, which a drive holds.
     pub spin: f64,
@@ -45,6 +47,18 @@ pub struct WheelRail {
     parts: WheelRailParts,
     search: Search,
     start: Start,
+}
+
+/// A wheelset at one instant.
+struct Place {
+    /// Where it is seen from, see [`super::RailLine::frame`], m: the axes there are those of the world in what follows.
+    from: f64,
+    /// Its middle, with all of the spin.
+    frame: Frame,
+    /// Arc length of the rail nearby, m.
+    s: f64,
+    /// What its coordinates travel with.
+    carrying: Carrying,
 }
 
 /// Where the next search begins.
@@ -86,10 +100,11 @@ impl WheelRail {
     /// The contacts at a motion, those with no force left out.
     #[must_use]
     pub fn contacts(&self, motion: &Motion<'_>) -> WheelContacts {
-        self.evaluate(motion).0
+        self.evaluate(&self.place(motion)).0
     }
 
-    /// Sum of the forces of the rail on the wheel, world axes, N.
+    /// Sum of the forces of the rail on the wheel, N, in the axes of the track under the wheelset: along it, to its left, and up from
+    /// the plane of the rails.
     #[must_use]
     pub fn force(&self, motion: &Motion<'_>) -> Vector3<f64> {
         self.contacts(motion)
@@ -99,32 +114,45 @@ impl WheelRail {
             .sum()
     }
 
-    /// The middle of the wheelset in the world, with all of the spin.
-    fn frame(&self, motion: &Motion<'_>) -> Frame {
-        let frame = self.parts.marker.frame(motion);
-        Frame {
-            position: frame.position + self.parts.base.position(motion.t),
-            velocity: frame.velocity + self.parts.base.velocity(),
-            angular_velocity: frame.angular_velocity + frame.axes.column(1) * self.parts.spin,
-            ..frame
+    /// Where the wheelset is at a motion.
+    fn place(&self, motion: &Motion<'_>) -> Place {
+        let origin = self.parts.travel.place(motion.t);
+        let from = origin + self.parts.along;
+        let carrying = self.parts.travel.carrying(motion.t, from);
+        let inner = self.parts.marker.frame(motion);
+        let frame = carrying.frame_of(&inner);
+        Place {
+            from,
+            s: origin + inner.position.x,
+            frame: Frame {
+                angular_velocity: frame.angular_velocity + frame.axes.column(1) * self.parts.spin,
+                ..frame
+            },
+            carrying,
         }
     }
 
-    fn pairing(&self, frame: &Frame) -> Pairing<'_> {
+    fn columns(&self, motion: &Motion<'_>, place: &Place) -> Columns {
+        let mut columns = Columns::default();
+        self.parts.marker.columns(motion, &mut columns);
+        place.carrying.columns_of(columns)
+    }
+
+    fn pairing(&self, place: &Place) -> Pairing<'_> {
         Pairing::new(
             &self.parts.wheel,
-            &self.parts.rail,
-            frame.position,
-            &frame.axes.column(1).into_owned(),
+            (&self.parts.rail, place.from),
+            place.frame.position,
+            &place.frame.axes.column(1).into_owned(),
         )
     }
 
     /// Searches over the whole width of the profiles.
-    fn search(&self, pairing: &Pairing<'_>) -> Start {
-        // The arc length whose normal plane holds the middle of the wheelset; a wheelset starts where x is the arc length.
-        let mut s = self.start.s.unwrap_or(pairing.middle.x);
+    fn search(&self, pairing: &Pairing<'_>, place: &Place) -> Start {
+        // The arc length whose normal plane holds the middle of the wheelset.
+        let mut s = self.start.s.unwrap_or(place.s);
         for _ in 0..20 {
-            let rail = self.parts.rail.line.frame(s);
+            let rail = self.parts.rail.line.frame(s, place.from);
             let to_middle = pairing.middle - rail.position;
             let change = rail.direction.dot(&to_middle) / rail.direction.norm_squared();
             s += change;
@@ -139,18 +167,18 @@ impl WheelRail {
     }
 
     /// The contacts, and the start of the next search.
-    fn evaluate(&self, motion: &Motion<'_>) -> (WheelContacts, Start) {
-        let frame = self.frame(motion);
-        let pairing = self.pairing(&frame);
+    fn evaluate(&self, place: &Place) -> (WheelContacts, Start) {
+        let frame = &place.frame;
+        let pairing = self.pairing(place);
         let (points, start) = match self.start.s.and_then(|_| follow(&pairing, &self.start)) {
             Some(followed) => followed,
             None => {
-                let start = self.search(&pairing);
+                let start = self.search(&pairing, place);
                 follow(&pairing, &start).unwrap_or((Points::default(), start))
             }
         };
         let overlaps = overlaps(&points.highest, &points.valleys);
-        let contact = |place: usize| WheelContact::new(&self.parts, points.highest[place]?, overlaps[place]?, &frame);
+        let contact = |place: usize| WheelContact::new(&self.parts, points.highest[place]?, overlaps[place]?, frame);
         (std::array::from_fn(contact), start)
     }
 }
@@ -194,10 +222,10 @@ fn follow(pairing: &Pairing<'_>, start: &Start) -> Option<(Points, Start)> {
 
 impl Force for WheelRail {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        let (contacts, start) = self.evaluate(motion);
+        let place = self.place(motion);
+        let (contacts, start) = self.evaluate(&place);
         self.start = start;
-        let mut columns = Columns::default();
-        self.parts.marker.columns(motion, &mut columns);
+        let columns = self.columns(motion, &place);
         for contact in contacts.iter().flatten() {
             for column in columns.as_slice() {
                 force[column.index] += column.translation.dot(&contact.force) + column.rotation.dot(&contact.moment);
@@ -206,11 +234,14 @@ impl Force for WheelRail {
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
-        let (contacts, start) = self.evaluate(motion);
+        let place = self.place(motion);
+        let (contacts, start) = self.evaluate(&place);
         self.start = start;
-        let frame = self.frame(motion);
-        let mut columns = Columns::default();
-        self.parts.marker.columns(motion, &mut columns);
+        let frame = &place.frame;
+        let columns = self.columns(motion, &place);
+        // What the frame carries along turns with it, not with the body.
+        let carried = place.carrying.angular_velocity();
+        let own = frame.angular_velocity - carried;
         let columns = columns.as_slice();
         let n = columns.len();
         // The part of the velocity that turns with the body.
@@ -225,11 +256,12 @@ impl Force for WheelRail {
             let change = Change {
                 displacement: by.translation * weights.q,
                 rotation: by.rotation * weights.q,
-                velocity: by.rotation.cross(&turning) * weights.q + by.translation * weights.v,
-                angular_velocity: by.rotation.cross(&frame.angular_velocity) * weights.q + by.rotation * weights.v,
+                velocity: (by.rotation.cross(&turning) + carried.cross(&by.translation)) * weights.q
+                    + by.translation * weights.v,
+                angular_velocity: by.rotation.cross(&own) * weights.q + by.rotation * weights.v,
             };
             for contact in contacts.iter().flatten() {
-                let [force, moment] = contact.change(&self.parts, &frame, &change);
+                let [force, moment] = contact.change(&self.parts, frame, &change);
                 for (k, of) in columns.iter().enumerate() {
                     let mut sum = of.translation.dot(&force) + of.rotation.dot(&moment);
                     if of.rotation != Vector3::zeros() {
@@ -252,22 +284,24 @@ impl Force for WheelRail {
             .sum()
     }
 
-    /// Brought in by the travel of the base over the resting rail and by the drive that holds the spin; turned into heat by
+    /// Brought in by the travel of the frame over the resting rail and by the drive that holds the spin; turned into heat by
     /// sliding and by the damping of the normal force.
     ///
     /// Hertz' stiffness changes with the place of the contact, and what counts of the penetration with the neighbours in a patch.
     /// What the elastic energy changes by that comes from no force and is counted as brought in.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
-        let frame = self.frame(motion);
+        let place = self.place(motion);
+        let frame = &place.frame;
         let axle = frame.axes.column(1);
         let mut power = Power::default();
-        for contact in self.contacts(motion).iter().flatten() {
+        let (travel, turn) = place.carrying.motion_of(&frame.position);
+        for contact in self.evaluate(&place).0.iter().flatten() {
             let (point, sliding) = (&contact.point, &contact.sliding);
             let by_wheel = contact.force.dot(&sliding.velocity)
                 + contact.creep.components[2] * point.normal.dot(&frame.angular_velocity);
             let stored = contact.ellipse.force * contact.rate;
             power.dissipated -= by_wheel + stored;
-            power.driven -= contact.force.dot(&self.parts.base.velocity());
+            power.driven -= contact.force.dot(&travel) + contact.moment.dot(&turn);
             power.driven -= axle.dot(&contact.moment) * self.parts.spin;
             let change = point.change(&frame.velocity, &frame.angular_velocity);
             let growth = contact.ellipse.by_curvature[2][0] * change.curvature.x
@@ -280,8 +314,8 @@ impl Force for WheelRail {
     }
 
     fn begin_step(&mut self, motion: &Motion<'_>) {
-        let frame = self.frame(motion);
-        self.start = self.search(&self.pairing(&frame));
+        let place = self.place(motion);
+        self.start = self.search(&self.pairing(&place), &place);
     }
 
     fn save(&self, out: &mut Vec<f64>) {

@@ -52,7 +52,11 @@ fn a_saved_vehicle_continues_bit_for_bit() {
             side.derailment_quotient(5),
         )
     };
-    for (mut first, mut other) in subsystems(&[ROUGH]).into_iter().zip(subsystems(&[ROUGH])) {
+    // On straight track, and from the transition into a curve on.
+    let curve = ARC.replace("start = 80.0", "start = 65.0");
+    let in_curve = || Subsystem::new(&full_scene(&[ROUGH, &curve]), 0).unwrap();
+    let sides = || subsystems(&[ROUGH]).into_iter().chain([in_curve()]);
+    for (mut first, mut other) in sides().zip(sides()) {
         let mut kept = crate::Checkpoint::default();
         run(&mut first, 0, 400);
         first.save_to(&mut kept);
@@ -101,4 +105,59 @@ fn the_strip_of_a_lumped_pantograph_answers_a_sinus_of_its_base_as_its_transfer_
             assert!(error.abs() < 2e-4 * amplitude, "{error} at {t} s");
         }
     }
+}
+
+/// 1.9 s on straight track and in the transition, then in the arc.
+const ARC: &str = "track.curve={ radius = 1200.0, direction = \"left\", cant = 0.15, start = 80.0, transition = 80.0, length = 400.0, \
+                   rounding = 6.0 }";
+
+#[test]
+fn in_a_canted_curve_the_strip_goes_aside_as_the_vehicle_under_it_leans() {
+    let start = "pantograph[1].start={ height = 4.945, force = 107.0 }";
+    let mut carried = Subsystem::new(&full_scene(&[start, ARC]), 0).unwrap();
+    let mut straight = Subsystem::new(&full_scene(&[start]), 0).unwrap();
+    let mut y = 0.0;
+    for step in 0..6000 {
+        for side in [&mut straight, &mut carried] {
+            // A wire that stays over the middle of the track.
+            let strip = side.strip();
+            side.set_contact_input(2, -107.0 - 500.0 * (strip.position.z - 4.945) - 50.0 * strip.velocity.z);
+            side.set_contact_input(3, 0.0);
+            side.advance_to(f64::from(step) * 1e-3, 1e-3).unwrap();
+        }
+        y = carried.strip().position.y;
+    }
+    let (strip, base, roll) = (carried.strip(), carried.base().position, carried.base_roll());
+    println!("{strip:?} {base:?} {roll}, {:?}", straight.strip());
+    // 200 km/h: 2.57 m/s² of which the cant takes 0.98 m/s².
+    let outward = 55.555_f64.powi(2) / 1200.0 * 0.995 - 9.81 * 0.1;
+    // Roll of the vehicle by its springs about the plane of the rails, outward in a curve to the left: clockwise.
+    assert!(roll > 0.0 && outward > 0.0, "{roll}");
+    let lean = base.y - roll * (strip.position.z - base.z);
+    assert!(
+        (strip.position.y - lean).abs() < 0.05 * lean.abs(),
+        "{} {lean}",
+        strip.position.y
+    );
+    assert!(y < -0.05, "{y}");
+}
+
+#[test]
+fn an_importer_may_set_what_a_curve_is_like() {
+    use component::Component;
+    let mut scene = full_scene(&[ARC]);
+    let parameters = Subsystem::parameters(&scene);
+    let ours: Vec<_> = (parameters.iter())
+        .filter(|parameter| parameter.name.starts_with("track.curve."))
+        .collect();
+    let values: Vec<f64> = ours.iter().map(|parameter| parameter.value(&scene)).collect();
+    assert_eq!(values, [1200.0, 0.15, 80.0, 80.0, 400.0, 6.0]);
+    let radius = ours
+        .iter()
+        .find(|parameter| parameter.name == "track.curve.radius")
+        .unwrap();
+    radius.set(&mut scene, 900.0);
+    assert_eq!(scene.track.as_deref().unwrap().curves[0].radius, 900.0);
+    let none = Subsystem::parameters(&full_scene(&[]));
+    assert!(none.iter().all(|parameter| !parameter.name.starts_with("track.")));
 }

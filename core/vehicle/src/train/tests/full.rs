@@ -5,7 +5,7 @@ use crate::check::{assert_tangent, awkward, dense};
 use dynamics::{NewtonOptions, Simulator};
 use nalgebra::{Matrix2, SymmetricEigen};
 
-fn full(scene: &Scene, shape: Option<&TrackShape>) -> Alone {
+pub(super) fn full(scene: &Scene, shape: Option<&TrackShape>) -> Alone {
     let mut layout = Layout::new();
     let entry = scene.vehicle.as_deref().unwrap().train().unwrap();
     let rails = scene.track.as_deref().unwrap();
@@ -18,7 +18,7 @@ fn full(scene: &Scene, shape: Option<&TrackShape>) -> Alone {
 }
 
 /// The vehicle at rest in its frame, its wheelsets rolling freely.
-fn rolling(alone: &mut Alone) -> State {
+pub(super) fn rolling(alone: &mut Alone) -> State {
     let mut state = alone.layout.state_at_rest();
     let rest = alone.train.rest(&alone.layout, &mut state, &[]).unwrap();
     alone.train.set_rest(&rest, &mut state);

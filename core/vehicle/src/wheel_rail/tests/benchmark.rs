@@ -70,7 +70,7 @@ fn weighted_location(set: &Wheelset, state: &State, wheel: usize) -> [f64; 2] {
     let parts = set.wheels[wheel].parts();
     let sign = parts.wheel.side.sign();
     let axes = state.rotation[0].to_rotation_matrix().into_inner();
-    let rail_y = parts.rail.line.frame(0.0).position.y;
+    let rail_y = parts.rail.line.frame(0.0, 0.0).position.y;
     let mut sums = [0.0; 3];
     for i in 0..40_000 {
         let sigma = parts.wheel.profile.range()[1] * f64::from(i) / 40e3;

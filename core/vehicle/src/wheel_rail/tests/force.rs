@@ -31,7 +31,7 @@ fn moving(law: CreepLaw, left: f64) -> (Wheelset, State) {
 
 /// The tangent of a contact is compared with central differences over 10 nm and 20 µm/s: the penetration is some 30 µm, so that
 /// h² is 1e-8; rounding of 1e-16 m of it by h is the same.
-fn assert_tangent(wheel: &mut WheelRail, layout: &Layout, state: &State) {
+pub(super) fn assert_tangent(wheel: &mut WheelRail, layout: &Layout, state: &State) {
     let n = layout.coordinates();
     let h = 1e-8;
     for weights in [Weights { q: 1.0, v: 0.0 }, Weights { q: 0.0, v: 1.0 }] {
@@ -102,7 +102,7 @@ fn the_frame_of_a_curved_rail_is_consistent() {
         cant_rate: 5e-3,
     };
     let (s, h) = (7.0, 1e-3);
-    let [plus, minus, frame] = [s + h, s - h, s].map(|s| rail.frame(s));
+    let [plus, minus, frame] = [s + h, s - h, s].map(|s| rail.frame(s, 0.0));
     // Central differences: h² and rounding / h.
     let near = |a: Vector3<f64>, b: Vector3<f64>| (a - b).norm() < 1e-10;
     assert!(near((plus.position - minus.position) / (2.0 * h), frame.direction));

@@ -1,6 +1,7 @@
 //! A free wheelset on straight track.
 use super::support::{Design, Wheelset, cone, round_rail};
 use crate::multibody::RigidBody;
+use crate::train::CurveInertia;
 use crate::wheel_rail::{CreepLaw, WheelContact, WheelRail};
 use dynamics::{Force, Jacobian, Layout, NewtonOptions, Simulator, State, StaticOptions, System};
 
@@ -8,12 +9,13 @@ use nalgebra::Vector3;
 use std::f64::consts::PI;
 
 /// Of the wheelset, N.
-const WEIGHT: f64 = 20e3;
+pub(super) const WEIGHT: f64 = 20e3;
 
-struct Rig {
-    layout: Layout,
+pub(super) struct Rig {
+    pub layout: Layout,
     body: RigidBody,
-    wheels: [WheelRail; 2],
+    pub wheels: [WheelRail; 2],
+    inertia: Option<CurveInertia>,
 }
 
 impl System for Rig {
@@ -26,30 +28,35 @@ impl System for Rig {
         for wheel in &mut self.wheels {
             visit(wheel);
         }
+        if let Some(inertia) = &mut self.inertia {
+            visit(inertia);
+        }
     }
 }
 
 /// A wheelset that spins with its body.
-fn rig(design: &Design) -> Rig {
+pub(super) fn rig(design: &Design) -> Rig {
     let Wheelset { layout, pose, wheels } = Design {
         spin: 0.0,
         ..design.clone()
     }
     .build();
+    let body = RigidBody {
+        pose,
+        mass: WEIGHT / 9.81,
+        inertia: Vector3::new(1000.0, 150.0, 1000.0),
+        gravity: 9.81,
+    };
     Rig {
         layout,
-        body: RigidBody {
-            pose,
-            mass: WEIGHT / 9.81,
-            inertia: Vector3::new(1000.0, 150.0, 1000.0),
-            gravity: 9.81,
-        },
+        inertia: CurveInertia::new(&design.travel(), &[body], &[]),
+        body,
         wheels,
     }
 }
 
 /// A simulator at a state with consistent accelerations.
-fn start(mut rig: Rig, state: State, step: f64, rho_inf: f64) -> Simulator<Rig> {
+pub(super) fn start(mut rig: Rig, state: State, step: f64, rho_inf: f64) -> Simulator<Rig> {
     let motion = state.motion(&[]);
     rig.wheels.iter_mut().for_each(|wheel| wheel.begin_step(&motion));
     let mut simulator = Simulator::new(rig, state, Vec::new(), step, rho_inf, NewtonOptions::default());
@@ -84,7 +91,7 @@ fn crossings(record: &[f64], step: f64) -> Vec<f64> {
         .collect()
 }
 
-fn conical(law: CreepLaw) -> Design {
+pub(super) fn conical(law: CreepLaw) -> Design {
     Design {
         wheel: cone(0.05),
         rail: round_rail(0.3),

@@ -1,7 +1,8 @@
 //! Wheels, rails and wheelsets for tests.
-use crate::Base;
 use crate::multibody::{BodyMarker, Pose};
+use crate::track::Alignment;
 use crate::wheel_rail::*;
+use crate::{Base, Travel};
 use dynamics::{Layout, State};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -78,7 +79,7 @@ pub struct CurvedRail {
 }
 
 impl RailLine for CurvedRail {
-    fn frame(&self, s: f64) -> RailFrame {
+    fn frame(&self, s: f64, _from: f64) -> RailFrame {
         let heading = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.curvature * s);
         let cant = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), self.cant_rate * s);
         let axes = (heading * cant).to_rotation_matrix().into_inner();
@@ -122,8 +123,24 @@ pub struct Design {
     pub law: CreepLaw,
     pub friction: f64,
     pub damping: f64,
-    /// In a curve with growing cant, see [`CurvedRail`].
+    /// On rails in a curve with growing cant, see [`CurvedRail`], the frame going straight on.
     pub curved: bool,
+    /// In a curve that the frame follows.
+    pub alignment: Option<Arc<Alignment>>,
+}
+
+/// A rail beside the middle of a track.
+struct Beside {
+    alignment: Arc<Alignment>,
+    y: f64,
+}
+
+impl RailLine for Beside {
+    fn frame(&self, s: f64, from: f64) -> RailFrame {
+        let zero = Vector3::zeros();
+        let offset = Vector3::new(0.0, self.y, 0.0);
+        self.alignment.seen_from(s, from).beside([offset, zero, zero])
+    }
 }
 
 impl Design {
@@ -143,11 +160,22 @@ impl Design {
             friction: 0.3,
             damping: 0.0,
             curved: false,
+            alignment: None,
         }
     }
 
+    pub fn travel(&self) -> Travel {
+        let base = Base {
+            start_x: 0.0,
+            speed: self.speed,
+        };
+        Travel::along(base, self.alignment.clone())
+    }
+
     fn line(&self, y: f64) -> Arc<dyn RailLine> {
-        if self.curved {
+        if let Some(alignment) = self.alignment.clone() {
+            Arc::new(Beside { alignment, y })
+        } else if self.curved {
             Arc::new(CurvedRail {
                 y,
                 curvature: 1.0 / 300.0,
@@ -169,10 +197,8 @@ impl Design {
                     offset: Vector3::zeros(),
                     axes: Matrix3::identity(),
                 }),
-                base: Base {
-                    start_x: 0.0,
-                    speed: self.speed,
-                },
+                along: 0.0,
+                travel: self.travel(),
                 spin: self.spin,
                 wheel: Wheel {
                     profile: self.wheel.clone(),
