@@ -32,11 +32,13 @@ fn borders(case: &Case, window: usize) -> Vec<Border> {
     let inverse = inverse_mass(&mut simulator.system);
     let element = case.length / case.elements as f64;
     let mut course = vec![seen(&mut simulator).1];
+    let mut before = simulator.state().clone();
     // Number of the step, steps at the border itself, what is expected.
     let mut passed: Vec<(usize, f64, [f64; 2])> = Vec::new();
     let (mut here, mut n) = ((case.start / element) as usize, 0);
     let end = case.length - 0.5;
     while seen(&mut simulator).0 < end {
+        before.copy_from(simulator.state());
         step(&mut simulator, n, case.h);
         n += 1;
         let (s, force) = seen(&mut simulator);
@@ -46,7 +48,10 @@ fn borders(case: &Case, window: usize) -> Vec<Border> {
             here = now;
             let speed = simulator.state().v[simulator.system.mass.first];
             let at = n as f64 - (s - here as f64 * element) / (speed * case.h);
-            let expected = simulator.system.expected_step(here, simulator.state(), &inverse);
+            let share = at + 1.0 - n as f64;
+            let expected =
+                [&before, simulator.state()].map(|state| simulator.system.expected_step(here, state, &inverse));
+            let expected = [0, 1].map(|i| expected[0][i] + share * (expected[1][i] - expected[0][i]));
             passed.push((n, at, expected));
         }
     }
