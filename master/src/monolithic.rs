@@ -161,7 +161,11 @@ impl Monolithic {
             let height = entry
                 .start
                 .map_or_else(|| pantograph.reference_height(), |start| start.height);
-            starts.push(pantograph.equilibrium_at_height(height).map_err(refused)?);
+            let start = pantograph.equilibrium_at_height(height).map_err(refused)?;
+            // The contact takes the strip as it is now: a linkage at another height than that of reference has it at another place along
+            // the track.
+            pantograph.set_initial(&start, &mut layout.state_at_rest());
+            starts.push(start);
             pantographs.push(pantograph);
         }
 
