@@ -65,3 +65,25 @@ fn with_72_elements_per_span_it_lasts_10_s() {
 fn on_the_cured_mesh_it_lasts_10_s() {
     endures(&["catenary.mesh.elements_per_interval=8", "catenary.mesh.cures=\"auto\""]);
 }
+
+/// Seven seconds fewer than above. A window cuts the line anew under way.
+#[test]
+fn it_goes_with_a_line_that_is_linear_in_part_or_all_through() {
+    let of = |reductions: &str| {
+        let reduce = format!("model.reduce=[\"planar\"{reductions}]");
+        let time = ["run.duration=3.0", "run.evaluate={time=[1.0,3.0]}"];
+        monolithic(
+            JOINT,
+            &[time[0], time[1], &reduce, "catenary.mesh.elements_per_interval=4"],
+        )
+    };
+    let whole = of("");
+    // What the window and the linear line are off under the penalty law, 4 elements between droppers.
+    for (reductions, most) in [(", \"window\"", 0.05), (", \"linearised\"", 0.1)] {
+        let run = of(reductions);
+        assert!(run.summary.complete);
+        let difference = whole.filtered_difference(&run) / whole.sigma();
+        println!("{reductions}: {difference}");
+        assert!(difference > 0.0 && difference < most, "{reductions}: {difference}");
+    }
+}

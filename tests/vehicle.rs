@@ -15,9 +15,9 @@ fn coupled_and_as_one_system_the_force_is_the_same() {
     let whole = short(Mode::Monolithic, &[]);
     let coupled = short(Mode::Inprocess, &[]);
     assert!(whole.summary.complete && coupled.summary.complete);
-    // The coupling of 1 ms; without the vehicle it is as much.
     let difference = whole.filtered_difference(&coupled) / whole.sigma();
-    assert!(difference < 0.02, "{difference}");
+    println!("{difference}");
+    assert!(difference < 1e-3, "{difference}");
 }
 
 /// The run enters it after half a second and is in its arc from 2.4 s on; 7 cm of cant are missing.
@@ -34,7 +34,8 @@ fn coupled_and_as_one_system_the_force_is_the_same_in_a_curve() {
     assert!(whole.summary.complete && coupled.summary.complete);
     let difference = whole.filtered_difference(&coupled) / whole.sigma();
     println!("{difference}");
-    assert!(difference < 0.02, "{difference}"); // as on straight track
+    // The strip turns with the track while the exchanged motion says its roll, not its yaw.
+    assert!(difference < 3e-3, "{difference}");
     let track = whole
         .summary
         .model
@@ -43,7 +44,7 @@ fn coupled_and_as_one_system_the_force_is_the_same_in_a_curve() {
         .find(|part| part.part == "track")
         .unwrap();
     for fragment in [
-        "left curve from 75 to 525 m, radius 1400 m, cant 100 mm",
+        "left curve from 75.0 to 525.0 m, radius 1400 m, cant 100 mm",
         "cant deficiency",
         "radial pull",
     ] {

@@ -86,7 +86,8 @@ pub trait Force: Send {
     /// and has exactly the tangent of [`Force::add_tangent`] and [`Force::add_mass`]; the answer never changes. Only for a contribution
     /// that [`Force::evaluates_ranges`].
     ///
-    /// Where all of these are linear the solver knows what a correction leaves of their forces without evaluating them.
+    /// On rows where all that evaluate ranges are linear the solver knows what a correction leaves of their forces without evaluating
+    /// them.
     fn is_linear(&self) -> bool {
         false
     }

@@ -59,7 +59,7 @@ pub(crate) struct Imbalance {
     first: Option<f64>,
 }
 
-/// The rows on which linear contributions act and no others that evaluate ranges, and no constraints. With their part `A_l` of the
+/// The rows on which linear contributions act and no others that evaluate ranges, and no constraints but those that move, which are borders of the updates. With their part `A_l` of the
 /// iteration matrix, that of the others `A_o` and a correction `(A_l + A_o + U C Uᵀ) Δq = r_l + r_o` they leave there
 ///
 /// ```text
@@ -177,7 +177,9 @@ impl LinearPart {
             local[row] += self.others.row_product(row, correction.change);
         }
         for (row, z) in correction.forces.iter().enumerate() {
-            for (index, value) in correction.updates.entries(row).filter(|entry| self.own[entry.0]) {
+            // A border's own unknown lies behind the coordinates.
+            let own = |index: usize| self.own.get(index).is_some_and(|own| *own);
+            for (index, value) in correction.updates.entries(row).filter(|entry| own(entry.0)) {
                 local[index] += z * value;
             }
         }

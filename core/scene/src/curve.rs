@@ -84,7 +84,7 @@ impl Curve {
         distance * speed * speed / (gravity * self.radius) - self.cant
     }
 
-    fn check(&self, path: &str, found: &mut Found) {
+    fn check(&self, path: &str, scene: &Scene, found: &mut Found) {
         let mut refuse = |key: &str, value: f64, expected: String| {
             refuse(found, format!("{path}.{key}"), shown_number(value, "m"), expected);
         };
@@ -104,7 +104,20 @@ impl Curve {
                 refuse("rounding", self.rounding, expected);
             }
         }
-        if self.cant > STEEPEST_RAMP * self.transition {
+        let speed = scene.run.speed;
+        let shortest = STEPS_OF_RAMP * speed * scene.internal_step();
+        for (name, part) in [("transition", self.transition), ("rounding", self.rounding)] {
+            if part < shortest {
+                let expected = format!(
+                    "must be {shortest:.3} m or more, {STEPS_OF_RAMP} internal steps of {:.3} ms at run.speed_kmh = {:.1}: shorter ones are \
+                     stepped over",
+                    1e3 * scene.internal_step(),
+                    3.6 * speed
+                );
+                refuse(name, part, expected);
+            }
+        }
+        if self.cant <= LARGEST_CANT && self.cant > STEEPEST_RAMP * self.transition {
             let expected = format!(
                 "must be {:.3} m or more: with cant = {} m the track is twisted by {:.1} mm per m, and vehicles are made for {}",
                 self.cant / STEEPEST_RAMP,
@@ -116,6 +129,10 @@ impl Curve {
         }
     }
 }
+
+/// Least internal steps on which a ramp of curvature or cant is felt: changes of the frame's rates reach the bodies as forces at
+/// the ends of steps.
+const STEPS_OF_RAMP: f64 = 10.0;
 
 /// m [EN 13803-2:2006, 7.3].
 const SMALLEST_RADIUS: f64 = 150.0;
@@ -161,13 +178,14 @@ pub(crate) fn check(scene: &Scene, train: &Train, found: &mut Found) {
         _ => format!("track.curve[{}]", i + 1),
     };
     for (i, curve) in curves.iter().enumerate() {
-        curve.check(&path(i), found);
+        curve.check(&path(i), scene, found);
         train.check_toppling(scene, curve, &path(i), found);
     }
     for (i, pair) in curves.windows(2).enumerate() {
         let free = pair[0].corners()[3] + 0.5 * (pair[0].rounding + pair[1].rounding);
         if pair[1].start < free {
-            let expected = format!("must be {free} m or more: there the cant ramp of the curve before it ends");
+            let free = millimetres_up(free);
+            let expected = format!("must be {free:.3} m or more: there the cant ramp of the curve before it ends");
             refuse(
                 found,
                 format!("{}.start", path(i + 1)),
@@ -176,6 +194,11 @@ pub(crate) fn check(scene: &Scene, train: &Train, found: &mut Found) {
             );
         }
     }
+}
+
+/// A bound (m) that holds when it is written with millimetres.
+fn millimetres_up(bound: f64) -> f64 {
+    (1e3 * bound).ceil() / 1e3
 }
 
 impl Train {
@@ -196,7 +219,7 @@ impl Train {
     fn check_toppling(&self, scene: &Scene, curve: &Curve, path: &str, found: &mut Found) {
         let (speed, gravity, distance) = (scene.run.speed, scene.gravity(), self.wheels.distance);
         let height = self.centre_height();
-        if !(curve.cant < distance && height > 0.0 && curve.radius > 0.0) {
+        if !(curve.cant < distance && height > 0.0 && curve.radius >= SMALLEST_RADIUS) {
             return; // Each of these is refused where it stands.
         }
         let outward = curve.uncompensated_acceleration(speed, gravity, distance);

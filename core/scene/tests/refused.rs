@@ -439,6 +439,12 @@ const CURVES: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "track.curve.rounding=0.5",
+        &[
+            "track.curve.rounding = 0.5 m: must be 0.556 m or more, 10 internal steps of 1.000 ms at run.speed_kmh = 200.0",
+        ],
+    ),
+    (
         "track.curve.lenght=3",
         &["track.curve.lenght: unknown key, did you mean \"length\"?"],
     ),
@@ -488,7 +494,7 @@ fn a_curve_that_begins_before_the_one_before_it_ends_is_refused() {
     // The first one ends at 460 m; both cant ramps are rounded over 6 m.
     assert_eq!(message(VEHICLE, &[&second(466.0)]), "accepted");
     let expected =
-        "track.curve[2].start = 465.9 m: must be 466 m or more: there the cant ramp of the curve before it ends";
+        "track.curve[2].start = 465.9 m: must be 466.000 m or more: there the cant ramp of the curve before it ends";
     holds(&message(VEHICLE, &[&second(465.9)]), &[expected]);
 }
 

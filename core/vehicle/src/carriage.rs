@@ -67,13 +67,20 @@ impl Carriage {
             .and_then(|track| TrackShape::new(track, reach));
         let curves = placement.track.as_deref().map_or(&[][..], |track| &track.curves);
         if let Some(first) = curves.first()
-            && start > first.start - 0.5 * first.rounding
+            && let ahead = start.max(base.start_x)
+            && ahead > first.start - 0.5 * first.rounding
         {
-            let least = start + 0.5 * first.rounding;
+            // Rounded up to what is printed.
+            let least = (1e3 * (ahead + 0.5 * first.rounding)).ceil() / 1e3;
+            let path = if curves.len() > 1 {
+                "track.curve[1]"
+            } else {
+                "track.curve"
+            };
             return Err(VehicleError::NotAvailable {
                 what: format!(
-                    "track.curve: start = {} m must be {least:.3} m or more: a run starts at rest on straight track, the foremost wheel \
-                     at {start:.3} m, and the cant ramp begins half its rounding = {} m before",
+                    "{path}: start = {} m must be {least:.3} m or more: a run starts at rest on straight track, the foremost wheel or the \
+                     pantograph's base at {ahead:.3} m, and the cant ramp begins half its rounding = {} m before",
                     first.start, first.rounding
                 ),
             });

@@ -35,7 +35,7 @@ const SECANTS: std::ops::RangeInclusive<f64> = -100.0..=0.0;
 /// Secants of later passes, where the moment changes with the mean, come out near zero now and then. Such a one would accept every
 /// first pass from then on, however far off, and with no further pass nothing would ever correct it: at `ωh` = 0.8 the contact's
 /// oscillation then grew to 40 N on the line of EN 50318.
-const LEAST_GAIN: f64 = 0.2;
+const LEAST_GAIN: f64 = 0.05;
 
 /// The pantographs first, under the predicted force; the line follows the cubic of their motion; then both again from the
 /// start of the step, with the force that Newton's method gives, until nothing is left to gain.

@@ -47,7 +47,7 @@ fn curves(scene: &Scene, train: &Train, track: &Track) -> Vec<String> {
             ("inward", "excess")
         };
         format!(
-            "{} curve from {start} to {end} m, radius {} m, cant {:.0} mm, transitions {} m, at this speed {:.2} m/s² {side} uncompensated \
+            "{} curve from {start:.1} to {end:.1} m, radius {} m, cant {:.0} mm, transitions {} m, at this speed {:.2} m/s² {side} uncompensated \
              (cant {name} {:.0} mm)",
             curve.direction,
             curve.radius,

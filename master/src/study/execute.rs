@@ -75,7 +75,7 @@ pub fn script(
     sliding_joint::refuse(&scene, "master study")?;
     scene.run.duration = settled(&scene);
     let prepared = prepare(scene.clone(), name, base, false)?;
-    let ground = Ground::of(scene, &prepared, overrides);
+    let ground = Ground::of(scene, &prepared, overrides, options.sweeps_over(Sweep::Vehicle));
     let planned = plan(&ground, &options);
     let mut families: Vec<Family> = planned
         .iter()

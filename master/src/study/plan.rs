@@ -57,6 +57,14 @@ impl Options {
     pub const WORK: f64 = 4e9;
 }
 
+impl Options {
+    /// Whether a sweep is asked for; all are where none is named.
+    #[must_use]
+    pub fn sweeps_over(&self, sweep: Sweep) -> bool {
+        self.sweeps.is_empty() || self.sweeps.contains(&sweep)
+    }
+}
+
 impl Default for Options {
     fn default() -> Self {
         Self {
@@ -172,7 +180,11 @@ impl Planned {
     /// Whether two runs are one.
     #[must_use]
     pub fn same(&self, other: &Self) -> bool {
-        let one = self.variant.mode == other.variant.mode && self.variant.algorithm == other.variant.algorithm;
+        // What is judged by another model of the vehicle is not judged by the reference of the mesh.
+        let judges_alike = self.is_for_vehicle() == other.is_for_vehicle();
+        let one = judges_alike
+            && self.variant.mode == other.variant.mode
+            && self.variant.algorithm == other.variant.algorithm;
         // What stands on no track is judged by what stands on each.
         let track = |run: &Self| run.recipe.standing.as_ref().map_or(OWN, |standing| standing.name.track);
         one && track(self) == track(other)

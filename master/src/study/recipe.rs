@@ -173,9 +173,10 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// That of a scene which `master check` accepts, as read with these overrides and as prepared.
+    /// That of a scene which `master check` accepts, as read with these overrides and as prepared; with what else the pantograph may
+    /// stand on, which takes runs of the vehicle, where `vehicles` is true.
     #[must_use]
-    pub fn of(scene: Scene, prepared: &Prepared, overrides: &[String]) -> Self {
+    pub fn of(scene: Scene, prepared: &Prepared, overrides: &[String], vehicles: bool) -> Self {
         let text = scene.to_toml();
         let line = scene.modelled_line().map(|(line, _)| line);
         let reductions = scene
@@ -200,7 +201,9 @@ impl Ground {
             scene,
             text,
         };
-        ground.standings = standings(&ground.scene, ground.micro_step);
+        if vehicles {
+            ground.standings = standings(&ground.scene, ground.micro_step);
+        }
         ground.cures = ground.accepted_cures();
         ground
     }

@@ -168,8 +168,8 @@ impl Wire {
     /// ```
     ///
     /// which cancels the leading dispersion error of the trapezoidal rule for transverse waves. (The rule makes `ω` too low
-    /// by `(ω h)²/12`, and `ω² M = K`.) Weight and damping keep `M`. `M′` is positive definite for `h` below about 0.31 element
-    /// lengths per wave speed.
+    /// by `(ω h)²/12`, and `ω² M = K`.) Weight and damping keep `M`. `M′` is positive definite for `h` below 0.378 element
+    /// lengths per wave speed along a wire that is held at its ends, below 0.2565 along one whose ends move freely.
     #[must_use]
     pub fn with_mass_correction(self, h: f64) -> Self {
         let correction = h * h / 6.0 * self.section.tension;
