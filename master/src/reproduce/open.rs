@@ -124,7 +124,7 @@ pub const OPEN: &[Open] = &[
         quantity: "time step",
         key: "solver.micro_step",
         unit: "s",
-        values: &["0.00025", "0.0005", "0.002"],
+        values: &["0.00025", "0.0005"],
         range: "not given",
     },
 ];
