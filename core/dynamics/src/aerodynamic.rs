@@ -107,7 +107,7 @@ impl AerodynamicLaw {
     pub fn drag_and_lift(&self, density: f64, v_r: &Vector3<f64>, axes: &Matrix3<f64>) -> [f64; 2] {
         match self {
             Self::Polar(polar) => polar.drag_and_lift(0.5 * density, v_r, axes),
-            Self::Uplift { coefficient } => [0.0, coefficient * v_r.x * v_r.x],
+            Self::Uplift { .. } => [0.0, self.load(density, v_r, axes).force.z],
         }
     }
 }

@@ -80,6 +80,9 @@ impl MovingMultipliers {
 
     /// Takes in the multipliers at the end of a step of `h` s and puts what is reported in their place.
     pub fn end(&mut self, equations: &[usize], scheme: &Scheme, (h, stretch): (f64, f64), lambda: &mut [f64]) {
+        if equations.is_empty() {
+            return;
+        }
         let Scheme {
             alpha_m,
             alpha_f,

@@ -172,11 +172,10 @@ pub(crate) fn curves(keys: &mut Keys, was: Option<&[Curve]>) -> Vec<Curve> {
 
 /// Refuses curves that no track has, and a speed at which the vehicle would topple in one.
 pub(crate) fn check(scene: &Scene, train: &Train, found: &mut Found) {
-    let curves = scene.track.as_deref().map_or(&[][..], |track| &track.curves);
-    let path = |i: usize| match curves.len() {
-        1 => "track.curve".to_owned(),
-        _ => format!("track.curve[{}]", i + 1),
+    let Some(track) = scene.track.as_deref() else {
+        return;
     };
+    let (curves, path) = (&track.curves, |i: usize| track.curve_key(i));
     for (i, curve) in curves.iter().enumerate() {
         curve.check(&path(i), scene, found);
         train.check_toppling(scene, curve, &path(i), found);
@@ -197,7 +196,8 @@ pub(crate) fn check(scene: &Scene, train: &Train, found: &mut Found) {
 }
 
 /// A bound (m) that holds when it is written with millimetres.
-fn millimetres_up(bound: f64) -> f64 {
+#[must_use]
+pub fn millimetres_up(bound: f64) -> f64 {
     (1e3 * bound).ceil() / 1e3
 }
 

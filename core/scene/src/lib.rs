@@ -61,7 +61,7 @@ mod write;
 pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
 pub use contact::{Contact, ContactLaw};
 pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};
-pub use curve::{Curve, Direction};
+pub use curve::{Curve, Direction, millimetres_up};
 pub use error::{Place, Problem, SceneError, What};
 pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageStrip, Uplift};
 pub use mesh::{AxialStrain, Cure, Element, Mesh};

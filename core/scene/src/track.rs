@@ -79,6 +79,15 @@ pub struct Points {
 }
 
 impl Track {
+    /// Key of curve `index` (from 0) in messages and parameters: by number where there are several.
+    #[must_use]
+    pub fn curve_key(&self, index: usize) -> String {
+        match self.curves.len() {
+            1 => "track.curve".to_owned(),
+            _ => format!("track.curve[{}]", index + 1),
+        }
+    }
+
     /// Whether both rails are alike and stay where they are sideways.
     #[must_use]
     pub fn is_symmetric(&self) -> bool {

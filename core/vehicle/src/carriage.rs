@@ -65,18 +65,13 @@ impl Carriage {
             .track
             .as_deref()
             .and_then(|track| TrackShape::new(track, reach));
-        let curves = placement.track.as_deref().map_or(&[][..], |track| &track.curves);
-        if let Some(first) = curves.first()
+        if let Some(rails) = placement.track.as_deref()
+            && let Some(first) = rails.curves.first()
             && let ahead = start.max(base.start_x)
             && ahead > first.start - 0.5 * first.rounding
         {
-            // Rounded up to what is printed.
-            let least = (1e3 * (ahead + 0.5 * first.rounding)).ceil() / 1e3;
-            let path = if curves.len() > 1 {
-                "track.curve[1]"
-            } else {
-                "track.curve"
-            };
+            let least = scene::millimetres_up(ahead + 0.5 * first.rounding);
+            let path = rails.curve_key(0);
             return Err(VehicleError::NotAvailable {
                 what: format!(
                     "{path}: start = {} m must be {least:.3} m or more: a run starts at rest on straight track, the foremost wheel or the \

@@ -53,10 +53,19 @@ impl Polar {
     /// The amounts of drag and lift of [`Polar::force`], N.
     pub(super) fn drag_and_lift(&self, half: f64, v_r: &Vector3<f64>, axes: &Matrix3<f64>) -> [f64; 2] {
         let square = v_r.norm_squared();
-        let (w_1, w_3) = (axes.column(0).dot(v_r), axes.column(2).dot(v_r));
-        let [(drag, _), (lift, _)] = self.at(w_3.atan2(-w_1));
-        let lift = if w_3 * w_3 < square { lift } else { 0.0 }; // along the third axis there is no direction for it
+        if square == 0.0 {
+            return [0.0; 2];
+        }
+        let (_, [(drag, _), (lift, _)]) = self.met_by(v_r, axes);
+        // Along the third axis there is no direction for it.
+        let lift = if across(v_r, axes).norm() > 0.0 { lift } else { 0.0 };
         [drag, lift].map(|coefficient| half * square * coefficient)
+    }
+
+    /// The air along the first and the third axis, and the coefficients at its angle of attack.
+    fn met_by(&self, v_r: &Vector3<f64>, axes: &Matrix3<f64>) -> ([f64; 2], [Coefficient; 2]) {
+        let (w_1, w_3) = (axes.column(0).dot(v_r), axes.column(2).dot(v_r));
+        ([w_1, w_3], self.at(w_3.atan2(-w_1)))
     }
 
     /// The force for `half` the density (kg/m³) and its derivative by `v_r`.
@@ -67,8 +76,7 @@ impl Polar {
         }
         let speed = square.sqrt();
         let (ahead, up) = (axes.column(0).into_owned(), axes.column(2).into_owned());
-        let (w_1, w_3) = (ahead.dot(v_r), up.dot(v_r));
-        let [(drag, drag_slope), (lift, lift_slope)] = self.at(w_3.atan2(-w_1));
+        let ([w_1, w_3], [(drag, drag_slope), (lift, lift_slope)]) = self.met_by(v_r, axes);
         // ∂α/∂v_r; air along the second axis has no angle of attack.
         let in_plane = w_1 * w_1 + w_3 * w_3;
         let angle_rate = if in_plane > 0.0 {
@@ -79,8 +87,7 @@ impl Polar {
         let mut force = v_r * (speed * drag);
         let mut by_velocity = (Matrix3::identity() * speed + v_r * v_r.transpose() / speed) * drag
             + v_r * angle_rate.transpose() * (speed * drag_slope);
-        // p = n − v (v·n)/v², the part of the axis across the air.
-        let across = up - v_r * (w_3 / square);
+        let across = across(v_r, axes);
         let length = across.norm();
         if length > 0.0 {
             let direction = across / length;
@@ -93,4 +100,10 @@ impl Polar {
         }
         (force * half, by_velocity * half)
     }
+}
+
+/// `p = n − v (v·n)/v²`: the part of the third axis `n` across air that moves.
+fn across(v_r: &Vector3<f64>, axes: &Matrix3<f64>) -> Vector3<f64> {
+    let up = axes.column(2);
+    up - v_r * (up.dot(v_r) / v_r.norm_squared())
 }

@@ -148,13 +148,12 @@ fn curves(scene: &Scene) -> Vec<Parameter> {
             |curve| &mut curve.rounding,
         ),
     ];
-    let count = scene.track.as_deref().map_or(0, |track| track.curves.len());
+    let Some(track) = scene.track.as_deref() else {
+        return Vec::new();
+    };
     let mut parameters = Vec::new();
-    for i in 0..count {
-        let path = match count {
-            1 => "track.curve".to_owned(),
-            _ => format!("track.curve[{}]", i + 1),
-        };
+    for i in 0..track.curves.len() {
+        let path = track.curve_key(i);
         for (name, text, field) in FIELDS {
             parameters.push(Parameter::new(
                 format!("{path}.{name}"),
