@@ -1,7 +1,7 @@
 //! A strip against a wire, as a contribution of forces.
 use super::sides::Sides;
 use super::state::{ContactState, Sensitivity, Variation, vary};
-use super::{ContactGeometry, OnWire, PenaltyContact};
+use super::{AtStart, ContactGeometry, OnWire, PenaltyContact};
 use crate::{Curve, CurveColumns};
 use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
@@ -32,7 +32,12 @@ pub struct ContactPair {
     /// Counts the predicted directions, see [`Updates::rank_one`].
     version: u64,
     direction: Vec<(usize, f64)>,
-    active: Option<f64>,
+    /// The contact where the force was last evaluated, if it was closed there.
+    pressing: Option<ContactState>,
+    /// What the present step, or the one that has just ended, began with: by it the force at its end is found.
+    at_start: AtStart,
+    /// What the next step begins with.
+    reached: AtStart,
 }
 
 impl ContactPair {
@@ -56,12 +61,16 @@ impl ContactPair {
             share: 1.0,
             version: 0,
             direction: Vec::new(),
-            active: None,
+            pressing: None,
+            at_start: AtStart::Unknown,
+            reached: AtStart::Unknown,
         }
     }
 
-    /// Lowers the stiffness to `limit` (N/m) where it is above; returns whether it was.
+    /// Lowers the stiffness to `limit` (N/m) where it is above; returns whether it was. For statics: what a step began with is
+    /// forgotten.
     pub fn limit_stiffness(&mut self, limit: f64) -> bool {
+        self.reached = AtStart::Unknown;
         self.law.stiffness = self.stiffness.min(limit);
         self.stiffness > limit
     }
@@ -79,9 +88,28 @@ impl ContactPair {
     pub fn state(&self, motion: &Motion<'_>) -> Option<ContactState> {
         let frame = self.strip.frame(motion);
         let geometry = ContactGeometry::search(&*self.curve, &frame, self.s, motion.q, motion.v)?;
-        let beside = geometry.eta.abs() > 0.5 * self.width;
+        let beside = self.is_beside(&geometry);
         let compliance = self.curve.compliance(geometry.s);
-        Some(ContactState::new(&self.law, geometry, &frame, compliance, beside))
+        Some(ContactState::new(
+            (&self.law, self.at_start),
+            geometry,
+            &frame,
+            compliance,
+            beside,
+        ))
+    }
+
+    /// What a step that begins with a motion knows of it.
+    fn start_at(&self, motion: &Motion<'_>) -> AtStart {
+        match self.state(motion) {
+            Some(contact) if !self.is_beside(&contact.geometry) => AtStart::Penetration(-contact.geometry.gap),
+            _ => AtStart::APART,
+        }
+    }
+
+    /// Whether the wire passes the strip further than half its width from its middle.
+    fn is_beside(&self, geometry: &ContactGeometry) -> bool {
+        geometry.eta.abs() > 0.5 * self.width
     }
 
     /// Derivative of force, normal and position of the contact with respect to a unit motion of the strip with the wire held:
@@ -124,7 +152,8 @@ impl ContactPair {
             Some((frame.velocity, frame.angular_velocity)),
         );
         let rate = Variation { gap_rate: 0.0, ..rate };
-        contact.change(&rate, (0.0, self.bend(contact)), [wire.velocity, Vector3::zeros()])
+        let lasting = contact.lasting();
+        lasting.change(&rate, (0.0, self.bend(contact)), [wire.velocity, Vector3::zeros()])
     }
 
     fn sides<'a>(&self, geometry: &'a ContactGeometry, motion: &Motion<'_>) -> Sides<'a> {
@@ -154,7 +183,8 @@ impl OnWire for ContactPair {
 
 impl Force for ContactPair {
     fn begin_step(&mut self, motion: &Motion<'_>) {
-        self.active = None;
+        self.pressing = None;
+        self.at_start = self.reached;
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
             self.share = contact.share();
@@ -166,14 +196,10 @@ impl Force for ContactPair {
     }
 
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        let Some(contact) = self.state(motion) else {
-            self.active = None;
+        self.pressing = self.state(motion).filter(ContactState::closed);
+        let Some(contact) = &self.pressing else {
             return;
         };
-        self.active = Some(contact.force);
-        if !contact.closed() {
-            return;
-        }
         let geometry = &contact.geometry;
         let mut wire = CurveColumns::default();
         self.curve.columns(geometry.s, &mut wire);
@@ -189,15 +215,20 @@ impl Force for ContactPair {
     fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         match self.tangent {
             ContactTangent::RankOne => {
-                if self.active.is_some_and(|force| force > 0.0) {
-                    let (q, v) = self.law.yielding(self.share);
+                if let Some(contact) = self.pressing {
+                    let (q, v) = if contact.closes() {
+                        let contact = contact.with_chord(weights);
+                        (contact.stiffness, contact.damping)
+                    } else {
+                        self.law.yielding(self.share)
+                    };
                     let coefficient = weights.q * q + weights.v * v;
                     updates.rank_one(0, self.version, coefficient, self.direction.iter().copied());
                 }
             }
             ContactTangent::Exact => {
                 if let Some(contact) = self.state(motion).filter(ContactState::closed) {
-                    let (indices, matrix) = self.exact_tangent(&contact, motion, weights);
+                    let (indices, matrix) = self.exact_tangent(&contact.with_chord(weights), motion, weights);
                     updates.dense(0, &indices, &matrix);
                 }
             }
@@ -205,14 +236,17 @@ impl Force for ContactPair {
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
-        self.state(motion)
-            .filter(ContactState::closed)
-            .map_or(0.0, |contact| contact.share() * self.law.energy(-contact.geometry.gap))
+        match self.state(motion) {
+            Some(contact) if !self.is_beside(&contact.geometry) => {
+                contact.share() * self.law.energy(-contact.geometry.gap)
+            }
+            _ => 0.0,
+        }
     }
 
     /// The strip's prescribed motion, along the track for one, presses on the wire's slope; the damper heats.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
-        let Some(contact) = self.state(motion).filter(ContactState::closed) else {
+        let Some(contact) = self.state(motion) else {
             return Some(Power::default());
         };
         let frame = self.strip.frame(motion);
@@ -223,13 +257,21 @@ impl Force for ContactPair {
         })
     }
 
+    fn end_step(&mut self, motion: &Motion<'_>) {
+        self.reached = self.start_at(motion);
+    }
+
     fn save(&self, out: &mut Vec<f64>) {
         out.push(self.s);
+        self.at_start.save(out);
+        self.reached.save(out);
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         if let Some(&s) = values.next() {
             self.s = s;
+            self.at_start = AtStart::restored(values);
+            self.reached = AtStart::restored(values);
         }
     }
 }
