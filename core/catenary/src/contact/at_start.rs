@@ -59,7 +59,11 @@ impl AtStart {
 
     /// Takes back what [`AtStart::save`] appended.
     pub(super) fn restored(values: &mut std::slice::Iter<'_, f64>) -> Self {
-        let mut next = || *values.next().expect("a saved contact holds two numbers for each beginning");
+        let mut next = || {
+            *values
+                .next()
+                .expect("a saved contact holds two numbers for each beginning")
+        };
         match (next(), next()) {
             (0.0, _) => Self::Unknown,
             (_, start) => Self::Penetration(start),

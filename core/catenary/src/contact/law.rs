@@ -96,7 +96,10 @@ mod tests {
         assert_eq!(LAW.normal_force(AtStart::Penetration(0.0), 1e-3, 0.1), 70.0);
         // A quarter of the way: 3e-4 m of 4e-4 m are open.
         let quarter = LAW.normal_force(AtStart::Penetration(-3e-4), 1e-4, 0.1);
-        assert!((quarter - (5.0 + 0.25 * 20.0)).abs() < 1e-12, "rounding of 10 N: {quarter}");
+        assert!(
+            (quarter - (5.0 + 0.25 * 20.0)).abs() < 1e-12,
+            "rounding of 10 N: {quarter}"
+        );
         // Denormal numbers at most are left of the damper.
         assert!((LAW.normal_force(AtStart::APART, 1e-3, 0.1) - 50.0).abs() < 1e-12);
     }
@@ -105,13 +108,22 @@ mod tests {
     #[test]
     fn along_a_step_the_force_neither_jumps_nor_falls() {
         let h = 1e-3;
-        for at_start in [OPEN, CLOSED, AtStart::Penetration(-1e-9), AtStart::Penetration(0.0), AtStart::APART] {
+        for at_start in [
+            OPEN,
+            CLOSED,
+            AtStart::Penetration(-1e-9),
+            AtStart::Penetration(0.0),
+            AtStart::APART,
+        ] {
             for offset in [-1.0, -0.1, 0.0, 0.1, 1.0] {
                 let force = |penetration: f64| LAW.normal_force(at_start, penetration, offset + 2.0 * penetration / h);
                 let step = 1e-9;
                 let forces: Vec<f64> = (-200_000..200_000).map(|i| force(f64::from(i) * step)).collect();
                 let name = format!("{at_start:?}, {offset} m/s");
-                assert!(forces.windows(2).all(|pair| pair[1] >= pair[0] - 1e-12), "rounding of 300 N: {name}");
+                assert!(
+                    forces.windows(2).all(|pair| pair[1] >= pair[0] - 1e-12),
+                    "rounding of 300 N: {name}"
+                );
                 if !matches!(at_start, AtStart::Penetration(start) if start > -1e-6 && start <= 0.0) {
                     // The steepest is d A/|δ₀| beside k + 2 d/h: 2.5e6 N/m.
                     let rise = forces.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
@@ -157,7 +169,10 @@ mod tests {
             let by_delta = (force(delta + h, rate) - force(delta - h, rate)) / (2.0 * h);
             let by_rate = (force(delta, rate + h) - force(delta, rate - h)) / (2.0 * h);
             // Central differences over 1e-7 of a course of 1e-4 m.
-            assert!(k > 0.0 && (k - by_delta).abs() < 1e-5 * k, "{at_start:?}: {k} {by_delta}");
+            assert!(
+                k > 0.0 && (k - by_delta).abs() < 1e-5 * k,
+                "{at_start:?}: {k} {by_delta}"
+            );
             assert!((d - by_rate).abs() < 1e-6 * d, "{at_start:?}: {d} {by_rate}");
         }
     }
