@@ -49,6 +49,11 @@ impl AtStart {
         }
     }
 
+    /// Whether the contact is known to be open.
+    pub(super) fn is_open(self) -> bool {
+        matches!(self, Self::Penetration(start) if start <= 0.0)
+    }
+
     /// Appends it to what a contribution saves.
     pub(super) fn save(self, out: &mut Vec<f64>) {
         match self {

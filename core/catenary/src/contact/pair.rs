@@ -32,8 +32,7 @@ pub struct ContactPair {
     /// Counts the predicted directions, see [`Updates::rank_one`].
     version: u64,
     direction: Vec<(usize, f64)>,
-    /// The contact where the force was last evaluated, if it was closed there.
-    pressing: Option<ContactState>,
+    active: Option<f64>,
     /// What the present step, or the one that has just ended, began with: by it the force at its end is found.
     at_start: AtStart,
     /// What the next step begins with.
@@ -61,7 +60,7 @@ impl ContactPair {
             share: 1.0,
             version: 0,
             direction: Vec::new(),
-            pressing: None,
+            active: None,
             at_start: AtStart::Unknown,
             reached: AtStart::Unknown,
         }
@@ -183,7 +182,7 @@ impl OnWire for ContactPair {
 
 impl Force for ContactPair {
     fn begin_step(&mut self, motion: &Motion<'_>) {
-        self.pressing = None;
+        self.active = None;
         self.at_start = self.reached;
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
@@ -196,10 +195,14 @@ impl Force for ContactPair {
     }
 
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        self.pressing = self.state(motion).filter(ContactState::closed);
-        let Some(contact) = &self.pressing else {
+        let Some(contact) = self.state(motion) else {
+            self.active = None;
             return;
         };
+        self.active = Some(contact.force);
+        if !contact.closed() {
+            return;
+        }
         let geometry = &contact.geometry;
         let mut wire = CurveColumns::default();
         self.curve.columns(geometry.s, &mut wire);
@@ -215,12 +218,11 @@ impl Force for ContactPair {
     fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         match self.tangent {
             ContactTangent::RankOne => {
-                if let Some(contact) = self.pressing {
-                    let (q, v) = if contact.closes() {
-                        let contact = contact.with_chord(weights);
-                        (contact.stiffness, contact.damping)
-                    } else {
-                        self.law.yielding(self.share)
+                if self.active.is_some_and(|force| force > 0.0) {
+                    let closing = self.at_start.is_open().then(|| self.state(motion)).flatten();
+                    let (q, v) = match closing.map(|contact| contact.with_chord(weights)) {
+                        Some(contact) => (contact.stiffness, contact.damping),
+                        None => self.law.yielding(self.share),
                     };
                     let coefficient = weights.q * q + weights.v * v;
                     updates.rank_one(0, self.version, coefficient, self.direction.iter().copied());

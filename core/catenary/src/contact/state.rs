@@ -184,15 +184,10 @@ impl ContactState {
         (self.elastic - self.force) * self.geometry.gap_rate - along * self.slide
     }
 
-    /// Whether the contact closes in the step, so that the damper acts in a part of it only.
-    pub(super) fn closes(&self) -> bool {
-        self.closed_part < 1.0
-    }
-
     /// With slopes that keep corrections of a step that closes on the closed side: together not below that of the chord to where the
     /// contact closes. The force bends upwards from there but in a step that began moving apart.
     pub(super) fn with_chord(self, weights: Weights) -> Self {
-        if !self.closes() || !self.closed() {
+        if self.closed_part == 1.0 || !self.closed() {
             return self;
         }
         let chord = self.force / -self.geometry.gap - weights.v / weights.q * self.damping;
