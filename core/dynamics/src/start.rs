@@ -36,7 +36,7 @@ pub(crate) fn accelerations(system: &mut dyn System, state: &mut State, u: &[f64
         }
         right_side.fill(0.0);
     }
-    // Accelerations do not tell what a step begins with.
+    // No step has ended here that would have told contributions what the first one begins with.
     system.forces(&mut |force| {
         force.end_step(&state.motion(u));
         force.add_force(&state.motion(u), &mut right_side[..n]);
