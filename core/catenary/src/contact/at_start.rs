@@ -6,11 +6,11 @@
 /// inertia and contact agree, `S (δ − δ*) + F(δ) = 0`, with `δ*` where the step would end without contact. With
 /// `0 < S δ* < d δ̇` it finds none: what ends open has to move on to `δ* > 0`, and what ends closed is thrown back. So in a step
 /// that closes the contact the damper acts with the part of the step in which it is closed, by a straight course from the
-/// penetration `δ₀ ≤ 0` at its beginning to that at its end (derived here):
+/// penetration `δ₀ < 0` at its beginning to that at its end (derived here):
 ///
 /// ```text
-/// φ = δ/(δ − δ₀)    δ > 0 ≥ δ₀
-/// φ = 1              δ₀ > 0
+/// φ = δ/(δ − δ₀)    δ > 0 > δ₀
+/// φ = 1              δ₀ ≥ 0
 /// φ = 0              otherwise
 /// ```
 ///
@@ -38,7 +38,7 @@ impl AtStart {
     #[must_use]
     pub fn closed_part(self, penetration: f64) -> (f64, f64) {
         match self {
-            Self::Penetration(start) if start > 0.0 => (1.0, 0.0),
+            Self::Penetration(start) if start >= 0.0 => (1.0, 0.0),
             _ if penetration <= 0.0 => (0.0, 0.0),
             Self::Unknown => (1.0, 0.0),
             Self::Penetration(start) => {
@@ -51,7 +51,7 @@ impl AtStart {
 
     /// Whether the contact is known to be open.
     pub(super) fn is_open(self) -> bool {
-        matches!(self, Self::Penetration(start) if start <= 0.0)
+        matches!(self, Self::Penetration(start) if start < 0.0)
     }
 
     /// Appends it to what a contribution saves.

@@ -124,7 +124,8 @@ mod tests {
                     forces.windows(2).all(|pair| pair[1] >= pair[0] - 1e-12),
                     "rounding of 300 N: {name}"
                 );
-                if !matches!(at_start, AtStart::Penetration(start) if start > -1e-6 && start <= 0.0) {
+                // One that begins just open is as steep as it likes.
+                if !matches!(at_start, AtStart::Penetration(start) if start > -1e-6 && start < 0.0) {
                     // The steepest is d A/|δ₀| beside k + 2 d/h: 2.5e6 N/m.
                     let rise = forces.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
                     assert!(rise < 2.6e6 * step, "{name}: {rise} N in {step} m");
