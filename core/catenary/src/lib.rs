@@ -49,8 +49,8 @@ pub use ancf::{
 pub use anchor::Anchor;
 pub use attachment::Attachment;
 pub use contact::{
-    Compliance, CompliantWire, ContactGeometry, ContactPair, ContactState, ContactTangent, OnWire, PenaltyContact,
-    PrescribedStrip, ResidualCompliance, STRIP_INPUTS, Sensitivity, SlidingJoint, StripContact,
+    AtStart, Compliance, CompliantWire, ContactGeometry, ContactPair, ContactState, ContactTangent, OnWire,
+    PenaltyContact, PrescribedStrip, ResidualCompliance, STRIP_INPUTS, Sensitivity, SlidingJoint, StripContact,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening, Tautness};

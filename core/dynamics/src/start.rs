@@ -36,7 +36,11 @@ pub(crate) fn accelerations(system: &mut dyn System, state: &mut State, u: &[f64
         }
         right_side.fill(0.0);
     }
-    system.forces(&mut |force| force.add_force(&state.motion(u), &mut right_side[..n]));
+    // No step has ended here that would have told contributions what the first one begins with.
+    system.forces(&mut |force| {
+        force.end_step(&state.motion(u));
+        force.add_force(&state.motion(u), &mut right_side[..n]);
+    });
     let h = 1e-6;
     let (ahead, behind) = (moved(system, state, h), moved(system, state, -h));
     let (ahead, behind) = (rates(system, &ahead, &state.v, u), rates(system, &behind, &state.v, u));

@@ -1,12 +1,13 @@
 //! The penalty law.
+use super::AtStart;
 
 /// Unilateral penalty law between contact wire and collector strip.
 ///
 /// ```text
-/// F = max(0, k δ + d δ̇)    δ > 0                                   [Thesis, Eq. (17)]
-/// F = 0                     δ ≤ 0
+/// F = max(0, k δ + φ d δ̇)                                          [Thesis, Eq. (17), with φ = 1 for δ > 0, else 0]
 /// ```
 ///
+/// `φ` is the part of a time step in which the contact is closed, see [`AtStart`]: 1 in a step that begins closed.
 /// The thesis' Eq. (17) holds both normals of the wire with the bilateral spring; here only the common normal of wire and
 /// strip carries a force and it never pulls, so that contact can be lost and, with stagger, the wire slides along the strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,21 +23,27 @@ impl PenaltyContact {
     ///
     /// `penetration` in m is positive when the strip overlaps the wire; `penetration_rate` is its time derivative in m/s.
     #[must_use]
-    pub fn normal_force(&self, penetration: f64, penetration_rate: f64) -> f64 {
-        if penetration <= 0.0 {
-            return 0.0;
-        }
-        (self.stiffness * penetration + self.damping * penetration_rate).max(0.0)
+    pub fn normal_force(&self, at_start: AtStart, penetration: f64, penetration_rate: f64) -> f64 {
+        let (part, _) = at_start.closed_part(penetration);
+        self.partly_damped(part, penetration, penetration_rate)
     }
 
-    /// `(∂F/∂δ, ∂F/∂δ̇)`: `(k, d)` where the force is positive, else zero.
+    /// [`PenaltyContact::normal_force`] for a `φ` that is known.
+    pub(super) fn partly_damped(&self, part: f64, penetration: f64, penetration_rate: f64) -> f64 {
+        (self.stiffness * penetration + part * self.damping * penetration_rate).max(0.0)
+    }
+
+    /// `(∂F/∂δ, ∂F/∂δ̇)`: `(k, d)` in a step that begins closed; zero without force.
     #[must_use]
-    pub fn derivatives(&self, penetration: f64, penetration_rate: f64) -> (f64, f64) {
-        if self.normal_force(penetration, penetration_rate) > 0.0 {
-            (self.stiffness, self.damping)
-        } else {
-            (0.0, 0.0)
+    pub fn derivatives(&self, at_start: AtStart, penetration: f64, penetration_rate: f64) -> (f64, f64) {
+        if self.normal_force(at_start, penetration, penetration_rate) <= 0.0 {
+            return (0.0, 0.0);
         }
+        let (part, part_by_penetration) = at_start.closed_part(penetration);
+        (
+            self.stiffness + part_by_penetration * self.damping * penetration_rate,
+            part * self.damping,
+        )
     }
 
     /// Slopes `(∂F/∂δ, ∂F/∂δ̇)` of the closed contact in series with a part that leaves it the `share` of the penetration, see
@@ -61,18 +68,80 @@ mod tests {
         stiffness: 5e4,
         damping: 200.0,
     };
+    const OPEN: AtStart = AtStart::Penetration(-1e-4);
+    const CLOSED: AtStart = AtStart::Penetration(1e-4);
 
     #[test]
     fn separated_bodies_exert_no_force_however_fast_they_close() {
-        assert_eq!(LAW.normal_force(-1e-9, 10.0), 0.0);
-        assert_eq!(LAW.normal_force(0.0, 10.0), 0.0);
+        for at_start in [AtStart::Unknown, OPEN, AtStart::APART] {
+            assert_eq!(LAW.normal_force(at_start, -1e-9, 10.0), 0.0);
+            assert_eq!(LAW.normal_force(at_start, 0.0, 10.0), 0.0);
+        }
         assert_eq!(LAW.energy(-1e-3), 0.0);
     }
 
     #[test]
     fn damping_never_makes_the_contact_pull() {
-        assert_eq!(LAW.normal_force(1e-3, -1.0), 0.0);
-        assert_eq!(LAW.derivatives(1e-3, -1.0), (0.0, 0.0));
+        for at_start in [AtStart::Unknown, OPEN, CLOSED] {
+            assert_eq!(LAW.normal_force(at_start, 1e-3, -1.0), 0.0);
+            assert_eq!(LAW.derivatives(at_start, 1e-3, -1.0), (0.0, 0.0));
+        }
+        assert_eq!(LAW.normal_force(CLOSED, -1e-3, 0.1), 0.0);
+    }
+
+    #[test]
+    fn the_damper_acts_with_the_part_of_the_step_in_which_the_contact_is_closed() {
+        assert_eq!(LAW.normal_force(CLOSED, 1e-3, 0.1), 70.0);
+        assert_eq!(LAW.normal_force(AtStart::Unknown, 1e-3, 0.1), 70.0);
+        assert_eq!(LAW.normal_force(AtStart::Penetration(0.0), 1e-3, 0.1), 70.0);
+        // A quarter of the way: 3e-4 m of 4e-4 m are open.
+        let quarter = LAW.normal_force(AtStart::Penetration(-3e-4), 1e-4, 0.1);
+        assert!(
+            (quarter - (5.0 + 0.25 * 20.0)).abs() < 1e-12,
+            "rounding of 10 N: {quarter}"
+        );
+        // Denormal numbers at most are left of the damper.
+        assert!((LAW.normal_force(AtStart::APART, 1e-3, 0.1) - 50.0).abs() < 1e-12);
+    }
+
+    /// Along a step of `h`, `δ̇ = A + 2 δ/h` (trapezoid).
+    #[test]
+    fn along_a_step_the_force_neither_jumps_nor_falls() {
+        let h = 1e-3;
+        for at_start in [
+            OPEN,
+            CLOSED,
+            AtStart::Penetration(-1e-9),
+            AtStart::Penetration(0.0),
+            AtStart::APART,
+        ] {
+            for offset in [-1.0, -0.1, 0.0, 0.1, 1.0] {
+                let force = |penetration: f64| LAW.normal_force(at_start, penetration, offset + 2.0 * penetration / h);
+                let step = 1e-9;
+                let forces: Vec<f64> = (-200_000..200_000).map(|i| force(f64::from(i) * step)).collect();
+                let name = format!("{at_start:?}, {offset} m/s");
+                assert!(
+                    forces.windows(2).all(|pair| pair[1] >= pair[0] - 1e-12),
+                    "rounding of 300 N: {name}"
+                );
+                // One that begins just open is as steep as it likes.
+                if !matches!(at_start, AtStart::Penetration(start) if start > -1e-6 && start < 0.0) {
+                    // The steepest is d A/|δ₀| beside k + 2 d/h: 2.5e6 N/m.
+                    let rise = forces.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+                    assert!(rise < 2.6e6 * step, "{name}: {rise} N in {step} m");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_force_is_continuous_in_where_the_step_begins_while_it_ends_closed() {
+        for penetration in [1e-6, 1e-4] {
+            let [before, after] =
+                [-1e-12, 1e-12].map(|start| LAW.normal_force(AtStart::Penetration(start), penetration, 0.1));
+            // 20 N of damping, of which 1e-12/1e-6 is left out.
+            assert!((after - before).abs() < 2.1e-5, "{before} {after}");
+        }
     }
 
     #[test]
@@ -80,17 +149,32 @@ mod tests {
         let h = 1e-6;
         let slope = (LAW.energy(2e-3 + h) - LAW.energy(2e-3 - h)) / (2.0 * h);
         assert!(
-            (slope - LAW.normal_force(2e-3, 0.0)).abs() < 1e-6 * slope,
+            (slope - LAW.normal_force(CLOSED, 2e-3, 0.0)).abs() < 1e-6 * slope,
             "central difference"
         );
     }
 
     #[test]
     fn the_derivatives_are_those_of_the_force() {
-        let (delta, rate, h) = (2e-3, 0.05, 1e-7);
-        let (k, d) = LAW.derivatives(delta, rate);
-        let by_delta = (LAW.normal_force(delta + h, rate) - LAW.normal_force(delta - h, rate)) / (2.0 * h);
-        let by_rate = (LAW.normal_force(delta, rate + h) - LAW.normal_force(delta, rate - h)) / (2.0 * h);
-        assert!((k - by_delta).abs() < 1e-6 * k && (d - by_rate).abs() < 1e-6 * d);
+        let h = 1e-7;
+        for (at_start, delta, rate) in [
+            (AtStart::Unknown, 2e-3, 0.05),
+            (CLOSED, 2e-3, 0.05),
+            (CLOSED, -1e-5, 0.05),
+            (OPEN, 2e-3, 0.05),
+            (OPEN, 3e-5, 0.05),
+            (OPEN, 3e-5, -0.01),
+        ] {
+            let (k, d) = LAW.derivatives(at_start, delta, rate);
+            let force = |delta: f64, rate: f64| LAW.normal_force(at_start, delta, rate);
+            let by_delta = (force(delta + h, rate) - force(delta - h, rate)) / (2.0 * h);
+            let by_rate = (force(delta, rate + h) - force(delta, rate - h)) / (2.0 * h);
+            // Central differences over 1e-7 of a course of 1e-4 m.
+            assert!(
+                k > 0.0 && (k - by_delta).abs() < 1e-5 * k,
+                "{at_start:?}: {k} {by_delta}"
+            );
+            assert!((d - by_rate).abs() < 1e-6 * d, "{at_start:?}: {d} {by_rate}");
+        }
     }
 }

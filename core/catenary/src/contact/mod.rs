@@ -1,4 +1,5 @@
 //! Contact between the contact wire and collector strips.
+mod at_start;
 mod compliance;
 mod geometry;
 mod law;
@@ -9,6 +10,7 @@ mod sliding_joint;
 mod state;
 mod strip;
 
+pub use at_start::AtStart;
 pub use compliance::{Compliance, CompliantWire, ResidualCompliance};
 pub use geometry::ContactGeometry;
 pub use law::PenaltyContact;

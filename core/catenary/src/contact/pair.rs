@@ -1,7 +1,7 @@
 //! A strip against a wire, as a contribution of forces.
 use super::sides::Sides;
 use super::state::{ContactState, Sensitivity, Variation, vary};
-use super::{ContactGeometry, OnWire, PenaltyContact};
+use super::{AtStart, ContactGeometry, OnWire, PenaltyContact};
 use crate::{Curve, CurveColumns};
 use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
@@ -33,6 +33,10 @@ pub struct ContactPair {
     version: u64,
     direction: Vec<(usize, f64)>,
     active: Option<f64>,
+    /// What the present step, or the one that has just ended, began with: by it the force at its end is found.
+    at_start: AtStart,
+    /// What the next step begins with.
+    reached: AtStart,
 }
 
 impl ContactPair {
@@ -57,11 +61,15 @@ impl ContactPair {
             version: 0,
             direction: Vec::new(),
             active: None,
+            at_start: AtStart::Unknown,
+            reached: AtStart::Unknown,
         }
     }
 
-    /// Lowers the stiffness to `limit` (N/m) where it is above; returns whether it was.
+    /// Lowers the stiffness to `limit` (N/m) where it is above; returns whether it was. For statics: what a step began with is
+    /// forgotten.
     pub fn limit_stiffness(&mut self, limit: f64) -> bool {
+        self.reached = AtStart::Unknown;
         self.law.stiffness = self.stiffness.min(limit);
         self.stiffness > limit
     }
@@ -79,9 +87,28 @@ impl ContactPair {
     pub fn state(&self, motion: &Motion<'_>) -> Option<ContactState> {
         let frame = self.strip.frame(motion);
         let geometry = ContactGeometry::search(&*self.curve, &frame, self.s, motion.q, motion.v)?;
-        let beside = geometry.eta.abs() > 0.5 * self.width;
+        let beside = self.is_beside(&geometry);
         let compliance = self.curve.compliance(geometry.s);
-        Some(ContactState::new(&self.law, geometry, &frame, compliance, beside))
+        Some(ContactState::new(
+            (&self.law, self.at_start),
+            geometry,
+            &frame,
+            compliance,
+            beside,
+        ))
+    }
+
+    /// What a step that begins with a motion knows of it.
+    fn start_at(&self, motion: &Motion<'_>) -> AtStart {
+        match self.state(motion) {
+            Some(contact) if !self.is_beside(&contact.geometry) => AtStart::Penetration(-contact.geometry.gap),
+            _ => AtStart::APART,
+        }
+    }
+
+    /// Whether the wire passes the strip further than half its width from its middle.
+    fn is_beside(&self, geometry: &ContactGeometry) -> bool {
+        geometry.eta.abs() > 0.5 * self.width
     }
 
     /// Derivative of force, normal and position of the contact with respect to a unit motion of the strip with the wire held:
@@ -124,7 +151,8 @@ impl ContactPair {
             Some((frame.velocity, frame.angular_velocity)),
         );
         let rate = Variation { gap_rate: 0.0, ..rate };
-        contact.change(&rate, (0.0, self.bend(contact)), [wire.velocity, Vector3::zeros()])
+        let lasting = contact.lasting();
+        lasting.change(&rate, (0.0, self.bend(contact)), [wire.velocity, Vector3::zeros()])
     }
 
     fn sides<'a>(&self, geometry: &'a ContactGeometry, motion: &Motion<'_>) -> Sides<'a> {
@@ -155,6 +183,7 @@ impl OnWire for ContactPair {
 impl Force for ContactPair {
     fn begin_step(&mut self, motion: &Motion<'_>) {
         self.active = None;
+        self.at_start = self.reached;
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
             self.share = contact.share();
@@ -190,14 +219,18 @@ impl Force for ContactPair {
         match self.tangent {
             ContactTangent::RankOne => {
                 if self.active.is_some_and(|force| force > 0.0) {
-                    let (q, v) = self.law.yielding(self.share);
+                    let closing = self.at_start.is_open().then(|| self.state(motion)).flatten();
+                    let (q, v) = match closing.map(|contact| contact.with_chord(weights)) {
+                        Some(contact) => (contact.stiffness, contact.damping),
+                        None => self.law.yielding(self.share),
+                    };
                     let coefficient = weights.q * q + weights.v * v;
                     updates.rank_one(0, self.version, coefficient, self.direction.iter().copied());
                 }
             }
             ContactTangent::Exact => {
                 if let Some(contact) = self.state(motion).filter(ContactState::closed) {
-                    let (indices, matrix) = self.exact_tangent(&contact, motion, weights);
+                    let (indices, matrix) = self.exact_tangent(&contact.with_chord(weights), motion, weights);
                     updates.dense(0, &indices, &matrix);
                 }
             }
@@ -205,14 +238,17 @@ impl Force for ContactPair {
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
-        self.state(motion)
-            .filter(ContactState::closed)
-            .map_or(0.0, |contact| contact.share() * self.law.energy(-contact.geometry.gap))
+        match self.state(motion) {
+            Some(contact) if !self.is_beside(&contact.geometry) => {
+                contact.share() * self.law.energy(-contact.geometry.gap)
+            }
+            _ => 0.0,
+        }
     }
 
     /// The strip's prescribed motion, along the track for one, presses on the wire's slope; the damper heats.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
-        let Some(contact) = self.state(motion).filter(ContactState::closed) else {
+        let Some(contact) = self.state(motion) else {
             return Some(Power::default());
         };
         let frame = self.strip.frame(motion);
@@ -223,13 +259,21 @@ impl Force for ContactPair {
         })
     }
 
+    fn end_step(&mut self, motion: &Motion<'_>) {
+        self.reached = self.start_at(motion);
+    }
+
     fn save(&self, out: &mut Vec<f64>) {
         out.push(self.s);
+        self.at_start.save(out);
+        self.reached.save(out);
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         if let Some(&s) = values.next() {
             self.s = s;
+            self.at_start = AtStart::restored(values);
+            self.reached = AtStart::restored(values);
         }
     }
 }

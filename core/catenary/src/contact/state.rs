@@ -1,6 +1,6 @@
 //! The contact at one instant, and how it changes.
-use super::{Compliance, ContactGeometry, PenaltyContact};
-use dynamics::Frame;
+use super::{AtStart, Compliance, ContactGeometry, PenaltyContact};
+use dynamics::{Frame, Weights};
 use nalgebra::Vector3;
 
 /// The contact at one instant.
@@ -9,10 +9,11 @@ use nalgebra::Vector3;
 /// penetration `δ` of the curve that the coordinates describe the contact has the share `p = c δ`, and the wire yields by `g F`,
 ///
 /// ```text
-/// c = 1/(1 + k g),    F = k p + c d ṗ,    ṗ = c δ̇ + c_s ṡ δ,    never negative
+/// c = 1/(1 + k g),    F = k p + c φ d ṗ,    ṗ = c δ̇ + c_s ṡ δ,    never negative
 /// ```
 ///
-/// `ṗ` is the rate along the path of the strip, `ṡ` its rate on the wire. The series of spring and damper with `g` is exact but for
+/// `ṗ` is the rate along the path of the strip, `ṡ` its rate on the wire, `φ` the part of the step in which the contact is closed, see
+/// [`AtStart`]. The series of spring and damper with `g` is exact but for
 /// terms `(k g) (d ṗ/(k p))²` of `F`: at 20 Hz, with `d/k` = 2 ms and `k g` = 0.05, 0.3 %. The contact moves along a wire that yields
 /// more at one place than at another; so the strip is pushed to where it yields more, by `½ g_s F²`, and the force is the gradient of
 /// the energy `½ k c δ²`.
@@ -42,6 +43,12 @@ pub struct ContactState {
     slide: f64,
     /// `k`, N/m; zero where the contact is open.
     spring: f64,
+    /// `k p`, N, also where the damper takes all of it; zero at a gap.
+    elastic: f64,
+    /// `φ`, –.
+    closed_part: f64,
+    /// What `∂φ/∂δ` adds to `∂F/∂δ`, N/m.
+    closing: f64,
 }
 
 /// What [`super::ContactPair::sensitivity`] returns, each per unit of the strip's motion.
@@ -71,19 +78,20 @@ pub(super) struct Variation {
 }
 
 impl ContactState {
-    /// The contact under `law`; one `beside` the strip carries nothing.
+    /// The contact under `law` in a step that began `at_start`; one `beside` the strip carries nothing.
     pub(super) fn new(
-        law: &PenaltyContact,
+        (law, at_start): (&PenaltyContact, AtStart),
         geometry: ContactGeometry,
         strip: &Frame,
         compliance: Compliance,
         beside: bool,
     ) -> Self {
-        let (k, d) = (law.stiffness, law.damping);
         let (delta, delta_rate) = (-geometry.gap, -geometry.gap_rate);
+        let (closed_part, closed_part_by_delta) = at_start.closed_part(delta);
+        let (k, d) = (law.stiffness, closed_part * law.damping);
         let share = 1.0 / (1.0 + k * compliance.value);
         let share_s = -k * compliance.slope * share * share;
-        let slide = if compliance.slope == 0.0 || beside || delta <= 0.0 {
+        let slide = if compliance.slope == 0.0 || beside || closed_part == 0.0 {
             0.0
         } else {
             let wire = (geometry.wire.velocity, geometry.wire.velocity_s);
@@ -98,7 +106,7 @@ impl ContactState {
         let (p, p_rate) = (share * delta, share * delta_rate + share_s * slide * delta);
         let series = PenaltyContact {
             stiffness: k,
-            damping: share * d,
+            damping: share * law.damping,
         };
         let mut state = Self {
             geometry,
@@ -113,11 +121,15 @@ impl ContactState {
             spring_rate: 0.0,
             slide,
             spring: 0.0,
+            elastic: if beside { 0.0 } else { (k * p).max(0.0) },
+            closed_part,
+            closing: 0.0,
         };
-        let force = series.normal_force(p, p_rate);
+        let force = series.partly_damped(closed_part, p, p_rate);
         if force > 0.0 && !beside {
             state.force = force;
-            state.stiffness = k * share + share * d * share_s * slide;
+            state.closing = closed_part_by_delta * law.damping * share * p_rate;
+            state.stiffness = k * share + share * d * share_s * slide + state.closing;
             state.damping = share * share * d;
             // The second derivative of the share is left out: it belongs to a term with the damping and is as small as that.
             state.by_place = k * share_s * delta + d * (share_s * p_rate + share * share_s * delta_rate);
@@ -143,6 +155,9 @@ impl ContactState {
             spring_rate: 0.0,
             slide: 0.0,
             spring: 0.0,
+            elastic: 0.0,
+            closed_part: 1.0,
+            closing: 0.0,
         }
     }
 
@@ -161,13 +176,33 @@ impl ContactState {
         0.5 * self.compliance.slope * self.force * self.force
     }
 
-    /// Power that the damper of the closed contact turns into heat, W: what the contact takes up beyond what its spring stores, in
-    /// the normal direction and along the wire.
+    /// Power that the damper turns into heat, W: what the contact takes up beyond what its spring stores, in the normal direction and
+    /// along the wire. A spring that relaxes faster than the damper lets it press gives all of its energy to the damper.
     #[must_use]
     pub fn dissipation(&self) -> f64 {
-        let spring = -self.spring * self.share * self.geometry.gap;
-        let along = 0.5 * self.compliance.slope * (self.force * self.force - spring * spring);
-        (spring - self.force) * self.geometry.gap_rate - along * self.slide
+        let along = 0.5 * self.compliance.slope * (self.force * self.force - self.elastic * self.elastic);
+        (self.elastic - self.force) * self.geometry.gap_rate - along * self.slide
+    }
+
+    /// With slopes that keep corrections of a step that closes on the closed side: together not below that of the chord to where the
+    /// contact closes. The force bends upwards from there but in a step that began moving apart.
+    pub(super) fn with_chord(self, weights: Weights) -> Self {
+        if self.closed_part == 1.0 || !self.closed() {
+            return self;
+        }
+        let chord = self.force / -self.geometry.gap - weights.v / weights.q * self.damping;
+        Self {
+            stiffness: self.stiffness.max(chord),
+            ..self
+        }
+    }
+
+    /// With the slopes of the steps to come: in none of them will the contact close again.
+    pub(super) fn lasting(self) -> Self {
+        Self {
+            stiffness: self.stiffness - self.closing,
+            ..self
+        }
     }
 
     /// Whether wire and strip press on each other.

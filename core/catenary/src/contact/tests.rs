@@ -61,6 +61,12 @@ fn yielding(roll: f64, damping: f64, tangent: ContactTangent) -> ContactPair {
     on_curve(roll, damping, tangent, |geometry| Arc::new(Yielding(geometry)))
 }
 
+/// The same in a step that begins with a gap of 1 mm.
+fn closing(mut pair: ContactPair) -> ContactPair {
+    pair.at_start = AtStart::Penetration(-1e-3);
+    pair
+}
+
 fn on_curve(
     roll: f64,
     damping: f64,
@@ -187,6 +193,8 @@ fn the_exact_tangent_is_the_jacobian_of_the_force() {
         (pair(0.04, 300.0, ContactTangent::Exact), 1e-6),
         (yielding(0.04, 0.0, ContactTangent::Exact), 1e-3),
         (yielding(0.04, 300.0, ContactTangent::Exact), 2e-3),
+        (closing(pair(0.04, 300.0, ContactTangent::Exact)), 1e-6),
+        (closing(yielding(0.04, 300.0, ContactTangent::Exact)), 2e-3),
     ] {
         for weights in [Weights { q: 1.0, v: 0.0 }, Weights { q: 0.0, v: 1.0 }] {
             let contact = pair.state(&motion(&q, &v)).expect("on the wire");
@@ -289,11 +297,20 @@ fn contact_ends_when_the_strip_sinks_or_leaves_the_wire_or_the_wire_leaves_the_s
 #[test]
 fn the_sensitivity_to_the_strip_is_the_difference_quotient() {
     let (q, v) = bent();
-    for (damping, soft) in [(200.0, false), (0.0, true), (200.0, true)] {
-        let pair = match soft {
+    for (damping, soft, closes) in [
+        (200.0, false, false),
+        (0.0, true, false),
+        (200.0, true, false),
+        (200.0, false, true),
+        (200.0, true, true),
+    ] {
+        let mut pair = match soft {
             false => pair(0.04, damping, ContactTangent::RankOne),
             true => yielding(0.04, damping, ContactTangent::RankOne),
         };
+        if closes {
+            pair = closing(pair);
+        }
         let contact = pair.state(&motion(&q, &v)).expect("on the wire");
         let h = 1e-7;
         // Second derivatives of the compliance are left out; they come with the damping, and along the track.
@@ -315,7 +332,8 @@ fn the_sensitivity_to_the_strip_is_the_difference_quotient() {
                 };
                 let (plus, minus) = (moved(h), moved(-h));
                 let quotient = |of: &dyn Fn(&ContactState) -> Vector3<f64>| (of(&plus) - of(&minus)) / (2.0 * h);
-                let case = format!("damping {damping}, soft {soft}, axis {axis}, velocity {of_velocity}");
+                let case =
+                    format!("damping {damping}, soft {soft}, closes {closes}, axis {axis}, velocity {of_velocity}");
                 let close = |what: &str, a: Vector3<f64>, b: Vector3<f64>, tolerance: f64| {
                     assert!((a - b).norm() < tolerance, "{what}, {case}: {a:?} {b:?}");
                 };
@@ -332,4 +350,51 @@ fn the_sensitivity_to_the_strip_is_the_difference_quotient() {
             }
         }
     }
+}
+
+#[test]
+fn the_contact_that_closes_in_a_step_is_damped_from_its_end_on() {
+    let (mut q, mut v) = bent();
+    v[WIRE + 2] += 0.5;
+    let closed = q[WIRE + 2];
+    let mut pair = pair(0.04, 100.0, ContactTangent::RankOne);
+    let instant = pair.state(&motion(&q, &v)).expect("on the wire");
+    assert_eq!(instant.damping, 100.0, "no step, no beginning");
+    q[WIRE + 2] = closed - 0.01;
+    pair.end_step(&motion(&q, &v));
+    let gap = pair.state(&motion(&q, &v)).expect("on the wire").gap();
+    q[WIRE + 2] = closed;
+    pair.begin_step(&motion(&q, &v));
+    let in_step = pair.state(&motion(&q, &v)).expect("on the wire");
+    let (delta, rate) = (-in_step.geometry.gap, -in_step.geometry.gap_rate);
+    let part = delta / (delta + gap);
+    let force = 5e4 * delta + part * 100.0 * rate;
+    assert!(part > 0.1 && part < 0.9 && rate > 0.4, "{part} {rate}");
+    assert!(
+        (in_step.force - force).abs() < 1e-10,
+        "rounding of 100 N: {} {force}",
+        in_step.force
+    );
+    // What is left of the instant's force is heat that is not made; the spring has its energy.
+    let heat = in_step.dissipation();
+    assert!(
+        (heat - part * 100.0 * rate * rate).abs() < 1e-10,
+        "rounding of 10 W: {heat}"
+    );
+    // The end is reported as the step has found it, until the next one begins.
+    pair.end_step(&motion(&q, &v));
+    assert_eq!(pair.state(&motion(&q, &v)), Some(in_step));
+    pair.begin_step(&motion(&q, &v));
+    assert_eq!(pair.state(&motion(&q, &v)), Some(instant));
+    // A strip beside the wire has no gap that closes.
+    let middle = std::mem::replace(&mut q[WIRE + 1], 0.9);
+    pair.end_step(&motion(&q, &v));
+    q[WIRE + 1] = middle;
+    pair.begin_step(&motion(&q, &v));
+    let came = pair.state(&motion(&q, &v)).expect("on the wire");
+    assert!(
+        (came.force - 5e4 * delta).abs() < 1e-10,
+        "rounding of 100 N: {}",
+        came.force
+    );
 }

@@ -7,6 +7,7 @@ use scene::Scene;
 
 mod carried;
 mod curve;
+mod equilibrium;
 mod full;
 mod vertical;
 

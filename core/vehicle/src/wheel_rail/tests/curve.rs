@@ -81,15 +81,18 @@ fn the_tangent_holds_where_the_frame_follows_the_curve() {
     };
     // At t = 0 on the ramp, at a speed at which the frame turns by 0.02 rad/s.
     let design = following(CreepLaw::Polach, 20.0, curve);
-    let mut set = design.build();
-    let mut state = set.loaded(0, 40e3, 1e-3, 0.0, 2e-3);
-    for (k, value) in [0.01, -0.006, 0.004, 0.002, 0.02, 0.003].into_iter().enumerate() {
-        state.v[k] = value;
-    }
-    for wheel in &mut set.wheels {
-        wheel.begin_step(&state.motion(&[]));
-        if wheel.contacts(&state.motion(&[])).iter().flatten().count() > 0 {
-            assert_tangent(wheel, &set.layout, &state);
+    for side in 0..2 {
+        let mut set = design.build();
+        let mut state = set.loaded(side, 40e3, 1e-3, 0.0, 2e-3);
+        for (k, value) in [0.01, -0.006, 0.004, 0.002, 0.02, 0.003].into_iter().enumerate() {
+            state.v[k] = value;
         }
+        let wheel = &mut set.wheels[side];
+        wheel.begin_step(&state.motion(&[]));
+        assert_eq!(wheel.contacts(&state.motion(&[])).iter().flatten().count(), 1);
+        // Loaded at rest and straight ahead: damping and the turn of the rail take no more than a part of it.
+        let force = wheel.force(&state.motion(&[]));
+        assert!((force.z / 40e3 - 1.0).abs() < 0.1, "{force:?}");
+        assert_tangent(wheel, &set.layout, &state);
     }
 }
