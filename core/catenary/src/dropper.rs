@@ -1,7 +1,7 @@
 //! Droppers: the ties between messenger wire and contact wire.
 use crate::Attachment;
 use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
-use lanes::{Evaluate, Extensions, Group, LANES};
+use lanes::{Evaluate, Extensions, Group, LANES, Mass};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
 use std::ops::Range;
@@ -165,6 +165,7 @@ pub struct Droppers {
     gravity: f64,
     droppers: Vec<Dropper>,
     groups: Vec<Group>,
+    masses: Vec<Mass>,
     assembled: Vec<Assembled>,
     /// What each dropper was at the beginning of the present step; filled up to whole groups.
     at_start: Vec<Tautness>,
@@ -197,6 +198,7 @@ impl Droppers {
             extensions: Extensions::new(groups.len()),
             evaluated: false,
             groups,
+            masses: Mass::all(&droppers),
             droppers,
             version: 0,
             arch: Arch::new(),
@@ -263,13 +265,20 @@ impl Droppers {
             force,
         });
     }
+
+    /// Adds weights, and inertia where accelerations are given.
+    fn weigh(&self, range: &Range<usize>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+        for mass in &self.masses {
+            mass.add_force(range, (self.gravity, v_dot), force);
+        }
+    }
 }
 
 impl Force for Droppers {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.pull(EVERYWHERE, motion, force);
         self.evaluated = false;
-        lanes::add_masses(&self.droppers, &EVERYWHERE, (self.gravity, None), force);
+        self.weigh(&EVERYWHERE, None, force);
     }
 
     fn multiplies_mass(&self) -> bool {
@@ -286,7 +295,7 @@ impl Force for Droppers {
     }
 
     fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        lanes::add_masses(&self.droppers, &range, (self.gravity, Some(v_dot)), force);
+        self.weigh(&range, Some(v_dot), force);
         self.pull(range, motion, force);
     }
 

@@ -136,8 +136,9 @@ impl Ranges {
     }
 }
 
-/// Residuals below this part of the tolerance are left as they are while others are corrected.
-const LEFT: f64 = 0.1;
+/// Residuals below this part of the tolerance are left as they are while others are corrected: less of the line is swept and
+/// evaluated again.
+const LEFT: f64 = 0.3;
 
 /// Matrix, low-rank terms and buffers of one system.
 pub(crate) struct Workspace {
@@ -240,7 +241,7 @@ impl Workspace {
             })
     }
 
-    /// Solves for the correction that removes the last residual where it is above a tenth of the tolerances of `options`;
+    /// Solves for the correction that removes the last residual where it is above a part of the tolerances of `options`;
     /// afterwards [`Workspace::correction`] holds `Δq` and `Δλ`. Without options nothing is left out.
     pub fn correct(
         &mut self,

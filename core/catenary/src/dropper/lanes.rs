@@ -23,6 +23,8 @@ pub(super) struct Group {
     unstressed_length: Lanes,
     /// All its coordinates lie in here.
     range: Range<usize>,
+    /// Whether no end moves sideways; the difference along y is constant then.
+    planar: bool,
 }
 
 impl Group {
@@ -39,6 +41,7 @@ impl Group {
             between: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
             unstressed_length: [1.0; LANES],
             range: missing..0,
+            planar: true,
         };
         for (lane, dropper) in droppers.iter().enumerate() {
             let between = dropper.upper.reference - dropper.lower.reference;
@@ -48,6 +51,7 @@ impl Group {
                 let mut place = |end: &Attachment, coordinates: &mut [usize; LANES]| {
                     if let Some(index) = end.coordinate(axis) {
                         coordinates[lane] = index;
+                        group.planar &= axis != 1;
                         group.range = group.range.start.min(index)..group.range.end.max(index + 1);
                     }
                 };
@@ -61,6 +65,53 @@ impl Group {
     /// Whether it may have to do with a range of coordinates.
     fn meets(&self, range: &Range<usize>) -> bool {
         self.range.start < range.end && range.start < self.range.end
+    }
+
+    /// Finds the extensions and adds the forces of springs and dampers; no end moves along other axes than `axes`.
+    #[inline(always)]
+    fn pull<const D: usize>(
+        &self,
+        axes: &[usize; D],
+        law: DropperLaw,
+        at_start: &[Tautness],
+        (q, v): (&[f64], &[f64]),
+        (elongation, rate): (&mut [f64], &mut [f64]),
+        force: &mut [f64],
+    ) {
+        let mut between = [[0.0; LANES]; D];
+        let (mut square, mut along) = ([0.0; LANES], [0.0; LANES]);
+        if D < 3 {
+            for (square, y) in square.iter_mut().zip(self.between[1]) {
+                *square = y * y;
+            }
+        }
+        for (between, &axis) in between.iter_mut().zip(axes) {
+            *between = self.difference(axis, self.between[axis], q);
+            let velocity = self.difference(axis, [0.0; LANES], v);
+            for lane in 0..LANES {
+                square[lane] += between[lane] * between[lane];
+                along[lane] += between[lane] * velocity[lane];
+            }
+        }
+        let mut pull_per_length = [0.0; LANES];
+        for lane in 0..LANES {
+            // Ends that coincide have no direction: no force.
+            let length = square[lane].sqrt().max(f64::MIN_POSITIVE);
+            elongation[lane] = length - self.unstressed_length[lane];
+            rate[lane] = along[lane] / length;
+            pull_per_length[lane] = law.force(at_start[lane], elongation[lane], rate[lane]) / length;
+        }
+        for (between, &axis) in between.iter().zip(axes) {
+            for lane in 0..LANES {
+                let pull = pull_per_length[lane] * between[lane];
+                if let Some(force) = force.get_mut(self.upper[axis][lane]) {
+                    *force -= pull;
+                }
+                if let Some(force) = force.get_mut(self.lower[axis][lane]) {
+                    *force += pull;
+                }
+            }
+        }
     }
 
     /// Difference of the ends' entries of `values` along an axis, on top of `start`.
@@ -119,53 +170,38 @@ impl WithSimd for Evaluate<'_> {
             if !group.meets(&self.range) {
                 continue;
             }
-            let mut between = [[0.0; LANES]; 3];
-            let (mut square, mut along) = ([0.0; LANES], [0.0; LANES]);
-            for (axis, between) in between.iter_mut().enumerate() {
-                *between = group.difference(axis, group.between[axis], q);
-                let velocity = group.difference(axis, [0.0; LANES], v);
-                for lane in 0..LANES {
-                    square[lane] += between[lane] * between[lane];
-                    along[lane] += between[lane] * velocity[lane];
-                }
-            }
-            let mut pull_per_length = [0.0; LANES];
-            for lane in 0..LANES {
-                // Ends that coincide have no direction: no force.
-                let length = square[lane].sqrt().max(f64::MIN_POSITIVE);
-                elongation[lane] = length - group.unstressed_length[lane];
-                rate[lane] = along[lane] / length;
-                pull_per_length[lane] = self.law.force(at_start[lane], elongation[lane], rate[lane]) / length;
-            }
-            for ((between, upper), lower) in between.iter().zip(&group.upper).zip(&group.lower) {
-                for lane in 0..LANES {
-                    let pull = pull_per_length[lane] * between[lane];
-                    if let Some(force) = self.force.get_mut(upper[lane]) {
-                        *force -= pull;
-                    }
-                    if let Some(force) = self.force.get_mut(lower[lane]) {
-                        *force += pull;
-                    }
-                }
+            let extensions = (elongation, rate);
+            if group.planar {
+                group.pull(&[0, 2], self.law, at_start, (q, v), extensions, self.force);
+            } else {
+                group.pull(&[0, 1, 2], self.law, at_start, (q, v), extensions, self.force);
             }
         }
     }
 }
 
-/// Adds weight and inertia, `−½ m (v̇ + g)` at either end, where they have to do with a range of coordinates.
-pub(super) fn add_masses(
-    droppers: &[Dropper],
-    range: &Range<usize>,
-    (gravity, v_dot): (f64, Option<&[f64]>),
-    force: &mut [f64],
-) {
-    for dropper in droppers.iter().filter(|dropper| dropper.mass > 0.0) {
-        for end in [&dropper.upper, &dropper.lower] {
-            if end.columns().any(|(index, _)| range.contains(&index)) {
-                let acceleration = v_dot.map_or_else(Vector3::zeros, |v_dot| end.gather(v_dot));
-                let upwards = Vector3::new(0.0, 0.0, gravity);
-                end.add_force(&((acceleration + upwards) * (-0.5 * dropper.mass)), force);
-            }
+/// One end of a dropper with its share of the mass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mass {
+    end: Attachment,
+    /// kg
+    value: f64,
+}
+
+impl Mass {
+    /// Those of the droppers that have one.
+    pub fn all(droppers: &[Dropper]) -> Vec<Self> {
+        let heavy = droppers.iter().filter(|dropper| dropper.mass > 0.0);
+        let ends = heavy.flat_map(|dropper| [dropper.upper, dropper.lower].map(|end| (end, 0.5 * dropper.mass)));
+        ends.map(|(end, value)| Self { end, value }).collect()
+    }
+
+    /// Adds weight and inertia, `−m (v̇ + g)`, where it has to do with a range of coordinates.
+    pub fn add_force(&self, range: &Range<usize>, (gravity, v_dot): (f64, Option<&[f64]>), force: &mut [f64]) {
+        if self.end.columns().any(|(index, _)| range.contains(&index)) {
+            let acceleration = v_dot.map_or_else(Vector3::zeros, |v_dot| self.end.gather(v_dot));
+            let upwards = Vector3::new(0.0, 0.0, gravity);
+            self.end.add_force(&((acceleration + upwards) * -self.value), force);
         }
     }
 }
