@@ -158,9 +158,10 @@ impl IterationMatrix {
             first_values.push(first_values[parts.len()] + part.entries());
             parts.push(part);
         }
-        let place = |&(row, column): &(u32, u32)| {
+        let mut finder = pattern.finder();
+        let mut place = |&(row, column): &(u32, u32)| {
             if entries.keeps((row, column)) {
-                pattern.place(row, column)
+                finder.place(row, column)
             } else {
                 Blocks::skipped()
             }
@@ -169,9 +170,9 @@ impl IterationMatrix {
         Self {
             moving_rows,
             placeholders: entries.moving.iter().map(diagonal).map(|entry| place(&entry)).collect(),
-            mass_places: entries.mass.iter().map(place).collect(),
-            tangent_places: entries.tangent.iter().map(place).collect(),
-            jacobian_places: entries.jacobian.iter().map(place).collect(),
+            mass_places: entries.mass.iter().map(&mut place).collect(),
+            tangent_places: entries.tangent.iter().map(&mut place).collect(),
+            jacobian_places: entries.jacobian.iter().map(&mut place).collect(),
             values: vec![0.0; pattern.len()],
             mass: Mass::of(system, &entries.mass),
             first_values,
