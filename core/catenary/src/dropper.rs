@@ -1,9 +1,12 @@
 //! Droppers: the ties between messenger wire and contact wire.
 use crate::Attachment;
 use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
+use lanes::{Evaluate, Extensions, Group, LANES, Mass};
 use nalgebra::{Matrix3, Vector3};
+use pulp::Arch;
 use std::ops::Range;
 
+mod lanes;
 mod slackening;
 
 pub use slackening::Slackening;
@@ -141,12 +144,6 @@ impl Dropper {
     pub fn length(&self, motion: &Motion<'_>) -> f64 {
         self.between(motion).norm()
     }
-
-    /// Whether it has to do with a range of coordinates.
-    fn is_within(&self, range: &Range<usize>) -> bool {
-        let columns = self.upper.columns().chain(self.lower.columns());
-        columns.fold(false, |within, (index, _)| within | range.contains(&index))
-    }
 }
 
 /// What the last assembled tangent contains of one dropper.
@@ -167,13 +164,20 @@ pub struct Droppers {
     law: DropperLaw,
     gravity: f64,
     droppers: Vec<Dropper>,
+    groups: Vec<Group>,
+    masses: Vec<Mass>,
     assembled: Vec<Assembled>,
-    /// What each dropper was at the beginning of the present step.
+    /// What each dropper was at the beginning of the present step; filled up to whole groups.
     at_start: Vec<Tautness>,
     /// What each dropper was at the beginning of the step that has just ended: with it the force at its end was found.
     during: Vec<Tautness>,
+    /// Where they stood when their forces were found last.
+    extensions: Extensions,
+    /// Whether that is where they stand: within a time step the solver asks for forces first, then for all that follows from them.
+    evaluated: bool,
     /// Increases with every assembled tangent.
     version: u64,
+    arch: Arch,
 }
 
 impl Droppers {
@@ -184,14 +188,20 @@ impl Droppers {
             slope: 0.0,
             direction: Vector3::z(),
         };
+        let groups = Group::all(&droppers);
         Self {
             law,
             gravity,
             assembled: vec![slack; droppers.len()],
-            at_start: vec![Tautness::Taut; droppers.len()],
-            during: vec![Tautness::Taut; droppers.len()],
+            at_start: vec![Tautness::Taut; groups.len() * LANES],
+            during: vec![Tautness::Taut; groups.len() * LANES],
+            extensions: Extensions::new(groups.len()),
+            evaluated: false,
+            groups,
+            masses: Mass::all(&droppers),
             droppers,
             version: 0,
+            arch: Arch::new(),
         }
     }
 
@@ -230,23 +240,45 @@ impl Droppers {
     }
 }
 
+/// All coordinates.
+const EVERYWHERE: Range<usize> = 0..usize::MAX;
+
 impl Droppers {
-    /// Adds the force of one dropper.
-    fn add_one(&self, index: usize, motion: &Motion<'_>, force: &mut [f64]) {
-        let dropper = &self.droppers[index];
-        let pose = dropper.pose(motion);
-        let pull = self.law.force(self.at_start[index], pose.elongation, pose.rate) * pose.direction;
-        let weight = Vector3::new(0.0, 0.0, 0.5 * dropper.mass * self.gravity);
-        dropper.upper.add_force(&(-pull - weight), force);
-        dropper.lower.add_force(&(pull - weight), force);
+    /// Elongation (m) and its rate (m/s) at `motion`.
+    fn extension(&self, index: usize, motion: &Motion<'_>) -> (f64, f64) {
+        if self.evaluated {
+            return (self.extensions.elongation[index], self.extensions.rate[index]);
+        }
+        let pose = self.droppers[index].pose(motion);
+        (pose.elongation, pose.rate)
+    }
+
+    /// Adds the forces of springs and dampers that have to do with a range of coordinates.
+    fn pull(&mut self, range: Range<usize>, motion: &Motion<'_>, force: &mut [f64]) {
+        self.arch.dispatch(Evaluate {
+            law: self.law,
+            groups: &self.groups,
+            at_start: &self.at_start,
+            range,
+            motion,
+            extensions: &mut self.extensions,
+            force,
+        });
+    }
+
+    /// Adds weights, and inertia where accelerations are given.
+    fn weigh(&self, range: &Range<usize>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+        for mass in &self.masses {
+            mass.add_force(range, (self.gravity, v_dot), force);
+        }
     }
 }
 
 impl Force for Droppers {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        for index in 0..self.droppers.len() {
-            self.add_one(index, motion, force);
-        }
+        self.pull(EVERYWHERE, motion, force);
+        self.evaluated = false;
+        self.weigh(&EVERYWHERE, None, force);
     }
 
     fn multiplies_mass(&self) -> bool {
@@ -254,7 +286,8 @@ impl Force for Droppers {
     }
 
     fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.add_dynamic_force_within(0..usize::MAX, motion, v_dot, force);
+        self.add_dynamic_force_within(EVERYWHERE, motion, v_dot, force);
+        self.evaluated = true;
     }
 
     fn evaluates_ranges(&self) -> bool {
@@ -262,17 +295,8 @@ impl Force for Droppers {
     }
 
     fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        for (index, dropper) in self.droppers.iter().enumerate() {
-            if !dropper.is_within(&range) {
-                continue;
-            }
-            self.add_one(index, motion, force);
-            if dropper.mass > 0.0 {
-                for end in [&dropper.upper, &dropper.lower] {
-                    end.add_force(&(end.gather(v_dot) * (-0.5 * dropper.mass)), force);
-                }
-            }
-        }
+        self.weigh(&range, Some(v_dot), force);
+        self.pull(range, motion, force);
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
@@ -301,9 +325,8 @@ impl Force for Droppers {
 
     fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         for (slot, (dropper, assembled)) in self.droppers.iter().zip(&self.assembled).enumerate() {
-            let pose = dropper.pose(motion);
-            let coefficient =
-                self.law.slope(self.at_start[slot], pose.elongation, pose.rate, weights) - assembled.slope;
+            let (elongation, rate) = self.extension(slot, motion);
+            let coefficient = self.law.slope(self.at_start[slot], elongation, rate, weights) - assembled.slope;
             if coefficient == 0.0 {
                 continue;
             }
@@ -349,9 +372,10 @@ impl Force for Droppers {
 
     fn end_step(&mut self, motion: &Motion<'_>) {
         self.during.copy_from_slice(&self.at_start);
-        for (at_start, dropper) in self.at_start.iter_mut().zip(&self.droppers) {
-            *at_start = Tautness::of(dropper.length(motion) - dropper.unstressed_length);
+        for index in 0..self.droppers.len() {
+            self.at_start[index] = Tautness::of(self.extension(index, motion).0);
         }
+        self.evaluated = false;
     }
 
     fn save(&self, out: &mut Vec<f64>) {
@@ -376,6 +400,7 @@ impl Force for Droppers {
         }
         // Rows kept by the solver under the old version may not be those of the restored directions.
         self.version += u64::from(changed);
+        self.evaluated = false;
     }
 }
 

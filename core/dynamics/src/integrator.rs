@@ -104,6 +104,8 @@ pub struct GeneralizedAlpha {
     scheme: Scheme,
     options: NewtonOptions,
     workspace: Option<Workspace>,
+    /// That of the system before this one.
+    former: Option<Workspace>,
     memory: Memory,
     /// Rotation vectors of the present step, one per rotation.
     increments: Vec<Vector3<f64>>,
@@ -124,6 +126,7 @@ impl GeneralizedAlpha {
             scheme: Scheme::new(rho_inf),
             options,
             workspace: None,
+            former: None,
             memory: Memory::default(),
             increments: Vec::new(),
             start: State::default(),
@@ -167,6 +170,13 @@ impl GeneralizedAlpha {
         result
     }
 
+    fn take_workspace(&mut self, system: &mut dyn System, motion: &Motion<'_>) -> Workspace {
+        match self.workspace.take() {
+            Some(workspace) => workspace,
+            None => Workspace::new(system, motion, self.former.take()),
+        }
+    }
+
     fn attempt(
         &mut self,
         system: &mut dyn System,
@@ -175,10 +185,7 @@ impl GeneralizedAlpha {
         t_end: f64,
         h: f64,
     ) -> Result<(), StepError> {
-        let mut workspace = match self.workspace.take() {
-            Some(workspace) => workspace,
-            None => Workspace::new(system, &state.motion(u)),
-        };
+        let mut workspace = self.take_workspace(system, &state.motion(u));
         let before = workspace.counters;
         let result = self.ensure_factor(&mut workspace, system, state, u, h).and_then(|()| {
             let result = self.iterate(&mut workspace, system, state, u, t_end, h);
@@ -467,10 +474,7 @@ impl GeneralizedAlpha {
         if before == u {
             return Ok(());
         }
-        let mut workspace = match self.workspace.take() {
-            Some(workspace) => workspace,
-            None => Workspace::new(system, &state.motion(u)),
-        };
+        let mut workspace = self.take_workspace(system, &state.motion(u));
         let (mass_rate, velocity_rate) = self.scheme.rates(h);
         let weights = Weights {
             q: 1.0,
@@ -504,7 +508,7 @@ impl GeneralizedAlpha {
                 }
             }
             Continuity::Replaced => {
-                self.workspace = None;
+                self.former = self.workspace.take().or_else(|| self.former.take());
                 self.memory.linearisation = None;
             }
         }
@@ -544,10 +548,7 @@ impl GeneralizedAlpha {
         }
         if !same && let Some(linearisation) = memory.linearisation.clone() {
             restore_history(system, &linearisation.history);
-            let mut workspace = match self.workspace.take() {
-                Some(workspace) => workspace,
-                None => Workspace::new(system, &state.motion(u)),
-            };
+            let mut workspace = self.take_workspace(system, &state.motion(u));
             let result = self.factor(&mut workspace, system, &linearisation);
             self.workspace = Some(workspace);
             result?;

@@ -136,8 +136,9 @@ impl Ranges {
     }
 }
 
-/// Residuals below this part of the tolerance are left as they are while others are corrected.
-const LEFT: f64 = 0.1;
+/// Residuals below this part of the tolerance are left as they are while others are corrected: less of the line is swept and
+/// evaluated again.
+const LEFT: f64 = 0.3;
 
 /// Matrix, low-rank terms and buffers of one system.
 pub(crate) struct Workspace {
@@ -156,8 +157,12 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
-    pub fn new(system: &mut dyn System, motion: &Motion<'_>) -> Self {
-        let matrix = IterationMatrix::analyse(system, motion, MovingRows::Placeholders);
+    /// That of a system; the one of a `former` system saves the analysis where both have the same entries.
+    pub fn new(system: &mut dyn System, motion: &Motion<'_>, former: Option<Self>) -> Self {
+        let matrix = match former {
+            Some(former) => former.matrix.renewed(system, motion),
+            None => IterationMatrix::analyse(system, motion, MovingRows::Placeholders),
+        };
         let coordinates = system.layout().coordinates();
         let size = coordinates + system.layout().constraints();
         // Nothing allocates later: there are at most as many ranges as unknowns, and a few dozen in practice.
@@ -204,7 +209,7 @@ impl Workspace {
 
     /// The equations of constraints that move, ascending.
     pub fn moving(&self) -> &[usize] {
-        &self.matrix.moving
+        self.matrix.moving()
     }
 
     /// The unknown with the largest residual.
@@ -236,7 +241,7 @@ impl Workspace {
             })
     }
 
-    /// Solves for the correction that removes the last residual where it is above a tenth of the tolerances of `options`;
+    /// Solves for the correction that removes the last residual where it is above a part of the tolerances of `options`;
     /// afterwards [`Workspace::correction`] holds `Δq` and `Δλ`. Without options nothing is left out.
     pub fn correct(
         &mut self,

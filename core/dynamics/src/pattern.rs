@@ -18,30 +18,40 @@ impl Pattern {
         let diagonal = (0..size as u32).filter(|&i| free[i as usize]).map(|i| (i, i));
         let entries = entries.chain(diagonal);
         let mut links = Links::new(size);
-        let mut counted = vec![0; size + 1];
+        let (mut in_row, mut in_column) = (vec![0; size + 1], vec![0; size + 1]);
         for (row, column) in entries.clone() {
-            links.join(row as usize, column as usize);
-            counted[column as usize + 1] += 1;
+            if row < column {
+                links.join(row as usize, column as usize);
+            }
+            in_row[row as usize + 1] += 1;
+            in_column[column as usize + 1] += 1;
         }
-        for column in 0..size {
-            counted[column + 1] += counted[column];
+        for counted in [&mut in_row, &mut in_column] {
+            for i in 0..size {
+                counted[i + 1] += counted[i];
+            }
         }
-        let mut all = vec![0; counted[size]];
-        let mut next = counted.clone();
+        // Sorted by row, then by column with the rows in their order: no comparison of entries.
+        let mut columns = vec![0; in_row[size]];
+        let mut next = in_row.clone();
         for (row, column) in entries {
-            all[next[column as usize]] = row;
-            next[column as usize] += 1;
+            columns[next[row as usize]] = column;
+            next[row as usize] += 1;
         }
-        let (mut starts, mut rows) = (vec![0], Vec::new());
-        for column in 0..size {
-            let of_column = &mut all[counted[column]..counted[column + 1]];
-            of_column.sort_unstable();
-            let before = rows.len();
-            for &row in of_column.iter() {
-                if rows[before..].last() != Some(&row) {
-                    rows.push(row);
+        let mut all = vec![0; in_column[size]];
+        let mut ends = in_column.clone();
+        for row in 0..size {
+            for &column in &columns[in_row[row]..in_row[row + 1]] {
+                let (first, end) = (in_column[column as usize], &mut ends[column as usize]);
+                if *end == first || all[*end - 1] != row as u32 {
+                    all[*end] = row as u32;
+                    *end += 1;
                 }
             }
+        }
+        let (mut starts, mut rows) = (vec![0], Vec::with_capacity(all.len()));
+        for column in 0..size {
+            rows.extend_from_slice(&all[in_column[column]..ends[column]]);
             starts.push(rows.len());
         }
         let mut sets: Vec<Vec<usize>> = Vec::new();
@@ -78,14 +88,35 @@ impl Pattern {
         &self.rows[self.starts[column]..self.starts[column + 1]]
     }
 
+    /// Finds the numbers of entries.
+    pub fn finder(&self) -> Finder<'_> {
+        Finder {
+            pattern: self,
+            next: vec![0; self.starts.len()],
+        }
+    }
+}
+
+/// Finds entries of a pattern: at once where those of each column come in their order, as in a dense block row by row.
+pub(crate) struct Finder<'a> {
+    pattern: &'a Pattern,
+    /// Behind the last entry found of each column.
+    next: Vec<u32>,
+}
+
+impl Finder<'_> {
     /// Number of an entry of the pattern.
     ///
     /// # Panics
     /// When it is none.
-    pub fn place(&self, row: u32, column: u32) -> u32 {
-        let rows = self.column(column as usize);
-        let within = rows.binary_search(&row).expect("every entry was put into the pattern");
-        self.firsts[column as usize] + within as u32
+    pub fn place(&mut self, row: u32, column: u32) -> u32 {
+        let rows = self.pattern.column(column as usize);
+        let next = &mut self.next[column as usize];
+        if rows.get(*next as usize) != Some(&row) {
+            *next = rows.binary_search(&row).expect("every entry was put into the pattern") as u32;
+        }
+        *next += 1;
+        self.pattern.firsts[column as usize] + *next - 1
     }
 }
 
@@ -141,8 +172,12 @@ mod tests {
             (1, 4),
             (4, 4),
         ];
+        let mut finder = pattern.finder();
         for (place, (row, column)) in order.into_iter().enumerate() {
-            assert_eq!(pattern.place(row, column), place as u32, "{row}, {column}");
+            assert_eq!(finder.place(row, column), place as u32, "{row}, {column}");
+        }
+        for (place, (row, column)) in order.into_iter().enumerate().rev() {
+            assert_eq!(finder.place(row, column), place as u32, "backwards: {row}, {column}");
         }
         assert_eq!(pattern.len(), order.len());
     }

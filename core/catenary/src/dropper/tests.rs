@@ -245,3 +245,68 @@ fn the_dynamic_force_takes_the_mass_of_its_ends_into_account_within_any_range() 
     droppers.add_dynamic_force_within(6..9, &at.motion(&[]), &v_dot, &mut nothing);
     assert_eq!(nothing, [0.0; 6]);
 }
+
+/// Nineteen droppers, every third without lateral coordinates, some of them slack.
+fn many() -> (Vec<Dropper>, State) {
+    let mut next = 0;
+    let mut droppers = Vec::new();
+    for k in 0..19 {
+        let mut end = |x: f64, z: f64| {
+            let coordinates = [0, 1, 2].map(|axis| {
+                (axis != 1 || k % 3 != 0).then(|| {
+                    next += 1;
+                    next - 1
+                })
+            });
+            Attachment::new(Vector3::new(x, 0.1, z), coordinates)
+        };
+        let x = 5.0 * f64::from(k);
+        let (upper, lower) = (end(x, 6.5), end(x + 0.1, 5.3));
+        let length = (upper.reference - lower.reference).norm();
+        droppers.push(Dropper {
+            upper,
+            lower,
+            unstressed_length: length + 2e-3 * f64::from(k % 4 - 2),
+            mass: 0.1 * f64::from(k % 2),
+        });
+    }
+    let mut state = State::at_rest(next, 0, Vec::new());
+    for (i, (q, v)) in state.q.iter_mut().zip(&mut state.v).enumerate() {
+        *q = 1e-3 * (1.7 * i as f64).sin();
+        *v = 0.3 * (2.3 * i as f64).cos();
+    }
+    (droppers, state)
+}
+
+#[test]
+fn droppers_in_groups_pull_as_each_by_itself() {
+    let (droppers, state) = many();
+    let motion = state.motion(&[]);
+    let v_dot: Vec<f64> = (0..state.q.len()).map(|i| (0.9 * i as f64).sin()).collect();
+    let weights = Weights { q: 1.0, v: 700.0 };
+    let rank = |batch: &mut Droppers| {
+        let mut updates = Updates::default();
+        batch.push_updates(&motion, weights, &mut updates);
+        updates.rank()
+    };
+    let mut batch = Droppers::new(LAW, droppers.clone(), 9.81);
+    let slack = batch.slack_count(&motion);
+    assert!(slack > 2 && slack < 17, "{slack}");
+    let taut = rank(&mut batch);
+    let mut all = vec![0.0; state.q.len()];
+    batch.add_dynamic_force(&motion, &v_dot, &mut all);
+    assert_eq!(rank(&mut batch), taut, "seen from the evaluation as from the motion");
+    batch.end_step(&motion);
+    for (one, (dropper, at_start)) in droppers.iter().zip(&batch.at_start).enumerate() {
+        assert_eq!(Tautness::of(dropper.pose(&motion).elongation), *at_start, "{one}");
+    }
+    let mut sum = vec![0.0; state.q.len()];
+    for dropper in droppers {
+        let mut alone = Droppers::new(LAW, vec![dropper], 9.81);
+        alone.add_dynamic_force(&motion, &v_dot, &mut sum);
+    }
+    assert_eq!(all, sum, "the same operations, each coordinate is that of one dropper");
+    let mut part = vec![0.0; state.q.len()];
+    Droppers::new(LAW, many().0, 9.81).add_dynamic_force_within(40..70, &motion, &v_dot, &mut part);
+    assert_eq!(part[40..70], all[40..70]);
+}

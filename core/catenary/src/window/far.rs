@@ -154,50 +154,89 @@ impl<const N: usize> WithSimd for AddForce<'_, N> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Member {
-            cell,
-            modes,
-            own,
-            supports,
-        } = self.member;
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let cell = &self.member.cell;
         let [q, v, a] = self.supports;
         let columns = (cell.stiffness.as_slice().chunks_exact(N))
             .zip(cell.damping.as_slice().chunks_exact(N))
             .zip(cell.mass.as_slice().chunks_exact(N));
+        // Three chains of additions in place of one.
+        let mut sums = [[0.0; N]; 3];
         for (column, ((k, d), m)) in columns.enumerate() {
             for i in 0..N {
-                self.on_supports[i] += k[i] * q[column] + d[i] * v[column] + m[i] * a[column];
+                sums[0][i] += k[i] * q[column];
+                sums[1][i] += d[i] * v[column];
+                sums[2][i] += m[i] * a[column];
             }
         }
         let zero = simd.splat_f64s(0.0);
-        let mut sums = [zero; N];
-        let [_, v_s, a_s] = &self.supports;
-        let couplings = cell.couplings.chunks_exact(supports.len());
-        for ((group, own), couplings) in own.iter().enumerate().zip(couplings) {
-            for part in 0..GROUP / S::F64_LANES {
-                let first = modes.start + group * GROUP + part * S::F64_LANES;
-                let range = first.min(modes.end)..modes.end.min(first + S::F64_LANES);
-                let of_modes = |values: &[f64]| simd.partial_load_f64s(values.get(range.clone()).unwrap_or_default());
-                let [q, v, a] = self.modes;
-                let [q_m, v_m, a_m] = [of_modes(q), of_modes(v), of_modes(a)];
-                let lanes = |values: &[f64; GROUP]| S::as_simd_f64s(values).0[part];
-                let mut by_damping = simd.mul_add_e_f64s(lanes(&own[0]), q_m, simd.mul_f64s(lanes(&own[1]), v_m));
-                let mut by_mass = a_m;
-                // The number of rounds is not known to the compiler: unrolled they would need more registers than there are.
-                for (((coupling, sum), v), a) in couplings.iter().zip(&mut sums).zip(v_s).zip(a_s) {
-                    let [d, m] = [lanes(&coupling[0]), lanes(&coupling[1])];
-                    by_damping = simd.mul_add_e_f64s(d, simd.splat_f64s(*v), by_damping);
-                    by_mass = simd.mul_add_e_f64s(m, simd.splat_f64s(*a), by_mass);
-                    *sum = simd.mul_add_e_f64s(d, v_m, simd.mul_add_e_f64s(m, a_m, *sum));
-                }
-                let force = &mut self.force[range];
-                let sum = simd.add_f64s(by_damping, by_mass);
-                simd.partial_store_f64s(force, simd.sub_f64s(simd.partial_load_f64s(force), sum));
+        let mut by_modes = [zero; N];
+        let groups = self.member.own.len();
+        for part in 0..GROUP / S::F64_LANES {
+            let mut group = 0;
+            while group + ABREAST <= groups {
+                self.add_modes::<S, ABREAST>(simd, (group, part), &mut by_modes);
+                group += ABREAST;
+            }
+            for group in group..groups {
+                self.add_modes::<S, 1>(simd, (group, part), &mut by_modes);
             }
         }
-        for (sum, on_support) in sums.iter().zip(self.on_supports) {
-            *on_support += simd.reduce_sum_f64s(*sum);
+        for i in 0..N {
+            self.on_supports[i] = sums[0][i] + sums[1][i] + sums[2][i] + simd.reduce_sum_f64s(by_modes[i]);
+        }
+    }
+}
+
+/// Groups of modes that are evaluated together: each sum waits for its last addition, several sums do not wait for each other.
+const ABREAST: usize = 3;
+
+impl<const N: usize> AddForce<'_, N> {
+    /// Adds the forces of `W` groups of modes, from group `first` on, of each the register `part`; `on_supports` takes in what
+    /// they do at the supports.
+    #[inline(always)]
+    fn add_modes<S: Simd, const W: usize>(
+        &mut self,
+        simd: S,
+        (first, part): (usize, usize),
+        on_supports: &mut [S::f64s; N],
+    ) {
+        let Member { cell, modes, own, .. } = self.member;
+        let zero = simd.splat_f64s(0.0);
+        let lanes = |values: &[f64; GROUP]| S::as_simd_f64s(values).0[part];
+        let range = |w: usize| {
+            let start = modes.start + (first + w) * GROUP + part * S::F64_LANES;
+            start.min(modes.end)..modes.end.min(start + S::F64_LANES)
+        };
+        let (mut v_m, mut a_m) = ([zero; W], [zero; W]);
+        let (mut by_damping, mut by_mass) = ([zero; W], [zero; W]);
+        for w in 0..W {
+            let of_modes = |values: &[f64]| simd.partial_load_f64s(values.get(range(w)).unwrap_or_default());
+            let [q, v, a] = self.modes;
+            let (q, v, a) = (of_modes(q), of_modes(v), of_modes(a));
+            let [square, damping] = &own[first + w];
+            (v_m[w], a_m[w]) = (v, a);
+            by_damping[w] = simd.mul_add_e_f64s(lanes(square), q, simd.mul_f64s(lanes(damping), v));
+            by_mass[w] = a;
+        }
+        let [_, v_s, a_s] = &self.supports;
+        let couplings: [&[[[f64; GROUP]; 2]]; W] =
+            std::array::from_fn(|w| &cell.couplings[(first + w) * N..(first + w + 1) * N]);
+        for i in 0..N {
+            let (v, a) = (simd.splat_f64s(v_s[i]), simd.splat_f64s(a_s[i]));
+            let mut sum = on_supports[i];
+            for w in 0..W {
+                let [d, m] = [lanes(&couplings[w][i][0]), lanes(&couplings[w][i][1])];
+                by_damping[w] = simd.mul_add_e_f64s(d, v, by_damping[w]);
+                by_mass[w] = simd.mul_add_e_f64s(m, a, by_mass[w]);
+                sum = simd.mul_add_e_f64s(d, v_m[w], simd.mul_add_e_f64s(m, a_m[w], sum));
+            }
+            on_supports[i] = sum;
+        }
+        for w in 0..W {
+            let force = &mut self.force[range(w)];
+            let sum = simd.add_f64s(by_damping[w], by_mass[w]);
+            simd.partial_store_f64s(force, simd.sub_f64s(simd.partial_load_f64s(force), sum));
         }
     }
 }

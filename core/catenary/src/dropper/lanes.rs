@@ -1,0 +1,207 @@
+//! Droppers side by side in the lanes of vector registers.
+use super::{Dropper, DropperLaw, Tautness};
+use crate::Attachment;
+use dynamics::Motion;
+use nalgebra::Vector3;
+use pulp::{Simd, WithSimd};
+use std::ops::Range;
+
+/// Droppers of a group.
+pub(super) const LANES: usize = 8;
+
+type Lanes = [f64; LANES];
+
+/// What the forces of some droppers follow from; a lane without a dropper has no coordinates.
+#[derive(Clone, Debug)]
+pub(super) struct Group {
+    /// Coordinates of both ends by axis; `usize::MAX` stands for one that does not exist: no vector is as long.
+    upper: [[usize; LANES]; 3],
+    lower: [[usize; LANES]; 3],
+    /// From the lower to the upper reference position, m.
+    between: [Lanes; 3],
+    /// m.
+    unstressed_length: Lanes,
+    /// All its coordinates lie in here.
+    range: Range<usize>,
+    /// Whether no end moves sideways; the difference along y is constant then.
+    planar: bool,
+}
+
+impl Group {
+    /// The groups of droppers in their order.
+    pub fn all(droppers: &[Dropper]) -> Vec<Self> {
+        droppers.chunks(LANES).map(Self::new).collect()
+    }
+
+    fn new(droppers: &[Dropper]) -> Self {
+        let missing = usize::MAX;
+        let mut group = Self {
+            upper: [[missing; LANES]; 3],
+            lower: [[missing; LANES]; 3],
+            between: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
+            unstressed_length: [1.0; LANES],
+            range: missing..0,
+            planar: true,
+        };
+        for (lane, dropper) in droppers.iter().enumerate() {
+            let between = dropper.upper.reference - dropper.lower.reference;
+            group.unstressed_length[lane] = dropper.unstressed_length;
+            for axis in 0..3 {
+                group.between[axis][lane] = between[axis];
+                let mut place = |end: &Attachment, coordinates: &mut [usize; LANES]| {
+                    if let Some(index) = end.coordinate(axis) {
+                        coordinates[lane] = index;
+                        group.planar &= axis != 1;
+                        group.range = group.range.start.min(index)..group.range.end.max(index + 1);
+                    }
+                };
+                place(&dropper.upper, &mut group.upper[axis]);
+                place(&dropper.lower, &mut group.lower[axis]);
+            }
+        }
+        group
+    }
+
+    /// Whether it may have to do with a range of coordinates.
+    fn meets(&self, range: &Range<usize>) -> bool {
+        self.range.start < range.end && range.start < self.range.end
+    }
+
+    /// Finds the extensions and adds the forces of springs and dampers; no end moves along other axes than `axes`.
+    #[inline(always)]
+    fn pull<const D: usize>(
+        &self,
+        axes: &[usize; D],
+        law: DropperLaw,
+        at_start: &[Tautness],
+        (q, v): (&[f64], &[f64]),
+        (elongation, rate): (&mut [f64], &mut [f64]),
+        force: &mut [f64],
+    ) {
+        let mut between = [[0.0; LANES]; D];
+        let (mut square, mut along) = ([0.0; LANES], [0.0; LANES]);
+        if D < 3 {
+            for (square, y) in square.iter_mut().zip(self.between[1]) {
+                *square = y * y;
+            }
+        }
+        for (between, &axis) in between.iter_mut().zip(axes) {
+            *between = self.difference(axis, self.between[axis], q);
+            let velocity = self.difference(axis, [0.0; LANES], v);
+            for lane in 0..LANES {
+                square[lane] += between[lane] * between[lane];
+                along[lane] += between[lane] * velocity[lane];
+            }
+        }
+        let mut pull_per_length = [0.0; LANES];
+        for lane in 0..LANES {
+            // Ends that coincide have no direction: no force.
+            let length = square[lane].sqrt().max(f64::MIN_POSITIVE);
+            elongation[lane] = length - self.unstressed_length[lane];
+            rate[lane] = along[lane] / length;
+            pull_per_length[lane] = law.force(at_start[lane], elongation[lane], rate[lane]) / length;
+        }
+        for (between, &axis) in between.iter().zip(axes) {
+            for lane in 0..LANES {
+                let pull = pull_per_length[lane] * between[lane];
+                if let Some(force) = force.get_mut(self.upper[axis][lane]) {
+                    *force -= pull;
+                }
+                if let Some(force) = force.get_mut(self.lower[axis][lane]) {
+                    *force += pull;
+                }
+            }
+        }
+    }
+
+    /// Difference of the ends' entries of `values` along an axis, on top of `start`.
+    #[inline(always)]
+    fn difference(&self, axis: usize, start: Lanes, values: &[f64]) -> Lanes {
+        let mut difference = start;
+        let at = |index: usize| values.get(index).copied().unwrap_or(0.0);
+        for (lane, difference) in difference.iter_mut().enumerate() {
+            *difference += at(self.upper[axis][lane]) - at(self.lower[axis][lane]);
+        }
+        difference
+    }
+}
+
+/// Where droppers stand: entries of the last lanes are without a dropper.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Extensions {
+    /// `δ`, m.
+    pub elongation: Vec<f64>,
+    /// `δ̇`, m/s.
+    pub rate: Vec<f64>,
+}
+
+impl Extensions {
+    /// Room for those of all groups.
+    pub fn new(groups: usize) -> Self {
+        Self {
+            elongation: vec![0.0; groups * LANES],
+            rate: vec![0.0; groups * LANES],
+        }
+    }
+}
+
+/// Finds the extensions of all groups that meet `range`, and adds their springs' and dampers' forces.
+pub(super) struct Evaluate<'a> {
+    pub law: DropperLaw,
+    pub groups: &'a [Group],
+    /// One per lane.
+    pub at_start: &'a [Tautness],
+    pub range: Range<usize>,
+    pub motion: &'a Motion<'a>,
+    pub extensions: &'a mut Extensions,
+    pub force: &'a mut [f64],
+}
+
+impl WithSimd for Evaluate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Motion { q, v, .. } = *self.motion;
+        let lanes = (self.extensions.elongation.chunks_exact_mut(LANES))
+            .zip(self.extensions.rate.chunks_exact_mut(LANES))
+            .zip(self.at_start.chunks_exact(LANES));
+        for (group, ((elongation, rate), at_start)) in self.groups.iter().zip(lanes) {
+            if !group.meets(&self.range) {
+                continue;
+            }
+            let extensions = (elongation, rate);
+            if group.planar {
+                group.pull(&[0, 2], self.law, at_start, (q, v), extensions, self.force);
+            } else {
+                group.pull(&[0, 1, 2], self.law, at_start, (q, v), extensions, self.force);
+            }
+        }
+    }
+}
+
+/// One end of a dropper with its share of the mass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mass {
+    end: Attachment,
+    /// kg
+    value: f64,
+}
+
+impl Mass {
+    /// Those of the droppers that have one.
+    pub fn all(droppers: &[Dropper]) -> Vec<Self> {
+        let heavy = droppers.iter().filter(|dropper| dropper.mass > 0.0);
+        let ends = heavy.flat_map(|dropper| [dropper.upper, dropper.lower].map(|end| (end, 0.5 * dropper.mass)));
+        ends.map(|(end, value)| Self { end, value }).collect()
+    }
+
+    /// Adds weight and inertia, `−m (v̇ + g)`, where it has to do with a range of coordinates.
+    pub fn add_force(&self, range: &Range<usize>, (gravity, v_dot): (f64, Option<&[f64]>), force: &mut [f64]) {
+        if self.end.columns().any(|(index, _)| range.contains(&index)) {
+            let acceleration = v_dot.map_or_else(Vector3::zeros, |v_dot| self.end.gather(v_dot));
+            let upwards = Vector3::new(0.0, 0.0, gravity);
+            self.end.add_force(&((acceleration + upwards) * -self.value), force);
+        }
+    }
+}
