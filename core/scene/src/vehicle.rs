@@ -53,7 +53,7 @@ pub struct GivenMotion {
 pub struct Train {
     /// The body that carries the pantograph.
     pub carrier: String,
-    /// Where the base of the pantograph stands on it in the tabulated position, m, 3 entries (x, y, z).
+    /// Where the base of the pantograph stands on it in the tabulated position, m, 3 entries (x, y, z); y is from the middle of the track.
     pub pantograph_base: [f64; 3],
     /// `vehicle.wheels`.
     pub wheels: Wheels,

@@ -715,6 +715,16 @@ fn joints_that_change_with_time_need_constraints_of_positions() {
 }
 
 #[test]
+fn a_strip_on_a_base_beside_the_middle_must_reach_the_wire() {
+    let base = |y: f64| format!("vehicle.pantograph_base=[11.95005378, {y:?}, 3.425]");
+    assert_eq!(message(VEHICLE, &[&base(0.7)]), "accepted");
+    holds(
+        &message(VEHICLE, &[&base(-0.9)]),
+        &["catenary.stagger[1] = 0 m: must be within ±0.8 m of -0.9 m, the y of vehicle.pantograph_base, half the width of the strip"],
+    );
+}
+
+#[test]
 fn the_linkage_on_a_moving_base_is_not_reduced() {
     let message = vehicle_message("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]");
     holds(
