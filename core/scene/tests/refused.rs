@@ -720,7 +720,9 @@ fn a_strip_on_a_base_beside_the_middle_must_reach_the_wire() {
     assert_eq!(message(VEHICLE, &[&base(0.7)]), "accepted");
     holds(
         &message(VEHICLE, &[&base(-0.9)]),
-        &["catenary.stagger[1] = 0 m: must be within ±0.8 m of -0.9 m, the y of vehicle.pantograph_base, half the width of the strip"],
+        &[
+            "catenary.stagger[1] = 0 m: must be within ±0.8 m of -0.9 m, the y of vehicle.pantograph_base, half the width of the strip",
+        ],
     );
 }
 
