@@ -67,6 +67,31 @@ fn the_summary_says_what_of_vehicle_and_track_is_modelled() {
 }
 
 #[test]
+fn the_summary_says_which_curve_is_not_reached_and_where_wheels_do_not_roll_steadily() {
+    let reason = |name: &str, overrides: &[&str]| {
+        let model = prepared(scene_with(DEFAULT, overrides), "vehicle").model();
+        let part = model.parts.into_iter().find(|part| part.part == name);
+        part.unwrap().reason
+    };
+    // The base starts at 56.7 m, the foremost wheel 3.2 m ahead: in 2.5 s they come to 199 m.
+    let far = |start: &str| CURVE.replace("start = 75.0", start);
+    let not = "which the run does not reach: its foremost wheel or base comes to 19";
+    let found = reason("track", &[SHORT[0], SHORT[1], &far("start = 215.0")]);
+    assert!(found.contains(not) && !found.contains("deficiency"), "{found}");
+    let found = reason("track", &[SHORT[0], SHORT[1], &far("start = 195.0")]);
+    assert!(
+        !found.contains("does not reach") && found.contains("deficiency"),
+        "{found}"
+    );
+    // Rails that go to the left where the run starts.
+    let bent = "track.irregularities={ model = \"points\", x = [30.0, 45.0, 55.0, 70.0], y_left = [0.0, 2.5e-3, -2.5e-3, 0.0], \
+                y_right = [0.0, 2.5e-3, -2.5e-3, 0.0] }";
+    assert_eq!(reason("wheel_rail", &[]), "wheels roll on rails");
+    let found = reason("wheel_rail", &[bent]);
+    assert!(found.contains("do not roll steadily where they start"), "{found}");
+}
+
+#[test]
 fn on_smooth_track_the_vehicle_hardly_changes_the_contact_force() {
     let with = short(Mode::Monolithic, &[]);
     let text = include_str!("../scenes/thesis-pantograph.toml");

@@ -277,6 +277,15 @@ impl Train {
         self.bodies.iter().find(|body| body.name == name)
     }
 
+    /// How far the foremost wheel runs ahead of the pantograph's base, m; negative behind it.
+    #[must_use]
+    pub fn foremost_wheel(&self) -> f64 {
+        let wheels = self.body(&self.wheels.wheelset);
+        let places = wheels.iter().flat_map(|body| &body.positions);
+        let foremost = places.fold(f64::NEG_INFINITY, |most, position| most.max(position[0]));
+        foremost - self.pantograph_base[0]
+    }
+
     /// Whether everything stands symmetric to the plane along the track: each point beside it has its mirror image.
     #[must_use]
     pub fn is_symmetric(&self) -> bool {

@@ -109,7 +109,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pich = [0.0, 0.0] }\n[coupling]", &["pich", "pitch"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { file = \"a.csv\", z = [0.0] }\n[coupling]", &["vehicle.motion.z: must be left out: file is given"]),
     ("[coupling]", "[track]\n[coupling]", &["track: must be left out: no wheel runs on it"]),
-    ("[coupling]", "[track]\ncurve = 1\n[coupling]", &["track.curve = 1: must be at least one table under the header [[track.curve]]"]),
+    ("[coupling]", "[track]\ncurve = 1\n[coupling]", &["track.curve = 1: must be a table under the header [track.curve], or several under [[track.curve]]"]),
     ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind.yaw_deg is missing: must be a number from -180 to 180", "wind.air_density is missing: must be a positive number in kg/m³"]),
     ("[coupling]", "[wind]\nspeed = -1\nyaw_deg = 200\nair_density = 0\n[coupling]", &["wind.speed = -1 m/s: must be zero or positive", "wind.yaw_deg = 200: must be from -180 to 180", "wind.air_density = 0 kg/m³: must be positive"]),
     ("[coupling]", "[wind]\nspeed = 200\nyaw_deg = 0\nair_density = 1.2\n[coupling]", &["wind.speed = 200: must be a speed in m/s, at most 120 m/s"]),

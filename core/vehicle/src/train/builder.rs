@@ -318,7 +318,7 @@ impl Train {
             carrier: builder.anchor("carrier", &entry.carrier, &entry.pantograph_base, &Matrix3::identity())?,
             bodies: builder.bodies,
             fixed: 0,
-            travel: Travel::straight(base),
+            travel: Travel::along(base, None),
             inertia: None,
         })
     }
