@@ -72,7 +72,7 @@ impl Subsystem {
         let wheels = 2 * train.map_or(0, |train| train.wheel_count());
         match output.checked_sub(wheels) {
             Some(angle) => self.base_angles()[1 + angle],
-            None if output % 2 == 0 => self.wheel_load(output / 2),
+            None if output.is_multiple_of(2) => self.wheel_load(output / 2),
             None => self.derailment_quotient(output / 2),
         }
     }
