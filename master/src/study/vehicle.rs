@@ -129,7 +129,7 @@ fn on_track(scene: &Scene, own: &Vehicle, track: &'static str, micro_step: f64, 
                 }
             }
         }
-        // Read before as it is.
+        // It is the scene, which was read.
         None => _ = add(own.name(), scene),
     }
     let given = most_detailed.map(|detailed| {

@@ -203,3 +203,38 @@ fn curves(scene: &Scene) -> Vec<Parameter> {
     }
     parameters
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use component::Component;
+
+    #[test]
+    fn outputs_of_base_and_wheels_are_found_under_their_names() {
+        let text = include_str!("../../../../scenes/thesis.toml");
+        let base = "vehicle.pantograph_base=[11.95005378, 0.3, 3.425]".to_owned();
+        let full = Scene::from_toml(text, "thesis.toml", &[base]).unwrap();
+        let text = include_str!("../../../../scenes/thesis-pantograph.toml");
+        let motion = "vehicle={ model = \"rigid_motion\", motion = { time = [0.0], roll = [0.01], pitch = [0.02], yaw = [0.03] } }";
+        let given = Scene::from_toml(text, "x.toml", &[motion.to_owned(), "model.reduce=none".to_owned()]).unwrap();
+        for (scene, wheels) in [(full, 8), (given, 0)] {
+            let signals = Subsystem::signals(&scene);
+            let mut side = Subsystem::new(&scene, 0).unwrap();
+            let mut output = |name: &str| {
+                let place = signals.iter().position(|signal| signal.name == name).unwrap();
+                Component::output(&mut side, place)
+            };
+            let angles = ["base.roll", "base.pitch", "base.yaw"].map(&mut output);
+            let last = (1..=wheels).map(|wheel| output(&format!("wheel[{wheel}].load")));
+            let loads: Vec<f64> = last.collect();
+            let quotient = (wheels > 0).then(|| output("wheel[8].derailment_quotient"));
+            assert_eq!(angles, side.base_angles());
+            assert!(angles.iter().all(|angle| *angle != 0.0), "{angles:?}");
+            for (wheel, load) in loads.into_iter().enumerate() {
+                assert!(load > 5e4 && load == side.wheel_load(wheel));
+            }
+            assert!(quotient.is_none_or(|found| found != 0.0 && found == side.derailment_quotient(7)));
+            assert!(scene.vehicle.as_deref().unwrap().train().is_some() || angles[1] > 0.0199);
+        }
+    }
+}
