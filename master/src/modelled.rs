@@ -28,13 +28,18 @@ impl Prepared {
         } else {
             0
         };
-        let mut kinds = Vec::new();
+        let (mut kinds, mut bases, mut steady) = (Vec::new(), Vec::new(), true);
         for (index, pantograph) in scene.pantographs.iter().enumerate() {
             let placement = vehicle::placement(scene, index);
             let mut layout = dynamics::Layout::new();
             if let Ok(model) = vehicle::PantographModel::new(&pantograph.model, placement, "", &mut layout) {
                 coordinates += model.coordinates();
                 constraints += model.constraint_count();
+                bases.push(model.base().start_x);
+                if let (Some(scene::Vehicle::Full(_)), Some(start)) = (scene.vehicle.as_deref(), pantograph.start) {
+                    let rest = model.equilibrium_at_height(start.height);
+                    steady &= rest.is_ok_and(|rest| rest.train.is_none_or(|train| train.steady));
+                }
             }
             kinds.push(match &pantograph.model {
                 PantographModel::Lumped(lumped) => format!("lumped, {} masses", lumped.masses.len()),
@@ -72,8 +77,8 @@ impl Prepared {
                 part("catenary", true, line),
                 part("pantograph", true, kinds.join("; ")),
                 vehicle(scene),
-                wheel_rail(scene),
-                track::track(scene),
+                wheel_rail(scene, steady),
+                track::track(scene, &bases),
                 wind_part("wind_pantograph", wind_on_pantograph(scene)),
                 wind_part("wind_wires", wind_on_wires(scene)),
             ],
@@ -165,8 +170,8 @@ fn vehicle(scene: &scene::Scene) -> Part {
     }
 }
 
-/// What is between wheels and rails.
-fn wheel_rail(scene: &scene::Scene) -> Part {
+/// What is between wheels and rails; whether wheels that roll start with rolling `steady`.
+fn wheel_rail(scene: &scene::Scene, steady: bool) -> Part {
     match scene.vehicle.as_deref() {
         None => part("wheel_rail", false, "scene has no [vehicle]".to_owned()),
         Some(scene::Vehicle::RigidMotion(_)) => part(
@@ -179,7 +184,15 @@ fn wheel_rail(scene: &scene::Scene) -> Part {
             false,
             "vertical vehicle: linear springs in place of the contacts, no profiles and no creep forces".to_owned(),
         ),
-        Some(scene::Vehicle::Full(_)) => part("wheel_rail", true, "wheels roll on rails".to_owned()),
+        Some(scene::Vehicle::Full(_)) => {
+            let start = if steady {
+                ""
+            } else {
+                "; they do not roll steadily where they start, and begin from rest without creep forces: the first moments are those of \
+                 a vehicle that settles"
+            };
+            part("wheel_rail", true, format!("wheels roll on rails{start}"))
+        }
     }
 }
 

@@ -3,7 +3,8 @@
 use crate::error::What;
 use crate::write::{shown_key, shown_number};
 use crate::{
-    Catenary, Element, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics, ThirdParty, Wire,
+    Catenary, Element, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics, ThirdParty,
+    Vehicle, Wire,
 };
 
 /// Contradictions found so far: the key and what is wrong with it.
@@ -145,6 +146,8 @@ impl Scene {
             return;
         };
         let length = catenary.length();
+        let train = self.vehicle.as_deref().and_then(Vehicle::train);
+        let aside = train.map_or(0.0, |train| train.pantograph_base[1]);
         for (i, pantograph) in self.pantographs.iter().enumerate() {
             let (start, end) = (self.strip_start_x(i), self.strip_x(i, self.run.duration));
             let strip = format!("the strip of pantograph[{}]", i + 1);
@@ -170,15 +173,20 @@ impl Scene {
                 .stagger
                 .iter()
                 .enumerate()
-                .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+                .max_by(|a, b| (a.1 - aside).abs().total_cmp(&(b.1 - aside).abs()));
             if let (Some(width), Some((k, stagger))) = (pantograph.strip_width(), outermost)
-                && stagger.abs() > width / 2.0
+                && (stagger - aside).abs() > width / 2.0
             {
+                let middle = if aside == 0.0 {
+                    String::new()
+                } else {
+                    format!(" of {aside} m, the y of vehicle.pantograph_base")
+                };
                 refuse(
                     found,
                     format!("catenary.stagger[{}]", k + 1),
                     shown_number(*stagger, "m"),
-                    format!("must be within ±{} m, half the width of {strip}", width / 2.0),
+                    format!("must be within ±{} m{middle}, half the width of {strip}", width / 2.0),
                 );
             }
         }

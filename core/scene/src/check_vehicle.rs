@@ -86,9 +86,20 @@ fn check_ascending(found: &mut Found, key: &str, values: &[f64], unit: &str) {
     }
 }
 
+/// Largest angle of a given motion, rad: far more than any vehicle has on rails, and less than what was meant in degrees.
+const STEEPEST: f64 = 0.5;
+
 impl GivenMotion {
     fn check(&self, found: &mut Found) {
         check_ascending(found, "vehicle.motion.time", &self.time, "s");
+        for (name, angles) in [("roll", &self.roll), ("pitch", &self.pitch), ("yaw", &self.yaw)] {
+            for (i, &angle) in angles.iter().enumerate().filter(|(_, angle)| angle.abs() > STEEPEST) {
+                let key = format!("vehicle.motion.{name}[{}]", i + 1);
+                let expected =
+                    format!("must be between -{STEEPEST} and {STEEPEST} rad: it is the angle of a vehicle on rails");
+                refuse(found, key, shown_number(angle, "rad"), expected);
+            }
+        }
     }
 }
 

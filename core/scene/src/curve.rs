@@ -163,9 +163,9 @@ pub(crate) fn curves(keys: &mut Keys, was: Option<&[Curve]>) -> Vec<Curve> {
     match was {
         Some([]) => Vec::new(),
         Some([one]) => vec![keys.inline_table("curve", Some(one))],
-        Some(several) => keys.tables("curve", Some(several)),
+        Some(several) => keys.table_or_tables("curve", Some(several)),
         None if keys.holds_table("curve") => vec![keys.inline_table("curve", None)],
-        None if keys.has("curve", false) => keys.tables("curve", None),
+        None if keys.has("curve", false) => keys.table_or_tables("curve", None),
         None => Vec::new(),
     }
 }

@@ -110,15 +110,9 @@ impl Scene {
         if let Some(vehicle) = &mut self.vehicle
             && let Vehicle::RigidMotion(GivenMotion { file: Some(path), .. }) = vehicle.as_ref()
         {
-            let found = read("vehicle.motion.file", path, &["time", "y", "z", "roll"])?;
-            let [time, y, z, roll] = <[Vec<f64>; 4]>::try_from(found).unwrap_or_default();
-            *Arc::make_mut(vehicle) = Vehicle::RigidMotion(GivenMotion {
-                time,
-                y,
-                z,
-                roll,
-                file: None,
-            });
+            let found = read("vehicle.motion.file", path, &GivenMotion::COLUMNS)?;
+            let columns = <[Vec<f64>; 7]>::try_from(found).unwrap_or_default();
+            *Arc::make_mut(vehicle) = Vehicle::RigidMotion(GivenMotion::of_columns(columns));
         }
         if let Some(track) = &mut self.track
             && let Irregularities::Points(Points { file: Some(path), .. }) = &track.irregularities

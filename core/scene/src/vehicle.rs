@@ -22,17 +22,27 @@ pub enum Vehicle {
 /// `vehicle.motion`: motion of the base relative to straight travel, interpolated by a cubic spline that starts and ends at rest; before
 /// the first and after the last time the base stays where it is.
 ///
+/// It is that of a rigid body that the base is fixed to: displacements of its point at the top of rail under the base, and angles about
+/// axes through that point, each positive by the right-hand rule. Roll is about the direction of travel, then pitch about the lateral axis,
+/// then yaw about the vertical.
+///
 /// All lists have the same length; one that is left out is zero.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GivenMotion {
     /// s, ascending.
     pub time: Vec<f64>,
-    /// Lateral displacement, m.
+    /// Displacement along the track, m.
+    pub x: Vec<f64>,
+    /// Lateral displacement, m, to the left.
     pub y: Vec<f64>,
     /// Rise, m.
     pub z: Vec<f64>,
-    /// Roll angle about the direction of travel at the top of rail, rad.
+    /// Roll angle, rad: positive lowers the right side.
     pub roll: Vec<f64>,
+    /// Pitch angle, rad: positive lowers the front.
+    pub pitch: Vec<f64>,
+    /// Yaw angle, rad: positive turns the front to the left.
+    pub yaw: Vec<f64>,
     /// File that the lists are still to be read from; its columns are called as the keys.
     pub file: Option<String>,
 }
@@ -43,7 +53,7 @@ pub struct GivenMotion {
 pub struct Train {
     /// The body that carries the pantograph.
     pub carrier: String,
-    /// Where the base of the pantograph stands on it in the tabulated position, m, 3 entries (x, y, z).
+    /// Where the base of the pantograph stands on it in the tabulated position, m, 3 entries (x, y, z); y is from the middle of the track.
     pub pantograph_base: [f64; 3],
     /// `vehicle.wheels`.
     pub wheels: Wheels,
@@ -213,10 +223,10 @@ impl Vehicle {
     /// are alike has nothing that would push it to one side rather than to the other.
     #[must_use]
     pub fn leaves_the_plane(&self, track: Option<&Track>) -> Option<&'static str> {
-        let moves = |values: &[f64]| values.iter().any(|value| *value != 0.0);
+        let moves = |values: &Vec<f64>| values.iter().any(|value| *value != 0.0);
         match self {
-            Self::RigidMotion(motion) if moves(&motion.y) || moves(&motion.roll) => {
-                Some("vehicle.motion moves the strip sideways or tilts it")
+            Self::RigidMotion(motion) if [&motion.y, &motion.roll, &motion.yaw].into_iter().any(moves) => {
+                Some("vehicle.motion moves the strip sideways, tilts or turns it")
             }
             Self::Full(train) if !train.is_symmetric() => {
                 Some("the vehicle is not symmetric to the plane along the track")
@@ -241,11 +251,39 @@ impl Vehicle {
     }
 }
 
+impl GivenMotion {
+    /// The lists by their keys, which are also the columns of `file`.
+    pub(crate) const COLUMNS: [&str; 7] = ["time", "x", "y", "z", "roll", "pitch", "yaw"];
+
+    /// From the lists, in the order of [`GivenMotion::COLUMNS`].
+    pub(crate) fn of_columns([time, x, y, z, roll, pitch, yaw]: [Vec<f64>; 7]) -> Self {
+        Self {
+            time,
+            x,
+            y,
+            z,
+            roll,
+            pitch,
+            yaw,
+            file: None,
+        }
+    }
+}
+
 impl Train {
     /// The body called `name`.
     #[must_use]
     pub fn body(&self, name: &str) -> Option<&VehicleBody> {
         self.bodies.iter().find(|body| body.name == name)
+    }
+
+    /// How far the foremost wheel runs ahead of the pantograph's base, m; negative behind it.
+    #[must_use]
+    pub fn foremost_wheel(&self) -> f64 {
+        let wheels = self.body(&self.wheels.wheelset);
+        let places = wheels.iter().flat_map(|body| &body.positions);
+        let foremost = places.fold(f64::NEG_INFINITY, |most, position| most.max(position[0]));
+        foremost - self.pantograph_base[0]
     }
 
     /// Whether everything stands symmetric to the plane along the track: each point beside it has its mirror image.

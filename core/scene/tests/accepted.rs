@@ -52,8 +52,8 @@ fn a_written_scene_reads_again_as_an_equal_one() {
 
 #[test]
 fn a_vehicle_and_its_track_survive_writing() {
-    let motion =
-        "vehicle={ model = \"rigid_motion\", motion = { time = [0.0, 0.5], z = [0.0, 0.01], roll = [0.0, -0.1] } }";
+    let motion = "vehicle={ model = \"rigid_motion\", motion = { time = [0.0, 0.5], z = [0.0, 0.01], roll = [0.0, -0.1], \
+         pitch = [2e-3, -1e-3], x = [0.0, 0.03], yaw = [1e-3, 0.0] } }";
     let spectrum = "track.irregularities={ model = \"spectrum\", seed = 7, wavelengths = [3.0, 80.0], \
                     vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }";
     let points =

@@ -104,9 +104,12 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle.model is missing: must be one of \"rigid_motion\", \"vertical\", \"full\""]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], z = [0.0] }\n[coupling]", &["vehicle.motion.z = [0.0]: has 1 entries, must be a list of numbers in m, 2 of them"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 0.0] }\n[coupling]", &["vehicle.motion.time[2] = 0 s: must be greater than the entry before it, 0 s"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pitch = [0.0, 0.6] }\n[coupling]", &["vehicle.motion.pitch[2] = 0.6 rad: must be between -0.5 and 0.5 rad: it is the angle of a vehicle on rails"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pitch = [0.0] }\n[coupling]", &["vehicle.motion.pitch = [0.0]: has 1 entries, must be a list of numbers in rad, 2 of them"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pich = [0.0, 0.0] }\n[coupling]", &["pich", "pitch"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { file = \"a.csv\", z = [0.0] }\n[coupling]", &["vehicle.motion.z: must be left out: file is given"]),
     ("[coupling]", "[track]\n[coupling]", &["track: must be left out: no wheel runs on it"]),
-    ("[coupling]", "[track]\ncurve = 1\n[coupling]", &["track.curve = 1: must be at least one table under the header [[track.curve]]"]),
+    ("[coupling]", "[track]\ncurve = 1\n[coupling]", &["track.curve = 1: must be a table under the header [track.curve], or several under [[track.curve]]"]),
     ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind.yaw_deg is missing: must be a number from -180 to 180", "wind.air_density is missing: must be a positive number in kg/m³"]),
     ("[coupling]", "[wind]\nspeed = -1\nyaw_deg = 200\nair_density = 0\n[coupling]", &["wind.speed = -1 m/s: must be zero or positive", "wind.yaw_deg = 200: must be from -180 to 180", "wind.air_density = 0 kg/m³: must be positive"]),
     ("[coupling]", "[wind]\nspeed = 200\nyaw_deg = 0\nair_density = 1.2\n[coupling]", &["wind.speed = 200: must be a speed in m/s, at most 120 m/s"]),
@@ -708,6 +711,18 @@ fn joints_that_change_with_time_need_constraints_of_positions() {
     holds(
         &error.to_string(),
         &["solver.formulation = \"augmented_lagrangian\": must be \"default\""],
+    );
+}
+
+#[test]
+fn a_strip_on_a_base_beside_the_middle_must_reach_the_wire() {
+    let base = |y: f64| format!("vehicle.pantograph_base=[11.95005378, {y:?}, 3.425]");
+    assert_eq!(message(VEHICLE, &[&base(0.7)]), "accepted");
+    holds(
+        &message(VEHICLE, &[&base(-0.9)]),
+        &[
+            "catenary.stagger[1] = 0 m: must be within ±0.8 m of -0.9 m, the y of vehicle.pantograph_base, half the width of the strip",
+        ],
     );
 }
 

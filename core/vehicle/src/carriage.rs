@@ -52,10 +52,7 @@ impl Carriage {
         {
             return Err(unread("track.irregularities.file", file));
         }
-        let wheels = entry.body(&entry.wheels.wheelset);
-        let places = wheels.iter().flat_map(|body| &body.positions);
-        let foremost = places.fold(f64::NEG_INFINITY, |most, position| most.max(position[0]));
-        let start = base.start_x + foremost - entry.pantograph_base[0];
+        let start = base.start_x + entry.foremost_wheel();
         let reach = Reach {
             start,
             end: start + base.speed * placement.duration,

@@ -38,7 +38,7 @@ pub mod wheel_rail;
 pub use base::{Base, Travelling};
 pub use carriage::Carriage;
 pub use error::VehicleError;
-pub use given_motion::GivenMotion;
+pub use given_motion::{Displaced, GivenMotion};
 pub use model::{PantographModel, Placement};
 pub use multibody::AppliedForce;
 pub use pantograph::{Air, Equilibrium};

@@ -2,7 +2,7 @@
 use crate::multibody::AppliedForce;
 use crate::pantograph::{Equilibrium, Ground, Linkage, Lumped, ReducedLinkage, Target};
 use crate::train::{Load, Train};
-use crate::{Air, Base, Carriage, Travelling, VehicleError};
+use crate::{Air, Base, Carriage, Displaced, Travelling, VehicleError};
 use dynamics::{Constraint, Force, Frame, Layout, Marker, Motion, State};
 use nalgebra::Vector3;
 use scene::PantographModel as Entry;
@@ -361,13 +361,25 @@ impl PantographModel {
     /// The point of the base in the world: position, velocity, axes.
     #[must_use]
     pub fn base_frame(&self, motion: &Motion<'_>) -> Frame {
-        let point = self.carriage.base_point(self.base_z());
-        let frame = self.carriage.ground().frame(point, motion);
+        let (_, frame) = self.base_on_carriage(motion);
         Frame {
             position: frame.position + self.base.position(motion.t),
             velocity: frame.velocity + self.base.velocity(),
             ..frame
         }
+    }
+
+    /// The motion of the base beside the travel, as one that could be given to it.
+    #[must_use]
+    pub fn base_displaced(&self, motion: &Motion<'_>) -> Displaced {
+        let (point, frame) = self.base_on_carriage(motion);
+        Displaced::to(&frame, &point)
+    }
+
+    /// The point of the base in the reference position (m), and where it is, in the frame of the base.
+    fn base_on_carriage(&self, motion: &Motion<'_>) -> (Vector3<f64>, Frame) {
+        let point = self.carriage.base_point(self.base_z());
+        (point, self.carriage.ground().frame(point, motion))
     }
 
     /// Height of the base above the top of rail in the reference position, m. A lumped chain has no extent: its base is at the reference height.

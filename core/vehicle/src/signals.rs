@@ -127,8 +127,7 @@ impl Component for Subsystem {
             11 => self.pantograph().0.uplift_force(),
             output @ 12..=13 => self.base().position[output - 12],
             14 => self.base_roll(),
-            output if output % 2 == 1 => self.wheel_load((output - 15) / 2),
-            output => self.derailment_quotient((output - 15) / 2),
+            output => self.vehicle_output(output - 15),
         }
     }
 

@@ -1,4 +1,5 @@
 //! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
+use crate::given_motion::{Displaced, angles};
 use crate::{Air, AppliedForce, PantographModel, Placement, VehicleError};
 use dynamics::{
     Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System,
@@ -233,10 +234,20 @@ impl Subsystem {
         pantograph.base_frame(&motion)
     }
 
+    /// Roll, pitch and yaw of the base, rad, see [`GivenMotion`](crate::GivenMotion).
+    pub fn base_angles(&mut self) -> [f64; 3] {
+        angles(&self.base().axes)
+    }
+
     /// Roll angle of the base about the direction of travel, rad.
     pub fn base_roll(&mut self) -> f64 {
-        let axes = self.base().axes;
-        axes[(2, 1)].atan2(axes[(1, 1)])
+        self.base_angles()[0]
+    }
+
+    /// The motion of the base as one that could be given to it.
+    pub fn base_displaced(&mut self) -> Displaced {
+        let (pantograph, motion) = self.pantograph();
+        pantograph.base_displaced(&motion)
     }
 
     /// Vertical force of the rail on a wheel (from 0: left and right wheel of each wheelset in turn), N; 0 where there is none.

@@ -39,13 +39,7 @@ pub struct Apparent {
 }
 
 impl Travel {
-    /// Along the x axis.
-    #[must_use]
-    pub fn straight(base: Base) -> Self {
-        Self { base, alignment: None }
-    }
-
-    /// Along a track; `None` is straight.
+    /// Along a track; `None` is along the x axis.
     #[must_use]
     pub fn along(base: Base, alignment: Option<Arc<Alignment>>) -> Self {
         Self { base, alignment }

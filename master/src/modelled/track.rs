@@ -5,8 +5,8 @@ use scene::{Irregularities, PantographModel, Scene, Track, Train, Vehicle};
 use super::part;
 use crate::results::Part;
 
-/// What the rails are like.
-pub(super) fn track(scene: &Scene) -> Part {
+/// What the rails are like, for pantographs whose bases start at these x (m).
+pub(super) fn track(scene: &Scene, bases: &[f64]) -> Part {
     let Some(train) = scene.vehicle.as_deref().and_then(Vehicle::train) else {
         return part("track", false, "no wheel runs on it".to_owned());
     };
@@ -17,7 +17,7 @@ pub(super) fn track(scene: &Scene) -> Part {
             "scene has no [track]: straight, level and smooth".to_owned(),
         );
     };
-    let mut reasons = curves(scene, train, track);
+    let mut reasons = curves(scene, train, track, bases);
     if reasons.is_empty() {
         reasons.push("straight and level".to_owned());
     }
@@ -36,10 +36,18 @@ pub(super) fn track(scene: &Scene) -> Part {
 }
 
 /// The curves, and what they ask of the vehicle.
-fn curves(scene: &Scene, train: &Train, track: &Track) -> Vec<String> {
+fn curves(scene: &Scene, train: &Train, track: &Track, bases: &[f64]) -> Vec<String> {
     let (speed, gravity, distance) = (scene.run.speed, scene.gravity(), train.wheels.distance);
+    let ahead = train.foremost_wheel().max(0.0) + speed * scene.run.duration;
+    let farthest = bases.iter().copied().reduce(f64::max).map(|base| base + ahead);
     let described = |curve: &scene::Curve| {
         let [start, _, _, end] = curve.corners();
+        if let Some(farthest) = farthest.filter(|farthest| start - 0.5 * curve.rounding > *farthest) {
+            return format!(
+                "{} curve from {start:.1} to {end:.1} m, which the run does not reach: its foremost wheel or base comes to {farthest:.1} m",
+                curve.direction
+            );
+        }
         let outward = curve.uncompensated_acceleration(speed, gravity, distance);
         let (side, name) = if outward >= 0.0 {
             ("outward", "deficiency")

@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::plan::{Group, Mesh, Planned};
 use super::published::Case;
 use super::relation::{Relation, relations};
+use super::wind;
 use crate::report::Progress;
 use crate::results::WindRecord;
 use crate::run::Watch;
@@ -40,6 +41,9 @@ pub struct Line {
     pub raw_std: Option<f64>,
     /// The wind on the pan-head over the evaluation range, where one acts.
     pub head: Option<HeadWind>,
+    /// Drag and lift of a pan-head that moves with the train [Thesis, Eq. (18)], N, where a steady wind acts.
+    #[serde(rename = "even_head_N")]
+    pub even_head: Option<[f64; 2]>,
     /// Contact force, whole run.
     #[serde(skip)]
     pub curve: Option<Curve>,
@@ -163,6 +167,7 @@ impl Reproduction {
 impl Line {
     /// The line of a run that has not been made.
     fn new(planned: &Planned, stage: &Stage<'_>) -> Self {
+        let scene = planned.variant.scene(stage);
         Self {
             group: planned.group,
             case: planned.case,
@@ -172,6 +177,8 @@ impl Line {
             row: planned.variant.planned(stage),
             raw_std: None,
             head: None,
+            // A scene that is refused says so in its row.
+            even_head: scene.ok().as_ref().and_then(wind::on_even_head),
             curve: None,
             wind: None,
             output_step: f64::NAN,

@@ -9,7 +9,6 @@ use super::open::OPEN;
 use super::plan::{Group, Mesh};
 use super::published::{CASES, Case};
 use super::text::{cases, changes, force, head, missing, published as case_of, readings, spreads};
-use super::wind;
 use crate::report::plots::{COLOURS, axis, finished, layout, rounded};
 use crate::report::{Page, escape, remarks};
 use crate::simulation::Mode;
@@ -272,7 +271,7 @@ fn wind_on_head(reproduction: &Reproduction) -> String {
     }
     format!(
         "{}<p>Over the evaluation range, in N; \u{201c}even travel\u{201d}: Eq. (18) with Table 5 for a pan-head that moves with the \
-         train, in air of 1.225 kg/m³. The thesis prints Figs. 11 and 12 without a figure in its text; it says that the forces are \
+         train, in the air of the scene. The thesis prints Figs. 11 and 12 without a figure in its text; it says that the forces are \
          nonlinear, depend on the speeds of train and wind, and that the lift is positive, upward. By Eq. (18) drag and lift are 5 to 2 \
          at all times.</p>\n",
         table(&rows)
@@ -288,12 +287,14 @@ fn wind_figure(reproduction: &Reproduction, heading: &str, part: usize) -> Strin
     let (name, force) = [("drag", &wind.drag), ("lift", &wind.lift)][part];
     let time: Vec<f64> = (0..force.len()).map(|index| index as f64 * line.output_step).collect();
     let end = time.last().copied().unwrap_or_default();
-    let even = wind::on_even_head(wind::own().air)[part];
     let computed = Scatter::new(rounded(&time, 1e3), rounded(force, 1e2))
         .mode(Draw::Lines)
         .name(name)
         .line(Stroke::new().color(COLOURS[0]).width(1.1));
-    let traces = vec![computed, published([0.0, end], [even, even], "Eq. (18), even travel")];
+    let mut traces: Vec<Trace> = vec![computed];
+    if let Some(even) = line.even_head.map(|even| even[part]) {
+        traces.push(published([0.0, end], [even, even], "Eq. (18), even travel"));
+    }
     let y = axis(&format!("{name} on the pan-head [N]"));
     finished(traces, layout(axis("time [s]"), y), &figure_id(heading), 320)
 }

@@ -22,6 +22,7 @@ fn line(group: Group, case: usize, mesh: Mesh, mean: f64, std: f64) -> Line {
         },
         raw_std: Some(1.5 * std),
         head: None,
+        even_head: None,
         curve: None,
         wind: None,
         output_step: 1e-3,
@@ -127,14 +128,25 @@ fn a_spread_says_whether_the_published_value_lies_inside() {
 #[test]
 fn the_wind_on_the_pan_head_stands_beside_the_hand_calculation() {
     // Thesis, Eq. (18): 20 m/s over the ground at 15 degrees and 200 km/h ahead make |v_r|² = 5632.74 m²/s², q = 3450.05 Pa.
-    let [drag, lift] = wind::on_even_head(wind::own().air);
+    let of = |keys: &[&str]| {
+        let text = include_str!("../../../scenes/thesis-wind-pantograph.toml");
+        let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
+        let scene = scene::Scene::from_toml(text, "thesis-wind-pantograph.toml", &keys).unwrap();
+        wind::on_even_head(&scene)
+    };
+    let [drag, lift] = of(&[]).unwrap();
     assert!(
         (drag - 172.50).abs() < 0.01 && (lift - 69.00).abs() < 0.01,
         "{drag} {lift}"
     ); // printed digits
+    // Of the scene: half the density, half the force; a wind that changes has none.
+    let [thin, _] = of(&["wind.air_density=0.6125"]).unwrap();
+    assert!((thin - 0.5 * drag).abs() < 1e-12); // rounding
+    assert_eq!(of(&["wind.record=[[0, 0, 0, 0], [1, 2, 0, 0]]"]), None);
     let mut calm = line(Group::Published, 0, Mesh::Plain(1), 100.0, 40.0);
     calm.output_step = 0.5;
     let mut windy = line(Group::Published, 2, Mesh::Plain(1), 112.0, 40.0);
+    windy.even_head = Some([drag, lift]);
     windy.head = Some(HeadWind {
         drag: Extent {
             min: 171.25,
@@ -163,22 +175,52 @@ fn the_wind_on_the_pan_head_stands_beside_the_hand_calculation() {
             "{part}"
         );
     }
-    assert!(text(&made).contains("173.75"), "{}", text(&made));
+    for part in ["173.75", "172.50", "69.00", "wind on the pan-head"] {
+        assert!(text(&made).contains(part), "{}", text(&made));
+    }
+    // Nothing, not even a heading, where no wind was computed.
+    let none = text(&reproduction(Vec::new()));
+    assert!(!none.contains("pan-head") && !none.contains("readings"), "{none}");
     let (_, behind) = made.columns();
     let column = behind.iter().find(|(name, _)| *name == "head_lift_max_N").unwrap();
     assert_eq!(column.1, ["", "69.5"]);
 }
 
 #[test]
-fn the_air_of_a_reading_is_that_of_its_keys() {
+fn the_keys_of_a_reading_make_the_air_that_it_says() {
     let text = include_str!("../../../scenes/thesis-wind-pantograph.toml");
-    for reading in wind::readings().into_iter().chain([wind::own()]) {
+    let train = 200.0 / 3.6;
+    let (sine, cosine) = 15.0_f64.to_radians().sin_cos();
+    // The air past the train, along and across, m/s; one that is met at the yaw angle is known by that.
+    let expected = [
+        Some([-train - 20.0 * cosine, -20.0 * sine]),
+        Some([-train + 20.0 * cosine, -20.0 * sine]),
+        None,
+        Some([-20.0 * cosine, -20.0 * sine]),
+        Some([20.0 * cosine, -20.0 * sine]),
+        Some([-train, 0.0]),
+    ];
+    let all: Vec<_> = std::iter::once(wind::own()).chain(wind::readings()).collect();
+    assert_eq!(all.len(), expected.len());
+    for (reading, expected) in all.into_iter().zip(expected) {
         let scene = scene::Scene::from_toml(text, "thesis-wind-pantograph.toml", &reading.keys).unwrap();
         let over_ground = scene.wind_field().unwrap().velocity(0.0, 0.0);
         let air = [over_ground.x - scene.run.speed, over_ground.y];
-        // Degrees and back.
-        let off = (air[0] - reading.air[0]).hypot(air[1] - reading.air[1]);
-        assert!(off < 1e-12, "{}: {air:?} {:?}", reading.name, reading.air);
+        match expected {
+            // Degrees and back.
+            Some(expected) => {
+                let off = (air[0] - expected[0]).hypot(air[1] - expected[1]);
+                assert!(off < 1e-12, "{}: {air:?} {expected:?}", reading.name);
+            }
+            None => {
+                assert!(
+                    (air[1] / air[0] - sine / cosine).abs() < 1e-12,
+                    "{}: {air:?}",
+                    reading.name
+                );
+                assert!((over_ground.norm() - 20.0).abs() < 1e-12); // rounding
+            }
+        }
     }
 }
 

@@ -107,15 +107,13 @@ pub(super) fn head(reproduction: &Reproduction) -> Vec<Vec<String>> {
         readings.push((reading, line));
     }
     for (reading, line) in readings {
-        let Some(found) = line.and_then(|line| line.head) else {
+        let Some((line, found)) = line.and_then(|line| Some((line, line.head?))) else {
             continue;
         };
         let mut row = vec![reading.name.to_owned()];
-        for (even, found) in wind::on_even_head(reading.air)
-            .into_iter()
-            .zip([found.drag, found.lift])
-        {
-            row.extend([even, found.min, found.mean, found.max].map(|value| force(Some(value))));
+        for (part, found) in [found.drag, found.lift].into_iter().enumerate() {
+            row.push(force(line.even_head.map(|even| even[part])));
+            row.extend([found.min, found.mean, found.max].map(|value| force(Some(value))));
         }
         table.push(row);
     }
@@ -203,12 +201,20 @@ pub fn text(reproduction: &Reproduction) -> String {
     let mut text = aligned(&cases(reproduction));
     text.push_str("\nchanges between cases, in percent\n");
     text.push_str(&aligned(&changes(reproduction)));
-    text.push_str("\nreadings of the wind: changes in N, the published ones in the head\n");
-    text.push_str(&aligned(&readings(reproduction)));
-    text.push_str(
-        "\nwind on the pan-head (Figs. 11 and 12), beside Eq. (18) with Table 5 for one that moves with the train\n",
-    );
-    text.push_str(&aligned(&head(reproduction)));
+    for (heading, rows) in [
+        (
+            "readings of the wind: changes in N, the published ones in the head",
+            readings(reproduction),
+        ),
+        (
+            "wind on the pan-head (Figs. 11 and 12), beside Eq. (18) with Table 5 for one that moves with the train",
+            head(reproduction),
+        ),
+    ] {
+        if !rows.is_empty() {
+            text.push_str(&format!("\n{heading}\n{}", aligned(&rows)));
+        }
+    }
     let published = super::CASES[0].std;
     for mesh in Mesh::ALL {
         let spreads = spreads(reproduction, mesh);

@@ -5,6 +5,8 @@
 
 use std::f64::consts::PI;
 
+use scene::{PantographModel, Scene};
+
 /// Speed of the train, m/s [Thesis, 5.1].
 const TRAIN: f64 = 200.0 / 3.6;
 
@@ -20,8 +22,6 @@ pub(super) struct Reading {
     pub name: &'static str,
     /// The keys that make it of the scene.
     pub keys: Vec<String>,
-    /// Velocity of the air relative to the train, along the track and across it, m/s.
-    pub air: [f64; 2],
 }
 
 /// The reading of the scenes: over the ground, from ahead.
@@ -29,22 +29,34 @@ pub(super) fn own() -> Reading {
     Reading {
         name: "over the ground, from ahead (the scene)",
         keys: Vec::new(),
-        air: over_ground(YAW),
     }
 }
 
-/// The air relative to the train of a wind over the ground that comes from `yaw` (rad), m/s.
-fn over_ground(yaw: f64) -> [f64; 2] {
-    [-TRAIN - WIND * yaw.cos(), -WIND * yaw.sin()]
-}
-
-/// Drag and lift of the pan-head of [Thesis, Table 5] in air of 1.225 kg/m³ that moves past it with `air` (m/s) [Thesis, Eq. (18)], N:
-/// what Figs. 11 and 12 show, of a pan-head that moves with the train.
-pub(super) fn on_even_head([along, across]: [f64; 2]) -> [f64; 2] {
-    const DENSITY: f64 = 1.225;
-    const DRAG: f64 = 0.05;
-    const LIFT: f64 = 0.02;
-    [DRAG, LIFT].map(|coefficient| 0.5 * DENSITY * coefficient * (along * along + across * across))
+/// Drag and lift of a pan-head that moves with the train [Thesis, Eq. (18)], N: what Figs. 11 and 12 show, with `ρ`, `C A` and wind of
+/// the scene.
+///
+/// ```text
+/// F = ½ ρ C A |v_wind − v_train|²
+/// ```
+///
+/// `None` where no steady wind acts on the head, or by other coefficients than one of each.
+pub(super) fn on_even_head(scene: &Scene) -> Option<[f64; 2]> {
+    let wind = scene.wind.as_ref()?;
+    if wind.gust.is_some() || wind.turbulence.is_some() || wind.record.len() > 1 {
+        return None;
+    }
+    let PantographModel::Linkage(linkage) = &scene.pantographs.first()?.model else {
+        return None;
+    };
+    let mut surfaces = wind.pantograph.as_ref()?.surfaces.iter();
+    let head = surfaces.find(|surface| surface.body == linkage.strip.body)?;
+    let ([drag], [lift], []) = (&head.drag[..], &head.lift[..], &head.markers[..]) else {
+        return None;
+    };
+    let mut air = scene.wind_field()?.velocity(0.0, 0.0);
+    air.x -= scene.run.speed;
+    let pressure = 0.5 * wind.air_density * air.norm_squared();
+    Some([drag, lift].map(|coefficient| coefficient * pressure))
 }
 
 /// The other readings.
@@ -53,7 +65,6 @@ pub(super) fn readings() -> Vec<Reading> {
     let ground = |name, yaw: f64| Reading {
         name,
         keys: vec![format!("wind.yaw_deg={}", yaw.to_degrees())],
-        air: over_ground(yaw),
     };
     // The train meets the air at the yaw angle: WIND sin γ = tan YAW (TRAIN + WIND cos γ).
     let met = YAW + (TRAIN * s / WIND).asin();
@@ -63,7 +74,6 @@ pub(super) fn readings() -> Vec<Reading> {
         Reading {
             name,
             keys: vec!["wind.speed=0".to_owned(), record],
-            air: [-along, -across],
         }
     };
     vec![
@@ -74,7 +84,6 @@ pub(super) fn readings() -> Vec<Reading> {
         Reading {
             name: "still air",
             keys: vec!["wind.speed=0".to_owned()],
-            air: [-TRAIN, 0.0],
         },
     ]
 }

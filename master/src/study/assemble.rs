@@ -70,6 +70,7 @@ pub fn assemble(script: &Script, state: &State) -> Study {
         }
     }
     study.notes = notes(&study);
+    study.notes.extend(ground.left_out.iter().cloned());
     study
 }
 

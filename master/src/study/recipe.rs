@@ -170,6 +170,8 @@ pub struct Ground {
     pub others: Vec<String>,
     /// What else the pantograph may stand on.
     pub standings: Vec<Standing>,
+    /// What it does not stand on, and why.
+    pub left_out: Vec<String>,
 }
 
 impl Ground {
@@ -198,11 +200,13 @@ impl Ground {
             micro_step: 0.02 / scene.run.low_pass_hz,
             others: prepared.others.iter().map(|other: &Other| other.fmu.clone()).collect(),
             standings: Vec::new(),
+            left_out: Vec::new(),
             scene,
             text,
         };
         if vehicles {
-            ground.standings = standings(&ground.scene, ground.micro_step);
+            let found = standings(&ground.scene, ground.micro_step);
+            (ground.standings, ground.left_out) = (found.all, found.left_out);
         }
         ground.cures = ground.accepted_cures();
         ground

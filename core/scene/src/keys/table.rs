@@ -65,6 +65,18 @@ impl Keys<'_> {
 
     /// An array of tables, at least one.
     pub(crate) fn tables<T: Entry>(&mut self, name: &str, was: Option<&[T]>) -> Vec<T> {
+        let expected = format!("at least one table under the header [[{}]]", self.key(name));
+        self.tables_expecting(name, was, expected)
+    }
+
+    /// As [`Keys::tables`], where one table may stand there without a list.
+    pub(crate) fn table_or_tables<T: Entry>(&mut self, name: &str, was: Option<&[T]>) -> Vec<T> {
+        let path = self.key(name);
+        let expected = format!("a table under the header [{path}], or several under [[{path}]]");
+        self.tables_expecting(name, was, expected)
+    }
+
+    fn tables_expecting<T: Entry>(&mut self, name: &str, was: Option<&[T]>, expected: String) -> Vec<T> {
         if let Some(values) = was {
             let mut list = Vec::new();
             let copies = values
@@ -80,7 +92,6 @@ impl Keys<'_> {
         }
         self.known.push(name.to_string());
         let path = self.key(name);
-        let expected = format!("at least one table under the header [[{path}]]");
         let mut values = Vec::new();
         let mut wrong = None;
         if let Side::Read { table, report, .. } = &mut self.side {

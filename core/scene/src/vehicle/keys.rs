@@ -37,7 +37,7 @@ impl Entry for Vehicle {
 impl Entry for GivenMotion {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let file = was.map(|motion| motion.file.as_deref());
-        if let file @ Some(_) = keys.column_file(file, &["time", "y", "z", "roll"]) {
+        if let file @ Some(_) = keys.column_file(file, &Self::COLUMNS) {
             return Self {
                 file,
                 ..Self::default()
@@ -52,9 +52,12 @@ impl Entry for GivenMotion {
         let n = time.len();
         let mut list = |name: &str, was: Option<&[f64]>, unit| keys.column(name, was, unit, n);
         Self {
+            x: list("x", was.map(|motion| motion.x.as_slice()), "m"),
             y: list("y", was.map(|motion| motion.y.as_slice()), "m"),
             z: list("z", was.map(|motion| motion.z.as_slice()), "m"),
             roll: list("roll", was.map(|motion| motion.roll.as_slice()), "rad"),
+            pitch: list("pitch", was.map(|motion| motion.pitch.as_slice()), "rad"),
+            yaw: list("yaw", was.map(|motion| motion.yaw.as_slice()), "rad"),
             time,
             file: None,
         }

@@ -10,13 +10,22 @@ use scene::{JointKind, Linkage as Entry};
 pub(super) struct Builder<'a> {
     entry: &'a Entry,
     ground: Ground,
+    /// Of the frame of the base, in coordinates of the mechanism, m.
+    origin: Vector3<f64>,
     pub orientations: Vec<UnitQuaternion<f64>>,
     pub bodies: Vec<RigidBody>,
 }
 
 impl<'a> Builder<'a> {
-    pub fn new(entry: &'a Entry, ground: Ground, gravity: f64, name: &str, layout: &mut Layout) -> Self {
-        let base = Vector3::new(entry.base[0], entry.base[1], 0.0);
+    /// With the base `lateral` (m) beside the middle of the track.
+    pub fn new(
+        entry: &'a Entry,
+        (ground, lateral): (Ground, f64),
+        gravity: f64,
+        name: &str,
+        layout: &mut Layout,
+    ) -> Self {
+        let origin = Vector3::new(entry.base[0], entry.base[1] - lateral, 0.0);
         let mut orientations = Vec::new();
         let mut bodies = Vec::new();
         for body in &entry.bodies {
@@ -25,7 +34,7 @@ impl<'a> Builder<'a> {
             let orientation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
             bodies.push(RigidBody {
                 pose: Pose::new(
-                    Vector3::from(body.position) - base,
+                    Vector3::from(body.position) - origin,
                     orientation,
                     &format!("{name}, {}", body.name),
                     layout,
@@ -39,6 +48,7 @@ impl<'a> Builder<'a> {
         Self {
             entry,
             ground,
+            origin,
             orientations,
             bodies,
         }
@@ -46,7 +56,7 @@ impl<'a> Builder<'a> {
 
     /// A point of the mechanism's coordinates in the frame of the base.
     fn point(&self, point: &[f64; 3]) -> Vector3<f64> {
-        Vector3::from(*point) - Vector3::new(self.entry.base[0], self.entry.base[1], 0.0)
+        Vector3::from(*point) - self.origin
     }
 
     pub fn number(&self, key: &'static str, name: &str) -> Result<usize, VehicleError> {

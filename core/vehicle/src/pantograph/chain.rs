@@ -39,7 +39,7 @@ impl Force for ChainMasses {
 /// What the masses of a chain feel on a base that follows a curve: along the chain, perpendicular to the plane of the rails.
 ///
 /// ```text
-/// F = −m (a + Ω̇ × r + Ω × (Ω × r) + 2 Ω × ṙ)_z + m g (1 − e_up·e_z),    r = (0, 0, h + q)
+/// F = −m (a + Ω̇ × r + Ω × (Ω × r) + 2 Ω × ṙ)_z + m g (1 − e_up·e_z),    r = (0, b, h + q)
 /// ```
 ///
 /// `F` is the part of the weight that leans away, which the static force of a chain contains, and the centrifugal force's
@@ -52,6 +52,8 @@ pub struct ChainInertia {
     pub first: usize,
     /// kg, collector head first.
     pub masses: Vec<f64>,
+    /// `b`, how far the chain stands beside the middle of the track, m.
+    pub lateral: f64,
     /// `h`, height of a chain without extent above the top of rail, m.
     pub height: f64,
     /// `g`, m/s².
@@ -61,7 +63,7 @@ pub struct ChainInertia {
 impl ChainInertia {
     /// Force per mass on one whose coordinate is `index`, N/kg.
     fn force_per_mass(&self, apparent: &Apparent, index: usize, motion: &Motion<'_>) -> f64 {
-        let position = Vector3::new(0.0, 0.0, self.height + motion.q[index]);
+        let position = Vector3::new(0.0, self.lateral, self.height + motion.q[index]);
         let velocity = Vector3::new(0.0, 0.0, motion.v[index]);
         apparent.leaning_weight(self.gravity).z - apparent.acceleration_of(&position, &velocity).z
     }
@@ -353,6 +355,8 @@ impl Force for ChainElement {
 pub struct HeadMarker {
     /// Coordinate of the mass.
     pub coordinate: usize,
+    /// Place beside the middle of the track, m.
+    pub lateral: f64,
     /// Height above the top of rail where the coordinate is zero, m.
     pub reference_height: f64,
 }
@@ -360,7 +364,7 @@ pub struct HeadMarker {
 impl Marker for HeadMarker {
     fn frame(&self, motion: &Motion<'_>) -> Frame {
         Frame {
-            position: Vector3::new(0.0, 0.0, self.reference_height + motion.q[self.coordinate]),
+            position: Vector3::new(0.0, self.lateral, self.reference_height + motion.q[self.coordinate]),
             axes: Matrix3::identity(),
             velocity: Vector3::new(0.0, 0.0, motion.v[self.coordinate]),
             angular_velocity: Vector3::zeros(),

@@ -45,6 +45,15 @@ impl Ground {
         }
     }
 
+    /// How far the pantograph's base stands beside the middle of the track in the reference position, m.
+    pub fn lateral(&self) -> f64 {
+        match self {
+            Self::Still | Self::Given(_) => 0.0,
+            Self::Body(marker) => (marker.pose.reference + marker.offset).y,
+            Self::Displaced { reference, .. } => reference.y,
+        }
+    }
+
     /// Where the point of the base is now, in the frame of the base.
     pub fn frame(&self, point: Vector3<f64>, motion: &Motion<'_>) -> Frame {
         self.anchor(point, Matrix3::identity()).frame(motion)

@@ -15,12 +15,15 @@ use scene::Linkage as Entry;
 
 /// Any tree or loop of rigid bodies on a base, a collector head on its suspension, and an uplift force.
 ///
-/// In the frame of the base the base's reference point has x = y = 0 and its height above the top of rail. The tabulated
+/// In the frame of the base the base's reference point has x = 0, the y at which a vehicle carries it (0 where none does), and its height
+/// above the top of rail. The tabulated
 /// position is the reference position: all displacements zero, and an equilibrium. The preload of the collector suspension
 /// sees to the latter: there it carries the head's weight and the contact force that the rest of the mechanism can bear.
 #[derive(Clone, Debug)]
 pub struct Linkage {
     entry: Entry,
+    /// y of the base's reference point, m.
+    lateral: f64,
     gravity: f64,
     offsets: Offsets,
     bodies: Vec<RigidBody>,
@@ -57,7 +60,8 @@ impl Linkage {
         name: &str,
         layout: &mut Layout,
     ) -> Result<Self, VehicleError> {
-        let mut linkage = Self::without_preload(ground, entry, gravity, name, layout)?;
+        let lateral = ground.lateral();
+        let mut linkage = Self::without_preload((ground, lateral), entry, gravity, name, layout)?;
         let mut local = linkage.local(Ground::Still)?;
         let balance = statics::balance(&mut local.0, &local.1)?;
         linkage.suspension.preload = balance.preload;
@@ -68,7 +72,8 @@ impl Linkage {
     /// The same mechanism alone in a layout, on this ground.
     pub(crate) fn local(&self, ground: Ground) -> Result<(Self, Layout), VehicleError> {
         let mut layout = Layout::new();
-        let mut linkage = Self::without_preload(ground, &self.entry, self.gravity, "linkage", &mut layout)?;
+        let place = (ground, self.lateral);
+        let mut linkage = Self::without_preload(place, &self.entry, self.gravity, "linkage", &mut layout)?;
         linkage.suspension.preload = self.suspension.preload;
         linkage.static_force = self.static_force;
         linkage.air.clone_from(&self.air);
@@ -83,7 +88,7 @@ impl Linkage {
     }
 
     fn without_preload(
-        ground: Ground,
+        (ground, lateral): (Ground, f64),
         entry: &Entry,
         gravity: f64,
         name: &str,
@@ -94,7 +99,7 @@ impl Linkage {
             constraint: layout.constraints(),
             orientation: layout.rotations().len(),
         };
-        let builder = Builder::new(entry, ground, gravity, name, layout);
+        let builder = Builder::new(entry, (ground, lateral), gravity, name, layout);
         let joints = builder.joints()?;
         layout.add_constraints(joints.iter().map(Constraint::dimension).sum());
         Ok(Self {
@@ -105,6 +110,7 @@ impl Linkage {
             joints,
             bodies: builder.bodies,
             entry: entry.clone(),
+            lateral,
             gravity,
             offsets,
             static_force: 0.0,

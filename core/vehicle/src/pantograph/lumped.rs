@@ -70,6 +70,7 @@ impl Lumped {
             elements,
             head: HeadMarker {
                 coordinate: first,
+                lateral: 0.0,
                 reference_height,
             },
             reference_force,
@@ -84,6 +85,7 @@ impl Lumped {
             travel: travel.clone(),
             first: self.masses.first,
             masses: self.masses.masses.clone(),
+            lateral: self.head.lateral,
             height: self.head.reference_height,
             gravity,
         });
@@ -119,6 +121,7 @@ impl Lumped {
     /// Puts the chain on a ground that moves; `base` (m) is where it stands in the reference position.
     pub(crate) fn stand_on(&mut self, ground: &Ground, base: Vector3<f64>) {
         let lift = self.masses.static_force;
+        self.head.lateral = ground.lateral();
         if let (Some(last), false) = (self.elements.last_mut(), matches!(ground, Ground::Still)) {
             last.foot = Some(Foot::new(ground.anchor(base, Matrix3::identity()), base, lift));
         }

@@ -1,9 +1,10 @@
 //! What scenes with a vehicle exchange besides.
+use crate::Subsystem;
 use component::{Parameter, Signal};
 use scene::{Curve, Scene, Train, Vehicle};
 use std::sync::Arc;
 
-/// Outputs of the base; `base.z` is among those of every pantograph.
+/// Outputs of the base before those of the wheels; `base.z` is among those of every pantograph.
 const BASE_OUTPUTS: [(&str, &str, &str); 3] = [
     ("base.x", "m", "Position of the pantograph's base along the track"),
     (
@@ -15,6 +16,20 @@ const BASE_OUTPUTS: [(&str, &str, &str); 3] = [
         "base.roll",
         "rad",
         "Roll angle of the pantograph's base about the direction of travel",
+    ),
+];
+
+/// Outputs of the base behind those of the wheels, which keep the places that they had before there were these.
+const MORE_BASE_OUTPUTS: [(&str, &str, &str); 2] = [
+    (
+        "base.pitch",
+        "rad",
+        "Pitch angle of the pantograph's base about the lateral axis, positive where its front is lowered",
+    ),
+    (
+        "base.yaw",
+        "rad",
+        "Yaw angle of the pantograph's base about the vertical, positive where its front is turned to the left",
     ),
 ];
 
@@ -30,7 +45,8 @@ pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
     if scene.vehicle.is_none() {
         return Vec::new();
     }
-    let base = BASE_OUTPUTS.map(|(name, unit, text)| Signal::output(name, unit, text));
+    let signal = |(name, unit, text): (&'static str, &'static str, &'static str)| Signal::output(name, unit, text);
+    let (base, more) = (BASE_OUTPUTS.map(signal), MORE_BASE_OUTPUTS.map(signal));
     let wheels = (1..=wheel_count(scene)).flat_map(|i| {
         let which = format!("wheel {i}, left and right wheel of each wheelset in turn");
         [
@@ -46,7 +62,20 @@ pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
             ),
         ]
     });
-    base.into_iter().chain(wheels).collect()
+    base.into_iter().chain(wheels).chain(more).collect()
+}
+
+impl Subsystem {
+    /// Values of the outputs behind `base.roll`: load and derailment quotient of each wheel in turn, then pitch and yaw.
+    pub(super) fn vehicle_output(&mut self, output: usize) -> f64 {
+        let train = self.pantograph().0.carriage().train();
+        let wheels = 2 * train.map_or(0, |train| train.wheel_count());
+        match output.checked_sub(wheels) {
+            Some(angle) => self.base_angles()[1 + angle],
+            None if output.is_multiple_of(2) => self.wheel_load(output / 2),
+            None => self.derailment_quotient(output / 2),
+        }
+    }
 }
 
 /// A value of the vehicle at the place that `field` finds.
@@ -173,4 +202,39 @@ fn curves(scene: &Scene) -> Vec<Parameter> {
         }
     }
     parameters
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use component::Component;
+
+    #[test]
+    fn outputs_of_base_and_wheels_are_found_under_their_names() {
+        let text = include_str!("../../../../scenes/thesis.toml");
+        let base = "vehicle.pantograph_base=[11.95005378, 0.3, 3.425]".to_owned();
+        let full = Scene::from_toml(text, "thesis.toml", &[base]).unwrap();
+        let text = include_str!("../../../../scenes/thesis-pantograph.toml");
+        let motion = "vehicle={ model = \"rigid_motion\", motion = { time = [0.0], roll = [0.01], pitch = [0.02], yaw = [0.03] } }";
+        let given = Scene::from_toml(text, "x.toml", &[motion.to_owned(), "model.reduce=none".to_owned()]).unwrap();
+        for (scene, wheels) in [(full, 8), (given, 0)] {
+            let signals = Subsystem::signals(&scene);
+            let mut side = Subsystem::new(&scene, 0).unwrap();
+            let mut output = |name: &str| {
+                let place = signals.iter().position(|signal| signal.name == name).unwrap();
+                Component::output(&mut side, place)
+            };
+            let angles = ["base.roll", "base.pitch", "base.yaw"].map(&mut output);
+            let last = (1..=wheels).map(|wheel| output(&format!("wheel[{wheel}].load")));
+            let loads: Vec<f64> = last.collect();
+            let quotient = (wheels > 0).then(|| output("wheel[8].derailment_quotient"));
+            assert_eq!(angles, side.base_angles());
+            assert!(angles.iter().all(|angle| *angle != 0.0), "{angles:?}");
+            for (wheel, load) in loads.into_iter().enumerate() {
+                assert!(load > 5e4 && load == side.wheel_load(wheel));
+            }
+            assert!(quotient.is_none_or(|found| found != 0.0 && found == side.derailment_quotient(7)));
+            assert!(scene.vehicle.as_deref().unwrap().train().is_some() || angles[1] > 0.0199);
+        }
+    }
 }

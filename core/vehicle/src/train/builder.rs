@@ -274,10 +274,10 @@ impl Train {
             constraint: layout.constraints(),
             orientation: layout.rotations().len(),
         };
-        let [x, y, _] = entry.pantograph_base;
+        // Along the track under the pantograph's base, but in the middle of the track: there the rails are on both sides.
         let mut builder = Builder {
             entry,
-            origin: Vector3::new(x, y, 0.0),
+            origin: Vector3::new(entry.pantograph_base[0], 0.0, 0.0),
             firsts: Vec::new(),
             bodies: Vec::new(),
         };
@@ -318,7 +318,7 @@ impl Train {
             carrier: builder.anchor("carrier", &entry.carrier, &entry.pantograph_base, &Matrix3::identity())?,
             bodies: builder.bodies,
             fixed: 0,
-            travel: Travel::straight(base),
+            travel: Travel::along(base, None),
             inertia: None,
         })
     }

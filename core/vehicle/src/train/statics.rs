@@ -30,6 +30,8 @@ pub struct TrainRest {
     pub base: Frame,
     /// χ̇ of the wheelsets, rad/s, at which they roll freely.
     pub(crate) spins: Vec<f64>,
+    /// Whether wheels that roll, roll steadily; if not, the vehicle is where it would be at rest without creep forces.
+    pub steady: bool,
 }
 
 /// A vehicle alone.
@@ -96,7 +98,7 @@ impl Train {
         let settled = self.settle(layout, state, &loads, &options);
         self.set_creeping(true);
         settled?;
-        let spins = self.steady_rolling(layout, state, &loads, &options);
+        let (spins, steady) = self.steady_rolling(layout, state, &loads, &options);
         let base = self.base_frame(&state.motion(&[]));
         Ok(TrainRest {
             equilibrium: Equilibrium {
@@ -109,6 +111,7 @@ impl Train {
             },
             base,
             spins,
+            steady,
         })
     }
 
@@ -131,7 +134,7 @@ impl Train {
 
     /// From rest without creep forces to rest under those of steady rolling: a wheel that rolls on a slope turns about the normal of its
     /// contact, which pushes it sideways, and the rail bears it at another height. Where there is no such state it stays as it is.
-    /// Returns χ̇ of the wheelsets, rad/s.
+    /// Returns χ̇ of the wheelsets, rad/s, and whether they roll steadily.
     ///
     /// Positions at given spins and spins at given positions are found in turn. A change of a position by `δ` changes the rolling radius by
     /// less than that, and the spin by `Ω δ/r`, which moves nothing that bears weight: two rounds are enough for most.
@@ -141,12 +144,12 @@ impl Train {
         state: &mut State,
         loads: &[DeadForce],
         options: &StaticOptions,
-    ) -> Vec<f64> {
+    ) -> (Vec<f64>, bool) {
         /// Accepted change of a spin, of that of rolling: a creepage of 1e-10, by which a wheel of 53 kN is pushed 1 mN.
         const CREEPAGE: f64 = 1e-10;
         const ROUNDS: usize = 20;
         if self.spins.is_empty() {
-            return Vec::new();
+            return (Vec::new(), true);
         }
         let mut layout = layout.clone();
         for spin in &self.spins {
@@ -161,8 +164,7 @@ impl Train {
             self.set_rolling(&[]);
             if settled.is_err() {
                 // On rails that are bent where it starts a wheelset rolls on, but not steadily.
-                *state = still;
-                return standing;
+                break;
             }
             let next = self.free_rolling(state);
             let change = (self.spins.iter().zip(spins.iter().zip(&next)))
@@ -170,10 +172,11 @@ impl Train {
                 .fold(0.0, f64::max);
             spins = next;
             if change <= CREEPAGE {
-                break;
+                return (spins, true);
             }
         }
-        spins
+        *state = still;
+        (standing, false)
     }
 
     /// Lets the wheels of each wheelset turn by χ̇ (rad/s) for statics, in which no coordinate has a velocity; by nothing where there is

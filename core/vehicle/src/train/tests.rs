@@ -5,6 +5,7 @@ use dynamics::{JacobianRows, Layout, System};
 use nalgebra::{DMatrix, SymmetricEigen};
 use scene::Scene;
 
+mod beside;
 mod carried;
 mod curve;
 mod equilibrium;
