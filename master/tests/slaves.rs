@@ -360,7 +360,7 @@ fn the_committed_model_descriptions_are_those_of_the_variable_tables() {
     ];
     for (name, table) in tables {
         let path = tree.join(format!("modelDescription/{name}.xml"));
-        let hint = "run `master package --write-descriptions modelDescription` after a change of the variables";
+        let hint = "run `master package --write-descriptions` after a change of the variables";
         let bytes = std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}: {hint}", path.display()));
         let committed = fmi2::model_description::ModelDescription::from_xml(&bytes).unwrap();
         assert_eq!(committed.guid, fmi2::model_description::GUID_PLACEHOLDER);
