@@ -220,8 +220,7 @@ impl<const N: usize> AddForce<'_, N> {
             by_mass[w] = a;
         }
         let [_, v_s, a_s] = &self.supports;
-        let couplings: [&[Pair]; W] =
-            std::array::from_fn(|w| &cell.couplings[(first + w) * N..(first + w + 1) * N]);
+        let couplings: [&[Pair]; W] = std::array::from_fn(|w| &cell.couplings[(first + w) * N..(first + w + 1) * N]);
         for i in 0..N {
             let (v, a) = (simd.splat_f64s(v_s[i]), simd.splat_f64s(a_s[i]));
             let mut sum = on_supports[i];
