@@ -6,11 +6,15 @@
 //!
 //! The modes of a reduced span are such leaves: each is coupled with the two supports of its span only, so that what is left is as
 //! long and thin as the line itself.
+use crate::buffer::Buffer;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Fewer leaves are not worth it.
 const FEWEST: usize = 16;
+
+/// Numbers of a cache line, which is also the widest vector.
+const LINE: usize = 8;
 
 /// The leaves of a part: its last unknowns.
 pub(crate) struct Leaves {
@@ -27,14 +31,14 @@ pub(crate) struct Leaves {
     /// Per group, row by row, where `a aᵀ` goes.
     fill: Vec<u32>,
     reduced: Vec<f64>,
-    /// `a` of the last factors, for each group neighbour by neighbour, and `1/d`.
-    coefficients: Vec<f64>,
+    /// `a` of the last factors, for each group neighbour by neighbour, each filled up with zeros to whole cache lines, and `1/d`.
+    coefficients: Buffer,
     inverses: Vec<f64>,
     /// `b` of the leaves of the loaded right side.
     pub loaded: Vec<f64>,
-    /// As many numbers as a group has neighbours, and leaves.
+    /// As many numbers as a group has neighbours, and leaves, filled up likewise.
     scratch: Vec<f64>,
-    forces: Vec<f64>,
+    forces: Buffer,
     arch: Arch,
 }
 
@@ -44,20 +48,30 @@ struct Group {
     leaves: Range<usize>,
     /// Among `neighbours`.
     neighbours: Range<usize>,
-    /// First of its coefficients.
-    first: usize,
+    /// First of its couplings, and of its coefficients.
+    couplings: usize,
+    coefficients: usize,
 }
 
 impl Group {
+    /// Numbers per neighbour among the coefficients.
+    fn stride(&self) -> usize {
+        self.leaves.len().next_multiple_of(LINE)
+    }
+
     /// Where the coefficients of one neighbour stand.
     fn row(&self, neighbour: usize) -> Range<usize> {
-        let count = self.leaves.len();
-        let first = self.first + neighbour * count;
-        first..first + count
+        let first = self.coefficients + neighbour * self.stride();
+        first..first + self.stride()
+    }
+
+    /// Where the coefficients of all neighbours stand.
+    fn rows(&self) -> Range<usize> {
+        self.coefficients..self.row(self.neighbours.len()).start
     }
 }
 
-/// `Σ a b`, in the registers there are.
+/// `Σ a b` of whole cache lines.
 struct Product<'a>(&'a [f64], &'a [f64]);
 
 impl WithSimd for Product<'_> {
@@ -65,17 +79,16 @@ impl WithSimd for Product<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let ((x, x_rest), (y, y_rest)) = (S::as_simd_f64s(self.0), S::as_simd_f64s(self.1));
+        let (x, y) = (S::as_simd_f64s(self.0).0, S::as_simd_f64s(self.1).0);
         let mut sum = simd.splat_f64s(0.0);
         for (&x, &y) in x.iter().zip(y) {
             sum = simd.mul_add_e_f64s(x, y, sum);
         }
-        let rest = simd.mul_f64s(simd.partial_load_f64s(x_rest), simd.partial_load_f64s(y_rest));
-        simd.reduce_sum_f64s(simd.add_f64s(sum, rest))
+        simd.reduce_sum_f64s(sum)
     }
 }
 
-/// `sums[j] = Σ rows[j] x`, four rows side by side: one sum after the other would wait for its additions.
+/// `sums[j] = Σ rows[j] x` of whole cache lines, four rows side by side: one sum after the other would wait for its additions.
 struct Products<'a> {
     rows: &'a [f64],
     x: &'a [f64],
@@ -87,22 +100,15 @@ impl WithSimd for Products<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let count = self.x.len();
-        let (x, x_rest) = S::as_simd_f64s(self.x);
-        let x_rest = simd.partial_load_f64s(x_rest);
-        for (rows, sums) in self.rows.chunks(4 * count).zip(self.sums.chunks_mut(4)) {
+        let stride = self.x.len();
+        let x = S::as_simd_f64s(self.x).0;
+        for (rows, sums) in self.rows.chunks(4 * stride).zip(self.sums.chunks_mut(4)) {
             if let [a, b, c, d] = sums {
-                let row = |j: usize| {
-                    let (vectors, rest) = S::as_simd_f64s(&rows[j * count..(j + 1) * count]);
-                    (&vectors[..x.len()], rest)
-                };
+                let row = |j: usize| &S::as_simd_f64s(&rows[j * stride..(j + 1) * stride]).0[..x.len()];
                 let rows = [row(0), row(1), row(2), row(3)];
                 let mut totals = [simd.splat_f64s(0.0); 4];
-                for (total, (_, rest)) in totals.iter_mut().zip(rows) {
-                    *total = simd.mul_f64s(simd.partial_load_f64s(rest), x_rest);
-                }
                 for (i, &x) in x.iter().enumerate() {
-                    for (total, (row, _)) in totals.iter_mut().zip(rows) {
+                    for (total, row) in totals.iter_mut().zip(rows) {
                         *total = simd.mul_add_e_f64s(row[i], x, *total);
                     }
                 }
@@ -110,7 +116,7 @@ impl WithSimd for Products<'_> {
                     *sum = simd.reduce_sum_f64s(total);
                 }
             } else {
-                for (row, sum) in rows.chunks_exact(count).zip(sums) {
+                for (row, sum) in rows.chunks_exact(stride).zip(sums) {
                     *sum = Product(row, self.x).with_simd(simd);
                 }
             }
@@ -174,7 +180,8 @@ impl Leaves {
                     groups.push(Group {
                         leaves: leaf..leaf + 1,
                         neighbours: first..neighbours.len(),
-                        first: couplings.len(),
+                        couplings: couplings.len(),
+                        coefficients: groups.last().map_or(0, |last| last.rows().end),
                     });
                     before = Some(others);
                 }
@@ -214,12 +221,12 @@ impl Leaves {
             }
         }
         let widest = groups.iter().map(|group| group.neighbours.len()).max().unwrap_or(0);
-        let longest = groups.iter().map(|group| group.leaves.len()).max().unwrap_or(0);
+        let longest = groups.iter().map(Group::stride).max().unwrap_or(0);
         let leaves = Self {
             core,
-            coefficients: vec![0.0; couplings.len()],
+            coefficients: Buffer::new(groups.last().map_or(0, |last| last.rows().end)),
             scratch: vec![0.0; widest],
-            forces: vec![0.0; longest],
+            forces: Buffer::new(longest),
             arch: Arch::new(),
             inverses: vec![0.0; size - core],
             loaded: vec![0.0; size - core],
@@ -244,7 +251,7 @@ impl Leaves {
         }
         for group in &self.groups {
             let (width, count) = (group.neighbours.len(), group.leaves.len());
-            let couplings = &self.couplings[group.first..group.first + width * count];
+            let couplings = &self.couplings[group.couplings..group.couplings + width * count];
             for (i, &place) in couplings.iter().enumerate() {
                 self.coefficients[group.row(i % width).start + i / width] = values[place as usize];
             }
@@ -261,7 +268,8 @@ impl Leaves {
         for group in &self.groups {
             let width = group.neighbours.len();
             let inverses = &self.inverses[group.leaves.clone()];
-            let scaled = &mut self.forces[..group.leaves.len()];
+            let scaled = &mut self.forces[..group.stride()];
+            scaled.fill(0.0);
             for i in 0..width {
                 let row = self.coefficients[group.row(i)].iter().zip(inverses);
                 for (scaled, (a, inverse)) in scaled.iter_mut().zip(row) {
@@ -283,7 +291,8 @@ impl Leaves {
             if loaded.iter().all(|&value| value == 0.0) {
                 continue;
             }
-            let scaled = &mut self.forces[..loaded.len()];
+            let scaled = &mut self.forces[..group.stride()];
+            scaled[loaded.len()..].fill(0.0);
             let values = loaded.iter().zip(&self.inverses[group.leaves.clone()]);
             for (scaled, (value, inverse)) in scaled.iter_mut().zip(values) {
                 *scaled = value * inverse;
@@ -291,7 +300,7 @@ impl Leaves {
             let neighbours = &self.neighbours[group.neighbours.clone()];
             let sums = &mut self.scratch[..neighbours.len()];
             self.arch.dispatch(Products {
-                rows: &self.coefficients[group.first..group.row(neighbours.len()).start],
+                rows: &self.coefficients[group.rows()],
                 x: scaled,
                 sums: &mut *sums,
             });
@@ -301,13 +310,12 @@ impl Leaves {
         }
     }
 
-    /// The solution of the leaves from that of the others, `of(unknown)`: `set(leaf, value)` sees those that a force above `threshold`
-    /// moves, and `touched` the range of neighbours of each group with such leaves.
+    /// The solution of the leaves from that of the others, `of(unknown)`: `set(leaves, values)` sees those of the groups where it is not
+    /// zero, and `touched` the range of neighbours of each of these groups.
     pub fn substitute(
         &mut self,
-        threshold: f64,
         mut of: impl FnMut(usize) -> f64,
-        mut set: impl FnMut(usize, f64),
+        mut set: impl FnMut(Range<usize>, &[f64]),
         mut touched: impl FnMut(Range<usize>),
     ) {
         for group in &self.groups {
@@ -316,23 +324,26 @@ impl Leaves {
             for (value, &neighbour) in around.iter_mut().zip(neighbours) {
                 *value = of(neighbour as usize);
             }
-            let forces = &mut self.forces[..group.leaves.len()];
-            forces.copy_from_slice(&self.loaded[group.leaves.clone()]);
+            let count = group.leaves.len();
+            let forces = &mut self.forces[..group.stride()];
+            forces[..count].copy_from_slice(&self.loaded[group.leaves.clone()]);
+            forces[count..].fill(0.0);
             if around.iter().any(|value| *value != 0.0) {
                 self.arch.dispatch(Subtract {
-                    rows: &self.coefficients[group.first..group.row(neighbours.len()).start],
+                    rows: &self.coefficients[group.rows()],
                     x: around,
                     forces,
                 });
             }
-            let mut any = false;
-            for (leaf, &force) in group.leaves.clone().zip(&*forces) {
-                if force.abs() > threshold || force.is_nan() {
-                    set(leaf, force * self.inverses[leaf]);
-                    any = true;
-                }
+            let solution = &mut forces[..count];
+            if solution.iter().all(|&force| force == 0.0) {
+                continue;
             }
-            if let (true, Some(&first), Some(&last)) = (any, neighbours.first(), neighbours.last()) {
+            for (value, inverse) in solution.iter_mut().zip(&self.inverses[group.leaves.clone()]) {
+                *value *= inverse;
+            }
+            set(group.leaves.clone(), solution);
+            if let (Some(&first), Some(&last)) = (neighbours.first(), neighbours.last()) {
                 touched(first as usize..last as usize + 1);
             }
         }
@@ -387,9 +398,8 @@ mod tests {
         let mut last = vec![0.0; leaves];
         let mut touched = Vec::new();
         found.substitute(
-            0.0,
             |unknown| x[unknown],
-            |leaf, value| last[leaf] = value,
+            |leaves, values| last[leaves].copy_from_slice(values),
             |range| touched.push(range),
         );
         assert_eq!(
@@ -404,8 +414,8 @@ mod tests {
 
     #[test]
     fn products_side_by_side_are_those_of_one_row_after_the_other() {
-        // Rows beyond fours, numbers beyond whole vectors.
-        let (rows, count) = (7, 21);
+        // Rows beyond fours.
+        let (rows, count) = (7, 3 * LINE);
         let values: Vec<f64> = (0..rows * count)
             .map(|i| f64::from((i * 37 % 19) as u8) - 9.0)
             .collect();

@@ -25,6 +25,7 @@ mod augmented;
 mod balance;
 mod block_tridiagonal;
 mod blocks;
+mod buffer;
 mod constraint;
 mod factor;
 mod factored;

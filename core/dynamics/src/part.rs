@@ -46,6 +46,15 @@ const SMALL: usize = 64;
 /// A column is kept down to this part of its largest entry, as a force; what is left out enters corrections with its square.
 const DECAYED: f64 = 1e-9;
 
+/// Calls `see(places, unknowns)` for each run of consecutive unknowns, with the range of its places in the list.
+fn for_each_run(unknowns: &[usize], mut see: impl FnMut(Range<usize>, Range<usize>)) {
+    let mut first = 0;
+    for run in unknowns.chunk_by(|a, b| b - a == 1) {
+        see(first..first + run.len(), run[0]..run[0] + run.len());
+        first += run.len();
+    }
+}
+
 impl Part {
     /// A part from its pattern in compressed columns, local row indices ascending; unknowns below `coordinates` are coordinates.
     pub fn new(unknowns: Vec<usize>, column_starts: Vec<usize>, row_indices: Vec<usize>, coordinates: usize) -> Self {
@@ -139,7 +148,11 @@ impl Part {
             blocks.unload(core);
             if let Some(leaves) = &mut self.leaves {
                 rest.fill(0.0);
-                leaves.substitute(0.0, |unknown| core[unknown], |leaf, value| rest[leaf] = value, |_| ());
+                leaves.substitute(
+                    |unknown| core[unknown],
+                    |leaves, values| rest[leaves].copy_from_slice(values),
+                    |_| (),
+                );
             }
         } else if let Some(sparse) = &mut self.sparse {
             sparse.solve(&mut self.local);
@@ -158,10 +171,10 @@ impl Part {
             if let Some(blocks) = &mut self.blocks {
                 blocks.load(right_side);
                 if let Some(leaves) = &mut self.leaves {
-                    for (loaded, &unknown) in leaves.loaded.iter_mut().zip(&self.unknowns[leaves.core..]) {
-                        // However small: hundreds of them act on the same few unknowns.
-                        *loaded = right_side[unknown];
-                    }
+                    // However small: hundreds of them act on the same few unknowns.
+                    for_each_run(&self.unknowns[leaves.core..], |own, of_all| {
+                        leaves.loaded[own].copy_from_slice(&right_side[of_all]);
+                    });
                     leaves.eliminate(|unknown, value| blocks.add(unknown, value));
                 }
             }
@@ -216,22 +229,24 @@ impl Part {
                     let mut range: Option<Range<usize>> = None;
                     let mut found = std::mem::take(&mut self.local);
                     found[..own.len()].fill(0.0);
-                    let set = |leaf: usize, value: f64| {
-                        found[leaf] = value;
-                        let first = range.as_ref().map_or(leaf, |range| range.start);
-                        range = Some(first..leaf + 1);
+                    let set = |leaves: Range<usize>, values: &[f64]| {
+                        found[leaves.clone()].copy_from_slice(values);
+                        let first = range.as_ref().map_or(leaves.start, |range| range.start);
+                        range = Some(first..leaves.end);
                     };
                     let mut touched = |range: Range<usize>| {
                         // Nothing changes there, but the equations do.
                         let outer = others[range.start]..others[range.end - 1] + 1;
                         changed(outer.start..outer.start, outer);
                     };
-                    leaves.substitute(0.0, |unknown| solution[others[unknown]], set, &mut touched);
+                    leaves.substitute(|unknown| solution[others[unknown]], set, &mut touched);
                     if let Some(range) = range {
-                        for leaf in range.clone() {
-                            solution[own[leaf]] = std::mem::take(&mut found[leaf]);
-                        }
-                        let range = own[range.start]..own[range.end - 1] + 1;
+                        let own = &own[range.clone()];
+                        for_each_run(own, |leaves, of_all| {
+                            let leaves = range.start + leaves.start..range.start + leaves.end;
+                            solution[of_all].copy_from_slice(&found[leaves]);
+                        });
+                        let range = own[0]..own[own.len() - 1] + 1;
                         changed(range.clone(), range);
                     }
                     self.local = found;

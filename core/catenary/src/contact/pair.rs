@@ -37,6 +37,8 @@ pub struct ContactPair {
     at_start: AtStart,
     /// What the next step begins with.
     reached: AtStart,
+    /// What one would begin with that begins where the force of this step was found last.
+    found: Option<AtStart>,
 }
 
 impl ContactPair {
@@ -63,6 +65,7 @@ impl ContactPair {
             active: None,
             at_start: AtStart::Unknown,
             reached: AtStart::Unknown,
+            found: None,
         }
     }
 
@@ -100,9 +103,15 @@ impl ContactPair {
 
     /// What a step that begins with a motion knows of it.
     fn start_at(&self, motion: &Motion<'_>) -> AtStart {
-        match self.state(motion) {
-            Some(contact) if !self.is_beside(&contact.geometry) => AtStart::Penetration(-contact.geometry.gap),
-            _ => AtStart::APART,
+        self.state(motion)
+            .map_or(AtStart::APART, |contact| self.start_with(&contact))
+    }
+
+    fn start_with(&self, contact: &ContactState) -> AtStart {
+        if self.is_beside(&contact.geometry) {
+            AtStart::APART
+        } else {
+            AtStart::Penetration(-contact.geometry.gap)
         }
     }
 
@@ -183,6 +192,7 @@ impl OnWire for ContactPair {
 impl Force for ContactPair {
     fn begin_step(&mut self, motion: &Motion<'_>) {
         self.active = None;
+        self.found = None;
         self.at_start = self.reached;
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
@@ -197,9 +207,11 @@ impl Force for ContactPair {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let Some(contact) = self.state(motion) else {
             self.active = None;
+            self.found = Some(AtStart::APART);
             return;
         };
         self.active = Some(contact.force);
+        self.found = Some(self.start_with(&contact));
         if !contact.closed() {
             return;
         }
@@ -260,7 +272,7 @@ impl Force for ContactPair {
     }
 
     fn end_step(&mut self, motion: &Motion<'_>) {
-        self.reached = self.start_at(motion);
+        self.reached = self.found.take().unwrap_or_else(|| self.start_at(motion));
     }
 
     fn save(&self, out: &mut Vec<f64>) {
@@ -274,6 +286,7 @@ impl Force for ContactPair {
             self.s = s;
             self.at_start = AtStart::restored(values);
             self.reached = AtStart::restored(values);
+            self.found = None;
         }
     }
 }

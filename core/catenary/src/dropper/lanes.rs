@@ -13,6 +13,7 @@ type Lanes = [f64; LANES];
 
 /// What the forces of some droppers follow from; a lane without a dropper has no coordinates.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub(super) struct Group {
     /// Coordinates of both ends by axis; `usize::MAX` stands for one that does not exist: no vector is as long.
     upper: [[usize; LANES]; 3],

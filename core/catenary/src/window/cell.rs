@@ -43,8 +43,13 @@ pub(super) struct Cell {
     pub damping_coupling: DMatrix<f64>,
     pub mass_coupling: DMatrix<f64>,
     /// The same, group by group of modes and in these support by support, filled up with zeros: damping, then mass.
-    pub couplings: Vec<[[f64; GROUP]; 2]>,
+    pub couplings: Vec<Pair>,
 }
+
+/// Two numbers for each mode of a group, at the boundary of a cache line: a vector loaded across two lines costs twice.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct Pair(pub [[f64; GROUP]; 2]);
 
 impl Cell {
     /// Reduces a span to `count` modes; `None` where its inner stiffness is not positive definite.
@@ -99,7 +104,7 @@ impl Cell {
             std::array::from_fn(|lane| matrix.get((row, GROUP * group + lane)).copied().unwrap_or(0.0))
         };
         let couplings = couplings
-            .map(|(group, row)| [&damping_coupling, &mass_coupling].map(|matrix| lanes(matrix, group, row)))
+            .map(|(group, row)| Pair([&damping_coupling, &mass_coupling].map(|matrix| lanes(matrix, group, row))))
             .collect();
         let damped = product(&d_ff, &modes);
         let mode_damping = (0..modes.ncols()).map(|i| modes.column(i).dot(&damped.column(i)));

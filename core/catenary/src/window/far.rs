@@ -1,5 +1,5 @@
 //! The spans far from the strips as one contribution.
-use super::cell::{Cell, GROUP};
+use super::cell::{Cell, GROUP, Pair};
 use dynamics::{Blocks, Force, Motion, Weights};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -13,7 +13,7 @@ pub(super) struct Member {
     /// Coordinates of its first modes, as many as are kept.
     pub modes: Range<usize>,
     /// Stiffness (1/s²) and damping (1/s) of the modes, that of the sponge included.
-    own: Vec<[[f64; GROUP]; 2]>,
+    own: Vec<Pair>,
 }
 
 /// Coordinates of both supports of a span, with and without lateral ones.
@@ -47,10 +47,10 @@ impl Member {
         let value = |of: &dyn Fn(usize) -> f64, i: usize| if i < modes.len() { of(i) } else { 0.0 };
         let own = (0..modes.len().div_ceil(GROUP)).map(|group| {
             let lanes = |of: &dyn Fn(usize) -> f64| std::array::from_fn(|lane| value(of, GROUP * group + lane));
-            [
+            Pair([
                 lanes(&|i| cell.squares[i]),
                 lanes(&|i| cell.mode_damping[i] + sponge[i]),
-            ]
+            ])
         });
         Self {
             own: own.collect(),
@@ -89,7 +89,7 @@ impl Member {
         }
         blocks.add(&modes, &self.supports, scratch);
         for (i, &mode) in modes.iter().enumerate() {
-            let [squares, damping] = self.own[i / GROUP].map(|lanes| lanes[i % GROUP]);
+            let [squares, damping] = self.own[i / GROUP].0.map(|lanes| lanes[i % GROUP]);
             blocks.add(&[mode], &[mode], &[k * squares + d * damping + m]);
         }
     }
@@ -214,19 +214,19 @@ impl<const N: usize> AddForce<'_, N> {
             let of_modes = |values: &[f64]| simd.partial_load_f64s(values.get(range(w)).unwrap_or_default());
             let [q, v, a] = self.modes;
             let (q, v, a) = (of_modes(q), of_modes(v), of_modes(a));
-            let [square, damping] = &own[first + w];
+            let Pair([square, damping]) = &own[first + w];
             (v_m[w], a_m[w]) = (v, a);
             by_damping[w] = simd.mul_add_e_f64s(lanes(square), q, simd.mul_f64s(lanes(damping), v));
             by_mass[w] = a;
         }
         let [_, v_s, a_s] = &self.supports;
-        let couplings: [&[[[f64; GROUP]; 2]]; W] =
-            std::array::from_fn(|w| &cell.couplings[(first + w) * N..(first + w + 1) * N]);
+        let couplings: [&[Pair]; W] = std::array::from_fn(|w| &cell.couplings[(first + w) * N..(first + w + 1) * N]);
         for i in 0..N {
             let (v, a) = (simd.splat_f64s(v_s[i]), simd.splat_f64s(a_s[i]));
             let mut sum = on_supports[i];
             for w in 0..W {
-                let [d, m] = [lanes(&couplings[w][i][0]), lanes(&couplings[w][i][1])];
+                let Pair([d, m]) = &couplings[w][i];
+                let (d, m) = (lanes(d), lanes(m));
                 by_damping[w] = simd.mul_add_e_f64s(d, v, by_damping[w]);
                 by_mass[w] = simd.mul_add_e_f64s(m, a, by_mass[w]);
                 sum = simd.mul_add_e_f64s(d, v_m[w], simd.mul_add_e_f64s(m, a_m[w], sum));

@@ -79,8 +79,9 @@ impl Batch {
     }
 }
 
-/// Constants of a group of elements.
+/// Constants of a group of elements, at the boundary of a cache line: a vector loaded across two lines costs twice.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 struct Group<const D: usize> {
     length: Length<[f64; GROUP]>,
     reference: Slopes<[[f64; GROUP]; D]>,
@@ -90,6 +91,7 @@ struct Group<const D: usize> {
 
 /// What else the tangents of a group need.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 struct TangentGroup {
     /// Per tension.
     tension: EvenMatrix<[f64; GROUP]>,
@@ -98,6 +100,7 @@ struct TangentGroup {
 
 /// Arrays of a block of elements.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 struct Block<const D: usize> {
     q: NodeArrays<D>,
     v: NodeArrays<D>,

@@ -10,13 +10,12 @@
 //!
 //! so that a solution consists of products of small dense blocks in SIMD lanes. Elimination runs from both ends to the middle block:
 //! two chains of dependent products that hide each other's latency.
-mod buffer;
 mod factor;
 mod kernel;
 mod structure;
 mod sweep;
 
-use buffer::Buffer;
+use crate::buffer::Buffer;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 

@@ -6,7 +6,7 @@ const LINE: usize = 64;
 
 /// A slice of zeros that begins at the boundary of a cache line: a vector loaded across two lines costs twice.
 #[derive(Debug, Default)]
-pub(super) struct Buffer {
+pub(crate) struct Buffer {
     memory: Vec<f64>,
     first: usize,
     len: usize,
