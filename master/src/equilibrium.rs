@@ -156,7 +156,7 @@ pub fn resolve(scene: &mut Scene, statics: &StaticLine) -> Result<(), Equilibriu
     let mut strips: Vec<StripStart> = (0..scene.pantographs.len())
         .map(|index| StripStart {
             x: scene.strip_start_x(index),
-            y: 0.0,
+            y: scene.strip_start_y(),
             height: scene.pantographs[index].start.map_or(0.0, |start| start.height),
             speed: scene.run.speed,
         })

@@ -174,7 +174,7 @@ impl Monolithic {
         let strips: Vec<StripStart> = (0..starts.len())
             .map(|index| StripStart {
                 x: scene.strip_start_x(index),
-                y: 0.0,
+                y: scene.strip_start_y(),
                 height: starts[index].height,
                 speed: scene.run.speed,
             })
@@ -214,7 +214,9 @@ impl Monolithic {
             solver.rho_inf,
             solver.newton_options(),
         );
-        if !balanced {
+        if balanced {
+            simulator.begin();
+        } else {
             simulator.start_accelerations().map_err(MonolithicError::Start)?;
         }
         Ok(Self {

@@ -258,7 +258,7 @@ fn strip_start(scene: &Scene, strip: usize) -> StripStart {
     let resting = scene.modelled_line().map_or(0.0, |(line, _)| line.contact_wire_height);
     StripStart {
         x: scene.strip_start_x(strip),
-        y: 0.0,
+        y: scene.strip_start_y(),
         height: scene.pantographs[strip].start.map_or(resting, |start| start.height),
         speed: scene.run.speed,
     }

@@ -237,7 +237,6 @@ fn every_step_that_closes_the_contact_has_an_end() {
                             let mut simulator = case.start();
                             for n in 0..10 {
                                 case.step(&mut simulator, n);
-                                assert!(force(&mut simulator) >= 0.0, "{case:?}");
                             }
                             most = most.max(simulator.counters().most_iterations);
                         }

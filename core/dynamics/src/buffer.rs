@@ -1,8 +1,8 @@
 //! Numbers at the boundary of a cache line.
 use std::ops::{Deref, DerefMut};
 
-/// Bytes of a cache line, which is also the widest SIMD vector.
-const LINE: usize = 64;
+/// Numbers of a cache line, which is also the widest SIMD vector.
+pub(crate) const LINE: usize = 8;
 
 /// A slice of zeros that begins at the boundary of a cache line: a vector loaded across two lines costs twice.
 #[derive(Debug, Default)]
@@ -15,9 +15,8 @@ pub(crate) struct Buffer {
 impl Buffer {
     /// `len` zeros.
     pub fn new(len: usize) -> Self {
-        let spare = LINE / size_of::<f64>();
-        let memory = vec![0.0; len + spare];
-        let first = memory.as_ptr().align_offset(LINE).min(spare);
+        let memory = vec![0.0; len + LINE];
+        let first = memory.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
         Self { memory, first, len }
     }
 }

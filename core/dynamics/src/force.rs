@@ -110,8 +110,8 @@ pub trait Force: Send {
         let _ = motion;
     }
 
-    /// Called once at the end of each completed step, after a static solution, and where a motion starts without one: what a
-    /// contribution decides from one step to the next.
+    /// Called once at the end of each completed step, after a static solution, and where a motion starts: what a contribution decides
+    /// from one step to the next.
     fn end_step(&mut self, motion: &Motion<'_>) {
         let _ = motion;
     }

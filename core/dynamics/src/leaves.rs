@@ -6,15 +6,12 @@
 //!
 //! The modes of a reduced span are such leaves: each is coupled with the two supports of its span only, so that what is left is as
 //! long and thin as the line itself.
-use crate::buffer::Buffer;
+use crate::buffer::{Buffer, LINE};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
 /// Fewer leaves are not worth it.
 const FEWEST: usize = 16;
-
-/// Numbers of a cache line, which is also the widest vector.
-const LINE: usize = 8;
 
 /// The leaves of a part: its last unknowns.
 pub(crate) struct Leaves {

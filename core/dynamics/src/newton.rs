@@ -140,6 +140,9 @@ impl Ranges {
 /// evaluated again.
 const LEFT: f64 = 0.3;
 
+/// The same where there are linear rows: what is left there is not seen again within the step.
+const LEFT_UNSEEN: f64 = 0.1;
+
 /// Matrix, low-rank terms and buffers of one system.
 pub(crate) struct Workspace {
     coordinates: usize,
@@ -265,9 +268,14 @@ impl Workspace {
         }
         // A border asks of its coordinates whatever force brings them onto the constraint, however small beside others.
         let options = options.filter(|_| !self.updates.has_borders());
+        let left = if self.imbalance.has_linear_rows() {
+            LEFT_UNSEEN
+        } else {
+            LEFT
+        };
         let thresholds = options.map_or_else(Thresholds::default, |options| Thresholds {
-            force: LEFT * options.tolerance,
-            constraint: LEFT * options.constraint_tolerance * self.scale,
+            force: left * options.tolerance,
+            constraint: left * options.constraint_tolerance * self.scale,
         });
         for range in self.changed.0.drain(..) {
             self.correction[range].fill(0.0);

@@ -20,7 +20,7 @@ impl Pattern {
         let mut links = Links::new(size);
         let (mut in_row, mut in_column) = (vec![0; size + 1], vec![0; size + 1]);
         for (row, column) in entries.clone() {
-            if row < column {
+            if row != column {
                 links.join(row as usize, column as usize);
             }
             in_row[row as usize + 1] += 1;

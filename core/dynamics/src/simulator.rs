@@ -93,6 +93,13 @@ impl<S: System> Simulator<S> {
             .start_accelerations(&mut self.system, &mut self.state, &self.u)
     }
 
+    /// Takes note that a motion starts at the present state with accelerations that are known: contributions decide what its first step
+    /// begins with.
+    pub fn begin(&mut self) {
+        let motion = self.state.motion(&self.u);
+        self.system.forces(&mut |force| force.end_step(&motion));
+    }
+
     /// Takes a jump of the inputs from `before` to the present ones into the accelerations, at the start of a communication step of
     /// `h` s.
     ///

@@ -139,6 +139,19 @@ impl Scene {
         self.run.start_x + self.pantographs[index].offset_x
     }
 
+    /// y of the strips at t = 0, m: that of the base on a vehicle, or the nearest sample before of a given motion.
+    #[must_use]
+    pub fn strip_start_y(&self) -> f64 {
+        match self.vehicle.as_deref() {
+            None => 0.0,
+            Some(Vehicle::Vertical(train) | Vehicle::Full(train)) => train.pantograph_base[1],
+            Some(Vehicle::RigidMotion(motion)) => {
+                let sample = motion.time.partition_point(|&time| time <= 0.0).saturating_sub(1);
+                motion.y.get(sample).copied().unwrap_or(0.0)
+            }
+        }
+    }
+
     /// x of the strip of pantograph `index` (from 0) at `time` in s, m, as the train moves.
     #[must_use]
     pub fn strip_x(&self, index: usize, time: f64) -> f64 {

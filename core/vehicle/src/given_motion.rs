@@ -12,7 +12,8 @@ use nalgebra::{Matrix3, Vector3};
 /// ```
 ///
 /// `u` (along the track, lateral, up) is the displacement of the top of rail under the base; roll `φ`, pitch `θ` and yaw `ψ` are about
-/// axes through it. Each of the six is a cubic spline that begins and ends at rest, so that accelerations are continuous between the first and the last sample.
+/// axes through it. Each of the six is a cubic spline that begins and ends at rest, so that accelerations are continuous between the
+/// first and the last sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GivenMotion {
     /// `u`.

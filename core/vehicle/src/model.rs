@@ -373,7 +373,8 @@ impl PantographModel {
     #[must_use]
     pub fn base_displaced(&self, motion: &Motion<'_>) -> Displaced {
         let (point, frame) = self.base_on_carriage(motion);
-        Displaced::to(&frame, &point)
+        // A given motion carries a base in the middle of the track.
+        Displaced::to(&frame, &Vector3::new(point.x, 0.0, point.z))
     }
 
     /// The point of the base in the reference position (m), and where it is, in the frame of the base.

@@ -306,10 +306,12 @@ fn a_recipe_that_the_scene_refuses_has_a_row_with_the_reason() {
     );
 }
 
-#[test]
-fn a_study_says_what_each_vehicle_changes_and_keeps_it_apart_from_the_front() {
+/// The thesis' scene on four spans, with this model of the vehicle.
+fn short_thesis(vehicle: &str) -> Scene {
     let toml = include_str!("../../../scenes/thesis.toml");
+    let model = format!("vehicle.model={vehicle}");
     let keys = [
+        &model,
         "catenary.spans=4",
         "run.duration=1.2",
         "run.evaluate={ time = [0.3, 1.0] }",
@@ -317,7 +319,12 @@ fn a_study_says_what_each_vehicle_changes_and_keeps_it_apart_from_the_front() {
         "catenary.mesh.elements_per_interval=1",
         "solver.micro_step=0.002",
     ];
-    let scene = Scene::from_toml(toml, "thesis.toml", &keys.map(str::to_owned)).unwrap();
+    Scene::from_toml(toml, "thesis.toml", &keys.map(str::to_owned)).unwrap()
+}
+
+#[test]
+fn a_study_says_what_each_vehicle_changes_and_keeps_it_apart_from_the_front() {
+    let scene = short_thesis("full");
     let options = Options {
         sweeps: vec![Sweep::Vehicle],
         ..tiny()
@@ -380,17 +387,7 @@ fn a_study_says_what_each_vehicle_changes_and_keeps_it_apart_from_the_front() {
 
 #[test]
 fn a_scene_on_a_vehicle_that_is_not_the_most_detailed_is_judged_by_that_and_by_its_own_mesh() {
-    let toml = include_str!("../../../scenes/thesis.toml");
-    let keys = [
-        "vehicle.model=vertical",
-        "catenary.spans=4",
-        "run.duration=1.2",
-        "run.evaluate={ time = [0.3, 1.0] }",
-        "run.low_pass_hz=10",
-        "catenary.mesh.elements_per_interval=1",
-        "solver.micro_step=0.002",
-    ];
-    let scene = Scene::from_toml(toml, "thesis.toml", &keys.map(str::to_owned)).unwrap();
+    let scene = short_thesis("vertical");
     let options = Options {
         sweeps: vec![Sweep::Vehicle, Sweep::Mesh],
         elements: Vec::new(),

@@ -212,9 +212,11 @@ fn base_motion(scene: &Scene, micro_step: f64) -> Result<GivenMotion, String> {
         motion.roll.push(aside(roll));
         motion.pitch.push(pitch);
         motion.yaw.push(aside(yaw));
-        pantograph
-            .do_step(time, sample)
-            .map_err(|failure| format!("the run that gives its motion ends at {time:.3} s: {}", failure.reason))?;
+        if step < steps {
+            pantograph
+                .do_step(time, sample)
+                .map_err(|failure| format!("the run that gives its motion ends at {time:.3} s: {}", failure.reason))?;
+        }
     }
     Ok(motion)
 }

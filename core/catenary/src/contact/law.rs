@@ -33,19 +33,6 @@ impl PenaltyContact {
         (self.stiffness * penetration + part * self.damping * penetration_rate).max(0.0)
     }
 
-    /// `(∂F/∂δ, ∂F/∂δ̇)`: `(k, d)` in a step that begins closed; zero without force.
-    #[must_use]
-    pub fn derivatives(&self, at_start: AtStart, penetration: f64, penetration_rate: f64) -> (f64, f64) {
-        if self.normal_force(at_start, penetration, penetration_rate) <= 0.0 {
-            return (0.0, 0.0);
-        }
-        let (part, part_by_penetration) = at_start.closed_part(penetration);
-        (
-            self.stiffness + part_by_penetration * self.damping * penetration_rate,
-            part * self.damping,
-        )
-    }
-
     /// Slopes `(∂F/∂δ, ∂F/∂δ̇)` of the closed contact in series with a part that leaves it the `share` of the penetration, see
     /// [`super::ContactState`].
     #[must_use]
@@ -84,7 +71,6 @@ mod tests {
     fn damping_never_makes_the_contact_pull() {
         for at_start in [AtStart::Unknown, OPEN, CLOSED] {
             assert_eq!(LAW.normal_force(at_start, 1e-3, -1.0), 0.0);
-            assert_eq!(LAW.derivatives(at_start, 1e-3, -1.0), (0.0, 0.0));
         }
         assert_eq!(LAW.normal_force(CLOSED, -1e-3, 0.1), 0.0);
     }
@@ -152,29 +138,5 @@ mod tests {
             (slope - LAW.normal_force(CLOSED, 2e-3, 0.0)).abs() < 1e-6 * slope,
             "central difference"
         );
-    }
-
-    #[test]
-    fn the_derivatives_are_those_of_the_force() {
-        let h = 1e-7;
-        for (at_start, delta, rate) in [
-            (AtStart::Unknown, 2e-3, 0.05),
-            (CLOSED, 2e-3, 0.05),
-            (CLOSED, -1e-5, 0.05),
-            (OPEN, 2e-3, 0.05),
-            (OPEN, 3e-5, 0.05),
-            (OPEN, 3e-5, -0.01),
-        ] {
-            let (k, d) = LAW.derivatives(at_start, delta, rate);
-            let force = |delta: f64, rate: f64| LAW.normal_force(at_start, delta, rate);
-            let by_delta = (force(delta + h, rate) - force(delta - h, rate)) / (2.0 * h);
-            let by_rate = (force(delta, rate + h) - force(delta, rate - h)) / (2.0 * h);
-            // Central differences over 1e-7 of a course of 1e-4 m.
-            assert!(
-                k > 0.0 && (k - by_delta).abs() < 1e-5 * k,
-                "{at_start:?}: {k} {by_delta}"
-            );
-            assert!((d - by_rate).abs() < 1e-6 * d, "{at_start:?}: {d} {by_rate}");
-        }
     }
 }

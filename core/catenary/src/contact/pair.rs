@@ -7,7 +7,8 @@ use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// Which tangent the contact hands to Newton's method.
+/// Which tangent the contact hands to Newton's method. In a step that closes it both are steeper, see [`ContactState`], so that no
+/// correction opens it again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactTangent {
     /// `k g_q g_qᵀ` with the direction predicted for the step: one solution per step, exact up to the curvature terms.
@@ -37,8 +38,9 @@ pub struct ContactPair {
     at_start: AtStart,
     /// What the next step begins with.
     reached: AtStart,
-    /// What one would begin with that begins where the force of this step was found last.
+    /// Within a step: what one would begin with that begins where the force was found last.
     found: Option<AtStart>,
+    in_step: bool,
 }
 
 impl ContactPair {
@@ -66,6 +68,7 @@ impl ContactPair {
             at_start: AtStart::Unknown,
             reached: AtStart::Unknown,
             found: None,
+            in_step: false,
         }
     }
 
@@ -193,6 +196,7 @@ impl Force for ContactPair {
     fn begin_step(&mut self, motion: &Motion<'_>) {
         self.active = None;
         self.found = None;
+        self.in_step = true;
         self.at_start = self.reached;
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
@@ -207,11 +211,11 @@ impl Force for ContactPair {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let Some(contact) = self.state(motion) else {
             self.active = None;
-            self.found = Some(AtStart::APART);
+            self.found = self.in_step.then_some(AtStart::APART);
             return;
         };
         self.active = Some(contact.force);
-        self.found = Some(self.start_with(&contact));
+        self.found = self.in_step.then(|| self.start_with(&contact));
         if !contact.closed() {
             return;
         }
@@ -273,6 +277,7 @@ impl Force for ContactPair {
 
     fn end_step(&mut self, motion: &Motion<'_>) {
         self.reached = self.found.take().unwrap_or_else(|| self.start_at(motion));
+        self.in_step = false;
     }
 
     fn save(&self, out: &mut Vec<f64>) {
@@ -286,7 +291,7 @@ impl Force for ContactPair {
             self.s = s;
             self.at_start = AtStart::restored(values);
             self.reached = AtStart::restored(values);
-            self.found = None;
+            (self.found, self.in_step) = (None, false);
         }
     }
 }

@@ -197,7 +197,7 @@ impl ContactState {
         }
     }
 
-    /// With the slopes of the steps to come: in none of them will the contact close again.
+    /// Without the slope of `φ`: steps to come do not close the contact again.
     pub(super) fn lasting(self) -> Self {
         Self {
             stiffness: self.stiffness - self.closing,

@@ -114,6 +114,20 @@ fn a_given_motion_is_that_of_the_base_on_the_vehicle_it_stands_for() {
 }
 
 #[test]
+fn the_given_motion_of_a_base_beside_the_middle_of_the_track_is_there_too() {
+    let all = standings(
+        &thesis(&["vehicle.pantograph_base=[11.95005378, 0.3, 3.425]", "model.reduce=none"]),
+        1e-3,
+    );
+    let (full, given) = (made(&all, OWN, "full"), made(&all, OWN, "rigid_motion"));
+    assert!((given.strip_start_y() - 0.3).abs() < 0.01, "{}", given.strip_start_y());
+    assert_eq!(full.strip_start_y(), 0.3);
+    let ([distance, angle], _) = apart(&full, &given);
+    // As in the middle of the track.
+    assert!(distance < 2e-6 && angle < 2e-6, "{distance} m, {angle} rad");
+}
+
+#[test]
 fn on_smooth_track_a_given_motion_stays_where_the_vehicle_bears_the_base() {
     let all = standings(&thesis(&[]), 1e-3);
     let motion = motion_of(&made(&all, OWN, "rigid_motion"));
