@@ -136,12 +136,9 @@ impl Ranges {
     }
 }
 
-/// Residuals below this part of the tolerance are left as they are while others are corrected: less of the line is swept and
-/// evaluated again.
-const LEFT: f64 = 0.3;
-
-/// The same where there are linear rows: what is left there is not seen again within the step.
-const LEFT_UNSEEN: f64 = 0.1;
+/// Residuals below this part of the tolerance are left as they are while others are corrected. With three tenths the sum of what is
+/// left can stay above the tolerance, and no correction takes it away.
+const LEFT: f64 = 0.1;
 
 /// Matrix, low-rank terms and buffers of one system.
 pub(crate) struct Workspace {
@@ -244,7 +241,7 @@ impl Workspace {
             })
     }
 
-    /// Solves for the correction that removes the last residual where it is above a part of the tolerances of `options`;
+    /// Solves for the correction that removes the last residual where it is above a tenth of the tolerances of `options`;
     /// afterwards [`Workspace::correction`] holds `Δq` and `Δλ`. Without options nothing is left out.
     pub fn correct(
         &mut self,
@@ -268,14 +265,9 @@ impl Workspace {
         }
         // A border asks of its coordinates whatever force brings them onto the constraint, however small beside others.
         let options = options.filter(|_| !self.updates.has_borders());
-        let left = if self.imbalance.has_linear_rows() {
-            LEFT_UNSEEN
-        } else {
-            LEFT
-        };
         let thresholds = options.map_or_else(Thresholds::default, |options| Thresholds {
-            force: left * options.tolerance,
-            constraint: left * options.constraint_tolerance * self.scale,
+            force: LEFT * options.tolerance,
+            constraint: LEFT * options.constraint_tolerance * self.scale,
         });
         for range in self.changed.0.drain(..) {
             self.correction[range].fill(0.0);

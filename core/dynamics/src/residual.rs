@@ -204,11 +204,6 @@ impl Imbalance {
         }
     }
 
-    /// Whether there are rows whose forces after a correction are known without an evaluation.
-    pub fn has_linear_rows(&self) -> bool {
-        self.linear.is_some()
-    }
-
     /// Takes note of the matrix that is factored at `motion`.
     pub fn linearise(&mut self, system: &mut dyn System, motion: &Motion<'_>, mass_weight: f64, weights: Weights) {
         if let Some(linear) = &mut self.linear {
