@@ -154,11 +154,9 @@ pub fn resolve(scene: &mut Scene, statics: &StaticLine) -> Result<(), Equilibriu
     }
     let mut line = LineAtRest::new(scene, statics)?;
     let mut strips: Vec<StripStart> = (0..scene.pantographs.len())
-        .map(|index| StripStart {
-            x: scene.strip_start_x(index),
-            y: scene.strip_start_y(),
-            height: scene.pantographs[index].start.map_or(0.0, |start| start.height),
-            speed: scene.run.speed,
+        .map(|index| {
+            let start = scene.pantographs[index].start;
+            StripStart::of(scene, index, start.map_or(0.0, |start| start.height))
         })
         .collect();
     match scene.run.initialise {

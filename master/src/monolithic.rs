@@ -172,12 +172,7 @@ impl Monolithic {
         // The line settles under the strips as it does alone; a linkage has its own statics.
         let mut alone = LineAtRest::new(scene, statics)?;
         let strips: Vec<StripStart> = (0..starts.len())
-            .map(|index| StripStart {
-                x: scene.strip_start_x(index),
-                y: scene.strip_start_y(),
-                height: starts[index].height,
-                speed: scene.run.speed,
-            })
+            .map(|index| StripStart::of(scene, index, starts[index].height))
             .collect();
         alone.start(&strips)?;
         let contacts = pantographs

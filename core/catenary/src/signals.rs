@@ -256,12 +256,8 @@ fn failure(error: StepError) -> StepFailure {
 /// The start of a strip as the scene has it: on the wire without pressing where nothing is said.
 fn strip_start(scene: &Scene, strip: usize) -> StripStart {
     let resting = scene.modelled_line().map_or(0.0, |(line, _)| line.contact_wire_height);
-    StripStart {
-        x: scene.strip_start_x(strip),
-        y: scene.strip_start_y(),
-        height: scene.pantographs[strip].start.map_or(resting, |start| start.height),
-        speed: scene.run.speed,
-    }
+    let height = scene.pantographs[strip].start.map_or(resting, |start| start.height);
+    StripStart::of(scene, strip, height)
 }
 
 fn strip_inputs(scene: &Scene, strip: usize) -> [Signal; STRIP_INPUTS] {

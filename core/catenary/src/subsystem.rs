@@ -21,6 +21,19 @@ pub struct StripStart {
     pub speed: f64,
 }
 
+impl StripStart {
+    /// Strip `index` (from 0) of a scene, at `height` in m.
+    #[must_use]
+    pub fn of(scene: &Scene, index: usize, height: f64) -> Self {
+        Self {
+            x: scene.strip_start_x(index),
+            y: scene.strip_start_y(),
+            height,
+            speed: scene.run.speed,
+        }
+    }
+}
+
 /// Contact quantities at the communication point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactOutputs {

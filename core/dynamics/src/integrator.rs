@@ -104,8 +104,6 @@ pub struct GeneralizedAlpha {
     scheme: Scheme,
     options: NewtonOptions,
     workspace: Option<Workspace>,
-    /// That of the system before this one.
-    former: Option<Workspace>,
     memory: Memory,
     /// Rotation vectors of the present step, one per rotation.
     increments: Vec<Vector3<f64>>,
@@ -126,7 +124,6 @@ impl GeneralizedAlpha {
             scheme: Scheme::new(rho_inf),
             options,
             workspace: None,
-            former: None,
             memory: Memory::default(),
             increments: Vec::new(),
             start: State::default(),
@@ -173,7 +170,7 @@ impl GeneralizedAlpha {
     fn take_workspace(&mut self, system: &mut dyn System, motion: &Motion<'_>) -> Workspace {
         match self.workspace.take() {
             Some(workspace) => workspace,
-            None => Workspace::new(system, motion, self.former.take()),
+            None => Workspace::new(system, motion),
         }
     }
 
@@ -508,7 +505,7 @@ impl GeneralizedAlpha {
                 }
             }
             Continuity::Replaced => {
-                self.former = self.workspace.take().or_else(|| self.former.take());
+                self.workspace = None;
                 self.memory.linearisation = None;
             }
         }

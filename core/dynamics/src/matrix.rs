@@ -7,97 +7,26 @@ use crate::{Blocks, Force, JacobianRows, Motion, SparseMatrix, System, Weights};
 
 /// `[w_m M + w_q K + w_v D, s g_qᵀ; s g_q, 0]`, without the rows and columns of fixed coordinates.
 pub(crate) struct IterationMatrix {
-    entries: Entries,
-    mass: Mass,
-    /// Places of the entries in `values`.
-    mass_places: Vec<u32>,
+    coordinates: usize,
+    /// Trace of the mass matrix, kg.
+    mass_trace: f64,
+    /// Mass matrix of the contributions that do not multiply theirs themselves, and which of its rows are not empty.
+    multiplied_mass: SparseMatrix,
+    multiplied_rows: Vec<usize>,
+    /// Place in `values` and value (kg) of each entry of the mass matrix, one for every time that it is added to.
+    mass_entries: Vec<(u32, f64)>,
     tangent_places: Vec<u32>,
     /// Two places per Jacobian entry: in `g_q` and in its transpose.
     jacobian_places: Vec<u32>,
     moving_rows: MovingRows,
-    /// Places on the diagonal of the multipliers of constraints that move, where placeholders stand there.
+    /// Equations of the constraints that move, and places on the diagonal of their multipliers, where placeholders stand there.
+    pub moving: Vec<usize>,
     placeholders: Vec<u32>,
     values: Vec<f64>,
     /// First of `values` of each part, and their number.
     first_values: Vec<usize>,
     pub parts: Vec<Part>,
     pub places: Places,
-}
-
-/// Which entries a system's matrix has, as (row, column) in the order in which its contributions add them.
-#[derive(PartialEq)]
-struct Entries {
-    coordinates: usize,
-    /// Of all coordinates and multipliers.
-    free: Vec<bool>,
-    mass: Vec<(u32, u32)>,
-    tangent: Vec<(u32, u32)>,
-    jacobian: Vec<(u32, u32)>,
-    /// Equations of the constraints that move.
-    moving: Vec<usize>,
-}
-
-impl Entries {
-    fn of(system: &mut dyn System, motion: &Motion<'_>, moving_rows: MovingRows) -> Self {
-        let coordinates = system.layout().coordinates();
-        let mut free = vec![true; coordinates + system.layout().constraints()];
-        for &index in system.layout().fixed() {
-            free[index] = false;
-        }
-        let (mut mass, mut tangent, mut jacobian) = (Vec::new(), Vec::new(), Vec::new());
-        let mut blocks = Blocks::record(&mut mass);
-        system.forces(&mut |force| force.add_mass(&mut blocks));
-        let mut blocks = Blocks::record(&mut tangent);
-        system.forces(&mut |force| force.add_tangent(motion, Weights { q: 1.0, v: 1.0 }, &mut blocks));
-        let moving = visit_still_jacobian(system, motion, moving_rows, &mut |row, columns, _| {
-            for &column in columns {
-                jacobian.push(((coordinates + row) as u32, column as u32));
-                jacobian.push((column as u32, (coordinates + row) as u32));
-            }
-        });
-        Self {
-            coordinates,
-            free,
-            mass,
-            tangent,
-            jacobian,
-            moving,
-        }
-    }
-
-    /// Whether an entry is in the matrix.
-    fn keeps(&self, (row, column): (u32, u32)) -> bool {
-        self.free[row as usize] && self.free[column as usize]
-    }
-}
-
-/// The constant mass matrix.
-struct Mass {
-    /// Of the entries in their order, kg.
-    values: Vec<f64>,
-    trace: f64,
-    /// That of the contributions that do not multiply theirs themselves, and which of its rows are not empty.
-    multiplied: SparseMatrix,
-    multiplied_rows: Vec<usize>,
-}
-
-impl Mass {
-    fn of(system: &mut dyn System, entries: &[(u32, u32)]) -> Self {
-        let order: Vec<u32> = (0..entries.len() as u32).collect();
-        let mut values = vec![0.0; entries.len()];
-        let mut blocks = Blocks::add_to(&order, &mut values);
-        system.forces(&mut |force| force.add_mass(&mut blocks));
-        let on_diagonal = entries.iter().zip(&values).filter(|((row, column), _)| row == column);
-        let multiplied = selected_mass_matrix(system, |force| !force.multiplies_mass());
-        Self {
-            trace: on_diagonal.map(|(_, value)| value).sum(),
-            multiplied_rows: (0..multiplied.size())
-                .filter(|&row| multiplied.row(row).next().is_some())
-                .collect(),
-            multiplied,
-            values,
-        }
-    }
 }
 
 /// What becomes of the rows of constraints that move.
@@ -129,62 +58,76 @@ pub(crate) struct Singular {
 impl IterationMatrix {
     /// Analyses the pattern of a system at a motion.
     pub fn analyse(system: &mut dyn System, motion: &Motion<'_>, moving_rows: MovingRows) -> Self {
-        let entries = Entries::of(system, motion, moving_rows);
-        Self::with_entries(system, entries, moving_rows)
-    }
-
-    /// That of another system, which has to be factored; what has the same entries is not analysed again.
-    pub fn renewed(self, system: &mut dyn System, motion: &Motion<'_>) -> Self {
-        let entries = Entries::of(system, motion, self.moving_rows);
-        if entries == self.entries {
-            let mass = Mass::of(system, &entries.mass);
-            return Self { mass, ..self };
+        let coordinates = system.layout().coordinates();
+        let size = coordinates + system.layout().constraints();
+        let mut free = vec![true; size];
+        for &index in system.layout().fixed() {
+            free[index] = false;
         }
-        Self::with_entries(system, entries, self.moving_rows)
-    }
+        let mass = mass_entries(system, |_| true);
+        let multiplied_mass = selected_mass_matrix(system, |force| !force.multiplies_mass());
+        let mut tangent = Vec::new();
+        let mut blocks = Blocks::record(&mut tangent);
+        system.forces(&mut |force| force.add_tangent(motion, Weights { q: 1.0, v: 1.0 }, &mut blocks));
+        let mut jacobian = Vec::new();
+        let moving = visit_still_jacobian(system, motion, moving_rows, &mut |row, columns, _| {
+            for &column in columns {
+                jacobian.push(((coordinates + row) as u32, column as u32));
+                jacobian.push((column as u32, (coordinates + row) as u32));
+            }
+        });
 
-    fn with_entries(system: &mut dyn System, entries: Entries, moving_rows: MovingRows) -> Self {
-        let Entries { coordinates, free, .. } = &entries;
-        let all = entries.mass.iter().chain(&entries.tangent).chain(&entries.jacobian);
-        let pattern = Pattern::new(free, all.copied().filter(|&entry| entries.keeps(entry)));
+        let kept = |row: u32, column: u32| free[row as usize] && free[column as usize];
+        let entries = (mass.iter().map(|&(row, column, _)| (row, column)))
+            .chain(tangent.iter().copied())
+            .chain(jacobian.iter().copied())
+            .filter(|&(row, column)| kept(row, column));
+        let pattern = Pattern::new(&free, entries);
         let mut parts = Vec::with_capacity(pattern.sets.len());
         let mut first_values = vec![0];
-        let mut places = vec![None; free.len()];
+        let mut places = vec![None; size];
         for unknowns in &pattern.sets {
             for (i, &unknown) in unknowns.iter().enumerate() {
                 places[unknown] = Some((parts.len() as u32, i as u32));
             }
-            let part = part(&pattern, unknowns, &places, *coordinates);
+            let part = part(&pattern, unknowns, &places, coordinates);
             first_values.push(first_values[parts.len()] + part.entries());
             parts.push(part);
         }
         let mut finder = pattern.finder();
-        let mut place = |&(row, column): &(u32, u32)| {
-            if entries.keeps((row, column)) {
+        let mut place = |row: u32, column: u32| {
+            if kept(row, column) {
                 finder.place(row, column)
             } else {
                 Blocks::skipped()
             }
         };
-        let diagonal = |equation: &usize| ((coordinates + equation) as u32, (coordinates + equation) as u32);
         Self {
+            coordinates,
             moving_rows,
-            placeholders: entries.moving.iter().map(diagonal).map(|entry| place(&entry)).collect(),
-            mass_places: entries.mass.iter().map(&mut place).collect(),
-            tangent_places: entries.tangent.iter().map(&mut place).collect(),
-            jacobian_places: entries.jacobian.iter().map(&mut place).collect(),
+            placeholders: (moving.iter())
+                .map(|row| place((coordinates + row) as u32, (coordinates + row) as u32))
+                .collect(),
+            moving,
+            mass_entries: (mass.iter())
+                .map(|&(row, column, value)| (place(row, column), value))
+                .filter(|&(place, _)| place != Blocks::skipped())
+                .collect(),
+            tangent_places: tangent.iter().map(|&(row, column)| place(row, column)).collect(),
+            jacobian_places: jacobian.iter().map(|&(row, column)| place(row, column)).collect(),
             values: vec![0.0; pattern.len()],
-            mass: Mass::of(system, &entries.mass),
+            mass_trace: (mass.iter())
+                .filter(|(row, column, _)| row == column)
+                .map(|entry| entry.2)
+                .sum(),
+            multiplied_rows: (0..coordinates)
+                .filter(|&row| multiplied_mass.row(row).next().is_some())
+                .collect(),
+            multiplied_mass,
             first_values,
             parts,
             places: Places(places),
-            entries,
         }
-    }
-
-    /// Equations of the constraints that move, ascending.
-    pub fn moving(&self) -> &[usize] {
-        &self.entries.moving
     }
 
     /// Assembles and factors at a motion; `mass_weight` is the weight of `M`, `scale` that of the constraints.
@@ -197,10 +140,8 @@ impl IterationMatrix {
         scale: f64,
     ) -> Result<(), Singular> {
         self.values.fill(0.0);
-        for (&place, value) in self.mass_places.iter().zip(&self.mass.values) {
-            if place != Blocks::skipped() {
-                self.values[place as usize] += mass_weight * value;
-            }
+        for &(place, value) in &self.mass_entries {
+            self.values[place as usize] += mass_weight * value;
         }
         let mut blocks = Blocks::add_to(&self.tangent_places, &mut self.values);
         system.forces(&mut |force| force.add_tangent(motion, weights, &mut blocks));
@@ -233,8 +174,8 @@ impl IterationMatrix {
 
     /// Subtracts `M v̇` of the contributions that do not do it themselves.
     pub fn subtract_inertia(&self, v_dot: &[f64], force: &mut [f64]) {
-        for &row in &self.mass.multiplied_rows {
-            force[row] -= self.mass.multiplied.row_product(row, v_dot);
+        for &row in &self.multiplied_rows {
+            force[row] -= self.multiplied_mass.row_product(row, v_dot);
         }
     }
 
@@ -249,7 +190,7 @@ impl IterationMatrix {
 
     /// Typical mass per coordinate, kg; scales constraint rows.
     pub fn mean_mass(&self) -> f64 {
-        (self.mass.trace / self.entries.coordinates.max(1) as f64).max(f64::MIN_POSITIVE)
+        (self.mass_trace / self.coordinates.max(1) as f64).max(f64::MIN_POSITIVE)
     }
 }
 
@@ -302,6 +243,12 @@ pub(crate) fn mass_matrix(system: &mut dyn System) -> SparseMatrix {
 
 /// The mass matrix of the contributions that are `selected`.
 fn selected_mass_matrix(system: &mut dyn System, selected: impl Fn(&dyn Force) -> bool) -> SparseMatrix {
+    let entries = mass_entries(system, selected);
+    SparseMatrix::from_entries(system.layout().coordinates(), entries)
+}
+
+/// Row, column and value of what the contributions that are `selected` add to the mass matrix, in their order.
+fn mass_entries(system: &mut dyn System, selected: impl Fn(&dyn Force) -> bool) -> Vec<(u32, u32, f64)> {
     let mut add_to = |blocks: &mut Blocks<'_>| {
         system.forces(&mut |force| {
             if selected(force) {
@@ -314,9 +261,6 @@ fn selected_mass_matrix(system: &mut dyn System, selected: impl Fn(&dyn Force) -
     let order: Vec<u32> = (0..places.len() as u32).collect();
     let mut values = vec![0.0; places.len()];
     add_to(&mut Blocks::add_to(&order, &mut values));
-    let entries = places
-        .iter()
-        .zip(&values)
-        .map(|(&(row, column), &value)| (row, column, value));
-    SparseMatrix::from_entries(system.layout().coordinates(), entries.collect())
+    let entries = places.into_iter().zip(values);
+    entries.map(|((row, column), value)| (row, column, value)).collect()
 }

@@ -157,12 +157,8 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
-    /// That of a system; the one of a `former` system saves the analysis where both have the same entries.
-    pub fn new(system: &mut dyn System, motion: &Motion<'_>, former: Option<Self>) -> Self {
-        let matrix = match former {
-            Some(former) => former.matrix.renewed(system, motion),
-            None => IterationMatrix::analyse(system, motion, MovingRows::Placeholders),
-        };
+    pub fn new(system: &mut dyn System, motion: &Motion<'_>) -> Self {
+        let matrix = IterationMatrix::analyse(system, motion, MovingRows::Placeholders);
         let coordinates = system.layout().coordinates();
         let size = coordinates + system.layout().constraints();
         // Nothing allocates later: there are at most as many ranges as unknowns, and a few dozen in practice.
@@ -209,7 +205,7 @@ impl Workspace {
 
     /// The equations of constraints that move, ascending.
     pub fn moving(&self) -> &[usize] {
-        self.matrix.moving()
+        &self.matrix.moving
     }
 
     /// The unknown with the largest residual.

@@ -180,9 +180,9 @@ impl Part {
             }
             return;
         }
-        for (value, &unknown) in self.local.iter_mut().zip(&self.unknowns) {
-            *value = right_side[unknown];
-        }
+        for_each_run(&self.unknowns, |own, of_all| {
+            self.local[own].copy_from_slice(&right_side[of_all]);
+        });
         if !self.is_symmetric() {
             self.solve_above(thresholds);
         }
@@ -260,13 +260,10 @@ impl Part {
         if self.local.iter().all(|&value| value == 0.0) {
             return;
         }
-        for (&value, &unknown) in self.local.iter().zip(&self.unknowns) {
-            solution[unknown] = value;
-        }
-        for run in self.unknowns.chunk_by(|a, b| b - a <= 1) {
-            let range = run[0]..run[run.len() - 1] + 1;
-            changed(range.clone(), range);
-        }
+        for_each_run(&self.unknowns, |own, of_all| {
+            solution[of_all.clone()].copy_from_slice(&self.local[own]);
+            changed(of_all.clone(), of_all);
+        });
     }
 
     /// Solves in place of `local`, unless it is nowhere above the thresholds: then it becomes zero.

@@ -59,8 +59,9 @@ pub(crate) struct Imbalance {
     first: Option<f64>,
 }
 
-/// The rows on which linear contributions act and no others that evaluate ranges, and no constraints but those that move, which are borders of the updates. With their part `A_l` of the
-/// iteration matrix, that of the others `A_o` and a correction `(A_l + A_o + U C Uᵀ) Δq = r_l + r_o` they leave there
+/// The rows on which linear contributions act and no others that evaluate ranges, and no constraints but those that move, which are
+/// borders of the updates. With their part `A_l` of the iteration matrix, that of the others `A_o` and a correction
+/// `(A_l + A_o + U C Uᵀ) Δq = r_l + r_o` they leave there
 ///
 /// ```text
 /// r_l − A_l Δq = A_o Δq + U z − r_o,    z = C Uᵀ Δq

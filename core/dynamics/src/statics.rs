@@ -67,7 +67,7 @@ fn solve(
     for vector in [&mut state.v, &mut state.v_dot, &mut state.a] {
         vector.fill(0.0);
     }
-    let mut workspace = Workspace::new(system, &state.motion(u), None);
+    let mut workspace = Workspace::new(system, &state.motion(u));
     let weights = Weights { q: 1.0, v: 0.0 };
     let newton = &options.newton;
     system.forces(&mut |force| force.begin_step(&state.motion(u)));

@@ -3,8 +3,7 @@
 use crate::error::What;
 use crate::write::{shown_key, shown_number};
 use crate::{
-    Catenary, Element, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics, ThirdParty,
-    Vehicle, Wire,
+    Catenary, Element, Evaluate, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics, ThirdParty, Wire,
 };
 
 /// Contradictions found so far: the key and what is wrong with it.
@@ -146,8 +145,7 @@ impl Scene {
             return;
         };
         let length = catenary.length();
-        let train = self.vehicle.as_deref().and_then(Vehicle::train);
-        let aside = train.map_or(0.0, |train| train.pantograph_base[1]);
+        let aside = self.base_aside();
         for (i, pantograph) in self.pantographs.iter().enumerate() {
             let (start, end) = (self.strip_start_x(i), self.strip_x(i, self.run.duration));
             let strip = format!("the strip of pantograph[{}]", i + 1);

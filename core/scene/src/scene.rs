@@ -142,14 +142,17 @@ impl Scene {
     /// y of the strips at t = 0, m: that of the base on a vehicle, or the nearest sample before of a given motion.
     #[must_use]
     pub fn strip_start_y(&self) -> f64 {
-        match self.vehicle.as_deref() {
-            None => 0.0,
-            Some(Vehicle::Vertical(train) | Vehicle::Full(train)) => train.pantograph_base[1],
-            Some(Vehicle::RigidMotion(motion)) => {
-                let sample = motion.time.partition_point(|&time| time <= 0.0).saturating_sub(1);
-                motion.y.get(sample).copied().unwrap_or(0.0)
-            }
+        if let Some(Vehicle::RigidMotion(motion)) = self.vehicle.as_deref() {
+            let sample = motion.time.partition_point(|&time| time <= 0.0).saturating_sub(1);
+            return motion.y.get(sample).copied().unwrap_or(0.0);
         }
+        self.base_aside()
+    }
+
+    /// How far the bases of pantographs stand beside the middle of the track on a vehicle of bodies, m; 0 on others.
+    pub(crate) fn base_aside(&self) -> f64 {
+        let train = self.vehicle.as_deref().and_then(Vehicle::train);
+        train.map_or(0.0, |train| train.pantograph_base[1])
     }
 
     /// x of the strip of pantograph `index` (from 0) at `time` in s, m, as the train moves.

@@ -1,5 +1,4 @@
 //! The penalty law.
-use super::AtStart;
 
 /// Unilateral penalty law between contact wire and collector strip.
 ///
@@ -7,7 +6,7 @@ use super::AtStart;
 /// F = max(0, k δ + φ d δ̇)                                          [Thesis, Eq. (17), with φ = 1 for δ > 0, else 0]
 /// ```
 ///
-/// `φ` is the part of a time step in which the contact is closed, see [`AtStart`]: 1 in a step that begins closed.
+/// `φ` is the part of a time step in which the contact is closed, see [`super::AtStart`]: 1 in a step that begins closed.
 /// The thesis' Eq. (17) holds both normals of the wire with the bilateral spring; here only the common normal of wire and
 /// strip carries a force and it never pulls, so that contact can be lost and, with stagger, the wire slides along the strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,17 +18,12 @@ pub struct PenaltyContact {
 }
 
 impl PenaltyContact {
-    /// Magnitude of the normal force in N; never negative, so the pair cannot pull.
+    /// Magnitude of the normal force in N, with the damper acting for the `part` `φ` of the step; never negative, so the pair cannot
+    /// pull.
     ///
     /// `penetration` in m is positive when the strip overlaps the wire; `penetration_rate` is its time derivative in m/s.
     #[must_use]
-    pub fn normal_force(&self, at_start: AtStart, penetration: f64, penetration_rate: f64) -> f64 {
-        let (part, _) = at_start.closed_part(penetration);
-        self.partly_damped(part, penetration, penetration_rate)
-    }
-
-    /// [`PenaltyContact::normal_force`] for a `φ` that is known.
-    pub(super) fn partly_damped(&self, part: f64, penetration: f64, penetration_rate: f64) -> f64 {
+    pub fn normal_force(&self, part: f64, penetration: f64, penetration_rate: f64) -> f64 {
         (self.stiffness * penetration + part * self.damping * penetration_rate).max(0.0)
     }
 
@@ -49,6 +43,7 @@ impl PenaltyContact {
 
 #[cfg(test)]
 mod tests {
+    use super::super::AtStart;
     use super::*;
 
     const LAW: PenaltyContact = PenaltyContact {
@@ -58,11 +53,17 @@ mod tests {
     const OPEN: AtStart = AtStart::Penetration(-1e-4);
     const CLOSED: AtStart = AtStart::Penetration(1e-4);
 
+    /// In a step that began `at_start`.
+    fn force_of(at_start: AtStart, penetration: f64, penetration_rate: f64) -> f64 {
+        let (part, _) = at_start.closed_part(penetration);
+        LAW.normal_force(part, penetration, penetration_rate)
+    }
+
     #[test]
     fn separated_bodies_exert_no_force_however_fast_they_close() {
         for at_start in [AtStart::Unknown, OPEN, AtStart::APART] {
-            assert_eq!(LAW.normal_force(at_start, -1e-9, 10.0), 0.0);
-            assert_eq!(LAW.normal_force(at_start, 0.0, 10.0), 0.0);
+            assert_eq!(force_of(at_start, -1e-9, 10.0), 0.0);
+            assert_eq!(force_of(at_start, 0.0, 10.0), 0.0);
         }
         assert_eq!(LAW.energy(-1e-3), 0.0);
     }
@@ -70,24 +71,24 @@ mod tests {
     #[test]
     fn damping_never_makes_the_contact_pull() {
         for at_start in [AtStart::Unknown, OPEN, CLOSED] {
-            assert_eq!(LAW.normal_force(at_start, 1e-3, -1.0), 0.0);
+            assert_eq!(force_of(at_start, 1e-3, -1.0), 0.0);
         }
-        assert_eq!(LAW.normal_force(CLOSED, -1e-3, 0.1), 0.0);
+        assert_eq!(force_of(CLOSED, -1e-3, 0.1), 0.0);
     }
 
     #[test]
     fn the_damper_acts_with_the_part_of_the_step_in_which_the_contact_is_closed() {
-        assert_eq!(LAW.normal_force(CLOSED, 1e-3, 0.1), 70.0);
-        assert_eq!(LAW.normal_force(AtStart::Unknown, 1e-3, 0.1), 70.0);
-        assert_eq!(LAW.normal_force(AtStart::Penetration(0.0), 1e-3, 0.1), 70.0);
+        assert_eq!(force_of(CLOSED, 1e-3, 0.1), 70.0);
+        assert_eq!(force_of(AtStart::Unknown, 1e-3, 0.1), 70.0);
+        assert_eq!(force_of(AtStart::Penetration(0.0), 1e-3, 0.1), 70.0);
         // A quarter of the way: 3e-4 m of 4e-4 m are open.
-        let quarter = LAW.normal_force(AtStart::Penetration(-3e-4), 1e-4, 0.1);
+        let quarter = force_of(AtStart::Penetration(-3e-4), 1e-4, 0.1);
         assert!(
             (quarter - (5.0 + 0.25 * 20.0)).abs() < 1e-12,
             "rounding of 10 N: {quarter}"
         );
         // Denormal numbers at most are left of the damper.
-        assert!((LAW.normal_force(AtStart::APART, 1e-3, 0.1) - 50.0).abs() < 1e-12);
+        assert!((force_of(AtStart::APART, 1e-3, 0.1) - 50.0).abs() < 1e-12);
     }
 
     /// Along a step of `h`, `δ̇ = A + 2 δ/h` (trapezoid).
@@ -102,7 +103,7 @@ mod tests {
             AtStart::APART,
         ] {
             for offset in [-1.0, -0.1, 0.0, 0.1, 1.0] {
-                let force = |penetration: f64| LAW.normal_force(at_start, penetration, offset + 2.0 * penetration / h);
+                let force = |penetration: f64| force_of(at_start, penetration, offset + 2.0 * penetration / h);
                 let step = 1e-9;
                 let forces: Vec<f64> = (-200_000..200_000).map(|i| force(f64::from(i) * step)).collect();
                 let name = format!("{at_start:?}, {offset} m/s");
@@ -123,8 +124,7 @@ mod tests {
     #[test]
     fn the_force_is_continuous_in_where_the_step_begins_while_it_ends_closed() {
         for penetration in [1e-6, 1e-4] {
-            let [before, after] =
-                [-1e-12, 1e-12].map(|start| LAW.normal_force(AtStart::Penetration(start), penetration, 0.1));
+            let [before, after] = [-1e-12, 1e-12].map(|start| force_of(AtStart::Penetration(start), penetration, 0.1));
             // 20 N of damping, of which 1e-12/1e-6 is left out.
             assert!((after - before).abs() < 2.1e-5, "{before} {after}");
         }
@@ -135,7 +135,7 @@ mod tests {
         let h = 1e-6;
         let slope = (LAW.energy(2e-3 + h) - LAW.energy(2e-3 - h)) / (2.0 * h);
         assert!(
-            (slope - LAW.normal_force(CLOSED, 2e-3, 0.0)).abs() < 1e-6 * slope,
+            (slope - force_of(CLOSED, 2e-3, 0.0)).abs() < 1e-6 * slope,
             "central difference"
         );
     }

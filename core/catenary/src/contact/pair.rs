@@ -7,8 +7,8 @@ use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// Which tangent the contact hands to Newton's method. In a step that closes it both are steeper, see [`ContactState`], so that no
-/// correction opens it again.
+/// Which tangent the contact hands to Newton's method. In a step that closes it both are not below the chord to where it closes, so
+/// that no correction opens it again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactTangent {
     /// `k g_q g_qᵀ` with the direction predicted for the step: one solution per step, exact up to the curvature terms.

@@ -125,7 +125,7 @@ impl ContactState {
             closed_part,
             closing: 0.0,
         };
-        let force = series.partly_damped(closed_part, p, p_rate);
+        let force = series.normal_force(closed_part, p, p_rate);
         if force > 0.0 && !beside {
             state.force = force;
             state.closing = closed_part_by_delta * law.damping * share * p_rate;

@@ -128,7 +128,7 @@ impl Group {
 }
 
 /// Where droppers stand: entries of the last lanes are without a dropper.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Extensions {
     /// `δ`, m.
     pub elongation: Vec<f64>,
