@@ -49,7 +49,7 @@ pub use ancf::{
 pub use anchor::Anchor;
 pub use attachment::Attachment;
 pub use contact::{
-    AtStart, Compliance, CompliantWire, ContactGeometry, ContactPair, ContactState, ContactTangent, OnWire,
+    AtStart, Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, CuredWire, LoadCorrection, OnWire,
     PenaltyContact, PrescribedStrip, ResidualCompliance, STRIP_INPUTS, Sensitivity, SlidingJoint, StripContact,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
