@@ -1,5 +1,4 @@
 //! Contact between the contact wire and collector strips.
-mod at_start;
 mod compliance;
 mod cured_wire;
 mod geometry;
@@ -12,7 +11,6 @@ mod sliding_joint;
 mod state;
 mod strip;
 
-pub use at_start::AtStart;
 pub use compliance::{Compliance, ResidualCompliance};
 pub use cured_wire::CuredWire;
 pub use geometry::ContactGeometry;

@@ -2,8 +2,8 @@
 use super::moving_load::MovingLoad;
 use super::sides::Sides;
 use super::state::{ContactState, Sensitivity, Variation, vary};
-use super::{AtStart, ContactGeometry, OnWire, PenaltyContact};
-use crate::{Curve, CurveColumns};
+use super::{ContactGeometry, OnWire, PenaltyContact};
+use crate::{AtStart, Curve, CurveColumns};
 use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -118,7 +118,7 @@ impl ContactPair {
         if self.is_beside(&contact.geometry) {
             AtStart::APART
         } else {
-            AtStart::Penetration(-contact.geometry.gap)
+            AtStart::At(-contact.geometry.gap)
         }
     }
 

@@ -1,5 +1,6 @@
 //! The contact at one instant, and how it changes.
-use super::{AtStart, Compliance, ContactGeometry, PenaltyContact};
+use super::{Compliance, ContactGeometry, PenaltyContact};
+use crate::AtStart;
 use dynamics::{Frame, Weights};
 use nalgebra::Vector3;
 
