@@ -286,7 +286,7 @@ impl GeneralizedAlpha {
                 };
             }
             last_ratio = residual.ratio;
-            workspace.correct(system, &motion, weights, Some(&options))?;
+            workspace.correct(system, &motion, weights, Some((&options, iteration)))?;
             self.apply(workspace, damping, (mass_rate, velocity_rate), system, state);
         }
         unreachable!("the last pass returns")
