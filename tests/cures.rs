@@ -10,6 +10,7 @@ use integration_tests::runs::{EN_300, Run, rms, run, scene_with};
 use integration_tests::single_wire::{Load, Material, SingleWire};
 use master::simulation::Mode;
 use nalgebra::Vector3;
+use scene::Division;
 use std::sync::Arc;
 
 /// The contact wire of the reference model.
@@ -222,7 +223,7 @@ fn the_mass_correction_takes_the_leading_error_off_the_time_step() {
 fn statics_of_a_cured_coarse_mesh_are_those_of_a_fine_one() {
     let mut catenary = scene_line(EN, &[]);
     catenary.span_lengths.truncate(4);
-    catenary.mesh.elements_per_interval = 4;
+    catenary.mesh.division = Division::PerInterval(4);
     let cures = LineOptions {
         layers: BendingLayers::AtAttachments,
         contact_compliance: Some(83.3),
@@ -234,7 +235,7 @@ fn statics_of_a_cured_coarse_mesh_are_those_of_a_fine_one() {
     };
     let coarse = StaticLine::solve(&catenary, LineOptions::default()).unwrap();
     let cured = StaticLine::solve(&catenary, cures).unwrap();
-    catenary.mesh.elements_per_interval = 32;
+    catenary.mesh.division = Division::PerInterval(32);
     let fine = StaticLine::solve(&catenary, LineOptions::default()).unwrap();
     for (a, b) in cured.report().droppers.iter().zip(&fine.report().droppers) {
         assert!((a.force - b.force).abs() < 1e-3 * b.force, "{} {}", a.force, b.force);

@@ -1,7 +1,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use scene::Scene;
+use scene::{Division, Scene};
 
 use super::*;
 use crate::report::{Progress, Show};
@@ -84,8 +84,11 @@ fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
     }
     let of = |sweep: Sweep| planned.iter().filter(move |run| run.sweeps.contains(&sweep));
     let elements = |run: &Planned| match run.recipe.mesh {
-        Mesh::Of { elements, .. } => elements,
-        Mesh::Scene => 0,
+        Mesh::Of {
+            division: Division::PerInterval(elements),
+            ..
+        } => elements,
+        _ => 0,
     };
     for count in Options::ELEMENTS {
         assert!(of(Sweep::Mesh).any(|run| elements(run) == count));
@@ -143,6 +146,7 @@ fn what_a_recipe_changes_does_not_make_another_scene() {
     let own = identity(&short(&[]));
     for key in [
         "catenary.mesh.elements_per_interval=7",
+        "catenary.mesh.element_length=0.9",
         "solver.rho_inf=0.5",
         "solver.micro_step=1e-4",
         "coupling={ algorithm = \"jacobi\", macro_step = 0.004 }",
