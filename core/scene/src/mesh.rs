@@ -77,12 +77,13 @@ choice! {
 /// error of a step.
 const LEAST_RHO_INF: f64 = 0.9;
 
-/// Longest step for the mass correction: a share of the time that a wave takes through an element, and the length of that element in
-/// m, of the interval where their product is least. Beyond, the part of the mass matrix that belongs to the interval is not positive
-/// definite; where no part is, the whole is not. Its smallest eigenvalue vanishes at 0.38 without bending layers and with ends that are held;
-/// with layers at the attachments of the standard's line and elements of up to 40 bending lengths at 0.21, 0.26, 0.28, 0.29, 0.30
-/// for 1, 2, 3, 4, 6 elements between them; along a wire whose end moves freely, as under a constant tension, at 0.2545 for four
-/// elements and 0.2565 for many.
+/// Longest step for the mass correction: a share of the time that a wave takes through an element, and the length of that element,
+/// m, of the dropper interval that takes the shortest step. Beyond, the corrected mass matrix is not positive definite. With as many
+/// elements in each interval its smallest eigenvalue vanishes at 0.38 of the time through the shortest one without bending layers and
+/// with ends that are held; with layers at the attachments of the standard's line and elements of up to 40 bending lengths at 0.21,
+/// 0.26, 0.28, 0.29, 0.30 for 1, 2, 3, 4, 6 elements between them; along a wire whose end moves freely, as under a constant tension,
+/// at 0.2545 for four elements and 0.2565 for many. With other numbers the matrix is the sum of positive ones as long as each
+/// interval's own is.
 fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64) {
     let of_interval = |(length, elements): (f64, usize)| {
         let inner: f64 = match (layers, elements) {
