@@ -1,8 +1,8 @@
 //! What makes up for a coarse mesh, against closed forms and fine meshes.
 use catenary::{
-    AxialLaw, BendingLaw, BendingLayers, CompliantWire, ContactPair, ContactTangent, Curve, Enrichment, LineOptions,
-    MassCorrection, NodeMap, PenaltyContact, PrescribedStrip, ResidualCompliance, StaticLine, WireGeometry,
-    WireSection,
+    AxialLaw, BendingLaw, BendingLayers, ContactPair, ContactTangent, CuredWire, Curve, Enrichment, LineOptions,
+    LoadCorrection, MassCorrection, NodeMap, PenaltyContact, PrescribedStrip, ResidualCompliance, StaticLine,
+    WireGeometry, WireSection,
 };
 use dynamics::{StaticOptions, solve_static};
 use integration_tests::lines::{EN, scene_line};
@@ -31,11 +31,12 @@ fn bending_length(tension: f64) -> f64 {
     (SECTION.bending_stiffness / tension).sqrt()
 }
 
-fn compliant(geometry: &Arc<WireGeometry>, speed: f64) -> CompliantWire {
+fn compliant(geometry: &Arc<WireGeometry>, speed: f64) -> CuredWire {
     let compliance = ResidualCompliance::new(geometry, &SECTION, speed).expect("below the wave speed");
-    CompliantWire {
+    CuredWire {
         geometry: Arc::clone(geometry),
-        compliance: Arc::new(compliance),
+        compliance: Some(Arc::new(compliance)),
+        load: None,
     }
 }
 
@@ -217,6 +218,94 @@ fn the_mass_correction_takes_the_leading_error_off_the_time_step() {
         println!("rho {rho_inf}: {coarse:.3e} {fine:.3e} corrected {corrected:.3e} {finer:.3e}");
         assert!(corrected < 0.02 * coarse, "{rho_inf}: {corrected} of {coarse}");
     }
+}
+
+/// Largest error of the waves that a strip at two thirds of their speed, whose force changes with 20 Hz, sends ahead of itself along a
+/// string, as a share of their amplitude; the step is `h` s.
+///
+/// A string that a force moves along with the speed `v` from x = x₀ has at a place `x` ahead of it the height
+/// `∫₀^τ F dt / (2 m c)`, `τ = (c t − (x − x₀))/(c − v)` [d'Alembert]. `F` is what the contact was found to have.
+fn error_ahead_of_a_strip(h: f64, corrected_load: bool) -> f64 {
+    const LENGTH: f64 = 60.0;
+    const ELEMENTS: usize = 240;
+    const START: f64 = 10.0;
+    const SEEN_AT: f64 = 50.0;
+    let section = WireSection {
+        bending_stiffness: 0.0,
+        ..SECTION
+    };
+    let material = Material { section, ..MATERIAL };
+    let mut wire = SingleWire::planar(&material, LENGTH, ELEMENTS)
+        .pinned(0)
+        .pinned(ELEMENTS);
+    wire.wire = wire.wire.with_mass_correction(h);
+    let (m, c) = (
+        section.mass_per_length,
+        (section.tension / section.mass_per_length).sqrt(),
+    );
+    let v = 2.0 / 3.0 * c;
+    let law = PenaltyContact {
+        // Soft, so that the elements underneath are not felt.
+        stiffness: 2e3,
+        damping: 0.0,
+    };
+    let share = 1.0 / 6.0;
+    let curve = Arc::new(CuredWire {
+        geometry: Arc::clone(wire.geometry()),
+        compliance: ResidualCompliance::new(wire.geometry(), &section, v).map(Arc::new),
+        load: corrected_load.then_some(LoadCorrection { step: h, share }),
+    });
+    let strip = Box::new(PrescribedStrip { first: 0 });
+    wire.contact = Some(ContactPair::new(law, curve, strip, 1.2, ContactTangent::RankOne));
+    // What gives a force that starts smoothly and then is 0.5 to 1.5 N, so that the tension stays what it is.
+    let omega = 40.0 * std::f64::consts::PI;
+    let rise = 1.0 / (2.0 * m * c);
+    const SETTLED: f64 = 0.02;
+    let height = |t: f64| {
+        let start = SETTLED * (2.0 - (2.0 + t / SETTLED) * (-t / SETTLED).exp());
+        rise * (t - 0.5 * (omega * t).sin() / omega - 0.5 * start)
+    };
+    let rate = |t: f64| rise * (1.0 - 0.5 * (omega * t).cos() - 0.5 * (1.0 + t / SETTLED) * (-t / SETTLED).exp());
+    let mut integrator = integration_tests::single_wire::trapezoid(1e-7);
+    let mut state = wire.layout.state_at_rest();
+    let (mut impulse, mut before, mut worst) = (vec![0.0], 0.0, 0.0_f64);
+    let steps = (0.375 / h) as usize;
+    for step in 1..=steps {
+        let t = step as f64 * h;
+        let pressed = 2.0 * m * c * rate(t) / law.stiffness;
+        let u = [START + v * t, 0.0, height(t) + pressed, v, 0.0, 0.0, 0.0];
+        integrator
+            .step(&mut wire, &mut state, &u, t, h)
+            .expect("the wire moves on");
+        let contact = wire.contact.as_ref().expect("set above");
+        let force = contact.state(&state.motion(&u)).expect("on the wire").force;
+        let so_far = impulse[step - 1];
+        impulse.push(so_far + 0.5 * h * (before + force));
+        before = force;
+        let tau = (c * t - (SEEN_AT - START)) / (c - v);
+        if tau > 0.0 {
+            let (whole, part) = ((tau / h) as usize, (tau / h).fract());
+            let exact = (impulse[whole] + part * (impulse[whole + 1] - impulse[whole])) / (2.0 * m * c);
+            // The short waves of the start have passed, or have not come yet.
+            if tau > 0.02 {
+                worst = worst.max((wire.point(SEEN_AT, &state).r.z - exact).abs());
+            }
+        }
+    }
+    worst / (0.5 * rise / omega)
+}
+
+#[test]
+fn a_moving_force_is_corrected_with_the_mass() {
+    let h = 5e-4;
+    let [plain, corrected] = [false, true].map(|load| error_ahead_of_a_strip(h, load));
+    // Forces that change with `Ω` at the nodes, three times as fast as that of the contact, are taken for `(Ω h)²/6` too large.
+    let omega = 3.0 * 40.0 * std::f64::consts::PI;
+    let expected = (omega * h).powi(2) / 6.0;
+    println!("plain {plain:.3e}, corrected {corrected:.3e}; closed form {expected:.3e}");
+    assert!((plain / expected - 1.0).abs() < 0.15, "{plain} against {expected}");
+    // What is left is the mesh: 8 elements per wave.
+    assert!(corrected < 0.25 * plain, "{corrected} of {plain}");
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! A wire as the contact sees it.
-use crate::Compliance;
+use crate::{Compliance, LoadCorrection};
 use nalgebra::Vector3;
 
 /// One point of a curve and how it moves.
@@ -91,5 +91,10 @@ pub trait Curve: Send + Sync {
     /// What a strip's force at `s` moves the curve by beyond its coordinates; nothing of a curve that knows no more than they do.
     fn compliance(&self, _s: f64) -> Compliance {
         Compliance::default()
+    }
+
+    /// What the time step asks of a force that moves along the curve; nothing where the inertia is not corrected for it.
+    fn load_correction(&self) -> Option<LoadCorrection> {
+        None
     }
 }

@@ -1,5 +1,5 @@
 //! Droppers: the ties between messenger wire and contact wire.
-use crate::Attachment;
+use crate::{AtStart, Attachment};
 use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
 use lanes::{Evaluate, Extensions, Group, LANES, Mass};
 use nalgebra::{Matrix3, Vector3};
@@ -11,41 +11,14 @@ mod slackening;
 
 pub use slackening::Slackening;
 
-/// What a dropper was at the beginning of a time step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tautness {
-    /// Longer than its unstressed length.
-    Taut,
-    /// Not.
-    Slack,
-}
-
-impl Tautness {
-    /// That of an `elongation` in m.
-    #[must_use]
-    pub fn of(elongation: f64) -> Self {
-        if elongation > 0.0 { Self::Taut } else { Self::Slack }
-    }
-
-    /// As a number that [`Tautness::of`] takes back.
-    pub(crate) fn saved(self) -> f64 {
-        match self {
-            Self::Taut => 1.0,
-            Self::Slack => 0.0,
-        }
-    }
-}
-
 /// Force of a dropper: a spring and a damper that pull and never push.
 ///
 /// ```text
-/// F = max(0, k δ + c δ̇)    in a step that begins taut,  δ > 0
-/// F = max(0, k δ)           in a step that begins slack, δ ≤ 0       δ = length − unstressed length
+/// F = max(0, k δ + φ c δ̇)        δ = length − unstressed length
 /// ```
 ///
-/// A slack dropper exerts no force at all, so its damping part is cut as well. Which of the two acts is decided from step to step,
-/// as in [Thesis, section 3.2]. Decided within the step the force of a closing dropper would jump from 0 to `c δ̇`, and an implicit
-/// step may then have no solution, neither slack nor taut; as it is, the force is continuous and monotone in each step.
+/// `φ` is the part of a time step in which the dropper is taut, see [`AtStart`]: 1 in a step that begins taut, 0 as long as it is slack,
+/// so that a slack dropper exerts no force at all [Thesis, section 3.2].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DropperLaw {
     /// `k`, N/m.
@@ -55,26 +28,24 @@ pub struct DropperLaw {
 }
 
 impl DropperLaw {
-    /// Tension in N, never negative, for an `elongation` in m that changes with `rate` in m/s.
+    /// Tension in N, never negative, for an `elongation` in m that changes with `rate` in m/s, in a step that began `at_start`.
     #[must_use]
-    pub fn force(&self, at_start: Tautness, elongation: f64, rate: f64) -> f64 {
-        let damping = match at_start {
-            Tautness::Taut => self.damping * rate,
-            Tautness::Slack => 0.0,
-        };
-        (self.stiffness * elongation + damping).max(0.0)
+    pub fn force(&self, at_start: AtStart, elongation: f64, rate: f64) -> f64 {
+        let (part, _) = at_start.closed_part(elongation);
+        (self.stiffness * elongation + part * self.damping * rate).max(0.0)
     }
 
     /// `(∂F/∂δ, ∂F/∂δ̇)`, N/m and N·s/m; zero without force.
     #[must_use]
-    pub fn derivatives(&self, at_start: Tautness, elongation: f64, rate: f64) -> (f64, f64) {
+    pub fn derivatives(&self, at_start: AtStart, elongation: f64, rate: f64) -> (f64, f64) {
         if self.force(at_start, elongation, rate) <= 0.0 {
             return (0.0, 0.0);
         }
-        match at_start {
-            Tautness::Taut => (self.stiffness, self.damping),
-            Tautness::Slack => (self.stiffness, 0.0),
-        }
+        let (part, by_elongation) = at_start.closed_part(elongation);
+        (
+            self.stiffness + by_elongation * self.damping * rate,
+            part * self.damping,
+        )
     }
 
     /// Elastic energy at an `elongation` in m, J.
@@ -83,11 +54,17 @@ impl DropperLaw {
         0.5 * self.stiffness * elongation.max(0.0).powi(2)
     }
 
-    /// Slope of the force in the weighted tangent, N/m.
+    /// Slope of the force in the weighted tangent, N/m. In a step that closes it is not below that of the chord to where the dropper
+    /// closes, so that no correction opens it again.
     #[must_use]
-    pub fn slope(&self, at_start: Tautness, elongation: f64, rate: f64, weights: Weights) -> f64 {
+    pub fn slope(&self, at_start: AtStart, elongation: f64, rate: f64, weights: Weights) -> f64 {
         let (by_elongation, by_rate) = self.derivatives(at_start, elongation, rate);
-        weights.q * by_elongation + weights.v * by_rate
+        let slope = weights.q * by_elongation + weights.v * by_rate;
+        if at_start.is_open() && elongation > 0.0 {
+            slope.max(weights.q * self.force(at_start, elongation, rate) / elongation)
+        } else {
+            slope
+        }
     }
 }
 
@@ -167,10 +144,10 @@ pub struct Droppers {
     groups: Vec<Group>,
     masses: Vec<Mass>,
     assembled: Vec<Assembled>,
-    /// What each dropper was at the beginning of the present step; filled up to whole groups.
-    at_start: Vec<Tautness>,
-    /// What each dropper was at the beginning of the step that has just ended: with it the force at its end was found.
-    during: Vec<Tautness>,
+    /// Elongation of each dropper at the beginning of the present step, m; filled up to whole groups.
+    at_start: Vec<f64>,
+    /// The same of the step that has just ended: with it the force at its end was found.
+    during: Vec<f64>,
     /// Where they stood when their forces were found last.
     extensions: Extensions,
     /// Whether that is where they stand: within a time step the solver asks for forces first, then for all that follows from them.
@@ -193,8 +170,8 @@ impl Droppers {
             law,
             gravity,
             assembled: vec![slack; droppers.len()],
-            at_start: vec![Tautness::Taut; groups.len() * LANES],
-            during: vec![Tautness::Taut; groups.len() * LANES],
+            at_start: vec![0.0; groups.len() * LANES],
+            during: vec![0.0; groups.len() * LANES],
             extensions: Extensions::new(groups.len()),
             evaluated: false,
             groups,
@@ -221,7 +198,8 @@ impl Droppers {
     #[must_use]
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
         let pose = self.droppers[index].pose(motion);
-        self.law.force(self.at_start[index], pose.elongation, pose.rate)
+        self.law
+            .force(AtStart::At(self.at_start[index]), pose.elongation, pose.rate)
     }
 
     /// Their elongations `δ`, m.
@@ -302,7 +280,7 @@ impl Force for Droppers {
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         self.version += 1;
         for (index, dropper) in self.droppers.iter().enumerate() {
-            let at_start = self.at_start[index];
+            let at_start = AtStart::At(self.at_start[index]);
             let assembled = &mut self.assembled[index];
             let pose = dropper.pose(motion);
             let force = self.law.force(at_start, pose.elongation, pose.rate);
@@ -326,7 +304,10 @@ impl Force for Droppers {
     fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         for (slot, (dropper, assembled)) in self.droppers.iter().zip(&self.assembled).enumerate() {
             let (elongation, rate) = self.extension(slot, motion);
-            let coefficient = self.law.slope(self.at_start[slot], elongation, rate, weights) - assembled.slope;
+            let coefficient = self
+                .law
+                .slope(AtStart::At(self.at_start[slot]), elongation, rate, weights)
+                - assembled.slope;
             if coefficient == 0.0 {
                 continue;
             }
@@ -362,7 +343,7 @@ impl Force for Droppers {
         let heat = self.droppers.iter().zip(&self.during).map(|(dropper, &during)| {
             let pose = dropper.pose(motion);
             let elastic = self.law.stiffness * pose.elongation.max(0.0);
-            (self.law.force(during, pose.elongation, pose.rate) - elastic) * pose.rate
+            (self.law.force(AtStart::At(during), pose.elongation, pose.rate) - elastic) * pose.rate
         });
         Some(Power {
             driven: 0.0,
@@ -373,14 +354,14 @@ impl Force for Droppers {
     fn end_step(&mut self, motion: &Motion<'_>) {
         self.during.copy_from_slice(&self.at_start);
         for index in 0..self.droppers.len() {
-            self.at_start[index] = Tautness::of(self.extension(index, motion).0);
+            self.at_start[index] = self.extension(index, motion).0;
         }
         self.evaluated = false;
     }
 
     fn save(&self, out: &mut Vec<f64>) {
         for (assembled, at_start) in self.assembled.iter().zip(&self.at_start) {
-            out.push(at_start.saved());
+            out.push(*at_start);
             out.push(assembled.slope);
             out.extend_from_slice(assembled.direction.as_slice());
         }
@@ -390,7 +371,7 @@ impl Force for Droppers {
         let mut changed = false;
         for (assembled, at_start) in self.assembled.iter_mut().zip(&mut self.at_start) {
             let mut next = || *values.next().expect("a saved state holds five numbers per dropper");
-            *at_start = Tautness::of(next());
+            *at_start = next();
             let saved = Assembled {
                 slope: next(),
                 direction: Vector3::new(next(), next(), next()),

@@ -18,6 +18,7 @@
 
 mod ancf;
 mod anchor;
+mod at_start;
 mod attachment;
 mod beam_wire;
 mod contact;
@@ -47,13 +48,14 @@ pub use ancf::{
     nominal_stretch, tension_matrix,
 };
 pub use anchor::Anchor;
+pub use at_start::AtStart;
 pub use attachment::Attachment;
 pub use contact::{
-    AtStart, Compliance, CompliantWire, ContactGeometry, ContactPair, ContactState, ContactTangent, OnWire,
+    Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, CuredWire, LoadCorrection, OnWire,
     PenaltyContact, PrescribedStrip, ResidualCompliance, STRIP_INPUTS, Sensitivity, SlidingJoint, StripContact,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
-pub use dropper::{Dropper, DropperLaw, Droppers, Slackening, Tautness};
+pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
 pub use exchange::SAMPLES;
 pub use line::{DropperSample, Line};
 pub use line_at_rest::LineAtRest;

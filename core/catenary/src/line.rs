@@ -2,9 +2,9 @@
 use crate::beam_wire::directors;
 use crate::topology::WireCoordinates;
 use crate::{
-    Anchor, Attachment, AxialLaw, BendingLaw, CompliantWire, Curve, Directors, Dropper, DropperLaw, Droppers,
-    Enrichment, LineEnd, LineEnds, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance, Supports,
-    Topology, Wire, WireDirectors, WireDrag, WireGeometry, WireName, WireNode, WireSection, WiresInWind,
+    Anchor, Attachment, AxialLaw, BendingLaw, CuredWire, Curve, Directors, Dropper, DropperLaw, Droppers, Enrichment,
+    LineEnd, LineEnds, LoadCorrection, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance,
+    Supports, Topology, Wire, WireDirectors, WireDrag, WireGeometry, WireName, WireNode, WireSection, WiresInWind,
 };
 use dynamics::{Force, Motion};
 use nalgebra::Vector3;
@@ -91,6 +91,8 @@ pub struct Line {
     /// Height of the contact wire at each support that uplift is counted from, m above the static height.
     uplift_reference: Vec<f64>,
     compliance: Option<Arc<ResidualCompliance>>,
+    /// What the corrected inertia of the contact wire asks of the forces of strips.
+    load: Option<LoadCorrection>,
     /// Of both wires, where there is wind.
     drag: Vec<WireDrag>,
 }
@@ -159,6 +161,7 @@ impl Line {
             ends: LineEnds::new(ends.collect()),
             uplift_reference: vec![0.0; topology.supports().len()],
             compliance: None,
+            load: None,
             drag: Vec::new(),
             topology: Arc::clone(topology),
             contact_wire,
@@ -172,11 +175,16 @@ impl Line {
     ///
     /// Generalised-α of step `h` turns `ω` into `ω (1 − (ωh)² (1/12 + 3/8 r²))`, `r = (1 − ρ)/(1 + ρ)`, `ρ` its spectral radius at
     /// infinite frequency; the trapezoidal rule is `r = 0`. So the correction is that of the trapezoidal rule with the step
-    /// `h √(1 + 9/2 r²)`.
+    /// `h √(1 + 9/2 r²)`. The forces of strips that move along the contact wire are corrected with it, see [`LoadCorrection`].
     #[must_use]
     pub fn with_mass_correction(mut self, MassCorrection { step, rho_inf }: MassCorrection) -> Self {
         let r = (1.0 - rho_inf) / (1.0 + rho_inf);
-        let step = step * (1.0 + 4.5 * r * r).sqrt();
+        let of_trapezoid = 1.0 + 4.5 * r * r;
+        self.load = Some(LoadCorrection {
+            step,
+            share: of_trapezoid / 6.0,
+        });
+        let step = step * of_trapezoid.sqrt();
         self.contact_wire = self.contact_wire.with_mass_correction(step);
         self.messenger_wire = self.messenger_wire.with_mass_correction(step);
         self
@@ -229,13 +237,14 @@ impl Line {
     #[must_use]
     pub fn contact_curve(&self) -> Arc<dyn Curve> {
         let geometry = Arc::clone(self.contact_wire.geometry());
-        match &self.compliance {
-            None => geometry,
-            Some(compliance) => Arc::new(CompliantWire {
-                geometry,
-                compliance: Arc::clone(compliance),
-            }),
+        if self.compliance.is_none() && self.load.is_none() {
+            return geometry;
         }
+        Arc::new(CuredWire {
+            geometry,
+            compliance: self.compliance.clone(),
+            load: self.load,
+        })
     }
 
     /// What the contact wire's mesh lacks under strips.

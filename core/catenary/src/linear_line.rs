@@ -1,6 +1,6 @@
 //! A line with constant matrices and unilateral droppers.
 use crate::linear_force::LinearForce;
-use crate::{Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, Tautness, Wire, WireDrag, WireName};
+use crate::{AtStart, Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, Wire, WireDrag, WireName};
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
 use std::sync::Arc;
 
@@ -26,8 +26,8 @@ pub struct LinearDroppers {
     droppers: Vec<LinearDropper>,
     /// Slope in the assembled tangent, N/m; zero for a dropper that was slack.
     assembled: Vec<f64>,
-    /// What each dropper was at the beginning of the present step.
-    at_start: Vec<Tautness>,
+    /// Elongation of each dropper at the beginning of the present step, m.
+    at_start: Vec<f64>,
 }
 
 impl LinearDroppers {
@@ -37,7 +37,7 @@ impl LinearDroppers {
         Self {
             law,
             assembled: vec![0.0; droppers.len()],
-            at_start: vec![Tautness::Taut; droppers.len()],
+            at_start: vec![0.0; droppers.len()],
             droppers,
         }
     }
@@ -47,7 +47,7 @@ impl LinearDroppers {
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
         let dropper = &self.droppers[index];
         self.law.force(
-            self.at_start[index],
+            AtStart::At(self.at_start[index]),
             dropper.elongation + dropper.along(motion.q),
             dropper.along(motion.v),
         )
@@ -56,7 +56,7 @@ impl LinearDroppers {
     fn slope(&self, index: usize, motion: &Motion<'_>, weights: Weights) -> f64 {
         let dropper = &self.droppers[index];
         self.law.slope(
-            self.at_start[index],
+            AtStart::At(self.at_start[index]),
             dropper.elongation + dropper.along(motion.q),
             dropper.along(motion.v),
             weights,
@@ -120,22 +120,19 @@ impl Force for LinearDroppers {
 
     fn end_step(&mut self, motion: &Motion<'_>) {
         for (at_start, dropper) in self.at_start.iter_mut().zip(&self.droppers) {
-            *at_start = Tautness::of(dropper.elongation + dropper.along(motion.q));
+            *at_start = dropper.elongation + dropper.along(motion.q);
         }
     }
 
     fn save(&self, out: &mut Vec<f64>) {
         out.extend_from_slice(&self.assembled);
-        out.extend(self.at_start.iter().map(|at_start| at_start.saved()));
+        out.extend_from_slice(&self.at_start);
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         let mut next = || *values.next().expect("a saved state holds two numbers per dropper");
-        for assembled in &mut self.assembled {
-            *assembled = next();
-        }
-        for at_start in &mut self.at_start {
-            *at_start = Tautness::of(next());
+        for value in self.assembled.iter_mut().chain(&mut self.at_start) {
+            *value = next();
         }
     }
 }

@@ -284,32 +284,5 @@ fn transverse_stiffness(geometry: &WireGeometry, beam: Beam, size: usize) -> DMa
     matrix
 }
 
-/// A wire with its residual compliance.
-#[derive(Clone, Debug)]
-pub struct CompliantWire {
-    /// The wire.
-    pub geometry: Arc<WireGeometry>,
-    /// What its mesh lacks.
-    pub compliance: Arc<ResidualCompliance>,
-}
-
-impl Curve for CompliantWire {
-    fn length(&self) -> f64 {
-        self.geometry.length()
-    }
-
-    fn point(&self, s: f64, q: &[f64], v: &[f64]) -> crate::CurvePoint {
-        self.geometry.point(s, q, v)
-    }
-
-    fn columns(&self, s: f64, columns: &mut CurveColumns) {
-        self.geometry.columns(s, columns);
-    }
-
-    fn compliance(&self, s: f64) -> Compliance {
-        self.compliance.at(s)
-    }
-}
-
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,7 @@
 /// F = max(0, k δ + φ d δ̇)                                          [Thesis, Eq. (17), with φ = 1 for δ > 0, else 0]
 /// ```
 ///
-/// `φ` is the part of a time step in which the contact is closed, see [`super::AtStart`]: 1 in a step that begins closed.
+/// `φ` is the part of a time step in which the contact is closed, see [`crate::AtStart`]: 1 in a step that begins closed.
 /// The thesis' Eq. (17) holds both normals of the wire with the bilateral spring; here only the common normal of wire and
 /// strip carries a force and it never pulls, so that contact can be lost and, with stagger, the wire slides along the strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,15 +43,15 @@ impl PenaltyContact {
 
 #[cfg(test)]
 mod tests {
-    use super::super::AtStart;
     use super::*;
+    use crate::AtStart;
 
     const LAW: PenaltyContact = PenaltyContact {
         stiffness: 5e4,
         damping: 200.0,
     };
-    const OPEN: AtStart = AtStart::Penetration(-1e-4);
-    const CLOSED: AtStart = AtStart::Penetration(1e-4);
+    const OPEN: AtStart = AtStart::At(-1e-4);
+    const CLOSED: AtStart = AtStart::At(1e-4);
 
     /// In a step that began `at_start`.
     fn force_of(at_start: AtStart, penetration: f64, penetration_rate: f64) -> f64 {
@@ -80,9 +80,9 @@ mod tests {
     fn the_damper_acts_with_the_part_of_the_step_in_which_the_contact_is_closed() {
         assert_eq!(force_of(CLOSED, 1e-3, 0.1), 70.0);
         assert_eq!(force_of(AtStart::Unknown, 1e-3, 0.1), 70.0);
-        assert_eq!(force_of(AtStart::Penetration(0.0), 1e-3, 0.1), 70.0);
+        assert_eq!(force_of(AtStart::At(0.0), 1e-3, 0.1), 70.0);
         // A quarter of the way: 3e-4 m of 4e-4 m are open.
-        let quarter = force_of(AtStart::Penetration(-3e-4), 1e-4, 0.1);
+        let quarter = force_of(AtStart::At(-3e-4), 1e-4, 0.1);
         assert!(
             (quarter - (5.0 + 0.25 * 20.0)).abs() < 1e-12,
             "rounding of 10 N: {quarter}"
@@ -95,13 +95,7 @@ mod tests {
     #[test]
     fn along_a_step_the_force_neither_jumps_nor_falls() {
         let h = 1e-3;
-        for at_start in [
-            OPEN,
-            CLOSED,
-            AtStart::Penetration(-1e-9),
-            AtStart::Penetration(0.0),
-            AtStart::APART,
-        ] {
+        for at_start in [OPEN, CLOSED, AtStart::At(-1e-9), AtStart::At(0.0), AtStart::APART] {
             for offset in [-1.0, -0.1, 0.0, 0.1, 1.0] {
                 let force = |penetration: f64| force_of(at_start, penetration, offset + 2.0 * penetration / h);
                 let step = 1e-9;
@@ -112,7 +106,7 @@ mod tests {
                     "rounding of 300 N: {name}"
                 );
                 // One that begins just open is as steep as it likes.
-                if !matches!(at_start, AtStart::Penetration(start) if start > -1e-6 && start < 0.0) {
+                if !matches!(at_start, AtStart::At(start) if start > -1e-6 && start < 0.0) {
                     // The steepest is d A/|δ₀| beside k + 2 d/h: 2.5e6 N/m.
                     let rise = forces.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
                     assert!(rise < 2.6e6 * step, "{name}: {rise} N in {step} m");
@@ -124,7 +118,7 @@ mod tests {
     #[test]
     fn the_force_is_continuous_in_where_the_step_begins_while_it_ends_closed() {
         for penetration in [1e-6, 1e-4] {
-            let [before, after] = [-1e-12, 1e-12].map(|start| force_of(AtStart::Penetration(start), penetration, 0.1));
+            let [before, after] = [-1e-12, 1e-12].map(|start| force_of(AtStart::At(start), penetration, 0.1));
             // 20 N of damping, of which 1e-12/1e-6 is left out.
             assert!((after - before).abs() < 2.1e-5, "{before} {after}");
         }

@@ -1,8 +1,9 @@
 //! Contact between the contact wire and collector strips.
-mod at_start;
 mod compliance;
+mod cured_wire;
 mod geometry;
 mod law;
+mod moving_load;
 mod on_wire;
 mod pair;
 mod sides;
@@ -10,10 +11,11 @@ mod sliding_joint;
 mod state;
 mod strip;
 
-pub use at_start::AtStart;
-pub use compliance::{Compliance, CompliantWire, ResidualCompliance};
+pub use compliance::{Compliance, ResidualCompliance};
+pub use cured_wire::CuredWire;
 pub use geometry::ContactGeometry;
 pub use law::PenaltyContact;
+pub use moving_load::LoadCorrection;
 pub use on_wire::{OnWire, StripContact};
 pub use pair::{ContactPair, ContactTangent};
 pub use sliding_joint::SlidingJoint;

@@ -1,8 +1,9 @@
 //! A strip against a wire, as a contribution of forces.
+use super::moving_load::MovingLoad;
 use super::sides::Sides;
 use super::state::{ContactState, Sensitivity, Variation, vary};
-use super::{AtStart, ContactGeometry, OnWire, PenaltyContact};
-use crate::{Curve, CurveColumns};
+use super::{ContactGeometry, OnWire, PenaltyContact};
+use crate::{AtStart, Curve, CurveColumns};
 use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -41,6 +42,7 @@ pub struct ContactPair {
     /// Within a step: what one would begin with that begins where the force was found last.
     found: Option<AtStart>,
     in_step: bool,
+    load: MovingLoad,
 }
 
 impl ContactPair {
@@ -69,6 +71,7 @@ impl ContactPair {
             reached: AtStart::Unknown,
             found: None,
             in_step: false,
+            load: MovingLoad::NONE,
         }
     }
 
@@ -76,6 +79,7 @@ impl ContactPair {
     /// forgotten.
     pub fn limit_stiffness(&mut self, limit: f64) -> bool {
         self.reached = AtStart::Unknown;
+        self.load.clear();
         self.law.stiffness = self.stiffness.min(limit);
         self.stiffness > limit
     }
@@ -114,7 +118,7 @@ impl ContactPair {
         if self.is_beside(&contact.geometry) {
             AtStart::APART
         } else {
-            AtStart::Penetration(-contact.geometry.gap)
+            AtStart::At(-contact.geometry.gap)
         }
     }
 
@@ -197,6 +201,7 @@ impl Force for ContactPair {
         self.active = None;
         self.found = None;
         self.in_step = true;
+        self.load.rest();
         self.at_start = self.reached;
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
@@ -205,10 +210,15 @@ impl Force for ContactPair {
             self.direction.clear();
             self.direction.extend(sides.gap_gradient());
             self.version += 1;
+            let frame = self.strip.frame(motion);
+            self.load.begin_step(&contact.geometry, &*self.curve, &frame, motion.t);
         }
     }
 
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        if self.in_step {
+            self.load.add_to(force);
+        }
         let Some(contact) = self.state(motion) else {
             self.active = None;
             self.found = self.in_step.then_some(AtStart::APART);
@@ -262,7 +272,8 @@ impl Force for ContactPair {
         }
     }
 
-    /// The strip's prescribed motion, along the track for one, presses on the wire's slope; the damper heats.
+    /// The strip's prescribed motion, along the track for one, presses on the wire's slope, and its movement along the wire drives
+    /// what corrects the force; the damper heats.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
         let Some(contact) = self.state(motion) else {
             return Some(Power::default());
@@ -270,12 +281,17 @@ impl Force for ContactPair {
         let frame = self.strip.frame(motion);
         let prescribed = self.sides(&contact.geometry, motion).prescribed(&frame, motion);
         Some(Power {
-            driven: -contact.force_on_strip().dot(&prescribed),
+            driven: -contact.force_on_strip().dot(&prescribed) + self.load.power(motion.v),
             dissipated: contact.dissipation(),
         })
     }
 
     fn end_step(&mut self, motion: &Motion<'_>) {
+        let force = match self.found {
+            Some(_) => self.active,
+            None => self.state(motion).map(|contact| contact.force),
+        };
+        self.load.end_step(motion.t, force.unwrap_or(0.0));
         self.reached = self.found.take().unwrap_or_else(|| self.start_at(motion));
         self.in_step = false;
     }
@@ -284,6 +300,7 @@ impl Force for ContactPair {
         out.push(self.s);
         self.at_start.save(out);
         self.reached.save(out);
+        self.load.save(out);
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
@@ -291,6 +308,7 @@ impl Force for ContactPair {
             self.s = s;
             self.at_start = AtStart::restored(values);
             self.reached = AtStart::restored(values);
+            self.load.restore(values);
             (self.found, self.in_step) = (None, false);
         }
     }

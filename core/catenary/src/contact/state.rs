@@ -1,5 +1,6 @@
 //! The contact at one instant, and how it changes.
-use super::{AtStart, Compliance, ContactGeometry, PenaltyContact};
+use super::{Compliance, ContactGeometry, PenaltyContact};
+use crate::AtStart;
 use dynamics::{Frame, Weights};
 use nalgebra::Vector3;
 
@@ -94,14 +95,7 @@ impl ContactState {
         let slide = if compliance.slope == 0.0 || beside || closed_part == 0.0 {
             0.0
         } else {
-            let wire = (geometry.wire.velocity, geometry.wire.velocity_s);
-            vary(
-                &geometry,
-                strip,
-                Some(wire),
-                Some((strip.velocity, strip.angular_velocity)),
-            )
-            .s
+            slide(&geometry, strip)
         };
         let (p, p_rate) = (share * delta, share * delta_rate + share_s * slide * delta);
         let series = PenaltyContact {
@@ -284,6 +278,13 @@ impl ContactState {
             velocity: wire[1] + variation.s * at.velocity_s + rate * normal,
         }
     }
+}
+
+/// `ṡ`: how fast the contact moves along the wire, m/s.
+pub(super) fn slide(geometry: &ContactGeometry, strip: &Frame) -> f64 {
+    let wire = (geometry.wire.velocity, geometry.wire.velocity_s);
+    let moved = (strip.velocity, strip.angular_velocity);
+    vary(geometry, strip, Some(wire), Some(moved)).s
 }
 
 /// First variation of the contact [Thesis, Eq. (11)–(16), for the normal of this module]: `wire` is the change of `r` and `r_s`

@@ -63,7 +63,7 @@ fn yielding(roll: f64, damping: f64, tangent: ContactTangent) -> ContactPair {
 
 /// The same in a step that begins with a gap of 1 mm.
 fn closing(mut pair: ContactPair) -> ContactPair {
-    pair.at_start = AtStart::Penetration(-1e-3);
+    pair.at_start = AtStart::At(-1e-3);
     pair
 }
 

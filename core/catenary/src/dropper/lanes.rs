@@ -1,6 +1,6 @@
 //! Droppers side by side in the lanes of vector registers.
-use super::{Dropper, DropperLaw, Tautness};
-use crate::Attachment;
+use super::{Dropper, DropperLaw};
+use crate::{AtStart, Attachment};
 use dynamics::Motion;
 use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
@@ -74,7 +74,7 @@ impl Group {
         &self,
         axes: &[usize; D],
         law: DropperLaw,
-        at_start: &[Tautness],
+        at_start: &[f64],
         (q, v): (&[f64], &[f64]),
         (elongation, rate): (&mut [f64], &mut [f64]),
         force: &mut [f64],
@@ -100,7 +100,7 @@ impl Group {
             let length = square[lane].sqrt().max(f64::MIN_POSITIVE);
             elongation[lane] = length - self.unstressed_length[lane];
             rate[lane] = along[lane] / length;
-            pull_per_length[lane] = law.force(at_start[lane], elongation[lane], rate[lane]) / length;
+            pull_per_length[lane] = law.force(AtStart::At(at_start[lane]), elongation[lane], rate[lane]) / length;
         }
         for (between, &axis) in between.iter().zip(axes) {
             for lane in 0..LANES {
@@ -150,8 +150,8 @@ impl Extensions {
 pub(super) struct Evaluate<'a> {
     pub law: DropperLaw,
     pub groups: &'a [Group],
-    /// One per lane.
-    pub at_start: &'a [Tautness],
+    /// Elongation at the beginning of the step, m; one per lane.
+    pub at_start: &'a [f64],
     pub range: Range<usize>,
     pub motion: &'a Motion<'a>,
     pub extensions: &'a mut Extensions,

@@ -1,5 +1,5 @@
 //! The contact wire of a window.
-use crate::{Compliance, Curve, CurveColumns, CurvePoint};
+use crate::{Compliance, Curve, CurveColumns, CurvePoint, LoadCorrection};
 use std::sync::Arc;
 
 /// The contact wire within the window, which starts at x = 0 in its own numbers, where it stands along the track: at `origin` plus
@@ -32,5 +32,9 @@ impl Curve for WindowCurve {
 
     fn compliance(&self, s: f64) -> Compliance {
         self.inner.compliance(s)
+    }
+
+    fn load_correction(&self) -> Option<LoadCorrection> {
+        self.inner.load_correction()
     }
 }

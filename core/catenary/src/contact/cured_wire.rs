@@ -1,0 +1,39 @@
+//! A wire with what makes up for the coarseness of its mesh under strips.
+use super::{Compliance, LoadCorrection, ResidualCompliance};
+use crate::{Curve, CurveColumns, CurvePoint, WireGeometry};
+use std::sync::Arc;
+
+/// A wire with what makes up for the coarseness of its mesh and of the time step under strips.
+#[derive(Clone, Debug)]
+pub struct CuredWire {
+    /// The wire.
+    pub geometry: Arc<WireGeometry>,
+    /// What its mesh lacks.
+    pub compliance: Option<Arc<ResidualCompliance>>,
+    /// What its corrected inertia asks of the contact force.
+    pub load: Option<LoadCorrection>,
+}
+
+impl Curve for CuredWire {
+    fn length(&self) -> f64 {
+        self.geometry.length()
+    }
+
+    fn point(&self, s: f64, q: &[f64], v: &[f64]) -> CurvePoint {
+        self.geometry.point(s, q, v)
+    }
+
+    fn columns(&self, s: f64, columns: &mut CurveColumns) {
+        self.geometry.columns(s, columns);
+    }
+
+    fn compliance(&self, s: f64) -> Compliance {
+        self.compliance
+            .as_ref()
+            .map_or(Compliance::default(), |residual| residual.at(s))
+    }
+
+    fn load_correction(&self) -> Option<LoadCorrection> {
+        self.load
+    }
+}
