@@ -97,14 +97,9 @@ fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64) {
         };
         (share, length)
     };
+    let step = |of: &(f64, f64)| of.0 * of.1;
     let all = catenary.elements().map(of_interval);
-    all.fold((f64::INFINITY, f64::INFINITY), |least, other| {
-        if other.0 * other.1 < least.0 * least.1 {
-            other
-        } else {
-            least
-        }
-    })
+    all.min_by(|a, b| step(a).total_cmp(&step(b))).unwrap_or_default()
 }
 
 impl Mesh {

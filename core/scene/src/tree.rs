@@ -300,13 +300,10 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
 
 /// Takes the alternatives of `key` out of the table with this path.
 fn drop_alternatives(table: &mut Table, path: &str, key: &str) {
-    for (_, names) in ALTERNATIVES
-        .iter()
-        .filter(|(of, names)| *of == path && names.contains(&key))
-    {
-        table
-            .entries
-            .retain(|(name, _)| name == key || !names.contains(&name.as_str()));
+    let mut groups = ALTERNATIVES.iter();
+    if let Some((_, names)) = groups.find(|(of, names)| *of == path && names.contains(&key)) {
+        let stays = |name: &str| name == key || !names.contains(&name);
+        table.entries.retain(|(name, _)| stays(name));
     }
 }
 

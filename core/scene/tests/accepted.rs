@@ -697,7 +697,7 @@ fn a_mesh_follows_the_error_that_is_asked_for() {
         ),
         (Division::UpTo(0.8125), 76, 3, 1e-3)
     );
-    // A macro step that leaves room for longer micro steps: fewer elements, which the mass correction lets have them.
+    // A macro step that leaves room for longer micro steps: elements of one length take them with the mass correction.
     let long = for_error(text, 2.0, &["coupling.macro_step=0.0016"]);
     assert_eq!(
         (elements(&long), long.solver.micro_step, long.cures().len()),
