@@ -10,6 +10,7 @@ use integration_tests::runs::{EN_300, Run, rms, run, scene_with};
 use integration_tests::single_wire::{Load, Material, SingleWire};
 use master::simulation::Mode;
 use nalgebra::Vector3;
+use scene::Division;
 use std::sync::Arc;
 
 /// The contact wire of the reference model.
@@ -311,7 +312,7 @@ fn a_moving_force_is_corrected_with_the_mass() {
 fn statics_of_a_cured_coarse_mesh_are_those_of_a_fine_one() {
     let mut catenary = scene_line(EN, &[]);
     catenary.span_lengths.truncate(4);
-    catenary.mesh.elements_per_interval = 4;
+    catenary.mesh.division = Division::PerInterval(4);
     let cures = LineOptions {
         layers: BendingLayers::AtAttachments,
         contact_compliance: Some(83.3),
@@ -323,7 +324,7 @@ fn statics_of_a_cured_coarse_mesh_are_those_of_a_fine_one() {
     };
     let coarse = StaticLine::solve(&catenary, LineOptions::default()).unwrap();
     let cured = StaticLine::solve(&catenary, cures).unwrap();
-    catenary.mesh.elements_per_interval = 32;
+    catenary.mesh.division = Division::PerInterval(32);
     let fine = StaticLine::solve(&catenary, LineOptions::default()).unwrap();
     for (a, b) in cured.report().droppers.iter().zip(&fine.report().droppers) {
         assert!((a.force - b.force).abs() < 1e-3 * b.force, "{} {}", a.force, b.force);
@@ -351,9 +352,9 @@ fn statics_of_a_cured_coarse_mesh_are_those_of_a_fine_one() {
     );
 }
 
-/// Four spans of the reference model at 300 km/h.
-fn short(n: usize, cures: &str, step: f64) -> Run {
-    let n = format!("catenary.mesh.elements_per_interval={n}");
+/// Four spans of the reference model at 300 km/h; `mesh` is `elements_per_interval=…` or `element_length=…`.
+fn short(mesh: &str, cures: &str, step: f64) -> Run {
+    let mesh = format!("catenary.mesh.{mesh}");
     let cures = format!("catenary.mesh.cures={cures}");
     let steps = [
         format!("solver.micro_step={step}"),
@@ -364,7 +365,7 @@ fn short(n: usize, cures: &str, step: f64) -> Run {
         "run.start_x=30",
         "run.duration=1.6",
         "run.evaluate={time=[0.3,1.3]}",
-        &n,
+        &mesh,
         &cures,
         &steps[0],
         &steps[1],
@@ -374,14 +375,25 @@ fn short(n: usize, cures: &str, step: f64) -> Run {
 
 #[test]
 fn a_cured_mesh_is_several_times_closer_to_the_converged_force_than_a_plain_one() {
-    let reference = short(14, "auto", 2.5e-4);
+    let reference = short("elements_per_interval=14", "auto", 2.5e-4);
     let error = |run: &Run| 100.0 * run.filtered_difference(&reference) / reference.sigma();
-    let [plain, cured] = ["none", "auto"].map(|cures| error(&short(8, cures, 1e-3)));
+    let eight = |cures| error(&short("elements_per_interval=8", cures, 1e-3));
+    let [plain, cured] = ["none", "auto"].map(eight);
     println!("8 elements per interval, 1 ms: plain {plain:.2} %, cured {cured:.2} % of σ");
     assert!(
         plain > 2.0 && cured < 1.0 && cured < 0.3 * plain,
         "plain {plain} %, cured {cured} %"
     );
+    let [even, coarser] = [("0.8125", 1e-3), ("0.93", 1.6e-3)].map(|(length, step)| {
+        let run = short(&format!("element_length={length}"), "auto", step);
+        assert!(run.written.contains("mass_correction"), "{}", run.written);
+        error(&run)
+    });
+    println!("76 even elements, 1 ms: {even:.2} %; 66, 1.6 ms: {coarser:.2} % of σ");
+    // The same longest element, and some of 0.71 m in the place of 0.63 m.
+    assert!(even < 1.25 * cured, "{even} %, cured {cured} %");
+    // Elements that are 1.14 times as long make 1.7 times the error, and steps 1.6 times as long 2.6 times theirs.
+    assert!(coarser < 2.6 * cured, "{coarser} %, cured {cured} %");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The reference model of EN 50318:2002 against the ranges of the standard, in every mode.
 use integration_tests::runs::{EN_250, EN_300, Run, run, scene_with};
 use master::simulation::Mode;
+use scene::Division;
 use std::sync::LazyLock;
 
 /// One line of the table of ranges.
@@ -126,12 +127,9 @@ fn the_modes_agree_at_300_km_h() {
 
 /// σ of the shipped mesh and of one with elements half as long agree.
 fn mesh_is_fine_enough(text: &str, coarse: &Run) {
-    let elements = scene_with(text, &[])
-        .modelled_line()
-        .unwrap()
-        .0
-        .mesh
-        .elements_per_interval;
+    let Division::PerInterval(elements) = scene_with(text, &[]).modelled_line().unwrap().0.mesh.division else {
+        panic!("the shipped scene has as many elements in each interval");
+    };
     let finer = format!("catenary.mesh.elements_per_interval={}", 2 * elements);
     let fine = shipped(text, Mode::Monolithic, &[&finer], "refined");
     let change = fine.sigma() / coarse.sigma() - 1.0;

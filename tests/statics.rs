@@ -1,7 +1,7 @@
 //! The static state of a line, against closed forms and against itself.
 use catenary::{BendingLayers, Dimension, LineOptions, StaticLine, StaticsError, WireName};
 use integration_tests::lines::{EN, THESIS, scene_line, short_line, solve};
-use scene::Catenary;
+use scene::{Catenary, Division};
 
 fn weight(catenary: &Catenary, line: &StaticLine) -> f64 {
     let wires = [
@@ -117,7 +117,7 @@ fn the_reference_model_agrees_with_an_independent_program() {
     let text = include_str!("data/reference2d/en50318-250-statics-converged.json");
     let reference: serde_json::Value = serde_json::from_str(text).unwrap();
     let mut catenary = scene_line(EN, &[]);
-    catenary.mesh.elements_per_interval = 16;
+    catenary.mesh.division = Division::PerInterval(16);
     let line = solve(&catenary);
     let report = line.report();
     let compare = |what: &str, ours: Vec<f64>, key: (&str, &str), tolerance: f64| {
@@ -327,7 +327,7 @@ fn stagger_loads_arms_and_supports_with_tension_times_change_of_direction() {
 fn a_finer_mesh_gives_the_same_droppers() {
     let coarse = solve(&short_line(3));
     let mut catenary = short_line(3);
-    catenary.mesh.elements_per_interval = 24;
+    catenary.mesh.division = Division::PerInterval(24);
     let fine = solve(&catenary);
     for (a, b) in coarse.report().droppers.iter().zip(&fine.report().droppers) {
         // The kink over a support is rounded within an element: 0.08 rad over decimetres.
@@ -391,7 +391,7 @@ fn elasticity_is_symmetric_about_the_middle_of_the_line() {
 fn a_bare_wire_yields_as_a_pinned_beam_under_tension() {
     let mut catenary = short_line(1);
     catenary.droppers.positions.clear();
-    catenary.mesh.elements_per_interval = 200;
+    catenary.mesh.division = Division::PerInterval(200);
     let line = solve(&catenary);
     let (l, t, ei) = (60.0, 20_000.0, 195.0_f64);
     let half = 0.5 * l * (t / ei).sqrt();
@@ -449,9 +449,9 @@ fn bending_layers_give_the_form_of_a_fine_mesh_on_a_coarse_one() {
     };
     let mut catenary = scene_line(EN, &["catenary.stagger=[0.3, -0.3]"]);
     catenary.span_lengths.truncate(4);
-    catenary.mesh.elements_per_interval = 2;
+    catenary.mesh.division = Division::PerInterval(2);
     let coarse = StaticLine::solve(&catenary, enriched).unwrap();
-    catenary.mesh.elements_per_interval = 32;
+    catenary.mesh.division = Division::PerInterval(32);
     let fine = solve(&catenary);
     for (a, b) in coarse.report().droppers.iter().zip(&fine.report().droppers) {
         assert!((a.length - b.length).abs() < 2e-4, "{} {}", a.length, b.length);

@@ -1,6 +1,6 @@
 //! What is said of a line's mesh.
 
-use scene::Scene;
+use scene::{Division, Scene};
 
 /// The mesh of a line and what makes up for its coarseness; empty for somebody else's line.
 #[must_use]
@@ -16,8 +16,11 @@ pub fn described(scene: &Scene) -> String {
         .map(|(cure, reason)| format!("without {cure}: {reason}"))
         .collect();
     let mut text = format!(
-        "{} elements between droppers, {}",
-        mesh.elements_per_interval,
+        "{} between droppers, {}",
+        match mesh.division {
+            Division::PerInterval(count) => format!("{count} elements"),
+            Division::UpTo(length) => format!("elements of up to {length} m"),
+        },
         match mesh.cures.as_slice() {
             [] => "plain".to_owned(),
             cures => cures.iter().map(|cure| cure.name()).collect::<Vec<_>>().join(" + "),
@@ -109,5 +112,7 @@ mod tests {
         );
         let plain = Scene::from_toml(THESIS, "scene.toml", &[]).unwrap();
         assert_eq!(described(&plain), "1 elements between droppers, plain");
+        let even = Scene::from_toml(THESIS, "scene.toml", &["catenary.mesh.element_length=0.93".to_owned()]).unwrap();
+        assert_eq!(described(&even), "elements of up to 0.93 m between droppers, plain");
     }
 }

@@ -138,21 +138,19 @@ impl Topology {
             options.dimension == Dimension::Spatial || catenary.mesh.element == Element::Cable,
             "a beam has lateral coordinates"
         );
-        let per_interval = catenary.mesh.elements_per_interval;
         let (mut x, mut span, mut droppers) = (vec![0.0], vec![1], Vec::new());
         let mut supports = vec![0];
         for number in 1..=catenary.spans() {
             let (left, right) = (catenary.support_x(number - 1), catenary.support_x(number));
             let attachments = catenary.droppers.positions.iter().map(|position| left + position);
             let mut start = left;
-            for (position, end) in attachments.chain([right]).enumerate() {
-                for i in 1..=per_interval {
-                    let xi = i as f64 / per_interval as f64;
-                    x.push(if i == per_interval {
-                        end
-                    } else {
-                        start + (end - start) * xi
-                    });
+            // Lengths within the span: those of equal spans are equal, as differences of x are not.
+            let lengths = catenary.intervals_of(number - 1);
+            for (position, (end, length)) in attachments.chain([right]).zip(lengths).enumerate() {
+                let elements = catenary.mesh.division.elements(length);
+                for i in 1..=elements {
+                    let xi = i as f64 / elements as f64;
+                    x.push(if i == elements { end } else { start + (end - start) * xi });
                     span.push(number);
                 }
                 if position < catenary.droppers.positions.len() {

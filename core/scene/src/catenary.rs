@@ -190,35 +190,6 @@ impl Catenary {
     }
 }
 
-impl Catenary {
-    /// Lengths between neighbouring droppers and supports along the track, m, span after span.
-    pub fn intervals(&self) -> impl Iterator<Item = f64> + '_ {
-        self.span_lengths.iter().flat_map(|&span| {
-            let ends = self.droppers.positions.iter().copied().chain([span]);
-            let starts = std::iter::once(0.0).chain(self.droppers.positions.iter().copied());
-            starts.zip(ends).map(|(start, end)| end - start)
-        })
-    }
-
-    /// Number of intervals of one span.
-    #[must_use]
-    pub fn intervals_per_span(&self) -> usize {
-        self.droppers.positions.len() + 1
-    }
-
-    /// Length of the shortest element along the track, m.
-    #[must_use]
-    pub fn shortest_element(&self) -> f64 {
-        self.intervals().fold(f64::INFINITY, f64::min) / self.mesh.elements_per_interval as f64
-    }
-
-    /// Length of the longest element along the track, m.
-    #[must_use]
-    pub fn longest_element(&self) -> f64 {
-        self.intervals().fold(0.0, f64::max) / self.mesh.elements_per_interval as f64
-    }
-}
-
 impl Wire {
     /// Bending length `√(EI/T)`, m: what a point force bends a tensioned wire over.
     #[must_use]

@@ -259,6 +259,7 @@ impl Catenary {
                 refuse(found, key, shown_number(*position, "m"), expected);
             }
         }
+        self.check_division(found);
         if let Some(lengths) = &self.droppers.lengths {
             let key = "catenary.droppers.lengths";
             if self.statics == Statics::FormFinding {

@@ -39,6 +39,7 @@ mod choice;
 mod contact;
 mod coupling;
 mod curve;
+mod division;
 mod error;
 mod keys;
 mod linkage;
@@ -62,6 +63,7 @@ pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics,
 pub use contact::{Contact, ContactLaw};
 pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};
 pub use curve::{Curve, Direction, millimetres_up};
+pub use division::Division;
 pub use error::{Place, Problem, SceneError, What};
 pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageStrip, Uplift};
 pub use mesh::{AxialStrain, Cure, Element, Mesh};

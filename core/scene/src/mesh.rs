@@ -4,15 +4,15 @@ use crate::check::{Found, refuse};
 use crate::choice::choice;
 use crate::error::What;
 use crate::keys::{Entry, Keys, Number};
-use crate::{Catenary, ContactLaw, Scene, WireEnds};
+use crate::{Catenary, ContactLaw, Division, Scene, WireEnds};
 
 /// `[catenary.mesh]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// Element of the contact wire.
     pub element: Element,
-    /// Elements between neighbouring droppers or supports, at least 1.
-    pub elements_per_interval: usize,
+    /// Elements between neighbouring droppers or supports.
+    pub division: Division,
     /// Axial strain measure.
     pub axial_strain: AxialStrain,
     /// What makes up for the coarseness of the mesh, in the order of [`Cure::ALL`]; empty is the plain mesh. `"auto"` is already
@@ -73,28 +73,33 @@ choice! {
     unavailable: ["dropper_compliance"]
 }
 
-/// Far beyond any converged mesh.
-const MAX_ELEMENTS_PER_INTERVAL: usize = 200;
-
 /// Least spectral radius of the integrator for the mass correction: below, numerical damping and not dispersion is the leading
 /// error of a step.
 const LEAST_RHO_INF: f64 = 0.9;
 
-/// Longest step for the mass correction, in travelling times of a wave through the shortest element: beyond, the corrected mass
-/// matrix is not positive definite. Its smallest eigenvalue vanishes at 0.38 without bending layers and with ends that are held;
-/// with layers at the attachments of the standard's line and elements of up to 40 bending lengths at 0.21, 0.26, 0.28, 0.29, 0.30
-/// for 1, 2, 3, 4, 6 elements between them; along a wire whose end moves freely, as under a constant tension, at 0.2545 for four
-/// elements and 0.2565 for many.
-fn longest_corrected_step(catenary: &Catenary, layers: bool) -> f64 {
-    let inner: f64 = match (layers, catenary.mesh.elements_per_interval) {
-        (false, _) => 0.31,
-        (true, 4..) => 0.28,
-        (true, _) => 0.20,
+/// Longest step for the mass correction: a share of the time that a wave takes through an element, and the length of that element,
+/// m, of the dropper interval that takes the shortest step. Beyond, the corrected mass matrix is not positive definite. With as many
+/// elements in each interval its smallest eigenvalue vanishes at 0.38 of the time through the shortest one without bending layers and
+/// with ends that are held; with layers at the attachments of the standard's line and elements of up to 40 bending lengths at 0.21,
+/// 0.26, 0.28, 0.29, 0.30 for 1, 2, 3, 4, 6 elements between them; along a wire whose end moves freely, as under a constant tension,
+/// at 0.2545 for four elements and 0.2565 for many. With other numbers the matrix is the sum of positive ones as long as each
+/// interval's own is.
+fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64) {
+    let of_interval = |(length, elements): (f64, usize)| {
+        let inner: f64 = match (layers, elements) {
+            (false, _) => 0.31,
+            (true, 4..) => 0.28,
+            (true, _) => 0.20,
+        };
+        let share = match catenary.wire_ends {
+            WireEnds::ConstantTension => inner.min(0.25),
+            WireEnds::Fixed => inner,
+        };
+        (share, length)
     };
-    match catenary.wire_ends {
-        WireEnds::ConstantTension => inner.min(0.25),
-        WireEnds::Fixed => inner,
-    }
+    let step = |of: &(f64, f64)| of.0 * of.1;
+    let all = catenary.elements().map(of_interval);
+    all.min_by(|a, b| step(a).total_cmp(&step(b))).unwrap_or_default()
 }
 
 impl Mesh {
@@ -149,17 +154,16 @@ impl Scene {
                          error of a step"
                     ));
                 }
-                let shortest = catenary.shortest_element();
                 let c = catenary
                     .contact_wire
                     .wave_speed()
                     .max(catenary.messenger_wire.wave_speed());
-                let factor = longest_corrected_step(catenary, others.contains(&Cure::BendingLayers));
-                let (step, limit) = (self.internal_step(), factor * shortest / c);
+                let (share, length) = longest_corrected_step(catenary, others.contains(&Cure::BendingLayers));
+                let (step, limit) = (self.internal_step(), share * length / c);
                 (step > limit).then(|| {
                     format!(
-                        "internal steps of {:.4} ms are longer than {:.4} ms, {factor} of the time that a wave of {c:.1} m/s takes \
-                         through the shortest element, {shortest:.3} m: the corrected mass would not be positive",
+                        "internal steps of {:.4} ms are longer than {:.4} ms, {share} of the time that a wave of {c:.1} m/s takes \
+                         through an element of {length:.3} m: the corrected mass would not be positive",
                         1e3 * step,
                         1e3 * limit
                     )
@@ -179,7 +183,7 @@ impl Scene {
             Some(Open::Cures) => self.choose_cures(),
             Some(Open::Error(error)) => match self.mesh_for(error, step_is_given) {
                 Ok(choice) => {
-                    self.set_elements(choice.elements_per_interval);
+                    self.set_division(choice.division);
                     self.set_cures(choice.cures);
                     self.solver.micro_step = choice.micro_step;
                 }
@@ -191,9 +195,9 @@ impl Scene {
         }
     }
 
-    pub(crate) fn set_elements(&mut self, elements_per_interval: usize) {
+    pub(crate) fn set_division(&mut self, division: Division) {
         if let crate::Line::Modelled(catenary) = &mut self.catenary {
-            catenary.mesh.elements_per_interval = elements_per_interval;
+            catenary.mesh.division = division;
         }
     }
 
@@ -304,10 +308,10 @@ impl Entry for Mesh {
             keys.refuse(
                 "error_percent",
                 "must be left out: the rule was measured with cable elements, and catenary.mesh.element = \"beam\"; give \
-                 elements_per_interval",
+                 elements_per_interval or element_length",
             );
         } else if keys.has("error_percent", false) {
-            for name in ["elements_per_interval", "cures"] {
+            for name in ["elements_per_interval", "element_length", "cures"] {
                 if keys.has(name, false) {
                     let because = "catenary.mesh.error_percent chooses it".to_owned();
                     keys.report(name, What::LeaveOut { because });
@@ -316,26 +320,21 @@ impl Entry for Mesh {
             let error = keys.number("error_percent", None, Number::positive("%"));
             return Self {
                 element,
-                elements_per_interval: 1,
+                division: Division::PerInterval(1),
                 axial_strain,
                 cures: Vec::new(),
                 contact_speed: 0.0,
                 open: Some(Open::Error(error)),
             };
         }
-        let elements_per_interval = keys.count(
-            "elements_per_interval",
-            was.map(|mesh| mesh.elements_per_interval),
-            1..=MAX_ELEMENTS_PER_INTERVAL,
-            None,
-        );
+        let division = Division::entry(keys, was.map(|mesh| mesh.division));
         let chosen = keys.words("cures", was.map(|mesh| mesh.cures.as_slice()));
         let open = chosen.is_none().then_some(Open::Cures);
         let mut cures = chosen.unwrap_or_default();
         cures.sort_by_key(|cure| Cure::ALL.iter().position(|other| other == cure));
         Self {
             element,
-            elements_per_interval,
+            division,
             axial_strain,
             cures,
             contact_speed: 0.0,

@@ -13,7 +13,7 @@
 //!
 //! with the slower wave of the two wires, the longest element and the internal step `h`.
 
-use crate::{Catenary, Cure, Scene};
+use crate::{Catenary, Cure, Division, Scene};
 
 /// Of the plain mesh, %. Measured with 4, 8 and 16 elements between droppers at 0.5 and 1 ms, against 12 cured ones at 0.25 ms, on
 /// seven spans of EN 50318 at 250 and 300 km/h and eight of the thesis' line at 200 km/h under a lumped pantograph: 67 to 102.
@@ -33,9 +33,9 @@ const SWITCHING_DAMPERS: f64 = 6000.0;
 const LEAST: f64 = 0.3;
 /// An error beyond which a mesh gives no force at all, %.
 const MOST: f64 = 100.0;
-/// Micro steps that the rule chooses from, s.
-const STEPS: [f64; 6] = [2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5];
-/// Most elements that the rule chooses.
+/// Micro steps that the rule chooses from, s: those between 1 and 2 ms are what the mass correction of even elements takes.
+const STEPS: [f64; 8] = [2e-3, 1.6e-3, 1.25e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5];
+/// Most elements in an interval that the rule chooses.
 const MOST_ELEMENTS: usize = 100;
 
 /// The error of a mesh and a step.
@@ -58,7 +58,7 @@ impl MeshError {
 /// Elements, cures and micro step for an error.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Choice {
-    pub elements_per_interval: usize,
+    pub division: Division,
     pub cures: Vec<Cure>,
     pub micro_step: f64,
 }
@@ -100,9 +100,25 @@ impl Scene {
     pub(crate) fn mesh_for(&self, error: f64, micro_step_is_given: bool) -> Result<Choice, String> {
         if error < LEAST {
             return Err(format!(
-                "must be at least {LEAST} %: below, no rule was measured; give elements_per_interval and solver.micro_step instead"
+                "must be at least {LEAST} %: below, no rule was measured; give elements_per_interval or element_length, and \
+                 solver.micro_step, instead"
             ));
         }
+        let no_rule = || {
+            format!(
+                "no rule is known for {:.1} km/h on wires with waves of {:.1} and {:.1} km/h and rho_inf = {}; give \
+                 elements_per_interval or element_length instead",
+                crate::run::kmh(self.run.speed),
+                self.wave_speed_kmh(|line| line.contact_wire.wave_speed()),
+                self.wave_speed_kmh(|line| line.messenger_wire.wave_speed()),
+                self.solver.rho_inf
+            )
+        };
+        let (catenary, _) = self.modelled_line().ok_or_else(no_rule)?;
+        // The longest element makes the error: what is shorter costs for nothing.
+        let divisions: Vec<Division> = (1..=MOST_ELEMENTS)
+            .map(|count| catenary.evenly_divided(count))
+            .collect();
         let mut best: Option<(f64, Choice)> = None;
         let mut trial = self.clone();
         let steps = if micro_step_is_given {
@@ -117,29 +133,20 @@ impl Scene {
             if !micro_step_is_given && trial.internal_step() < 0.999 * micro_step {
                 continue;
             }
-            for elements_per_interval in 1..=MOST_ELEMENTS {
-                trial.set_elements(elements_per_interval);
+            for division in &divisions {
+                trial.set_division(*division);
                 trial.choose_cures();
-                let Some(expected) = trial.expected_mesh_error() else {
-                    return Err(format!(
-                        "no rule is known for {:.1} km/h on wires with waves of {:.1} and {:.1} km/h and rho_inf = {}; give \
-                         elements_per_interval instead",
-                        crate::run::kmh(self.run.speed),
-                        self.wave_speed_kmh(|line| line.contact_wire.wave_speed()),
-                        self.wave_speed_kmh(|line| line.messenger_wire.wave_speed()),
-                        self.solver.rho_inf
-                    ));
-                };
+                let expected = trial.expected_mesh_error().ok_or_else(no_rule)?;
                 least = least.min(expected.total());
                 if expected.total() > error {
                     continue;
                 }
-                let cost = elements_per_interval as f64 / trial.internal_step();
+                let cost = catenary.elements_per_span(*division) as f64 / trial.internal_step();
                 let cheaper = best.as_ref().is_none_or(|(other, _)| cost < other * (1.0 - 1e-9));
                 if cheaper {
                     let cures = trial.cures().to_vec();
                     let choice = Choice {
-                        elements_per_interval,
+                        division: *division,
                         cures,
                         micro_step,
                     };

@@ -197,6 +197,12 @@ enum Step {
     Entry(usize),
 }
 
+/// Keys of a table of which it has one: the override of one takes the place of the others.
+const ALTERNATIVES: [(&str, &[&str]); 1] = [(
+    "catenary.mesh",
+    &["elements_per_interval", "element_length", "error_percent"],
+)];
+
 const FORM: &str = "an override must have the form key.path=value, such as run.speed_kmh=250, \
                     coupling.algorithm=jacobi or pantograph[1].static_force=100";
 
@@ -236,6 +242,7 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
         };
         node = match (&mut node.value, step) {
             (Value::Table(table), Step::Key(key)) => {
+                drop_alternatives(table, &walked, &key);
                 walked.push('.');
                 walked.push_str(&shown_key(&key));
                 entry(table, key, at)
@@ -289,6 +296,15 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
     }
     *node = new;
     Ok(())
+}
+
+/// Takes the alternatives of `key` out of the table with this path.
+fn drop_alternatives(table: &mut Table, path: &str, key: &str) {
+    let mut groups = ALTERNATIVES.iter();
+    if let Some((_, names)) = groups.find(|(of, names)| *of == path && names.contains(&key)) {
+        let stays = |name: &str| name == key || !names.contains(&name);
+        table.entries.retain(|(name, _)| stays(name));
+    }
 }
 
 /// The entry `key` of a table; an empty table where there is none yet.

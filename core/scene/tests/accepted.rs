@@ -1,8 +1,8 @@
 //! What is read is what was typed, and what is written reads again as the same.
 
 use scene::{
-    Algorithm, ContactLaw, Cure, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Reduction,
-    Scene, Start, Statics,
+    Algorithm, ContactLaw, Cure, Division, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue,
+    Reduction, Scene, Start, Statics,
 };
 
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
@@ -615,6 +615,53 @@ fn the_internal_step_divides_the_macro_step() {
     }
 }
 
+#[test]
+fn elements_are_no_longer_than_their_limit_and_an_override_takes_the_place_of_the_other_key() {
+    let even = read(EN_300, &["catenary.mesh.element_length=0.93"]);
+    let (line, _) = even.modelled_line().unwrap();
+    assert_eq!(line.mesh.division, Division::UpTo(0.93));
+    assert_eq!(elements(&even), 66);
+    assert_eq!(line.shortest_element(), 5.0 / 6.0);
+    assert_eq!(line.longest_element(), 6.5 / 7.0);
+    let written = even.to_toml();
+    assert!(written.contains("\nelement_length = 0.93\n") && !written.contains("elements_per_interval"));
+    assert_eq!(read(&written, &[]), even);
+    // And back, on what has the length; the last of both counts.
+    assert_eq!(
+        read(&written, &["catenary.mesh.elements_per_interval=8"]).to_toml(),
+        read(EN_300, &[]).to_toml()
+    );
+    let both = [
+        "catenary.mesh.element_length=2",
+        "catenary.mesh.elements_per_interval=3",
+    ];
+    assert_eq!(elements(&read(EN_300, &both)), 30);
+    assert_eq!(elements(&read(EN_300, &[both[1], both[0]])), 36);
+    let asked = read(
+        &EN_300.replace("cures = \"auto\"", ""),
+        &["catenary.mesh.error_percent=1"],
+    );
+    assert_eq!(elements(&asked), 76);
+    // One element for each interval is enough for a long limit.
+    assert_eq!(elements(&read(EN_300, &["catenary.mesh.element_length=1000"])), 10);
+    // The mass correction takes steps up to a quarter of a wave's time through 5/6 m, 1.704 ms.
+    let steps = |ms: &str| {
+        let keys = [
+            format!("solver.micro_step={ms}e-3"),
+            format!("coupling.macro_step={ms}e-3"),
+        ];
+        read(EN_300, &["catenary.mesh.element_length=0.93", &keys[0], &keys[1]])
+    };
+    assert!(steps("1.70").cures().contains(&Cure::MassCorrection));
+    assert!(!steps("1.71").cures().contains(&Cure::MassCorrection));
+}
+
+/// Elements of each wire in a span.
+fn elements(scene: &Scene) -> usize {
+    let (line, _) = scene.modelled_line().unwrap();
+    line.elements_per_span(line.mesh.division)
+}
+
 /// The mesh of a scene without one that asks for an error.
 fn for_error(text: &str, error: f64, more: &[&str]) -> Scene {
     let mesh = format!("catenary.mesh={{error_percent={error}}}");
@@ -630,7 +677,7 @@ fn a_mesh_follows_the_error_that_is_asked_for() {
     for error in [10.0, 3.0, 1.0, 0.5, 0.35] {
         let scene = for_error(text, error, &[]);
         let expected = scene.expected_mesh_error().unwrap();
-        let elements = scene.modelled_line().unwrap().0.mesh.elements_per_interval;
+        let elements = elements(&scene);
         assert!(expected.total() <= error, "{error} %: {expected:?}");
         assert!(elements >= last, "{error} %: {elements} after {last}");
         last = elements;
@@ -640,21 +687,41 @@ fn a_mesh_follows_the_error_that_is_asked_for() {
     }
     let scene = for_error(text, 1.0, &[]);
     let mesh = &scene.modelled_line().unwrap().0.mesh;
+    // Eight elements in 6.5 m, seven in 5 and 5.5 m.
     assert_eq!(
-        (mesh.elements_per_interval, mesh.cures.len(), scene.solver.micro_step),
-        (8, 3, 1e-3)
+        (
+            mesh.division,
+            elements(&scene),
+            mesh.cures.len(),
+            scene.solver.micro_step
+        ),
+        (Division::UpTo(0.8125), 76, 3, 1e-3)
     );
+    // A macro step that leaves room for longer micro steps: elements of one length take them with the mass correction.
+    let long = for_error(text, 2.0, &["coupling.macro_step=0.0016"]);
+    assert_eq!(
+        (elements(&long), long.solver.micro_step, long.cures().len()),
+        (66, 1.6e-3, 3)
+    );
+    // On intervals of one length, as many in each.
+    let equal = [
+        "catenary.span_length=30",
+        "catenary.droppers.positions=[10, 20]",
+        "catenary.spans=20",
+    ];
+    let equal = for_error(text, 1.0, &equal);
+    assert!(matches!(
+        equal.modelled_line().unwrap().0.mesh.division,
+        Division::PerInterval(_)
+    ));
     // Slower trains shorten no waves; a lower pass asks for less.
-    let elements = |more: &[&str]| {
-        for_error(text, 1.0, more)
-            .modelled_line()
-            .unwrap()
-            .0
-            .mesh
-            .elements_per_interval
-    };
-    assert!(elements(&["run.speed_kmh=200", "run.duration=3", "run.evaluate={time=[1,2]}"]) < 8);
-    assert!(elements(&["run.low_pass_hz=10"]) < 8);
+    let fewer = |more: &[&str]| elements(&for_error(text, 1.0, more)) < 76;
+    assert!(fewer(&[
+        "run.speed_kmh=200",
+        "run.duration=3",
+        "run.evaluate={time=[1,2]}"
+    ]));
+    assert!(fewer(&["run.low_pass_hz=10"]));
     // A step that is given stays.
     let given = for_error(EN_300, 1.0, &["solver.micro_step=0.0005"]);
     assert_eq!(given.solver.micro_step, 5e-4);

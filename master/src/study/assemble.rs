@@ -213,8 +213,8 @@ fn asked_for(script: &Script, planned: &Planned, mut row: Row) -> Row {
     if planned.scene.is_some() {
         return row;
     }
-    if let Mesh::Of { elements, cures } = &recipe.mesh {
-        row.elements_per_span = Some((elements * script.ground.intervals) as u64);
+    if let (Mesh::Of { division, cures }, Some((line, _))) = (&recipe.mesh, script.ground.scene.modelled_line()) {
+        row.divide(line, *division);
         row.mesh = if cures.is_empty() {
             "plain".to_owned()
         } else {

@@ -190,8 +190,11 @@ impl Study {
 pub(super) fn label(row: &Row, intervals: usize) -> String {
     let mut parts = Vec::new();
     if let Some(elements) = row.elements_per_span {
-        let each = elements / intervals.max(1) as u64;
-        parts.push(format!("{each} elements per dropper interval, {}", row.mesh));
+        parts.push(match row.element_length {
+            Some(length) => format!("elements of up to {length} m ({elements} per span)"),
+            None => format!("{} elements per dropper interval", elements / intervals.max(1) as u64),
+        });
+        parts.push(row.mesh.clone());
     }
     parts.push(format!("micro step {} ms", milliseconds(row.micro_step)));
     if let Some(step) = row.macro_step {

@@ -37,11 +37,13 @@ fn hover(study: &Study, row: &Row) -> String {
     )
 }
 
-/// What a point of the front is called: elements per dropper interval, micro step, what differs from the best mesh, coupling.
+/// What a point of the front is called: elements per dropper interval or their length, micro step, what differs from the best mesh,
+/// coupling.
 fn short_name(study: &Study, row: &Row, usual: &str) -> String {
-    let mut name = match row.elements_per_span {
-        Some(count) => format!("{}, ", count / study.intervals.max(1) as u64),
-        None => String::new(),
+    let mut name = match (row.element_length, row.elements_per_span) {
+        (Some(length), _) => format!("{length:.2} m, "),
+        (None, Some(count)) => format!("{}, ", count / study.intervals.max(1) as u64),
+        (None, None) => String::new(),
     };
     name.push_str(&format!("{} ms", milliseconds(row.micro_step)));
     if row.mesh != usual {
@@ -163,8 +165,8 @@ pub(super) fn precision(study: &Study) -> String {
     );
     format!(
         "{}<p class=\"caption\">Lower left is better. Filled: the Pareto front of its class, named where there is room (elements per \
-         dropper interval, micro step{}); open: all other runs. Each class is judged by the converged run of its own model. Wall time \
-         in seconds is {:.2} times the real-time factor.</p>\n",
+         dropper interval or their length, micro step{}); open: all other runs. Each class is judged by the converged run of its own \
+         model. Wall time in seconds is {:.2} times the real-time factor.</p>\n",
         finished(traces, layout.hover_mode(HoverMode::Closest), "plot-precision", 560),
         match usual.as_str() {
             "plain" => String::new(),

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use scene::{Catenary, Scene};
+use scene::{Catenary, Division, Scene};
 
 use super::vehicle::{Standing, StandingName, own_name, standings};
 use crate::monolithic::Monolithic;
@@ -111,7 +111,7 @@ pub enum Mesh {
     /// Given.
     Of {
         /// Elements between neighbouring droppers or supports.
-        elements: usize,
+        division: Division,
         /// Cures by name; none is the plain mesh.
         cures: Vec<String>,
     },
@@ -238,7 +238,7 @@ impl Ground {
 
     /// A key beside the mesh and the step of the base case, which the scene's own may not go with.
     fn at_base(&self, key: String) -> Vec<String> {
-        let mesh = format!("catenary.mesh.elements_per_interval={}", self.elements);
+        let mesh = division_key(Division::PerInterval(self.elements));
         vec![mesh, format!("solver.micro_step={:?}", self.micro_step), key]
     }
 
@@ -286,14 +286,24 @@ impl Ground {
         self.mesh(elements, self.cures.clone().unwrap_or_default())
     }
 
-    /// A mesh with some cures.
+    /// A mesh with as many elements in each dropper interval, and some cures.
     #[must_use]
     pub fn mesh(&self, elements: usize, cures: Vec<String>) -> Mesh {
         if self.meshed {
-            Mesh::Of { elements, cures }
+            let division = Division::PerInterval(elements);
+            Mesh::Of { division, cures }
         } else {
             Mesh::Scene
         }
+    }
+
+    /// A mesh with the fewest elements that are as short as those of so many in the longest dropper interval, and some cures.
+    #[must_use]
+    pub fn even_mesh(&self, elements: usize, cures: Vec<String>) -> Mesh {
+        self.scene.modelled_line().map_or(Mesh::Scene, |(line, _)| Mesh::Of {
+            division: line.evenly_divided(elements),
+            cures,
+        })
     }
 
     /// Coupling of runs that are one system where that can be.
@@ -313,8 +323,8 @@ impl Ground {
     #[must_use]
     pub fn variant(&self, recipe: &Recipe) -> Variant {
         let mut keys = Vec::new();
-        if let (Mesh::Of { elements, cures }, true) = (&recipe.mesh, self.meshed) {
-            keys.push(format!("catenary.mesh.elements_per_interval={elements}"));
+        if let (Mesh::Of { division, cures }, true) = (&recipe.mesh, self.meshed) {
+            keys.push(division_key(*division));
             if self.cures.is_some() || !cures.is_empty() {
                 keys.push(cures_key(cures));
             }
@@ -366,16 +376,18 @@ impl Ground {
     pub fn work(&self, recipe: &Recipe) -> f64 {
         let has = |name: &str| recipe.reductions.iter().any(|reduction| reduction == name);
         let line = self.scene.modelled_line().map(|(line, _)| line);
-        let elements = match &recipe.mesh {
-            Mesh::Of { elements, .. } => *elements,
-            Mesh::Scene => line.map_or(1, |line| line.mesh.elements_per_interval),
-        };
+        let elements = line.map_or(1, |line| {
+            line.elements_per_span(match recipe.mesh {
+                Mesh::Of { division, .. } => division,
+                Mesh::Scene => line.mesh.division,
+            })
+        });
         let spans = recipe.spans.or(line.map(scene::Catenary::spans)).unwrap_or(1);
         /// Spans of a window, roughly.
         const WINDOW: usize = 10;
         let spans = if has("window") { spans.min(WINDOW) } else { spans };
         let per_node = if has("planar") { 4 } else { 6 };
-        let coordinates = (2 * per_node * elements * self.intervals * spans) as f64;
+        let coordinates = (2 * per_node * elements * spans) as f64;
         let duration = if recipe.spans.is_some() {
             GROWTH_DURATION
         } else {
@@ -402,7 +414,7 @@ fn resolving_elements(scene: &Scene) -> usize {
         return 1;
     };
     let wave = (line.contact_wire.wave_speed() - scene.run.speed) / scene.run.low_pass_hz;
-    let wanted = line.intervals().fold(0.0, f64::max) / (FINE * wave);
+    let wanted = line.longest_interval() / (FINE * wave);
     if !(wanted.is_finite() && wanted > 0.0) {
         return 8;
     }
@@ -419,6 +431,13 @@ fn list(names: &[String]) -> String {
     }
     text.push(']');
     text
+}
+
+fn division_key(division: Division) -> String {
+    match division {
+        Division::PerInterval(count) => format!("catenary.mesh.elements_per_interval={count}"),
+        Division::UpTo(length) => format!("catenary.mesh.element_length={length:?}"),
+    }
 }
 
 fn cures_key(cures: &[String]) -> String {

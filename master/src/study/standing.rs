@@ -67,8 +67,11 @@ pub fn standing(folder: &Path, scene: &scene::Scene, mode: Mode) -> Option<Strin
     let own = Row::planned("", scene, mode, scene.coupling.algorithm.name());
     let same_model = |read: &&Read| {
         let row = &read.row;
+        // Of two lengths that make as many elements, each makes as many in every interval.
+        let even = row.element_length.is_some() == own.element_length.is_some();
         let mesh = row.elements_per_span == own.elements_per_span && row.mesh == own.mesh;
-        mesh && row.micro_step == own.micro_step
+        even && mesh
+            && row.micro_step == own.micro_step
             && row.reduction == own.reduction
             && read.rho_inf == scene.solver.rho_inf
             && read.newton_tolerance == scene.solver.newton_tolerance

@@ -1,7 +1,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use scene::Scene;
+use scene::{Division, Scene};
 
 use super::*;
 use crate::report::{Progress, Show};
@@ -84,8 +84,11 @@ fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
     }
     let of = |sweep: Sweep| planned.iter().filter(move |run| run.sweeps.contains(&sweep));
     let elements = |run: &Planned| match run.recipe.mesh {
-        Mesh::Of { elements, .. } => elements,
-        Mesh::Scene => 0,
+        Mesh::Of {
+            division: Division::PerInterval(elements),
+            ..
+        } => elements,
+        _ => 0,
     };
     for count in Options::ELEMENTS {
         assert!(of(Sweep::Mesh).any(|run| elements(run) == count));
@@ -110,6 +113,45 @@ fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
     steps.dedup();
     assert!(steps.len() >= 3);
     assert_eq!(script.refinements[0].0, Family::Nonlinear);
+}
+
+#[test]
+fn the_ladder_has_elements_of_one_length_and_the_steps_that_they_take() {
+    let text = include_str!("../../../scenes/en50318-300.toml");
+    let scene = Scene::from_toml(text, "scene.toml", &[]).unwrap();
+    let script = scripted(scene, Options::default());
+    let division = |run: &Planned| match &run.recipe.mesh {
+        Mesh::Of { division, .. } => Some(*division),
+        Mesh::Scene => None,
+    };
+    let of = |sweep: Sweep| script.planned.iter().filter(move |run| run.sweeps.contains(&sweep));
+    let has = |limit: f64, micro_step: f64| {
+        let mut rungs = of(Sweep::Ladder);
+        rungs.any(|run| division(run) == Some(Division::UpTo(limit)) && run.recipe.micro_step == micro_step)
+    };
+    // 6.5 m in seven and in eight; what the scene refuses is no rung.
+    assert!(has(0.9286, 1.6e-3) && has(0.9286, 1.375e-3) && has(0.8125, 1.45e-3) && has(0.4063, 5e-4));
+    assert!(of(Sweep::Ladder).all(|run| run.scene.is_some()));
+    // What is doubled to be judged stays so many in each interval.
+    assert!(of(Sweep::Mesh).all(|run| !matches!(division(run), Some(Division::UpTo(_)))));
+    let row = |run: &Planned| {
+        let scene = Scene::from_toml(run.scene.as_ref().unwrap(), "scene.toml", &[]).unwrap();
+        Row::planned("", &scene, run.variant.mode, "")
+    };
+    let said = |run: &Planned| outcome::label(&row(run), script.ground.intervals);
+    let rung = of(Sweep::Ladder)
+        .find(|run| division(run) == Some(Division::UpTo(0.9286)))
+        .unwrap();
+    assert_eq!(
+        said(rung),
+        "elements of up to 0.9286 m (66 per span), contact_compliance+bending_layers+mass_correction, micro step 1.6 ms, planar"
+    );
+    let base = of(Sweep::Mesh).next().unwrap();
+    assert!(
+        said(base).starts_with("8 elements per dropper interval, contact_compliance"),
+        "{}",
+        said(base)
+    );
 }
 
 #[test]
@@ -143,6 +185,7 @@ fn what_a_recipe_changes_does_not_make_another_scene() {
     let own = identity(&short(&[]));
     for key in [
         "catenary.mesh.elements_per_interval=7",
+        "catenary.mesh.element_length=0.9",
         "solver.rho_inf=0.5",
         "solver.micro_step=1e-4",
         "coupling={ algorithm = \"jacobi\", macro_step = 0.004 }",
@@ -167,6 +210,8 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
     let folder = tempfile::tempdir().unwrap();
     let mut options = tiny();
     options.spans = vec![3, 4];
+    // Unequal intervals, so that the ladder has meshes of its own.
+    let short = |more: &[&str]| short(&[&["catenary.droppers.positions=[8.0, 20.0]"], more].concat());
     let script = scripted(short(&[]), options);
     let study = studied(&script, folder.path(), None);
     assert!(study.complete, "{:?}", without_times(&study));
@@ -246,6 +291,14 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
         Mode::Monolithic,
     );
     assert!(unknown.unwrap().contains("not known"));
+    // A rung of the ladder, by another length that makes the same elements: 3, 4 and 4 in 8, 12 and 10 m.
+    let rung = [
+        "catenary.mesh.element_length=3.1",
+        "coupling.macro_step=0.002",
+        "solver.newton_tolerance=0.1",
+    ];
+    let said = standing(folder.path(), &short(&rung), Mode::Monolithic).unwrap();
+    assert!(said.contains("% of σ (rms"), "{said}");
     assert_eq!(
         standing(folder.path(), &short(&["run.speed_kmh=61"]), Mode::Monolithic),
         None
@@ -256,7 +309,7 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
 #[test]
 fn a_study_that_was_ended_goes_on_and_comes_to_the_same() {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let script = scripted(short(&[]), tiny());
+    let script = scripted(short(&["catenary.droppers.positions=[8.0, 20.0]"]), tiny());
     let expected = studied(&script, whole.path(), None);
     let first = studied(&script, parts.path(), Some(4));
     assert!(!first.complete);

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use scene::Scene;
+use scene::{Catenary, Division, Scene};
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Errors, Status};
@@ -148,6 +148,9 @@ columns! {
     /// Observed order of the filtered error from the next smaller macro step to this one, –.
     #[serde(serialize_with = "finite")]
     order: Option<f64> = "observed_order",
+    /// Length that no element is longer than, m; nothing where each interval between droppers has as many.
+    #[serde(serialize_with = "finite")]
+    element_length: Option<f64> = "element_length_m",
     /// What an automatic choice came to, why a run ended, what else is to be said.
     reason: String = "reason",
 }
@@ -166,14 +169,13 @@ impl Row {
             .iter()
             .map(|reduction| reduction.name())
             .collect();
-        Self {
+        let mut row = Self {
             scene: name.to_owned(),
             mode: mode.name().to_owned(),
             algorithm: if coupled { algorithm.to_owned() } else { String::new() },
             extrapolation: coupled.then_some(scene.coupling.extrapolation as u64),
             macro_step: coupled.then_some(macro_step),
             micro_step: Some(micro),
-            elements_per_span: line.map(|line| (line.intervals_per_span() * line.mesh.elements_per_interval) as u64),
             mesh: line.map_or_else(String::new, |line| line.mesh.name()),
             reduction: if reductions.is_empty() {
                 "none".to_owned()
@@ -181,7 +183,20 @@ impl Row {
                 reductions.join("+")
             },
             ..Self::default()
+        };
+        if let Some(line) = line {
+            row.divide(line, line.mesh.division);
         }
+        row
+    }
+
+    /// Takes in the elements of a line that is so divided.
+    pub fn divide(&mut self, line: &Catenary, division: Division) {
+        self.elements_per_span = Some(line.elements_per_span(division) as u64);
+        self.element_length = match division {
+            Division::PerInterval(_) => None,
+            Division::UpTo(length) => Some(length),
+        };
     }
 
     /// Takes in the figures and the cost of a run that has ended.

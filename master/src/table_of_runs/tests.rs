@@ -20,7 +20,10 @@ fn the_table_begins_with_the_promised_columns() {
     let text = csv(&[], &[], &[]);
     let written: Vec<&str> = text.trim_end().split(',').collect();
     assert_eq!(written[..promised.len()], promised[..]);
-    assert_eq!(written[promised.len()..], ["observed_order", "reason"]);
+    assert_eq!(
+        written[promised.len()..],
+        ["observed_order", "element_length_m", "reason"]
+    );
 }
 
 #[test]

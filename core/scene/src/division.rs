@@ -1,0 +1,166 @@
+//! How many elements lie between neighbouring droppers or supports.
+
+use crate::Catenary;
+use crate::check::{Found, refuse};
+use crate::error::What;
+use crate::keys::{Keys, Number};
+use crate::write::shown_number;
+
+/// Equal elements between neighbouring droppers or supports: how many.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Division {
+    /// `elements_per_interval`: as many in each interval, at least 1.
+    PerInterval(usize),
+    /// `element_length`: as few as are no longer than this, m.
+    UpTo(f64),
+}
+
+/// Most elements of an interval: far beyond any converged mesh.
+const MOST: usize = 200;
+
+/// Part of an element that rounding may leave of a length that the limit divides, –.
+const ROUNDING: f64 = 1e-9;
+
+impl Division {
+    /// Elements of an interval of this length, m.
+    #[must_use]
+    pub fn elements(self, length: f64) -> usize {
+        match self {
+            Self::PerInterval(count) => count,
+            Self::UpTo(limit) => ((length / limit - ROUNDING).ceil() as usize).max(1),
+        }
+    }
+
+    /// The key that says it, of which a mesh has one.
+    pub(crate) fn entry(keys: &mut Keys, was: Option<Self>) -> Self {
+        let (count, limit) = match was {
+            Some(Self::PerInterval(count)) => (Some(count), None),
+            Some(Self::UpTo(limit)) => (None, Some(limit)),
+            None => (None, None),
+        };
+        let (name, other) = ("elements_per_interval", "element_length");
+        let has_count = keys.has(name, count.is_some());
+        if keys.has(other, limit.is_some()) {
+            if has_count {
+                let because = format!("catenary.mesh.{name} divides the intervals; one of the two");
+                keys.report(other, What::LeaveOut { because });
+            }
+            return Self::UpTo(keys.number(other, limit, Number::positive("m")));
+        }
+        if !has_count {
+            let expected = format!("a whole number from 1 to {MOST}, or {other} in m or error_percent in its place");
+            keys.report(name, What::Missing { expected });
+            return Self::PerInterval(1);
+        }
+        Self::PerInterval(keys.count(name, count, 1..=MOST, None))
+    }
+}
+
+impl Catenary {
+    /// Lengths between neighbouring droppers and supports of a span (counted from 0) along the track, m.
+    pub fn intervals_of(&self, span: usize) -> impl Iterator<Item = f64> + '_ {
+        let positions = self.droppers.positions.iter().copied();
+        let ends = positions.clone().chain([self.span_lengths[span]]);
+        std::iter::once(0.0)
+            .chain(positions)
+            .zip(ends)
+            .map(|(start, end)| end - start)
+    }
+
+    /// Lengths between neighbouring droppers and supports along the track, m, span after span.
+    pub fn intervals(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..self.spans()).flat_map(|span| self.intervals_of(span))
+    }
+
+    /// Number of intervals of one span.
+    #[must_use]
+    pub fn intervals_per_span(&self) -> usize {
+        self.droppers.positions.len() + 1
+    }
+
+    /// Length of the longest interval, m.
+    #[must_use]
+    pub fn longest_interval(&self) -> f64 {
+        self.intervals().fold(0.0, f64::max)
+    }
+
+    /// Elements that a division makes of each wire in a span; where spans differ, in the one that has most.
+    #[must_use]
+    pub fn elements_per_span(&self, division: Division) -> usize {
+        let of_span = |span| self.intervals_of(span).map(|length| division.elements(length)).sum();
+        (0..self.spans()).map(of_span).max().unwrap_or(0)
+    }
+
+    /// The division with the fewest elements that are no longer than those of `count` in the longest interval, but for a tenth of a
+    /// millimetre: as many in each interval where all need as many.
+    #[must_use]
+    pub fn evenly_divided(&self, count: usize) -> Division {
+        // A limit with few digits is one that can be typed.
+        let longest = self.longest_interval() / count as f64;
+        let even = Division::UpTo((1e4 * longest - 1e-6).ceil() / 1e4);
+        if self.intervals().all(|length| even.elements(length) == count) {
+            Division::PerInterval(count)
+        } else {
+            even
+        }
+    }
+
+    /// Length of the elements of each interval along the track, m, and their number.
+    pub(crate) fn elements(&self) -> impl Iterator<Item = (f64, usize)> + '_ {
+        self.intervals().map(|length| {
+            let count = self.mesh.division.elements(length);
+            (length / count as f64, count)
+        })
+    }
+
+    /// Length of the shortest element along the track, m.
+    #[must_use]
+    pub fn shortest_element(&self) -> f64 {
+        self.elements().map(|(length, _)| length).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Length of the longest element along the track, m.
+    #[must_use]
+    pub fn longest_element(&self) -> f64 {
+        self.elements().map(|(length, _)| length).fold(0.0, f64::max)
+    }
+
+    /// No interval has more elements than it may.
+    pub(crate) fn check_division(&self, found: &mut Found) {
+        let Division::UpTo(limit) = self.mesh.division else {
+            return;
+        };
+        let longest = self.longest_interval();
+        if self.mesh.division.elements(longest) > MOST {
+            let expected = format!(
+                "must be at least {} m: an interval between droppers, here up to {longest} m, has at most {MOST} elements",
+                longest / MOST as f64
+            );
+            refuse(
+                found,
+                "catenary.mesh.element_length",
+                shown_number(limit, "m"),
+                expected,
+            );
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_that_divides_a_length_leaves_no_element_of_rounding() {
+        for length in [5.0, 5.5, 6.5, 60.0 - 53.5, 0.1 + 0.2, 1e-3, 1e3] {
+            for count in 1..=MOST {
+                let limit = Division::UpTo(length / count as f64);
+                assert_eq!(limit.elements(length), count, "{length} m");
+            }
+        }
+        assert_eq!(Division::UpTo(0.8125).elements(6.5), 8);
+        assert_eq!(Division::UpTo(0.8124).elements(6.5), 9);
+        assert_eq!(Division::UpTo(1e3).elements(6.5), 1);
+        assert_eq!(Division::PerInterval(8).elements(6.5), 8);
+    }
+}
