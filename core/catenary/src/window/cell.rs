@@ -91,10 +91,10 @@ impl Cell {
         let (modes, squares) = lowest_modes(&factor, &m_ff, count);
         let reduced = |ff: &SparseMatrix, fs: &DMatrix<f64>, ss: &DMatrix<f64>| {
             let inner = product(ff, &shapes);
-            let cross = fs.tr_mul(&shapes);
-            let sum = ss + &cross + cross.transpose() + shapes.tr_mul(&inner);
+            let cross = fs.transpose() * &shapes;
+            let sum = ss + &cross + cross.transpose() + shapes.transpose() * &inner;
             let sum = (&sum + sum.transpose()) * 0.5;
-            (sum, (fs + inner).tr_mul(&modes))
+            (sum, (fs + inner).transpose() * &modes)
         };
         let (stiffness, _) = reduced(&k_ff, &k_fs, &k_ss);
         let (damping, damping_coupling) = reduced(&d_ff, &d_fs, &d_ss);

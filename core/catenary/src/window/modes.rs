@@ -100,15 +100,16 @@ pub(super) fn lowest_modes(factor: &Envelope, mass: &SparseMatrix, count: usize)
         for column in 0..size {
             factor.solve(next.column_mut(column).as_mut_slice());
         }
-        let inertia = next.tr_mul(&product(mass, &next));
+        let inertia = next.transpose() * product(mass, &next);
         let (lower, scale) = scaled_root(&inertia);
         for (mut column, scale) in next.column_iter_mut().zip(&scale) {
             column *= *scale;
         }
-        let turned = lower
-            .solve_lower_triangular(&next.transpose())
+        // Products of matrices are several times faster than solutions of many right sides.
+        let turn = lower
+            .solve_lower_triangular(&DMatrix::identity(size, size))
             .expect("a regular factor");
-        vectors = turned.transpose();
+        vectors = next * turn.transpose();
     }
     let loads = product(mass, &vectors);
     let mut last = loads.clone();
@@ -116,8 +117,8 @@ pub(super) fn lowest_modes(factor: &Envelope, mass: &SparseMatrix, count: usize)
         factor.solve(last.column_mut(column).as_mut_slice());
     }
     // K last = loads, so lastᵀ K last needs no product with K.
-    let stiffness = last.tr_mul(&loads);
-    let inertia = last.tr_mul(&product(mass, &last));
+    let stiffness = last.transpose() * &loads;
+    let inertia = last.transpose() * product(mass, &last);
     let (turn, mut squares) = diagonalise(&stiffness, &inertia);
     squares.truncate(count);
     (last * turn.columns(0, count), squares)
