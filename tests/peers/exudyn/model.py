@@ -41,9 +41,12 @@ esym = exu.symbolic
 TOLERANCE = 1e-3
 
 
-def dropper_force(mbs, t, item, elongation, rate, stiffness, damping, force):
-    """Pulls and never pushes. The damping of a dropper that begins a step slack is zero, see `Line.before_step`."""
-    return esym.max(0.0, stiffness * elongation + damping * rate)
+def dropper_force(mbs, t, item, elongation, rate, stiffness, damping, start):
+    """Pulls and never pushes. The damping acts for the part of a step in which the dropper is taut; `start` is the elongation at the
+    beginning of one that begins slack, else 1, see `Line.before_step`."""
+    taut = esym.max(0.0, elongation)
+    part = esym.max(esym.max(0.0, start), taut / (taut - esym.min(0.0, start) + 1e-300))
+    return esym.max(0.0, stiffness * elongation + part * damping * rate)
 
 
 def contact_force(mbs, t, item, apart, rate, stiffness, damping, offset):
@@ -166,7 +169,6 @@ class Line:
             self.brackets[node] = mbs.AddLoad(LoadCoordinate(markerNumber=marker, load=reaction[node]))
 
         stiffness, damping = line["droppers"]["stiffness"], line["droppers"]["damping"]
-        self.damping = damping
         pull = CreateSymbolicUserFunction(mbs, dropper_force, "springForceUserFunction", itemTypeName="ObjectConnectorSpringDamper")
         self.droppers = []
         for node in droppers:
@@ -178,6 +180,7 @@ class Line:
                         referenceLength=high[node] - low[node] - carried[node] / stiffness,
                         stiffness=stiffness,
                         damping=damping,
+                        force=1.0,
                         springForceUserFunction=pull,
                     )
                 )
@@ -329,10 +332,11 @@ class Line:
         begin = time.perf_counter()
         self.force.append(self.contact())
         self.place_contact(t)
-        # A dropper that begins the step slack has no damping in it.
-        taut = self.elongation(mbs.systemData.GetODE2Coordinates()) > 0.0
-        for i in np.flatnonzero(taut != self.taut):
-            mbs.SetObjectParameter(self.droppers[i], "damping", self.damping if taut[i] else 0.0)
+        # What droppers begin the step with.
+        elongation = self.elongation(mbs.systemData.GetODE2Coordinates())
+        taut = elongation > 0.0
+        for i in np.flatnonzero(~(taut & self.taut)):
+            mbs.SetObjectParameter(self.droppers[i], "force", 1.0 if taut[i] else elongation[i])
         self.taut = taut
         self.python_time += time.perf_counter() - begin
         return True
