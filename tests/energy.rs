@@ -91,7 +91,7 @@ fn an_undamped_line_without_contact_keeps_its_energy_for_100_seconds() {
 
 #[test]
 fn energy_is_accounted_for_to_a_thousandth_with_every_damper() {
-    // What is damped, and the micro step: the damper of a dropper acts or does not over a whole step.
+    // What is damped, and the micro step: a dropper that closes within a step is taken for damped in a part of it.
     let cases: [(&[&str], &str); 5] = [
         (&[], "nothing"),
         (
@@ -130,6 +130,15 @@ fn energy_is_accounted_for_to_a_thousandth_with_every_damper() {
         );
         assert!(finished.record.pantographs[0].force.iter().any(|force| *force > 150.0));
     }
+}
+
+#[test]
+fn energy_is_accounted_for_on_a_cured_mesh() {
+    let keys = with(&["catenary.mesh.elements_per_interval=6", "catenary.mesh.cures=\"auto\""]);
+    let (_, evidence) = run(&keys, None);
+    let left = evidence.worst_residual / evidence.exchanged;
+    println!("driven {:.3} J, left over {left:.1e}", evidence.driven);
+    assert!(left < 1e-3 && evidence.driven > 1.0, "{evidence:?}");
 }
 
 #[test]

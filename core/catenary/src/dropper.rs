@@ -17,8 +17,8 @@ pub use slackening::Slackening;
 /// F = max(0, k δ + φ c δ̇)        δ = length − unstressed length
 /// ```
 ///
-/// `φ` is the part of a time step in which the dropper is taut, see [`AtStart`]: 1 in a step that begins taut, 0 as long as it is slack,
-/// so that a slack dropper exerts no force at all [Thesis, section 3.2].
+/// `φ` is the part of a time step in which the dropper is taut, see [`AtStart`]: 1 in a step that begins taut, 0 in one that begins and ends
+/// slack: a slack dropper exerts no force at all [Thesis, section 3.2].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DropperLaw {
     /// `k`, N/m.
@@ -194,7 +194,7 @@ impl Droppers {
         self.law
     }
 
-    /// Tension of dropper `index`, N.
+    /// Tension of dropper `index`, N; after a step what the next one begins with.
     #[must_use]
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
         let pose = self.droppers[index].pose(motion);

@@ -182,7 +182,7 @@ impl Line {
         let of_trapezoid = 1.0 + 4.5 * r * r;
         self.load = Some(LoadCorrection {
             step,
-            share: of_trapezoid / 6.0,
+            kappa: of_trapezoid / 6.0,
         });
         let step = step * of_trapezoid.sqrt();
         self.contact_wire = self.contact_wire.with_mass_correction(step);

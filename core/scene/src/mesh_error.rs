@@ -13,7 +13,7 @@
 //!
 //! with the slower wave of the two wires, the longest element and the internal step `h`.
 
-use crate::{Catenary, Cure, Division, Scene};
+use crate::{Catenary, ContactLaw, Cure, Division, Scene};
 
 /// Of the plain mesh, %. Measured with 4, 8 and 16 elements between droppers at 0.5 and 1 ms, against 12 cured ones at 0.25 ms, on
 /// seven spans of EN 50318 at 250 and 300 km/h and eight of the thesis' line at 200 km/h under a lumped pantograph: 67 to 102.
@@ -27,6 +27,8 @@ const STEP: f64 = 5000.0;
 /// Of the time step with the mass correction, %: at 1 ms and 20 Hz 0.14 %. Measured with 8 elements of up to 0.81 m on the line of EN 50318
 /// at 300 and 250 km/h between 1 and 1.5 ms: 0.12 to 0.2 % per ms².
 const CORRECTED_STEP: f64 = 350.0;
+/// The same of a sliding joint, whose force is not corrected as it moves, %: at 1 ms and 20 Hz 0.3 %.
+const CORRECTED_STEP_OF_JOINT: f64 = 750.0;
 /// What dampers of droppers add that go slack and taut within a step, %: 1 % at 1 ms and 20 Hz for the line of the thesis, whose
 /// dampers are stiffer at 20 Hz than its springs; measured 0.28 % at 0.5 ms, 1.1 at 1 ms, 1.4 at 1.25 ms.
 const SWITCHING_DAMPERS: f64 = 2500.0;
@@ -69,7 +71,7 @@ impl Scene {
     /// where no rule is known: faster than the waves of a wire, with a damping integrator, or of somebody else's line.
     #[must_use]
     pub fn expected_mesh_error(&self) -> Option<MeshError> {
-        let (catenary, _) = self.modelled_line()?;
+        let (catenary, contact) = self.modelled_line()?;
         let f = self.run.low_pass_hz;
         let wave = shortest_wave(catenary, self.run.speed, f)?;
         if self.solver.rho_inf < 0.8 {
@@ -86,10 +88,10 @@ impl Scene {
         let droppers = &catenary.droppers;
         let damping = 2.0 * std::f64::consts::PI * f * droppers.damping / droppers.stiffness;
         let step = SWITCHING_DAMPERS * damping.min(1.0)
-            + if mesh.has(Cure::MassCorrection) {
-                CORRECTED_STEP
-            } else {
-                STEP
+            + match (mesh.has(Cure::MassCorrection), contact.law) {
+                (false, _) => STEP,
+                (true, ContactLaw::Penalty) => CORRECTED_STEP,
+                (true, ContactLaw::SlidingJoint) => CORRECTED_STEP_OF_JOINT,
             };
         Some(MeshError {
             space: space.min(MOST),

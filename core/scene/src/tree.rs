@@ -197,11 +197,24 @@ enum Step {
     Entry(usize),
 }
 
-/// Keys of a table of which it has one: the override of one takes the place of the others.
-const ALTERNATIVES: [(&str, &[&str]); 1] = [(
-    "catenary.mesh",
-    &["elements_per_interval", "element_length", "error_percent"],
-)];
+/// Of a table each key whose override takes the place of others, and these.
+const REPLACED: [(&str, &str, &[&str]); 3] = [
+    (
+        "catenary.mesh",
+        "elements_per_interval",
+        &["element_length", "error_percent"],
+    ),
+    (
+        "catenary.mesh",
+        "element_length",
+        &["elements_per_interval", "error_percent"],
+    ),
+    (
+        "catenary.mesh",
+        "error_percent",
+        &["elements_per_interval", "element_length", "cures"],
+    ),
+];
 
 const FORM: &str = "an override must have the form key.path=value, such as run.speed_kmh=250, \
                     coupling.algorithm=jacobi or pantograph[1].static_force=100";
@@ -242,7 +255,7 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
         };
         node = match (&mut node.value, step) {
             (Value::Table(table), Step::Key(key)) => {
-                drop_alternatives(table, &walked, &key);
+                drop_replaced(table, &walked, &key);
                 walked.push('.');
                 walked.push_str(&shown_key(&key));
                 entry(table, key, at)
@@ -298,12 +311,11 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
     Ok(())
 }
 
-/// Takes the alternatives of `key` out of the table with this path.
-fn drop_alternatives(table: &mut Table, path: &str, key: &str) {
-    let mut groups = ALTERNATIVES.iter();
-    if let Some((_, names)) = groups.find(|(of, names)| *of == path && names.contains(&key)) {
-        let stays = |name: &str| name == key || !names.contains(&name);
-        table.entries.retain(|(name, _)| stays(name));
+/// Takes out of the table with this path what an override of `key` takes the place of.
+fn drop_replaced(table: &mut Table, path: &str, key: &str) {
+    let mut all = REPLACED.iter();
+    if let Some((_, _, others)) = all.find(|(of, by, _)| (*of, *by) == (path, key)) {
+        table.entries.retain(|(name, _)| !others.contains(&name.as_str()));
     }
 }
 

@@ -637,10 +637,8 @@ fn elements_are_no_longer_than_their_limit_and_an_override_takes_the_place_of_th
     ];
     assert_eq!(elements(&read(EN_300, &both)), 30);
     assert_eq!(elements(&read(EN_300, &[both[1], both[0]])), 36);
-    let asked = read(
-        &EN_300.replace("cures = \"auto\"", ""),
-        &["catenary.mesh.error_percent=1"],
-    );
+    // What asks for an error chooses the cures too.
+    let asked = read(EN_300, &["catenary.mesh.error_percent=1"]);
     assert_eq!(elements(&asked), 76);
     // One element for each interval is enough for a long limit.
     assert_eq!(elements(&read(EN_300, &["catenary.mesh.element_length=1000"])), 10);

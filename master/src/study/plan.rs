@@ -517,11 +517,7 @@ fn ladder(runs: &mut Runs<'_>, options: &Options) {
             continue;
         }
         for &rung in rungs {
-            let recipe = recipe(rung, &cures, &reductions);
-            // Steps may be too long for the cures.
-            if ground.takes(&ground.variant(&recipe).overrides) {
-                runs.add(recipe, Sweep::Ladder);
-            }
+            runs.add(recipe(rung, &cures, &reductions), Sweep::Ladder);
         }
     }
     if both(ground) && !options.quick {

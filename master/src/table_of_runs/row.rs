@@ -85,7 +85,7 @@ columns! {
     /// Step of the time integration, as it divides the macro step, s.
     #[serde(serialize_with = "finite")]
     micro_step: Option<f64> = "micro_step_s",
-    /// Elements of the contact wire in a span, –.
+    /// Elements of the contact wire in the span that has most, –.
     elements_per_span: Option<u64> = "elements_per_span",
     /// What helps the elements, joined by `+`, or `plain`.
     mesh: String = "mesh",

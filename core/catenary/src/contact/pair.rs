@@ -79,7 +79,7 @@ impl ContactPair {
     /// forgotten.
     pub fn limit_stiffness(&mut self, limit: f64) -> bool {
         self.reached = AtStart::Unknown;
-        self.load.clear();
+        self.load.forget();
         self.law.stiffness = self.stiffness.min(limit);
         self.stiffness > limit
     }
@@ -108,12 +108,7 @@ impl ContactPair {
         ))
     }
 
-    /// What a step that begins with a motion knows of it.
-    fn start_at(&self, motion: &Motion<'_>) -> AtStart {
-        self.state(motion)
-            .map_or(AtStart::APART, |contact| self.start_with(&contact))
-    }
-
+    /// What a step that begins with this contact knows of it.
     fn start_with(&self, contact: &ContactState) -> AtStart {
         if self.is_beside(&contact.geometry) {
             AtStart::APART
@@ -193,6 +188,7 @@ impl OnWire for ContactPair {
 
     fn set_curve(&mut self, curve: Arc<dyn Curve>) {
         self.curve = curve;
+        self.load.clear_terms();
     }
 }
 
@@ -201,7 +197,7 @@ impl Force for ContactPair {
         self.active = None;
         self.found = None;
         self.in_step = true;
-        self.load.rest();
+        self.load.clear_terms();
         self.at_start = self.reached;
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
@@ -287,12 +283,18 @@ impl Force for ContactPair {
     }
 
     fn end_step(&mut self, motion: &Motion<'_>) {
-        let force = match self.found {
-            Some(_) => self.active,
-            None => self.state(motion).map(|contact| contact.force),
+        let (force, reached) = match self.found.take() {
+            Some(found) => (self.active, found),
+            None => {
+                let contact = self.state(motion);
+                let reached = contact
+                    .as_ref()
+                    .map_or(AtStart::APART, |contact| self.start_with(contact));
+                (contact.map(|contact| contact.force), reached)
+            }
         };
         self.load.end_step(motion.t, force.unwrap_or(0.0));
-        self.reached = self.found.take().unwrap_or_else(|| self.start_at(motion));
+        self.reached = reached;
         self.in_step = false;
     }
 

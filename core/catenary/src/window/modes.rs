@@ -100,12 +100,12 @@ pub(super) fn lowest_modes(factor: &Envelope, mass: &SparseMatrix, count: usize)
         for column in 0..size {
             factor.solve(next.column_mut(column).as_mut_slice());
         }
+        // Products of matrices are several times faster than `tr_mul`, which is not blocked, and than solutions of many right sides.
         let inertia = next.transpose() * product(mass, &next);
         let (lower, scale) = scaled_root(&inertia);
         for (mut column, scale) in next.column_iter_mut().zip(&scale) {
             column *= *scale;
         }
-        // Products of matrices are several times faster than solutions of many right sides.
         let turn = lower
             .solve_lower_triangular(&DMatrix::identity(size, size))
             .expect("a regular factor");
