@@ -35,7 +35,7 @@ fn at(text: &str, what: &str) -> String {
 }
 
 /// The mesh of the scene.
-const MESH: &str = "elements_per_interval = 8               # chosen with the cures: the force is 0.7 % of its standard deviation from the converged one\ncures = \"auto\"";
+const MESH: &str = "elements_per_interval = 8               # chosen with the cures: the force is 0.5 % of its standard deviation from the converged one\ncures = \"auto\"";
 
 /// (what is replaced, by what, fragments of the message), on the EN 50318 scene.
 #[rustfmt::skip]
