@@ -299,7 +299,8 @@ fn error_ahead_of_a_strip(h: f64, corrected_load: bool) -> f64 {
 fn a_moving_force_is_corrected_with_the_mass() {
     let h = 5e-4;
     let [plain, corrected] = [false, true].map(|load| error_ahead_of_a_strip(h, load));
-    // Forces that change with `Ω` at the nodes, three times as fast as that of the contact, send out waves that are by `(Ω h)²/6` too small.
+    // Forces that change with `Ω` at the nodes, three times as fast as that of the contact, send out waves that are by `(Ω h)²/6` too
+    // small.
     let omega = 3.0 * 40.0 * std::f64::consts::PI;
     let expected = (omega * h).powi(2) / 6.0;
     println!("plain {plain:.3e}, corrected {corrected:.3e}; closed form {expected:.3e}");

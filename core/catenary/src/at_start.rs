@@ -1,8 +1,14 @@
 //! What a time step knows at its beginning of what presses or pulls one way only: a contact, a dropper.
 
+/// `max(0, k δ + φ d δ̇)`, N: the force of a spring `k` (N/m) and a damper `d` (N·s/m) that act one way only, the damper for the `part`
+/// `φ` of a step, see [`AtStart`].
+#[inline]
+pub(crate) fn one_way_force((k, d): (f64, f64), part: f64, delta: f64, rate: f64) -> f64 {
+    (k * delta + part * d * rate).max(0.0)
+}
+
 /// What a time step knows at its beginning of a spring and a damper that act one way only, where `δ > 0`: how long in it the damper
-/// acts.
-/// `δ` is the penetration of a contact or the elongation of a dropper; closed is what is under force.
+/// acts. `δ` is the penetration of a contact or the elongation of a dropper; closed is what is under force.
 ///
 /// A damper that acts wherever `δ > 0` jumps from 0 to `d δ̇` where it closes. An implicit step looks for an end at which
 /// inertia and force agree, `S (δ − δ*) + F(δ) = 0`, with `δ*` where the step would end without the force. With

@@ -1,4 +1,5 @@
 //! Droppers: the ties between messenger wire and contact wire.
+use crate::at_start::one_way_force;
 use crate::{AtStart, Attachment};
 use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
 use lanes::{Evaluate, Extensions, Group, LANES, Mass};
@@ -17,8 +18,8 @@ pub use slackening::Slackening;
 /// F = max(0, k δ + φ c δ̇)        δ = length − unstressed length
 /// ```
 ///
-/// `φ` is the part of a time step in which the dropper is taut, see [`AtStart`]: 1 in a step that begins taut, 0 in one that begins and ends
-/// slack: a slack dropper exerts no force at all [Thesis, section 3.2].
+/// `φ` is the part of a time step in which the dropper is taut, see [`AtStart`]: 1 in a step that begins taut, 0 in one that begins
+/// and ends slack: a slack dropper exerts no force at all [Thesis, section 3.2].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DropperLaw {
     /// `k`, N/m.
@@ -32,7 +33,7 @@ impl DropperLaw {
     #[must_use]
     pub fn force(&self, at_start: AtStart, elongation: f64, rate: f64) -> f64 {
         let (part, _) = at_start.closed_part(elongation);
-        (self.stiffness * elongation + part * self.damping * rate).max(0.0)
+        one_way_force((self.stiffness, self.damping), part, elongation, rate)
     }
 
     /// `(∂F/∂δ, ∂F/∂δ̇)`, N/m and N·s/m; zero without force.

@@ -136,10 +136,10 @@ impl Ranges {
     }
 }
 
-/// Residuals below this part of the tolerance are left as they are while others are corrected, and below a tenth of that in each further
-/// correction of the step: what is left behind passes through low-rank terms as stiff as a closing damper's, which make more of
-/// it than there was, and at the same limit the next correction would leave the same behind. On rows that are known without evaluation
-/// what is left is not seen: there a step may end above the tolerance by about as much.
+/// Residuals below this part of the tolerance are left as they are while others are corrected, and below a tenth of that in each
+/// further correction of the step: what is left behind passes through low-rank terms as stiff as a closing damper's, which make more
+/// of it than there was, and at the same limit the next correction would leave the same behind. On rows that are known without
+/// evaluation what is left is not seen: there a step may end above the tolerance by about as much.
 const LEFT: f64 = 0.3;
 
 /// Matrix, low-rank terms and buffers of one system.
@@ -239,8 +239,8 @@ impl Workspace {
             })
     }
 
-    /// Solves for the correction number `iteration` (from 0) of a step, which removes the last residual where it is above a part of the tolerances
-    /// of `options`; afterwards [`Workspace::correction`] holds `Δq` and `Δλ`. Without options nothing is left out.
+    /// Solves for the correction number `iteration` (from 0) of a step, which removes the last residual where it is above a part of
+    /// the tolerances of `options`; afterwards [`Workspace::correction`] holds `Δq` and `Δλ`. Without options nothing is left out.
     pub fn correct(
         &mut self,
         system: &mut dyn System,

@@ -82,8 +82,8 @@ const LEAST_RHO_INF: f64 = 0.9;
 /// elements in each interval its smallest eigenvalue vanishes at 0.38 of the time through the shortest one without bending layers and
 /// with ends that are held; with layers at the attachments of the standard's line and elements of up to 40 bending lengths at 0.21,
 /// 0.26, 0.28, 0.29, 0.30 for 1, 2, 3, 4, 6 elements between them; along a wire whose end moves freely, as under a constant tension,
-/// at 0.2545 for four elements and 0.2565 for many. With other numbers in each interval the bound is
-/// that of the interval by itself: tested for elements of one length in `core/catenary/tests/even_elements.rs`.
+/// at 0.2545 for four elements and 0.2565 for many. With other numbers in each interval the bound is that of the interval by itself:
+/// tested for elements of one length in `core/catenary/tests/even_elements.rs`.
 fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64) {
     let of_interval = |(length, elements): (f64, usize)| {
         let inner: f64 = match (layers, elements) {

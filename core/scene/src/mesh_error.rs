@@ -24,8 +24,8 @@ const WITH_ONE_CURE: f64 = 0.5;
 const CURED: f64 = 200.0;
 /// Of the time step, %: at 1 ms and 20 Hz 2 %.
 const STEP: f64 = 5000.0;
-/// Of the time step with the mass correction, %: at 1 ms and 20 Hz 0.14 %. Measured with 8 elements of up to 0.81 m on the line of EN 50318
-/// at 300 and 250 km/h between 1 and 1.5 ms: 0.12 to 0.2 % per ms².
+/// Of the time step with the mass correction, %: at 1 ms and 20 Hz 0.14 %. Measured with 8 elements of up to 0.81 m on the line of
+/// EN 50318 at 300 and 250 km/h between 1 and 1.5 ms: 0.12 to 0.2 % per ms².
 const CORRECTED_STEP: f64 = 350.0;
 /// The same of a sliding joint, whose force is not corrected as it moves, %: at 1 ms and 20 Hz 0.3 %.
 const CORRECTED_STEP_OF_JOINT: f64 = 750.0;

@@ -487,8 +487,9 @@ const SHORT_LADDER: [(usize, f64); 10] = [
     (12, 4.0),
 ];
 
-/// Residual that ends Newton's method on the ladder, N: on the line of EN 50318 at 300 km/h and that of the thesis it moves the filtered
-/// force by 0.01 to 0.1 % of its standard deviation, far less than the meshes of the ladder do, and saves up to a third of the time.
+/// Residual that ends Newton's method on the ladder, N: on the line of EN 50318 at 300 km/h and that of the thesis it moves the
+/// filtered force by 0.01 to 0.1 % of its standard deviation, far less than the meshes of the ladder do, and saves up to a fifth of
+/// the corrections.
 const LADDER_TOLERANCE: f64 = 0.3;
 
 fn ladder(runs: &mut Runs<'_>, options: &Options) {

@@ -148,7 +148,7 @@ columns! {
     /// Observed order of the filtered error from the next smaller macro step to this one, –.
     #[serde(serialize_with = "finite")]
     order: Option<f64> = "observed_order",
-    /// Length that no element is longer than, m; nothing where each interval between droppers has as many.
+    /// `catenary.mesh.element_length`, m; nothing where the mesh has `elements_per_interval`.
     #[serde(serialize_with = "finite")]
     element_length: Option<f64> = "element_length_m",
     /// What an automatic choice came to, why a run ended, what else is to be said.

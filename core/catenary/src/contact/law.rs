@@ -1,4 +1,5 @@
 //! The penalty law.
+use crate::at_start::one_way_force;
 
 /// Unilateral penalty law between contact wire and collector strip.
 ///
@@ -24,7 +25,7 @@ impl PenaltyContact {
     /// `penetration` in m is positive when the strip overlaps the wire; `penetration_rate` is its time derivative in m/s.
     #[must_use]
     pub fn normal_force(&self, part: f64, penetration: f64, penetration_rate: f64) -> f64 {
-        (self.stiffness * penetration + part * self.damping * penetration_rate).max(0.0)
+        one_way_force((self.stiffness, self.damping), part, penetration, penetration_rate)
     }
 
     /// Slopes `(∂F/∂δ, ∂F/∂δ̇)` of the closed contact in series with a part that leaves it the `share` of the penetration, see

@@ -6,8 +6,8 @@ use dynamics::Frame;
 
 /// What the correction of a wire's inertia for the time step `h` asks of forces that move along the wire.
 ///
-/// In steps of `h` the integrator has for `d²/dt²` the operator `D² (1 − ε D²)`, `ε = κ h²`, `D` the time derivative, to this order. The
-/// corrected mass `M − ε K` makes of the equation of a wire under the nodal forces `φ`, with what is of the order of `ε²` left out,
+/// In steps of `h` the integrator has for `d²/dt²` the operator `D² (1 − ε D²)`, `ε = κ h²`, `D` the time derivative, to this order.
+/// The corrected mass `M − ε K` makes of the equation of a wire under the nodal forces `φ`, with what is of the order of `ε²` left out,
 ///
 /// ```text
 /// (M − ε K) D² (1 − ε D²) q + K q = (1 − ε D²) (M D² q + K q) = φ
@@ -21,10 +21,10 @@ use dynamics::Frame;
 /// N(s) F − κ (N(s + ṡh) (F + Ḟh) − 2 N(s) F + N(s − ṡh) (F − Ḟh)) = N F − ε (N,ₛₛ ṡ² F + 2 N,ₛ ṡ Ḟ)
 /// ```
 ///
-/// whose second part has no resultant. It is found once per step, with `F` continued in a straight line through the ends of the last
-/// two, so that the tangent stays as it is. `N F̈` is left out, and with it an error of `ε F̈`: that of a force at rest. Of a wave ahead
-/// of a strip at two thirds of the wave speed it is a ninth of what is taken away, behind the strip more than was there. (Derived here;
-/// tested by `a_moving_force_is_corrected_with_the_mass`.)
+/// whose second part has no resultant. It is found once per step, with `F` continued in a straight line through the ends of the
+/// last two, so that the tangent stays as it is. `N F̈` is left out, and with it an error of `ε F̈`: that of a force at rest. Of a wave
+/// ahead of a strip at two thirds of the wave speed it is a ninth of what was there, behind the strip more than was there. (Derived
+/// here; tested by `a_moving_force_is_corrected_with_the_mass`.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadCorrection {
     /// `h`, s.
@@ -105,8 +105,9 @@ impl MovingLoad {
         }
         let change = rate * step;
         let forces = [force - change, -2.0 * force, force + change];
+        let mut columns = CurveColumns::default();
         for (s, force) in places.into_iter().zip(forces) {
-            let mut columns = CurveColumns::default();
+            columns.clear();
             curve.columns(s, &mut columns);
             let columns = columns.as_slice().iter();
             self.terms

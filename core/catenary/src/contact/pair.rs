@@ -197,7 +197,6 @@ impl Force for ContactPair {
         self.active = None;
         self.found = None;
         self.in_step = true;
-        self.load.clear_terms();
         self.at_start = self.reached;
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
@@ -208,6 +207,8 @@ impl Force for ContactPair {
             self.version += 1;
             let frame = self.strip.frame(motion);
             self.load.begin_step(&contact.geometry, &*self.curve, &frame, motion.t);
+        } else {
+            self.load.clear_terms();
         }
     }
 

@@ -89,6 +89,7 @@ impl Cell {
             factor.solve(shapes.column_mut(column).as_mut_slice());
         }
         let (modes, squares) = lowest_modes(&factor, &m_ff, count);
+        // Products, not `tr_mul`: see `lowest_modes`.
         let reduced = |ff: &SparseMatrix, fs: &DMatrix<f64>, ss: &DMatrix<f64>| {
             let inner = product(ff, &shapes);
             let cross = fs.transpose() * &shapes;
