@@ -110,7 +110,7 @@ fn lines(criterion: &mut Criterion) {
         );
         let contact = &mut model.contacts[0];
         measure(criterion, &format!("{name}: contact search and force"), None, || {
-            contact.begin_step(black_box(&motion));
+            contact.begin_step(black_box(&motion), 1e-3);
             contact.add_force(black_box(&motion), black_box(&mut force));
         });
         measure(criterion, &format!("{name}: statics"), None, || {

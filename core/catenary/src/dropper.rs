@@ -1,6 +1,6 @@
 //! Droppers: the ties between messenger wire and contact wire.
 use crate::at_start::one_way_force;
-use crate::{AtStart, Attachment};
+use crate::{AtStart, Attachment, OneWayStep};
 use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
 use lanes::{Evaluate, Extensions, Group, LANES, Mass};
 use nalgebra::{Matrix3, Vector3};
@@ -18,7 +18,7 @@ pub use slackening::Slackening;
 /// F = max(0, k δ + φ c δ̇)        δ = length − unstressed length
 /// ```
 ///
-/// `φ` is the part of a time step in which the dropper is taut, see [`AtStart`]: 1 in a step that begins taut, 0 in one that begins
+/// `φ` is the part of a time step in which the dropper is taut, see [`OneWayStep`]: 1 in a step that begins taut, 0 in one that begins
 /// and ends slack: a slack dropper exerts no force at all [Thesis, section 3.2].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DropperLaw {
@@ -29,24 +29,23 @@ pub struct DropperLaw {
 }
 
 impl DropperLaw {
-    /// Tension in N, never negative, for an `elongation` in m that changes with `rate` in m/s, in a step that began `at_start`.
+    /// Tension in N, never negative, for an `elongation` in m that changes with `rate` in m/s at the end of a `step`.
     #[must_use]
-    pub fn force(&self, at_start: AtStart, elongation: f64, rate: f64) -> f64 {
-        let (part, _) = at_start.closed_part(elongation);
+    pub fn force(&self, step: OneWayStep, elongation: f64, rate: f64) -> f64 {
+        let (part, _) = step.closed_part(step.ahead(elongation, rate), rate);
         one_way_force((self.stiffness, self.damping), part, elongation, rate)
     }
 
     /// `(∂F/∂δ, ∂F/∂δ̇)`, N/m and N·s/m; zero without force.
     #[must_use]
-    pub fn derivatives(&self, at_start: AtStart, elongation: f64, rate: f64) -> (f64, f64) {
-        if self.force(at_start, elongation, rate) <= 0.0 {
+    pub fn derivatives(&self, step: OneWayStep, elongation: f64, rate: f64) -> (f64, f64) {
+        let (part, by_ahead) = step.closed_part(step.ahead(elongation, rate), rate);
+        let law = (self.stiffness, self.damping);
+        if one_way_force(law, part, elongation, rate) <= 0.0 {
             return (0.0, 0.0);
         }
-        let (part, by_elongation) = at_start.closed_part(elongation);
-        (
-            self.stiffness + by_elongation * self.damping * rate,
-            part * self.damping,
-        )
+        let closing = by_ahead * self.damping * rate;
+        (self.stiffness + closing, part * self.damping + step.half * closing)
     }
 
     /// Elastic energy at an `elongation` in m, J.
@@ -58,11 +57,12 @@ impl DropperLaw {
     /// Slope of the force in the weighted tangent, N/m. In a step that closes it is not below that of the chord to where the dropper
     /// closes, so that no correction opens it again.
     #[must_use]
-    pub fn slope(&self, at_start: AtStart, elongation: f64, rate: f64, weights: Weights) -> f64 {
-        let (by_elongation, by_rate) = self.derivatives(at_start, elongation, rate);
+    pub fn slope(&self, step: OneWayStep, elongation: f64, rate: f64, weights: Weights) -> f64 {
+        let (by_elongation, by_rate) = self.derivatives(step, elongation, rate);
         let slope = weights.q * by_elongation + weights.v * by_rate;
-        if at_start.is_open() && elongation > 0.0 {
-            slope.max(weights.q * self.force(at_start, elongation, rate) / elongation)
+        let ahead = step.ahead(elongation, rate);
+        if step.closes(ahead, rate) {
+            slope.max(step.chord(self.force(step, elongation, rate), ahead, weights))
         } else {
             slope
         }
@@ -145,10 +145,12 @@ pub struct Droppers {
     groups: Vec<Group>,
     masses: Vec<Mass>,
     assembled: Vec<Assembled>,
-    /// Elongation of each dropper at the beginning of the present step, m; filled up to whole groups.
+    /// `δ⁺₀` of each dropper in the present step, m; filled up to whole groups.
     at_start: Vec<f64>,
     /// The same of the step that has just ended: with it the force at its end was found.
     during: Vec<f64>,
+    /// Half of the present step, or of the one that has just ended, s.
+    half: f64,
     /// Where they stood when their forces were found last.
     extensions: Extensions,
     /// Whether that is where they stand: within a time step the solver asks for forces first, then for all that follows from them.
@@ -173,6 +175,7 @@ impl Droppers {
             assembled: vec![slack; droppers.len()],
             at_start: vec![0.0; groups.len() * LANES],
             during: vec![0.0; groups.len() * LANES],
+            half: 0.0,
             extensions: Extensions::new(groups.len()),
             evaluated: false,
             groups,
@@ -200,7 +203,15 @@ impl Droppers {
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
         let pose = self.droppers[index].pose(motion);
         self.law
-            .force(AtStart::At(self.at_start[index]), pose.elongation, pose.rate)
+            .force(self.step_of(self.at_start[index]), pose.elongation, pose.rate)
+    }
+
+    /// The present step of a dropper that began with `start` m.
+    fn step_of(&self, start: f64) -> OneWayStep {
+        OneWayStep {
+            at_start: AtStart::At(start),
+            half: self.half,
+        }
     }
 
     /// Their elongations `δ`, m.
@@ -238,6 +249,7 @@ impl Droppers {
             law: self.law,
             groups: &self.groups,
             at_start: &self.at_start,
+            half: self.half,
             range,
             motion,
             extensions: &mut self.extensions,
@@ -254,6 +266,10 @@ impl Droppers {
 }
 
 impl Force for Droppers {
+    fn begin_step(&mut self, _: &Motion<'_>, h: f64) {
+        self.half = 0.5 * h;
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.pull(EVERYWHERE, motion, force);
         self.evaluated = false;
@@ -281,16 +297,16 @@ impl Force for Droppers {
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         self.version += 1;
         for (index, dropper) in self.droppers.iter().enumerate() {
-            let at_start = AtStart::At(self.at_start[index]);
+            let step = self.step_of(self.at_start[index]);
             let assembled = &mut self.assembled[index];
             let pose = dropper.pose(motion);
-            let force = self.law.force(at_start, pose.elongation, pose.rate);
-            let (_, damping) = self.law.derivatives(at_start, pose.elongation, pose.rate);
+            let force = self.law.force(step, pose.elongation, pose.rate);
+            let (_, damping) = self.law.derivatives(step, pose.elongation, pose.rate);
             let mut block = Matrix3::zeros();
             assembled.direction = pose.direction;
             assembled.slope = 0.0;
             if force > 0.0 {
-                assembled.slope = self.law.slope(at_start, pose.elongation, pose.rate, weights);
+                assembled.slope = self.law.slope(step, pose.elongation, pose.rate, weights);
                 let outer = pose.direction * pose.direction.transpose();
                 // ∂²length/∂r², the change of the direction with the position of the upper end.
                 let turning = (Matrix3::identity() - outer) / pose.length;
@@ -307,7 +323,7 @@ impl Force for Droppers {
             let (elongation, rate) = self.extension(slot, motion);
             let coefficient = self
                 .law
-                .slope(AtStart::At(self.at_start[slot]), elongation, rate, weights)
+                .slope(self.step_of(self.at_start[slot]), elongation, rate, weights)
                 - assembled.slope;
             if coefficient == 0.0 {
                 continue;
@@ -344,7 +360,7 @@ impl Force for Droppers {
         let heat = self.droppers.iter().zip(&self.during).map(|(dropper, &during)| {
             let pose = dropper.pose(motion);
             let elastic = self.law.stiffness * pose.elongation.max(0.0);
-            (self.law.force(AtStart::At(during), pose.elongation, pose.rate) - elastic) * pose.rate
+            (self.law.force(self.step_of(during), pose.elongation, pose.rate) - elastic) * pose.rate
         });
         Some(Power {
             driven: 0.0,
@@ -355,12 +371,14 @@ impl Force for Droppers {
     fn end_step(&mut self, motion: &Motion<'_>) {
         self.during.copy_from_slice(&self.at_start);
         for index in 0..self.droppers.len() {
-            self.at_start[index] = self.extension(index, motion).0;
+            let (elongation, rate) = self.extension(index, motion);
+            self.at_start[index] = elongation + self.half * rate;
         }
         self.evaluated = false;
     }
 
     fn save(&self, out: &mut Vec<f64>) {
+        out.push(self.half);
         for (assembled, at_start) in self.assembled.iter().zip(&self.at_start) {
             out.push(*at_start);
             out.push(assembled.slope);
@@ -370,8 +388,13 @@ impl Force for Droppers {
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         let mut changed = false;
+        let mut next = || {
+            *values
+                .next()
+                .expect("a saved state holds a number and five per dropper")
+        };
+        self.half = next();
         for (assembled, at_start) in self.assembled.iter_mut().zip(&mut self.at_start) {
-            let mut next = || *values.next().expect("a saved state holds five numbers per dropper");
             *at_start = next();
             let saved = Assembled {
                 slope: next(),

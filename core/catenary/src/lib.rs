@@ -48,7 +48,7 @@ pub use ancf::{
     nominal_stretch, tension_matrix,
 };
 pub use anchor::Anchor;
-pub use at_start::AtStart;
+pub use at_start::{AtStart, OneWayStep};
 pub use attachment::Attachment;
 pub use contact::{
     Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, CuredWire, LoadCorrection, OnWire,

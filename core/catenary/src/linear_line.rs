@@ -1,6 +1,8 @@
 //! A line with constant matrices and unilateral droppers.
 use crate::linear_force::LinearForce;
-use crate::{AtStart, Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, Wire, WireDrag, WireName};
+use crate::{
+    AtStart, Attachment, Curve, DropperLaw, DropperSample, Line, OneWayStep, StaticLine, Wire, WireDrag, WireName,
+};
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
 use std::sync::Arc;
 
@@ -17,6 +19,11 @@ impl LinearDropper {
     fn along(&self, values: &[f64]) -> f64 {
         self.gradient.iter().map(|&(index, g)| g * values[index]).sum()
     }
+
+    /// `δ` and `δ̇`, m and m/s.
+    fn extension(&self, motion: &Motion<'_>) -> (f64, f64) {
+        (self.elongation + self.along(motion.q), self.along(motion.v))
+    }
 }
 
 /// Unilateral droppers of fixed direction, with the law of [`crate::Droppers`].
@@ -26,8 +33,10 @@ pub struct LinearDroppers {
     droppers: Vec<LinearDropper>,
     /// Slope in the assembled tangent, N/m; zero for a dropper that was slack.
     assembled: Vec<f64>,
-    /// Elongation of each dropper at the beginning of the present step, m.
+    /// `δ⁺₀` of each dropper in the present step, m.
     at_start: Vec<f64>,
+    /// Half of the present step, or of the one that has just ended, s.
+    half: f64,
 }
 
 impl LinearDroppers {
@@ -38,6 +47,7 @@ impl LinearDroppers {
             law,
             assembled: vec![0.0; droppers.len()],
             at_start: vec![0.0; droppers.len()],
+            half: 0.0,
             droppers,
         }
     }
@@ -45,29 +55,26 @@ impl LinearDroppers {
     /// Tension of dropper `index`, N.
     #[must_use]
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
-        let dropper = &self.droppers[index];
-        self.law.force(
-            AtStart::At(self.at_start[index]),
-            dropper.elongation + dropper.along(motion.q),
-            dropper.along(motion.v),
-        )
+        let (elongation, rate) = self.droppers[index].extension(motion);
+        self.law.force(self.step(index), elongation, rate)
+    }
+
+    /// The present step of dropper `index`.
+    fn step(&self, index: usize) -> OneWayStep {
+        OneWayStep {
+            at_start: AtStart::At(self.at_start[index]),
+            half: self.half,
+        }
     }
 
     fn slope(&self, index: usize, motion: &Motion<'_>, weights: Weights) -> f64 {
-        let dropper = &self.droppers[index];
-        self.law.slope(
-            AtStart::At(self.at_start[index]),
-            dropper.elongation + dropper.along(motion.q),
-            dropper.along(motion.v),
-            weights,
-        )
+        let (elongation, rate) = self.droppers[index].extension(motion);
+        self.law.slope(self.step(index), elongation, rate, weights)
     }
 
     /// Their elongations `δ`, m.
     pub fn elongations(&self, motion: &Motion<'_>) -> impl Iterator<Item = f64> {
-        self.droppers
-            .iter()
-            .map(|dropper| dropper.elongation + dropper.along(motion.q))
+        self.droppers.iter().map(|dropper| dropper.extension(motion).0)
     }
 
     /// Number of droppers that exert no force.
@@ -80,6 +87,10 @@ impl LinearDroppers {
 }
 
 impl Force for LinearDroppers {
+    fn begin_step(&mut self, _: &Motion<'_>, h: f64) {
+        self.half = 0.5 * h;
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         for (index, dropper) in self.droppers.iter().enumerate() {
             let tension = self.tension(index, motion);
@@ -114,25 +125,30 @@ impl Force for LinearDroppers {
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let energy = |dropper: &LinearDropper| self.law.energy(dropper.elongation + dropper.along(motion.q));
-        self.droppers.iter().map(energy).sum()
+        self.elongations(motion)
+            .map(|elongation| self.law.energy(elongation))
+            .sum()
     }
 
     fn end_step(&mut self, motion: &Motion<'_>) {
         for (at_start, dropper) in self.at_start.iter_mut().zip(&self.droppers) {
-            *at_start = dropper.elongation + dropper.along(motion.q);
+            let (elongation, rate) = dropper.extension(motion);
+            *at_start = elongation + self.half * rate;
         }
     }
 
     fn save(&self, out: &mut Vec<f64>) {
         out.extend_from_slice(&self.assembled);
         out.extend_from_slice(&self.at_start);
+        out.push(self.half);
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        let mut next = || *values.next().expect("a saved state holds two numbers per dropper");
-        for value in self.assembled.iter_mut().chain(&mut self.at_start) {
-            *value = next();
+        let numbers = self.assembled.iter_mut().chain(&mut self.at_start);
+        for value in numbers.chain([&mut self.half]) {
+            *value = *values
+                .next()
+                .expect("a saved state holds two numbers per dropper and one");
         }
     }
 }

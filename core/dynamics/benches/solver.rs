@@ -60,7 +60,7 @@ impl Chain {
 }
 
 impl Force for Chain {
-    fn begin_step(&mut self, _: &Motion<'_>) {
+    fn begin_step(&mut self, _: &Motion<'_>, _: f64) {
         self.version += 1;
         self.contact = SIZE / 4 + (self.version as usize % 1000) / 10 * WIDTH;
     }

@@ -105,9 +105,10 @@ pub trait Force: Send {
         None
     }
 
-    /// Called once per step with the predicted motion, before the first force of the step: contact search and the like.
-    fn begin_step(&mut self, motion: &Motion<'_>) {
-        let _ = motion;
+    /// Called once per step of `h` s with the predicted motion, before the first force of the step: contact search and the like. A
+    /// static solution begins as a step of 0 s.
+    fn begin_step(&mut self, motion: &Motion<'_>, h: f64) {
+        let _ = (motion, h);
     }
 
     /// Called once at the end of each completed step, after a static solution, and where a motion starts: what a contribution decides

@@ -219,7 +219,7 @@ impl GeneralizedAlpha {
         self.predict(system, state, t_end, h);
         let moving = &mut self.memory.moving;
         moving.begin(workspace.moving(), &self.scheme, stretch, &mut state.lambda);
-        system.forces(&mut |force| force.begin_step(&state.motion(u)));
+        system.forces(&mut |force| force.begin_step(&state.motion(u), h));
         let n = state.q.len();
         let options = self.options;
         let mut last_ratio = f64::INFINITY;

@@ -70,7 +70,7 @@ fn solve(
     let mut workspace = Workspace::new(system, &state.motion(u));
     let weights = Weights { q: 1.0, v: 0.0 };
     let newton = &options.newton;
-    system.forces(&mut |force| force.begin_step(&state.motion(u)));
+    system.forces(&mut |force| force.begin_step(&state.motion(u), 0.0));
     let mut best = f64::INFINITY;
     let mut stagnant = 0;
     for iteration in 0..=newton.max_iterations {

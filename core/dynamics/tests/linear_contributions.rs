@@ -190,7 +190,7 @@ impl Contact {
 }
 
 impl Force for Contact {
-    fn begin_step(&mut self, motion: &Motion<'_>) {
+    fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
         self.node = 100.0 + 100.0 * motion.t;
         self.version += 1;
     }

@@ -41,12 +41,18 @@ esym = exu.symbolic
 TOLERANCE = 1e-3
 
 
-def dropper_force(mbs, t, item, elongation, rate, stiffness, damping, start):
-    """Pulls and never pushes. The damping acts for the part of a step in which the dropper is taut; `start` is the elongation at the
-    beginning of one that begins slack, else 1, see `Line.before_step`."""
-    taut = esym.max(0.0, elongation)
-    part = esym.max(esym.max(0.0, start), taut / (taut - esym.min(0.0, start) + 1e-300))
-    return esym.max(0.0, stiffness * elongation + part * damping * rate)
+def dropper_force_in(step):
+    """The law of droppers in steps of `step` s."""
+
+    def dropper_force(mbs, t, item, elongation, rate, stiffness, damping, start):
+        """Pulls and never pushes. While it stretches, the damping acts for the part of a step in which the dropper is taut half a
+        step ahead; `start` is the elongation half a step ahead at the beginning of one that begins slack, else 1, see
+        `Line.before_step`."""
+        taut = esym.max(0.0, elongation + 0.5 * step * rate)
+        part = esym.max(esym.max(0.0, start), taut / (taut - esym.min(0.0, start) + 1e-300))
+        return esym.max(0.0, stiffness * elongation + damping * (part * esym.max(0.0, rate) + esym.min(0.0, rate)))
+
+    return dropper_force
 
 
 def contact_force(mbs, t, item, apart, rate, stiffness, damping, offset):
@@ -169,7 +175,9 @@ class Line:
             self.brackets[node] = mbs.AddLoad(LoadCoordinate(markerNumber=marker, load=reaction[node]))
 
         stiffness, damping = line["droppers"]["stiffness"], line["droppers"]["damping"]
-        pull = CreateSymbolicUserFunction(mbs, dropper_force, "springForceUserFunction", itemTypeName="ObjectConnectorSpringDamper")
+        self.step = scene["solver"]["micro_step"]
+        law = dropper_force_in(self.step)
+        pull = CreateSymbolicUserFunction(mbs, law, "springForceUserFunction", itemTypeName="ObjectConnectorSpringDamper")
         self.droppers = []
         for node in droppers:
             ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=wire.nodes[node])) for wire in (self.contact_wire, self.messenger)]
@@ -288,6 +296,13 @@ class Line:
         at = q[self.places] + self.reference[self.places]
         return np.hypot(at[0] - at[2], at[1] - at[3]) - self.unstressed
 
+    def elongation_ahead(self, q, v):
+        """Half a step ahead, m."""
+        at, v = q[self.places] + self.reference[self.places], v[self.places]
+        x, z = at[0] - at[2], at[1] - at[3]
+        rate = (x * (v[0] - v[2]) + z * (v[1] - v[3])) / np.hypot(x, z)
+        return self.elongation(q) + 0.5 * self.step * rate
+
     def find_form(self, statics, wire_height, cw, mw):
         """The droppers' unstressed lengths for a contact wire that is level, under the forces of arms and brackets that our statics
         found; then the equilibrium with the pantograph."""
@@ -333,7 +348,8 @@ class Line:
         self.force.append(self.contact())
         self.place_contact(t)
         # What droppers begin the step with.
-        elongation = self.elongation(mbs.systemData.GetODE2Coordinates())
+        data = mbs.systemData
+        elongation = self.elongation_ahead(data.GetODE2Coordinates(), data.GetODE2Coordinates_t())
         taut = elongation > 0.0
         for i in np.flatnonzero(~(taut & self.taut)):
             mbs.SetObjectParameter(self.droppers[i], "force", 1.0 if taut[i] else elongation[i])
@@ -344,7 +360,7 @@ class Line:
     def run(self):
         """The whole scene in time: contact force at every step (N), and what it cost."""
         scene, mbs = self.scene, self.mbs
-        duration, step = scene["run"]["duration"], scene["solver"]["micro_step"]
+        duration, step = scene["run"]["duration"], self.step
         settings = self.settings()
         integration = settings.timeIntegration
         integration.numberOfSteps = round(duration / step)

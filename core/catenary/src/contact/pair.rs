@@ -3,7 +3,7 @@ use super::moving_load::MovingLoad;
 use super::sides::Sides;
 use super::state::{ContactState, Sensitivity, Variation, vary};
 use super::{ContactGeometry, OnWire, PenaltyContact};
-use crate::{AtStart, Curve, CurveColumns};
+use crate::{AtStart, Curve, CurveColumns, OneWayStep};
 use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -35,8 +35,8 @@ pub struct ContactPair {
     version: u64,
     direction: Vec<(usize, f64)>,
     active: Option<f64>,
-    /// What the present step, or the one that has just ended, began with: by it the force at its end is found.
-    at_start: AtStart,
+    /// The present step, or the one that has just ended: by it the force at its end is found.
+    step: OneWayStep,
     /// What the next step begins with.
     reached: AtStart,
     /// Within a step: what one would begin with that begins where the force was found last.
@@ -67,7 +67,7 @@ impl ContactPair {
             version: 0,
             direction: Vec::new(),
             active: None,
-            at_start: AtStart::Unknown,
+            step: OneWayStep::NONE,
             reached: AtStart::Unknown,
             found: None,
             in_step: false,
@@ -100,7 +100,7 @@ impl ContactPair {
         let beside = self.is_beside(&geometry);
         let compliance = self.curve.compliance(geometry.s);
         Some(ContactState::new(
-            (&self.law, self.at_start),
+            (&self.law, self.step),
             geometry,
             &frame,
             compliance,
@@ -113,7 +113,7 @@ impl ContactPair {
         if self.is_beside(&contact.geometry) {
             AtStart::APART
         } else {
-            AtStart::At(-contact.geometry.gap)
+            AtStart::At(self.step.ahead(-contact.geometry.gap, -contact.geometry.gap_rate))
         }
     }
 
@@ -193,11 +193,14 @@ impl OnWire for ContactPair {
 }
 
 impl Force for ContactPair {
-    fn begin_step(&mut self, motion: &Motion<'_>) {
+    fn begin_step(&mut self, motion: &Motion<'_>, h: f64) {
         self.active = None;
         self.found = None;
         self.in_step = true;
-        self.at_start = self.reached;
+        self.step = OneWayStep {
+            at_start: self.reached,
+            half: 0.5 * h,
+        };
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
             self.share = contact.share();
@@ -242,7 +245,7 @@ impl Force for ContactPair {
         match self.tangent {
             ContactTangent::RankOne => {
                 if self.active.is_some_and(|force| force > 0.0) {
-                    let closing = self.at_start.is_open().then(|| self.state(motion)).flatten();
+                    let closing = self.step.began_open().then(|| self.state(motion)).flatten();
                     let (q, v) = match closing.map(|contact| contact.with_chord(weights)) {
                         Some(contact) => (contact.stiffness, contact.damping),
                         None => self.law.yielding(self.share),
@@ -301,15 +304,19 @@ impl Force for ContactPair {
 
     fn save(&self, out: &mut Vec<f64>) {
         out.push(self.s);
-        self.at_start.save(out);
+        out.push(self.step.half);
+        self.step.at_start.save(out);
         self.reached.save(out);
         self.load.save(out);
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        if let Some(&s) = values.next() {
+        if let (Some(&s), Some(&half)) = (values.next(), values.next()) {
             self.s = s;
-            self.at_start = AtStart::restored(values);
+            self.step = OneWayStep {
+                half,
+                at_start: AtStart::restored(values),
+            };
             self.reached = AtStart::restored(values);
             self.load.restore(values);
             (self.found, self.in_step) = (None, false);

@@ -116,7 +116,7 @@ impl OnWire for SlidingJoint {
 }
 
 impl Force for SlidingJoint {
-    fn begin_step(&mut self, motion: &Motion<'_>) {
+    fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
         if let Some(geometry) = self.geometry(motion) {
             self.s = geometry.s;
             self.turn(&geometry, motion);

@@ -1,6 +1,6 @@
 //! The contact at one instant, and how it changes.
 use super::{Compliance, ContactGeometry, PenaltyContact};
-use crate::AtStart;
+use crate::OneWayStep;
 use dynamics::{Frame, Weights};
 use nalgebra::Vector3;
 
@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 /// ```
 ///
 /// `ṗ` is the rate along the path of the strip, `ṡ` its rate on the wire, `φ` the part of the step in which the contact is closed, see
-/// [`AtStart`]. The series of spring and damper with `g` is exact but for
+/// [`OneWayStep`]. The series of spring and damper with `g` is exact but for
 /// terms `(k g) (d ṗ/(k p))²` of `F`: at 20 Hz, with `d/k` = 2 ms and `k g` = 0.05, 0.3 %. The contact moves along a wire that yields
 /// more at one place than at another; so the strip is pushed to where it yields more, by `½ g_s F²`, and the force is the gradient of
 /// the energy `½ k c δ²`.
@@ -46,9 +46,9 @@ pub struct ContactState {
     spring: f64,
     /// `k p`, N, also where the damper takes all of it; zero at a gap.
     elastic: f64,
-    /// `φ`, –.
-    closed_part: f64,
-    /// What `∂φ/∂δ` adds to `∂F/∂δ`, N/m.
+    /// The step that ends here.
+    step: OneWayStep,
+    /// What `∂φ/∂δ⁺` adds to `∂F/∂δ⁺`, N/m.
     closing: f64,
 }
 
@@ -79,25 +79,26 @@ pub(super) struct Variation {
 }
 
 impl ContactState {
-    /// The contact under `law` in a step that began `at_start`; one `beside` the strip carries nothing.
+    /// The contact under `law` at the end of a `step`; one `beside` the strip carries nothing.
     pub(super) fn new(
-        (law, at_start): (&PenaltyContact, AtStart),
+        (law, step): (&PenaltyContact, OneWayStep),
         geometry: ContactGeometry,
         strip: &Frame,
         compliance: Compliance,
         beside: bool,
     ) -> Self {
         let (delta, delta_rate) = (-geometry.gap, -geometry.gap_rate);
-        let (closed_part, closed_part_by_delta) = at_start.closed_part(delta);
-        let (k, d) = (law.stiffness, closed_part * law.damping);
+        let k = law.stiffness;
         let share = 1.0 / (1.0 + k * compliance.value);
         let share_s = -k * compliance.slope * share * share;
-        let slide = if compliance.slope == 0.0 || beside || closed_part == 0.0 {
+        let slide = if compliance.slope == 0.0 || beside {
             0.0
         } else {
             slide(&geometry, strip)
         };
         let (p, p_rate) = (share * delta, share * delta_rate + share_s * slide * delta);
+        let (closed_part, by_ahead) = step.closed_part(step.ahead(delta, delta_rate), p_rate);
+        let d = closed_part * law.damping;
         let series = PenaltyContact {
             stiffness: k,
             damping: share * law.damping,
@@ -116,15 +117,15 @@ impl ContactState {
             slide,
             spring: 0.0,
             elastic: if beside { 0.0 } else { (k * p).max(0.0) },
-            closed_part,
+            step,
             closing: 0.0,
         };
         let force = series.normal_force(closed_part, p, p_rate);
         if force > 0.0 && !beside {
             state.force = force;
-            state.closing = closed_part_by_delta * law.damping * share * p_rate;
+            state.closing = by_ahead * law.damping * share * p_rate;
             state.stiffness = k * share + share * d * share_s * slide + state.closing;
-            state.damping = share * share * d;
+            state.damping = share * share * d + step.half * state.closing;
             // The second derivative of the share is left out: it belongs to a term with the damping and is as small as that.
             state.by_place = k * share_s * delta + d * (share_s * p_rate + share * share_s * delta_rate);
             state.by_slide = share * d * share_s * delta;
@@ -150,7 +151,7 @@ impl ContactState {
             slide: 0.0,
             spring: 0.0,
             elastic: 0.0,
-            closed_part: 1.0,
+            step: OneWayStep::NONE,
             closing: 0.0,
         }
     }
@@ -181,12 +182,14 @@ impl ContactState {
     /// With slopes that keep corrections of a step that closes on the closed side: together not below that of the chord to where the
     /// contact closes. The force bends upwards from there but in a step that began moving apart.
     pub(super) fn with_chord(self, weights: Weights) -> Self {
-        if self.closed_part == 1.0 || !self.closed() {
+        let rate = -self.geometry.gap_rate;
+        let ahead = self.step.ahead(-self.geometry.gap, rate);
+        if !self.step.closes(ahead, rate) {
             return self;
         }
-        let chord = self.force / -self.geometry.gap - weights.v / weights.q * self.damping;
+        let chord = self.step.chord(self.force, ahead, weights) - weights.v * self.damping;
         Self {
-            stiffness: self.stiffness.max(chord),
+            stiffness: self.stiffness.max(chord / weights.q),
             ..self
         }
     }
@@ -195,6 +198,7 @@ impl ContactState {
     pub(super) fn lasting(self) -> Self {
         Self {
             stiffness: self.stiffness - self.closing,
+            damping: self.damping - self.step.half * self.closing,
             ..self
         }
     }

@@ -63,7 +63,10 @@ fn yielding(roll: f64, damping: f64, tangent: ContactTangent) -> ContactPair {
 
 /// The same in a step that begins with a gap of 1 mm.
 fn closing(mut pair: ContactPair) -> ContactPair {
-    pair.at_start = AtStart::At(-1e-3);
+    pair.step = OneWayStep {
+        at_start: AtStart::At(-1e-3),
+        half: 1e-4,
+    };
     pair
 }
 
@@ -354,6 +357,7 @@ fn the_sensitivity_to_the_strip_is_the_difference_quotient() {
 
 #[test]
 fn the_contact_that_closes_in_a_step_is_damped_from_its_end_on() {
+    const HALF: f64 = 5e-4;
     let (mut q, mut v) = bent();
     v[WIRE + 2] += 0.5;
     let closed = q[WIRE + 2];
@@ -363,11 +367,13 @@ fn the_contact_that_closes_in_a_step_is_damped_from_its_end_on() {
     q[WIRE + 2] = closed - 0.01;
     pair.end_step(&motion(&q, &v));
     let gap = pair.state(&motion(&q, &v)).expect("on the wire").gap();
+    // No step had begun: the present place is where the first one starts.
     q[WIRE + 2] = closed;
-    pair.begin_step(&motion(&q, &v));
+    pair.begin_step(&motion(&q, &v), 2.0 * HALF);
     let in_step = pair.state(&motion(&q, &v)).expect("on the wire");
     let (delta, rate) = (-in_step.geometry.gap, -in_step.geometry.gap_rate);
-    let part = delta / (delta + gap);
+    let ahead = delta + HALF * rate;
+    let part = ahead / (ahead + gap);
     let force = 5e4 * delta + part * 100.0 * rate;
     assert!(part > 0.1 && part < 0.9 && rate > 0.4, "{part} {rate}");
     assert!(
@@ -384,13 +390,14 @@ fn the_contact_that_closes_in_a_step_is_damped_from_its_end_on() {
     // The end is reported as the step has found it, until the next one begins.
     pair.end_step(&motion(&q, &v));
     assert_eq!(pair.state(&motion(&q, &v)), Some(in_step));
-    pair.begin_step(&motion(&q, &v));
-    assert_eq!(pair.state(&motion(&q, &v)), Some(instant));
+    pair.begin_step(&motion(&q, &v), 2.0 * HALF);
+    let next = pair.state(&motion(&q, &v)).expect("on the wire");
+    assert_eq!((next.force, next.damping), (instant.force, 100.0));
     // A strip beside the wire has no gap that closes.
     let middle = std::mem::replace(&mut q[WIRE + 1], 0.9);
     pair.end_step(&motion(&q, &v));
     q[WIRE + 1] = middle;
-    pair.begin_step(&motion(&q, &v));
+    pair.begin_step(&motion(&q, &v), 2.0 * HALF);
     let came = pair.state(&motion(&q, &v)).expect("on the wire");
     assert!(
         (came.force - 5e4 * delta).abs() < 1e-10,

@@ -1,6 +1,6 @@
 //! Droppers side by side in the lanes of vector registers.
 use super::{Dropper, DropperLaw};
-use crate::{AtStart, Attachment};
+use crate::{AtStart, Attachment, OneWayStep};
 use dynamics::Motion;
 use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
@@ -74,7 +74,7 @@ impl Group {
         &self,
         axes: &[usize; D],
         law: DropperLaw,
-        at_start: &[f64],
+        (at_start, half): (&[f64], f64),
         (q, v): (&[f64], &[f64]),
         (elongation, rate): (&mut [f64], &mut [f64]),
         force: &mut [f64],
@@ -100,7 +100,9 @@ impl Group {
             let length = square[lane].sqrt().max(f64::MIN_POSITIVE);
             elongation[lane] = length - self.unstressed_length[lane];
             rate[lane] = along[lane] / length;
-            pull_per_length[lane] = law.force(AtStart::At(at_start[lane]), elongation[lane], rate[lane]) / length;
+            let at_start = AtStart::At(at_start[lane]);
+            let step = OneWayStep { at_start, half };
+            pull_per_length[lane] = law.force(step, elongation[lane], rate[lane]) / length;
         }
         for (between, &axis) in between.iter().zip(axes) {
             for lane in 0..LANES {
@@ -150,8 +152,10 @@ impl Extensions {
 pub(super) struct Evaluate<'a> {
     pub law: DropperLaw,
     pub groups: &'a [Group],
-    /// Elongation at the beginning of the step, m; one per lane.
+    /// `δ⁺₀`, m; one per lane.
     pub at_start: &'a [f64],
+    /// Half of the step, s.
+    pub half: f64,
     pub range: Range<usize>,
     pub motion: &'a Motion<'a>,
     pub extensions: &'a mut Extensions,
@@ -171,7 +175,7 @@ impl WithSimd for Evaluate<'_> {
             if !group.meets(&self.range) {
                 continue;
             }
-            let extensions = (elongation, rate);
+            let (at_start, extensions) = ((at_start, self.half), (elongation, rate));
             if group.planar {
                 group.pull(&[0, 2], self.law, at_start, (q, v), extensions, self.force);
             } else {

@@ -101,9 +101,13 @@ fn a_slack_dropper_exerts_no_force_whatever_its_rate() {
 
 #[test]
 fn a_taut_dropper_never_pushes() {
-    assert_eq!(LAW.force(AtStart::At(1e-3), 1e-4, -10.0), 0.0);
-    assert_eq!(LAW.force(AtStart::At(-1e-3), 0.0, 10.0), 0.0);
-    assert_eq!(LAW.force(AtStart::At(1e-3), 1e-3, 0.1), 130.0);
+    let began = |start: f64| OneWayStep {
+        at_start: AtStart::At(start),
+        half: 5e-4,
+    };
+    assert_eq!(LAW.force(began(1e-3), 1e-4, -10.0), 0.0);
+    assert_eq!(LAW.force(began(-1e-3), -5e-3, 10.0), 0.0);
+    assert_eq!(LAW.force(began(1e-3), 1e-3, 0.1), 130.0);
 }
 
 #[test]
@@ -211,15 +215,18 @@ fn a_planar_dropper_has_four_coordinates_and_the_same_force() {
 
 #[test]
 fn in_a_step_that_closes_a_damper_acts_with_the_part_in_which_its_dropper_is_taut() {
+    const HALF: f64 = 5e-4;
     let mut droppers = batch(0.0);
-    let (slack, taut) = (state(SLACK, [0.0; 6]), state(TAUT, MOVING));
-    let start = droppers.as_slice()[0].pose(&slack.motion(&[])).elongation;
+    let (slack, taut) = (state(SLACK, MOVING), state(TAUT, MOVING));
+    let [begin, pose] = [&slack, &taut].map(|at| droppers.as_slice()[0].pose(&at.motion(&[])));
+    let start = begin.elongation + HALF * begin.rate;
+    droppers.begin_step(&slack.motion(&[]), 2.0 * HALF);
     droppers.end_step(&slack.motion(&[]));
     let closing = droppers.tension(0, &taut.motion(&[]));
     droppers.end_step(&taut.motion(&[]));
     let closed = droppers.tension(0, &taut.motion(&[]));
-    let pose = droppers.as_slice()[0].pose(&taut.motion(&[]));
-    let part = pose.elongation / (pose.elongation - start);
+    let ahead = pose.elongation + HALF * pose.rate;
+    let part = ahead / (ahead - start);
     let expected = LAW.stiffness * pose.elongation + part * LAW.damping * pose.rate;
     assert!(
         (closing - expected).abs() < 1e-12 * expected,

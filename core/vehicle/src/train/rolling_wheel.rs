@@ -182,8 +182,8 @@ impl Force for RollingWheel {
         self.contact.power(motion)
     }
 
-    fn begin_step(&mut self, motion: &Motion<'_>) {
-        self.contact.begin_step(motion);
+    fn begin_step(&mut self, motion: &Motion<'_>, h: f64) {
+        self.contact.begin_step(motion, h);
     }
 
     fn save(&self, out: &mut Vec<f64>) {

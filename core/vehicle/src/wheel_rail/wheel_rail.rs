@@ -318,7 +318,7 @@ impl Force for WheelRail {
         Some(power)
     }
 
-    fn begin_step(&mut self, motion: &Motion<'_>) {
+    fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
         let place = self.place(motion);
         self.start = self.search(&self.pairing(&place), &place);
     }

@@ -88,7 +88,7 @@ fn the_tangent_holds_where_the_frame_follows_the_curve() {
             state.v[k] = value;
         }
         let wheel = &mut set.wheels[side];
-        wheel.begin_step(&state.motion(&[]));
+        wheel.begin_step(&state.motion(&[]), 1e-3);
         assert_eq!(wheel.contacts(&state.motion(&[])).iter().flatten().count(), 1);
         // Loaded at rest and straight ahead: damping and the turn of the rail take no more than a part of it.
         let force = wheel.force(&state.motion(&[]));

@@ -64,7 +64,7 @@ fn the_tangent_is_the_derivative_of_the_force_for_every_creep_law() {
             let (mut set, state) = moving(law, left);
             let mut touching = 0;
             for wheel in &mut set.wheels {
-                wheel.begin_step(&state.motion(&[]));
+                wheel.begin_step(&state.motion(&[]), 1e-3);
                 touching += wheel.contacts(&state.motion(&[])).iter().flatten().count();
                 assert_tangent(wheel, &set.layout, &state);
             }
@@ -89,7 +89,7 @@ fn the_tangent_holds_in_a_curve_with_growing_cant() {
         state.v[k] = value;
     }
     let wheel = &mut set.wheels[0];
-    wheel.begin_step(&state.motion(&[]));
+    wheel.begin_step(&state.motion(&[]), 1e-3);
     assert_eq!(wheel.contacts(&state.motion(&[])).iter().flatten().count(), 1);
     assert_tangent(wheel, &set.layout, &state);
 }
@@ -121,7 +121,7 @@ fn a_wheel_above_its_rail_exerts_no_force() {
         let mut state = set.layout.state_at_rest();
         state.q[2] = 1e-3;
         let motion = state.motion(&[]);
-        wheel.begin_step(&motion);
+        wheel.begin_step(&motion, 1e-3);
         assert_eq!(force(&mut wheel, &motion).amax(), 0.0);
         assert_eq!(wheel.energy(&motion), 0.0);
         assert_eq!(wheel.force(&motion), Vector3::zeros());
@@ -184,17 +184,17 @@ fn a_restored_search_repeats_bit_for_bit() {
     let (mut set, state) = moving(CreepLaw::Polach, -4.1e-3);
     let motion = state.motion(&[]);
     let [wheel, other] = &mut set.wheels;
-    wheel.begin_step(&motion);
+    wheel.begin_step(&motion, 1e-3);
     force(wheel, &motion);
     let mut saved = Vec::new();
     wheel.save(&mut saved);
     let moved_state = moved(&set.layout, &state, 1, 2e-5);
     let first = force(wheel, &moved_state.motion(&[]));
     // A search that has been elsewhere.
-    wheel.begin_step(&other_state(&state).motion(&[]));
+    wheel.begin_step(&other_state(&state).motion(&[]), 1e-3);
     wheel.restore(&mut saved.iter());
     assert_eq!(force(wheel, &moved_state.motion(&[])), first);
-    other.begin_step(&motion);
+    other.begin_step(&motion, 1e-3);
 }
 
 fn other_state(state: &State) -> State {
@@ -217,7 +217,7 @@ fn no_force_jumps_where_contacts_become_one() {
         for i in 0..=3000 {
             let state = set.placed(from + (to - from) * f64::from(i) / 3e3, height, 0.0, 0.0);
             let motion = state.motion(&[]);
-            set.wheels[1].begin_step(&motion);
+            set.wheels[1].begin_step(&motion, 1e-3);
             forces.push(set.wheels[1].force(&motion));
             counts.push(set.wheels[1].contacts(&motion).iter().flatten().count());
         }

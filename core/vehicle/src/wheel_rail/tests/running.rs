@@ -63,7 +63,7 @@ fn rig_of(design: &Design, weight: f64) -> Rig {
 /// A simulator at a state with consistent accelerations.
 pub(super) fn start(mut rig: Rig, state: State, step: f64, rho_inf: f64) -> Simulator<Rig> {
     let motion = state.motion(&[]);
-    rig.wheels.iter_mut().for_each(|wheel| wheel.begin_step(&motion));
+    rig.wheels.iter_mut().for_each(|wheel| wheel.begin_step(&motion, 1e-3));
     let mut simulator = Simulator::new(rig, state, Vec::new(), step, rho_inf, NewtonOptions::default());
     simulator.start_accelerations().unwrap();
     simulator
