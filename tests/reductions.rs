@@ -218,6 +218,22 @@ fn a_window_of_the_nonlinear_line_differs_by_less_than_it_says() {
     assert!(difference < 0.3 && largest < 1.0, "{difference} %, {largest} N");
 }
 
+/// Droppers whose dampers hold the wires together, `ω c = 60 k` at 20 Hz: modes that stretch them would be damped to rest, and blow up
+/// as the window moves.
+#[test]
+fn a_window_takes_droppers_with_strong_dampers() {
+    let more = [
+        "catenary.spans=10",
+        "catenary.droppers.damping=1e5",
+        "catenary.mesh.elements_per_interval=4",
+        "run.duration=6.0",
+        "run.evaluate={time=[1.0,5.8]}",
+    ];
+    let thesis = include_str!("../scenes/thesis-lumped.toml");
+    let (difference, _) = windowed_scene(thesis, "\"planar\", \"linearised\"", &more);
+    assert!(difference < 2.0, "{difference} %");
+}
+
 #[test]
 fn a_window_follows_a_staggered_line() {
     let more = [

@@ -7,7 +7,7 @@
 //! μ = l f / √(c (c − v))
 //! space:  a μ²    plain; half of it with one of contact_compliance and bending_layers
 //!         b μ⁴    with both
-//! time:   d (h f)²    d smaller with mass_correction, and more of it where droppers have dampers that switch
+//! time:   d (h f)²    d smaller with mass_correction
 //! error of the filtered force, % of its standard deviation: √(space² + time²)
 //! ```
 //!
@@ -24,14 +24,11 @@ const WITH_ONE_CURE: f64 = 0.5;
 const CURED: f64 = 200.0;
 /// Of the time step, %: at 1 ms and 20 Hz 2 %.
 const STEP: f64 = 5000.0;
-/// Of the time step with the mass correction, %: at 1 ms and 20 Hz 0.14 %. Measured with 8 elements of up to 0.81 m on the line of
-/// EN 50318 at 300 and 250 km/h between 1 and 1.5 ms: 0.12 to 0.2 % per ms².
-const CORRECTED_STEP: f64 = 350.0;
+/// Of the time step with the mass correction, %: at 1 ms and 20 Hz 0.2 %. Measured with 8 elements of up to 0.81 m on the line of
+/// EN 50318 at 300 and 250 km/h between 1 and 1.5 ms: 0.12 to 0.2 % per ms²; on that of the thesis between 0.5 and 1.5 ms 0.3 to 0.35.
+const CORRECTED_STEP: f64 = 500.0;
 /// The same of a sliding joint, whose force is not corrected as it moves, %: at 1 ms and 20 Hz 0.3 %.
 const CORRECTED_STEP_OF_JOINT: f64 = 750.0;
-/// What dampers of droppers add that go slack and taut within a step, %: 1 % at 1 ms and 20 Hz for the line of the thesis, whose
-/// dampers are stiffer at 20 Hz than its springs; measured 0.28 % at 0.5 ms, 1.1 at 1 ms, 1.4 at 1.25 ms.
-const SWITCHING_DAMPERS: f64 = 2500.0;
 /// An error that the rule does not go below, %: that of the measurements.
 const LEAST: f64 = 0.3;
 /// An error beyond which a mesh gives no force at all, %.
@@ -85,14 +82,11 @@ impl Scene {
             (false, false) => plain,
             _ => WITH_ONE_CURE * plain,
         };
-        let droppers = &catenary.droppers;
-        let damping = 2.0 * std::f64::consts::PI * f * droppers.damping / droppers.stiffness;
-        let step = SWITCHING_DAMPERS * damping.min(1.0)
-            + match (mesh.has(Cure::MassCorrection), contact.law) {
-                (false, _) => STEP,
-                (true, ContactLaw::Penalty) => CORRECTED_STEP,
-                (true, ContactLaw::SlidingJoint) => CORRECTED_STEP_OF_JOINT,
-            };
+        let step = match (mesh.has(Cure::MassCorrection), contact.law) {
+            (false, _) => STEP,
+            (true, ContactLaw::Penalty) => CORRECTED_STEP,
+            (true, ContactLaw::SlidingJoint) => CORRECTED_STEP_OF_JOINT,
+        };
         Some(MeshError {
             space: space.min(MOST),
             time: (step * (self.internal_step() * f).powi(2)).min(MOST),

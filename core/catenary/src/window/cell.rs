@@ -22,7 +22,7 @@ pub(super) struct SpanMatrices {
 /// ```
 ///
 /// Static answers to motions of the supports are exact, tension and sag included; waves are carried up to the frequency of the
-/// last mode. Its droppers are taut. The damping couples no two modes.
+/// last mode. Its droppers are taut. The damping couples no two modes, see `matrices`.
 #[derive(Debug)]
 pub(super) struct Cell {
     /// `Φₛ`.

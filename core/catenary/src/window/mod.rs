@@ -47,7 +47,7 @@ use crate::{
 };
 use cell::{Cell, SpanMatrices};
 pub(crate) use cut::Source;
-use dynamics::{Continuity, Layout, Motion, SparseMatrix, Weights};
+use dynamics::{Continuity, Force, Layout, Motion, SparseMatrix, Weights};
 use far::{FarField, Member};
 use plan::{Arrangement, ModeCounts, Plan};
 use scene::{Catenary, Reduction, Scene};
@@ -87,6 +87,8 @@ struct Places {
 pub(crate) struct Cells {
     /// Modes of each cell.
     modes: usize,
+    /// Frequency at which droppers are as stiff as their springs and dampers, rad/s.
+    omega: f64,
     /// For each span its class.
     classes: Vec<usize>,
     /// The reduced span of each class.
@@ -204,7 +206,7 @@ impl WindowedLine {
         layout.add_coordinates(inner, "window of the line");
         layout.add_coordinates(first + reduced - window_first, "spans beyond the window");
         let position = layout.add_coordinates(1, "position of the window");
-        let cells = cells(statics, &plan)?;
+        let cells = cells(statics, &plan, std::f64::consts::TAU * scene.run.low_pass_hz)?;
         let supports_x = catenary.supports_x();
         let (topology, equilibrium) = statics.shared();
         let fixed = Fixed {
@@ -431,10 +433,11 @@ fn places(line: &Line, first: usize) -> Places {
     }
 }
 
-/// The reduced spans of a static state; made once for all lines from it.
-fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
+/// The reduced spans of a static state for motions of about `omega` rad/s; made once for all lines from it.
+fn cells(statics: &StaticLine, plan: &Plan, omega: f64) -> Result<Cells, StaticsError> {
     let modes = plan.modes.near;
-    if let Some(known) = statics.cells().get().filter(|known| known.modes == modes) {
+    let same = |known: &&Cells| known.modes == modes && known.omega == omega;
+    if let Some(known) = statics.cells().get().filter(same) {
         return Ok(known.clone());
     }
     let source = statics.source();
@@ -444,20 +447,32 @@ fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
             .iter()
             .position(|&example| source.difference(example, span) <= SAME);
         if known.is_none() {
-            let matrices = matrices(&source, span, plan.at_support);
+            let matrices = matrices(&source, span, plan.at_support, omega);
             let cell = Cell::new(&matrices, modes).ok_or(StaticsError::Unstable { span: span + 1 })?;
             examples.push(span);
             cells.push(Arc::new(cell));
         }
         classes.push(known.unwrap_or(examples.len() - 1));
     }
-    let made = Cells { modes, classes, cells };
+    let made = Cells {
+        modes,
+        omega,
+        classes,
+        cells,
+    };
     // A later one with other modes is not kept.
     let _ = statics.cells().set(made.clone());
     Ok(made)
 }
 
-fn matrices(source: &Source<'_>, span: usize, at_support: usize) -> SpanMatrices {
+/// A span's matrices, its droppers with the stiffness `√(k² + (ω c)²)` that springs and dampers have together at `omega` rad/s.
+///
+/// Modes with the springs alone stretch the droppers, and dampers that are stronger than the springs there would couple all of them;
+/// taken one by one, they make a line whose waves die out where the dampers only hold the wires together, and one that blows up as
+/// the window moves where they are ten times as strong. On the thesis' line (`ω c = 6 k` at 20 Hz) the window's error is 0.8 % of the
+/// force's standard deviation in place of 1.0 %; slow motions, which stretch the droppers as this stiffness does not, are most of the
+/// rest.
+fn matrices(source: &Source<'_>, span: usize, at_support: usize, omega: f64) -> SpanMatrices {
     let (mut line, size) = source.cut(span..span + 1, 0);
     let zeros = vec![0.0; size];
     let motion = Motion {
@@ -468,15 +483,24 @@ fn matrices(source: &Source<'_>, span: usize, at_support: usize) -> SpanMatrices
         u: &[],
     };
     let mut tangent = |q: f64, v: f64| {
-        let entries = assembled(|blocks| line.forces(&mut |part| part.add_tangent(&motion, Weights { q, v }, blocks)));
-        SparseMatrix::from_entries(size, entries)
+        assembled(|blocks| line.forces(&mut |part| part.add_tangent(&motion, Weights { q, v }, blocks)))
     };
-    let (stiffness, damping) = (tangent(1.0, 0.0), tangent(0.0, 1.0));
+    let (mut stiffness, damping) = (tangent(1.0, 0.0), tangent(0.0, 1.0));
+    let law = &source.catenary.droppers;
+    if law.damping > 0.0 {
+        let held = law.stiffness.hypot(omega * law.damping) - law.stiffness;
+        let weights = Weights {
+            q: 0.0,
+            v: held / law.damping,
+        };
+        let mut droppers = line.droppers().clone();
+        stiffness.extend(assembled(|blocks| droppers.add_tangent(&motion, weights, blocks)));
+    }
     let mass = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
     SpanMatrices {
         at_support,
-        stiffness,
-        damping,
+        stiffness: SparseMatrix::from_entries(size, stiffness),
+        damping: SparseMatrix::from_entries(size, damping),
         mass: SparseMatrix::from_entries(size, mass),
     }
 }
