@@ -336,7 +336,7 @@ fn on_a_measured_sine_the_car_body_heaves_with_v_over_the_wavelength_as_its_spri
         let expected = transfer_to_car_body(omega);
         println!("{model}, {hertz} Hz: {found:.4} of {expected:.4}");
         assert!(
-            (found - expected).norm() < 0.02 * expected.norm(),
+            (found - expected).norm() < 0.01 * expected.norm(),
             "{model}, {hertz} Hz: {found} {expected}"
         );
     }
