@@ -185,14 +185,15 @@ fn exact_rod(stiffness: &BeamStiffness, length: f64, force: &Vector3<f64>) -> Ve
         (r, m)
     };
     let mut root = Vector3::zeros();
-    let mut tip = Vector3::zeros();
+    let mut tip = None;
     for part in 1..=5 {
         let force = force * (f64::from(part) / 5.0);
+        tip = None;
         for _ in 0..20 {
             let (end, left) = shoot(root, &force);
-            tip = end;
             let scale = force.norm() * length;
             if left.norm() < 1e-9 * scale {
+                tip = Some(end);
                 break;
             }
             let by = 1e-5 * scale;
@@ -203,7 +204,7 @@ fn exact_rod(stiffness: &BeamStiffness, length: f64, force: &Vector3<f64>) -> Ve
             root -= Matrix3::from_columns(&columns).lu().solve(&left).unwrap();
         }
     }
-    tip - Vector3::x() * length
+    tip.expect("the moment at the tip vanishes") - Vector3::x() * length
 }
 
 /// The section of the Princeton beam experiment.
@@ -250,7 +251,8 @@ fn the_princeton_beam_bends_and_twists_as_the_exact_rod() {
 }
 
 /// The published beams twist less than the exact torsion constant of the rectangle, 113e-12 m⁴, lets them, by which the small
-/// component differs. With the 118e-12 m⁴ that ten finite elements over the height of the section make of it they are met.
+/// component differs. With the 118e-12 m⁴ that a finite-element program makes of the section with ten elements over its height (and
+/// 113e-12 m⁴ with a hundred) they are met.
 #[test]
 fn the_princeton_beam_bends_and_twists_as_published() {
     assert!((PRINCETON_SECTION.torsion_constant() / 113e-12 - 1.0).abs() < 5e-3); // digits printed

@@ -96,7 +96,7 @@ fn spectrum_and_coherence_of_many_fields_are_those_asked_for() {
 fn kaimals_spectrum_and_the_coherence_over_several_stations_are_those_asked_for() {
     const FIELDS: u64 = 400;
     const COMPONENT: usize = 1;
-    let places = [0.0, 5.0, 10.0, 20.0];
+    let places = [5.0, 10.0, 15.0, 25.0];
     let of = |seed| TurbulenceOptions {
         spectrum: TurbulenceSpectrum::Kaimal,
         ..options(seed)
@@ -123,7 +123,7 @@ fn kaimals_spectrum_and_the_coherence_over_several_stations_are_those_asked_for(
         let ratios = power.map(|power| power / FIELDS as f64 / expected);
         let coherences = [1, 2, 3].map(|k: usize| {
             let found = cross[k][0].hypot(cross[k][1]) / (power[0] * power[k]).sqrt();
-            let decay = options.coherence_decays[COMPONENT] * f * places[k] / options.speed;
+            let decay = options.coherence_decays[COMPONENT] * f * (places[k] - places[0]) / options.speed;
             (found, (-decay).exp())
         });
         println!("{f:.3} Hz: power {ratios:.3?}, coherence at 5, 10, 20 m (expected) {coherences:.3?}");
