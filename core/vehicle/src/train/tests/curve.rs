@@ -345,11 +345,8 @@ fn lateral_and_vertical(simulator: &mut Simulator<Alone>) -> Vec<[f64; 2]> {
 #[test]
 fn derailment_quotients_in_an_arc_are_y_over_q_and_their_sum_holds_the_vehicle_in_it() {
     let curve = gentle();
-    for (speed, direction) in [
-        (32.0, scene::Direction::Left),
-        (32.0, scene::Direction::Right),
-        (18.0, scene::Direction::Left),
-    ] {
+    // Cant deficient, and in excess.
+    for (speed, direction) in [(32.0, scene::Direction::Right), (18.0, scene::Direction::Left)] {
         let curve = scene::Curve { direction, ..curve };
         let mut scene = curved(&curve);
         scene.run.speed = speed;
