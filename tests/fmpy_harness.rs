@@ -1,6 +1,6 @@
 //! Both FMUs in FMPy: packages them, writes down what the core does with the same inputs, and runs `tests/fmpy`.
 use component::{Component, Role};
-use integration_tests::fmus::{COARSE, Packaged, THESIS, tree};
+use integration_tests::fmus::{COARSE, DEFAULT, Packaged, THESIS, tree};
 use integration_tests::python::{environment, run};
 use integration_tests::runs::EN_250;
 use master::package::{Libraries, archives};
@@ -198,6 +198,14 @@ fn both_fmus_pass_the_checks_in_fmpy() {
             fs::copy(fmus.path(identifier), folder.join(format!("{identifier}.fmu"))).unwrap();
         }
     }
+    // The side that carries vehicle and track; its line is that of the scene before.
+    let folder = data.path().join("vehicle");
+    fs::create_dir(&folder).unwrap();
+    fs::copy(
+        Packaged::new(DEFAULT, &[]).path("Pantograph"),
+        folder.join("Pantograph.fmu"),
+    )
+    .unwrap();
     let text = run(
         Command::new(interpreter)
             .current_dir(data.path())

@@ -176,6 +176,13 @@ fn inputs_and_outputs_are_those_that_users_rely_on() {
     ]) {
         assert!(offered.contains(name), "Pantograph has no output {name}");
     }
+    // Of the vehicle: where the pantograph stands, and each of the eight wheels.
+    let base = ["x", "y", "z", "roll", "pitch", "yaw"].map(|name| format!("base.{name}"));
+    let wheels = (1..=8).flat_map(|i| ["load", "derailment_quotient"].map(|name| format!("wheel[{i}].{name}")));
+    for name in base.into_iter().chain(wheels) {
+        assert!(offered.contains(name.as_str()), "Pantograph has no output {name}");
+    }
+    assert!(!offered.contains("wheel[9].load"));
     let parameters = names(&pantograph, Causality::Parameter);
     for name in ["start.height", "start.force", "start.x", "speed", "scene"] {
         assert!(parameters.contains(name), "Pantograph has no parameter {name}");

@@ -375,6 +375,56 @@ fn energy_is_accounted_for_in_the_wind() {
     assert!(evidence.dissipated > 1e-2, "the air brakes what moves: {evidence:?}");
 }
 
+/// The surfaces of Table 5 on the bodies of the mechanism, with all its joints, under a short line of the thesis.
+#[test]
+fn energy_is_accounted_for_with_wind_on_the_bodies_of_the_linkage() {
+    let text = alone_in_the_wind();
+    let keys = [
+        "catenary.spans=3",
+        "run.start_x=20",
+        "run.duration=1",
+        "run.evaluate={time=[0.2,0.8]}",
+        "solver.rho_inf=1",
+        "catenary.droppers.damping=0",
+        "catenary.damping.alpha=0",
+        "catenary.damping.beta=0",
+        "pantograph.0.collector_suspension.damping=0",
+        "model.reduce=[\"planar\"]",
+    ];
+    let of = |step: &str, more: &[&str]| {
+        let steps = [
+            format!("coupling.macro_step={step}"),
+            format!("solver.micro_step={step}"),
+        ];
+        let overrides = [&keys[..], &[&steps[0], &steps[1]], more].concat();
+        let mut prepared = prepared(scene_with(&text, &overrides), "wind-linkage");
+        prepared.hardship = Hardship {
+            audited: true,
+            ..Hardship::default()
+        };
+        let evidence = finished(prepared, Mode::Monolithic, "wind-linkage").evidence.unwrap();
+        let left = evidence.worst_residual / evidence.exchanged;
+        println!(
+            "{step} s {more:?}: driven {:.3} J, exchanged {:.3} J, lost to the air {:.4} J, left over {:.2e} J, {left:.1e} of what was \
+             exchanged",
+            evidence.driven, evidence.exchanged, evidence.dissipated, evidence.worst_residual
+        );
+        (evidence, left)
+    };
+    // Air a thousand times thinner does next to nothing.
+    let (calm, _) = of("1e-3", &["wind.air_density=1.225e-3"]);
+    let (windy, coarse) = of("1e-3", &[]);
+    let (_, fine) = of("5e-4", &[]);
+    // Second order, as of the trapezoid; a thousandth as without wind, tests/energy.rs.
+    assert!(fine < 1e-3 && fine < 0.4 * coarse, "{coarse} {fine}");
+    assert!(windy.constraints > 20, "all joints: {windy:?}");
+    // Drag on surfaces that move slowly beside 75 m/s of air turns a part of their motion into heat.
+    assert!(
+        windy.dissipated > 1e-3 && windy.dissipated > 10.0 * calm.dissipated,
+        "{windy:?}"
+    );
+}
+
 #[test]
 fn wind_raises_the_mean_force_of_the_thesis_pantograph() {
     let keys = ["run.duration=2", "run.evaluate={time=[0.5,2]}", "catenary.spans=6"];

@@ -91,6 +91,52 @@ fn spectrum_and_coherence_of_many_fields_are_those_asked_for() {
     }
 }
 
+/// The same for the other spectrum and the component across the wind, and at distances of up to four stations.
+#[test]
+fn kaimals_spectrum_and_the_coherence_over_several_stations_are_those_asked_for() {
+    const FIELDS: u64 = 400;
+    const COMPONENT: usize = 1;
+    let places = [5.0, 10.0, 15.0, 25.0];
+    let of = |seed| TurbulenceOptions {
+        spectrum: TurbulenceSpectrum::Kaimal,
+        ..options(seed)
+    };
+    for l in [2, 5, 12, 40] {
+        let f = l as f64 / (512.0 * 0.1);
+        let (mut power, mut cross) = ([0.0; 4], [[0.0; 2]; 4]);
+        for seed in 0..FIELDS {
+            let options = of(seed);
+            let turbulence = Turbulence::new(&options);
+            let found = places.map(|x| coefficient(&turbulence, &options, COMPONENT, x, l));
+            let [re, im] = found[0];
+            for (k, at) in found.iter().enumerate() {
+                power[k] += at[0] * at[0] + at[1] * at[1];
+                cross[k][0] += re * at[0] + im * at[1];
+                cross[k][1] += im * at[0] - re * at[1];
+            }
+        }
+        // [IEC 61400-1, annex B]: f S/σ² = 4 n/(1 + 6 n)^(5/3), n = f L/U, written out here.
+        let options = of(0);
+        let (sigma, length) = (options.deviations[COMPONENT], options.length_scales[COMPONENT]);
+        let n = f * length / options.speed;
+        let expected = 2.0 * sigma * sigma * 4.0 * (n / f) / (1.0 + 6.0 * n).powf(5.0 / 3.0) / (512.0 * 0.1);
+        let ratios = power.map(|power| power / FIELDS as f64 / expected);
+        let coherences = [1, 2, 3].map(|k: usize| {
+            let found = cross[k][0].hypot(cross[k][1]) / (power[0] * power[k]).sqrt();
+            let decay = options.coherence_decays[COMPONENT] * f * (places[k] - places[0]) / options.speed;
+            (found, (-decay).exp())
+        });
+        println!("{f:.3} Hz: power {ratios:.3?}, coherence at 5, 10, 20 m (expected) {coherences:.3?}");
+        for ratio in ratios {
+            assert!((ratio - 1.0).abs() < 0.2, "{f} Hz: {ratio}"); // four deviations, see above
+        }
+        for (found, expected) in coherences {
+            let band = 4.0 * (1.0 - expected * expected) / 800_f64.sqrt() + 0.05; // see above
+            assert!((found - expected).abs() < band, "{f} Hz: {found} instead of {expected}");
+        }
+    }
+}
+
 #[test]
 fn two_fields_of_the_same_numbers_are_equal_bit_for_bit_and_other_seeds_give_others() {
     let wind = |seed| Wind {

@@ -7,9 +7,11 @@ use scene::Scene;
 
 mod beside;
 mod carried;
+mod creep_laws;
 mod curve;
 mod equilibrium;
 mod full;
+mod turned_bushings;
 mod vertical;
 
 const THESIS: &str = include_str!("../../../../scenes/thesis.toml");

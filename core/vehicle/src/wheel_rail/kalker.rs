@@ -132,4 +132,84 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn between_the_rows_the_coefficients_are_continuous_and_within_their_neighbours() {
+        let rows = table();
+        for poisson in [0.0, 0.25, 0.28, 0.5] {
+            let coefficients = KalkerCoefficients::new(poisson);
+            let at = |ratio: f64| coefficients.at(ratio, 1.0).map(|value| value[0]);
+            for pair in rows.windows(2) {
+                let [low, high] = [pair[0].axis_ratio, pair[1].axis_ratio];
+                let (first, last) = (at(low), at(high));
+                let mut before = first;
+                for step in 1..=100 {
+                    let now = at(low * (high / low).powf(f64::from(step) / 100.0));
+                    for k in 0..3 {
+                        // C11 at ν = ½ falls from 4.85 to 4.80 before it rises: only its own neighbours count there.
+                        let [least, most] = [first[k].min(last[k]), first[k].max(last[k])];
+                        let beyond = (least - now[k]).max(now[k] - most);
+                        assert!(beyond < 2e-3 * most, "ν {poisson}, a/b {low} to {high}, C{k}: {now:?}");
+                        // A hundredth of the way makes a hundredth of the change, twice that where a curve is bent.
+                        let change = (now[k] - before[k]).abs();
+                        assert!(
+                            change < 0.02 * (most - least) + 2e-4 * most,
+                            "a/b {low} to {high}, C{k}: {change}"
+                        );
+                    }
+                    before = now;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rows_that_are_left_out_are_found_again_by_interpolation() {
+        // The error of the rows between which is interpolated is larger than that of all of them, by 2⁴ for a smooth function.
+        let rows = table();
+        let mut worst = 0.0_f64;
+        for column in 0..3 {
+            for k in 0..3 {
+                let kept: Vec<&Row> = rows.iter().step_by(2).collect();
+                let ratios = kept.iter().map(|row| row.axis_ratio.ln()).collect();
+                let values = kept.iter().map(|row| row.values[k][column].ln()).collect();
+                let spline = Spline::new(ratios, values);
+                for row in rows.iter().skip(1).step_by(2) {
+                    let ratio = row.axis_ratio.ln();
+                    let [logarithm, ..] = spline.in_segment(spline.segment(ratio), ratio).0;
+                    worst = worst.max((logarithm.exp() / row.values[k][column] - 1.0).abs());
+                }
+            }
+        }
+        println!("rows left out are missed by {:.2} % at most", 100.0 * worst);
+        // Three digits are printed, which are 0.5 % of 1.03.
+        assert!(worst < 0.01, "{worst}");
+    }
+
+    #[test]
+    fn both_branches_of_the_table_meet_and_only_the_ratio_of_the_axes_counts() {
+        let coefficients = KalkerCoefficients::new(0.25);
+        // Rows of b/a = 0.5, 1 and a/b = 0.5 [Kalker 1990, Table E.3].
+        for (along, across, expected) in [
+            (2.0, 1.0, [5.10, 4.90, 2.62]),
+            (1.0, 1.0, [4.12, 3.67, 1.47]),
+            (1.0, 2.0, [3.62, 3.01, 0.929]),
+        ] {
+            for scale in [1.0, 4e-3] {
+                let found = coefficients.at(scale * along, scale * across).map(|value| value[0]);
+                for (found, expected) in found.into_iter().zip(expected) {
+                    assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}"); // rounding
+                }
+            }
+        }
+        // No kink where the branches meet.
+        let h = 1e-6;
+        for k in 0..3 {
+            let [before, after] = [1.0 - h, 1.0 + h].map(|ratio| coefficients.at(ratio, 1.0)[k]);
+            assert!(
+                (after[1] - before[1]).abs() < 1e-4 * after[1].abs(),
+                "{before:?} {after:?}"
+            );
+        }
+    }
 }

@@ -319,3 +319,65 @@ fn a_twisted_track_unloads_wheels_as_the_springs_between_them_yield() {
         assert!((found / expected - 1.0).abs() < 0.05, "{found} {expected}");
     }
 }
+
+/// Y outward on the rail and Q upward on each wheel, N, from its generalised forces on the axle alone: those of the translations are the
+/// force in the axes of the vehicle's frame, which the track under the axle turns.
+fn lateral_and_vertical(simulator: &mut Simulator<Alone>) -> Vec<[f64; 2]> {
+    let (alone, motion) = simulator.parts();
+    let travel = alone.train.travel().clone();
+    let origin = travel.place(motion.t);
+    let poses: Vec<Pose> = alone.train.spins.iter().map(|spin| spin.pose).collect();
+    (alone.train.wheels.iter_mut().enumerate())
+        .map(|(wheel, contact)| {
+            let mut generalised = vec![0.0; motion.q.len()];
+            contact.contribution().add_force(&motion, &mut generalised);
+            let pose = poses[wheel / 2];
+            let force = Vector3::from_column_slice(&generalised[pose.translation..][..3]);
+            let track = travel.alignment().unwrap().seen_from(origin + pose.reference.x, origin);
+            let force = track.axes.transpose() * force;
+            // The rail bears the opposite force; outward is to the left of the left wheel, which comes first.
+            let outward = if wheel % 2 == 0 { -force.y } else { force.y };
+            [outward, force.z]
+        })
+        .collect()
+}
+
+#[test]
+fn derailment_quotients_in_an_arc_are_y_over_q_and_their_sum_holds_the_vehicle_in_it() {
+    let curve = gentle();
+    // Cant deficient, and in excess.
+    for (speed, direction) in [(32.0, scene::Direction::Right), (18.0, scene::Direction::Left)] {
+        let curve = scene::Curve { direction, ..curve };
+        let mut scene = curved(&curve);
+        scene.run.speed = speed;
+        let mut simulator = run(&scene, 120.0 / speed + 9.0);
+        let forces = lateral_and_vertical(&mut simulator);
+        let (alone, motion) = simulator.parts();
+        let quotients: Vec<f64> = (0..8)
+            .map(|wheel| alone.train.derailment_quotient(wheel, &motion))
+            .collect();
+        println!("{speed} m/s, {direction:?}: Y/Q {quotients:.4?}");
+        for (quotient, [y, q]) in quotients.iter().zip(&forces) {
+            // The wheels stand within a millimetre of their places along the track: turned by 1e-6 rad against it.
+            assert!((quotient - y / q).abs() < 1e-5, "{quotient} {y} {q}");
+        }
+        // The rails push the vehicle to the inside with what the cant lacks: the sum of all Y, counted outward on the rails, is
+        // the mass times that to the outer side, which is the right one in a curve to the left.
+        let side = if direction == scene::Direction::Left { 1.0 } else { -1.0 };
+        let found: f64 = (quotients.chunks(2).zip(forces.chunks(2)))
+            .map(|(quotient, force)| side * (quotient[1] * force[1][1] - quotient[0] * force[0][1]))
+            .sum();
+        let expected = MASS * curve.uncompensated_acceleration(speed, 9.81, DISTANCE);
+        println!("{found:.1} N of {expected:.1} N");
+        assert!((found - expected).abs() < 1e-4 * MASS * 9.81, "{found} {expected}"); // as the equilibrium above
+        // The leading axle of each bogie, the one with the larger x, runs outward and is turned outward against the rails, on which its
+        // wheels slide: both press them apart, the outer one with its flange the more.
+        if expected > 0.0 {
+            let outer = if direction == scene::Direction::Left { 1 } else { 0 };
+            for bogie in quotients.chunks(4) {
+                let [inner, outer, trailing] = [bogie[3 - outer], bogie[2 + outer], bogie[outer]];
+                assert!(inner > 0.1 && outer > inner && outer > 2.0 * trailing, "{bogie:?}");
+            }
+        }
+    }
+}
