@@ -46,7 +46,7 @@ impl Open {
         match &self.values {
             Values::Of { key, unit, values } => {
                 let value = |value: &&str| Value {
-                    name: format!("{value} {unit}").trim_end().to_owned(),
+                    name: format!("{} {unit}", value.trim_matches('"')).trim_end().to_owned(),
                     keys: vec![format!("{key}={value}")],
                 };
                 values.iter().map(value).collect()

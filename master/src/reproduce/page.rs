@@ -9,7 +9,7 @@ use super::plan::{Group, Mesh};
 use super::published::{CASES, Case};
 use super::quantities::OPEN;
 use super::spread::Spread;
-use super::text::{self, cases, changes, force, head, left_out, missing, overall, readings, spreads};
+use super::text::{cases, changes, force, head, left_out, missing, overall, readings, spreads};
 use super::verdict::VERDICT_RULE;
 use crate::report::plots::{COLOURS, axis, finished, layout};
 use crate::report::{Page, escape, remarks};
@@ -204,6 +204,34 @@ fn bars(reproduction: &Reproduction, spreads: &[&Spread], id: &str) -> String {
     )
 }
 
+/// Each spread with the values at its ends.
+fn ends(spreads: &[&Spread]) -> Vec<Vec<String>> {
+    let head = [
+        "quantity",
+        "smallest std [N]",
+        "at",
+        "largest std [N]",
+        "at",
+        "published",
+        "",
+    ];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for spread in spreads {
+        let mut row = vec![spread.quantity.to_owned()];
+        for end in spread
+            .ends
+            .as_ref()
+            .map_or([None; 2], |[low, high]| [Some(low), Some(high)])
+        {
+            row.push(force(end.map(|end| end.std)));
+            row.push(end.map_or_else(String::new, |end| end.at.clone()));
+        }
+        row.extend([spread.case.std.printed(), spread.verdict().to_owned()]);
+        rows.push(row);
+    }
+    rows
+}
+
 /// The open quantities on one mesh: spreads as bars, every one and every run in a table.
 fn open(reproduction: &Reproduction, mesh: Mesh) -> String {
     let spreads = spreads(reproduction, mesh);
@@ -250,7 +278,7 @@ fn open(reproduction: &Reproduction, mesh: Mesh) -> String {
         "{}<p>{}</p>\n{}{}{}",
         bars(reproduction, &spreads, &id),
         escape(&said),
-        table(&text::open(reproduction, mesh)),
+        table(&ends(&spreads)),
         remarks(&left_out(reproduction, mesh)),
         table(&rows)
     )

@@ -193,7 +193,7 @@ pub(super) fn spreads(reproduction: &Reproduction, mesh: Mesh) -> Vec<&Spread> {
 }
 
 /// Each range as a row; nothing, not even a head, where there is none.
-pub(super) fn open(reproduction: &Reproduction, mesh: Mesh) -> Vec<Vec<String>> {
+fn open(reproduction: &Reproduction, mesh: Mesh) -> Vec<Vec<String>> {
     let spreads = spreads(reproduction, mesh);
     if spreads.is_empty() {
         return Vec::new();
