@@ -261,9 +261,12 @@ fn reproduce_help() -> String {
      2016.\n\n\
      Runs: the four published cases as their scenes have them, the first one through FMUs too; all four on meshes of 18, 36 and 72 \
      elements per span and on a converged one; and every quantity that the thesis leaves open over its plausible range, one at a \
-     time, on the thesis' mesh and on the converged one. Nothing is tuned to a published value. `--set` holds for all runs.\n\n\
+     time, on the thesis' mesh and, where it can matter there, on the converged one. Nothing is tuned to a published value. `--set` \
+     holds for all runs.\n\n\
      Runs are made side by side, one per core: their wall times are no measure of speed. reproduction.csv is written after every \
-     run; rows without a status have not been run."
+     run; rows without a status have not been run. Behind the runs it says what they are worth: a row of group `relation` for each \
+     published change on each mesh, published and computed, and whether it holds; a row of group `spread` for each open quantity on each \
+     mesh, its smallest and largest standard deviation and whether the published one lies inside."
         .to_owned()
 }
 

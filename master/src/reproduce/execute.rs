@@ -12,13 +12,14 @@ use serde::Serialize;
 use super::plan::{Group, Mesh, Planned};
 use super::published::Case;
 use super::relation::{Relation, relations};
+use super::spread::{Spread, spreads};
 use super::wind;
 use crate::report::Progress;
 use crate::results::WindRecord;
 use crate::run::Watch;
 use crate::simulation::SetupError;
 use crate::statistics::ForceStatistics;
-use crate::table_of_runs::{Attempt, Cell, Column, Curve, Row, Stage, attempt};
+use crate::table_of_runs::{Attempt, Curve, Row, Stage, attempt};
 
 /// One run of a reproduction.
 #[derive(Clone, Debug, Serialize)]
@@ -105,56 +106,19 @@ pub struct Reproduction {
     pub lines: Vec<Line>,
     /// Changes between cases.
     pub relations: Vec<Relation>,
+    /// What the open quantities do to the standard deviation.
+    pub spreads: Vec<Spread>,
 }
 
 impl Reproduction {
-    fn new(lines: Vec<Line>) -> Self {
+    /// With what the runs say.
+    pub(super) fn new(lines: Vec<Line>) -> Self {
         Self {
             complete: lines.iter().all(|line| line.row.status.is_some()),
             relations: relations(&lines),
+            spreads: spreads(&lines),
             lines,
         }
-    }
-
-    /// The rows.
-    #[must_use]
-    pub fn rows(&self) -> Vec<Row> {
-        self.lines.iter().map(|line| line.row.clone()).collect()
-    }
-
-    /// The columns before and behind the common ones.
-    #[must_use]
-    pub fn columns(&self) -> (Vec<Column>, Vec<Column>) {
-        let cells = |cell: &dyn Fn(&Line) -> String| self.lines.iter().map(cell).collect();
-        let head = |figure: &dyn Fn(&HeadWind) -> f64| cells(&|line| line.head.as_ref().map(figure).cell());
-        (
-            vec![
-                ("group", cells(&|line| line.group.name().to_owned())),
-                ("case", cells(&|line| line.case.title.to_owned())),
-                ("quantity", cells(&|line| line.quantity.to_owned())),
-                ("value", cells(&|line| line.value.clone())),
-            ],
-            vec![
-                ("raw_std_N", cells(&|line| line.raw_std.cell())),
-                ("head_drag_min_N", head(&|head| head.drag.min)),
-                ("head_drag_mean_N", head(&|head| head.drag.mean)),
-                ("head_drag_max_N", head(&|head| head.drag.max)),
-                ("head_lift_min_N", head(&|head| head.lift.min)),
-                ("head_lift_mean_N", head(&|head| head.lift.mean)),
-                ("head_lift_max_N", head(&|head| head.lift.max)),
-                ("published_mean_N", cells(&|line| line.case.mean.printed())),
-                ("published_std_N", cells(&|line| line.case.std.printed())),
-                (
-                    "mean_difference_percent",
-                    cells(&|line| difference(line.row.mean, line.case.mean.value).cell()),
-                ),
-                (
-                    "std_difference_percent",
-                    cells(&|line| difference(line.row.std, line.case.std.value).cell()),
-                ),
-                ("source", cells(&|line| line.case.source.to_owned())),
-            ],
-        )
     }
 
     /// Number of runs that were made.
@@ -197,9 +161,9 @@ impl Line {
             .as_ref()
             .zip(range)
             .and_then(|(wind, range)| HeadWind::of(wind, range));
-        // Only what is drawn is kept.
-        self.curve = curve.filter(|_| self.group == Group::Published);
-        self.wind = wind.filter(|_| self.group == Group::Published);
+        // Only what may be drawn is kept.
+        self.curve = curve.filter(|_| self.group.is_case());
+        self.wind = wind.filter(|_| self.group.is_case());
         self.output_step = output_step;
     }
 }

@@ -2,19 +2,21 @@
 
 use plotly::Scatter;
 use plotly::common::{DashType, HoverInfo, Line as Stroke, Marker, Mode as Draw};
-use plotly::layout::Axis;
 
 use super::execute::{Line, Reproduction};
-use super::open::OPEN;
+use super::figures::figures;
 use super::plan::{Group, Mesh};
 use super::published::{CASES, Case};
-use super::text::{cases, changes, force, head, missing, published as case_of, readings, spreads};
-use crate::report::plots::{COLOURS, axis, finished, layout, rounded};
+use super::quantities::OPEN;
+use super::spread::Spread;
+use super::text::{cases, changes, force, head, left_out, missing, overall, readings, spreads};
+use super::verdict::VERDICT_RULE;
+use crate::report::plots::{COLOURS, axis, finished, layout};
 use crate::report::{Page, escape, remarks};
 use crate::simulation::Mode;
 
 /// A curve as the plots take it.
-type Trace = Box<Scatter<f64, f64>>;
+pub(super) type Trace = Box<Scatter<f64, f64>>;
 
 /// Colour of published values.
 const PUBLISHED: &str = "#5b6675";
@@ -26,7 +28,7 @@ pub fn page(reproduction: &Reproduction) -> String {
     page.lead(&lead(reproduction));
     page.section("Mean and standard deviation", &table(&cases(reproduction)));
     page.section("Standard deviation against the mesh", &meshes(reproduction));
-    page.section("Changes between cases, in percent", &table(&changes(reproduction)));
+    page.section("Changes between cases, in percent", &relations(reproduction));
     page.section(
         "Readings of the wind: changes, the published ones in the head",
         &table(&readings(reproduction)),
@@ -36,12 +38,7 @@ pub fn page(reproduction: &Reproduction) -> String {
         let heading = format!("What the thesis leaves open, {}", mesh.name());
         page.section(&heading, &open(reproduction, mesh));
     }
-    for (heading, shown, times) in FIGURES {
-        let body = match shown {
-            Shown::Contact(cases) => figure(reproduction, heading, cases, *times),
-            Shown::Drag => wind_figure(reproduction, heading, 0),
-            Shown::Lift => wind_figure(reproduction, heading, 1),
-        };
+    for (heading, body) in figures(reproduction) {
         page.section(heading, &body);
     }
     page.section("What was not computed", &remarks(&missing(reproduction)));
@@ -83,8 +80,8 @@ fn table(rows: &[Vec<String>]) -> String {
 }
 
 /// A dotted line with a name.
-fn published(x: [f64; 2], y: [f64; 2], name: &str) -> Trace {
-    Scatter::new(x.to_vec(), y.to_vec())
+pub(super) fn published(x: Vec<f64>, y: Vec<f64>, name: &str) -> Trace {
+    Scatter::new(x, y)
         .mode(Draw::Lines)
         .name(name)
         .hover_info(HoverInfo::Name)
@@ -111,7 +108,7 @@ fn meshes(reproduction: &Reproduction) -> String {
         );
     }
     let value = CASES[0].std.value;
-    traces.push(published([9.0, 72.0], [value, value], "published, no wind"));
+    traces.push(published(vec![9.0, 72.0], vec![value; 2], "published, no wind"));
     let converged = reproduction
         .lines
         .iter()
@@ -136,132 +133,156 @@ fn computed<'a>(reproduction: &'a Reproduction, case: &'a Case) -> impl Iterator
     })
 }
 
-/// The open quantities on one mesh: ranges as bars, every run in a table.
-fn open(reproduction: &Reproduction, mesh: Mesh) -> String {
-    let spreads = spreads(reproduction, mesh);
-    if spreads.is_empty() {
+/// What the published changes are worth, over all meshes and on each.
+fn relations(reproduction: &Reproduction) -> String {
+    if reproduction.relations.is_empty() {
         return String::new();
     }
+    format!(
+        "{}<p>{}</p>\n{}",
+        table(&overall(reproduction)),
+        escape(VERDICT_RULE),
+        table(&changes(reproduction))
+    )
+}
+
+/// Runs of a spread, in the order of the values.
+fn runs<'a>(reproduction: &'a Reproduction, spread: &'a Spread) -> impl Iterator<Item = &'a Line> {
+    reproduction.lines.iter().filter(|line| line.is_in(spread))
+}
+
+/// The spreads on one mesh as bars, every run as a point, the published value of each as a dotted line.
+fn bars(reproduction: &Reproduction, spreads: &[&Spread], id: &str) -> String {
     let mut traces: Vec<Trace> = Vec::new();
     let count = spreads.len() as f64;
     let mut names = Vec::new();
+    let (mut x, mut y) = (Vec::new(), Vec::new());
     for (index, spread) in spreads.iter().enumerate() {
-        let y = count - index as f64;
-        names.push((y, spread.quantity));
-        let Some([low, high]) = spread.std else { continue };
+        let at = count - index as f64;
+        names.push((at, spread.quantity));
+        x.extend([spread.case.std.value; 2]);
+        y.extend([at + 0.5, at - 0.5]);
+        let Some(ends) = spread.std() else { continue };
         traces.push(
-            Scatter::new(vec![low, high], vec![y, y])
+            Scatter::new(ends.to_vec(), vec![at; 2])
                 .mode(Draw::Lines)
                 .show_legend(false)
                 .hover_info(HoverInfo::Skip)
                 .line(Stroke::new().color(COLOURS[0]).width(6.0)),
         );
-        let runs: Vec<&&Line> = spread.lines.iter().filter(|line| line.row.std.is_some()).collect();
+        let runs: Vec<(&Line, f64)> = runs(reproduction, spread)
+            .filter_map(|line| Some((line, line.row.std?)))
+            .collect();
         let said = runs
             .iter()
-            .map(|line| format!("{} {}: {} N", line.quantity, line.value, force(line.row.std)))
+            .map(|(line, std)| format!("{} {}: {std:.2} N", line.quantity, line.value))
             .collect();
         traces.push(
-            Scatter::new(
-                runs.iter().filter_map(|line| line.row.std).collect(),
-                vec![y; runs.len()],
-            )
-            .mode(Draw::Markers)
-            .show_legend(false)
-            .hover_text_array(said)
-            .hover_info(HoverInfo::Text)
-            .marker(
-                Marker::new()
-                    .color("#ffffff")
-                    .size(7)
-                    .line(Stroke::new().color(COLOURS[0]).width(1.4)),
-            ),
+            Scatter::new(runs.iter().map(|(_, std)| *std).collect(), vec![at; runs.len()])
+                .mode(Draw::Markers)
+                .show_legend(false)
+                .hover_text_array(said)
+                .hover_info(HoverInfo::Text)
+                .marker(
+                    Marker::new()
+                        .color("#ffffff")
+                        .size(7)
+                        .line(Stroke::new().color(COLOURS[0]).width(1.4)),
+                ),
         );
     }
-    let value = CASES[0].std.value;
-    traces.push(published([value, value], [0.5, count + 0.5], "published"));
+    traces.push(published(x, y, "published"));
     let quantities = axis("")
         .tick_values(names.iter().map(|(y, _)| *y).collect())
         .tick_text(names.iter().map(|(_, name)| *name).collect::<Vec<_>>())
         .range(vec![0.4, count + 0.6]);
-    let id = format!("open-{}", if mesh == Mesh::Cured { "cured" } else { "plain" });
-    let plot = finished(
+    finished(
         traces,
         layout(axis("standard deviation [N]"), quantities).hover_mode(plotly::layout::HoverMode::Closest),
-        &id,
+        id,
         120 + 26 * spreads.len() as u32,
-    );
+    )
+}
+
+/// Each spread with the values at its ends.
+fn ends(spreads: &[&Spread]) -> Vec<Vec<String>> {
+    let head = [
+        "quantity",
+        "smallest std [N]",
+        "at",
+        "largest std [N]",
+        "at",
+        "published",
+        "",
+    ];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for spread in spreads {
+        let mut row = vec![spread.quantity.to_owned()];
+        for end in spread
+            .ends
+            .as_ref()
+            .map_or([None; 2], |[low, high]| [Some(low), Some(high)])
+        {
+            row.push(force(end.map(|end| end.std)));
+            row.push(end.map_or_else(String::new, |end| end.at.clone()));
+        }
+        row.extend([spread.case.std.printed(), spread.verdict().to_owned()]);
+        rows.push(row);
+    }
+    rows
+}
+
+/// The open quantities on one mesh: spreads as bars, every one and every run in a table.
+fn open(reproduction: &Reproduction, mesh: Mesh) -> String {
+    let spreads = spreads(reproduction, mesh);
+    if spreads.is_empty() {
+        return String::new();
+    }
+    let id = format!("open-{}", if mesh == Mesh::Cured { "cured" } else { "plain" });
+    let with = |held: Option<bool>| -> Vec<&str> {
+        let of = spreads.iter().filter(|spread| spread.holds_published() == held);
+        of.map(|spread| spread.quantity).collect()
+    };
+    let inside = with(Some(true));
+    let mut said = if inside.is_empty() {
+        "The published standard deviation lies inside the range of none of them.".to_owned()
+    } else {
+        format!(
+            "The published standard deviation lies inside the range of {} of {}: {}.",
+            inside.len(),
+            spreads.len(),
+            inside.join(", ")
+        )
+    };
+    let unknown = with(None);
+    if !unknown.is_empty() {
+        said.push_str(&format!(" Not computed: {}.", unknown.join(", ")));
+    }
     let head = ["quantity", "value", "mean [N]", "std [N]", "std, raw", "why this range"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for spread in &spreads {
         let why = OPEN.iter().find(|open| open.quantity == spread.quantity);
-        for (index, line) in spread.lines.iter().enumerate() {
-            let why = why.filter(|_| index == 0).map_or("", |open| open.range);
+        for (index, line) in runs(reproduction, spread).enumerate() {
+            let first = |text: &str| if index == 0 { text.to_owned() } else { String::new() };
             rows.push(vec![
-                if index == 0 {
-                    spread.quantity.to_owned()
-                } else {
-                    String::new()
-                },
+                first(spread.quantity),
                 line.value.clone(),
                 force(line.row.mean),
                 force(line.row.std),
                 force(line.raw_std),
-                why.to_owned(),
+                first(why.map_or("", |open| open.range)),
             ]);
         }
     }
-    let inside: Vec<&str> = spreads
-        .iter()
-        .filter(|spread| spread.holds(value))
-        .map(|spread| spread.quantity)
-        .collect();
-    let verdict = if inside.is_empty() {
-        "The published standard deviation lies inside the range of none of them.".to_owned()
-    } else {
-        format!(
-            "The published standard deviation lies inside the range of: {}.",
-            inside.join(", ")
-        )
-    };
-    format!("{plot}<p>{}</p>\n{}", escape(&verdict), table(&rows))
+    format!(
+        "{}<p>{}</p>\n{}{}{}",
+        bars(reproduction, &spreads, &id),
+        escape(&said),
+        table(&ends(&spreads)),
+        remarks(&left_out(reproduction, mesh)),
+        table(&rows)
+    )
 }
-
-/// What a figure of the thesis shows.
-enum Shown {
-    /// Contact forces of these cases.
-    Contact(&'static [usize]),
-    /// Drag of the wind on the pan-head, with wind on the pantograph.
-    Drag,
-    /// Its lift.
-    Lift,
-}
-
-use Shown::{Contact, Drag, Lift};
-
-/// Figures of the thesis that show computed forces: heading, what of which cases, time range in s.
-const FIGURES: &[(&str, Shown, [f64; 2])] = &[
-    ("Fig. 6: contact force without wind", Contact(&[0]), [0.0, 10.0]),
-    ("Fig. 7: the same, 7 to 10 s", Contact(&[0]), [7.0, 10.0]),
-    ("Fig. 8: penalty force and sliding joint", Contact(&[0, 1]), [0.0, 10.0]),
-    ("Fig. 9: the same, 7 to 10 s", Contact(&[0, 1]), [7.0, 10.0]),
-    ("Fig. 10: wind on the pantograph", Contact(&[2]), [0.0, 10.0]),
-    ("Fig. 11: drag on the pan-head", Drag, [0.0, 10.0]),
-    ("Fig. 12: lift on the pan-head", Lift, [0.0, 10.0]),
-    (
-        "Fig. 13: with wind on the pantograph and without",
-        Contact(&[0, 2]),
-        [0.0, 10.0],
-    ),
-    ("Fig. 14: the same, 7 to 10 s", Contact(&[0, 2]), [7.0, 10.0]),
-    ("Fig. 15: wind on pantograph and wires", Contact(&[3]), [0.0, 10.0]),
-    (
-        "Fig. 16: with wind on pantograph and wires and without",
-        Contact(&[0, 3]),
-        [0.0, 10.0],
-    ),
-    ("Fig. 17: the same, 7 to 10 s", Contact(&[0, 3]), [7.0, 10.0]),
-];
 
 /// Drag and lift in every reading of the wind.
 fn wind_on_head(reproduction: &Reproduction) -> String {
@@ -275,67 +296,5 @@ fn wind_on_head(reproduction: &Reproduction) -> String {
          nonlinear, depend on the speeds of train and wind, and that the lift is positive, upward. By Eq. (18) drag and lift are 5 to 2 \
          at all times.</p>\n",
         table(&rows)
-    )
-}
-
-/// Drag (`part` = 0) or lift (1) of the wind on the pan-head; that of even travel as a line.
-fn wind_figure(reproduction: &Reproduction, heading: &str, part: usize) -> String {
-    let line = case_of(reproduction, 2);
-    let Some((line, wind)) = line.and_then(|line| Some((line, line.wind.as_ref()?))) else {
-        return String::new();
-    };
-    let (name, force) = [("drag", &wind.drag), ("lift", &wind.lift)][part];
-    let time: Vec<f64> = (0..force.len()).map(|index| index as f64 * line.output_step).collect();
-    let end = time.last().copied().unwrap_or_default();
-    let computed = Scatter::new(rounded(&time, 1e3), rounded(force, 1e2))
-        .mode(Draw::Lines)
-        .name(name)
-        .line(Stroke::new().color(COLOURS[0]).width(1.1));
-    let mut traces: Vec<Trace> = vec![computed];
-    if let Some(even) = line.even_head.map(|even| even[part]) {
-        traces.push(published([0.0, end], [even, even], "Eq. (18), even travel"));
-    }
-    let y = axis(&format!("{name} on the pan-head [N]"));
-    finished(traces, layout(axis("time [s]"), y), &figure_id(heading), 320)
-}
-
-/// Name of a figure in the page.
-fn figure_id(heading: &str) -> String {
-    let number: String = heading.chars().filter(char::is_ascii_digit).take(2).collect();
-    format!("figure-{number}")
-}
-
-/// Contact forces of some cases, as the time integration gives them; the published mean as a line. Its curves are printed as
-/// pictures only.
-fn figure(reproduction: &Reproduction, heading: &str, shown: &[usize], [from, to]: [f64; 2]) -> String {
-    let mut traces: Vec<Trace> = Vec::new();
-    for (&index, colour) in shown.iter().zip(COLOURS) {
-        let case = &CASES[index];
-        let run = computed(reproduction, case).find(|line| line.group == Group::Published);
-        let Some((line, curve)) = run.and_then(|line| Some((line, line.curve.as_ref()?))) else {
-            continue;
-        };
-        let samples = curve.raw.iter().enumerate();
-        let samples = samples.map(|(index, force)| (index as f64 * line.output_step, *force));
-        let (time, force): (Vec<f64>, Vec<f64>) = samples.filter(|(time, _)| (from..=to).contains(time)).unzip();
-        traces.push(
-            Scatter::new(rounded(&time, 1e3), rounded(&force, 1e1))
-                .mode(Draw::Lines)
-                .name(case.title)
-                .line(Stroke::new().color(colour).width(1.1)),
-        );
-    }
-    let Some(&last) = shown.last().filter(|_| !traces.is_empty()) else {
-        return String::new();
-    };
-    let mean = CASES[last].mean.value;
-    let name = format!("published mean, {}", CASES[last].title);
-    traces.push(published([from, to], [mean, mean], &name));
-    let time: Axis = axis("time [s]").range(vec![from, to]);
-    finished(
-        traces,
-        layout(time, axis("contact force [N]")),
-        &figure_id(heading),
-        320,
     )
 }

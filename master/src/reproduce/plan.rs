@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::open::OPEN;
 use super::published::{CASES, Case};
+use super::quantities::OPEN;
 use super::wind::readings;
 use crate::simulation::Mode;
 use crate::table_of_runs::Variant;
@@ -70,7 +70,7 @@ impl Mesh {
     }
 
     /// The keys that make it.
-    fn keys(self) -> Vec<String> {
+    pub(super) fn keys(self) -> Vec<String> {
         let key = |name: &str, value: &str| format!("{name}={value}");
         match self {
             Self::Plain(count) => vec![
@@ -133,13 +133,18 @@ pub fn plan(quick: bool, overrides: &[String]) -> Vec<Planned> {
         if quick && mesh == Mesh::Cured {
             continue;
         }
-        for open in OPEN {
-            for value in open.values {
-                let mut run = planned(Group::Open, &CASES[0], mesh, Mode::Monolithic);
+        let own = mesh.keys();
+        for open in OPEN.iter().filter(|open| open.is_on(mesh)) {
+            for value in open.values() {
+                // The mesh's own value is the case itself.
+                if value.keys.iter().all(|key| own.contains(key)) {
+                    continue;
+                }
+                let mut run = planned(Group::Open, &CASES[open.case], mesh, Mode::Monolithic);
                 // Behind the mesh, whose step it may change.
-                run.variant.overrides.push(format!("{}={value}", open.key));
+                run.variant.overrides.extend(value.keys);
                 run.quantity = open.quantity;
-                run.value = format!("{value} {}", open.unit);
+                run.value = value.name;
                 runs.push(run);
             }
         }

@@ -1,51 +1,47 @@
 //! Changes between cases, published and computed.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::execute::Line;
 use super::plan::Mesh;
 use super::published::{CASES, Case};
+use super::verdict::{Verdict, judge};
 use crate::simulation::Mode;
 
 /// A change from one case to another on one mesh, %.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Relation {
     /// From which case.
-    pub from: &'static str,
+    #[serde(serialize_with = "title")]
+    pub from: &'static Case,
     /// To which case.
-    pub to: &'static str,
+    #[serde(serialize_with = "title")]
+    pub to: &'static Case,
     /// On which mesh.
-    pub mesh: String,
+    #[serde(serialize_with = "mesh_name")]
+    pub mesh: Mesh,
     /// `mean` or `std`.
     pub of: &'static str,
     /// Published change, %.
     pub published: f64,
     /// Computed change, %; nothing where a case has no figures.
     pub computed: Option<f64>,
+    /// What the computed change says of the published one.
+    pub verdict: Verdict,
+    /// Why, with its figures.
+    pub why: String,
 }
 
-/// A change below this is none, %: the thesis calls one of 0.11 % negligible.
-const VISIBLE: f64 = 0.2;
+pub(super) fn title<S: Serializer>(case: &&'static Case, serializer: S) -> Result<S::Ok, S::Error> {
+    case.title.serialize(serializer)
+}
 
-impl Relation {
-    /// Whether the computed change has the direction of the published one, in words.
-    #[must_use]
-    pub fn verdict(&self) -> &'static str {
-        let Some(computed) = self.computed else {
-            return "not computed";
-        };
-        match (self.published.abs() >= VISIBLE, computed.abs() >= VISIBLE) {
-            (false, false) => "holds: no visible change",
-            (true, true) if computed.signum() == self.published.signum() => "holds: same direction",
-            (true, true) => "refuted: other direction",
-            (true, false) => "refuted: no visible change",
-            (false, true) => "refuted: a visible change",
-        }
-    }
+pub(super) fn mesh_name<S: Serializer>(mesh: &Mesh, serializer: S) -> Result<S::Ok, S::Error> {
+    mesh.name().serialize(serializer)
 }
 
 /// Pairs of cases whose difference the thesis discusses.
-const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (2, 3)];
+pub(super) const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (2, 3)];
 
 /// The changes on every mesh on which the cases were run.
 #[must_use]
@@ -58,26 +54,27 @@ pub fn relations(lines: &[Line]) -> Vec<Relation> {
                 continue;
             };
             let change = |from: f64, to: f64| 100.0 * (to / from - 1.0);
-            let computed = |from: Option<f64>, to: Option<f64>| Some(change(from?, to?));
-            let relation = |of, published, computed| Relation {
-                from: from.title,
-                to: to.title,
-                mesh: mesh.name(),
-                of,
-                published,
-                computed,
+            let relation = |of, published, was: Option<f64>, is: Option<f64>| {
+                let computed = was.zip(is).map(|(was, is)| change(was, is));
+                let (verdict, why) = judge(published, computed);
+                Relation {
+                    from,
+                    to,
+                    mesh,
+                    of,
+                    published,
+                    computed,
+                    verdict,
+                    why,
+                }
             };
             let (was, is) = (&first.row, &second.row);
-            found.push(relation(
-                "mean",
+            let [mean, std] = [
                 change(from.mean.value, to.mean.value),
-                computed(was.mean, is.mean),
-            ));
-            found.push(relation(
-                "std",
                 change(from.std.value, to.std.value),
-                computed(was.std, is.std),
-            ));
+            ];
+            found.push(relation("mean", mean, was.mean, is.mean));
+            found.push(relation("std", std, was.std, is.std));
         }
     }
     found

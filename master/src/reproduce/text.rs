@@ -1,7 +1,13 @@
 //! The tables on the terminal.
 
 use super::execute::{Line, Reproduction, difference};
+use super::open::Open;
 use super::plan::{Group, Mesh};
+use super::published::CASES;
+use super::quantities::OPEN;
+use super::relation::{PAIRS, Relation};
+use super::spread::Spread;
+use super::verdict::{VERDICT_RULE, Verdict};
 use super::wind;
 use crate::report::aligned;
 use crate::table_of_runs::{Status, short, wrapped};
@@ -54,7 +60,7 @@ pub(super) fn cases(reproduction: &Reproduction) -> Vec<Vec<String>> {
 
 /// What each reading of the wind does to mean and standard deviation, the scene's own first; the published changes in the head.
 pub(super) fn readings(reproduction: &Reproduction) -> Vec<Vec<String>> {
-    let [calm, _, windy, _] = super::CASES;
+    let [calm, _, windy, _] = CASES;
     let published = |windy: f64, calm: f64| percent(Some(windy - calm));
     let head = [
         "reading".to_owned(),
@@ -123,65 +129,103 @@ pub(super) fn head(reproduction: &Reproduction) -> Vec<Vec<String>> {
 /// A published case as its scene has it, in one system.
 pub(super) fn published(reproduction: &Reproduction, case: usize) -> Option<&Line> {
     let mut lines = reproduction.lines.iter();
-    lines.find(|line| line.is(&super::CASES[case], Mesh::ALL[0]))
-}
-
-/// What an open quantity does to the standard deviation on one mesh.
-pub(super) struct Spread<'a> {
-    /// What it is called.
-    pub quantity: &'static str,
-    /// Runs, in the order of the values.
-    pub lines: Vec<&'a Line>,
-    /// Smallest and largest standard deviation over the range and the scene's own value, N; nothing where no run has one.
-    pub std: Option<[f64; 2]>,
-}
-
-impl Spread<'_> {
-    /// Whether the published standard deviation lies inside.
-    pub fn holds(&self, published: f64) -> bool {
-        self.std.is_some_and(|[low, high]| (low..=high).contains(&published))
-    }
-}
-
-/// The spreads on one mesh.
-pub(super) fn spreads(reproduction: &Reproduction, mesh: Mesh) -> Vec<Spread<'_>> {
-    let of_mesh = |line: &&Line| line.mesh == mesh;
-    let own = |line: &&Line| line.group.is_case() && line.case.scene == super::CASES[0].scene;
-    let own = reproduction.lines.iter().filter(of_mesh).find(own);
-    let open: Vec<&Line> = reproduction
-        .lines
-        .iter()
-        .filter(of_mesh)
-        .filter(|line| line.group == Group::Open)
-        .collect();
-    open.chunk_by(|a, b| a.quantity == b.quantity)
-        .map(|lines| {
-            let values = || lines.iter().copied().chain(own).filter_map(|line| line.row.std);
-            Spread {
-                quantity: lines[0].quantity,
-                lines: lines.to_vec(),
-                std: values().reduce(f64::min).zip(values().reduce(f64::max)).map(Into::into),
-            }
-        })
-        .collect()
+    lines.find(|line| line.is(&CASES[case], Mesh::ALL[0]))
 }
 
 /// Changes between cases, published and computed, in percent.
 pub(super) fn changes(reproduction: &Reproduction) -> Vec<Vec<String>> {
-    let head = ["from", "to", "mesh", "of", "published", "computed", ""];
+    let head = ["from", "to", "mesh", "of", "published", "computed", "verdict", "why"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     rows.extend(reproduction.relations.iter().map(|relation| {
         vec![
-            relation.from.to_owned(),
-            relation.to.to_owned(),
-            relation.mesh.clone(),
+            relation.from.title.to_owned(),
+            relation.to.title.to_owned(),
+            relation.mesh.name(),
             relation.of.to_owned(),
             percent(Some(relation.published)),
             percent(relation.computed),
-            relation.verdict().to_owned(),
+            relation.verdict.name().to_owned(),
+            relation.why.clone(),
         ]
     }));
     rows
+}
+
+/// Each published change with the smallest and the largest computed one, and the number of meshes with each verdict.
+pub(super) fn overall(reproduction: &Reproduction) -> Vec<Vec<String>> {
+    let counted = [Verdict::Holds, Verdict::DirectionOnly, Verdict::Refuted];
+    let mut head = ["from", "to", "of", "published", "smallest", "largest"]
+        .map(str::to_owned)
+        .to_vec();
+    head.extend(counted.map(|verdict| format!("meshes: {}", verdict.name())));
+    let mut rows = vec![head];
+    let of = ["mean", "std"];
+    for ((from, to), of) in PAIRS.iter().flat_map(|pair| of.map(|of| (pair, of))) {
+        let (from, to) = (&CASES[*from], &CASES[*to]);
+        let is = |relation: &&Relation| relation.from == from && relation.to == to && relation.of == of;
+        let found: Vec<&Relation> = reproduction.relations.iter().filter(is).collect();
+        let Some(first) = found.first() else { continue };
+        let computed = || found.iter().filter_map(|relation| relation.computed);
+        let mut row = vec![
+            from.title.to_owned(),
+            to.title.to_owned(),
+            of.to_owned(),
+            percent(Some(first.published)),
+            percent(computed().reduce(f64::min)),
+            percent(computed().reduce(f64::max)),
+        ];
+        row.extend(counted.map(|verdict| {
+            let count = found.iter().filter(|relation| relation.verdict == verdict).count();
+            format!("{count} of {}", found.len())
+        }));
+        rows.push(row);
+    }
+    rows
+}
+
+/// The ranges of the open quantities on one mesh.
+pub(super) fn spreads(reproduction: &Reproduction, mesh: Mesh) -> Vec<&Spread> {
+    reproduction
+        .spreads
+        .iter()
+        .filter(|spread| spread.mesh == mesh)
+        .collect()
+}
+
+/// Each range as a row; nothing, not even a head, where there is none.
+fn open(reproduction: &Reproduction, mesh: Mesh) -> Vec<Vec<String>> {
+    let spreads = spreads(reproduction, mesh);
+    if spreads.is_empty() {
+        return Vec::new();
+    }
+    let mut rows = vec![
+        ["quantity", "smallest", "largest", "published", ""]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
+    for spread in spreads {
+        let [low, high] = spread.std().map_or([None; 2], |ends| ends.map(Some));
+        rows.push(vec![
+            spread.quantity.to_owned(),
+            force(low),
+            force(high),
+            spread.case.std.printed(),
+            spread.verdict().to_owned(),
+        ]);
+    }
+    rows
+}
+
+/// Quantities that are not changed on a mesh on which others are, and why.
+pub(super) fn left_out(reproduction: &Reproduction, mesh: Mesh) -> Vec<String> {
+    if spreads(reproduction, mesh).is_empty() {
+        return Vec::new();
+    }
+    let why = |open: &Open| {
+        let why = open.thesis_mesh_only.filter(|_| !open.is_on(mesh))?;
+        Some(format!("{} is not changed on this mesh: {why}.", open.quantity))
+    };
+    OPEN.iter().filter_map(why).collect()
 }
 
 /// What was not computed, and why.
@@ -201,6 +245,9 @@ pub fn text(reproduction: &Reproduction) -> String {
     let mut text = aligned(&cases(reproduction));
     text.push_str("\nchanges between cases, in percent\n");
     text.push_str(&aligned(&changes(reproduction)));
+    text.push('\n');
+    text.push_str(&aligned(&overall(reproduction)));
+    text.push_str(&wrapped(VERDICT_RULE));
     for (heading, rows) in [
         (
             "readings of the wind: changes in N, the published ones in the head",
@@ -215,33 +262,19 @@ pub fn text(reproduction: &Reproduction) -> String {
             text.push_str(&format!("\n{heading}\n{}", aligned(&rows)));
         }
     }
-    let published = super::CASES[0].std;
     for mesh in Mesh::ALL {
-        let spreads = spreads(reproduction, mesh);
-        if spreads.is_empty() {
+        let rows = open(reproduction, mesh);
+        if rows.is_empty() {
             continue;
         }
         text.push_str(&format!(
-            "\nwhat the thesis leaves open, on {}: std [N] over the range, published {}\n",
+            "\nwhat the thesis leaves open, on {}: std [N] over the range, published std inside or outside\n{}",
             mesh.name(),
-            published.printed()
+            aligned(&rows)
         ));
-        let mut rows = vec![["quantity", "smallest", "largest", ""].map(str::to_owned).to_vec()];
-        for spread in &spreads {
-            let [low, high] = spread.std.map_or([None; 2], |bounds| bounds.map(Some));
-            let inside = if spread.holds(published.value) {
-                "published inside"
-            } else {
-                ""
-            };
-            rows.push(vec![
-                spread.quantity.to_owned(),
-                force(low),
-                force(high),
-                inside.to_owned(),
-            ]);
+        for note in left_out(reproduction, mesh) {
+            text.push_str(&wrapped(&note));
         }
-        text.push_str(&aligned(&rows));
     }
     for note in missing(reproduction) {
         text.push_str(&wrapped(&note));
