@@ -193,3 +193,117 @@ impl Default for Account {
         Self::new()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lets a clock of any resolution move on.
+    fn pass() {
+        let begin = Instant::now();
+        while begin.elapsed().is_zero() {}
+    }
+
+    /// Steps, the first one included, of an advance in which `step` is done, and the wall time of it all, s.
+    fn advance(account: &mut Account, steps: u64, mut step: impl FnMut(&mut Account)) -> f64 {
+        let begin = Instant::now();
+        account.begin();
+        for _ in 0..steps {
+            step(account);
+            account.step_done();
+        }
+        account.end();
+        begin.elapsed().as_secs_f64()
+    }
+
+    fn sum(shares: &[Share]) -> f64 {
+        shares.iter().map(|share| share.share).sum()
+    }
+
+    fn of(shares: &[Share], part: &str) -> Option<f64> {
+        shares.iter().find(|share| share.part == part).map(|share| share.share)
+    }
+
+    #[test]
+    fn what_is_left_is_the_masters() {
+        let times = [("catenary".to_owned(), 3.0), ("pantograph[1]".to_owned(), 1.0)];
+        let shares = shares(5.0, times);
+        let found: Vec<(&str, f64)> = shares.iter().map(|share| (&*share.part, share.share)).collect();
+        assert_eq!(found[..2], [("catenary", 0.6), ("pantograph[1]", 0.2)]);
+        assert_eq!(found[2].0, MASTER);
+        assert!((found[2].1 - 0.2).abs() < 1e-15, "rounding of a sum to 1");
+        assert!(super::shares(5.0, []).is_empty(), "nothing was measured");
+    }
+
+    #[test]
+    fn one_step_in_seventeen_is_looked_at() {
+        let (mut account, mut looked) = (Account::new(), Vec::new());
+        let mut n = 0;
+        advance(&mut account, 40, |account| {
+            if account.looks() {
+                looked.push(n);
+            }
+            n += 1;
+        });
+        assert_eq!(looked, [0, 17, 34]);
+    }
+
+    #[test]
+    fn shares_sum_to_one_and_name_what_took_time() {
+        let mut account = Account::new();
+        let wall = advance(&mut account, 40, |account| {
+            for part in ["wires", "droppers"] {
+                account.turn_to(part);
+                pass();
+            }
+            account.enter(Stage::Integration);
+            account.enter(Stage::Solution);
+            pass();
+            account.enter(Stage::Integration);
+            pass();
+            account.turn_to(MASTER);
+            pass();
+        });
+        let shares = account.shares(wall);
+        let parts: Vec<&str> = shares.iter().map(|share| &*share.part).collect();
+        assert_eq!(parts, ["wires", "droppers", LINEAR_SOLUTION, TIME_INTEGRATION, MASTER]);
+        assert!(shares.iter().all(|share| share.share > 0.0));
+        assert!((sum(&shares) - 1.0).abs() < 1e-12, "rounding of a sum of five");
+    }
+
+    #[test]
+    fn factorisations_are_booked_in_every_step_and_their_contributions_with_them() {
+        let mut account = Account::new();
+        let wall = advance(&mut account, 17, |account| {
+            if account.steps == 7 {
+                account.enter(Stage::Factorization);
+                account.turn_to("wires");
+                pass();
+                account.enter(Stage::Integration);
+            }
+        });
+        let shares = account.shares(wall);
+        assert!(of(&shares, FACTORIZATION) > Some(0.0), "step 7 is not looked at");
+        assert_eq!(of(&shares, "wires"), None);
+        assert!((sum(&shares) - 1.0).abs() < 1e-12, "rounding of a sum of three");
+    }
+
+    #[test]
+    fn time_between_advances_is_nobodys_but_the_masters() {
+        let mut account = Account::new();
+        let begin = Instant::now();
+        for _ in 0..2 {
+            advance(&mut account, 1, |account| {
+                account.turn_to("wires");
+                pass();
+            });
+            // Many times what is done within.
+            let inside = account.advancing;
+            let outside = Instant::now();
+            while outside.elapsed() < 20 * inside {}
+        }
+        let shares = account.shares(begin.elapsed().as_secs_f64());
+        // At most 1 part within to 20 outside.
+        assert!(of(&shares, MASTER) > Some(0.9), "{shares:?}");
+    }
+}

@@ -284,7 +284,11 @@ impl Prepared {
         let threads = parallel::arrange(&mut pantographs, &own_threads, beside_the_line);
         let mut line = Timed::new(line);
         let untimed = std::mem::take(&mut pantographs);
-        pantographs.extend(untimed.into_iter().map(|slave| Box::new(Timed::new(slave)) as Box<dyn Slave>));
+        pantographs.extend(
+            untimed
+                .into_iter()
+                .map(|slave| Box::new(Timed::new(slave)) as Box<dyn Slave>),
+        );
         let mut sides = Sides {
             line: &mut line,
             pantographs: &mut pantographs,
