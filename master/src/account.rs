@@ -69,8 +69,8 @@ pub struct Account {
     /// Since when the matrix is being factored, where it is.
     factoring: Option<Instant>,
     factorization: Duration,
-    /// When the present advance has begun, and the time of those that have ended.
-    begun: Instant,
+    /// When the present advance has begun, and the time of those that have ended; what is done outside of them is no step.
+    begun: Option<Instant>,
     advancing: Duration,
 }
 
@@ -89,7 +89,7 @@ impl Account {
             since: now,
             factoring: None,
             factorization: Duration::ZERO,
-            begun: now,
+            begun: None,
             advancing: Duration::ZERO,
         }
     }
@@ -97,13 +97,13 @@ impl Account {
     /// Whether it is worth telling what part is under way.
     #[must_use]
     pub fn looks(&self) -> bool {
-        self.looks && self.factoring.is_none()
+        self.looks && self.begun.is_some() && self.factoring.is_none()
     }
 
     /// An advance over one or more steps begins.
     pub fn begin(&mut self) {
-        self.begun = Instant::now();
-        self.since = self.begun;
+        self.since = Instant::now();
+        self.begun = Some(self.since);
     }
 
     /// The advance ends, completed or not.
@@ -111,7 +111,9 @@ impl Account {
         self.enter(Stage::Integration);
         let now = Instant::now();
         self.close(now);
-        self.advancing += now - self.begun;
+        if let Some(begun) = self.begun.take() {
+            self.advancing += now - begun;
+        }
     }
 
     /// From here on `part` is under way.
@@ -131,6 +133,9 @@ impl Account {
 
     /// The solver turns to something else.
     pub fn enter(&mut self, stage: Stage) {
+        if self.begun.is_none() {
+            return;
+        }
         if stage == Stage::Factorization {
             let now = Instant::now();
             self.close(now);
@@ -161,7 +166,7 @@ impl Account {
 
     /// Books the time up to `now`.
     fn close(&mut self, now: Instant) {
-        if self.looks && self.factoring.is_none() {
+        if self.looks() {
             self.parts[self.present].1 += now - self.since;
         }
         self.since = now;
@@ -288,6 +293,17 @@ mod tests {
         assert!(of(&shares, FACTORIZATION) > Some(0.0), "step 7 is not looked at");
         assert_eq!(of(&shares, "wires"), None);
         assert!((sum(&shares) - 1.0).abs() < 1e-12, "rounding of a sum of three");
+    }
+
+    #[test]
+    fn nothing_is_booked_before_the_first_advance() {
+        let mut account = Account::new();
+        account.turn_to("wires");
+        pass();
+        account.enter(Stage::Factorization);
+        pass();
+        account.enter(Stage::Integration);
+        assert!(account.shares(1.0).is_empty());
     }
 
     #[test]
