@@ -7,6 +7,8 @@
 //! algorithm     who steps when, and from which values
 //! run           the time loop
 //! recorder      communication points to series
+//! account       where the wall time of a run goes
+//! timed         a slave whose time is taken
 //! inprocess     slaves made of the core components
 //! cosimulation  slaves made of FMUs
 //! instance      an instance of an FMU, wherever it runs
@@ -31,6 +33,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod account;
 pub mod algorithm;
 pub mod check;
 pub mod cli;
@@ -68,3 +71,4 @@ mod table_files;
 pub mod table_of_runs;
 pub mod test_problem;
 pub mod third_party;
+pub mod timed;

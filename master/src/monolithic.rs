@@ -1,20 +1,20 @@
 //! Line and pantographs as one system: no coupling, one integrator.
 
+mod whole;
+
 use catenary::{
-    CatenaryError, LineAtRest, OnWire, OverheadLine, Slackening, StaticLine, StripContact, StripStart, WireName,
-    adopt_state, follow_strips, scene_line, strip_contact,
+    CatenaryError, LineAtRest, Slackening, StaticLine, StripContact, StripStart, WireName, scene_line, strip_contact,
 };
-use dynamics::{
-    Checkpoint, Constraint, Continuity, Counters, EnergyBalance, Force, Layout, Motion, Simulator, State, StepError,
-    System,
-};
+use dynamics::{Checkpoint, Counters, EnergyBalance, Layout, Simulator, State, StepError, System};
 use scene::{PantographModel as Entry, Scene};
 use vehicle::{Air, PantographModel, VehicleError};
 
+use self::whole::Whole;
+use crate::account::{self, Account};
 use crate::algorithm::{ENERGY_SHARE, Point};
 use crate::hardship::{Hardship, Lifted};
 use crate::interface::{contact, line_output_count, strip};
-use crate::results::Frame;
+use crate::results::{Frame, Share};
 
 /// Difference of forces below which the start counts as rest, N.
 const AT_REST: f64 = 1e-3;
@@ -37,60 +37,6 @@ pub enum MonolithicError {
     /// The start.
     #[error("the accelerations at the start")]
     Start(#[source] StepError),
-}
-
-/// Line, pantographs and the contacts between them.
-struct Whole {
-    layout: Layout,
-    line: Box<dyn OverheadLine>,
-    pantographs: Vec<PantographModel>,
-    contacts: Vec<StripContact>,
-    slackening: Slackening,
-}
-
-impl System for Whole {
-    fn layout(&self) -> &Layout {
-        &self.layout
-    }
-
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.line.forces(visit);
-        for pantograph in &mut self.pantographs {
-            pantograph.forces(visit);
-        }
-        for contact in &mut self.contacts {
-            visit(contact.force());
-        }
-    }
-
-    fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        for pantograph in &mut self.pantographs {
-            pantograph.constraints(visit);
-        }
-        for constraint in self.contacts.iter_mut().filter_map(StripContact::constraint) {
-            visit(constraint);
-        }
-    }
-
-    fn follow(&mut self, state: &mut State, u: &[f64]) -> Continuity {
-        let continuity = follow_strips(&mut *self.line, &mut self.contacts, &mut self.layout, state, u);
-        self.other_droppers(continuity)
-    }
-
-    fn adopt(&mut self, state: &State) -> Continuity {
-        let continuity = adopt_state(&mut *self.line, &mut self.contacts, &mut self.layout, state);
-        self.other_droppers(continuity)
-    }
-}
-
-impl Whole {
-    /// A line whose matrices were replaced has other droppers.
-    fn other_droppers(&mut self, continuity: Continuity) -> Continuity {
-        if continuity == Continuity::Replaced {
-            self.slackening.forget();
-        }
-        continuity
-    }
 }
 
 /// A scene as one system in time.
@@ -199,6 +145,7 @@ impl Monolithic {
             pantographs,
             contacts,
             slackening: Slackening::new(dropper_stiffness),
+            account: Some(Box::default()),
         };
         let solver = &scene.solver;
         let mut simulator = Simulator::new(
@@ -358,7 +305,7 @@ impl Monolithic {
         let supports = &self.supports;
         let lambda = self.simulator.state().lambda.clone();
         let (whole, motion) = self.simulator.parts();
-        read(whole, (&motion, &lambda), supports, &mut point);
+        whole.read((&motion, &lambda), supports, &mut point);
         point
     }
 
@@ -373,6 +320,30 @@ impl Monolithic {
         points: &mut [Point; 2],
         see: &mut dyn FnMut(&Point, &Point),
     ) -> Result<(), StepError> {
+        self.with_account(Account::begin);
+        let result = self.advance_all(t, h, points, see);
+        self.with_account(Account::end);
+        result
+    }
+
+    fn with_account(&mut self, call: impl FnOnce(&mut Account)) {
+        self.simulator.system.account.as_deref_mut().map(call);
+    }
+
+    /// Shares of the time loop of a run, which took `wall` s.
+    #[must_use]
+    pub fn shares(&self, wall: f64) -> Vec<Share> {
+        let account = self.simulator.system.account.as_deref();
+        account.map_or_else(Vec::new, |account| account.shares(wall))
+    }
+
+    fn advance_all(
+        &mut self,
+        t: f64,
+        h: f64,
+        points: &mut [Point; 2],
+        see: &mut dyn FnMut(&Point, &Point),
+    ) -> Result<(), StepError> {
         let first = self.rehearse(t, h)?;
         let supports = &self.supports;
         let crossed = &mut self.crossed;
@@ -380,16 +351,18 @@ impl Monolithic {
         let count = self.simulator.micro_steps(h) as f64;
         self.simulator
             .advance(t, h, &mut |_, _| {}, &mut |whole, motion, lambda, dt| {
+                whole.turn_to(account::MASTER);
                 steps += 1.0;
                 let [previous, present] = points;
                 present.from = previous.t;
                 present.t = if steps == count { t + h } else { t + steps * dt };
                 whole.slackening.step(&*whole.line, &motion);
-                read(whole, (&motion, lambda), supports, present);
+                whole.read((&motion, lambda), supports, present);
                 straighten(previous, present);
                 *crossed += work_between(previous, present);
                 see(previous, present);
                 points.swap(0, 1);
+                whole.step_done();
             })?;
         self.unrepeated += u64::from(first.is_some_and(|first| first != *self.simulator.state()));
         if let Some(audit) = &mut self.audit {
@@ -425,37 +398,6 @@ impl Monolithic {
         for pantograph in &whole.pantographs {
             crate::inprocess::draw_outline(pantograph, &motion, frame);
         }
-    }
-}
-
-fn read(whole: &Whole, (motion, lambda): (&Motion<'_>, &[f64]), supports: &[usize], point: &mut Point) {
-    for (i, pair) in whole.contacts.iter().enumerate() {
-        let frame = pair.strip(motion);
-        let values = &mut point.strips[i * strip::OUTPUTS..(i + 1) * strip::OUTPUTS];
-        for axis in 0..3 {
-            values[strip::X + axis] = frame.position[axis];
-            values[strip::VX + axis] = frame.velocity[axis];
-        }
-        values[strip::ROLL] = frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]);
-        [values[strip::WIND_DRAG], values[strip::WIND_LIFT]] = whole.pantographs[i].wind_on_head(motion);
-        let state = pair.state(motion, lambda);
-        let on_strip = state.map(|state| state.force_on_strip());
-        let position = state.map_or(frame.position, |state| state.position());
-        let force = state.map_or(0.0, |state| state.force);
-        let values = &mut point.line[i * contact::COUNT..(i + 1) * contact::COUNT];
-        for axis in 0..3 {
-            values[contact::FX + axis] = on_strip.map_or(0.0, |force| force[axis]);
-            values[contact::MEAN_FX + axis] = values[contact::FX + axis];
-        }
-        values[contact::FORCE] = force;
-        values[contact::X] = position.x;
-        values[contact::Y] = position.y;
-        values[contact::WIRE_Z] = position.z;
-        values[contact::GAP] = state.map_or(f64::MAX, |state| state.gap());
-    }
-    let first = whole.contacts.len() * contact::COUNT;
-    for (k, &support) in supports.iter().enumerate() {
-        point.line[first + k] = whole.line.uplift(support - 1, motion.q);
     }
 }
 

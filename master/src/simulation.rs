@@ -17,10 +17,12 @@ use crate::parallel;
 use crate::recorder::Recorder;
 use crate::results::{self, LineGeometry, Record, RunInfo};
 use crate::run::{self, Control, Controller, Estimate, Failure, Outcome, Schedule, Watch};
+use crate::slave::Slave;
 use crate::sliding_joint;
 use crate::standards;
 use crate::standstill::{self, Standstill};
 use crate::third_party::{ThirdPartyLine, ThirdPartyPantograph};
+use crate::timed::Timed;
 
 pub use self::error::{SetupError, chain};
 pub use crate::prepare::{Other, prepare};
@@ -280,8 +282,15 @@ impl Prepared {
         self.hardship.put_on(&mut line, &mut pantographs, outputs);
         let beside_the_line = self.scene.coupling.algorithm == scene::Algorithm::Jacobi;
         let threads = parallel::arrange(&mut pantographs, &own_threads, beside_the_line);
+        let mut line = Timed::new(line);
+        let untimed = std::mem::take(&mut pantographs);
+        pantographs.extend(
+            untimed
+                .into_iter()
+                .map(|slave| Box::new(Timed::new(slave)) as Box<dyn Slave>),
+        );
         let mut sides = Sides {
-            line: &mut *line,
+            line: &mut line,
             pantographs: &mut pantographs,
         };
         let (mut algorithm, choice) = algorithm::build(&self.scene.coupling, &sides);
@@ -399,6 +408,7 @@ impl Prepared {
                 smallest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.smallest),
                 largest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.largest),
                 mean_macro_step_s: (outcome.macro_steps > 0).then(|| outcome.simulated / outcome.macro_steps as f64),
+                shares: outcome.shares,
             },
             notes: (self.notes().into_iter())
                 .chain(outcome.notes)

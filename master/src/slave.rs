@@ -1,6 +1,7 @@
 //! What a coupling algorithm sees of a subsystem.
 
 use std::error::Error;
+use std::time::Duration;
 
 use crate::results::Frame;
 
@@ -75,6 +76,11 @@ pub trait Slave: Send {
     /// What it has done so far; zeros where it does not say.
     fn work(&mut self) -> Work {
         Work::default()
+    }
+
+    /// Wall time that its caller has spent in it so far, where somebody takes it; see [`crate::timed::Timed`].
+    fn spent(&self) -> Option<Duration> {
+        None
     }
 
     /// Adds what it looks like at present to a picture; nothing where it cannot.

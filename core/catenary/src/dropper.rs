@@ -266,6 +266,10 @@ impl Droppers {
 }
 
 impl Force for Droppers {
+    fn part(&self) -> Option<&'static str> {
+        Some("droppers")
+    }
+
     fn begin_step(&mut self, _: &Motion<'_>, h: f64) {
         self.half = 0.5 * h;
     }

@@ -128,6 +128,10 @@ impl LinearForce {
 }
 
 impl Force for LinearForce {
+    fn part(&self) -> Option<&'static str> {
+        Some("wires")
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.add(0..force.len(), motion, None, force);
     }

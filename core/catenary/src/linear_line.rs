@@ -87,6 +87,10 @@ impl LinearDroppers {
 }
 
 impl Force for LinearDroppers {
+    fn part(&self) -> Option<&'static str> {
+        Some("droppers")
+    }
+
     fn begin_step(&mut self, _: &Motion<'_>, h: f64) {
         self.half = 0.5 * h;
     }

@@ -92,6 +92,12 @@ pub trait Force: Send {
         false
     }
 
+    /// What it is called in an account of the parts of a model ("droppers"), where its type says that; `None` where only its owner
+    /// knows, as with a body.
+    fn part(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Potential energy, J; zero for forces without one.
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         let _ = motion;

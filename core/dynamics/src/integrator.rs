@@ -4,7 +4,7 @@ use crate::moving::MovingMultipliers;
 use crate::newton::{Jacobian, Workspace, name};
 use crate::passes::{Apply, Predict};
 use crate::residual::Since;
-use crate::{Continuity, Counters, Motion, NewtonOptions, State, StepError, System, Weights};
+use crate::{Continuity, Counters, Motion, NewtonOptions, Stage, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 use pulp::Arch;
 use serde::{Deserialize, Serialize};
@@ -170,7 +170,12 @@ impl GeneralizedAlpha {
     fn take_workspace(&mut self, system: &mut dyn System, motion: &Motion<'_>) -> Workspace {
         match self.workspace.take() {
             Some(workspace) => workspace,
-            None => Workspace::new(system, motion),
+            None => {
+                system.enter(Stage::Factorization);
+                let workspace = Workspace::new(system, motion);
+                system.enter(Stage::Integration);
+                workspace
+            }
         }
     }
 
@@ -350,7 +355,10 @@ impl GeneralizedAlpha {
             q: 1.0,
             v: velocity_rate,
         };
-        workspace.factor(system, &motion, mass_rate, weights)
+        system.enter(Stage::Factorization);
+        let result = workspace.factor(system, &motion, mass_rate, weights);
+        system.enter(Stage::Integration);
+        result
     }
 
     /// Ratio of a step of `h` s to the last one: `a` approximates `v̇` at `t + (α_m − α_f) h`, so its distance from `v̇` goes with

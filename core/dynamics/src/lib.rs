@@ -71,7 +71,7 @@ pub use random::SplitMix64;
 pub use simulator::{Checkpoint, Simulator};
 pub use sparse::SparseMatrix;
 pub use statics::{StaticOptions, StaticReport, solve_static};
-pub use system::{Continuity, Layout, System};
+pub use system::{Continuity, Layout, Stage, System};
 pub use updates::Updates;
 pub use wind::{
     Gust, GustProfile, Turbulence, TurbulenceOptions, TurbulenceSpectrum, Wind, WindRecord, WindRecordError,

@@ -4,7 +4,7 @@ use crate::matrix::{IterationMatrix, MovingRows};
 use crate::part::Thresholds;
 use crate::residual::{Correction, Imbalance, Residual, Since, all_finite};
 use crate::woodbury::Woodbury;
-use crate::{Formulation, Motion, System, Updates, Weights};
+use crate::{Formulation, Motion, Stage, System, Updates, Weights};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -276,6 +276,7 @@ impl Workspace {
         self.affected.0.clear();
         let before = self.woodbury.solves;
         let (changed, affected) = (&mut self.changed, &mut self.affected);
+        system.enter(Stage::Solution);
         let regular = self.woodbury.solve(
             &mut self.matrix,
             &self.updates,
@@ -287,6 +288,7 @@ impl Workspace {
                 affected.push(outer);
             },
         );
+        system.enter(Stage::Integration);
         changed.tidy();
         affected.tidy();
         for value in &mut self.correction[self.coordinates..] {

@@ -107,6 +107,17 @@ pub enum Continuity {
     Replaced,
 }
 
+/// What a solver is about, between and during its visits to the contributions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Residuals, predictions, corrections that are applied: everything that is not named below.
+    Integration,
+    /// The pattern of the iteration matrix, its assembly and its factors.
+    Factorization,
+    /// A correction from the factors and the low-rank terms; no contribution is visited.
+    Solution,
+}
+
 /// A mechanical system as solvers see it: contributions in a fixed order over one layout.
 pub trait System {
     /// The coordinates.
@@ -118,6 +129,12 @@ pub trait System {
     /// Visits every constraint, always in the same order; their equations follow one another in this order.
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
         let _ = visit;
+    }
+
+    /// Called where a time step turns to another [`Stage`]: for those who keep an account of what it is spent on. A step begins
+    /// and ends in [`Stage::Integration`].
+    fn enter(&mut self, stage: Stage) {
+        let _ = stage;
     }
 
     /// Called after each completed step within [`crate::Simulator::advance`]: a system that models only the neighbourhood of

@@ -130,9 +130,19 @@ impl PantographModel {
 
     /// Visits every force in a fixed order.
     pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.vehicle_forces(visit);
+        self.pantograph_forces(visit);
+    }
+
+    /// Visits the forces of what carries the pantograph: the first of [`PantographModel::forces`].
+    pub fn vehicle_forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         if let Carriage::Train(train) = &mut self.carriage {
             train.forces(visit);
         }
+    }
+
+    /// Visits the forces of the pantograph alone: the others of [`PantographModel::forces`].
+    pub fn pantograph_forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         match &mut self.kind {
             Kind::Lumped(lumped) => lumped.forces(visit),
             Kind::Linkage(linkage) => linkage.forces(visit),
@@ -147,9 +157,19 @@ impl PantographModel {
 
     /// Visits every constraint in a fixed order.
     pub fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        self.vehicle_constraints(visit);
+        self.pantograph_constraints(visit);
+    }
+
+    /// Visits the joints of what carries the pantograph: the first of [`PantographModel::constraints`].
+    pub fn vehicle_constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
         if let Carriage::Train(train) = &mut self.carriage {
             train.constraints(visit);
         }
+    }
+
+    /// Visits the joints of the pantograph alone: the others of [`PantographModel::constraints`].
+    pub fn pantograph_constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
         match &mut self.kind {
             Kind::Lumped(_) | Kind::Reduced(_) => {}
             Kind::Linkage(linkage) => linkage.constraints(visit),

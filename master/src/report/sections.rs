@@ -1,7 +1,7 @@
 //! The sections of the report that are text and tables.
 
 use super::plots::COLOURS;
-use super::table::{MARKS, bounded, number, quantity_name, readable, verdict};
+use super::table::{MARKS, bounded, number, quantity_name, readable, shares, verdict};
 use super::{escape, remarks};
 use crate::results::{RunBundle, Summary};
 use crate::statistics::ForceStatistics;
@@ -270,7 +270,7 @@ pub(super) fn cost(runs: &[RunBundle]) -> String {
          <th class=\"n\">setup [s]</th><th class=\"n\">simulated [s]</th><th class=\"n\">RTF</th>\
          <th class=\"n\">macro steps</th><th class=\"n\">micro steps</th>\
          <th class=\"n\">Newton iterations</th><th class=\"n\">factorizations</th>\
-         <th class=\"n\">rollbacks</th></tr></thead><tbody>\n",
+         <th class=\"n\">rollbacks</th><th>time loop spent on</th></tr></thead><tbody>\n",
     );
     for run in runs {
         let c = &run.summary.cost;
@@ -288,7 +288,11 @@ pub(super) fn cost(runs: &[RunBundle]) -> String {
         .iter()
         .map(|cell| format!("<td class=\"n\">{cell}</td>"))
         .collect();
-        html.push_str(&format!("<tr><td>{}</td>{cells}</tr>\n", escape(&run.summary.label())));
+        html.push_str(&format!(
+            "<tr><td>{}</td>{cells}<td>{}</td></tr>\n",
+            escape(&run.summary.label()),
+            escape(&shares(c))
+        ));
     }
     html.push_str("</tbody></table></div>\n");
     html

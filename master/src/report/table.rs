@@ -1,12 +1,22 @@
 //! The table at the end of a run.
 
-use crate::results::Summary;
+use crate::results::{Cost, Share, Summary};
 use crate::standards::Limit;
 use crate::statistics::ForceStatistics;
 
 /// Text for a number that may be unknown, with `digits` after the point.
 pub(super) fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
+}
+
+/// What the time loop was spent on, the largest share first.
+pub(super) fn shares(cost: &Cost) -> String {
+    let mut shares: Vec<&Share> = cost.shares.iter().collect();
+    shares.sort_by(|a, b| b.share.total_cmp(&a.share));
+    let shares = shares
+        .iter()
+        .map(|share| format!("{} {:.1} %", share.part, 100.0 * share.share));
+    shares.collect::<Vec<_>>().join(", ")
 }
 
 /// Number of the `limit` in a unit that is easy to read: heights in mm.
@@ -163,6 +173,9 @@ pub fn table(summary: &Summary) -> String {
         "  {} macro steps, {} micro steps, {} Newton iterations, {} factorizations, {} rollbacks\n",
         cost.macro_steps, cost.micro_steps, cost.newton_iterations, cost.factorizations, cost.rollbacks,
     ));
+    if !cost.shares.is_empty() {
+        text.push_str(&format!("  time loop: {}\n", shares(cost)));
+    }
     if let (Some(smallest), Some(largest), Some(mean)) = (
         cost.smallest_macro_step_s,
         cost.largest_macro_step_s,

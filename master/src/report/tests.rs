@@ -92,6 +92,17 @@ fn the_columns_of_the_table_are_aligned() {
 }
 
 #[test]
+fn table_and_page_say_what_the_time_loop_was_spent_on_the_largest_share_first() {
+    let bundle = bundle(true);
+    let line = "pantograph[1] 79.5 %, catenary 20.0 %, master 0.5 %";
+    assert!(table(&bundle.summary).contains(&format!("  time loop: {line}\n")));
+    assert!(render(std::slice::from_ref(&bundle)).contains(line));
+    let mut unmeasured = bundle;
+    unmeasured.summary.cost.shares.clear();
+    assert!(!table(&unmeasured.summary).contains("time loop:"));
+}
+
+#[test]
 fn table_and_page_say_which_limits_do_not_apply_and_what_to_set() {
     let bundle = bundle(true);
     let text = table(&bundle.summary);

@@ -24,6 +24,6 @@ pub use error::ResultsError;
 pub use record::{LineGeometry, Record, StripRecord, SupportRecord, WindRecord};
 pub use series::{read_timeseries, write_timeseries};
 pub use summary::{
-    ContactForceSummary, Cost, Coupling, Evaluation, Model, PantographSummary, Part, RunInfo, StripSummary, Summary,
-    Uplift,
+    ContactForceSummary, Cost, Coupling, Evaluation, Model, PantographSummary, Part, RunInfo, Share, StripSummary,
+    Summary, Uplift,
 };

@@ -128,6 +128,20 @@ pub struct Cost {
     /// See above.
     #[serde(default)]
     pub mean_macro_step_s: Option<f64>,
+    /// What `wall_s` was spent on; empty where nobody has measured it.
+    #[serde(default)]
+    pub shares: Vec<Share>,
+}
+
+/// A part's share of the wall time of the time loop; those of a run sum to 1.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Share {
+    /// Of coupled sides `catenary` and `pantograph[i]`, each with all that it holds. Of one system `wires`, `droppers`, `supports`,
+    /// `registration_arms`, `wind_wires`, `vehicle`, `wheel_rail`, `pantograph`, `wind_pantograph`, `contact`, `factorization`,
+    /// `linear_solution` and `time_integration`, as far as they take time. The last one is `master`: what is left.
+    pub part: String,
+    /// –.
+    pub share: f64,
 }
 
 /// The summary of a run.

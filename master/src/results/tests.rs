@@ -87,6 +87,12 @@ pub(crate) fn run(complete: bool) -> (RunInfo, Record) {
             simulated_s: 2.0,
             real_time_factor: Some(0.5),
             micro_steps: 2000,
+            shares: [("catenary", 0.2), ("pantograph[1]", 0.795), ("master", 0.005)]
+                .map(|(part, share)| Share {
+                    part: part.to_owned(),
+                    share,
+                })
+                .to_vec(),
             ..Cost::default()
         },
         notes: vec!["coarse mesh".to_owned()],
@@ -128,6 +134,8 @@ fn the_summary_has_the_agreed_keys_and_the_known_figures() {
         "/cost/newton_iterations",
         "/cost/factorizations",
         "/cost/rollbacks",
+        "/cost/shares/0/part",
+        "/cost/shares/0/share",
         "/limits/0/standard",
         "/limits/0/quantity",
         "/limits/0/value",

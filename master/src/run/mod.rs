@@ -9,15 +9,16 @@ pub use control::{Control, Controller, Estimate, Verdict};
 pub use stepper::Stepper;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use dynamics::StepError;
 
+use crate::account;
 use crate::algorithm::{Algorithm, CouplingError, Exchange, Point, Sides};
 use crate::monolithic::Monolithic;
 use crate::recorder::Recorder;
 use crate::report::Progress;
-use crate::results::{Frame, Record};
+use crate::results::{Frame, Record, Share};
 use crate::slave::Work;
 
 /// Part of a step by which the duration may miss a whole number of them.
@@ -86,6 +87,8 @@ pub struct Outcome {
     pub steps: Steps,
     /// Work of all slaves during the run.
     pub work: Work,
+    /// What `wall` was spent on; empty where nobody takes the slaves' time.
+    pub shares: Vec<Share>,
 }
 
 /// Why a run did not reach its end.
@@ -206,6 +209,8 @@ struct UnderWay<'a, 'b> {
     steps: Steps,
     /// Simulated time that the bar shows, s.
     shown: f64,
+    /// Time spent in the slaves before the loop, the line's first.
+    spent_before: Vec<Option<Duration>>,
 }
 
 impl<'a, 'b> UnderWay<'a, 'b> {
@@ -216,6 +221,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
         mut recorder: Recorder,
         watch: &'a Watch<'a>,
     ) -> Self {
+        let spent_before = spent(sides);
         let begin = Instant::now();
         recorder.start(exchange.point(0));
         draw(sides, exchange, &mut recorder);
@@ -228,6 +234,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
             macro_steps: 0,
             steps: Steps::default(),
             shown: 0.0,
+            spent_before,
         }
     }
 
@@ -291,6 +298,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
 
     fn finish(self) -> Outcome {
         let wall = self.begin.elapsed().as_secs_f64();
+        let shares = self.shares(wall);
         let mut work = self.stepper.sides.line.work();
         let mut record = self.recorder.finish();
         self.stepper.sides.line.finish_drawing(&mut record.animation.frames);
@@ -320,8 +328,31 @@ impl<'a, 'b> UnderWay<'a, 'b> {
             rollbacks: self.stepper.rollbacks,
             steps: self.steps,
             work,
+            shares,
         }
     }
+
+    /// Shares of a time loop of `wall` s.
+    fn shares(&self, wall: f64) -> Vec<Share> {
+        let now = spent(self.stepper.sides);
+        let times = now.into_iter().zip(&self.spent_before).enumerate();
+        account::shares(
+            wall,
+            times.filter_map(|(side, (now, before))| {
+                let part = match side {
+                    0 => "catenary".to_owned(),
+                    index => format!("pantograph[{index}]"),
+                };
+                Some((part, (now? - (*before)?).as_secs_f64()))
+            }),
+        )
+    }
+}
+
+/// Time spent in each slave so far, the line first; none of one whose time nobody takes.
+fn spent(sides: &Sides<'_>) -> Vec<Option<Duration>> {
+    let pantographs = sides.pantographs.iter().map(|slave| slave.spent());
+    std::iter::once(sides.line.spent()).chain(pantographs).collect()
 }
 
 /// Records the step to the present point.
@@ -377,14 +408,16 @@ pub fn run_as_one(whole: &mut Monolithic, mut recorder: Recorder, schedule: Sche
             watch.progress.set(end);
         }
     }
+    let record = recorder.finish();
+    let wall = begin.elapsed().as_secs_f64();
     Outcome {
-        record: recorder.finish(),
+        record,
         failure,
         energy_residual: 0.0,
         energy_share: 0.0,
         notes: whole.energy_note().into_iter().collect(),
         simulated: points[0].t,
-        wall: begin.elapsed().as_secs_f64(),
+        wall,
         macro_steps,
         rollbacks: 0,
         steps: Steps {
@@ -393,5 +426,6 @@ pub fn run_as_one(whole: &mut Monolithic, mut recorder: Recorder, schedule: Sche
             ..Steps::default()
         },
         work: crate::inprocess::work(whole.counters()),
+        shares: whole.shares(wall),
     }
 }

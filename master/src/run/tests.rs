@@ -4,6 +4,7 @@ use crate::interface::{contact, strip};
 use crate::report::Show;
 use crate::results::LineGeometry;
 use crate::slave::{Abilities, Slave, SlaveError};
+use crate::timed::Timed;
 
 use super::*;
 
@@ -110,6 +111,16 @@ impl Slave for Fussy {
 }
 
 fn run_with(pantograph_takes: f64, rollback: bool, interrupted: bool) -> Outcome {
+    run_of(pantograph_takes, rollback, interrupted, |slave| slave)
+}
+
+/// The same, with both slaves in what `wrap` puts around them.
+fn run_of(
+    pantograph_takes: f64,
+    rollback: bool,
+    interrupted: bool,
+    wrap: impl Fn(Box<dyn Slave>) -> Box<dyn Slave>,
+) -> Outcome {
     let fussy = |longest, outputs| Fussy {
         longest,
         time: 0.0,
@@ -117,10 +128,10 @@ fn run_with(pantograph_takes: f64, rollback: bool, interrupted: bool) -> Outcome
         rollback,
         outputs,
     };
-    let mut line = fussy(1.0, contact::COUNT);
-    let mut pantographs: Vec<Box<dyn Slave>> = vec![Box::new(fussy(pantograph_takes, strip::OUTPUTS))];
+    let mut line = wrap(Box::new(fussy(1.0, contact::COUNT)));
+    let mut pantographs: Vec<Box<dyn Slave>> = vec![wrap(Box::new(fussy(pantograph_takes, strip::OUTPUTS)))];
     let mut sides = Sides {
-        line: &mut line,
+        line: &mut *line,
         pantographs: &mut pantographs,
     };
     let coupling = scene::Coupling {
@@ -195,4 +206,21 @@ fn an_interrupted_run_keeps_its_start() {
         Some("interrupted at t = 0 s")
     );
     assert_eq!(outcome.record.time, [0.0]);
+}
+
+#[test]
+fn slaves_whose_time_is_taken_do_the_same_and_share_the_loop_with_the_master() {
+    let untimed = run_with(0.03, true, false);
+    assert!(untimed.shares.is_empty());
+    let timed = run_of(0.03, true, false, |slave| Box::new(Timed::new(slave)));
+    assert_eq!(timed.record.pantographs, untimed.record.pantographs);
+    assert_eq!(
+        (timed.macro_steps, timed.rollbacks),
+        (untimed.macro_steps, untimed.rollbacks)
+    );
+    let parts: Vec<&str> = timed.shares.iter().map(|share| &*share.part).collect();
+    assert_eq!(parts, ["catenary", "pantograph[1]", "master"]);
+    assert!(timed.shares.iter().all(|share| share.share > 0.0));
+    let sum: f64 = timed.shares.iter().map(|share| share.share).sum();
+    assert!((sum - 1.0).abs() < 1e-12, "rounding of a sum of three");
 }

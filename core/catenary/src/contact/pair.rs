@@ -193,6 +193,10 @@ impl OnWire for ContactPair {
 }
 
 impl Force for ContactPair {
+    fn part(&self) -> Option<&'static str> {
+        Some("contact")
+    }
+
     fn begin_step(&mut self, motion: &Motion<'_>, h: f64) {
         self.active = None;
         self.found = None;

@@ -116,6 +116,10 @@ impl OnWire for SlidingJoint {
 }
 
 impl Force for SlidingJoint {
+    fn part(&self) -> Option<&'static str> {
+        Some("contact")
+    }
+
     fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
         if let Some(geometry) = self.geometry(motion) {
             self.s = geometry.s;

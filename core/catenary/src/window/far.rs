@@ -275,6 +275,10 @@ impl FarField {
 }
 
 impl Force for FarField {
+    fn part(&self) -> Option<&'static str> {
+        Some("wires")
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.add_within(&(0..force.len()), motion, None, force);
     }

@@ -308,6 +308,10 @@ fn add_group(law: &CrossFlow, group: &Group, first: usize, wind: [&[f64]; 3], bl
 }
 
 impl Force for WireDrag {
+    fn part(&self) -> Option<&'static str> {
+        Some("wind")
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.add(0..usize::MAX, motion, force);
     }

@@ -339,6 +339,10 @@ pub(super) fn element_matrix(length: f64, weights: &Products<f64>) -> Matrix4<f6
 }
 
 impl Force for Wire {
+    fn part(&self) -> Option<&'static str> {
+        Some("wires")
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.batch.add_force(EVERYWHERE, motion, None, force);
         self.layers.add_force(EVERYWHERE, motion, None, force);

@@ -161,6 +161,10 @@ impl RollingWheel {
 }
 
 impl Force for RollingWheel {
+    fn part(&self) -> Option<&'static str> {
+        Some("wheel_rail")
+    }
+
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.contact.add_force(motion, force);
     }
