@@ -453,7 +453,7 @@ fn vehicle(runs: &mut Runs<'_>) {
 /// Steps of the ladder: elements of the longest dropper interval and micro step, both in eighths of the base case's. Shorter intervals
 /// have elements of the same length: fewer for the same error, and longer steps with the mass correction. On the line of EN 50318 it
 /// takes 13.6 eighths with seven elements and 11.6 with eight.
-const LADDER: [(usize, f64); 17] = [
+const LADDER: [(usize, f64); 19] = [
     (2, 16.0),
     (4, 16.0),
     (4, 8.0),
@@ -462,6 +462,7 @@ const LADDER: [(usize, f64); 17] = [
     (7, 11.0),
     (7, 8.0),
     (7, 7.0),
+    (8, 12.8),
     (8, 11.6),
     (8, 10.0),
     (8, 8.0),
@@ -470,21 +471,24 @@ const LADDER: [(usize, f64); 17] = [
     (8, 6.0),
     (8, 4.0),
     (12, 4.0),
+    (14, 4.0),
     (16, 4.0),
 ];
 
 /// The same with `quick`.
-const SHORT_LADDER: [(usize, f64); 10] = [
+const SHORT_LADDER: [(usize, f64); 12] = [
     (4, 16.0),
     (6, 8.0),
     (7, 12.8),
     (7, 11.0),
     (7, 7.0),
+    (8, 12.8),
     (8, 11.6),
     (8, 10.0),
     (8, 8.0),
     (8, 6.0),
     (12, 4.0),
+    (14, 4.0),
 ];
 
 /// Residual that ends Newton's method on the ladder, N: on the line of EN 50318 at 300 km/h and that of the thesis it moves the
