@@ -86,6 +86,12 @@ impl OneWayStep {
         half: 0.0,
     };
 
+    /// One that began `at_start`, of twice `half` s.
+    #[must_use]
+    pub fn new(at_start: AtStart, half: f64) -> Self {
+        Self { at_start, half }
+    }
+
     /// `δ⁺`, m, of `delta` in m that changes with `rate` in m/s.
     #[must_use]
     pub fn ahead(self, delta: f64, rate: f64) -> f64 {

@@ -208,10 +208,7 @@ impl Droppers {
 
     /// The present step of a dropper that began with `start` m.
     fn step_of(&self, start: f64) -> OneWayStep {
-        OneWayStep {
-            at_start: AtStart::At(start),
-            half: self.half,
-        }
+        OneWayStep::new(AtStart::At(start), self.half)
     }
 
     /// Their elongations `δ`, m.
@@ -376,7 +373,7 @@ impl Force for Droppers {
         self.during.copy_from_slice(&self.at_start);
         for index in 0..self.droppers.len() {
             let (elongation, rate) = self.extension(index, motion);
-            self.at_start[index] = elongation + self.half * rate;
+            self.at_start[index] = self.step_of(self.at_start[index]).ahead(elongation, rate);
         }
         self.evaluated = false;
     }

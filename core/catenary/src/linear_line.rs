@@ -61,10 +61,7 @@ impl LinearDroppers {
 
     /// The present step of dropper `index`.
     fn step(&self, index: usize) -> OneWayStep {
-        OneWayStep {
-            at_start: AtStart::At(self.at_start[index]),
-            half: self.half,
-        }
+        OneWayStep::new(AtStart::At(self.at_start[index]), self.half)
     }
 
     fn slope(&self, index: usize, motion: &Motion<'_>, weights: Weights) -> f64 {
@@ -135,9 +132,9 @@ impl Force for LinearDroppers {
     }
 
     fn end_step(&mut self, motion: &Motion<'_>) {
-        for (at_start, dropper) in self.at_start.iter_mut().zip(&self.droppers) {
-            let (elongation, rate) = dropper.extension(motion);
-            *at_start = elongation + self.half * rate;
+        for index in 0..self.droppers.len() {
+            let (elongation, rate) = self.droppers[index].extension(motion);
+            self.at_start[index] = self.step(index).ahead(elongation, rate);
         }
     }
 

@@ -57,10 +57,7 @@ mod tests {
 
     /// At the end of a step of [`H`] that began `at_start`.
     fn force_of(at_start: AtStart, penetration: f64, penetration_rate: f64) -> f64 {
-        let step = OneWayStep {
-            at_start,
-            half: 0.5 * H,
-        };
+        let step = OneWayStep::new(at_start, 0.5 * H);
         let (part, _) = step.closed_part(step.ahead(penetration, penetration_rate), penetration_rate);
         LAW.normal_force(part, penetration, penetration_rate)
     }
@@ -71,6 +68,7 @@ mod tests {
             assert_eq!(force_of(at_start, -0.5 * H * 10.0, 10.0), 0.0);
             assert_eq!(force_of(at_start, -1e-9, -10.0), 0.0);
         }
+        assert_eq!(LAW.energy(-1e-3), 0.0);
     }
 
     #[test]
@@ -78,11 +76,13 @@ mod tests {
         for at_start in [AtStart::Unknown, OPEN, CLOSED] {
             assert_eq!(force_of(at_start, 1e-3, -1.0), 0.0);
         }
+        assert_eq!(force_of(CLOSED, -1e-3, 0.1), 0.0);
     }
 
     #[test]
     fn a_closed_contact_is_a_spring_with_a_damper_that_acts_for_the_part_of_a_step_in_which_it_is_closed() {
         // 5e4 N/m * 1 mm + 200 N s/m * 0.1 m/s
+        assert_eq!(force_of(CLOSED, 1e-3, 0.1), 70.0);
         assert_eq!(force_of(AtStart::Unknown, 1e-3, 0.1), 70.0);
         assert_eq!(force_of(AtStart::At(0.0), 1e-3, 0.1), 70.0);
         assert_eq!(force_of(AtStart::At(0.0), 1e-3, -0.1), 30.0);

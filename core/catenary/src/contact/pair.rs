@@ -201,10 +201,7 @@ impl Force for ContactPair {
         self.active = None;
         self.found = None;
         self.in_step = true;
-        self.step = OneWayStep {
-            at_start: self.reached,
-            half: 0.5 * h,
-        };
+        self.step = OneWayStep::new(self.reached, 0.5 * h);
         if let Some(contact) = self.state(motion) {
             self.s = contact.geometry.s;
             self.share = contact.share();
@@ -317,10 +314,7 @@ impl Force for ContactPair {
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         if let (Some(&s), Some(&half)) = (values.next(), values.next()) {
             self.s = s;
-            self.step = OneWayStep {
-                half,
-                at_start: AtStart::restored(values),
-            };
+            self.step = OneWayStep::new(AtStart::restored(values), half);
             self.reached = AtStart::restored(values);
             self.load.restore(values);
             (self.found, self.in_step) = (None, false);

@@ -100,8 +100,7 @@ impl Group {
             let length = square[lane].sqrt().max(f64::MIN_POSITIVE);
             elongation[lane] = length - self.unstressed_length[lane];
             rate[lane] = along[lane] / length;
-            let at_start = AtStart::At(at_start[lane]);
-            let step = OneWayStep { at_start, half };
+            let step = OneWayStep::new(AtStart::At(at_start[lane]), half);
             pull_per_length[lane] = law.force(step, elongation[lane], rate[lane]) / length;
         }
         for (between, &axis) in between.iter().zip(axes) {

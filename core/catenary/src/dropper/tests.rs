@@ -101,10 +101,7 @@ fn a_slack_dropper_exerts_no_force_whatever_its_rate() {
 
 #[test]
 fn a_taut_dropper_never_pushes() {
-    let began = |start: f64| OneWayStep {
-        at_start: AtStart::At(start),
-        half: 5e-4,
-    };
+    let began = |start: f64| OneWayStep::new(AtStart::At(start), 5e-4);
     assert_eq!(LAW.force(began(1e-3), 1e-4, -10.0), 0.0);
     assert_eq!(LAW.force(began(-1e-3), -5e-3, 10.0), 0.0);
     assert_eq!(LAW.force(began(1e-3), 1e-3, 0.1), 130.0);

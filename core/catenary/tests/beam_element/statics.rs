@@ -264,6 +264,8 @@ fn the_princeton_beam_bends_and_twists_as_published() {
         let load = Load::Force(princeton_force(force, angle));
         for (worst, stiffness) in worst.iter_mut().zip([&exact, &meshed]) {
             let tip = cantilever(stiffness, PRINCETON_LENGTH, 16).bend(load, 5, 1e-7 * force);
+            let error = (-tip.y - down).hypot(tip.z - sideways) / down.hypot(sideways);
+            assert!(error < 0.01, "{force} N at {angle}°: {tip}");
             for (worst, (found, published)) in worst.iter_mut().zip([(-tip.y, down), (tip.z, sideways)]) {
                 if published > 0.0 {
                     *worst = worst.max((found / published - 1.0).abs());
