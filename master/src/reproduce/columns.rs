@@ -9,7 +9,7 @@
 //! The last two have a `verdict`, its figures in `reason`, mesh and step of the runs that they stand on, and the worst of their status.
 
 use super::execute::{HeadWind, Line, Reproduction, difference};
-use super::plan::{Group, Mesh};
+use super::plan::Group;
 use super::published::Case;
 use super::relation::Relation;
 use super::spread::Spread;
@@ -51,11 +51,6 @@ impl Reproduction {
         runs.chain(relations).chain(self.spreads.iter().map(Entry::Spread))
     }
 
-    /// The run of a case on a mesh, in one system.
-    fn run_of(&self, case: &Case, mesh: Mesh) -> Option<&Line> {
-        self.lines.iter().find(|line| line.is(case, mesh))
-    }
-
     /// A row without figures of its own, on the mesh of this run.
     fn derived(like: Option<&Line>, status: Option<Status>, reason: String) -> Row {
         let run = like.map(|line| line.row.clone()).unwrap_or_default();
@@ -79,12 +74,12 @@ impl Reproduction {
         let row = |entry: Entry<'_>| match entry {
             Entry::Run(line) => line.row.clone(),
             Entry::Relation(relation) => {
-                let runs = [relation.from, relation.to].map(|case| self.run_of(case, relation.mesh));
+                let runs = [relation.from, relation.to].map(|case| Line::of(&self.lines, case, relation.mesh));
                 let status = worst(runs.iter().flatten().copied());
                 Self::derived(runs[1], status, relation.why.clone())
             }
             Entry::Spread(spread) => {
-                let own = self.run_of(spread.case, spread.mesh);
+                let own = Line::of(&self.lines, spread.case, spread.mesh);
                 let changed = self.lines.iter().filter(|line| line.is_in(spread));
                 let status = worst(changed.chain(own));
                 Self::derived(own, status, spread.why())

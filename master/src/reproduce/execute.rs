@@ -17,7 +17,7 @@ use super::wind;
 use crate::report::Progress;
 use crate::results::WindRecord;
 use crate::run::Watch;
-use crate::simulation::SetupError;
+use crate::simulation::{Mode, SetupError};
 use crate::statistics::ForceStatistics;
 use crate::table_of_runs::{Attempt, Curve, Row, Stage, attempt};
 
@@ -147,6 +147,16 @@ impl Line {
             wind: None,
             output_step: f64::NAN,
         }
+    }
+
+    /// The run of a published case on a mesh, in one system.
+    pub(super) fn of<'a>(lines: &'a [Self], case: &Case, mesh: Mesh) -> Option<&'a Self> {
+        lines.iter().find(|line| {
+            line.group.is_case()
+                && line.case.scene == case.scene
+                && line.mesh == mesh
+                && line.row.mode == Mode::Monolithic.name()
+        })
     }
 
     /// Takes in a run, of a scene with this output step (s).

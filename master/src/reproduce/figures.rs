@@ -84,7 +84,7 @@ fn finest(reproduction: &Reproduction, cases: &[usize]) -> Option<Mesh> {
 
 /// The run of a case on a mesh, in one system.
 fn run(reproduction: &Reproduction, case: usize, mesh: Mesh) -> Option<&Line> {
-    reproduction.lines.iter().find(|line| line.is(&CASES[case], mesh))
+    Line::of(&reproduction.lines, &CASES[case], mesh)
 }
 
 /// Name of a figure in the page.

@@ -6,7 +6,6 @@ use super::execute::Line;
 use super::plan::Mesh;
 use super::published::{CASES, Case};
 use super::verdict::{Verdict, judge};
-use crate::simulation::Mode;
 
 /// A change from one case to another on one mesh, %.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -49,8 +48,7 @@ pub fn relations(lines: &[Line]) -> Vec<Relation> {
     let mut found = Vec::new();
     for mesh in Mesh::ALL {
         for (from, to) in PAIRS.map(|(from, to)| (&CASES[from], &CASES[to])) {
-            let line = |case: &Case| lines.iter().find(|line| line.is(case, mesh));
-            let (Some(first), Some(second)) = (line(from), line(to)) else {
+            let (Some(first), Some(second)) = (Line::of(lines, from, mesh), Line::of(lines, to, mesh)) else {
                 continue;
             };
             let change = |from: f64, to: f64| 100.0 * (to / from - 1.0);
@@ -78,14 +76,4 @@ pub fn relations(lines: &[Line]) -> Vec<Relation> {
         }
     }
     found
-}
-
-impl Line {
-    /// Whether it is a published case on a mesh, in one system.
-    pub(super) fn is(&self, case: &Case, mesh: Mesh) -> bool {
-        self.group.is_case()
-            && self.case.scene == case.scene
-            && self.mesh == mesh
-            && self.row.mode == Mode::Monolithic.name()
-    }
 }

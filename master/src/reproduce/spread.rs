@@ -115,7 +115,7 @@ pub fn spreads(lines: &[Line]) -> Vec<Spread> {
         let open: Vec<&Line> = lines.iter().filter(of).collect();
         let spread = |open: &[&Line]| {
             let case = open.first()?.case;
-            Spread::of(open, lines.iter().find(|line| line.is(case, mesh)))
+            Spread::of(open, Line::of(lines, case, mesh))
         };
         open.chunk_by(|a, b| a.quantity == b.quantity)
             .filter_map(spread)

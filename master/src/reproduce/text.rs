@@ -128,8 +128,7 @@ pub(super) fn head(reproduction: &Reproduction) -> Vec<Vec<String>> {
 
 /// A published case as its scene has it, in one system.
 pub(super) fn published(reproduction: &Reproduction, case: usize) -> Option<&Line> {
-    let mut lines = reproduction.lines.iter();
-    lines.find(|line| line.is(&CASES[case], Mesh::ALL[0]))
+    Line::of(&reproduction.lines, &CASES[case], Mesh::ALL[0])
 }
 
 /// Changes between cases, published and computed, in percent.
