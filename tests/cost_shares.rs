@@ -1,10 +1,10 @@
 //! What the time loop of a scene is spent on: shares of its parts, in all modes.
+use integration_tests::fmus::DEFAULT;
 use integration_tests::runs::{EN_250, run, scene_with};
 use master::results::{Share, Summary};
 use master::simulation::Mode;
 
-/// The full scene, and the same with wind on pantograph and wires.
-const THESIS: &str = include_str!("../scenes/thesis.toml");
+/// The full scene with wind on pantograph and wires.
 const WIND: &str = include_str!("../scenes/thesis-wind-both.toml");
 
 /// Two dozen steps of those that are looked at.
@@ -25,7 +25,7 @@ fn sum(shares: &[Share]) -> f64 {
 
 #[test]
 fn one_system_pays_for_the_parts_that_are_modelled_and_for_no_others() {
-    for text in [EN_250, THESIS, WIND] {
+    for text in [EN_250, DEFAULT, WIND] {
         let summary = summary(text, Mode::Monolithic);
         let (shares, scene) = (&summary.cost.shares, &summary.scene);
         assert!(
@@ -65,7 +65,7 @@ fn one_system_pays_for_the_parts_that_are_modelled_and_for_no_others() {
 #[test]
 fn coupled_sides_share_the_loop_with_the_master() {
     for mode in [Mode::Inprocess, Mode::Cosimulation] {
-        let summary = summary(THESIS, mode);
+        let summary = summary(DEFAULT, mode);
         assert_eq!(
             parts(&summary),
             ["catenary", "pantograph[1]", "master"],

@@ -1,13 +1,8 @@
 //! Energy: what a line keeps without damping, and where the energy of a run goes.
-use std::path::Path;
-use std::sync::atomic::AtomicBool;
-
+use integration_tests::runs::{SECOND_ON_THESIS_LINE, audited, prepared, scene_with};
 use master::hardship::{Hardship, Pluck};
 use master::monolithic::Evidence;
-use master::report::{Progress, Show};
-use master::run::Watch;
-use master::simulation::{Finished, FmuSource, Mode, prepare};
-use scene::Scene;
+use master::simulation::Finished;
 
 const SHORT_LINE: &str = include_str!("../master/src/stability/base.toml");
 
@@ -17,32 +12,12 @@ fn run(overrides: &[&str], pluck: Option<Pluck>) -> (Finished, Evidence) {
 }
 
 fn run_scene(text: &str, overrides: &[&str], pluck: Option<Pluck>) -> (Finished, Evidence) {
-    let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
-    let scene = Scene::from_toml(text, "short line", &overrides).unwrap();
-    let mut prepared = prepare(scene, "short line", Path::new("."), false).unwrap();
+    let mut prepared = prepared(scene_with(text, overrides), "energy");
     prepared.hardship = Hardship {
         pluck,
-        audited: true,
         ..Hardship::default()
     };
-    let source = FmuSource {
-        folder: std::env::temp_dir(),
-        say: &|_| {},
-        logging: false,
-    };
-    let progress = Progress::share("", Show::Never);
-    let watch = Watch {
-        interrupted: &AtomicBool::new(false),
-        progress: &progress,
-    };
-    let finished = prepared
-        .run(Mode::Monolithic, &source, &watch, |_| {
-            Ok::<(), Box<dyn std::error::Error>>(())
-        })
-        .unwrap();
-    assert!(finished.failure.is_none(), "{:?}", finished.failure);
-    let evidence = finished.evidence.unwrap();
-    (finished, evidence)
+    audited(prepared, "energy")
 }
 
 /// No damping anywhere, a trapezoid in time, and the coarsest mesh.
@@ -152,16 +127,8 @@ fn numerical_damping_shows_as_a_loss() {
 #[test]
 fn the_joints_of_a_linkage_take_and_give_no_energy() {
     let scene = include_str!("../scenes/thesis-pantograph.toml");
-    let keys = [
-        "catenary.spans=3",
-        "run.start_x=20",
-        "run.duration=1",
-        "run.evaluate={time=[0.2,0.8]}",
-        "solver.rho_inf=1",
-        "catenary.droppers.damping=0",
-        // All bodies and joints.
-        "model.reduce=[\"planar\"]",
-    ];
+    // All bodies and joints.
+    let keys = [&SECOND_ON_THESIS_LINE[..], &["model.reduce=[\"planar\"]"]].concat();
     let (_, evidence) = run_scene(scene, &keys, None);
     let left = evidence.worst_residual / evidence.exchanged;
     println!(

@@ -1,4 +1,5 @@
 //! Runs of scenes through the program's own functions, and differences between them.
+use master::monolithic::Evidence;
 use master::package;
 use master::report::{Progress, Show};
 use master::results::{Record, Summary};
@@ -14,6 +15,16 @@ use std::sync::atomic::AtomicBool;
 pub const EN_250: &str = include_str!("../scenes/en50318-250.toml");
 /// The reference model of EN 50318 at 300 km/h.
 pub const EN_300: &str = include_str!("../scenes/en50318-300.toml");
+
+/// One second on a short line of the thesis, without the dampers of its droppers and of the integrator.
+pub const SECOND_ON_THESIS_LINE: [&str; 6] = [
+    "catenary.spans=3",
+    "run.start_x=20",
+    "run.duration=1",
+    "run.evaluate={time=[0.2,0.8]}",
+    "solver.rho_inf=1",
+    "catenary.droppers.damping=0",
+];
 
 /// A complete run.
 pub struct Run {
@@ -131,6 +142,18 @@ pub fn run_beside(scene: Scene, mode: Mode, name: &str, base: &Path) -> Run {
 #[must_use]
 pub fn finished(prepared: Prepared, mode: Mode, name: &str) -> Finished {
     finished_telling(prepared, mode, name, |_| {})
+}
+
+/// Runs what is prepared as one system with its energy followed.
+///
+/// # Panics
+/// When it does not come to its end.
+#[must_use]
+pub fn audited(mut prepared: Prepared, name: &str) -> (Finished, Evidence) {
+    prepared.hardship.audited = true;
+    let finished = finished(prepared, Mode::Monolithic, name);
+    let evidence = finished.evidence.unwrap();
+    (finished, evidence)
 }
 
 /// [`finished`]; `tell` is given the scene as it is run.

@@ -3,8 +3,7 @@ use std::sync::Arc;
 
 use catenary::{AxialLaw, BendingLaw, NodeMap, Rayleigh, Wire, WireDrag, WireGeometry, WireSection};
 use dynamics::{CrossFlow, Force, Layout, Marker, StaticOptions, System, Wind, solve_static};
-use integration_tests::runs::{EN_300, Run, finished, prepared, run, scene_with};
-use master::hardship::Hardship;
+use integration_tests::runs::{EN_300, Run, SECOND_ON_THESIS_LINE, audited, prepared, run, scene_with};
 use master::simulation::Mode;
 use nalgebra::Vector3;
 use scene::{AerodynamicMarker, Scene};
@@ -358,13 +357,8 @@ fn energy_is_accounted_for_in_the_wind() {
         "solver.rho_inf=1",
         STRONG,
     ];
-    let mut prepared = prepared(scene_with(EN_300, &[&SHORT[..], &undamped].concat()), "wind-energy");
-    prepared.hardship = Hardship {
-        audited: true,
-        ..Hardship::default()
-    };
-    let finished = finished(prepared, Mode::Monolithic, "wind-energy");
-    let evidence = finished.evidence.unwrap();
+    let scene = scene_with(EN_300, &[&SHORT[..], &undamped].concat());
+    let (_, evidence) = audited(prepared(scene, "wind-energy"), "wind-energy");
     let left = evidence.worst_residual / evidence.exchanged;
     println!(
         "driven {:.2} J, lost to the air {:.3} J, left over {left:.1e}",
@@ -379,13 +373,7 @@ fn energy_is_accounted_for_in_the_wind() {
 #[test]
 fn energy_is_accounted_for_with_wind_on_the_bodies_of_the_linkage() {
     let text = alone_in_the_wind();
-    let keys = [
-        "catenary.spans=3",
-        "run.start_x=20",
-        "run.duration=1",
-        "run.evaluate={time=[0.2,0.8]}",
-        "solver.rho_inf=1",
-        "catenary.droppers.damping=0",
+    let undamped = [
         "catenary.damping.alpha=0",
         "catenary.damping.beta=0",
         "pantograph.0.collector_suspension.damping=0",
@@ -396,13 +384,9 @@ fn energy_is_accounted_for_with_wind_on_the_bodies_of_the_linkage() {
             format!("coupling.macro_step={step}"),
             format!("solver.micro_step={step}"),
         ];
-        let overrides = [&keys[..], &[&steps[0], &steps[1]], more].concat();
-        let mut prepared = prepared(scene_with(&text, &overrides), "wind-linkage");
-        prepared.hardship = Hardship {
-            audited: true,
-            ..Hardship::default()
-        };
-        let evidence = finished(prepared, Mode::Monolithic, "wind-linkage").evidence.unwrap();
+        let steps = [&*steps[0], &*steps[1]];
+        let overrides = [&SECOND_ON_THESIS_LINE[..], &undamped, &steps, more].concat();
+        let (_, evidence) = audited(prepared(scene_with(&text, &overrides), "wind-linkage"), "wind-linkage");
         let left = evidence.worst_residual / evidence.exchanged;
         println!(
             "{step} s {more:?}: driven {:.3} J, exchanged {:.3} J, lost to the air {:.4} J, left over {:.2e} J, {left:.1e} of what was \
