@@ -192,9 +192,10 @@ fn a_window_travels_from_end_to_end_without_a_trace_on_a_linearised_line() {
     assert!(difference < 0.1 && largest < 0.5, "{difference} %, {largest} N");
 }
 
-/// The supports of reduced spans have no bending layers: that is what is left on a line that has them.
+/// At a cut each side has half of the bending layer to itself, which yields a little more than the whole one, most on a coarse mesh;
+/// without layers there the difference is 1.1 %.
 #[test]
-fn a_window_without_bending_layers_beyond_it_differs_by_less_than_it_says() {
+fn a_window_has_bending_layers_at_its_cuts() {
     let more = [
         "catenary.spans=7",
         "run.start_x=30",
@@ -202,7 +203,7 @@ fn a_window_without_bending_layers_beyond_it_differs_by_less_than_it_says() {
         "run.evaluate={time=[0.2,4.0]}",
     ];
     let (difference, _) = windowed("\"planar\", \"linearised\"", &more);
-    assert!(difference < 1.5, "{difference} %");
+    assert!(difference < 0.4, "{difference} %");
 }
 
 /// What is left beside the modes is that spans beyond the window are linear.
@@ -218,8 +219,8 @@ fn a_window_of_the_nonlinear_line_differs_by_less_than_it_says() {
     assert!(difference < 0.3 && largest < 1.0, "{difference} %, {largest} N");
 }
 
-/// Droppers whose dampers hold the wires together, `ω c = 60 k` at 20 Hz: modes that stretch them would be damped to rest, and blow up
-/// as the window moves.
+/// Droppers whose dampers hold the wires together, `ω c = 60 k` at 20 Hz: without the elongations on the interface of a reduced
+/// span modes would blow up as the window moves.
 #[test]
 fn a_window_takes_droppers_with_strong_dampers() {
     let more = [
@@ -231,7 +232,22 @@ fn a_window_takes_droppers_with_strong_dampers() {
     ];
     let thesis = include_str!("../scenes/thesis-lumped.toml");
     let (difference, _) = windowed_scene(thesis, "\"planar\", \"linearised\"", &more);
-    assert!(difference < 2.0, "{difference} %");
+    assert!(difference < 0.35, "{difference} %");
+}
+
+/// Waves of tension run along all of a line between fixed ends: without longitudinal modes in the spans far from the window the
+/// difference is 0.39 %.
+#[test]
+fn a_window_is_followed_by_waves_along_the_wires() {
+    let more = [
+        "catenary.mesh.elements_per_interval=6",
+        "run.start_x=560",
+        "run.duration=4.0",
+        "run.evaluate={time=[0.5,3.9]}",
+    ];
+    let thesis = include_str!("../scenes/thesis-lumped.toml");
+    let (difference, _) = windowed_scene(thesis, "\"planar\", \"linearised\"", &more);
+    assert!(difference < 0.25, "{difference} %");
 }
 
 #[test]

@@ -117,6 +117,13 @@ impl Dropper {
             + (self.upper.displacement(motion) - self.lower.displacement(motion))
     }
 
+    /// `∂δ/∂q` (–) with the dropper along the unit vector `direction`, as (coordinate, value).
+    fn gradient(&self, direction: Vector3<f64>) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let upper = self.upper.columns().map(move |(index, axis)| (index, direction[axis]));
+        let lower = self.lower.columns().map(move |(index, axis)| (index, -direction[axis]));
+        upper.chain(lower)
+    }
+
     /// Present length, m.
     #[must_use]
     pub fn length(&self, motion: &Motion<'_>) -> f64 {
@@ -216,6 +223,12 @@ impl Droppers {
         self.droppers
             .iter()
             .map(|dropper| dropper.length(motion) - dropper.unstressed_length)
+    }
+
+    /// For each dropper `∂δ/∂q` (–), as (coordinate, value).
+    pub fn gradients(&self, motion: &Motion<'_>) -> impl Iterator<Item = Vec<(usize, f64)>> {
+        let gradient = |dropper: &Dropper| dropper.gradient(dropper.pose(motion).direction).collect();
+        self.droppers.iter().map(gradient)
     }
 
     /// Number of droppers that exert no force.
@@ -329,10 +342,8 @@ impl Force for Droppers {
             if coefficient == 0.0 {
                 continue;
             }
-            let d = assembled.direction;
-            let upper = dropper.upper.columns().map(|(index, axis)| (index, d[axis]));
-            let lower = dropper.lower.columns().map(|(index, axis)| (index, -d[axis]));
-            updates.rank_one(slot as u32, self.version, coefficient, upper.chain(lower));
+            let gradient = dropper.gradient(assembled.direction);
+            updates.rank_one(slot as u32, self.version, coefficient, gradient);
         }
     }
 

@@ -22,6 +22,9 @@ pub enum BendingLayers {
     Absent,
     /// One vertical layer per attachment and wire, and a lateral one at the supports of a staggered line.
     AtAttachments,
+    /// The same, and at the ends: of a piece whose wires go on, of which each side has half of the layer there. `ψ` and its slope
+    /// vanish at the node, so that each half is a layer of its own.
+    AtAttachmentsAndEnds,
 }
 
 /// A mass matrix for one time step, see [`crate::Line::with_mass_correction`].
@@ -229,8 +232,25 @@ impl Topology {
             } else {
                 1
             };
-            for ((wire, name), bends) in wires.iter_mut().zip(WireName::BOTH).zip(self.bends) {
-                let label = format!("{}, span {span}, node {within}", name.name());
+            let label = |name: WireName| format!("{}, span {span}, node {within}", name.name());
+            let add_layers = |layout: &mut Layout, wires: &mut [WireCoordinates; 2], name: WireName, node: usize| {
+                let bends = self.bends[name as usize];
+                for direction in self.layer_directions(node).into_iter().filter(|_| bends) {
+                    let index = layout.add_coordinates(1, format!("{}, bending layer", label(name)));
+                    wires[name as usize]
+                        .layers
+                        .push(LayerCoordinate { node, index, direction });
+                }
+            };
+            // Between the supports at the ends of a piece come all of its other coordinates, those of layers included.
+            if node == self.last() {
+                WireName::BOTH
+                    .into_iter()
+                    .for_each(|name| add_layers(layout, &mut wires, name, node));
+            }
+            for name in WireName::BOTH {
+                let label = label(name);
+                let wire = &mut wires[name as usize];
                 wire.nodes.push(match self.options.dimension {
                     Dimension::Spatial => NodeMap::spatial(layout.add_coordinates(6, label.clone())),
                     Dimension::Planar => NodeMap::planar(layout.add_coordinates(4, label.clone())),
@@ -239,10 +259,14 @@ impl Topology {
                     let name = format!("{label}, directors");
                     wire.directors.push(layout.add_coordinates(6, name));
                 }
-                for direction in self.layer_directions(node).into_iter().filter(|_| bends) {
-                    let index = layout.add_coordinates(1, format!("{label}, bending layer"));
-                    wire.layers.push(LayerCoordinate { node, index, direction });
+                if node > 0 && node < self.last() {
+                    add_layers(layout, &mut wires, name, node);
                 }
+            }
+            if node == 0 {
+                WireName::BOTH
+                    .into_iter()
+                    .for_each(|name| add_layers(layout, &mut wires, name, node));
             }
         }
         wires
@@ -252,7 +276,12 @@ impl Topology {
         let support = self.supports.binary_search(&node).is_ok();
         let dropper = self.droppers.binary_search_by_key(&node, |place| place.node).is_ok();
         let inner = node > 0 && node < self.last();
-        if self.options.layers == BendingLayers::Absent || !inner || !(support || dropper) {
+        let has_layers = match self.options.layers {
+            BendingLayers::Absent => false,
+            BendingLayers::AtAttachments => inner && (support || dropper),
+            BendingLayers::AtAttachmentsAndEnds => support || dropper,
+        };
+        if !has_layers {
             return Vec::new();
         }
         let mut directions = vec![Vector3::z()];

@@ -1,10 +1,15 @@
-//! A span far from the strips, reduced to its supports and its lowest modes.
+//! A span far from the strips, reduced to its supports, to the elongations of its droppers and to its lowest modes.
+use super::elongations::Elongations;
 use super::modes::{Envelope, lowest_modes, product};
 use dynamics::SparseMatrix;
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 /// Modes that are evaluated side by side.
 pub(super) const GROUP: usize = 8;
+
+/// Rows of a span's interface that are evaluated together; it is filled up with zeros to whole ones.
+pub(super) const ROWS: usize = 8;
 
 /// Stiffness, damping and mass of one span between its supports, linear about the static state.
 pub(super) struct SpanMatrices {
@@ -13,25 +18,39 @@ pub(super) struct SpanMatrices {
     pub stiffness: SparseMatrix,
     pub damping: SparseMatrix,
     pub mass: SparseMatrix,
+    /// What belongs to the interface beside the supports.
+    pub elongations: Elongations,
+    /// For each coordinate whether it is along the track.
+    pub longitudinal: Vec<bool>,
 }
 
 /// A span reduced by fixed-interface modes [Craig & Bampton 1968]:
 ///
 /// ```text
-/// q_inner = Φₛ q_supports + Φₘ η,    Φₛ = −K_ff⁻¹ K_fs,    K_ff Φₘ = M_ff Φₘ Ω²,    Φₘᵀ M_ff Φₘ = 1
+/// q_f = Φₛ s + Φₘ η,    Φₛ = −K_ff⁻¹ K_fs,    K_ff Φₘ = M_ff Φₘ Ω²,    Φₘᵀ M_ff Φₘ = 1
 /// ```
 ///
-/// Static answers to motions of the supports are exact, tension and sag included; waves are carried up to the frequency of the
-/// last mode. Its droppers are taut. The damping couples no two modes, see `matrices`.
+/// The interface `s` are the supports, left one first, and the elongations of droppers with dampers. Static answers to its motions are
+/// exact, tension and sag included; waves are carried up to the frequency of the last mode. The droppers are taut. Their dampers act
+/// on the interface alone, as exactly as their springs: on modes that stretch them they would couple all of these, and be the
+/// strongest of the couplings where `ω c` is above `k`, as on the thesis' line. What damps the modes is the damping of the wires,
+/// which couples none of them.
 #[derive(Debug)]
 pub(super) struct Cell {
+    elongations: Elongations,
+    /// Coordinates per support.
+    at_support: usize,
+    /// What of the span between its supports is not on the interface, `f`.
+    inner: Vec<usize>,
+    /// All between the supports.
+    between: Range<usize>,
     /// `Φₛ`.
     shapes: DMatrix<f64>,
     /// `Φₘ`.
     modes: DMatrix<f64>,
     /// `M_ff Φₘ`.
     weighted_modes: DMatrix<f64>,
-    /// On the coordinates of both supports, left one first.
+    /// On the interface.
     pub stiffness: DMatrix<f64>,
     pub damping: DMatrix<f64>,
     pub mass: DMatrix<f64>,
@@ -39,10 +58,10 @@ pub(super) struct Cell {
     pub squares: Vec<f64>,
     /// Damping of each mode, 1/s.
     pub mode_damping: Vec<f64>,
-    /// Between supports (rows) and modes.
+    /// Between interface (rows) and modes.
     pub damping_coupling: DMatrix<f64>,
     pub mass_coupling: DMatrix<f64>,
-    /// The same, group by group of modes and in these support by support, filled up with zeros: damping, then mass.
+    /// The same, group by group of modes and in these row by row, filled up with zeros: damping, then mass.
     pub couplings: Vec<Pair>,
 }
 
@@ -52,22 +71,26 @@ pub(super) struct Cell {
 pub(super) struct Pair(pub [[f64; GROUP]; 2]);
 
 impl Cell {
-    /// Reduces a span to `count` modes; `None` where its inner stiffness is not positive definite.
-    pub fn new(span: &SpanMatrices, count: usize) -> Option<Self> {
+    /// Reduces a span to `count` modes: the first longitudinal ones of both wires among the lowest `searched`, and the lowest others.
+    /// `None` where its inner stiffness is not positive definite.
+    pub fn new(span: SpanMatrices, count: usize, searched: usize) -> Option<Self> {
         let (size, ni) = (span.stiffness.size(), span.at_support);
-        let inner = size - 2 * ni;
-        let place = |index: usize| -> (bool, usize) {
-            if index < ni {
-                (false, index)
-            } else if index < size - ni {
-                (true, index - ni)
-            } else {
-                (false, index - inner)
-            }
-        };
+        let between = ni..size - ni;
+        let supports = (0..ni).chain(between.end..size);
+        let interface: Vec<usize> = supports.chain(span.elongations.places()).collect();
+        let mut place = vec![None; size];
+        for (row, &index) in interface.iter().enumerate() {
+            place[index] = Some(row);
+        }
+        let inner: Vec<usize> = between.clone().filter(|&index| place[index].is_none()).collect();
+        let mut number = vec![0; size];
+        inner.iter().enumerate().for_each(|(i, &index)| number[index] = i);
+        let place = |index: usize| place[index].map_or((true, number[index]), |row| (false, row));
+        let (count_f, count_s) = (inner.len(), interface.len().next_multiple_of(ROWS));
         let split = |matrix: &SparseMatrix| -> (SparseMatrix, DMatrix<f64>, DMatrix<f64>) {
+            let matrix = span.elongations.transform(matrix);
             let mut ff = Vec::new();
-            let (mut fs, mut ss) = (DMatrix::zeros(inner, 2 * ni), DMatrix::zeros(2 * ni, 2 * ni));
+            let (mut fs, mut ss) = (DMatrix::zeros(count_f, count_s), DMatrix::zeros(count_s, count_s));
             for row in 0..size {
                 for (column, value) in matrix.row(row) {
                     match (place(row), place(column)) {
@@ -78,17 +101,24 @@ impl Cell {
                     }
                 }
             }
-            (SparseMatrix::from_entries(inner, ff), fs, ss)
+            (SparseMatrix::from_entries(count_f, ff), fs, ss)
         };
         let (k_ff, k_fs, k_ss) = split(&span.stiffness);
         let (d_ff, d_fs, d_ss) = split(&span.damping);
         let (m_ff, m_fs, m_ss) = split(&span.mass);
         let factor = Envelope::factor(&k_ff)?;
         let mut shapes = -k_fs.clone();
-        for column in 0..2 * ni {
+        for column in 0..count_s {
             factor.solve(shapes.column_mut(column).as_mut_slice());
         }
-        let (modes, squares) = lowest_modes(&factor, &m_ff, count);
+        let (modes, squares) = lowest_modes((&k_ff, &factor), &m_ff, searched.max(count));
+        let along = inner.iter().map(|&index| f64::from(u8::from(span.longitudinal[index])));
+        let along = DVector::from_iterator(count_f, along);
+        let order = longitudinal_first(&(modes.component_mul(&product(&m_ff, &modes)).tr_mul(&along)), count);
+        let (modes, squares) = (
+            modes.select_columns(&order),
+            order.iter().map(|&mode| squares[mode]).collect::<Vec<_>>(),
+        );
         // Products, not `tr_mul`: see `lowest_modes`.
         let reduced = |ff: &SparseMatrix, fs: &DMatrix<f64>, ss: &DMatrix<f64>| {
             let inner = product(ff, &shapes);
@@ -100,7 +130,7 @@ impl Cell {
         let (stiffness, _) = reduced(&k_ff, &k_fs, &k_ss);
         let (damping, damping_coupling) = reduced(&d_ff, &d_fs, &d_ss);
         let (mass, mass_coupling) = reduced(&m_ff, &m_fs, &m_ss);
-        let couplings = (0..modes.ncols().div_ceil(GROUP)).flat_map(|group| (0..2 * ni).map(move |row| (group, row)));
+        let couplings = (0..modes.ncols().div_ceil(GROUP)).flat_map(|group| (0..count_s).map(move |row| (group, row)));
         let lanes = |matrix: &DMatrix<f64>, group: usize, row: usize| {
             std::array::from_fn(|lane| matrix.get((row, GROUP * group + lane)).copied().unwrap_or(0.0))
         };
@@ -110,8 +140,12 @@ impl Cell {
         let damped = product(&d_ff, &modes);
         let mode_damping = (0..modes.ncols()).map(|i| modes.column(i).dot(&damped.column(i)));
         Some(Self {
+            elongations: span.elongations,
             mode_damping: mode_damping.collect(),
             weighted_modes: product(&m_ff, &modes),
+            at_support: ni,
+            inner,
+            between,
             shapes,
             modes,
             stiffness,
@@ -124,21 +158,51 @@ impl Cell {
         })
     }
 
-    /// Number of modes.
-    pub fn mode_count(&self) -> usize {
-        self.squares.len()
-    }
-
-    /// Inner values from those of both supports and of the first modes.
-    pub fn expand(&self, supports: &[f64], modes: &[f64]) -> DVector<f64> {
-        let supports = DVector::from_column_slice(supports);
+    /// Motion between the supports from that of the interface and of the first modes.
+    pub fn expand(&self, interface: &[f64], modes: &[f64]) -> Vec<f64> {
+        let s = DVector::from_column_slice(interface);
         let modes = DVector::from_column_slice(modes);
-        &self.shapes * supports + self.modes.columns(0, modes.len()) * modes
+        let inner = self.shapes.columns(0, s.len()) * &s + self.modes.columns(0, modes.len()) * modes;
+        let mut values = vec![0.0; self.between.end + self.at_support];
+        for (&index, value) in self.inner.iter().zip(&inner) {
+            values[index] = *value;
+        }
+        for (index, value) in self.elongations.places().zip(&interface[2 * self.at_support..]) {
+            values[index] = *value;
+        }
+        self.elongations.displace(&mut values);
+        values[self.between.clone()].to_vec()
     }
 
-    /// The modes' share in inner values, by mass.
-    pub fn project(&self, supports: &[f64], inner: &[f64]) -> DVector<f64> {
-        let rest = DVector::from_column_slice(inner) - &self.shapes * DVector::from_column_slice(supports);
-        self.weighted_modes.tr_mul(&rest)
+    /// Elongations, and the modes' share by mass, of a motion at and between the supports.
+    pub fn project(&self, supports: &[f64], between: &[f64]) -> (Vec<f64>, DVector<f64>) {
+        let (left, right) = supports.split_at(self.at_support);
+        let mut values = [left, between, right].concat();
+        self.elongations.measure(&mut values);
+        let elongations: Vec<f64> = self.elongations.places().map(|index| values[index]).collect();
+        let interface = DVector::from_iterator(
+            supports.len() + elongations.len(),
+            supports.iter().chain(&elongations).copied(),
+        );
+        let inner = DVector::from_iterator(self.inner.len(), self.inner.iter().map(|&index| values[index]));
+        let rest = inner - self.shapes.columns(0, interface.len()) * interface;
+        (elongations, self.weighted_modes.tr_mul(&rest))
     }
+}
+
+/// Longitudinal modes of a span that come before all others: the first one of each wire.
+pub(super) const LONGITUDINAL: usize = 2;
+
+/// Which `count` modes are kept, in their order: of all modes by ascending frequency the `shares` of their mass that move along the
+/// track.
+///
+/// Tension changes run along the line at kilometres per second, as waves that are longer than the spans far beyond the frequencies of
+/// the contact force. With the quasi-static shape alone the mass of a span would stand at its supports, and they would be too fast.
+fn longitudinal_first(shares: &DVector<f64>, count: usize) -> Vec<usize> {
+    let along: Vec<usize> = (0..shares.len())
+        .filter(|&mode| shares[mode] > 0.5)
+        .take(LONGITUDINAL)
+        .collect();
+    let others = (0..shares.len()).filter(|mode| !along.contains(mode));
+    along.iter().copied().chain(others).take(count).collect()
 }

@@ -1,7 +1,9 @@
 //! Pieces of a line in its static state.
-use crate::line::Equilibrium;
+use crate::line::{Equilibrium, layers};
 use crate::topology::WireCoordinates;
-use crate::{Enrichment, Line, ResidualCompliance, Topology, WireGeometry, WireName, WireNode};
+use crate::{
+    BendingLayers, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName, WireNode,
+};
 use dynamics::Layout;
 use nalgebra::Vector3;
 use scene::{Catenary, WireEnds};
@@ -17,7 +19,8 @@ pub(crate) struct Source<'a> {
 
 impl Source<'_> {
     /// Spans `spans` (from 0) as a line of their own that starts at x = 0, with coordinates numbered from `first`, and the number of
-    /// these. What the rest of the line did to it is missing: its ends are neither held nor pulled.
+    /// these. What the rest of the line did to it is missing: its ends are neither held nor pulled. Each end has its half of the
+    /// bending layers there.
     pub fn cut(&self, spans: Range<usize>, first: usize) -> (Line, usize) {
         let catenary = Catenary {
             span_lengths: self.catenary.span_lengths[spans.clone()].to_vec(),
@@ -25,8 +28,13 @@ impl Source<'_> {
             wire_ends: WireEnds::Fixed,
             ..self.catenary.clone()
         };
-        let options = self.topology.options();
-        let topology = Arc::new(Topology::new(&catenary, *options));
+        let whole = self.topology.options();
+        let layers = match whole.layers {
+            BendingLayers::Absent => BendingLayers::Absent,
+            BendingLayers::AtAttachments | BendingLayers::AtAttachmentsAndEnds => BendingLayers::AtAttachmentsAndEnds,
+        };
+        let options = LineOptions { layers, ..*whole };
+        let topology = Arc::new(Topology::new(&catenary, options));
         let mut layout = Layout::new();
         let coordinates = topology.register(&mut layout);
         let equilibrium = self.equilibrium_of(&spans, &coordinates);
@@ -67,7 +75,7 @@ impl Source<'_> {
             .zip(&self.equilibrium.dropper_lengths)
             .filter(|(place, _)| spans.contains(&(place.span - 1)));
         let inner = |reactions: &[Vector3<f64>]| reactions[spans.start..spans.end - 1].to_vec();
-        let wire = |geometry: &WireGeometry, coordinates: &WireCoordinates| {
+        let wire = |name: WireName, geometry: &WireGeometry, coordinates: &WireCoordinates| {
             let cut = geometry.nodes()[nodes.clone()].iter().zip(&coordinates.nodes);
             let cut = cut.map(|(node, &map)| WireNode {
                 position: node.position - start,
@@ -75,21 +83,32 @@ impl Source<'_> {
                 ..*node
             });
             let lengths = geometry.lengths()[nodes.start..nodes.end - 1].to_vec();
-            let layers = geometry
-                .enrichments()
-                .iter()
-                .filter(|layer| layer.node > nodes.start && layer.node + 1 < nodes.end)
-                .zip(&coordinates.layers)
-                .map(|(layer, own)| Enrichment {
-                    node: own.node,
-                    index: own.index,
-                    ..*layer
+            // None is known at a true end, where the whole line has no layer.
+            let known = |layer: &Enrichment| {
+                let of = geometry.enrichments();
+                let first = of.partition_point(|other| other.node < nodes.start + layer.node);
+                let here = of[first..]
+                    .iter()
+                    .take_while(|other| other.node == nodes.start + layer.node);
+                here.into_iter()
+                    .find(|other| other.direction == layer.direction)
+                    .map(|other| other.reference)
+            };
+            let layers = layers(name.parameters(self.catenary), coordinates)
+                .into_iter()
+                .map(|layer| Enrichment {
+                    reference: known(&layer).unwrap_or(0.0),
+                    ..layer
                 });
             WireGeometry::new(cut.collect(), lengths, layers.collect())
         };
         Equilibrium {
-            contact_wire: wire(&self.equilibrium.contact_wire, &coordinates[0]),
-            messenger_wire: wire(&self.equilibrium.messenger_wire, &coordinates[1]),
+            contact_wire: wire(WireName::ContactWire, &self.equilibrium.contact_wire, &coordinates[0]),
+            messenger_wire: wire(
+                WireName::MessengerWire,
+                &self.equilibrium.messenger_wire,
+                &coordinates[1],
+            ),
             // Windows are cut from lines of cables only.
             directors: Vec::new(),
             dropper_lengths: droppers.map(|(_, &length)| length).collect(),

@@ -1,5 +1,4 @@
 //! What holds the spans beyond the window: supports, true ends, and the end of what is modelled.
-use super::cell::Cell;
 use super::far::Ground;
 use super::plan::Arrangement;
 use super::{Fixed, SPONGE};
@@ -17,26 +16,20 @@ impl Fixed {
         }
     }
 
-    /// Damping added to the modes of a reduced span: only where the modes beyond it are fewer, or where the line goes on unmodelled.
-    pub(super) fn sponge(&self, arrangement: &Arrangement, span: usize, cell: &Cell) -> Vec<f64> {
-        let (plan, distance) = (&self.plan, arrangement.distance(span));
-        let count = if span < arrangement.window.start {
-            arrangement.window.start - arrangement.modelled.start
+    /// Damping added to the modes of a reduced span, 1/s: only where the line goes on unmodelled beyond it.
+    pub(super) fn sponge(&self, arrangement: &Arrangement, span: usize) -> f64 {
+        let (plan, modelled) = (&self.plan, &arrangement.modelled);
+        let goes_on = if span < arrangement.window.start {
+            modelled.start > 0
         } else {
-            arrangement.modelled.end - arrangement.window.end
+            modelled.end < plan.spans
         };
-        let modes = arrangement.modes[span - arrangement.modelled.start].len();
-        (0..modes.min(cell.mode_count()))
-            .map(|mode| {
-                if count <= plan.near {
-                    0.0
-                } else if mode >= plan.modes.far {
-                    SPONGE * (distance as f64 / plan.near as f64).powi(2)
-                } else {
-                    SPONGE * (distance.saturating_sub(plan.near) as f64 / plan.reach as f64).powi(2)
-                }
-            })
-            .collect()
+        let beyond = arrangement.distance(span).saturating_sub(plan.near);
+        if goes_on {
+            SPONGE * (beyond as f64 / plan.reach as f64).powi(2)
+        } else {
+            0.0
+        }
     }
 
     /// Holds a support: its springs, or an end of what is modelled.

@@ -1,5 +1,5 @@
 //! The spans far from the strips as one contribution.
-use super::cell::{Cell, GROUP, Pair};
+use super::cell::{Cell, GROUP, Pair, ROWS};
 use dynamics::{Blocks, Force, Motion, Weights};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -8,17 +8,15 @@ use std::sync::Arc;
 /// A reduced span in the coordinates of the system.
 pub(super) struct Member {
     pub cell: Arc<Cell>,
-    /// Coordinates of its left, then of its right support.
-    pub supports: Vec<usize>,
+    /// Coordinates of its interface, see [`Cell`].
+    pub interface: Vec<usize>,
     /// Coordinates of its first modes, as many as are kept.
     pub modes: Range<usize>,
     /// Stiffness (1/s²) and damping (1/s) of the modes, that of the sponge included.
     own: Vec<Pair>,
+    /// `q`, `v` and `v̇` of the interface, row by row, filled up with zeros, and the force there.
+    at_interface: Vec<[f64; 4]>,
 }
-
-/// Coordinates of both supports of a span, with and without lateral ones.
-const SPATIAL: usize = 24;
-const PLANAR: usize = 16;
 
 /// Spring, damper and mass between one coordinate and the ground.
 #[derive(Clone, Copy, Debug, Default)]
@@ -43,26 +41,24 @@ pub(super) struct FarField {
 
 impl Member {
     /// A span with damping `sponge` (1/s) added to its modes.
-    pub fn new(cell: Arc<Cell>, supports: Vec<usize>, modes: Range<usize>, sponge: &[f64]) -> Self {
+    pub fn new(cell: Arc<Cell>, interface: Vec<usize>, modes: Range<usize>, sponge: f64) -> Self {
         let value = |of: &dyn Fn(usize) -> f64, i: usize| if i < modes.len() { of(i) } else { 0.0 };
         let own = (0..modes.len().div_ceil(GROUP)).map(|group| {
             let lanes = |of: &dyn Fn(usize) -> f64| std::array::from_fn(|lane| value(of, GROUP * group + lane));
-            Pair([
-                lanes(&|i| cell.squares[i]),
-                lanes(&|i| cell.mode_damping[i] + sponge[i]),
-            ])
+            Pair([lanes(&|i| cell.squares[i]), lanes(&|i| cell.mode_damping[i] + sponge)])
         });
         Self {
             own: own.collect(),
+            at_interface: vec![[0.0; 4]; cell.stiffness.nrows()],
             cell,
-            supports,
+            interface,
             modes,
         }
     }
 
     fn add_constant(&self, blocks: &mut Blocks<'_>, scratch: &mut Vec<f64>, [k, d, m]: [f64; 3]) {
         let cell = &self.cell;
-        let size = self.supports.len();
+        let size = self.interface.len();
         scratch.clear();
         for row in 0..size {
             for column in 0..size {
@@ -70,7 +66,7 @@ impl Member {
                 scratch.push(k * cell.stiffness[at] + d * cell.damping[at] + m * cell.mass[at]);
             }
         }
-        blocks.add(&self.supports, &self.supports, scratch);
+        blocks.add(&self.interface, &self.interface, scratch);
         let modes: Vec<usize> = self.modes.clone().collect();
         scratch.clear();
         for row in 0..size {
@@ -79,7 +75,7 @@ impl Member {
                 scratch.push(d * cell.damping_coupling[at] + m * cell.mass_coupling[at]);
             }
         }
-        blocks.add(&self.supports, &modes, scratch);
+        blocks.add(&self.interface, &modes, scratch);
         scratch.clear();
         for mode in 0..self.modes.len() {
             for row in 0..size {
@@ -87,7 +83,7 @@ impl Member {
                 scratch.push(d * cell.damping_coupling[at] + m * cell.mass_coupling[at]);
             }
         }
-        blocks.add(&modes, &self.supports, scratch);
+        blocks.add(&modes, &self.interface, scratch);
         for (i, &mode) in modes.iter().enumerate() {
             let [squares, damping] = self.own[i / GROUP].0.map(|lanes| lanes[i % GROUP]);
             blocks.add(&[mode], &[mode], &[k * squares + d * damping + m]);
@@ -95,30 +91,37 @@ impl Member {
     }
 
     /// Adds `−K q − D v`, and `−M v̇` where `v_dot` is given.
-    fn add_force(&self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
-        match self.supports.len() {
-            PLANAR => self.add_force_of::<PLANAR>(motion, v_dot, force),
-            _ => self.add_force_of::<SPATIAL>(motion, v_dot, force),
+    fn add_force(&mut self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+        // As many rows at a time as there are registers for.
+        let rows = self.at_interface.len();
+        match rows {
+            _ if rows % 24 == 0 => self.add_force_of::<24>(motion, v_dot, force),
+            _ if rows % 16 == 0 => self.add_force_of::<16>(motion, v_dot, force),
+            _ => self.add_force_of::<ROWS>(motion, v_dot, force),
         }
     }
 
     /// Whether a coordinate of the span is within `range`.
     fn is_within(&self, range: &Range<usize>) -> bool {
         let modes = self.modes.start < range.end && range.start < self.modes.end;
-        modes || self.supports.iter().any(|index| range.contains(index))
+        modes || self.interface.iter().any(|index| range.contains(index))
     }
 
-    fn add_force_of<const N: usize>(&self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
-        let gather = |values: &[f64]| -> [f64; N] { std::array::from_fn(|i| values[self.supports[i]]) };
-        let mut on_supports = [0.0; N];
+    fn add_force_of<const N: usize>(&mut self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+        let v_dot = v_dot.unwrap_or_default();
+        for (value, &index) in self.at_interface.iter_mut().zip(&self.interface) {
+            let a = v_dot.get(index).copied().unwrap_or(0.0);
+            *value = [motion.q[index], motion.v[index], a, 0.0];
+        }
         Arch::new().dispatch(AddForce::<N> {
-            member: self,
-            supports: [gather(motion.q), gather(motion.v), v_dot.map_or([0.0; N], gather)],
-            modes: [motion.q, motion.v, v_dot.unwrap_or_default()],
-            on_supports: &mut on_supports,
+            cell: &self.cell,
+            range: self.modes.clone(),
+            own: &self.own,
+            at_interface: &mut self.at_interface,
+            modes: [motion.q, motion.v, v_dot],
             force,
         });
-        for (&index, value) in self.supports.iter().zip(on_supports) {
+        for (&index, [.., value]) in self.interface.iter().zip(&self.at_interface) {
             force[index] -= value;
         }
     }
@@ -126,8 +129,8 @@ impl Member {
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         let cell = &self.cell;
         let mut energy = 0.0;
-        for (column, &from) in self.supports.iter().enumerate() {
-            for (row, &to) in self.supports.iter().enumerate() {
+        for (column, &from) in self.interface.iter().enumerate() {
+            for (row, &to) in self.interface.iter().enumerate() {
                 energy += 0.5 * cell.stiffness[(row, column)] * motion.q[from] * motion.q[to];
             }
         }
@@ -139,14 +142,15 @@ impl Member {
     }
 }
 
-/// The force of a span with `N` coordinates at its supports.
+/// The force of a span, `N` rows of its interface at a time.
 struct AddForce<'a, const N: usize> {
-    member: &'a Member,
-    /// `q`, `v` and `v̇` of the supports.
-    supports: [[f64; N]; 3],
+    cell: &'a Cell,
+    /// Coordinates of the modes.
+    range: Range<usize>,
+    own: &'a [Pair],
+    at_interface: &'a mut [[f64; 4]],
     /// `q`, `v` and `v̇` of everything; no `v̇` stands for zeros.
     modes: [&'a [f64]; 3],
-    on_supports: &'a mut [f64; N],
     force: &'a mut [f64],
 }
 
@@ -155,35 +159,24 @@ impl<const N: usize> WithSimd for AddForce<'_, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
-        let cell = &self.member.cell;
-        let [q, v, a] = self.supports;
-        let columns = (cell.stiffness.as_slice().chunks_exact(N))
-            .zip(cell.damping.as_slice().chunks_exact(N))
-            .zip(cell.mass.as_slice().chunks_exact(N));
-        // Three chains of additions in place of one.
-        let mut sums = [[0.0; N]; 3];
-        for (column, ((k, d), m)) in columns.enumerate() {
+        for first in (0..self.at_interface.len()).step_by(N) {
+            let dense = self.dense(first);
+            let zero = simd.splat_f64s(0.0);
+            let mut by_modes = [zero; N];
+            let groups = self.own.len();
+            for part in 0..GROUP / S::F64_LANES {
+                let mut group = 0;
+                while group + ABREAST <= groups {
+                    self.add_modes::<S, ABREAST>(simd, (group, part), first, &mut by_modes);
+                    group += ABREAST;
+                }
+                for group in group..groups {
+                    self.add_modes::<S, 1>(simd, (group, part), first, &mut by_modes);
+                }
+            }
             for i in 0..N {
-                sums[0][i] += k[i] * q[column];
-                sums[1][i] += d[i] * v[column];
-                sums[2][i] += m[i] * a[column];
+                self.at_interface[first + i][3] = dense[i] + simd.reduce_sum_f64s(by_modes[i]);
             }
-        }
-        let zero = simd.splat_f64s(0.0);
-        let mut by_modes = [zero; N];
-        let groups = self.member.own.len();
-        for part in 0..GROUP / S::F64_LANES {
-            let mut group = 0;
-            while group + ABREAST <= groups {
-                self.add_modes::<S, ABREAST>(simd, (group, part), &mut by_modes);
-                group += ABREAST;
-            }
-            for group in group..groups {
-                self.add_modes::<S, 1>(simd, (group, part), &mut by_modes);
-            }
-        }
-        for i in 0..N {
-            self.on_supports[i] = sums[0][i] + sums[1][i] + sums[2][i] + simd.reduce_sum_f64s(by_modes[i]);
         }
     }
 }
@@ -192,20 +185,42 @@ impl<const N: usize> WithSimd for AddForce<'_, N> {
 const ABREAST: usize = 3;
 
 impl<const N: usize> AddForce<'_, N> {
-    /// Adds the forces of `W` groups of modes, from group `first` on, of each the register `part`; `on_supports` takes in what
-    /// they do at the supports.
+    /// What the interface does on its rows from `first` on.
+    #[inline(always)]
+    fn dense(&self, first: usize) -> [f64; N] {
+        let cell = self.cell;
+        let rows = self.at_interface.len();
+        let columns = (cell.stiffness.as_slice().chunks_exact(rows))
+            .zip(cell.damping.as_slice().chunks_exact(rows))
+            .zip(cell.mass.as_slice().chunks_exact(rows));
+        // Three chains of additions in place of one.
+        let mut sums = [[0.0; N]; 3];
+        for (((k, d), m), [q, v, a, _]) in columns.zip(&*self.at_interface) {
+            let (k, d, m) = (&k[first..first + N], &d[first..first + N], &m[first..first + N]);
+            for i in 0..N {
+                sums[0][i] += k[i] * q;
+                sums[1][i] += d[i] * v;
+                sums[2][i] += m[i] * a;
+            }
+        }
+        std::array::from_fn(|i| sums[0][i] + sums[1][i] + sums[2][i])
+    }
+
+    /// Adds the forces of `W` groups of modes, from group `group` on, of each the register `part`: with the first rows all that act on
+    /// modes alone, and with each those between modes and the rows from `first` on; `on_interface` takes in what they do at these.
     #[inline(always)]
     fn add_modes<S: Simd, const W: usize>(
         &mut self,
         simd: S,
-        (first, part): (usize, usize),
-        on_supports: &mut [S::f64s; N],
+        (group, part): (usize, usize),
+        first: usize,
+        on_interface: &mut [S::f64s; N],
     ) {
-        let Member { cell, modes, own, .. } = self.member;
         let zero = simd.splat_f64s(0.0);
         let lanes = |values: &[f64; GROUP]| S::as_simd_f64s(values).0[part];
+        let modes = &self.range;
         let range = |w: usize| {
-            let start = modes.start + (first + w) * GROUP + part * S::F64_LANES;
+            let start = modes.start + (group + w) * GROUP + part * S::F64_LANES;
             start.min(modes.end)..modes.end.min(start + S::F64_LANES)
         };
         let (mut v_m, mut a_m) = ([zero; W], [zero; W]);
@@ -213,17 +228,22 @@ impl<const N: usize> AddForce<'_, N> {
         for w in 0..W {
             let of_modes = |values: &[f64]| simd.partial_load_f64s(values.get(range(w)).unwrap_or_default());
             let [q, v, a] = self.modes;
-            let (q, v, a) = (of_modes(q), of_modes(v), of_modes(a));
-            let Pair([square, damping]) = &own[first + w];
-            (v_m[w], a_m[w]) = (v, a);
-            by_damping[w] = simd.mul_add_e_f64s(lanes(square), q, simd.mul_f64s(lanes(damping), v));
-            by_mass[w] = a;
+            (v_m[w], a_m[w]) = (of_modes(v), of_modes(a));
+            if first == 0 {
+                let Pair([square, damping]) = &self.own[group + w];
+                by_damping[w] = simd.mul_add_e_f64s(lanes(square), of_modes(q), simd.mul_f64s(lanes(damping), v_m[w]));
+                by_mass[w] = a_m[w];
+            }
         }
-        let [_, v_s, a_s] = &self.supports;
-        let couplings: [&[Pair]; W] = std::array::from_fn(|w| &cell.couplings[(first + w) * N..(first + w + 1) * N]);
+        let rows = self.at_interface.len();
+        let couplings: [&[Pair]; W] = std::array::from_fn(|w| {
+            let start = (group + w) * rows + first;
+            &self.cell.couplings[start..start + N]
+        });
         for i in 0..N {
-            let (v, a) = (simd.splat_f64s(v_s[i]), simd.splat_f64s(a_s[i]));
-            let mut sum = on_supports[i];
+            let [_, v, a, _] = self.at_interface[first + i];
+            let (v, a) = (simd.splat_f64s(v), simd.splat_f64s(a));
+            let mut sum = on_interface[i];
             for w in 0..W {
                 let Pair([d, m]) = &couplings[w][i];
                 let (d, m) = (lanes(d), lanes(m));
@@ -231,7 +251,7 @@ impl<const N: usize> AddForce<'_, N> {
                 by_mass[w] = simd.mul_add_e_f64s(m, a, by_mass[w]);
                 sum = simd.mul_add_e_f64s(d, v_m[w], simd.mul_add_e_f64s(m, a_m[w], sum));
             }
-            on_supports[i] = sum;
+            on_interface[i] = sum;
         }
         for w in 0..W {
             let force = &mut self.force[range(w)];
@@ -257,8 +277,8 @@ impl FarField {
 
 impl FarField {
     /// What is within `range`, and more.
-    fn add_within(&self, range: &Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
-        for member in self.members.iter().filter(|member| member.is_within(range)) {
+    fn add_within(&mut self, range: &Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
+        for member in self.members.iter_mut().filter(|member| member.is_within(range)) {
             member.add_force(motion, v_dot, force);
         }
         for ground in self.grounds.iter().filter(|ground| range.contains(&ground.index)) {

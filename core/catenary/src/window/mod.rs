@@ -7,11 +7,12 @@
 //! ```
 //!
 //! The window is a line of a few spans cut out of the static state. What lies beyond its ends does not stop there: the spans next
-//! to it are linear and reduced to their supports and their lowest modes ([`cell`]), which costs a tenth of a full span, carries
-//! waves of the frequencies of interest without any reflection, and keeps the line's longitudinal elasticity, which the contact
-//! force depends on by several percent. On short lines these cells reach the true ends. On long ones there are a fixed number of
-//! them, with damping that grows with the distance and, at the last support, dashpots `√(EA m)` matched to longitudinal waves [after
-//! Lysmer & Kuhlemeyer 1969].
+//! to it are linear and reduced to their supports, the elongations of droppers with dampers, and modes ([`cell`]): the lowest ones and
+//! the first longitudinal ones. That costs a tenth of a full span, carries waves of the frequencies of interest without any reflection,
+//! and keeps the line's longitudinal elasticity and mass, which the contact force depends on by several percent. At the cuts each side
+//! has half of the bending layers. On short lines these cells reach the true ends. On long ones there are a fixed number of them, with
+//! damping that grows with the distance and, at the last support, dashpots `√(EA m)` matched to longitudinal waves [after Lysmer &
+//! Kuhlemeyer 1969].
 //!
 //! When the last strip comes to the next span, the window moves on by one: the entering span takes its motion from its modes, and
 //! the leaving one hands its own over to modes, so that neither starts or stops abruptly. In the middle of a line of equal spans the
@@ -19,19 +20,21 @@
 //!
 //! ```text
 //! file     subject
-//! plan     which span is modelled how, for each position
-//! cut      pieces of the static state
-//! modes    lowest modes of a span
-//! cell     a reduced span
-//! far      all reduced spans as one contribution
-//! ends     what holds them
-//! overhead the whole in the place of any other line
-//! curve    the contact wire, with the window where it is
-//! transfer the state, taken along
+//! plan         which span is modelled how, for each position
+//! cut          pieces of the static state
+//! modes        lowest modes of a span
+//! elongations  coordinates for the dampers of droppers
+//! cell         a reduced span
+//! far          all reduced spans as one contribution
+//! ends         what holds them
+//! overhead     the whole in the place of any other line
+//! curve        the contact wire, with the window where it is
+//! transfer     the state, taken along
 //! ```
 mod cell;
 mod curve;
 mod cut;
+mod elongations;
 mod ends;
 mod far;
 mod modes;
@@ -45,9 +48,10 @@ use crate::statics::Repeat;
 use crate::{
     Dimension, Line, LinearLine, OverheadLine, ResidualCompliance, StaticLine, StaticsError, Topology, WireName,
 };
-use cell::{Cell, SpanMatrices};
+use cell::{Cell, LONGITUDINAL, SpanMatrices};
 pub(crate) use cut::Source;
-use dynamics::{Continuity, Force, Layout, Motion, SparseMatrix, Weights};
+use dynamics::{Continuity, Layout, Motion, SparseMatrix, Weights};
+use elongations::Elongations;
 use far::{FarField, Member};
 use plan::{Arrangement, ModeCounts, Plan};
 use scene::{Catenary, Reduction, Scene};
@@ -65,9 +69,10 @@ const NEAR: usize = 6;
 /// Highest mode of a near span in units of the highest frequency that matters there: a force of the filter's frequency `f` that
 /// moves with `v` sends waves of frequency `f/(1 − v/c)` ahead, and meets such waves that come from behind.
 const BAND: f64 = 1.2;
-/// Highest mode of a span further away, Hz.
-const LOW_BAND: f64 = 4.0;
-/// Damping of modes in the last near span, 1/s.
+/// Highest mode of a span further away in units of the filter's frequency `f`: what comes back from there is met at `f/(1 + v/c)` or
+/// below.
+const FAR_BAND: f64 = 0.7;
+/// Damping of modes in a span `REACH` beyond the near ones, 1/s.
 const SPONGE: f64 = 5.0;
 /// Spans that differ by less in the static state are the same, m.
 pub(crate) const SAME: f64 = 1e-7;
@@ -87,8 +92,6 @@ struct Places {
 pub(crate) struct Cells {
     /// Modes of each cell.
     modes: usize,
-    /// Frequency at which droppers are as stiff as their springs and dampers, rad/s.
-    omega: f64,
     /// For each span its class.
     classes: Vec<usize>,
     /// The reduced span of each class.
@@ -138,6 +141,15 @@ pub struct WindowedLine {
     uplift_reference: Vec<f64>,
     /// Of the window's contact wire, with what was found for earlier windows.
     compliance: Option<Arc<ResidualCompliance>>,
+}
+
+impl Places {
+    /// All between the supports of a span of the window, in the order of a span's own coordinates: layers of the left support, what
+    /// is inside, layers of the right support.
+    fn between(&self, span: usize) -> impl Iterator<Item = usize> + '_ {
+        let layers = |support: usize| self.layers[support].iter().copied();
+        layers(span).chain(self.inner[span].clone()).chain(layers(span + 1))
+    }
 }
 
 impl Fixed {
@@ -206,7 +218,7 @@ impl WindowedLine {
         layout.add_coordinates(inner, "window of the line");
         layout.add_coordinates(first + reduced - window_first, "spans beyond the window");
         let position = layout.add_coordinates(1, "position of the window");
-        let cells = cells(statics, &plan, std::f64::consts::TAU * scene.run.low_pass_hz)?;
+        let cells = cells(statics, &plan)?;
         let supports_x = catenary.supports_x();
         let (topology, equilibrium) = statics.shared();
         let fixed = Fixed {
@@ -305,9 +317,10 @@ impl WindowedLine {
             let supports = [span, span + 1]
                 .into_iter()
                 .filter_map(|support| fixed.support(arrangement, support));
-            let sponge = fixed.sponge(arrangement, span, &cell);
-            far.members
-                .push(Member::new(cell, supports.flatten().collect(), modes, &sponge));
+            let elongations = arrangement.elongations[span - arrangement.modelled.start].clone();
+            let interface = supports.flatten().chain(elongations);
+            let sponge = fixed.sponge(arrangement, span);
+            far.members.push(Member::new(cell, interface.collect(), modes, sponge));
         }
         let mut used = vec![false; fixed.coordinates.len()];
         let window = first..first + count;
@@ -384,10 +397,13 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     } else {
         2
     };
+    let elongations = droppers_on_the_interface(catenary);
+    let all = numbers.between(0).count() - elongations;
     let modes_up_to = |frequency: f64| -> usize {
         let per_wire = wires.map(|wire| (2.0 * longest * frequency / wire.wave_speed()).ceil() as usize);
-        (directions * per_wire.iter().sum::<usize>()).min(numbers.inner[0].len())
+        (directions * per_wire.iter().sum::<usize>() + LONGITUDINAL).min(all)
     };
+    let longitudinal = wires.map(|wire| (wire.axial_stiffness / wire.mass_per_length).sqrt() / (2.0 * longest));
     let slower = wires[0].wave_speed().min(wires[1].wave_speed());
     let shift = (1.0 - scene.run.speed / slower).max(1e-3);
     let plan = Plan {
@@ -399,9 +415,11 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
         near: NEAR,
         modes: ModeCounts {
             near: modes_up_to(BAND * scene.run.low_pass_hz / shift),
-            far: modes_up_to(LOW_BAND),
+            far: modes_up_to(FAR_BAND * scene.run.low_pass_hz),
+            searched: modes_up_to(1.2 * longitudinal[0].max(longitudinal[1])),
         },
         at_support: numbers.supports[0].len(),
+        elongations,
         inner,
         first,
     };
@@ -424,7 +442,7 @@ fn places(line: &Line, first: usize) -> Places {
     };
     let inner = nodes.windows(2).map(|ends| {
         let begin = at(ends[0] + 1).min().unwrap_or(0);
-        begin..at(ends[1]).min().unwrap_or(begin)
+        begin..at(ends[1]).chain(layers(ends[1])).min().unwrap_or(begin)
     });
     Places {
         supports: nodes.iter().map(|&node| at(node).collect()).collect(),
@@ -433,11 +451,20 @@ fn places(line: &Line, first: usize) -> Places {
     }
 }
 
-/// The reduced spans of a static state for motions of about `omega` rad/s; made once for all lines from it.
-fn cells(statics: &StaticLine, plan: &Plan, omega: f64) -> Result<Cells, StaticsError> {
+/// How many of a span's droppers are so: those without dampers stretch with the modes.
+fn droppers_on_the_interface(catenary: &Catenary) -> usize {
+    let droppers = &catenary.droppers;
+    if droppers.damping > 0.0 {
+        droppers.positions.len()
+    } else {
+        0
+    }
+}
+
+/// The reduced spans of a static state; made once for all lines from it.
+fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
     let modes = plan.modes.near;
-    let same = |known: &&Cells| known.modes == modes && known.omega == omega;
-    if let Some(known) = statics.cells().get().filter(same) {
+    if let Some(known) = statics.cells().get().filter(|known| known.modes == modes) {
         return Ok(known.clone());
     }
     let source = statics.source();
@@ -447,32 +474,21 @@ fn cells(statics: &StaticLine, plan: &Plan, omega: f64) -> Result<Cells, Statics
             .iter()
             .position(|&example| source.difference(example, span) <= SAME);
         if known.is_none() {
-            let matrices = matrices(&source, span, plan.at_support, omega);
-            let cell = Cell::new(&matrices, modes).ok_or(StaticsError::Unstable { span: span + 1 })?;
+            let matrices = matrices(&source, span, plan);
+            let cell =
+                Cell::new(matrices, modes, plan.modes.searched).ok_or(StaticsError::Unstable { span: span + 1 })?;
             examples.push(span);
             cells.push(Arc::new(cell));
         }
         classes.push(known.unwrap_or(examples.len() - 1));
     }
-    let made = Cells {
-        modes,
-        omega,
-        classes,
-        cells,
-    };
+    let made = Cells { modes, classes, cells };
     // A later one with other modes is not kept.
     let _ = statics.cells().set(made.clone());
     Ok(made)
 }
 
-/// A span's matrices, its droppers with the stiffness `√(k² + (ω c)²)` that springs and dampers have together at `omega` rad/s.
-///
-/// Modes with the springs alone stretch the droppers, and dampers that are stronger than the springs there would couple all of them;
-/// taken one by one, they make a line whose waves die out where the dampers only hold the wires together, and one that blows up as
-/// the window moves where they are ten times as strong. On the thesis' line (`ω c = 6 k` at 20 Hz) the window's error is 0.8 % of the
-/// force's standard deviation in place of 1.0 %; slow motions, which stretch the droppers as this stiffness does not, are most of the
-/// rest.
-fn matrices(source: &Source<'_>, span: usize, at_support: usize, omega: f64) -> SpanMatrices {
+fn matrices(source: &Source<'_>, span: usize, plan: &Plan) -> SpanMatrices {
     let (mut line, size) = source.cut(span..span + 1, 0);
     let zeros = vec![0.0; size];
     let motion = Motion {
@@ -485,20 +501,18 @@ fn matrices(source: &Source<'_>, span: usize, at_support: usize, omega: f64) -> 
     let mut tangent = |q: f64, v: f64| {
         assembled(|blocks| line.forces(&mut |part| part.add_tangent(&motion, Weights { q, v }, blocks)))
     };
-    let (mut stiffness, damping) = (tangent(1.0, 0.0), tangent(0.0, 1.0));
-    let law = &source.catenary.droppers;
-    if law.damping > 0.0 {
-        let held = law.stiffness.hypot(omega * law.damping) - law.stiffness;
-        let weights = Weights {
-            q: 0.0,
-            v: held / law.damping,
-        };
-        let mut droppers = line.droppers().clone();
-        stiffness.extend(assembled(|blocks| droppers.add_tangent(&motion, weights, blocks)));
-    }
+    let (stiffness, damping) = (tangent(1.0, 0.0), tangent(0.0, 1.0));
     let mass = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
+    let wires = WireName::BOTH.map(|name| line.wire(name).geometry());
+    let mut longitudinal = vec![false; size];
+    let maps = wires.iter().flat_map(|wire| wire.nodes()).map(|node| node.map);
+    for index in maps.flat_map(|map| [map.position(0), map.slope(0)]).flatten() {
+        longitudinal[index] = true;
+    }
     SpanMatrices {
-        at_support,
+        at_support: plan.at_support,
+        longitudinal,
+        elongations: Elongations::new(line.droppers().gradients(&motion).take(plan.elongations)),
         stiffness: SparseMatrix::from_entries(size, stiffness),
         damping: SparseMatrix::from_entries(size, damping),
         mass: SparseMatrix::from_entries(size, mass),

@@ -12,6 +12,8 @@ pub(super) struct Arrangement {
     pub modelled: Range<usize>,
     /// For each reduced span its modes; empty for those of the window. Spans are counted from the first modelled one.
     pub modes: Vec<Range<usize>>,
+    /// For each reduced span the elongations of its droppers that are coordinates; likewise.
+    pub elongations: Vec<Range<usize>>,
     /// For each support that is an end of reduced spans only its first coordinate.
     pub supports: Vec<Option<usize>>,
 }
@@ -23,6 +25,8 @@ pub(super) struct ModeCounts {
     pub near: usize,
     /// Of a span further away.
     pub far: usize,
+    /// Lowest ones among which the longitudinal modes are found.
+    pub searched: usize,
 }
 
 /// The rules for a line.
@@ -44,6 +48,8 @@ pub(super) struct Plan {
     pub modes: ModeCounts,
     /// Coordinates of a support.
     pub at_support: usize,
+    /// Elongations of droppers that are coordinates of a reduced span.
+    pub elongations: usize,
     /// Coordinates of the window.
     pub inner: usize,
     /// The first coordinate of all.
@@ -65,14 +71,19 @@ impl Plan {
         self.reach.min(self.spans - self.window)
     }
 
-    /// First coordinate of the window. All supports and the window follow one another along the track, so that only neighbours are
+    /// Coordinates of a reduced span and one of its supports, but for the modes.
+    fn interface(&self) -> usize {
+        self.at_support + self.elongations
+    }
+
+    /// First coordinate of the window. All interfaces and the window follow one another along the track, so that only neighbours are
     /// coupled there; modes come last.
     pub fn window_first(&self) -> usize {
-        self.first + self.most() * self.at_support
+        self.first + self.most() * self.interface()
     }
 
     fn modes_first(&self) -> usize {
-        self.window_first() + self.inner + self.most() * self.at_support
+        self.window_first() + self.inner + self.most() * self.interface()
     }
 
     /// All coordinates at any position.
@@ -105,7 +116,7 @@ impl Plan {
         let (left, right) = self.reduced(at);
         let window = at..at + self.window;
         let modelled = at - left..window.end + right;
-        let mut modes = vec![0..0; modelled.len()];
+        let (mut modes, mut elongations) = (vec![0..0; modelled.len()], vec![0..0; modelled.len()]);
         let mut supports = vec![None; modelled.len() + 1];
         let mut next = self.modes_first();
         let mut take = |count: usize| {
@@ -115,18 +126,23 @@ impl Plan {
         for distance in 1..=left {
             let span = left - distance;
             modes[span] = take(self.mode_count(distance));
-            supports[span] = Some(self.window_first() - distance * self.at_support);
+            let support = self.window_first() - distance * self.interface();
+            supports[span] = Some(support);
+            elongations[span] = support + self.at_support..support + self.interface();
         }
         for distance in 1..=right {
             let span = left + self.window + distance - 1;
             modes[span] = take(self.mode_count(distance));
-            supports[span + 1] = Some(self.window_first() + self.inner + (distance - 1) * self.at_support);
+            let support = self.window_first() + self.inner + distance * self.interface() - self.at_support;
+            supports[span + 1] = Some(support);
+            elongations[span] = support - self.elongations..support;
         }
         Arrangement {
             at,
             window,
             modelled,
             modes,
+            elongations,
             supports,
         }
     }
@@ -137,7 +153,18 @@ impl Arrangement {
     pub fn reduced(&self, at_support: usize) -> impl Iterator<Item = usize> + '_ {
         let supports = self.supports.iter().flatten();
         let supports = supports.flat_map(move |&first| first..first + at_support);
-        self.modes.iter().cloned().flatten().chain(supports)
+        self.modes
+            .iter()
+            .chain(&self.elongations)
+            .cloned()
+            .flatten()
+            .chain(supports)
+    }
+
+    /// Elongations and modes of a span; none where it is not modelled, and no coordinates in the window.
+    pub fn own(&self, span: usize) -> Option<(Range<usize>, Range<usize>)> {
+        let place = span.checked_sub(self.modelled.start)?;
+        Some((self.elongations.get(place)?.clone(), self.modes[place].clone()))
     }
 
     /// Distance of a modelled span from the window, from 1; 0 in the window.
@@ -162,8 +189,13 @@ mod tests {
             stride: 1,
             reach: 8,
             near: 4,
-            modes: ModeCounts { near: 20, far: 5 },
+            modes: ModeCounts {
+                near: 20,
+                far: 5,
+                searched: 30,
+            },
             at_support: 8,
+            elongations: 3,
             inner: 100,
             first: 1000,
         }

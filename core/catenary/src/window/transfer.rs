@@ -22,19 +22,6 @@ impl Fixed {
             for (index, value) in places.zip(motion) {
                 values[index] = value;
             }
-            // Layers are unknowns of supports within the window only; those of a support that was none have followed statically,
-            // and are far from the strips.
-            let within = |arrangement: &Arrangement| {
-                let window = &arrangement.window;
-                (window.start..=window.end)
-                    .contains(&support)
-                    .then(|| &self.places.layers[support - window.start])
-            };
-            if let (Some(own), Some(other)) = (within(to), within(from)) {
-                for (&index, &before) in own.iter().zip(other) {
-                    values[index] = old(before);
-                }
-            }
         }
         for span in to.modelled.clone() {
             let supports = || -> Vec<f64> {
@@ -42,39 +29,39 @@ impl Fixed {
                 ends.flat_map(|support| self.support_motion(from, support, &old))
                     .collect()
             };
-            let was_modelled = from.modelled.contains(&span);
-            let before = from
-                .window
-                .contains(&span)
-                .then(|| self.places.inner[span - from.at].clone());
-            let modes = if was_modelled {
-                from.modes[span - from.modelled.start].clone()
-            } else {
-                0..0
-            };
+            let before: Option<Vec<f64>> = from.window.contains(&span).then(|| {
+                let places = self.places.between(span - from.at);
+                places.map(old).collect()
+            });
+            // Beyond what was modelled nothing stretched and no mode moved.
+            let (elongations, modes) = from.own(span).unwrap_or_default();
             if to.window.contains(&span) {
-                let own = self.places.inner[span - to.at].clone();
-                if let Some(before) = before {
-                    for (index, before) in own.zip(before) {
-                        values[index] = old(before);
-                    }
-                } else {
+                let between = before.unwrap_or_else(|| {
+                    let mut interface = supports();
+                    interface.extend(elongations.map(old));
+                    interface.resize(2 * self.plan.at_support + self.plan.elongations, 0.0);
                     let modes: Vec<f64> = modes.map(old).collect();
-                    let inner = self.cell(span).expand(&supports(), &modes);
-                    for (index, value) in own.zip(inner.iter()) {
-                        values[index] = *value;
-                    }
+                    self.cell(span).expand(&interface, &modes)
+                });
+                let within = span - to.at;
+                for (index, value) in self.places.between(within).zip(between) {
+                    // A layer at a support between two spans is one unknown, of which each of them knows a half.
+                    let shared = [within, within + 1].into_iter().any(|support| {
+                        support > 0 && support < self.plan.window && self.places.layers[support].contains(&index)
+                    });
+                    values[index] += if shared { 0.5 * value } else { value };
                 }
-            } else {
-                let own = to.modes[span - to.modelled.start].clone();
+            } else if let Some((own_elongations, own_modes)) = to.own(span) {
                 if let Some(before) = before {
-                    let inner: Vec<f64> = before.map(old).collect();
-                    let share = self.cell(span).project(&supports(), &inner);
-                    for (index, value) in own.zip(share.iter()) {
-                        values[index] = *value;
+                    let (stretched, share) = self.cell(span).project(&supports(), &before);
+                    for (index, value) in own_elongations
+                        .zip(stretched)
+                        .chain(own_modes.zip(share.iter().copied()))
+                    {
+                        values[index] = value;
                     }
                 } else {
-                    for (index, before) in own.zip(modes) {
+                    for (index, before) in own_elongations.zip(elongations).chain(own_modes.zip(modes)) {
                         values[index] = old(before);
                     }
                 }
