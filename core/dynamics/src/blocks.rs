@@ -11,6 +11,7 @@ pub struct Blocks<'a> {
 
 enum Target<'a> {
     Record(&'a mut Vec<(u32, u32)>),
+    Mark(&'a mut [bool]),
     Add {
         places: &'a [u32],
         cursor: usize,
@@ -23,6 +24,13 @@ impl<'a> Blocks<'a> {
     pub fn record(places: &'a mut Vec<(u32, u32)>) -> Self {
         Self {
             target: Target::Record(places),
+        }
+    }
+
+    /// Marks the rows of all blocks.
+    pub fn mark(rows: &'a mut [bool]) -> Self {
+        Self {
+            target: Target::Mark(rows),
         }
     }
 
@@ -48,6 +56,7 @@ impl<'a> Blocks<'a> {
     pub fn entries(&self) -> usize {
         match &self.target {
             Target::Record(places) => places.len(),
+            Target::Mark(_) => 0,
             Target::Add { cursor, .. } => *cursor,
         }
     }
@@ -61,6 +70,7 @@ impl<'a> Blocks<'a> {
                     places.extend(columns.iter().map(|&column| (row as u32, column as u32)));
                 }
             }
+            Target::Mark(marked) => rows.iter().for_each(|&row| marked[row] = true),
             Target::Add {
                 places,
                 cursor,

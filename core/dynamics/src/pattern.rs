@@ -19,13 +19,14 @@ impl Pattern {
         let entries = entries.chain(diagonal);
         let mut links = Links::new(size);
         let (mut in_row, mut in_column) = (vec![0; size + 1], vec![0; size + 1]);
-        for (row, column) in entries.clone() {
-            if row != column {
+        // `for_each`, not `for`: a chain of iterators is several times faster from inside.
+        entries.clone().for_each(|(row, column)| {
+            if row > column {
                 links.join(row as usize, column as usize);
             }
             in_row[row as usize + 1] += 1;
             in_column[column as usize + 1] += 1;
-        }
+        });
         for counted in [&mut in_row, &mut in_column] {
             for i in 0..size {
                 counted[i + 1] += counted[i];
@@ -34,10 +35,10 @@ impl Pattern {
         // Sorted by row, then by column with the rows in their order: no comparison of entries.
         let mut columns = vec![0; in_row[size]];
         let mut next = in_row.clone();
-        for (row, column) in entries {
+        entries.for_each(|(row, column)| {
             columns[next[row as usize]] = column;
             next[row as usize] += 1;
-        }
+        });
         let mut all = vec![0; in_column[size]];
         let mut ends = in_column.clone();
         for row in 0..size {

@@ -101,16 +101,14 @@ impl LinearPart {
     fn of(system: &mut dyn System, motion: &Motion<'_>) -> Option<Self> {
         let coordinates = system.layout().coordinates();
         let mut rows_of = |linear: bool| {
-            let mut entries = Vec::new();
-            let mut blocks = Blocks::record(&mut entries);
+            let mut rows = vec![false; coordinates];
+            let mut blocks = Blocks::mark(&mut rows);
             system.forces(&mut |force| {
                 if force.evaluates_ranges() && force.is_linear() == linear {
                     force.add_tangent(motion, Weights { q: 1.0, v: 1.0 }, &mut blocks);
                     force.add_mass(&mut blocks);
                 }
             });
-            let mut rows = vec![false; coordinates];
-            entries.iter().for_each(|&(row, _)| rows[row as usize] = true);
             rows
         };
         let (mut own, mut evaluated) = (rows_of(true), rows_of(false));

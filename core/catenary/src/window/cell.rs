@@ -71,7 +71,7 @@ pub(super) struct Cell {
 pub(super) struct Pair(pub [[f64; GROUP]; 2]);
 
 impl Cell {
-    /// Reduces a span to `count` modes: the first longitudinal ones of both wires among the lowest `searched`, and the lowest others.
+    /// Reduces a span to `count` modes: the first longitudinal ones among the lowest `searched`, and the lowest others.
     /// `None` where its inner stiffness is not positive definite.
     pub fn new(span: SpanMatrices, count: usize, searched: usize) -> Option<Self> {
         let (size, ni) = (span.stiffness.size(), span.at_support);
@@ -190,8 +190,8 @@ impl Cell {
     }
 }
 
-/// Longitudinal modes of a span that come before all others: the first one of each wire.
-pub(super) const LONGITUDINAL: usize = 2;
+/// Longitudinal modes of a span that come before all others: the first two of each wire.
+pub(super) const LONGITUDINAL: usize = 4;
 
 /// Which `count` modes are kept, in their order: of all modes by ascending frequency the `shares` of their mass that move along the
 /// track.
