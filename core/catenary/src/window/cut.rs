@@ -83,22 +83,18 @@ impl Source<'_> {
                 ..*node
             });
             let lengths = geometry.lengths()[nodes.start..nodes.end - 1].to_vec();
-            // None is known at a true end, where the whole line has no layer.
-            let known = |layer: &Enrichment| {
-                let of = geometry.enrichments();
-                let first = of.partition_point(|other| other.node < nodes.start + layer.node);
-                let here = of[first..]
-                    .iter()
-                    .take_while(|other| other.node == nodes.start + layer.node);
-                here.into_iter()
-                    .find(|other| other.direction == layer.direction)
-                    .map(|other| other.reference)
-            };
             let layers = layers(name.parameters(self.catenary), coordinates)
                 .into_iter()
-                .map(|layer| Enrichment {
-                    reference: known(&layer).unwrap_or(0.0),
-                    ..layer
+                .map(|layer| {
+                    let same = |other: &&Enrichment| {
+                        other.node == nodes.start + layer.node && other.direction == layer.direction
+                    };
+                    // None at a true end, where the whole line has no layer.
+                    let known = geometry.enrichments().iter().find(same);
+                    Enrichment {
+                        reference: known.map_or(0.0, |known| known.reference),
+                        ..layer
+                    }
                 });
             WireGeometry::new(cut.collect(), lengths, layers.collect())
         };

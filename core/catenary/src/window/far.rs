@@ -60,31 +60,28 @@ impl Member {
         let cell = &self.cell;
         let size = self.interface.len();
         scratch.clear();
+        // The matrices are symmetric and stored column by column.
         for row in 0..size {
             for column in 0..size {
-                let at = (row, column);
+                let at = (column, row);
                 scratch.push(k * cell.stiffness[at] + d * cell.damping[at] + m * cell.mass[at]);
             }
         }
         blocks.add(&self.interface, &self.interface, scratch);
-        let modes: Vec<usize> = self.modes.clone().collect();
-        scratch.clear();
-        for row in 0..size {
-            for mode in 0..self.modes.len() {
-                let at = (row, mode);
-                scratch.push(d * cell.damping_coupling[at] + m * cell.mass_coupling[at]);
-            }
-        }
-        blocks.add(&self.interface, &modes, scratch);
-        scratch.clear();
-        for mode in 0..self.modes.len() {
-            for row in 0..size {
-                let at = (row, mode);
-                scratch.push(d * cell.damping_coupling[at] + m * cell.mass_coupling[at]);
-            }
-        }
-        blocks.add(&modes, &self.interface, scratch);
-        for (i, &mode) in modes.iter().enumerate() {
+        for (i, mode) in self.modes.clone().enumerate() {
+            let couplings = cell
+                .damping_coupling
+                .column(i)
+                .into_iter()
+                .zip(cell.mass_coupling.column(i));
+            scratch.clear();
+            scratch.extend(
+                couplings
+                    .take(size)
+                    .map(|(of_damping, of_mass)| d * of_damping + m * of_mass),
+            );
+            blocks.add(&self.interface, &[mode], scratch);
+            blocks.add(&[mode], &self.interface, scratch);
             let [squares, damping] = self.own[i / GROUP].0.map(|lanes| lanes[i % GROUP]);
             blocks.add(&[mode], &[mode], &[k * squares + d * damping + m]);
         }
