@@ -231,7 +231,7 @@ fn a_window_takes_droppers_with_strong_dampers() {
     ];
     let thesis = include_str!("../scenes/thesis-lumped.toml");
     let (difference, _) = windowed_scene(thesis, "\"planar\", \"linearised\"", &more);
-    assert!(difference < 0.35, "{difference} %");
+    assert!(difference < 0.6, "{difference} %");
 }
 
 /// Waves of tension run along all of a line between fixed ends: without longitudinal modes in the spans far from the window the
@@ -247,6 +247,20 @@ fn a_window_is_followed_by_waves_along_the_wires() {
     let thesis = include_str!("../scenes/thesis-lumped.toml");
     let (difference, _) = windowed_scene(thesis, "\"planar\", \"linearised\"", &more);
     assert!(difference < 0.25, "{difference} %");
+}
+
+/// Close to the longest steps for which the corrected inertia of the whole line is positive, 2.55 ms.
+#[test]
+fn a_window_takes_the_steps_of_its_line() {
+    let more = [
+        "solver.micro_step=0.0025",
+        "coupling.macro_step=0.0025",
+        "run.output_step=0.0025",
+        "run.duration=3.0",
+        "run.evaluate={time=[0.5,2.9]}",
+    ];
+    let (difference, _) = windowed("\"planar\"", &more);
+    assert!(difference < 0.5, "{difference} %");
 }
 
 #[test]

@@ -22,8 +22,8 @@ pub enum BendingLayers {
     Absent,
     /// One vertical layer per attachment and wire, and a lateral one at the supports of a staggered line.
     AtAttachments,
-    /// The same, and at the ends: of a piece whose wires go on, of which each side has half of the layer there. `ψ` and its slope
-    /// vanish at the node, so that each half is a layer of its own.
+    /// The same, and at the ends: of a piece whose wires go on, which has half of the layer there. `ψ` and its slope vanish at the
+    /// node, so that each half is a layer of its own.
     AtAttachmentsAndEnds,
 }
 

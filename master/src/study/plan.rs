@@ -453,7 +453,7 @@ fn vehicle(runs: &mut Runs<'_>) {
 /// Steps of the ladder: elements of the longest dropper interval and micro step, both in eighths of the base case's. Shorter intervals
 /// have elements of the same length: fewer for the same error, and longer steps with the mass correction. On the line of EN 50318 it
 /// takes 13.6 eighths with seven elements and 11.6 with eight.
-const LADDER: [(usize, f64); 20] = [
+const LADDER: [(usize, f64); 19] = [
     (2, 16.0),
     (4, 16.0),
     (4, 8.0),
@@ -462,7 +462,6 @@ const LADDER: [(usize, f64); 20] = [
     (7, 11.0),
     (7, 8.0),
     (7, 7.0),
-    (8, 12.0),
     (8, 11.6),
     (8, 10.0),
     (8, 8.0),
@@ -477,13 +476,12 @@ const LADDER: [(usize, f64); 20] = [
 ];
 
 /// The same with `quick`.
-const SHORT_LADDER: [(usize, f64); 13] = [
+const SHORT_LADDER: [(usize, f64); 12] = [
     (4, 16.0),
     (6, 8.0),
     (7, 12.8),
     (7, 11.0),
     (7, 7.0),
-    (8, 12.0),
     (8, 11.6),
     (8, 10.0),
     (8, 8.0),

@@ -1,5 +1,6 @@
 //! A span far from the strips, reduced to its supports, to the elongations of its droppers and to its lowest modes.
 use super::elongations::Elongations;
+use super::end_layers::EndLayers;
 use super::modes::{Envelope, lowest_modes, product};
 use dynamics::SparseMatrix;
 use nalgebra::{DMatrix, DVector};
@@ -20,6 +21,8 @@ pub(super) struct SpanMatrices {
     pub mass: SparseMatrix,
     /// What belongs to the interface beside the supports.
     pub elongations: Elongations,
+    /// What follows the rest of the span at its ends: the first and the last coordinates between the supports.
+    pub layers: EndLayers,
     /// For each coordinate whether it is along the track.
     pub longitudinal: Vec<bool>,
 }
@@ -38,6 +41,7 @@ pub(super) struct SpanMatrices {
 #[derive(Debug)]
 pub(super) struct Cell {
     elongations: Elongations,
+    layers: EndLayers,
     /// Coordinates per support.
     at_support: usize,
     /// What of the span between its supports is not on the interface, `f`.
@@ -65,6 +69,13 @@ pub(super) struct Cell {
     pub couplings: Vec<Pair>,
 }
 
+/// What moves between the supports of a span.
+pub(super) struct Between {
+    /// Of the left and of the right support.
+    pub end_layers: [Vec<f64>; 2],
+    pub inner: Vec<f64>,
+}
+
 /// Two numbers for each mode of a group, at the boundary of a cache line: a vector loaded across two lines costs twice.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
@@ -82,7 +93,9 @@ impl Cell {
         for (row, &index) in interface.iter().enumerate() {
             place[index] = Some(row);
         }
-        let inner: Vec<usize> = between.clone().filter(|&index| place[index].is_none()).collect();
+        let follows: Vec<usize> = span.layers.places().collect();
+        let is_inner = |index: &usize| place[*index].is_none() && !follows.contains(index);
+        let inner: Vec<usize> = between.clone().filter(is_inner).collect();
         let mut number = vec![0; size];
         inner.iter().enumerate().for_each(|(i, &index)| number[index] = i);
         let place = |index: usize| place[index].map_or((true, number[index]), |row| (false, row));
@@ -141,6 +154,7 @@ impl Cell {
         let mode_damping = (0..modes.ncols()).map(|i| modes.column(i).dot(&damped.column(i)));
         Some(Self {
             elongations: span.elongations,
+            layers: span.layers,
             mode_damping: mode_damping.collect(),
             weighted_modes: product(&m_ff, &modes),
             at_support: ni,
@@ -159,7 +173,7 @@ impl Cell {
     }
 
     /// Motion between the supports from that of the interface and of the first modes.
-    pub fn expand(&self, interface: &[f64], modes: &[f64]) -> Vec<f64> {
+    pub fn expand(&self, interface: &[f64], modes: &[f64]) -> Between {
         let s = DVector::from_column_slice(interface);
         let modes = DVector::from_column_slice(modes);
         let inner = self.shapes.columns(0, s.len()) * &s + self.modes.columns(0, modes.len()) * modes;
@@ -170,14 +184,24 @@ impl Cell {
         for (index, value) in self.elongations.places().zip(&interface[2 * self.at_support..]) {
             values[index] = *value;
         }
+        let (left, right) = interface[..2 * self.at_support].split_at(self.at_support);
+        values[..self.between.start].copy_from_slice(left);
+        values[self.between.end..].copy_from_slice(right);
         self.elongations.displace(&mut values);
-        values[self.between.clone()].to_vec()
+        self.layers.follow(&mut values);
+        let (start, end) = (self.between.start, self.between.end);
+        let layers = self.layers.places().count() / 2;
+        Between {
+            end_layers: [start..start + layers, end - layers..end].map(|range| values[range].to_vec()),
+            inner: values[start + layers..end - layers].to_vec(),
+        }
     }
 
-    /// Elongations, and the modes' share by mass, of a motion at and between the supports.
+    /// Elongations, and the modes' share by mass, of a motion at and between the supports, the layers at these left out.
     pub fn project(&self, supports: &[f64], between: &[f64]) -> (Vec<f64>, DVector<f64>) {
         let (left, right) = supports.split_at(self.at_support);
-        let mut values = [left, between, right].concat();
+        let layers = vec![0.0; self.layers.places().count() / 2];
+        let mut values = [left, &layers, between, &layers, right].concat();
         self.elongations.measure(&mut values);
         let elongations: Vec<f64> = self.elongations.places().map(|index| values[index]).collect();
         let interface = DVector::from_iterator(

@@ -19,21 +19,31 @@ pub(crate) struct Source<'a> {
 
 impl Source<'_> {
     /// Spans `spans` (from 0) as a line of their own that starts at x = 0, with coordinates numbered from `first`, and the number of
-    /// these. What the rest of the line did to it is missing: its ends are neither held nor pulled. Each end has its half of the
-    /// bending layers there.
+    /// these. What the rest of the line did to it is missing: its ends are neither held nor pulled, and have no bending layers.
     pub fn cut(&self, spans: Range<usize>, first: usize) -> (Line, usize) {
+        self.cut_with(self.topology.options().layers, spans, first)
+    }
+
+    /// The same with coordinates from 0, each end with its half of the bending layers there.
+    pub fn cut_with_end_layers(&self, spans: Range<usize>) -> (Line, usize) {
+        let layers = match self.topology.options().layers {
+            BendingLayers::Absent => BendingLayers::Absent,
+            BendingLayers::AtAttachments | BendingLayers::AtAttachmentsAndEnds => BendingLayers::AtAttachmentsAndEnds,
+        };
+        self.cut_with(layers, spans, 0)
+    }
+
+    fn cut_with(&self, layers: BendingLayers, spans: Range<usize>, first: usize) -> (Line, usize) {
         let catenary = Catenary {
             span_lengths: self.catenary.span_lengths[spans.clone()].to_vec(),
             // No forces of tensioning devices.
             wire_ends: WireEnds::Fixed,
             ..self.catenary.clone()
         };
-        let whole = self.topology.options();
-        let layers = match whole.layers {
-            BendingLayers::Absent => BendingLayers::Absent,
-            BendingLayers::AtAttachments | BendingLayers::AtAttachmentsAndEnds => BendingLayers::AtAttachmentsAndEnds,
+        let options = LineOptions {
+            layers,
+            ..*self.topology.options()
         };
-        let options = LineOptions { layers, ..*whole };
         let topology = Arc::new(Topology::new(&catenary, options));
         let mut layout = Layout::new();
         let coordinates = topology.register(&mut layout);

@@ -41,28 +41,15 @@ impl Elongations {
         self.0.iter().map(|elongation| elongation.place)
     }
 
-    /// A symmetric matrix on the new coordinates: `Tᵀ A T` with `q = T q_new`.
+    /// A symmetric matrix on the new coordinates.
     pub fn transform(&self, matrix: &SparseMatrix) -> SparseMatrix {
-        let size = matrix.size();
-        // Rows of T.
-        let mut rows: Vec<Vec<(u32, f64)>> = (0..size).map(|i| vec![(i as u32, 1.0)]).collect();
-        for Elongation { place, own, others } in &self.0 {
-            rows[*place] = vec![(*place as u32, 1.0 / own)];
-            rows[*place].extend(others.iter().map(|&(i, b)| (i as u32, -b / own)));
-        }
-        let mut entries = Vec::new();
-        for (i, of_row) in rows.iter().enumerate() {
-            for (j, value) in matrix.row(i) {
-                for &(row, left) in of_row {
-                    entries.extend(
-                        rows[j]
-                            .iter()
-                            .map(|&(column, right)| (row, column, left * value * right)),
-                    );
-                }
-            }
-        }
-        SparseMatrix::from_entries(size, entries)
+        let rows: Vec<(usize, Vec<(usize, f64)>)> = (self.0.iter())
+            .map(|Elongation { place, own, others }| {
+                let others = others.iter().map(|&(i, b)| (i, -b / own));
+                (*place, others.chain([(*place, 1.0 / own)]).collect())
+            })
+            .collect();
+        congruent(matrix, &rows)
     }
 
     /// From displacements to elongations.
@@ -86,6 +73,25 @@ impl Elongation {
     fn of_others(&self, values: &[f64]) -> f64 {
         self.others.iter().map(|&(i, b)| b * values[i]).sum()
     }
+}
+
+/// `Tᵀ A T`, where the rows of `T` are those of the unit matrix but for some, given with their entries (column, value).
+pub(super) fn congruent(matrix: &SparseMatrix, changed: &[(usize, Vec<(usize, f64)>)]) -> SparseMatrix {
+    let size = matrix.size();
+    let mut rows: Vec<Vec<(usize, f64)>> = (0..size).map(|i| vec![(i, 1.0)]).collect();
+    for (row, entries) in changed {
+        rows[*row].clone_from(entries);
+    }
+    let mut entries = Vec::new();
+    for (i, of_row) in rows.iter().enumerate() {
+        for (j, value) in matrix.row(i) {
+            for &(row, left) in of_row {
+                let of_column = rows[j].iter();
+                entries.extend(of_column.map(|&(column, right)| (row as u32, column as u32, left * value * right)));
+            }
+        }
+    }
+    SparseMatrix::from_entries(size, entries)
 }
 
 #[cfg(test)]

@@ -92,8 +92,8 @@ impl Member {
         // As many rows at a time as there are registers for.
         let rows = self.at_interface.len();
         match rows {
-            _ if rows % 24 == 0 => self.add_force_of::<24>(motion, v_dot, force),
-            _ if rows % 16 == 0 => self.add_force_of::<16>(motion, v_dot, force),
+            _ if rows.is_multiple_of(24) => self.add_force_of::<24>(motion, v_dot, force),
+            _ if rows.is_multiple_of(16) => self.add_force_of::<16>(motion, v_dot, force),
             _ => self.add_force_of::<ROWS>(motion, v_dot, force),
         }
     }

@@ -9,8 +9,8 @@
 //! The window is a line of a few spans cut out of the static state. What lies beyond its ends does not stop there: the spans next
 //! to it are linear and reduced to their supports, the elongations of droppers with dampers, and modes ([`cell`]): the lowest ones and
 //! the first longitudinal ones. That costs a tenth of a full span, carries waves of the frequencies of interest without any reflection,
-//! and keeps the line's longitudinal elasticity and mass, which the contact force depends on by several percent. At the cuts each side
-//! has half of the bending layers. On short lines these cells reach the true ends. On long ones there are a fixed number of them, with
+//! and keeps the line's longitudinal elasticity and mass, which the contact force depends on by several percent. Each has its
+//! halves of the bending layers at its supports. On short lines these cells reach the true ends. On long ones there are a fixed number of them, with
 //! damping that grows with the distance and, at the last support, dashpots `√(EA m)` matched to longitudinal waves [after Lysmer &
 //! Kuhlemeyer 1969].
 //!
@@ -24,6 +24,7 @@
 //! cut          pieces of the static state
 //! modes        lowest modes of a span
 //! elongations  coordinates for the dampers of droppers
+//! end_layers   bending layers at the ends of a span
 //! cell         a reduced span
 //! far          all reduced spans as one contribution
 //! ends         what holds them
@@ -35,6 +36,7 @@ mod cell;
 mod curve;
 mod cut;
 mod elongations;
+mod end_layers;
 mod ends;
 mod far;
 mod modes;
@@ -52,6 +54,7 @@ use cell::{Cell, LONGITUDINAL, SpanMatrices};
 pub(crate) use cut::Source;
 use dynamics::{Continuity, Layout, Motion, SparseMatrix, Weights};
 use elongations::Elongations;
+use end_layers::EndLayers;
 use far::{FarField, Member};
 use plan::{Arrangement, ModeCounts, Plan};
 use scene::{Catenary, Reduction, Scene};
@@ -145,15 +148,6 @@ pub struct WindowedLine {
     uplift_reference: Vec<f64>,
     /// Of the window's contact wire, with what was found for earlier windows.
     compliance: Option<Arc<ResidualCompliance>>,
-}
-
-impl Places {
-    /// All between the supports of a span of the window, in the order of a span's own coordinates: layers of the left support, what
-    /// is inside, layers of the right support.
-    fn between(&self, span: usize) -> impl Iterator<Item = usize> + '_ {
-        let layers = |support: usize| self.layers[support].iter().copied();
-        layers(span).chain(self.inner[span].clone()).chain(layers(span + 1))
-    }
 }
 
 impl Fixed {
@@ -411,7 +405,7 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
         2
     };
     let elongations = droppers_on_the_interface(catenary);
-    let all = numbers.between(0).count() - elongations;
+    let all = numbers.inner[0].len() - elongations;
     let modes_up_to = |frequency: f64| -> usize {
         let per_wire = wires.map(|wire| (2.0 * longest * frequency / wire.wave_speed()).ceil() as usize);
         (directions * per_wire.iter().sum::<usize>() + LONGITUDINAL).min(all)
@@ -456,7 +450,7 @@ fn places(line: &Line, first: usize) -> Places {
     };
     let inner = nodes.windows(2).map(|ends| {
         let begin = at(ends[0] + 1).min().unwrap_or(0);
-        begin..at(ends[1]).chain(layers(ends[1])).min().unwrap_or(begin)
+        begin..at(ends[1]).min().unwrap_or(begin)
     });
     Places {
         supports: nodes.iter().map(|&node| at(node).collect()).collect(),
@@ -503,7 +497,7 @@ fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
 }
 
 fn matrices(source: &Source<'_>, span: usize, plan: &Plan) -> SpanMatrices {
-    let (mut line, size) = source.cut(span..span + 1, 0);
+    let (mut line, size) = source.cut_with_end_layers(span..span + 1);
     let zeros = vec![0.0; size];
     let motion = Motion {
         t: 0.0,
@@ -517,6 +511,10 @@ fn matrices(source: &Source<'_>, span: usize, plan: &Plan) -> SpanMatrices {
     };
     let (stiffness, damping) = (tangent(1.0, 0.0), tangent(0.0, 1.0));
     let mass = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
+    let matrix = |entries| SparseMatrix::from_entries(size, entries);
+    let (mut stiffness, mut damping, mut mass) = (matrix(stiffness), matrix(damping), matrix(mass));
+    let at_ends = places(&line, 0).layers.concat();
+    let layers = EndLayers::eliminate(&at_ends, [&mut stiffness, &mut damping, &mut mass]);
     let wires = WireName::BOTH.map(|name| line.wire(name).geometry());
     let mut longitudinal = vec![false; size];
     let maps = wires.iter().flat_map(|wire| wire.nodes()).map(|node| node.map);
@@ -527,8 +525,9 @@ fn matrices(source: &Source<'_>, span: usize, plan: &Plan) -> SpanMatrices {
         at_support: plan.at_support,
         longitudinal,
         elongations: Elongations::new(line.droppers().gradients(&motion).take(plan.elongations)),
-        stiffness: SparseMatrix::from_entries(size, stiffness),
-        damping: SparseMatrix::from_entries(size, damping),
-        mass: SparseMatrix::from_entries(size, mass),
+        layers,
+        stiffness,
+        damping,
+        mass,
     }
 }

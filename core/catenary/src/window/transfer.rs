@@ -29,35 +29,40 @@ impl Fixed {
                 ends.flat_map(|support| self.support_motion(from, support, &old))
                     .collect()
             };
-            let before: Option<Vec<f64>> = from.window.contains(&span).then(|| {
-                let places = self.places.between(span - from.at);
-                places.map(old).collect()
-            });
+            let before = from
+                .window
+                .contains(&span)
+                .then(|| self.places.inner[span - from.at].clone().map(old));
             // Beyond what was modelled nothing stretched and no mode moved.
             let (elongations, modes) = from.own(span).unwrap_or_default();
             if to.window.contains(&span) {
-                let between = before.unwrap_or_else(|| {
+                let within = span - to.at;
+                let mut set = |places: &mut dyn Iterator<Item = usize>, motion: &mut dyn Iterator<Item = f64>| {
+                    places.zip(motion).for_each(|(index, value)| values[index] = value);
+                };
+                let mut inner = self.places.inner[within].clone();
+                if let Some(mut before) = before {
+                    set(&mut inner, &mut before);
+                } else {
                     let mut interface = supports();
                     interface.extend(elongations.map(old));
                     interface.resize(2 * self.plan.at_support + self.plan.elongations, 0.0);
                     let modes: Vec<f64> = modes.map(old).collect();
-                    self.cell(span).expand(&interface, &modes)
-                });
-                let within = span - to.at;
-                for (index, value) in self.places.between(within).zip(between) {
-                    // A layer at a support between two spans is one unknown, of which each of them knows a half.
-                    let shared = [within, within + 1].into_iter().any(|support| {
-                        support > 0 && support < self.plan.window && self.places.layers[support].contains(&index)
-                    });
-                    values[index] += if shared { 0.5 * value } else { value };
+                    let between = self.cell(span).expand(&interface, &modes);
+                    set(&mut inner, &mut between.inner.into_iter());
+                    for (support, motion) in [within, within + 1].into_iter().zip(between.end_layers) {
+                        set(
+                            &mut self.places.layers[support].iter().copied(),
+                            &mut motion.into_iter(),
+                        );
+                    }
                 }
             } else if let Some((own_elongations, own_modes)) = to.own(span) {
                 if let Some(before) = before {
+                    let before: Vec<f64> = before.collect();
                     let (stretched, share) = self.cell(span).project(&supports(), &before);
-                    for (index, value) in own_elongations
-                        .zip(stretched)
-                        .chain(own_modes.zip(share.iter().copied()))
-                    {
+                    let places = own_elongations.chain(own_modes);
+                    for (index, value) in places.zip(stretched.into_iter().chain(share.iter().copied())) {
                         values[index] = value;
                     }
                 } else {
@@ -65,6 +70,14 @@ impl Fixed {
                         values[index] = old(before);
                     }
                 }
+            }
+        }
+        // Layers at supports that both windows have inside; those at the ends of windows belong to the reduced spans there.
+        let inside = |arrangement: &Arrangement| arrangement.window.start + 1..arrangement.window.end;
+        for support in inside(to).filter(|support| inside(from).contains(support)) {
+            let [own, before] = [to, from].map(|arrangement| &self.places.layers[support - arrangement.at]);
+            for (&index, &before) in own.iter().zip(before) {
+                values[index] = old(before);
             }
         }
     }

@@ -1,0 +1,88 @@
+//! Bending layers at the ends of a reduced span.
+use super::elongations::congruent;
+use dynamics::SparseMatrix;
+
+/// Unknowns that follow the others without inertia: of a layer at a support each of two reduced spans has a half.
+///
+/// ```text
+/// a = −Σ K_ai q_i / K_aa
+/// ```
+///
+/// As coordinates of their own two halves could move against each other: a kink at the support, of so little mass that the inertia
+/// corrected for the time step would not be positive at steps that the whole layer allows.
+#[derive(Debug)]
+pub(super) struct EndLayers(Vec<Follower>);
+
+#[derive(Debug)]
+struct Follower {
+    place: usize,
+    /// `−K_ai/K_aa`.
+    weights: Vec<(usize, f64)>,
+}
+
+impl EndLayers {
+    /// Takes the layers with these numbers out of stiffness, damping and mass of a span, in which nothing is left in their places.
+    pub fn eliminate(places: &[usize], [stiffness, damping, mass]: [&mut SparseMatrix; 3]) -> Self {
+        let mut followers = Vec::with_capacity(places.len());
+        for &place in places {
+            let own: f64 = (stiffness.row(place).filter(|entry| entry.0 == place))
+                .map(|entry| entry.1)
+                .sum();
+            let others = stiffness.row(place).filter(|entry| entry.0 != place);
+            let weights: Vec<(usize, f64)> = others.map(|(i, value)| (i, -value / own)).collect();
+            *stiffness = congruent(stiffness, &[(place, weights.clone())]);
+            *damping = congruent(damping, &[(place, weights.clone())]);
+            *mass = congruent(mass, &[(place, Vec::new())]);
+            followers.push(Follower { place, weights });
+        }
+        Self(followers)
+    }
+
+    /// Their numbers.
+    pub fn places(&self) -> impl Iterator<Item = usize> + '_ {
+        self.0.iter().map(|follower| follower.place)
+    }
+
+    /// Lets them follow the other coordinates of the span.
+    pub fn follow(&self, values: &mut [f64]) {
+        // One that was taken out early may follow one that was taken out later.
+        for follower in self.0.iter().rev() {
+            values[follower.place] = follower.weights.iter().map(|&(i, weight)| weight * values[i]).sum();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_follows_is_in_equilibrium_and_the_rest_is_as_stiff_as_with_it() {
+        let entries = |values: &[[f64; 4]; 4]| -> SparseMatrix {
+            let all = (0..4).flat_map(|i| (0..4).map(move |j| (i as u32, j as u32, values[i][j])));
+            SparseMatrix::from_entries(4, all.collect())
+        };
+        let whole = entries(&[
+            [5.0, -1.0, 0.5, 0.2],
+            [-1.0, 4.0, -1.0, 0.0],
+            [0.5, -1.0, 6.0, -0.7],
+            [0.2, 0.0, -0.7, 3.0],
+        ]);
+        let (mut stiffness, mut damping, mut mass) = (whole.clone(), whole.clone(), whole.clone());
+        let layers = EndLayers::eliminate(&[0, 3], [&mut stiffness, &mut damping, &mut mass]);
+        let mut q = [0.0, 0.3, -0.8, 0.0];
+        layers.follow(&mut q);
+        for (row, free) in [(0, true), (1, false), (2, false), (3, true)] {
+            let force = whole.row_product(row, &q);
+            let reduced = stiffness.row_product(row, &q);
+            let expected = if free { 0.0 } else { force };
+            assert!(
+                (reduced - expected).abs() < 1e-14 && (!free || force.abs() < 1e-14),
+                "{row}: {force} {reduced}"
+            );
+            assert!((damping.row_product(row, &q) - reduced).abs() < 1e-14);
+        }
+        assert_eq!(mass.row(0).count() + mass.row(3).count(), 0);
+        assert_eq!(mass.row(1).map(|entry| entry.1).collect::<Vec<_>>(), [4.0, -1.0]);
+    }
+}
