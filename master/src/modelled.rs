@@ -328,11 +328,10 @@ fn around(window: WindowSize) -> String {
     let WindowSize { full, reduced, .. } = window;
     format!(
         "window, asked for by model.reduce: {full} spans around the pantographs in full; up to {reduced} spans beyond linear, with \
-         their droppers taut and without bending layers at their supports, reduced to supports and modes. Measured error of the filtered \
-         force on lines of EN 50318 at 300 km/h, in percent of its standard deviation: plain mesh 0.03 linearised, 0.3 to 0.4 \
-         nonlinear; with bending layers up to 1.1. On the line of the thesis 1.0 with a converged mesh and with the thesis' own \
-         coarse one: only a run without the window tells what it is elsewhere. Echoes of ends further away are left out (0.7 to 1.8 \
-         against 80 spans with constant tension)"
+         their droppers taut, reduced to supports and modes. Measured error of the filtered force on cured meshes, in percent of its \
+         standard deviation: 0.2 linearised and 0.3 nonlinear on the lines of EN 50318, 0.2 linearised and 0.5 nonlinear on that of the \
+         thesis (0.5 on the thesis' own coarse mesh): only a run without the window tells what it is elsewhere. Echoes of ends further \
+         away are left out (linearised against 80 spans: 0.5 with constant tension, 3 with fixed ends)"
     )
 }
 
