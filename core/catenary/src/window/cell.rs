@@ -36,8 +36,8 @@ pub(super) struct SpanMatrices {
 /// The interface `s` are the supports, left one first, and the elongations of droppers with dampers. Static answers to its motions are
 /// exact, tension and sag included; waves are carried up to the frequency of the last mode. The droppers are taut. Their dampers act
 /// on the interface alone, as exactly as their springs: on modes that stretch them they would couple all of these, and be the
-/// strongest of the couplings where `ω c` is above `k`, as on the thesis' line. What damps the modes is the damping of the wires,
-/// which couples none of them.
+/// strongest of the couplings where `ω c` is above `k`, as on the thesis' line. What damps the modes is the damping of the wires; that
+/// it couples them too, weakly, is left out.
 #[derive(Debug)]
 pub(super) struct Cell {
     elongations: Elongations,
