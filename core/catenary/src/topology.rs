@@ -232,25 +232,8 @@ impl Topology {
             } else {
                 1
             };
-            let label = |name: WireName| format!("{}, span {span}, node {within}", name.name());
-            let add_layers = |layout: &mut Layout, wires: &mut [WireCoordinates; 2], name: WireName, node: usize| {
-                let bends = self.bends[name as usize];
-                for direction in self.layer_directions(node).into_iter().filter(|_| bends) {
-                    let index = layout.add_coordinates(1, format!("{}, bending layer", label(name)));
-                    wires[name as usize]
-                        .layers
-                        .push(LayerCoordinate { node, index, direction });
-                }
-            };
-            // Between the supports at the ends of a piece come all of its other coordinates, those of layers included.
-            if node == self.last() {
-                WireName::BOTH
-                    .into_iter()
-                    .for_each(|name| add_layers(layout, &mut wires, name, node));
-            }
-            for name in WireName::BOTH {
-                let label = label(name);
-                let wire = &mut wires[name as usize];
+            for ((wire, name), bends) in wires.iter_mut().zip(WireName::BOTH).zip(self.bends) {
+                let label = format!("{}, span {span}, node {within}", name.name());
                 wire.nodes.push(match self.options.dimension {
                     Dimension::Spatial => NodeMap::spatial(layout.add_coordinates(6, label.clone())),
                     Dimension::Planar => NodeMap::planar(layout.add_coordinates(4, label.clone())),
@@ -259,14 +242,10 @@ impl Topology {
                     let name = format!("{label}, directors");
                     wire.directors.push(layout.add_coordinates(6, name));
                 }
-                if node > 0 && node < self.last() {
-                    add_layers(layout, &mut wires, name, node);
+                for direction in self.layer_directions(node).into_iter().filter(|_| bends) {
+                    let index = layout.add_coordinates(1, format!("{label}, bending layer"));
+                    wire.layers.push(LayerCoordinate { node, index, direction });
                 }
-            }
-            if node == 0 {
-                WireName::BOTH
-                    .into_iter()
-                    .for_each(|name| add_layers(layout, &mut wires, name, node));
             }
         }
         wires

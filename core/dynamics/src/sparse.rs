@@ -84,6 +84,25 @@ impl SparseMatrix {
         entries.map(|(&column, value)| value * x[column as usize]).sum()
     }
 
+    /// `Tᵀ A T`, where the rows of `T` are those of the unit matrix but for some, given with their entries (column, value).
+    #[must_use]
+    pub fn congruent(&self, changed: &[(usize, Vec<(usize, f64)>)]) -> Self {
+        let mut rows: Vec<Vec<(usize, f64)>> = (0..self.size()).map(|i| vec![(i, 1.0)]).collect();
+        for (row, entries) in changed {
+            rows[*row].clone_from(entries);
+        }
+        let mut entries = Vec::new();
+        for (i, of_row) in rows.iter().enumerate() {
+            for (j, value) in self.row(i) {
+                for &(row, left) in of_row {
+                    let of_column = rows[j].iter();
+                    entries.extend(of_column.map(|&(column, right)| (row as u32, column as u32, left * value * right)));
+                }
+            }
+        }
+        Self::from_entries(self.size(), entries)
+    }
+
     /// `xᵀ A x`.
     #[must_use]
     pub fn quadratic_form(&self, x: &[f64]) -> f64 {

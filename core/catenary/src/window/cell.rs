@@ -1,10 +1,10 @@
 //! A span far from the strips, reduced to its supports, to the elongations of its droppers and to its lowest modes.
+use super::Places;
 use super::elongations::Elongations;
 use super::end_layers::EndLayers;
 use super::modes::{Envelope, lowest_modes, product};
 use dynamics::SparseMatrix;
 use nalgebra::{DMatrix, DVector};
-use std::ops::Range;
 
 /// Modes that are evaluated side by side.
 pub(super) const GROUP: usize = 8;
@@ -14,14 +14,14 @@ pub(super) const ROWS: usize = 8;
 
 /// Stiffness, damping and mass of one span between its supports, linear about the static state.
 pub(super) struct SpanMatrices {
-    /// Coordinates per support: the first ones are those of the left support, the last ones those of the right.
-    pub at_support: usize,
+    /// Where its coordinates stand.
+    pub places: Places,
     pub stiffness: SparseMatrix,
     pub damping: SparseMatrix,
     pub mass: SparseMatrix,
     /// What belongs to the interface beside the supports.
     pub elongations: Elongations,
-    /// What follows the rest of the span at its ends: the first and the last coordinates between the supports.
+    /// What follows the rest of the span at its supports.
     pub layers: EndLayers,
     /// For each coordinate whether it is along the track.
     pub longitudinal: Vec<bool>,
@@ -40,14 +40,14 @@ pub(super) struct SpanMatrices {
 /// it couples them too, weakly, is left out.
 #[derive(Debug)]
 pub(super) struct Cell {
+    /// All coordinates of the span.
+    size: usize,
     elongations: Elongations,
     layers: EndLayers,
-    /// Coordinates per support.
-    at_support: usize,
-    /// What of the span between its supports is not on the interface, `f`.
+    places: Places,
+    /// The interface among the coordinates of the span, and what of the span between its supports is not on it, `f`.
+    interface: Vec<usize>,
     inner: Vec<usize>,
-    /// All between the supports.
-    between: Range<usize>,
     /// `Φₛ`.
     shapes: DMatrix<f64>,
     /// `Φₘ`.
@@ -72,7 +72,7 @@ pub(super) struct Cell {
 /// What moves between the supports of a span.
 pub(super) struct Between {
     /// Of the left and of the right support.
-    pub end_layers: [Vec<f64>; 2],
+    pub end_layers: Vec<Vec<f64>>,
     pub inner: Vec<f64>,
 }
 
@@ -85,17 +85,15 @@ impl Cell {
     /// Reduces a span to `count` modes: the first longitudinal ones among the lowest `searched`, and the lowest others.
     /// `None` where its inner stiffness is not positive definite.
     pub fn new(span: SpanMatrices, count: usize, searched: usize) -> Option<Self> {
-        let (size, ni) = (span.stiffness.size(), span.at_support);
-        let between = ni..size - ni;
-        let supports = (0..ni).chain(between.end..size);
-        let interface: Vec<usize> = supports.chain(span.elongations.places()).collect();
+        let size = span.stiffness.size();
+        let supports = span.places.supports.concat();
+        let interface: Vec<usize> = supports.into_iter().chain(span.elongations.places()).collect();
         let mut place = vec![None; size];
         for (row, &index) in interface.iter().enumerate() {
             place[index] = Some(row);
         }
-        let follows: Vec<usize> = span.layers.places().collect();
-        let is_inner = |index: &usize| place[*index].is_none() && !follows.contains(index);
-        let inner: Vec<usize> = between.clone().filter(is_inner).collect();
+        let between = span.places.inner[0].clone();
+        let inner: Vec<usize> = between.filter(|&index| place[index].is_none()).collect();
         let mut number = vec![0; size];
         inner.iter().enumerate().for_each(|(i, &index)| number[index] = i);
         let place = |index: usize| place[index].map_or((true, number[index]), |row| (false, row));
@@ -153,13 +151,14 @@ impl Cell {
         let damped = product(&d_ff, &modes);
         let mode_damping = (0..modes.ncols()).map(|i| modes.column(i).dot(&damped.column(i)));
         Some(Self {
+            size,
             elongations: span.elongations,
             layers: span.layers,
             mode_damping: mode_damping.collect(),
             weighted_modes: product(&m_ff, &modes),
-            at_support: ni,
+            places: span.places,
+            interface,
             inner,
-            between,
             shapes,
             modes,
             stiffness,
@@ -177,40 +176,34 @@ impl Cell {
         let s = DVector::from_column_slice(interface);
         let modes = DVector::from_column_slice(modes);
         let inner = self.shapes.columns(0, s.len()) * &s + self.modes.columns(0, modes.len()) * modes;
-        let mut values = vec![0.0; self.between.end + self.at_support];
-        for (&index, value) in self.inner.iter().zip(&inner) {
+        let mut values = vec![0.0; self.size];
+        for (&index, value) in self.inner.iter().zip(&inner).chain(self.interface.iter().zip(&s)) {
             values[index] = *value;
         }
-        for (index, value) in self.elongations.places().zip(&interface[2 * self.at_support..]) {
-            values[index] = *value;
-        }
-        let (left, right) = interface[..2 * self.at_support].split_at(self.at_support);
-        values[..self.between.start].copy_from_slice(left);
-        values[self.between.end..].copy_from_slice(right);
         self.elongations.displace(&mut values);
         self.layers.follow(&mut values);
-        let (start, end) = (self.between.start, self.between.end);
-        let layers = self.layers.places().count() / 2;
+        let at = |places: &Vec<usize>| places.iter().map(|&index| values[index]).collect();
         Between {
-            end_layers: [start..start + layers, end - layers..end].map(|range| values[range].to_vec()),
-            inner: values[start + layers..end - layers].to_vec(),
+            end_layers: self.places.layers.iter().map(at).collect(),
+            inner: values[self.places.inner[0].clone()].to_vec(),
         }
     }
 
-    /// Elongations, and the modes' share by mass, of a motion at and between the supports, the layers at these left out.
-    pub fn project(&self, supports: &[f64], between: &[f64]) -> (Vec<f64>, DVector<f64>) {
-        let (left, right) = supports.split_at(self.at_support);
-        let layers = vec![0.0; self.layers.places().count() / 2];
-        let mut values = [left, &layers, between, &layers, right].concat();
+    /// Elongations, and the modes' share by mass, of a motion at and between the supports.
+    pub fn project(&self, supports: &[f64], inner: &[f64]) -> (Vec<f64>, DVector<f64>) {
+        let mut values = vec![0.0; self.size];
+        values[self.places.inner[0].clone()].copy_from_slice(inner);
         self.elongations.measure(&mut values);
-        let elongations: Vec<f64> = self.elongations.places().map(|index| values[index]).collect();
-        let interface = DVector::from_iterator(
-            supports.len() + elongations.len(),
-            supports.iter().chain(&elongations).copied(),
-        );
-        let inner = DVector::from_iterator(self.inner.len(), self.inner.iter().map(|&index| values[index]));
-        let rest = inner - self.shapes.columns(0, interface.len()) * interface;
-        (elongations, self.weighted_modes.tr_mul(&rest))
+        for (&index, value) in self.interface.iter().zip(supports) {
+            values[index] = *value;
+        }
+        let of = |places: &[usize]| DVector::from_iterator(places.len(), places.iter().map(|&index| values[index]));
+        let interface = of(&self.interface);
+        let rest = of(&self.inner) - self.shapes.columns(0, interface.len()) * &interface;
+        (
+            interface.as_slice()[supports.len()..].to_vec(),
+            self.weighted_modes.tr_mul(&rest),
+        )
     }
 }
 

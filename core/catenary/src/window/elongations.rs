@@ -49,7 +49,7 @@ impl Elongations {
                 (*place, others.chain([(*place, 1.0 / own)]).collect())
             })
             .collect();
-        congruent(matrix, &rows)
+        matrix.congruent(&rows)
     }
 
     /// From displacements to elongations.
@@ -75,25 +75,6 @@ impl Elongation {
     }
 }
 
-/// `Tᵀ A T`, where the rows of `T` are those of the unit matrix but for some, given with their entries (column, value).
-pub(super) fn congruent(matrix: &SparseMatrix, changed: &[(usize, Vec<(usize, f64)>)]) -> SparseMatrix {
-    let size = matrix.size();
-    let mut rows: Vec<Vec<(usize, f64)>> = (0..size).map(|i| vec![(i, 1.0)]).collect();
-    for (row, entries) in changed {
-        rows[*row].clone_from(entries);
-    }
-    let mut entries = Vec::new();
-    for (i, of_row) in rows.iter().enumerate() {
-        for (j, value) in matrix.row(i) {
-            for &(row, left) in of_row {
-                let of_column = rows[j].iter();
-                entries.extend(of_column.map(|&(column, right)| (row as u32, column as u32, left * value * right)));
-            }
-        }
-    }
-    SparseMatrix::from_entries(size, entries)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -112,8 +93,7 @@ mod tests {
         let matrix = SparseMatrix::from_entries(5, entries);
         let elongations = Elongations::new([vec![(1, 0.8), (2, 0.6), (3, -0.8)]].into_iter());
         assert_eq!(elongations.places().collect::<Vec<_>>(), [3]);
-        let energy =
-            |matrix: &SparseMatrix, q: &[f64]| -> f64 { (0..5).map(|i| q[i] * matrix.row_product(i, q)).sum() };
+        let energy = |matrix: &SparseMatrix, q: &[f64]| -> f64 { matrix.quadratic_form(q) };
         let q = [0.3, -1.1, 0.7, 2.0, -0.4];
         let mut new = q;
         elongations.measure(&mut new);

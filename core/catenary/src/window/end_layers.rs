@@ -1,5 +1,4 @@
 //! Bending layers at the ends of a reduced span.
-use super::elongations::congruent;
 use dynamics::SparseMatrix;
 
 /// Unknowns that follow the others without inertia: of a layer at a support each of two reduced spans has a half.
@@ -25,22 +24,16 @@ impl EndLayers {
     pub fn eliminate(places: &[usize], [stiffness, damping, mass]: [&mut SparseMatrix; 3]) -> Self {
         let mut followers = Vec::with_capacity(places.len());
         for &place in places {
-            let own: f64 = (stiffness.row(place).filter(|entry| entry.0 == place))
-                .map(|entry| entry.1)
-                .sum();
-            let others = stiffness.row(place).filter(|entry| entry.0 != place);
-            let weights: Vec<(usize, f64)> = others.map(|(i, value)| (i, -value / own)).collect();
-            *stiffness = congruent(stiffness, &[(place, weights.clone())]);
-            *damping = congruent(damping, &[(place, weights.clone())]);
-            *mass = congruent(mass, &[(place, Vec::new())]);
+            let (own, others): (Vec<_>, Vec<_>) = stiffness.row(place).partition(|entry| entry.0 == place);
+            let weights: Vec<(usize, f64)> = others.into_iter().map(|(i, value)| (i, -value / own[0].1)).collect();
+            let following = [(place, weights)];
+            *stiffness = stiffness.congruent(&following);
+            *damping = damping.congruent(&following);
+            *mass = mass.congruent(&[(place, Vec::new())]);
+            let [(place, weights)] = following;
             followers.push(Follower { place, weights });
         }
         Self(followers)
-    }
-
-    /// Their numbers.
-    pub fn places(&self) -> impl Iterator<Item = usize> + '_ {
-        self.0.iter().map(|follower| follower.place)
     }
 
     /// Lets them follow the other coordinates of the span.

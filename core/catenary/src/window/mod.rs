@@ -84,7 +84,8 @@ const SPONGE: f64 = 5.0;
 /// Spans that differ by less in the static state are the same, m.
 pub(crate) const SAME: f64 = 1e-7;
 
-/// Where the coordinates of the window's own line stand; the same at every position.
+/// Where the coordinates of a piece of the line stand; those of the window the same at every position.
+#[derive(Debug)]
 struct Places {
     /// For each support the coordinates of the contact wire's node, then those of the messenger wire's.
     supports: Vec<Vec<usize>>,
@@ -513,8 +514,8 @@ fn matrices(source: &Source<'_>, span: usize, plan: &Plan) -> SpanMatrices {
     let mass = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
     let matrix = |entries| SparseMatrix::from_entries(size, entries);
     let (mut stiffness, mut damping, mut mass) = (matrix(stiffness), matrix(damping), matrix(mass));
-    let at_ends = places(&line, 0).layers.concat();
-    let layers = EndLayers::eliminate(&at_ends, [&mut stiffness, &mut damping, &mut mass]);
+    let places = places(&line, 0);
+    let layers = EndLayers::eliminate(&places.layers.concat(), [&mut stiffness, &mut damping, &mut mass]);
     let wires = WireName::BOTH.map(|name| line.wire(name).geometry());
     let mut longitudinal = vec![false; size];
     let maps = wires.iter().flat_map(|wire| wire.nodes()).map(|node| node.map);
@@ -522,7 +523,7 @@ fn matrices(source: &Source<'_>, span: usize, plan: &Plan) -> SpanMatrices {
         longitudinal[index] = true;
     }
     SpanMatrices {
-        at_support: plan.at_support,
+        places,
         longitudinal,
         elongations: Elongations::new(line.droppers().gradients(&motion).take(plan.elongations)),
         layers,

@@ -37,24 +37,19 @@ impl Fixed {
             let (elongations, modes) = from.own(span).unwrap_or_default();
             if to.window.contains(&span) {
                 let within = span - to.at;
-                let mut set = |places: &mut dyn Iterator<Item = usize>, motion: &mut dyn Iterator<Item = f64>| {
-                    places.zip(motion).for_each(|(index, value)| values[index] = value);
-                };
-                let mut inner = self.places.inner[within].clone();
-                if let Some(mut before) = before {
-                    set(&mut inner, &mut before);
+                let inner = self.places.inner[within].clone();
+                if let Some(before) = before {
+                    inner.zip(before).for_each(|(index, value)| values[index] = value);
                 } else {
                     let mut interface = supports();
                     interface.extend(elongations.map(old));
                     interface.resize(2 * self.plan.at_support + self.plan.elongations, 0.0);
                     let modes: Vec<f64> = modes.map(old).collect();
                     let between = self.cell(span).expand(&interface, &modes);
-                    set(&mut inner, &mut between.inner.into_iter());
-                    for (support, motion) in [within, within + 1].into_iter().zip(between.end_layers) {
-                        set(
-                            &mut self.places.layers[support].iter().copied(),
-                            &mut motion.into_iter(),
-                        );
+                    let layers = self.places.layers[within..=within + 1].iter().zip(between.end_layers);
+                    let layers = layers.flat_map(|(places, motion)| places.iter().copied().zip(motion));
+                    for (index, value) in inner.zip(between.inner).chain(layers) {
+                        values[index] = value;
                     }
                 }
             } else if let Some((own_elongations, own_modes)) = to.own(span) {
