@@ -63,9 +63,6 @@ use std::sync::Arc;
 
 /// Full spans behind that of the last strip: its droppers still go slack there.
 const BEHIND: usize = 2;
-/// The same on a linearised line, of which droppers are all that a reduced span has otherwise: 0.01 to 0.03 % of the force's standard
-/// deviation on the lines of EN 50318 and of the thesis, where 0.05 to 0.08 % of it come of it on the nonlinear line.
-const BEHIND_LINEARISED: usize = 1;
 /// Full spans ahead of that of the first strip.
 const AHEAD: usize = 1;
 /// Reduced spans on either side of the window, at most: those of a tension length of 20 to 30 spans, so that its true ends are there.
@@ -75,7 +72,7 @@ const NEAR: usize = 6;
 /// Highest mode of a near span in units of the highest frequency that matters there: a force of the filter's frequency `f` that
 /// moves with `v` sends waves of frequency `f/(1 − v/c)` ahead, and meets such waves that come from behind. (Modes that move along the
 /// track are counted apart.)
-const BAND: f64 = 0.7;
+const BAND: f64 = 1.0;
 /// Highest mode of a span further away in units of the filter's frequency `f`: what comes back from there is met at `f/(1 + v/c)` or
 /// below.
 const FAR_BAND: f64 = 0.7;
@@ -271,7 +268,7 @@ impl WindowedLine {
         let starts = || (0..scene.pantographs.len()).map(|i| scene.strip_start_x(i));
         let apart = starts().fold(f64::NEG_INFINITY, f64::max) - starts().fold(f64::INFINITY, f64::min);
         let shortest = catenary.span_lengths.iter().copied().fold(f64::INFINITY, f64::min);
-        behind(scene) + AHEAD + 1 + (apart / shortest).ceil() as usize + catenary.stagger.len() - 1
+        BEHIND + AHEAD + 1 + (apart / shortest).ceil() as usize + catenary.stagger.len() - 1
     }
 
     /// Makes all contributions for the present arrangement.
@@ -374,15 +371,6 @@ impl WindowedLine {
     }
 }
 
-/// Full spans behind that of the last strip.
-fn behind(scene: &Scene) -> usize {
-    if scene.model.has(Reduction::Linearised) {
-        BEHIND_LINEARISED
-    } else {
-        BEHIND
-    }
-}
-
 /// The span at `x`, from 0; the first or last one beyond the line.
 fn span_at(supports_x: &[f64], x: f64) -> usize {
     let right = supports_x.partition_point(|&support| support <= x);
@@ -418,7 +406,7 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     let plan = Plan {
         spans: repeat.spans,
         window,
-        behind: behind(scene),
+        behind: BEHIND,
         stride,
         reach: REACH,
         near: NEAR,
