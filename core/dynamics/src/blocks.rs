@@ -7,11 +7,14 @@ const SKIPPED: u32 = u32::MAX;
 /// order without any search.
 pub struct Blocks<'a> {
     target: Target<'a>,
+    /// Multiplies all values.
+    factor: f64,
 }
 
 enum Target<'a> {
     Record(&'a mut Vec<(u32, u32)>),
     Mark(&'a mut [bool]),
+    Trace(&'a mut f64),
     Add {
         places: &'a [u32],
         cursor: usize,
@@ -22,27 +25,38 @@ enum Target<'a> {
 impl<'a> Blocks<'a> {
     /// Records the places of all blocks as (row, column), in call order.
     pub fn record(places: &'a mut Vec<(u32, u32)>) -> Self {
-        Self {
-            target: Target::Record(places),
-        }
+        Self::to(Target::Record(places))
     }
 
     /// Marks the rows of all blocks.
     pub fn mark(rows: &'a mut [bool]) -> Self {
-        Self {
-            target: Target::Mark(rows),
-        }
+        Self::to(Target::Mark(rows))
+    }
+
+    /// Adds up the diagonal.
+    pub fn trace(sum: &'a mut f64) -> Self {
+        Self::to(Target::Trace(sum))
     }
 
     /// Adds to `values`; `places[i]` is the position of the i-th recorded entry, see [`Blocks::skipped`].
     pub fn add_to(places: &'a [u32], values: &'a mut [f64]) -> Self {
-        Self {
-            target: Target::Add {
-                places,
-                cursor: 0,
-                values,
-            },
-        }
+        Self::to(Target::Add {
+            places,
+            cursor: 0,
+            values,
+        })
+    }
+
+    fn to(target: Target<'a>) -> Self {
+        Self { target, factor: 1.0 }
+    }
+
+    /// Multiplies the values of all that `add` adds by `factor`.
+    pub fn weigh(&mut self, factor: f64, add: impl FnOnce(&mut Self)) {
+        let before = self.factor;
+        self.factor *= factor;
+        add(self);
+        self.factor = before;
     }
 
     /// The place of an entry that is dropped.
@@ -56,7 +70,7 @@ impl<'a> Blocks<'a> {
     pub fn entries(&self) -> usize {
         match &self.target {
             Target::Record(places) => places.len(),
-            Target::Mark(_) => 0,
+            Target::Mark(_) | Target::Trace(_) => 0,
             Target::Add { cursor, .. } => *cursor,
         }
     }
@@ -71,6 +85,11 @@ impl<'a> Blocks<'a> {
                 }
             }
             Target::Mark(marked) => rows.iter().for_each(|&row| marked[row] = true),
+            Target::Trace(sum) => {
+                let entries = rows.iter().flat_map(|row| columns.iter().map(move |column| row == column));
+                let diagonal = entries.zip(values).filter(|(is_diagonal, _)| *is_diagonal);
+                **sum += self.factor * diagonal.map(|(_, value)| value).sum::<f64>();
+            }
             Target::Add {
                 places,
                 cursor,
@@ -78,7 +97,7 @@ impl<'a> Blocks<'a> {
             } => {
                 for (value, &place) in values.iter().zip(&places[*cursor..]) {
                     if place != SKIPPED {
-                        target[place as usize] += value;
+                        target[place as usize] += self.factor * value;
                     }
                 }
                 *cursor += values.len();

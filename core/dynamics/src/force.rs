@@ -47,6 +47,19 @@ pub trait Force: Send {
         let _ = blocks;
     }
 
+    /// Adds `S + m M`, with `m` (1/s²) the `mass_weight`: [`Force::add_tangent`] and [`Force::add_mass`] together, for which a
+    /// contribution to which both are the same blocks needs one pass.
+    fn add_dynamic_tangent(
+        &mut self,
+        motion: &Motion<'_>,
+        weights: Weights,
+        mass_weight: f64,
+        blocks: &mut Blocks<'_>,
+    ) {
+        self.add_tangent(motion, weights, blocks);
+        blocks.weigh(mass_weight, |blocks| self.add_mass(blocks));
+    }
+
     /// Whether [`Force::add_dynamic_force`] subtracts `M v̇` of this contribution itself; the answer never changes. Where it does
     /// not, the solver multiplies the assembled matrix of [`Force::add_mass`].
     fn multiplies_mass(&self) -> bool {

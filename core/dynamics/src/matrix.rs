@@ -13,8 +13,6 @@ pub(crate) struct IterationMatrix {
     /// Mass matrix of the contributions that do not multiply theirs themselves, and which of its rows are not empty.
     multiplied_mass: SparseMatrix,
     multiplied_rows: Vec<usize>,
-    /// Place in `values` and value (kg) of each entry of the mass matrix, one for every time that it is added to.
-    mass_entries: Vec<(u32, f64)>,
     tangent_places: Vec<u32>,
     /// Two places per Jacobian entry: in `g_q` and in its transpose.
     jacobian_places: Vec<u32>,
@@ -64,11 +62,13 @@ impl IterationMatrix {
         for &index in system.layout().fixed() {
             free[index] = false;
         }
-        let mass = mass_entries(system, |_| true);
+        let mut mass_trace = 0.0;
+        let mut blocks = Blocks::trace(&mut mass_trace);
+        system.forces(&mut |force| force.add_mass(&mut blocks));
         let multiplied_mass = selected_mass_matrix(system, |force| !force.multiplies_mass());
         let mut tangent = Vec::new();
         let mut blocks = Blocks::record(&mut tangent);
-        system.forces(&mut |force| force.add_tangent(motion, Weights { q: 1.0, v: 1.0 }, &mut blocks));
+        system.forces(&mut |force| force.add_dynamic_tangent(motion, Weights { q: 1.0, v: 1.0 }, 1.0, &mut blocks));
         let mut jacobian = Vec::new();
         let moving = visit_still_jacobian(system, motion, moving_rows, &mut |row, columns, _| {
             for &column in columns {
@@ -78,9 +78,7 @@ impl IterationMatrix {
         });
 
         let kept = |row: u32, column: u32| free[row as usize] && free[column as usize];
-        let entries = (mass.iter().map(|&(row, column, _)| (row, column)))
-            .chain(tangent.iter().copied())
-            .chain(jacobian.iter().copied())
+        let entries = (tangent.iter().chain(&jacobian).copied())
             .filter(|&(row, column)| kept(row, column));
         let pattern = Pattern::new(&free, entries);
         let mut parts = Vec::with_capacity(pattern.sets.len());
@@ -109,17 +107,10 @@ impl IterationMatrix {
                 .map(|row| place((coordinates + row) as u32, (coordinates + row) as u32))
                 .collect(),
             moving,
-            mass_entries: (mass.iter())
-                .map(|&(row, column, value)| (place(row, column), value))
-                .filter(|&(place, _)| place != Blocks::skipped())
-                .collect(),
             tangent_places: tangent.iter().map(|&(row, column)| place(row, column)).collect(),
             jacobian_places: jacobian.iter().map(|&(row, column)| place(row, column)).collect(),
             values: vec![0.0; pattern.len()],
-            mass_trace: (mass.iter())
-                .filter(|(row, column, _)| row == column)
-                .map(|entry| entry.2)
-                .sum(),
+            mass_trace,
             multiplied_rows: (0..coordinates)
                 .filter(|&row| multiplied_mass.row(row).next().is_some())
                 .collect(),
@@ -140,11 +131,8 @@ impl IterationMatrix {
         scale: f64,
     ) -> Result<(), Singular> {
         self.values.fill(0.0);
-        for &(place, value) in &self.mass_entries {
-            self.values[place as usize] += mass_weight * value;
-        }
         let mut blocks = Blocks::add_to(&self.tangent_places, &mut self.values);
-        system.forces(&mut |force| force.add_tangent(motion, weights, &mut blocks));
+        system.forces(&mut |force| force.add_dynamic_tangent(motion, weights, mass_weight, &mut blocks));
         debug_assert_eq!(
             blocks.entries(),
             self.tangent_places.len(),

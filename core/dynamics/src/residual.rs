@@ -105,8 +105,7 @@ impl LinearPart {
             let mut blocks = Blocks::mark(&mut rows);
             system.forces(&mut |force| {
                 if force.evaluates_ranges() && force.is_linear() == linear {
-                    force.add_tangent(motion, Weights { q: 1.0, v: 1.0 }, &mut blocks);
-                    force.add_mass(&mut blocks);
+                    force.add_dynamic_tangent(motion, Weights { q: 1.0, v: 1.0 }, 1.0, &mut blocks);
                 }
             });
             rows
@@ -134,27 +133,18 @@ impl LinearPart {
 
     /// Takes over the part of the other contributions in the matrix that is factored at `motion`.
     fn linearise(&mut self, system: &mut dyn System, motion: &Motion<'_>, mass_weight: f64, weights: Weights) {
-        let (mut places, mut values) = (Vec::new(), Vec::new());
-        for weigh_mass in [false, true] {
-            let mut add = |blocks: &mut Blocks<'_>| {
-                system.forces(&mut |force: &mut dyn Force| {
-                    if force.evaluates_ranges() {
-                    } else if weigh_mass {
-                        force.add_mass(blocks);
-                    } else {
-                        force.add_tangent(motion, weights, blocks);
-                    }
-                });
-            };
-            let first = places.len();
-            add(&mut Blocks::record(&mut places));
-            let order: Vec<u32> = (first..places.len()).map(|place| place as u32).collect();
-            values.resize(places.len(), 0.0);
-            add(&mut Blocks::add_to(&order, &mut values));
-            if weigh_mass {
-                values[first..].iter_mut().for_each(|value| *value *= mass_weight);
-            }
-        }
+        let mut add = |blocks: &mut Blocks<'_>| {
+            system.forces(&mut |force: &mut dyn Force| {
+                if !force.evaluates_ranges() {
+                    force.add_dynamic_tangent(motion, weights, mass_weight, blocks);
+                }
+            });
+        };
+        let mut places = Vec::new();
+        add(&mut Blocks::record(&mut places));
+        let order: Vec<u32> = (0..places.len() as u32).collect();
+        let mut values = vec![0.0; places.len()];
+        add(&mut Blocks::add_to(&order, &mut values));
         let entries = places
             .iter()
             .zip(values)

@@ -328,6 +328,16 @@ impl Force for FarField {
         self.add_constant(blocks, [0.0, 0.0, 1.0]);
     }
 
+    fn add_dynamic_tangent(
+        &mut self,
+        _motion: &Motion<'_>,
+        weights: Weights,
+        mass_weight: f64,
+        blocks: &mut Blocks<'_>,
+    ) {
+        self.add_constant(blocks, [weights.q, weights.v, mass_weight]);
+    }
+
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         let members: f64 = self.members.iter().map(|member| member.energy(motion)).sum();
         let grounds = self.grounds.iter();

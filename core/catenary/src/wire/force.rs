@@ -71,6 +71,18 @@ pub(super) struct Constants {
     pub mass: Products<f64>,
 }
 
+impl Constants {
+    /// The weights of `D` and `M′` together.
+    pub fn rates(&self, of_damping: f64, of_mass: f64) -> Products<f64> {
+        let sum = |part: fn(&Products<f64>) -> f64| of_damping * part(&self.damping) + of_mass * part(&self.mass);
+        Products {
+            mass: sum(|weights| weights.mass),
+            tension: sum(|weights| weights.tension),
+            bending: sum(|weights| weights.bending),
+        }
+    }
+}
+
 /// Reference of one element.
 #[derive(Clone, Copy, Debug)]
 struct Element {
@@ -370,19 +382,25 @@ impl Force for Wire {
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
-        let Constants { stiffness, damping, .. } = &self.constants;
-        let rates = Products {
-            mass: weights.v * damping.mass,
-            tension: weights.v * damping.tension,
-            bending: weights.v * damping.bending,
-        };
+        self.add_dynamic_tangent(motion, weights, 0.0, blocks);
+    }
+
+    fn add_dynamic_tangent(
+        &mut self,
+        motion: &Motion<'_>,
+        weights: Weights,
+        mass_weight: f64,
+        blocks: &mut Blocks<'_>,
+    ) {
+        let stiffness = self.constants.stiffness;
+        let rates = self.constants.rates(weights.v, mass_weight);
         // The tangent of a linear wire is that of its reference.
         let reference = vec![0.0; if self.linear { motion.q.len() } else { 0 }];
         let motion = &Motion {
             q: if self.linear { &reference } else { motion.q },
             ..*motion
         };
-        if !self.batch.add_tangent(motion, weights, blocks) {
+        if !self.batch.add_tangent(motion, (weights, mass_weight), blocks) {
             self.add_tangents_of_elements(motion, weights.q, &rates, blocks);
         }
         let weights = Products {

@@ -9,7 +9,7 @@ impl<const D: usize> Sweep<D> {
     pub fn add_tangent<const N: usize>(
         &mut self,
         motion: &Motion<'_>,
-        weights: Weights,
+        weights: (Weights, f64),
         blocks: &mut Blocks<'_>,
     ) -> bool {
         debug_assert_eq!(N, 4 * D);
@@ -30,7 +30,8 @@ impl<const D: usize> Sweep<D> {
 struct AddTangent<'a, 'b, const D: usize, const N: usize> {
     sweep: &'a mut Sweep<D>,
     q: &'a [f64],
-    weights: Weights,
+    /// The last one is that of the mass.
+    weights: (Weights, f64),
     blocks: &'a mut Blocks<'b>,
 }
 
@@ -101,7 +102,7 @@ impl<S: Simd> GroupLanes<S> {
     fn tangents<const D: usize>(
         self,
         cable: &CableSection,
-        weights: Weights,
+        (weights, mass_weight): (Weights, f64),
         (group, constant): (&Group<D>, &TangentGroup),
         block: &Block<D>,
         parts: &mut Parts<D>,
@@ -112,10 +113,10 @@ impl<S: Simd> GroupLanes<S> {
             return;
         };
         let (tension, bending) = (self.matrix(&constant.tension), self.matrix(&constant.bending));
-        let damping = self.matrix(&group.damping);
+        let (damping, mass) = (self.matrix(&group.damping), self.matrix(&group.mass));
         for i in 0..6 {
             let stiffness = (tension.0[i] * beam.tension + bending.0[i]) * weights.q;
-            let sum = stiffness + damping.0[i] * weights.v;
+            let sum = stiffness + damping.0[i] * weights.v + mass.0[i] * mass_weight;
             sum.store(&mut parts.matrix.0[i], self.part);
         }
         for (vector, (gradient, rate)) in beam.gradient.iter().zip(parts.gradient.iter_mut().zip(&mut parts.rate)) {

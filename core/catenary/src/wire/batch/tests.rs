@@ -311,22 +311,18 @@ fn batches_give_the_tangent_of_element_by_element() {
                 u: &[],
             };
             let weights = Weights { q: 0.9, v: 700.0 };
+            let mass_weight = 3e5;
             let mut blocks = Vec::new();
             let mut batch = wire.batch.clone();
-            let batched = batch.add_tangent(&motion, weights, &mut Blocks::record(&mut blocks));
+            let batched = batch.add_tangent(&motion, (weights, mass_weight), &mut Blocks::record(&mut blocks));
             assert_eq!(batched, laws == LAWS[0] && wire.evaluates_ranges(), "{name}, {laws:?}");
             if !batched {
                 continue;
             }
             let of_batches = entries(&|blocks| {
-                wire.batch.clone().add_tangent(&motion, weights, blocks);
+                wire.batch.clone().add_tangent(&motion, (weights, mass_weight), blocks);
             });
-            let damping = &wire.constants.damping;
-            let rates = Products {
-                mass: weights.v * damping.mass,
-                tension: weights.v * damping.tension,
-                bending: weights.v * damping.bending,
-            };
+            let rates = wire.constants.rates(weights.v, mass_weight);
             let expected = entries(&|blocks| wire.add_tangents_of_elements(&motion, weights.q, &rates, blocks));
             let scale = expected
                 .values()
