@@ -1,6 +1,6 @@
-//! What calls itself linear has exactly the tangent and the mass that it gives to the solver.
+//! What contributions say about their matrices: the same in one pass as apart, and what calls itself linear changes by exactly these.
 use catenary::{scene_line, static_line};
-use dynamics::{Blocks, Layout, Motion, SparseMatrix, Weights};
+use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Weights};
 use scene::Scene;
 
 const SCENE: &str = include_str!("../../../scenes/en50318-300.toml");
@@ -31,6 +31,24 @@ fn matrix(size: usize, mut add: impl FnMut(&mut Blocks<'_>)) -> SparseMatrix {
     )
 }
 
+/// The weighed sum of tangent and mass is what a contribution adds in one pass.
+fn check_sum(force: &mut dyn Force, n: usize, motion: &Motion<'_>) {
+    let (weights, mass_weight) = (Weights { q: 0.7, v: 300.0 }, 2e4);
+    let tangent = matrix(n, |blocks| force.add_tangent(motion, weights, blocks));
+    let mass = matrix(n, |blocks| force.add_mass(blocks));
+    let both = matrix(n, |blocks| {
+        force.add_dynamic_tangent(motion, weights, mass_weight, blocks)
+    });
+    let x = noise(n, 4);
+    for row in 0..n {
+        let expected = tangent.row_product(row, &x) + mass_weight * mass.row_product(row, &x);
+        let size = |matrix: &SparseMatrix| matrix.row(row).map(|(_, value)| value.abs()).sum::<f64>();
+        let scale = size(&tangent) + mass_weight * size(&mass);
+        let error = (both.row_product(row, &x) - expected).abs();
+        assert!(error <= 1e-13 * scale, "{row}: {error:e} of {scale:e}");
+    }
+}
+
 /// Checks the contributions of a line that call themselves linear, and counts them.
 fn check(overrides: &[&str]) -> usize {
     let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
@@ -51,6 +69,7 @@ fn check(overrides: &[&str]) -> usize {
     });
     let mut checked = 0;
     line.forces(&mut |force| {
+        check_sum(force, n, &moved);
         if !force.is_linear() {
             return;
         }

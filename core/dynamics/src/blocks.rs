@@ -86,7 +86,9 @@ impl<'a> Blocks<'a> {
             }
             Target::Mark(marked) => rows.iter().for_each(|&row| marked[row] = true),
             Target::Trace(sum) => {
-                let entries = rows.iter().flat_map(|row| columns.iter().map(move |column| row == column));
+                let entries = rows
+                    .iter()
+                    .flat_map(|row| columns.iter().map(move |column| row == column));
                 let diagonal = entries.zip(values).filter(|(is_diagonal, _)| *is_diagonal);
                 **sum += self.factor * diagonal.map(|(_, value)| value).sum::<f64>();
             }
@@ -103,5 +105,39 @@ impl<'a> Blocks<'a> {
                 *cursor += values.len();
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A stiffness between two coordinates and, weighed, a mass with a row that no column of its block belongs to.
+    fn add(blocks: &mut Blocks<'_>) {
+        blocks.add(&[0, 1], &[0, 1], &[2.0, -2.0, -2.0, 2.0]);
+        blocks.weigh(10.0, |blocks| {
+            blocks.add(&[1, 2], &[1], &[0.5, 0.25]);
+            blocks.weigh(3.0, |blocks| blocks.add(&[2], &[2], &[1.0]));
+            blocks.add(&[2], &[], &[]);
+        });
+        blocks.add(&[2], &[2], &[7.0]);
+    }
+
+    #[test]
+    fn weights_multiply_and_end_with_what_they_weigh() {
+        let mut places = Vec::new();
+        add(&mut Blocks::record(&mut places));
+        assert_eq!(places, [(0, 0), (0, 1), (1, 0), (1, 1), (1, 1), (2, 1), (2, 2), (2, 2)]);
+        let order: Vec<u32> = (0..places.len() as u32).collect();
+        let mut values = vec![0.0; places.len()];
+        add(&mut Blocks::add_to(&order, &mut values));
+        assert_eq!(values, [2.0, -2.0, -2.0, 2.0, 5.0, 2.5, 30.0, 7.0]);
+    }
+
+    #[test]
+    fn a_trace_is_the_sum_of_the_diagonal() {
+        let mut sum = 0.0;
+        add(&mut Blocks::trace(&mut sum));
+        assert_eq!(sum, 2.0 + 2.0 + 5.0 + 30.0 + 7.0);
     }
 }

@@ -78,8 +78,7 @@ impl IterationMatrix {
         });
 
         let kept = |row: u32, column: u32| free[row as usize] && free[column as usize];
-        let entries = (tangent.iter().chain(&jacobian).copied())
-            .filter(|&(row, column)| kept(row, column));
+        let entries = (tangent.iter().chain(&jacobian).copied()).filter(|&(row, column)| kept(row, column));
         let pattern = Pattern::new(&free, entries);
         let mut parts = Vec::with_capacity(pattern.sets.len());
         let mut first_values = vec![0];

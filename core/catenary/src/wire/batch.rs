@@ -54,14 +54,9 @@ impl Batch {
         self.add_force_on(Arch::new(), within, motion, v_dot, force);
     }
 
-    /// Adds the tangent of all elements, with the last weight that of their mass, where it is that of tensioned beams with their coordinates in order: whether it is, which
-    /// never changes.
-    pub fn add_tangent(
-        &mut self,
-        motion: &Motion<'_>,
-        weights: (Weights, f64),
-        blocks: &mut Blocks<'_>,
-    ) -> bool {
+    /// Adds the tangent of all elements, with their mass by the last weight, where it is that of tensioned beams with their
+    /// coordinates in order: whether it is, which never changes.
+    pub fn add_tangent(&mut self, motion: &Motion<'_>, weights: (Weights, f64), blocks: &mut Blocks<'_>) -> bool {
         match self {
             Self::Planar(sweep) => sweep.add_tangent::<8>(motion, weights, blocks),
             Self::Spatial(sweep) => sweep.add_tangent::<12>(motion, weights, blocks),

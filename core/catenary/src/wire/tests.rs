@@ -107,7 +107,9 @@ fn the_tangent_is_minus_the_jacobian_of_the_force() {
         let weights = Weights { q: 1.0, v: 300.0 };
         let tangent = dense(n, &mut |blocks| wire.add_tangent(&motion(&q, &v), weights, blocks));
         let mass = dense(n, &mut |blocks| wire.add_mass(blocks));
-        let both = dense(n, &mut |blocks| wire.add_dynamic_tangent(&motion(&q, &v), weights, 2e5, blocks));
+        let both = dense(n, &mut |blocks| {
+            wire.add_dynamic_tangent(&motion(&q, &v), weights, 2e5, blocks)
+        });
         let sum = &tangent + mass * 2e5;
         assert!((&both - &sum).amax() < 1e-12 * sum.amax());
         for i in 0..n {
