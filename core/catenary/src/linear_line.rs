@@ -370,11 +370,12 @@ impl Linear {
             Some(_) => line.attachments(visit),
             None => line.forces(visit),
         };
-        let mut tangent =
-            |weights: Weights| assembled(|blocks| in_matrices(&mut |part| part.add_tangent(&motion, weights, blocks)));
+        let mut tangent = |weights: Weights| {
+            Blocks::collect(|blocks| in_matrices(&mut |part| part.add_tangent(&motion, weights, blocks)))
+        };
         let stiffness = tangent(Weights { q: 1.0, v: 0.0 });
         let damping = tangent(Weights { q: 0.0, v: 1.0 });
-        let mass = assembled(|blocks| in_matrices(&mut |part| part.add_mass(blocks)));
+        let mass = Blocks::collect(|blocks| in_matrices(&mut |part| part.add_mass(blocks)));
         Self {
             wires: wires.unwrap_or_default(),
             load,
@@ -407,18 +408,4 @@ impl Linear {
             ..LinearLine::new(force, droppers, contact_wire)
         }
     }
-}
-
-/// Collects blocks as entries (row, column, value); `add` is called twice.
-pub(crate) fn assembled(mut add: impl FnMut(&mut Blocks<'_>)) -> Vec<(u32, u32, f64)> {
-    let mut places = Vec::new();
-    add(&mut Blocks::record(&mut places));
-    let order: Vec<u32> = (0..places.len() as u32).collect();
-    let mut values = vec![0.0; places.len()];
-    add(&mut Blocks::add_to(&order, &mut values));
-    places
-        .iter()
-        .zip(&values)
-        .map(|(&(row, column), &value)| (row, column, value))
-        .collect()
 }

@@ -18,17 +18,8 @@ fn noise(n: usize, seed: u64) -> Vec<f64> {
 }
 
 /// The matrix that `add` puts into blocks; it is called twice.
-fn matrix(size: usize, mut add: impl FnMut(&mut Blocks<'_>)) -> SparseMatrix {
-    let mut places = Vec::new();
-    add(&mut Blocks::record(&mut places));
-    let order: Vec<u32> = (0..places.len() as u32).collect();
-    let mut values = vec![0.0; places.len()];
-    add(&mut Blocks::add_to(&order, &mut values));
-    let entries = places.iter().zip(values);
-    SparseMatrix::from_entries(
-        size,
-        entries.map(|(&(row, column), value)| (row, column, value)).collect(),
-    )
+fn matrix(size: usize, add: impl FnMut(&mut Blocks<'_>)) -> SparseMatrix {
+    SparseMatrix::from_entries(size, Blocks::collect(add))
 }
 
 /// The weighed sum of tangent and mass is what a contribution adds in one pass.

@@ -47,6 +47,17 @@ impl<'a> Blocks<'a> {
         })
     }
 
+    /// All entries (row, column, value) of what `add` adds, in call order; it is called twice.
+    pub fn collect(mut add: impl FnMut(&mut Blocks<'_>)) -> Vec<(u32, u32, f64)> {
+        let mut places = Vec::new();
+        add(&mut Blocks::record(&mut places));
+        let order: Vec<u32> = (0..places.len() as u32).collect();
+        let mut values = vec![0.0; places.len()];
+        add(&mut Blocks::add_to(&order, &mut values));
+        let entries = places.into_iter().zip(values);
+        entries.map(|((row, column), value)| (row, column, value)).collect()
+    }
+
     fn to(target: Target<'a>) -> Self {
         Self { target, factor: 1.0 }
     }
@@ -125,12 +136,10 @@ mod tests {
 
     #[test]
     fn weights_multiply_and_end_with_what_they_weigh() {
-        let mut places = Vec::new();
-        add(&mut Blocks::record(&mut places));
+        let (places, values): (Vec<_>, Vec<_>) = (Blocks::collect(add).into_iter())
+            .map(|(row, column, value)| ((row, column), value))
+            .unzip();
         assert_eq!(places, [(0, 0), (0, 1), (1, 0), (1, 1), (1, 1), (2, 1), (2, 2), (2, 2)]);
-        let order: Vec<u32> = (0..places.len() as u32).collect();
-        let mut values = vec![0.0; places.len()];
-        add(&mut Blocks::add_to(&order, &mut values));
         assert_eq!(values, [2.0, -2.0, -2.0, 2.0, 5.0, 2.5, 30.0, 7.0]);
     }
 

@@ -230,24 +230,12 @@ pub(crate) fn mass_matrix(system: &mut dyn System) -> SparseMatrix {
 
 /// The mass matrix of the contributions that are `selected`.
 fn selected_mass_matrix(system: &mut dyn System, selected: impl Fn(&dyn Force) -> bool) -> SparseMatrix {
-    let entries = mass_entries(system, selected);
-    SparseMatrix::from_entries(system.layout().coordinates(), entries)
-}
-
-/// Row, column and value of what the contributions that are `selected` add to the mass matrix, in their order.
-fn mass_entries(system: &mut dyn System, selected: impl Fn(&dyn Force) -> bool) -> Vec<(u32, u32, f64)> {
-    let mut add_to = |blocks: &mut Blocks<'_>| {
+    let entries = Blocks::collect(|blocks| {
         system.forces(&mut |force| {
             if selected(force) {
                 force.add_mass(blocks);
             }
         });
-    };
-    let mut places = Vec::new();
-    add_to(&mut Blocks::record(&mut places));
-    let order: Vec<u32> = (0..places.len() as u32).collect();
-    let mut values = vec![0.0; places.len()];
-    add_to(&mut Blocks::add_to(&order, &mut values));
-    let entries = places.into_iter().zip(values);
-    entries.map(|((row, column), value)| (row, column, value)).collect()
+    });
+    SparseMatrix::from_entries(system.layout().coordinates(), entries)
 }

@@ -1,6 +1,6 @@
 //! What is left over of the equations of motion: evaluated whole, where a correction has changed it, or known without evaluation.
 use crate::matrix::{IterationMatrix, visit_jacobian};
-use crate::{Blocks, Force, Layout, Motion, NewtonOptions, SparseMatrix, System, Updates, Weights};
+use crate::{Blocks, Layout, Motion, NewtonOptions, SparseMatrix, System, Updates, Weights};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -133,24 +133,15 @@ impl LinearPart {
 
     /// Takes over the part of the other contributions in the matrix that is factored at `motion`.
     fn linearise(&mut self, system: &mut dyn System, motion: &Motion<'_>, mass_weight: f64, weights: Weights) {
-        let mut add = |blocks: &mut Blocks<'_>| {
-            system.forces(&mut |force: &mut dyn Force| {
+        let mut entries = Blocks::collect(|blocks| {
+            system.forces(&mut |force| {
                 if !force.evaluates_ranges() {
                     force.add_dynamic_tangent(motion, weights, mass_weight, blocks);
                 }
             });
-        };
-        let mut places = Vec::new();
-        add(&mut Blocks::record(&mut places));
-        let order: Vec<u32> = (0..places.len() as u32).collect();
-        let mut values = vec![0.0; places.len()];
-        add(&mut Blocks::add_to(&order, &mut values));
-        let entries = places
-            .iter()
-            .zip(values)
-            .map(|(&(row, column), value)| (row, column, value));
-        let entries = entries.filter(|entry| self.own[entry.0 as usize]);
-        self.others = SparseMatrix::from_entries(system.layout().coordinates(), entries.collect());
+        });
+        entries.retain(|entry| self.own[entry.0 as usize]);
+        self.others = SparseMatrix::from_entries(system.layout().coordinates(), entries);
         let occupied = (0..self.others.size()).filter(|&row| self.others.row(row).next().is_some());
         self.occupied = occupied.collect();
     }

@@ -272,13 +272,8 @@ fn transverse_stiffness(geometry: &WireGeometry, beam: Beam, size: usize) -> DMa
         u: &[],
     };
     let weights = Weights { q: 0.0, v: 1.0 };
-    let mut places = Vec::new();
-    wire.add_tangent(&motion, weights, &mut Blocks::record(&mut places));
-    let order: Vec<u32> = (0..places.len() as u32).collect();
-    let mut values = vec![0.0; places.len()];
-    wire.add_tangent(&motion, weights, &mut Blocks::add_to(&order, &mut values));
     let mut matrix = DMatrix::zeros(size, size);
-    for (&(row, column), value) in places.iter().zip(values) {
+    for (row, column, value) in Blocks::collect(|blocks| wire.add_tangent(&motion, weights, blocks)) {
         matrix[(row as usize, column as usize)] += value;
     }
     matrix

@@ -9,15 +9,10 @@ use dynamics::SparseMatrix;
 ///
 /// As coordinates of their own two halves could move against each other: a kink at the support, of so little mass that the inertia
 /// corrected for the time step would not be positive at steps that the whole layer allows.
+///
+/// Of each `a` and the weights `−K_ai/K_aa` of the others `i`, as [`SparseMatrix::congruent`] takes them.
 #[derive(Debug)]
-pub(super) struct EndLayers(Vec<Follower>);
-
-#[derive(Debug)]
-struct Follower {
-    place: usize,
-    /// `−K_ai/K_aa`.
-    weights: Vec<(usize, f64)>,
-}
+pub(super) struct EndLayers(Vec<(usize, Vec<(usize, f64)>)>);
 
 impl EndLayers {
     /// Takes the layers with these numbers out of stiffness, damping and mass of a span, in which nothing is left in their places.
@@ -25,13 +20,12 @@ impl EndLayers {
         let mut followers = Vec::with_capacity(places.len());
         for &place in places {
             let (own, others): (Vec<_>, Vec<_>) = stiffness.row(place).partition(|entry| entry.0 == place);
-            let weights: Vec<(usize, f64)> = others.into_iter().map(|(i, value)| (i, -value / own[0].1)).collect();
-            let following = [(place, weights)];
+            let weights = others.into_iter().map(|(i, value)| (i, -value / own[0].1));
+            let following = [(place, weights.collect())];
             *stiffness = stiffness.congruent(&following);
             *damping = damping.congruent(&following);
             *mass = mass.congruent(&[(place, Vec::new())]);
-            let [(place, weights)] = following;
-            followers.push(Follower { place, weights });
+            followers.extend(following);
         }
         Self(followers)
     }
@@ -39,8 +33,8 @@ impl EndLayers {
     /// Lets them follow the other coordinates of the span.
     pub fn follow(&self, values: &mut [f64]) {
         // One that was taken out early may follow one that was taken out later.
-        for follower in self.0.iter().rev() {
-            values[follower.place] = follower.weights.iter().map(|&(i, weight)| weight * values[i]).sum();
+        for (place, weights) in self.0.iter().rev() {
+            values[*place] = weights.iter().map(|&(i, weight)| weight * values[i]).sum();
         }
     }
 }

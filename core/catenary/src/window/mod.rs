@@ -10,9 +10,9 @@
 //! to it are linear and reduced to their supports, the elongations of droppers with dampers, and modes ([`cell`]): the lowest ones and
 //! the first longitudinal ones. That costs a tenth of a full span, carries waves of the frequencies of interest without any reflection,
 //! and keeps the line's longitudinal elasticity and mass, which the contact force depends on by several percent. Each has its
-//! halves of the bending layers at its supports. On short lines these cells reach the true ends. On long ones there are a fixed number of them, with
-//! damping that grows with the distance and, at the last support, dashpots `√(EA m)` matched to longitudinal waves [after Lysmer &
-//! Kuhlemeyer 1969].
+//! halves of the bending layers at its supports. On short lines these cells reach the true ends. On long ones there are a fixed number
+//! of them, with damping that grows with the distance and, at the last support, dashpots `√(EA m)` matched to longitudinal waves
+//! [after Lysmer & Kuhlemeyer 1969].
 //!
 //! When the last strip comes to the next span, the window moves on by one: the entering span takes its motion from its modes, and
 //! the leaving one hands its own over to modes, so that neither starts or stops abruptly. In the middle of a line of equal spans the
@@ -45,14 +45,13 @@ mod plan;
 mod transfer;
 
 use crate::line::Equilibrium;
-use crate::linear_line::assembled;
 use crate::statics::Repeat;
 use crate::{
     Dimension, Line, LinearLine, OverheadLine, ResidualCompliance, StaticLine, StaticsError, Topology, WireName,
 };
 use cell::{Cell, LONGITUDINAL, SpanMatrices};
 pub(crate) use cut::Source;
-use dynamics::{Continuity, Layout, Motion, SparseMatrix, Weights};
+use dynamics::{Blocks, Continuity, Layout, Motion, SparseMatrix, Weights};
 use elongations::Elongations;
 use end_layers::EndLayers;
 use far::{FarField, Member};
@@ -496,10 +495,10 @@ fn matrices(source: &Source<'_>, span: usize, plan: &Plan) -> SpanMatrices {
         u: &[],
     };
     let mut tangent = |q: f64, v: f64| {
-        assembled(|blocks| line.forces(&mut |part| part.add_tangent(&motion, Weights { q, v }, blocks)))
+        Blocks::collect(|blocks| line.forces(&mut |part| part.add_tangent(&motion, Weights { q, v }, blocks)))
     };
     let (stiffness, damping) = (tangent(1.0, 0.0), tangent(0.0, 1.0));
-    let mass = assembled(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
+    let mass = Blocks::collect(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
     let matrix = |entries| SparseMatrix::from_entries(size, entries);
     let (mut stiffness, mut damping, mut mass) = (matrix(stiffness), matrix(damping), matrix(mass));
     let places = places(&line, 0);

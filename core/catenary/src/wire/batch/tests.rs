@@ -84,13 +84,8 @@ fn wire(geometry: &WireGeometry, laws: (AxialLaw, BendingLaw)) -> Wire {
 
 /// Subtracts the product of the matrix that `add` puts into blocks with `values`.
 fn subtract(add: &dyn Fn(&mut Blocks<'_>), values: &[f64], force: &mut [f64]) {
-    let mut places = Vec::new();
-    add(&mut Blocks::record(&mut places));
-    let order: Vec<u32> = (0..places.len() as u32).collect();
-    let mut entries = vec![0.0; places.len()];
-    add(&mut Blocks::add_to(&order, &mut entries));
-    for ((row, column), entry) in places.iter().zip(entries) {
-        force[*row as usize] -= entry * values[*column as usize];
+    for (row, column, entry) in Blocks::collect(add) {
+        force[row as usize] -= entry * values[column as usize];
     }
 }
 
@@ -282,14 +277,9 @@ fn a_range_of_coordinates_has_the_force_of_the_whole_evaluation() {
 
 /// Rows, columns and values of what `add` puts into blocks, summed.
 fn entries(add: &dyn Fn(&mut Blocks<'_>)) -> BTreeMap<(u32, u32), f64> {
-    let mut places = Vec::new();
-    add(&mut Blocks::record(&mut places));
-    let order: Vec<u32> = (0..places.len() as u32).collect();
-    let mut values = vec![0.0; places.len()];
-    add(&mut Blocks::add_to(&order, &mut values));
     let mut sums = BTreeMap::new();
-    for (place, value) in places.iter().zip(values) {
-        *sums.entry(*place).or_insert(0.0) += value;
+    for (row, column, value) in Blocks::collect(add) {
+        *sums.entry((row, column)).or_insert(0.0) += value;
     }
     sums
 }
