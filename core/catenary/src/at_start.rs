@@ -114,6 +114,18 @@ impl OneWayStep {
         }
     }
 
+    /// A number for the case of [`OneWayStep::closed_part`], and for whether there is a `force` (N): where two motions have the same one,
+    /// what is between them is smooth.
+    pub(crate) fn piece(self, ahead: f64, rate: f64, force: f64) -> u8 {
+        let case = match self.at_start {
+            AtStart::At(start) if start >= 0.0 => 0,
+            _ if rate <= 0.0 => 1,
+            _ if ahead <= 0.0 => 2,
+            _ => 3,
+        };
+        2 * case + u8::from(force > 0.0)
+    }
+
     /// Whether it is known to have begun open.
     pub(crate) fn began_open(self) -> bool {
         matches!(self.at_start, AtStart::At(start) if start < 0.0)

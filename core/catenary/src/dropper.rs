@@ -2,7 +2,7 @@
 use crate::at_start::one_way_force;
 use crate::{AtStart, Attachment, OneWayStep};
 use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
-use lanes::{Evaluate, Extensions, Group, LANES, Mass};
+use lanes::{Evaluate, Extensions, Group, LANES, Mass, Move};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
 use std::ops::Range;
@@ -46,6 +46,11 @@ impl DropperLaw {
         }
         let closing = by_ahead * self.damping * rate;
         (self.stiffness + closing, part * self.damping + step.half * closing)
+    }
+
+    /// Piece of the law, see [`OneWayStep::piece`].
+    pub(crate) fn piece(&self, step: OneWayStep, elongation: f64, rate: f64) -> u8 {
+        step.piece(step.ahead(elongation, rate), rate, self.force(step, elongation, rate))
     }
 
     /// Elastic energy at an `elongation` in m, J.
@@ -152,6 +157,8 @@ pub struct Droppers {
     groups: Vec<Group>,
     masses: Vec<Mass>,
     assembled: Vec<Assembled>,
+    /// Of each whole group the slope (N/m) that the last assembled tangent contains of all of them, where it is the same.
+    common_slopes: Vec<Option<f64>>,
     /// `δ⁺₀` of each dropper in the present step, m; filled up to whole groups.
     at_start: Vec<f64>,
     /// The same of the step that has just ended: with it the force at its end was found.
@@ -180,6 +187,7 @@ impl Droppers {
             law,
             gravity,
             assembled: vec![slack; droppers.len()],
+            common_slopes: vec![None; groups.len()],
             at_start: vec![0.0; groups.len() * LANES],
             during: vec![0.0; groups.len() * LANES],
             half: 0.0,
@@ -267,6 +275,14 @@ impl Droppers {
         });
     }
 
+    fn find_common_slopes(&mut self) {
+        for (common, group) in self.common_slopes.iter_mut().zip(self.assembled.chunks(LANES)) {
+            let slope = group[0].slope;
+            let same = group.len() == LANES && group.iter().all(|assembled| assembled.slope == slope);
+            *common = same.then_some(slope);
+        }
+    }
+
     /// Adds weights, and inertia where accelerations are given.
     fn weigh(&self, range: &Range<usize>, v_dot: Option<&[f64]>, force: &mut [f64]) {
         for mass in &self.masses {
@@ -330,20 +346,26 @@ impl Force for Droppers {
             }
             dropper.upper.add_relative_block(&dropper.lower, &block, blocks);
         }
+        self.find_common_slopes();
     }
 
     fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
-        for (slot, (dropper, assembled)) in self.droppers.iter().zip(&self.assembled).enumerate() {
-            let (elongation, rate) = self.extension(slot, motion);
-            let coefficient = self
-                .law
-                .slope(self.step_of(self.at_start[slot]), elongation, rate, weights)
-                - assembled.slope;
-            if coefficient == 0.0 {
+        let taut = weights.q * self.law.stiffness + weights.v * self.law.damping;
+        for (group, common) in self.common_slopes.iter().enumerate() {
+            if *common == Some(taut) && self.evaluated && self.extensions.taut[group] {
                 continue;
             }
-            let gradient = dropper.gradient(assembled.direction);
-            updates.rank_one(slot as u32, self.version, coefficient, gradient);
+            let first = group * LANES;
+            for slot in first..self.droppers.len().min(first + LANES) {
+                let (elongation, rate) = self.extension(slot, motion);
+                let step = self.step_of(self.at_start[slot]);
+                let assembled = &self.assembled[slot];
+                let coefficient = self.law.slope(step, elongation, rate, weights) - assembled.slope;
+                if coefficient != 0.0 {
+                    let gradient = self.droppers[slot].gradient(assembled.direction);
+                    updates.rank_one(slot as u32, self.version, coefficient, gradient);
+                }
+            }
         }
     }
 
@@ -378,6 +400,18 @@ impl Force for Droppers {
             driven: 0.0,
             dissipated: heat.sum(),
         })
+    }
+
+    fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
+        self.evaluated
+            && self.arch.dispatch(Move {
+                law: self.law,
+                groups: &self.groups,
+                at_start: &self.at_start,
+                half: self.half,
+                motion,
+                extensions: &mut self.extensions,
+            })
     }
 
     fn end_step(&mut self, motion: &Motion<'_>) {
@@ -417,6 +451,7 @@ impl Force for Droppers {
         }
         // Rows kept by the solver under the old version may not be those of the restored directions.
         self.version += u64::from(changed);
+        self.find_common_slopes();
         self.evaluated = false;
     }
 }

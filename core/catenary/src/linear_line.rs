@@ -37,6 +37,8 @@ pub struct LinearDroppers {
     at_start: Vec<f64>,
     /// Half of the present step, or of the one that has just ended, s.
     half: f64,
+    /// Pieces of the law that the forces found last come from.
+    pieces: Vec<u8>,
 }
 
 impl LinearDroppers {
@@ -48,6 +50,7 @@ impl LinearDroppers {
             assembled: vec![0.0; droppers.len()],
             at_start: vec![0.0; droppers.len()],
             half: 0.0,
+            pieces: vec![0; droppers.len()],
             droppers,
         }
     }
@@ -94,7 +97,9 @@ impl Force for LinearDroppers {
 
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         for (index, dropper) in self.droppers.iter().enumerate() {
-            let tension = self.tension(index, motion);
+            let (elongation, rate) = dropper.extension(motion);
+            let tension = self.law.force(self.step(index), elongation, rate);
+            self.pieces[index] = self.law.piece(self.step(index), elongation, rate);
             for &(coordinate, g) in &dropper.gradient {
                 force[coordinate] -= tension * g;
             }
@@ -129,6 +134,13 @@ impl Force for LinearDroppers {
         self.elongations(motion)
             .map(|elongation| self.law.energy(elongation))
             .sum()
+    }
+
+    fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
+        self.droppers.iter().enumerate().all(|(index, dropper)| {
+            let (elongation, rate) = dropper.extension(motion);
+            self.law.piece(self.step(index), elongation, rate) == self.pieces[index]
+        })
     }
 
     fn end_step(&mut self, motion: &Motion<'_>) {

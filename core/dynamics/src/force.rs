@@ -136,6 +136,14 @@ pub trait Force: Send {
         let _ = motion;
     }
 
+    /// Called in place of the last evaluation of a step whose residual the solver foresees: the force was found last near `motion` and
+    /// is not found there. Returns whether it comes from the same piece of its law in both places; what it does not say of the motion
+    /// between them is smooth. Where the answer is no the solver evaluates.
+    fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
+        let _ = motion;
+        true
+    }
+
     /// Appends the history this contribution carries beyond `q, v` (start values of searches, directions frozen in the
     /// factored matrix), so that a restored state continues bit for bit.
     fn save(&self, out: &mut Vec<f64>) {

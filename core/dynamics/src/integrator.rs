@@ -1,5 +1,6 @@
 //! Generalized-α time integration of constrained systems.
 use crate::augmented::{Formulation, Stepped};
+use crate::foresight::Foresight;
 use crate::moving::MovingMultipliers;
 use crate::newton::{Jacobian, Workspace, name};
 use crate::passes::{Apply, Predict};
@@ -71,6 +72,7 @@ pub struct Memory {
     history: Vec<f64>,
     last_h: Option<f64>,
     moving: MovingMultipliers,
+    foresight: Foresight,
 }
 
 /// Generalized-α for constrained systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012],
@@ -133,7 +135,7 @@ impl GeneralizedAlpha {
         }
     }
 
-    /// Largest residual before each Newton iteration of the last step, N or m; the last one is what was left.
+    /// Largest residual before each Newton iteration of the last step, N or m; the last one is what was left, evaluated or foreseen.
     #[must_use]
     pub fn residuals(&self) -> &[f64] {
         &self.residuals
@@ -248,6 +250,9 @@ impl GeneralizedAlpha {
             };
             let residual = workspace.residual(at, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
             self.residuals.push(residual.value);
+            if iteration > 0 && damping == 1.0 {
+                self.memory.foresight.observe(iteration - 1, last_ratio, residual.ratio);
+            }
             if !residual.ratio.is_finite() {
                 return Err(StepError::NotFinite {
                     t: t_end,
@@ -255,11 +260,19 @@ impl GeneralizedAlpha {
                 });
             }
             if residual.ratio <= 1.0 {
+                self.memory.foresight.end_step(false);
                 system.forces(&mut |force| force.end_step(&motion));
                 let moving = &mut self.memory.moving;
                 moving.end(workspace.moving(), &self.scheme, (h, stretch), &mut state.lambda);
                 return Ok(());
             }
+            let foreseen = if damping == 1.0 && workspace.moving().is_empty() {
+                self.memory
+                    .foresight
+                    .last_residual(iteration, residual.ratio, last_ratio)
+            } else {
+                None
+            };
             if iteration == options.max_iterations {
                 let worst = workspace.worst(&residual);
                 return Err(StepError::NotConverged {
@@ -293,6 +306,18 @@ impl GeneralizedAlpha {
             last_ratio = residual.ratio;
             workspace.correct(system, &motion, weights, Some((&options, iteration)))?;
             self.apply(workspace, damping, (mass_rate, velocity_rate), system, state);
+            if let Some(left) = foreseen {
+                let motion = state.motion(u);
+                let mut continues = true;
+                system.forces(&mut |force| continues &= force.continues_to(&motion));
+                if continues {
+                    self.residuals.push(residual.value * left / residual.ratio);
+                    self.counters.foreseen += 1;
+                    self.memory.foresight.end_step(true);
+                    system.forces(&mut |force| force.end_step(&motion));
+                    return Ok(());
+                }
+            }
         }
         unreachable!("the last pass returns")
     }
@@ -333,6 +358,7 @@ impl GeneralizedAlpha {
             history,
         };
         self.factor(workspace, system, &linearisation)?;
+        self.memory.foresight = Foresight::default();
         self.memory.linearisation = Some(Arc::new(linearisation));
         Ok(())
     }
@@ -524,6 +550,7 @@ impl GeneralizedAlpha {
         memory.linearisation.clone_from(&self.memory.linearisation);
         memory.last_h = self.memory.last_h;
         memory.moving.copy_from(&self.memory.moving);
+        memory.foresight.clone_from(&self.memory.foresight);
         memory.history.clear();
         system.forces(&mut |force| force.save(&mut memory.history));
     }
@@ -547,6 +574,7 @@ impl GeneralizedAlpha {
         self.memory.linearisation.clone_from(&memory.linearisation);
         self.memory.last_h = memory.last_h;
         self.memory.moving.copy_from(&memory.moving);
+        self.memory.foresight.clone_from(&memory.foresight);
         if let Some(mut workspace) = self.workspace.take() {
             workspace.forget();
             self.workspace = Some(workspace);

@@ -30,6 +30,7 @@ mod constraint;
 mod factor;
 mod factored;
 mod force;
+mod foresight;
 mod input;
 mod integrator;
 mod leaves;

@@ -109,6 +109,9 @@ pub struct Counters {
     /// Most Newton corrections of one time step.
     #[serde(default)]
     pub most_iterations: u64,
+    /// Time steps whose last residual was foreseen and not evaluated.
+    #[serde(default)]
+    pub foreseen: u64,
 }
 
 /// Ranges of unknowns, ascending and apart.

@@ -42,6 +42,9 @@ pub(crate) struct Correction<'a> {
 /// about half of the digits of a double. Who asks for more gets an evaluation.
 const SOLVED: f64 = 1e-7;
 
+/// Part of the coordinates above which all are evaluated in one pass: each range takes more than its share of that.
+const WHOLE: f64 = 0.7;
+
 /// `Q − M v̇ − g_qᵀ λ` and `g` of one system, and what they are made of.
 pub(crate) struct Imbalance {
     arch: Arch,
@@ -217,14 +220,18 @@ impl Imbalance {
             linear.after(last, &self.others, &mut self.local);
         }
         if since == Since::Anything {
-            self.local.fill(0.0);
             self.first = None;
+        }
+        let affected: usize = last.affected.iter().map(|range| range.len()).sum();
+        let whole = since == Since::Anything || (!known && affected as f64 > WHOLE * self.coordinates as f64);
+        if whole {
+            self.local.fill(0.0);
         }
         self.others.fill(0.0);
         let (local, others) = (&mut self.local, &mut self.others);
         system.forces(&mut |contribution| {
             if contribution.evaluates_ranges() {
-                if since == Since::Anything {
+                if whole {
                     contribution.add_dynamic_force(motion, v_dot, local);
                 }
             } else if contribution.multiplies_mass() {
@@ -234,7 +241,7 @@ impl Imbalance {
             }
         });
         matrix.subtract_inertia(v_dot, others);
-        if since == Since::Anything {
+        if whole {
             return;
         }
         let everything = 0..self.coordinates;

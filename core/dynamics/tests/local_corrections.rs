@@ -139,6 +139,10 @@ impl Force for Contact {
         blocks.add(&[NODES], &[NODES], &[10.0]);
     }
 
+    fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
+        self.closed == (self.penetration(motion) > 0.0)
+    }
+
     fn end_step(&mut self, motion: &Motion<'_>) {
         self.open_steps += usize::from(self.penetration(motion) <= 0.0);
     }
@@ -192,20 +196,41 @@ fn options(tolerance: f64) -> NewtonOptions {
     }
 }
 
+/// Largest residual of a state, N, evaluated anew.
+fn left(judge: &mut Model, state: &State) -> f64 {
+    let motion = state.motion(&[]);
+    let mut force = vec![0.0; NODES + 1];
+    judge.contact.begin_step(&motion, H);
+    judge.contact.add_force(&motion, &mut force);
+    judge.chain.add_dynamic_force(&motion, &state.v_dot, &mut force);
+    force[NODES] -= 10.0 * state.v_dot[NODES];
+    force.iter().fold(0.0, |most, value| most.max(value.abs()))
+}
+
 /// Positions and velocities of the body after each step, and the model, state and work at the end.
 fn run(evaluates_ranges: bool, tolerance: f64) -> (Vec<[f64; 2]>, Model, State, GeneralizedAlpha) {
     let mut model = Model::new(evaluates_ranges);
     let mut state = model.layout.state_at_rest();
     let mut integrator = GeneralizedAlpha::new(0.9, options(tolerance));
-    let mut path = Vec::new();
+    let (mut path, mut judge, mut above) = (Vec::new(), Model::new(false), 0);
     for step in 1..=STEPS {
+        let foreseen = integrator.counters().foreseen;
         integrator
             .step(&mut model, &mut state, &[], step as f64 * H, H)
             .unwrap();
         path.push([state.q[NODES], state.v[NODES]]);
         let residuals = integrator.residuals();
         assert!(residuals[residuals.len() - 1] <= tolerance, "{residuals:?}");
+        let left = left(&mut judge, &state);
+        let most = if integrator.counters().foreseen > foreseen {
+            5.0
+        } else {
+            1.001
+        };
+        assert!(left <= most * tolerance, "step {step}: {left:e} N, {residuals:?}");
+        above += usize::from(left > 1.001 * tolerance);
     }
+    assert!(above <= STEPS / 100, "{above} of {STEPS} steps end above the tolerance");
     (path, model, state, integrator)
 }
 
@@ -239,6 +264,7 @@ fn local_corrections_reach_what_whole_evaluations_reach() {
     // The first correction of a step reaches far; those after it do not.
     let [work, more] = [integrator.counters(), reference.counters()];
     assert!(work.newton_iterations < more.newton_iterations);
+    assert!(work.foreseen > STEPS as u64 / 10, "{work:?}");
     assert_eq!(local.chain.whole, STEPS);
     let whole_evaluations = work.newton_iterations as usize * NODES;
     println!("{} nodes of {whole_evaluations}, {work:?}", local.chain.within);

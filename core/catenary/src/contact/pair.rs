@@ -35,6 +35,8 @@ pub struct ContactPair {
     version: u64,
     direction: Vec<(usize, f64)>,
     active: Option<f64>,
+    /// Piece of its law that the force found last comes from, see [`OneWayStep::piece`].
+    piece: Option<u8>,
     /// The present step, or the one that has just ended: by it the force at its end is found.
     step: OneWayStep,
     /// What the next step begins with.
@@ -67,6 +69,7 @@ impl ContactPair {
             version: 0,
             direction: Vec::new(),
             active: None,
+            piece: None,
             step: OneWayStep::NONE,
             reached: AtStart::Unknown,
             found: None,
@@ -115,6 +118,18 @@ impl ContactPair {
         } else {
             AtStart::At(self.step.ahead(-contact.geometry.gap, -contact.geometry.gap_rate))
         }
+    }
+
+    /// Finds the contact, and takes note of what the rest of the step asks of it.
+    fn find(&mut self, motion: &Motion<'_>) -> Option<ContactState> {
+        let contact = self.state(motion);
+        self.active = contact.as_ref().map(|contact| contact.force);
+        self.piece = contact.as_ref().map(ContactState::piece);
+        self.found = self.in_step.then(|| match &contact {
+            Some(contact) => self.start_with(contact),
+            None => AtStart::APART,
+        });
+        contact
     }
 
     /// Whether the wire passes the strip further than half its width from its middle.
@@ -220,16 +235,9 @@ impl Force for ContactPair {
         if self.in_step {
             self.load.add_to(force);
         }
-        let Some(contact) = self.state(motion) else {
-            self.active = None;
-            self.found = self.in_step.then_some(AtStart::APART);
+        let Some(contact) = self.find(motion).filter(ContactState::closed) else {
             return;
         };
-        self.active = Some(contact.force);
-        self.found = self.in_step.then(|| self.start_with(&contact));
-        if !contact.closed() {
-            return;
-        }
         let geometry = &contact.geometry;
         let mut wire = CurveColumns::default();
         self.curve.columns(geometry.s, &mut wire);
@@ -285,6 +293,12 @@ impl Force for ContactPair {
             driven: -contact.force_on_strip().dot(&prescribed) + self.load.power(motion.v),
             dissipated: contact.dissipation(),
         })
+    }
+
+    fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
+        let before = self.piece;
+        self.find(motion);
+        self.piece == before
     }
 
     fn end_step(&mut self, motion: &Motion<'_>) {

@@ -135,6 +135,13 @@ impl ContactState {
         state
     }
 
+    /// Piece of the law, see [`OneWayStep::piece`].
+    pub(super) fn piece(&self) -> u8 {
+        let (delta, delta_rate) = (-self.geometry.gap, -self.geometry.gap_rate);
+        let p_rate = self.share * delta_rate + self.share_s * self.slide * delta;
+        self.step.piece(self.step.ahead(delta, delta_rate), p_rate, self.force)
+    }
+
     /// A strip that is held on the curve by a `force` (N) of any sign.
     pub(super) fn held(geometry: ContactGeometry, force: f64) -> Self {
         Self {

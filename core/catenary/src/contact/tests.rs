@@ -402,3 +402,34 @@ fn the_contact_that_closes_in_a_step_is_damped_from_its_end_on() {
         came.force
     );
 }
+
+#[test]
+fn a_step_that_ends_unevaluated_ends_where_it_ends_or_asks_for_the_evaluation() {
+    let (mut q, v) = bent();
+    let closed = q[WIRE + 2];
+    let end = |evaluated: bool, q: &[f64]| {
+        let mut pair = pair(0.04, 100.0, ContactTangent::RankOne);
+        let mut start = q.to_vec();
+        start[WIRE + 2] = closed - 0.001;
+        let mut force = vec![0.0; q.len()];
+        pair.begin_step(&motion(&start, &v), 1e-3);
+        pair.add_force(&motion(&start, &v), &mut force);
+        let mut continues = pair.continues_to(&motion(q, &v));
+        if evaluated {
+            pair.add_force(&motion(q, &v), &mut force);
+            continues = true;
+        }
+        pair.end_step(&motion(q, &v));
+        let mut memory = Vec::new();
+        pair.save(&mut memory);
+        (continues, memory)
+    };
+    q[WIRE + 2] = closed - 0.0011;
+    assert_eq!(end(false, &q), end(true, &q), "as far below the strip");
+    q[WIRE + 2] = closed - 0.05;
+    let far = end(false, &q);
+    q[WIRE + 2] = closed + 0.05;
+    let near = end(false, &q);
+    assert!(far.0 != near.0, "one of them is on the other side of the wire");
+    assert_ne!(far.1, near.1);
+}

@@ -68,17 +68,9 @@ impl Group {
         self.range.start < range.end && range.start < self.range.end
     }
 
-    /// Finds the extensions and adds the forces of springs and dampers; no end moves along other axes than `axes`.
+    /// Finds the extensions, and where the upper ends are as seen from the lower ones; no end moves along other axes than `axes`.
     #[inline(always)]
-    fn pull<const D: usize>(
-        &self,
-        axes: &[usize; D],
-        law: DropperLaw,
-        (at_start, half): (&[f64], f64),
-        (q, v): (&[f64], &[f64]),
-        (elongation, rate): (&mut [f64], &mut [f64]),
-        force: &mut [f64],
-    ) {
+    fn extend<const D: usize>(&self, axes: &[usize; D], (q, v): (&[f64], &[f64])) -> Extended<D> {
         let mut between = [[0.0; LANES]; D];
         let (mut square, mut along) = ([0.0; LANES], [0.0; LANES]);
         if D < 3 {
@@ -94,16 +86,41 @@ impl Group {
                 along[lane] += between[lane] * velocity[lane];
             }
         }
-        let mut pull_per_length = [0.0; LANES];
+        let (mut length, mut elongation, mut rate) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for lane in 0..LANES {
             // Ends that coincide have no direction: no force.
-            let length = square[lane].sqrt().max(f64::MIN_POSITIVE);
-            elongation[lane] = length - self.unstressed_length[lane];
-            rate[lane] = along[lane] / length;
-            let step = OneWayStep::new(AtStart::At(at_start[lane]), half);
-            pull_per_length[lane] = law.force(step, elongation[lane], rate[lane]) / length;
+            length[lane] = square[lane].sqrt().max(f64::MIN_POSITIVE);
+            elongation[lane] = length[lane] - self.unstressed_length[lane];
+            rate[lane] = along[lane] / length[lane];
         }
-        for (between, &axis) in between.iter().zip(axes) {
+        Extended {
+            between,
+            length,
+            elongation,
+            rate,
+        }
+    }
+
+    /// Finds the extensions and adds the forces of springs and dampers; no end moves along other axes than `axes`.
+    #[inline(always)]
+    fn pull<const D: usize>(
+        &self,
+        axes: &[usize; D],
+        (law, at_start, half): (DropperLaw, &[f64], f64),
+        (q, v): (&[f64], &[f64]),
+        (elongation, rate, taut): (&mut [f64], &mut [f64], &mut bool),
+        force: &mut [f64],
+    ) {
+        let now = self.extend(axes, (q, v));
+        elongation.copy_from_slice(&now.elongation);
+        rate.copy_from_slice(&now.rate);
+        let mut pull_per_length = [0.0; LANES];
+        for lane in 0..LANES {
+            let step = OneWayStep::new(AtStart::At(at_start[lane]), half);
+            pull_per_length[lane] = law.force(step, now.elongation[lane], now.rate[lane]) / now.length[lane];
+        }
+        *taut = (0..LANES).all(|lane| at_start[lane] >= 0.0 && pull_per_length[lane] > 0.0);
+        for (between, &axis) in now.between.iter().zip(axes) {
             for lane in 0..LANES {
                 let pull = pull_per_length[lane] * between[lane];
                 if let Some(force) = force.get_mut(self.upper[axis][lane]) {
@@ -128,6 +145,18 @@ impl Group {
     }
 }
 
+/// How some droppers stand.
+struct Extended<const D: usize> {
+    /// From the lower to the upper end by axis, m.
+    between: [Lanes; D],
+    /// m
+    length: Lanes,
+    /// `δ`, m.
+    elongation: Lanes,
+    /// `δ̇`, m/s.
+    rate: Lanes,
+}
+
 /// Where droppers stand: entries of the last lanes are without a dropper.
 #[derive(Clone, Debug)]
 pub(super) struct Extensions {
@@ -135,6 +164,8 @@ pub(super) struct Extensions {
     pub elongation: Vec<f64>,
     /// `δ̇`, m/s.
     pub rate: Vec<f64>,
+    /// Of each whole group, whether all began the step taut and pull.
+    pub taut: Vec<bool>,
 }
 
 impl Extensions {
@@ -143,6 +174,7 @@ impl Extensions {
         Self {
             elongation: vec![0.0; groups * LANES],
             rate: vec![0.0; groups * LANES],
+            taut: vec![false; groups],
         }
     }
 }
@@ -169,18 +201,61 @@ impl WithSimd for Evaluate<'_> {
         let Motion { q, v, .. } = *self.motion;
         let lanes = (self.extensions.elongation.chunks_exact_mut(LANES))
             .zip(self.extensions.rate.chunks_exact_mut(LANES))
+            .zip(&mut self.extensions.taut)
             .zip(self.at_start.chunks_exact(LANES));
-        for (group, ((elongation, rate), at_start)) in self.groups.iter().zip(lanes) {
+        for (group, (((elongation, rate), taut), at_start)) in self.groups.iter().zip(lanes) {
             if !group.meets(&self.range) {
                 continue;
             }
-            let (at_start, extensions) = ((at_start, self.half), (elongation, rate));
+            let (law, extensions) = ((self.law, at_start, self.half), (elongation, rate, taut));
             if group.planar {
-                group.pull(&[0, 2], self.law, at_start, (q, v), extensions, self.force);
+                group.pull(&[0, 2], law, (q, v), extensions, self.force);
             } else {
-                group.pull(&[0, 1, 2], self.law, at_start, (q, v), extensions, self.force);
+                group.pull(&[0, 1, 2], law, (q, v), extensions, self.force);
             }
         }
+    }
+}
+
+/// Finds the extensions of all groups, and whether each dropper's force comes from the same piece of its law as with those before.
+pub(super) struct Move<'a> {
+    pub law: DropperLaw,
+    pub groups: &'a [Group],
+    /// `δ⁺₀`, m; one per lane.
+    pub at_start: &'a [f64],
+    /// Half of the step, s.
+    pub half: f64,
+    pub motion: &'a Motion<'a>,
+    pub extensions: &'a mut Extensions,
+}
+
+impl WithSimd for Move<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> bool {
+        let Motion { q, v, .. } = *self.motion;
+        let lanes = (self.extensions.elongation.chunks_exact_mut(LANES))
+            .zip(self.extensions.rate.chunks_exact_mut(LANES))
+            .zip(self.at_start.chunks_exact(LANES));
+        let mut others = 0;
+        for (group, ((elongation, rate), at_start)) in self.groups.iter().zip(lanes) {
+            let (now_elongation, now_rate) = if group.planar {
+                let now = group.extend(&[0, 2], (q, v));
+                (now.elongation, now.rate)
+            } else {
+                let now = group.extend(&[0, 1, 2], (q, v));
+                (now.elongation, now.rate)
+            };
+            for lane in 0..LANES {
+                let step = OneWayStep::new(AtStart::At(at_start[lane]), self.half);
+                let before = self.law.piece(step, elongation[lane], rate[lane]);
+                others |= before ^ self.law.piece(step, now_elongation[lane], now_rate[lane]);
+            }
+            elongation.copy_from_slice(&now_elongation);
+            rate.copy_from_slice(&now_rate);
+        }
+        others == 0
     }
 }
 

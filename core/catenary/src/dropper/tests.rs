@@ -353,3 +353,76 @@ fn after_an_evaluation_within_a_range_extensions_are_those_of_the_new_motion() {
     let (elongation, _) = batch.extension(0, &state.motion(&[]));
     assert_eq!(elongation, pose.elongation, "after the step nothing is kept");
 }
+
+/// The batch of [`many`] after a step that began and ended taut, its tangent assembled there, and this motion.
+fn many_taut(weights: Weights) -> (Droppers, State) {
+    let (mut droppers, state) = many();
+    for dropper in &mut droppers {
+        dropper.unstressed_length -= 0.05;
+    }
+    let mut batch = Droppers::new(LAW, droppers, 9.81);
+    batch.begin_step(&state.motion(&[]), H);
+    batch.end_step(&state.motion(&[]));
+    let mut places = Vec::new();
+    batch.add_tangent(&state.motion(&[]), weights, &mut Blocks::record(&mut places));
+    (batch, state)
+}
+
+const H: f64 = 1e-3;
+
+#[test]
+fn groups_that_are_as_taut_as_assembled_are_passed_over_and_no_others() {
+    let weights = Weights { q: 1.0, v: 700.0 };
+    let (mut batch, mut state) = many_taut(weights);
+    let rank = |batch: &mut Droppers, state: &State, weights: Weights| {
+        let mut updates = Updates::default();
+        batch.push_updates(&state.motion(&[]), weights, &mut updates);
+        updates.rank()
+    };
+    let v_dot = vec![0.0; state.q.len()];
+    let mut force = v_dot.clone();
+    batch.add_dynamic_force(&state.motion(&[]), &v_dot, &mut force);
+    assert_eq!(rank(&mut batch, &state, weights), 0);
+    let other = Weights { q: 1.0, v: 350.0 };
+    assert_eq!(
+        rank(&mut batch, &state, other),
+        19,
+        "another step asks for another slope"
+    );
+    // The upper end of the fourth dropper and the lower one of the last.
+    for (dropper, end) in [(3, 0), (18, 1)] {
+        let dropper = batch.as_slice()[dropper];
+        let (attachment, sign) = [(dropper.upper, -1.0), (dropper.lower, 1.0)][end];
+        state.q[attachment.coordinate(2).unwrap()] += sign * 0.1;
+    }
+    batch.add_dynamic_force(&state.motion(&[]), &v_dot, &mut force);
+    assert_eq!(rank(&mut batch, &state, weights), 2);
+}
+
+#[test]
+fn a_step_that_ends_unevaluated_ends_as_an_evaluated_one_or_asks_for_the_evaluation() {
+    let weights = Weights { q: 1.0, v: 700.0 };
+    let (mut batch, mut state) = many_taut(weights);
+    let v_dot = vec![0.0; state.q.len()];
+    let mut force = v_dot.clone();
+    assert!(
+        !batch.continues_to(&state.motion(&[])),
+        "nothing was evaluated in this step"
+    );
+    batch.add_dynamic_force(&state.motion(&[]), &v_dot, &mut force);
+    for (i, q) in state.q.iter_mut().enumerate() {
+        *q += 1e-4 * (0.7 * i as f64).sin();
+    }
+    let (motion, mut evaluated) = (state.motion(&[]), batch.clone());
+    assert!(batch.continues_to(&motion));
+    evaluated.add_dynamic_force(&motion, &v_dot, &mut force);
+    for batch in [&mut batch, &mut evaluated] {
+        batch.end_step(&motion);
+    }
+    assert_eq!(batch.at_start, evaluated.at_start);
+    batch.add_dynamic_force(&motion, &v_dot, &mut force);
+    let upper = batch.as_slice()[17].upper;
+    state.q[upper.coordinate(2).unwrap()] -= 0.1;
+    assert!(!batch.continues_to(&state.motion(&[])), "one has gone slack");
+    assert_eq!(batch.slack_count(&state.motion(&[])), 1);
+}

@@ -172,6 +172,8 @@ pub struct ChainElement {
     pub friction: f64,
     /// Tangent coefficient in the factored matrix, N/m.
     factored: f64,
+    /// Whether it was open where its force was found last.
+    open: bool,
 }
 
 impl ChainElement {
@@ -188,6 +190,7 @@ impl ChainElement {
             unilateral: false,
             friction: 0.0,
             factored: 0.0,
+            open: false,
         }
     }
 
@@ -201,12 +204,22 @@ impl ChainElement {
         (q - motion.q[self.above], v - motion.v[self.above])
     }
 
+    /// `N` before it is cut, N, and whether it is cut.
+    fn normal(&self, s: f64, rate: f64) -> (f64, bool) {
+        let elastic = self.preload + self.stiffness * s;
+        let normal = elastic + self.damping * rate;
+        (normal, self.unilateral && (elastic <= 0.0 || normal <= 0.0))
+    }
+
+    fn is_open(&self, motion: &Motion<'_>) -> bool {
+        let (s, rate) = self.compression(motion);
+        self.normal(s, rate).1
+    }
+
     /// `(F, ∂F/∂s, ∂F/∂ṡ)`.
     fn law(&self, motion: &Motion<'_>) -> (f64, f64, f64) {
         let (s, rate) = self.compression(motion);
-        let elastic = self.preload + self.stiffness * s;
-        let normal = elastic + self.damping * rate;
-        let open = self.unilateral && (elastic <= 0.0 || normal <= 0.0);
+        let (normal, open) = self.normal(s, rate);
         let (mut force, stiffness, mut damping) = if open {
             (0.0, 0.0, 0.0)
         } else {
@@ -234,6 +247,7 @@ impl ChainElement {
 impl Force for ChainElement {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let (normal, ..) = self.law(motion);
+        self.open = self.unilateral && self.is_open(motion);
         force[self.above] += normal;
         if let Some(below) = self.below {
             force[below] -= normal;
@@ -301,6 +315,10 @@ impl Force for ChainElement {
                 std::iter::once((self.above, -1.0)).chain(below).chain(foot),
             );
         }
+    }
+
+    fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
+        !self.unilateral || self.is_open(motion) == self.open
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {

@@ -1,0 +1,149 @@
+//! What the steps so far say of how much a correction leaves.
+use serde::{Deserialize, Serialize};
+
+/// Corrections of a step that are followed; later ones are evaluated.
+const FOLLOWED: usize = 6;
+
+/// Part of the tolerance up to which a foreseen residual serves.
+const SURE: f64 = 0.5;
+
+/// What remains of the largest contraction with each step that shows a smaller one.
+const FORGETTING: f64 = 0.9;
+
+/// Steps in a row that end with a foreseen residual.
+const UNSEEN: u32 = 16;
+
+/// Foresees the residual that a correction leaves, so that the last one of a step need not be evaluated.
+///
+/// With a kept matrix Newton's method contracts the residual from one correction to the next, and where the last two residuals of a
+/// step have the ratio `Θ` the next one is about `Θ` times the last: who stops there saves an evaluation [Hairer & Wanner, Solving
+/// Ordinary Differential Equations II, section IV.8]. On a wire this alone misleads: corrections remove by turns what bends the wire and
+/// what stretches it, and contract by turns to a half and to a hundredth. The same correction of the steps before knows better, so
+///
+/// ```text
+/// r_(i+1) ≈ max(r_i/r_(i−1), Θ_i) r_i
+/// ```
+///
+/// with `Θ_i` the largest contraction by correction `i` in the steps that were evaluated, of which a part is forgotten with each. Every
+/// so many steps the last residual is evaluated, and `Θ` measured.
+///
+/// On the lines of this project no more than one step in a hundred ends above the tolerance by that, and none above five times.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Foresight {
+    /// `Θ_i` (–); infinite where it is not known.
+    contractions: [f64; FOLLOWED],
+    /// Steps since the last one that was evaluated to its end.
+    unseen: u32,
+}
+
+impl Default for Foresight {
+    fn default() -> Self {
+        Self {
+            contractions: [f64::INFINITY; FOLLOWED],
+            unseen: 0,
+        }
+    }
+}
+
+impl Foresight {
+    /// Takes note that correction `i` (from 0) of a step took the residual from `before` to `after`, both in units of the tolerance.
+    pub fn observe(&mut self, i: usize, before: f64, after: f64) {
+        if let Some(known) = self.contractions.get_mut(i) {
+            let contraction = after / before;
+            *known = if known.is_finite() {
+                contraction.max(FORGETTING * *known)
+            } else {
+                contraction
+            };
+        }
+    }
+
+    /// The residual after correction `i` of a step, in units of the tolerance, where it is known well enough to be the last one:
+    /// `ratio` is the residual before it, `last` the one before that.
+    pub fn last_residual(&self, i: usize, ratio: f64, last: f64) -> Option<f64> {
+        let known = self.contractions.get(i).filter(|_| i > 0 && self.unseen < UNSEEN)?;
+        let foreseen = known.max(ratio / last) * ratio;
+        (foreseen <= SURE).then_some(foreseen)
+    }
+
+    /// Takes note of the end of a step, whose last residual was evaluated or `foreseen`.
+    pub fn end_step(&mut self, foreseen: bool) {
+        self.unseen = if foreseen { self.unseen + 1 } else { 0 };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A step whose residuals are evaluated to the end.
+    fn observe(foresight: &mut Foresight, residuals: &[f64]) {
+        for (i, pair) in residuals.windows(2).enumerate() {
+            foresight.observe(i, pair[0], pair[1]);
+        }
+        foresight.end_step(false);
+    }
+
+    #[test]
+    fn what_contracts_alike_in_each_step_is_foreseen() {
+        let mut foresight = Foresight::default();
+        assert_eq!(foresight.last_residual(1, 40.0, 1e4), None, "nothing is known yet");
+        observe(&mut foresight, &[1e4, 40.0, 0.2]);
+        let foreseen = foresight.last_residual(1, 40.0, 1e4).unwrap();
+        assert!((foreseen - 0.2).abs() < 1e-12, "{foreseen}");
+        assert_eq!(
+            foresight.last_residual(1, 120.0, 3e4),
+            None,
+            "0.6 is not surely below 1"
+        );
+        assert_eq!(
+            foresight.last_residual(0, 1.0, f64::INFINITY),
+            None,
+            "one residual shows no contraction"
+        );
+        assert_eq!(
+            foresight.last_residual(2, 0.01, 40.0),
+            None,
+            "a third correction has not been seen"
+        );
+    }
+
+    #[test]
+    fn contraction_by_turns_is_not_taken_for_contraction_in_each_correction() {
+        let mut foresight = Foresight::default();
+        observe(&mut foresight, &[1e4, 50.0, 25.0, 0.1]);
+        // By the last two residuals alone the next one would be 0.25.
+        assert_eq!(foresight.last_residual(1, 50.0, 1e4), None);
+        assert!(foresight.last_residual(2, 25.0, 50.0).is_none(), "a half of 25");
+        // A step that contracts less than those before it counts at once.
+        observe(&mut foresight, &[1e4, 1.0, 0.1]);
+        assert!(foresight.last_residual(1, 1.0, 1e4).is_some());
+        assert!(foresight.last_residual(1, 1.0, 1.2).is_none());
+    }
+
+    #[test]
+    fn the_largest_contraction_fades() {
+        let mut foresight = Foresight::default();
+        observe(&mut foresight, &[100.0, 10.0, 6.0, 0.1]);
+        let mut steps = 0;
+        while foresight.last_residual(1, 10.0, 1e4).is_none() {
+            observe(&mut foresight, &[100.0, 10.0, 0.1]);
+            steps += 1;
+        }
+        // 0.6 · 0.9ⁿ · 10 ≤ 0.5
+        assert_eq!(steps, 24);
+    }
+
+    #[test]
+    fn every_so_many_steps_are_evaluated_to_the_end() {
+        let mut foresight = Foresight::default();
+        observe(&mut foresight, &[1e4, 1.0, 1e-3]);
+        for _ in 0..UNSEEN {
+            assert!(foresight.last_residual(1, 1.0, 1e4).is_some());
+            foresight.end_step(true);
+        }
+        assert_eq!(foresight.last_residual(1, 1.0, 1e4), None);
+        foresight.end_step(false);
+        assert!(foresight.last_residual(1, 1.0, 1e4).is_some());
+    }
+}
