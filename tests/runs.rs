@@ -160,10 +160,7 @@ pub fn audited(mut prepared: Prepared, name: &str) -> (Finished, Evidence) {
 fn finished_telling(prepared: Prepared, mode: Mode, name: &str, mut tell: impl FnMut(&Scene)) -> Finished {
     let never = AtomicBool::new(false);
     let progress = Progress::simulated(name, prepared.scene.run.duration, Show::Never);
-    let watch = Watch {
-        interrupted: &never,
-        progress: &progress,
-    };
+    let watch = Watch::new(&never, &progress);
     let source = FmuSource {
         folder: package::folder(&format!("test-{name}")),
         say: &|_| {},

@@ -86,10 +86,7 @@ fn time_loop(coupling: &scene::Coupling, steps: u64, output_step: f64) -> Durati
     };
     let recorder = Recorder::new(duration, output_step, 1, &[], LineGeometry::default());
     let (never, progress) = (AtomicBool::new(false), Progress::simulated("", duration, Show::Never));
-    let watch = Watch {
-        interrupted: &never,
-        progress: &progress,
-    };
+    let watch = Watch::new(&never, &progress);
     let begin = Instant::now();
     let outcome = run::run(&mut sides, &mut *algorithm, &mut exchange, recorder, schedule, &watch);
     let wall = begin.elapsed();

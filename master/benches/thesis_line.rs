@@ -32,10 +32,7 @@ fn run((name, text, duration): (&str, &str, f64), mode: Mode) -> RunInfo {
     let prepared = prepare(scene, name, Path::new("."), false).expect("the shipped scene has an equilibrium");
     let interrupted = AtomicBool::new(false);
     let progress = Progress::simulated(name, duration, Show::Never);
-    let watch = Watch {
-        interrupted: &interrupted,
-        progress: &progress,
-    };
+    let watch = Watch::new(&interrupted, &progress);
     let source = FmuSource {
         folder: package::folder(&format!("bench-{name}")),
         say: &|_| {},

@@ -304,6 +304,7 @@ impl Prepared {
         if let Some(threads) = threads {
             reason.push_str(&format!("; {threads}"));
         }
+        (watch.begun)();
         let outcome = if let Some(control) = control {
             let mut controller = Controller::new(control, self.scene.pantographs.len(), sides.can_roll_back());
             run::run_controlled(
@@ -318,6 +319,7 @@ impl Prepared {
             let schedule = self.schedule(sides.can_vary_step());
             run::run(&mut sides, &mut *algorithm, &mut exchange, recorder, schedule, watch)
         };
+        (watch.ended)();
         if let Some(report) = algorithm.report() {
             reason.push_str(&format!("; {report}"));
         }
@@ -354,7 +356,10 @@ impl Prepared {
         if self.hardship.audited {
             schedule.macro_step = whole.longest_step(schedule.macro_step);
         }
-        let outcome = run::run_as_one(&mut whole, self.recorder(supports), schedule, watch);
+        let recorder = self.recorder(supports);
+        (watch.begun)();
+        let outcome = run::run_as_one(&mut whole, recorder, schedule, watch);
+        (watch.ended)();
         let coupling = results::Coupling {
             algorithm: "none".to_owned(),
             reason: "line and pantographs are one system".to_owned(),

@@ -32,10 +32,7 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
     let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let show = if common.quiet { Show::Never } else { Show::OnTerminal };
     let progress = Progress::simulated(&file.name, prepared.scene.run.duration, show);
-    let watch = Watch {
-        interrupted,
-        progress: &progress,
-    };
+    let watch = Watch::new(interrupted, &progress);
     let source = FmuSource {
         folder: package::folder(&file.name),
         say: &say,

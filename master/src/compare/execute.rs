@@ -165,10 +165,7 @@ pub fn compare<E: From<SetupError>>(
             progress.message(&label(row));
             let share = run.weight / weights;
             let part = progress.part(done, done + share, script.scene.run.duration);
-            let watch = Watch {
-                interrupted,
-                progress: &part,
-            };
+            let watch = Watch::new(interrupted, &part);
             let with = reference.as_ref().map(|(name, run)| (name.as_str(), run));
             let performed = perform(stage, &run.variant, with, &watch)?;
             done += share;

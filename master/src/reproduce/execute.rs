@@ -253,11 +253,8 @@ pub fn execute<E: From<SetupError>>(
             let (duration, output_step) =
                 scene.map_or((1.0, f64::NAN), |scene| (scene.run.duration, scene.run.output_step));
             let part = progress.beside(share, duration);
-            let watch = Watch {
-                interrupted,
-                progress: &part,
-            };
-            let made = attempt(stage, &run.variant, &watch, &mut || {});
+            let watch = Watch::new(interrupted, &part);
+            let made = attempt(stage, &run.variant, &watch);
             part.fill();
             match made {
                 Ok(made) => lock(&lines[index]).take(made, output_step),

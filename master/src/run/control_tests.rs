@@ -66,10 +66,7 @@ fn perform(parameters: Parameters, control: Control, switches: Switches) -> Foun
     let recorder = Recorder::new(control.duration, 1e-3, 1, &[], LineGeometry::default());
     let progress = Progress::simulated("", control.duration, Show::Never);
     let interrupted = AtomicBool::new(false);
-    let watch = Watch {
-        interrupted: &interrupted,
-        progress: &progress,
-    };
+    let watch = Watch::new(&interrupted, &progress);
     let mut controller = Controller::new(control, 1, sides.can_roll_back());
     let outcome = run_controlled(
         &mut sides,

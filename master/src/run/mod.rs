@@ -60,6 +60,23 @@ pub struct Watch<'a> {
     pub interrupted: &'a AtomicBool,
     /// Progress bar.
     pub progress: &'a Progress,
+    /// Called when all is there for the time loop to begin.
+    pub begun: &'a dyn Fn(),
+    /// Called when the time loop has ended, with all still there that it has worked with.
+    pub ended: &'a dyn Fn(),
+}
+
+impl<'a> Watch<'a> {
+    /// For one who wants nothing but to end the run and to see how far it is.
+    #[must_use]
+    pub fn new(interrupted: &'a AtomicBool, progress: &'a Progress) -> Self {
+        Self {
+            interrupted,
+            progress,
+            begun: &|| {},
+            ended: &|| {},
+        }
+    }
 }
 
 /// What a run left behind, complete or not.

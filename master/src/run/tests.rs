@@ -156,10 +156,7 @@ fn run_of(
     let recorder = Recorder::new(1.0, 0.05, 1, &[], LineGeometry::default());
     let progress = Progress::simulated("", 1.0, Show::Never);
     let interrupted = AtomicBool::new(interrupted);
-    let watch = Watch {
-        interrupted: &interrupted,
-        progress: &progress,
-    };
+    let watch = Watch::new(&interrupted, &progress);
     run(&mut sides, &mut *algorithm, &mut exchange, recorder, schedule, &watch)
 }
 

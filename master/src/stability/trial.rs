@@ -165,10 +165,7 @@ fn run(case: &Case, way: &Way, keys: &[String], judge: Option<(&str, &Made)>, in
     let mut row = Row::planned(&case.name, &scene, way.mode, way.algorithm);
     let mut figures = theory(&scene, way, &row);
     let progress = Progress::share("", Show::Never);
-    let watch = Watch {
-        interrupted,
-        progress: &progress,
-    };
+    let watch = Watch::new(interrupted, &progress);
     let folder = tempfile::tempdir();
     let source = FmuSource {
         folder: folder

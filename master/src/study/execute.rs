@@ -1,5 +1,6 @@
 //! Making the runs of a study: errors in parallel, times one at a time, nothing twice.
 
+use std::cell::Cell;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -180,8 +181,8 @@ impl Runner<'_> {
         Some(self.store.key(planned.variant.mode.name(), scene))
     }
 
-    /// One run, whatever is known; `share` is its part of the progress.
-    fn fresh(&self, planned: &Planned, share: f64, begin: &mut dyn FnMut()) -> Result<Attempt, StudyError> {
+    /// One run, whatever is known; `share` is its part of the progress, `begun` and `ended` are called around its time loop.
+    fn fresh(&self, planned: &Planned, share: f64, [begun, ended]: [&dyn Fn(); 2]) -> Result<Attempt, StudyError> {
         let ground = &self.script.ground;
         let stage = Stage {
             name: &ground.name,
@@ -194,10 +195,11 @@ impl Runner<'_> {
         };
         let part = self.progress.beside(share, ground.scene.run.duration);
         let watch = Watch {
-            interrupted: self.interrupted,
-            progress: &part,
+            begun,
+            ended,
+            ..Watch::new(self.interrupted, &part)
         };
-        let mut made = attempt(&stage, &planned.variant, &watch, begin)?;
+        let mut made = attempt(&stage, &planned.variant, &watch)?;
         part.fill();
         made.curves = made.curves.iter().map(crate::table_of_runs::Curve::cut).collect();
         Ok(made)
@@ -207,7 +209,7 @@ impl Runner<'_> {
     fn run(&self, planned: &Planned, share: f64) -> Result<Option<Arc<Attempt>>, StudyError> {
         let Some(key) = self.key(planned) else {
             // The scene refuses it: there is nothing to be kept.
-            return Ok(Some(Arc::new(self.fresh(planned, share, &mut || {})?)));
+            return Ok(Some(Arc::new(self.fresh(planned, share, [&|| {}; 2])?)));
         };
         let slot = Arc::clone(lock(&self.slots).entry(key.clone()).or_default());
         let mut slot = lock(&slot);
@@ -222,7 +224,7 @@ impl Runner<'_> {
         if self.interrupted.load(Ordering::Relaxed) {
             return Ok(None);
         }
-        let made = self.fresh(planned, share, &mut || {})?;
+        let made = self.fresh(planned, share, [&|| {}; 2])?;
         if made.interrupted {
             return Ok(None);
         }
@@ -255,14 +257,14 @@ impl Runner<'_> {
             if self.interrupted.load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            let watched = std::cell::Cell::new(false);
-            let again = self.fresh(planned, share, &mut || watched.set(growth && forget_touched()))?;
+            let (watched, memory) = (Cell::new(false), Cell::new(None));
+            let begun = || watched.set(growth && forget_touched());
+            let ended = || memory.set(watched.get().then(touched).flatten());
+            let again = self.fresh(planned, share, [&begun, &ended])?;
             if again.interrupted {
                 return Ok(None);
             }
-            if watched.get() && times.memory.is_none() {
-                times.memory = touched();
-            }
+            times.memory = times.memory.or(memory.get());
             let (complete, wall) = (again.complete, again.row.wall);
             if made.is_none() {
                 self.store.keep(&key, &again)?;

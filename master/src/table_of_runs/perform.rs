@@ -120,18 +120,13 @@ impl Attempt {
     }
 }
 
-/// Makes one run of a variant; `begin` is called when the time loop is about to begin.
+/// Makes one run of a variant.
 ///
 /// A run that cannot begin is refused, with its reason; what concerns all runs alike is an error.
 ///
 /// # Errors
 /// FMUs that cannot be made.
-pub fn attempt(
-    stage: &Stage<'_>,
-    variant: &Variant,
-    watch: &Watch<'_>,
-    begin: &mut dyn FnMut(),
-) -> Result<Attempt, SetupError> {
+pub fn attempt(stage: &Stage<'_>, variant: &Variant, watch: &Watch<'_>) -> Result<Attempt, SetupError> {
     let mut attempt = Attempt {
         row: variant.planned(stage),
         curves: Vec::new(),
@@ -149,10 +144,7 @@ pub fn attempt(
     };
     let run = variant.scene(stage).and_then(|scene| {
         let prepared = prepare(scene, stage.name, stage.base, stage.logging)?;
-        prepared.run(variant.mode, &source, watch, |_| {
-            begin();
-            Ok::<(), SetupError>(())
-        })
+        prepared.run(variant.mode, &source, watch, |_| Ok::<(), SetupError>(()))
     });
     let finished = match run {
         Ok(finished) => finished,
@@ -195,13 +187,13 @@ pub fn perform(
     reference: Option<(&str, &Performed)>,
     watch: &Watch<'_>,
 ) -> Result<Performed, SetupError> {
-    let first = attempt(stage, variant, watch, &mut || {})?;
+    let first = attempt(stage, variant, watch)?;
     let mut walls: Vec<f64> = first.row.wall.into_iter().collect();
     for _ in 1..stage.repeats {
         if !first.complete {
             break;
         }
-        let again = attempt(stage, variant, watch, &mut || {})?;
+        let again = attempt(stage, variant, watch)?;
         walls.extend(again.row.wall);
         if !again.complete {
             break;

@@ -20,10 +20,8 @@ pub fn finished(
     good: impl FnOnce(&Scene),
 ) -> Result<Finished, CommandError> {
     let progress = Progress::simulated("", 1.0, Show::Never);
-    let watch = Watch {
-        interrupted: &AtomicBool::new(false),
-        progress: &progress,
-    };
+    let never = AtomicBool::new(false);
+    let watch = Watch::new(&never, &progress);
     let source = FmuSource {
         folder: folder.join("packaged"),
         say: &|_| {},
