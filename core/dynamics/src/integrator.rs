@@ -267,9 +267,8 @@ impl GeneralizedAlpha {
                 return Ok(());
             }
             let foreseen = if damping == 1.0 && workspace.moving().is_empty() {
-                self.memory
-                    .foresight
-                    .last_residual(iteration, residual.ratio, last_ratio)
+                let foresight = &self.memory.foresight;
+                foresight.last_residual(iteration, residual.ratio, last_ratio, workspace.is_linear())
             } else {
                 None
             };

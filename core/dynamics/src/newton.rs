@@ -208,6 +208,11 @@ impl Workspace {
         self.imbalance.sum_up(system, motion, lambda, options)
     }
 
+    /// Whether nothing is nonlinear but what evaluates no ranges: contact, droppers, a pantograph.
+    pub fn is_linear(&self) -> bool {
+        self.imbalance.is_linear()
+    }
+
     /// The equations of constraints that move, ascending.
     pub fn moving(&self) -> &[usize] {
         &self.matrix.moving

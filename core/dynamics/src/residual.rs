@@ -187,6 +187,11 @@ impl Imbalance {
         }
     }
 
+    /// Whether all contributions that evaluate ranges are linear, and there are some.
+    pub fn is_linear(&self) -> bool {
+        self.linear.as_ref().is_some_and(|linear| linear.evaluated.is_empty())
+    }
+
     /// Takes note of the matrix that is factored at `motion`.
     pub fn linearise(&mut self, system: &mut dyn System, motion: &Motion<'_>, mass_weight: f64, weights: Weights) {
         if let Some(linear) = &mut self.linear {
