@@ -5,6 +5,7 @@ use super::enrichment::Products;
 use super::force::{Constants, element_matrix};
 use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, Places};
+use super::transpose::{Rows, Transpose};
 use crate::ancf::{CableSection, Components, EvenMatrix, GROUP, Lanes, Length, Slopes, Space};
 use dynamics::{Blocks, Motion, Weights};
 use nalgebra::Vector3;
@@ -109,6 +110,7 @@ struct Block<const D: usize> {
     start: NodeArrays<D>,
     /// Forces of the elements on their second nodes, one place on: that of the node.
     end: NodeArrays<D>,
+    rows: Rows,
 }
 
 /// Elements in `D` components.
@@ -192,6 +194,7 @@ impl<const D: usize> Sweep<D> {
                 v_dot: zeros,
                 start: zeros,
                 end: zeros,
+                rows: Rows::ZERO,
             },
         }
     }
@@ -259,14 +262,15 @@ impl<const D: usize, const DYNAMIC: bool> WithSimd for AddForce<'_, D, DYNAMIC> 
         } = self.sweep;
         let [q, v, v_dot] = self.values;
         let start = self.groups.start * GROUP;
+        let transpose = Transpose::new(simd);
         for (number, groups) in groups[self.groups].chunks(BLOCK / GROUP).enumerate() {
             let first = start + number * BLOCK;
             let count = BLOCK.min(*elements - first);
             let nodes = (first, first + count);
-            places.gather(nodes, q, &mut block.q);
-            places.gather(nodes, v, &mut block.v);
+            places.gather(transpose, nodes, q, (&mut block.rows, &mut block.q));
+            places.gather(transpose, nodes, v, (&mut block.rows, &mut block.v));
             if DYNAMIC {
-                places.gather(nodes, v_dot, &mut block.v_dot);
+                places.gather(transpose, nodes, v_dot, (&mut block.rows, &mut block.v_dot));
             }
             for (place, group) in groups.iter().enumerate() {
                 for part in 0..Lanes::<S>::PARTS {
@@ -281,7 +285,8 @@ impl<const D: usize, const DYNAMIC: bool> WithSimd for AddForce<'_, D, DYNAMIC> 
             for array in block.end.as_flattened_mut() {
                 array[0] = 0.0;
             }
-            places.scatter(nodes, [&block.start, &block.end], self.force);
+            let forces = ([&block.start, &block.end], &mut block.rows);
+            places.scatter(transpose, nodes, forces, self.force);
         }
     }
 }

@@ -2,6 +2,7 @@
 use super::force::add_selected;
 use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, Places};
+use super::transpose::{Rows, Transpose};
 use crate::ancf::{GROUP, ShapeFunctions};
 use dynamics::{Blocks, CrossFlow, Force, Motion, Power, Weights, Wind};
 use nalgebra::{Matrix3, Vector3};
@@ -70,6 +71,7 @@ struct Block {
     start: NodeArrays<3>,
     /// Forces of the elements on their second nodes, one place on: that of the node.
     end: NodeArrays<3>,
+    rows: Rows,
 }
 
 /// The air about a point of the wire.
@@ -128,6 +130,7 @@ impl WireDrag {
                 v: zeros,
                 start: zeros,
                 end: zeros,
+                rows: Rows::ZERO,
             }),
             geometry,
             law,
@@ -218,7 +221,8 @@ impl WithSimd for AddDrag<'_, '_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _simd: S) {
+    fn with_simd<S: pulp::Simd>(self, simd: S) {
+        let transpose = Transpose::new(simd);
         let WireDrag {
             law,
             at_nodes,
@@ -233,8 +237,8 @@ impl WithSimd for AddDrag<'_, '_> {
             let first = start + number * BLOCK;
             let count = BLOCK.min(points.len() - first);
             let nodes = (first, first + count);
-            places.gather(nodes, self.motion.q, &mut block.q);
-            places.gather(nodes, self.motion.v, &mut block.v);
+            places.gather(transpose, nodes, self.motion.q, (&mut block.rows, &mut block.q));
+            places.gather(transpose, nodes, self.motion.v, (&mut block.rows, &mut block.v));
             for (place, group) in groups.iter().enumerate() {
                 let wind = std::array::from_fn(|axis| &at_nodes[axis][first + place * GROUP..][..GROUP + 1]);
                 add_group(law, group, place * GROUP, wind, block);
@@ -246,7 +250,8 @@ impl WithSimd for AddDrag<'_, '_> {
             for array in block.end.as_flattened_mut() {
                 array[0] = 0.0;
             }
-            places.scatter(nodes, [&block.start, &block.end], self.force);
+            let forces = ([&block.start, &block.end], &mut block.rows);
+            places.scatter(transpose, nodes, forces, self.force);
         }
     }
 }

@@ -11,6 +11,7 @@ mod places;
 mod point;
 #[cfg(test)]
 mod tests;
+mod transpose;
 
 pub use directors::{DirectorInertia, Directors, WireDirectors};
 pub use drag::WireDrag;

@@ -1,6 +1,8 @@
 //! Between the coordinates of a system and the arrays of a batch of elements.
 use super::node::WireNode;
+use super::transpose::{Rows, Transpose};
 use crate::ancf::GROUP;
+use pulp::Simd;
 use std::ops::Range;
 
 /// Elements that are gathered, evaluated and scattered together: their arrays stay in the nearest cache.
@@ -73,16 +75,15 @@ impl<const D: usize> Places<D> {
 
     /// Copies the values of the nodes from `first` to `last` to arrays; what does not exist is zero.
     #[inline(always)]
-    pub fn gather(&self, (first, last): (usize, usize), values: &[f64], arrays: &mut NodeArrays<D>) {
+    pub fn gather<S: Simd>(
+        &self,
+        transpose: Transpose<S>,
+        (first, last): (usize, usize),
+        values: &[f64],
+        (rows, arrays): (&mut Rows, &mut NodeArrays<D>),
+    ) {
         match self {
-            Self::Runs(starts) => {
-                for (i, &start) in starts[first..=last].iter().enumerate().take(NODES) {
-                    let run = &values[start as usize..][..2 * D];
-                    for (part, array) in arrays.as_flattened_mut().iter_mut().enumerate() {
-                        array[i] = run[part];
-                    }
-                }
-            }
+            Self::Runs(starts) => transpose.gather(&starts[first..=last], values, rows, arrays),
             Self::Anywhere(places) => {
                 for (i, node) in places[first..=last].iter().enumerate().take(NODES) {
                     for (array, &place) in arrays.as_flattened_mut().iter_mut().zip(node.as_flattened()) {
@@ -95,18 +96,17 @@ impl<const D: usize> Places<D> {
 
     /// Takes the forces in both arrays off those of the system.
     #[inline(always)]
-    pub fn scatter(&self, (first, last): (usize, usize), [a, b]: [&NodeArrays<D>; 2], force: &mut [f64]) {
-        let (a, b) = (a.as_flattened(), b.as_flattened());
+    pub fn scatter<S: Simd>(
+        &self,
+        transpose: Transpose<S>,
+        (first, last): (usize, usize),
+        ([a, b], rows): ([&NodeArrays<D>; 2], &mut Rows),
+        force: &mut [f64],
+    ) {
         match self {
-            Self::Runs(starts) => {
-                for (i, &start) in starts[first..=last].iter().enumerate().take(NODES) {
-                    let run = &mut force[start as usize..][..2 * D];
-                    for (part, value) in run.iter_mut().enumerate() {
-                        *value -= a[part][i] + b[part][i];
-                    }
-                }
-            }
+            Self::Runs(starts) => transpose.scatter(&starts[first..=last], [a, b], rows, force),
             Self::Anywhere(places) => {
+                let (a, b) = (a.as_flattened(), b.as_flattened());
                 for (i, node) in places[first..=last].iter().enumerate().take(NODES) {
                     for (part, &place) in node.as_flattened().iter().enumerate() {
                         if let Some(value) = force.get_mut(place as usize) {

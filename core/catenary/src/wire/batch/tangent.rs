@@ -1,5 +1,5 @@
 //! The tangent of the elements.
-use super::{BLOCK, Block, Group, GroupLanes, Sweep, TangentGroup};
+use super::{BLOCK, Block, Group, GroupLanes, Sweep, TangentGroup, Transpose};
 use crate::ancf::{CableSection, EvenMatrix, GROUP, Lanes};
 use dynamics::{Blocks, Motion, Weights};
 use pulp::{Arch, Simd, WithSimd};
@@ -66,10 +66,12 @@ impl<const D: usize, const N: usize> WithSimd for AddTangent<'_, '_, D, N> {
             rate: zeros,
         };
         let mut values = [[0.0; N]; N];
+        let transpose = Transpose::new(simd);
         for number in 0..elements.div_ceil(BLOCK) {
             let first = number * BLOCK;
             let count = BLOCK.min(*elements - first);
-            places.gather((first, first + count), self.q, &mut block.q);
+            let arrays = (&mut block.rows, &mut block.q);
+            places.gather(transpose, (first, first + count), self.q, arrays);
             for place in 0..count.div_ceil(GROUP) {
                 let group = number * (BLOCK / GROUP) + place;
                 for part in 0..Lanes::<S>::PARTS {
