@@ -250,14 +250,14 @@ impl GeneralizedAlpha {
             };
             let residual = workspace.residual(at, &motion, Some(&state.v_dot), &state.lambda, (&options, since));
             self.residuals.push(residual.value);
-            if iteration > 0 && damping == 1.0 {
-                self.memory.foresight.observe(iteration - 1, last_ratio, residual.ratio);
-            }
             if !residual.ratio.is_finite() {
                 return Err(StepError::NotFinite {
                     t: t_end,
                     coordinate: name(system, workspace.worst(&residual)),
                 });
+            }
+            if iteration > 0 && damping == 1.0 {
+                self.memory.foresight.observe(iteration - 1, last_ratio, residual.ratio);
             }
             if residual.ratio <= 1.0 {
                 self.memory.foresight.end_step(false);
@@ -305,20 +305,26 @@ impl GeneralizedAlpha {
             last_ratio = residual.ratio;
             workspace.correct(system, &motion, weights, Some((&options, iteration)))?;
             self.apply(workspace, damping, (mass_rate, velocity_rate), system, state);
-            if let Some(left) = foreseen {
-                let motion = state.motion(u);
-                let mut continues = true;
-                system.forces(&mut |force| continues &= force.continues_to(&motion));
-                if continues {
-                    self.residuals.push(residual.value * left / residual.ratio);
-                    self.counters.foreseen += 1;
-                    self.memory.foresight.end_step(true);
-                    system.forces(&mut |force| force.end_step(&motion));
-                    return Ok(());
-                }
+            if let Some(left) = foreseen
+                && self.end_unevaluated(system, &state.motion(u))
+            {
+                self.residuals.push(residual.value * left / residual.ratio);
+                return Ok(());
             }
         }
         unreachable!("the last pass returns")
+    }
+
+    /// Ends a step whose last residual is foreseen; returns false and does not where a force has left the piece of its law.
+    fn end_unevaluated(&mut self, system: &mut dyn System, motion: &Motion<'_>) -> bool {
+        let mut continues = true;
+        system.forces(&mut |force| continues &= force.continues_to(motion));
+        if continues {
+            self.counters.foreseen += 1;
+            self.memory.foresight.end_step(true);
+            system.forces(&mut |force| force.end_step(motion));
+        }
+        continues
     }
 
     /// Makes sure there is a factorisation for this step size.

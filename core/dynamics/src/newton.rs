@@ -20,7 +20,8 @@ pub enum Jacobian {
 /// Options of Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonOptions {
-    /// Largest residual of a generalised force at convergence, N (N·m for slopes and rotations).
+    /// Largest residual of a generalised force at convergence, N (N·m for slopes and rotations), evaluated or foreseen from how
+    /// corrections contracted in the steps before.
     pub tolerance: f64,
     /// Largest residual of a constraint at convergence, m (–).
     pub constraint_tolerance: f64,
