@@ -79,6 +79,19 @@ pub struct OneWayStep {
     pub half: f64,
 }
 
+/// What a step is by its beginning, and by `δ⁺` and `δ̇` at its end.
+#[derive(Clone, Copy)]
+enum Case {
+    /// It began closed.
+    Closed,
+    /// `δ̇ ≤ 0`
+    Parting,
+    /// `δ⁺ ≤ 0`
+    Apart,
+    /// It closes, or it is not known how it began.
+    Closing,
+}
+
 impl OneWayStep {
     /// No step.
     pub const NONE: Self = Self {
@@ -101,12 +114,10 @@ impl OneWayStep {
     /// `φ` (–) and `∂φ/∂δ⁺` (1/m) for `δ⁺` in m and `δ̇` in m/s.
     #[must_use]
     pub fn closed_part(self, ahead: f64, rate: f64) -> (f64, f64) {
-        match self.at_start {
-            AtStart::At(start) if start >= 0.0 => (1.0, 0.0),
-            _ if rate <= 0.0 => (1.0, 0.0),
-            _ if ahead <= 0.0 => (0.0, 0.0),
-            AtStart::Unknown => (1.0, 0.0),
-            AtStart::At(start) => {
+        match (self.case(ahead, rate), self.at_start) {
+            (Case::Closed | Case::Parting, _) | (Case::Closing, AtStart::Unknown) => (1.0, 0.0),
+            (Case::Apart, _) => (0.0, 0.0),
+            (Case::Closing, AtStart::At(start)) => {
                 let way = ahead - start;
                 let part = ahead / way;
                 (part, (1.0 - part) / way)
@@ -114,16 +125,20 @@ impl OneWayStep {
         }
     }
 
-    /// A number for the case of [`OneWayStep::closed_part`], and for whether there is a `force` (N): where two motions have the same one,
-    /// what is between them is smooth.
+    /// The case of [`OneWayStep::closed_part`].
+    fn case(self, ahead: f64, rate: f64) -> Case {
+        match self.at_start {
+            AtStart::At(start) if start >= 0.0 => Case::Closed,
+            _ if rate <= 0.0 => Case::Parting,
+            _ if ahead <= 0.0 => Case::Apart,
+            _ => Case::Closing,
+        }
+    }
+
+    /// A number for the case of [`OneWayStep::closed_part`] and for whether there is a `force` (N): between two motions with the same
+    /// one the force is smooth.
     pub(crate) fn piece(self, ahead: f64, rate: f64, force: f64) -> u8 {
-        let case = match self.at_start {
-            AtStart::At(start) if start >= 0.0 => 0,
-            _ if rate <= 0.0 => 1,
-            _ if ahead <= 0.0 => 2,
-            _ => 3,
-        };
-        2 * case + u8::from(force > 0.0)
+        2 * self.case(ahead, rate) as u8 + u8::from(force > 0.0)
     }
 
     /// Whether it is known to have begun open.

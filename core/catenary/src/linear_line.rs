@@ -97,9 +97,9 @@ impl Force for LinearDroppers {
 
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         for (index, dropper) in self.droppers.iter().enumerate() {
-            let (elongation, rate) = dropper.extension(motion);
-            let tension = self.law.force(self.step(index), elongation, rate);
-            self.pieces[index] = self.law.piece(self.step(index), elongation, rate);
+            let ((elongation, rate), step) = (dropper.extension(motion), self.step(index));
+            let tension = self.law.force(step, elongation, rate);
+            self.pieces[index] = step.piece(step.ahead(elongation, rate), rate, tension);
             for &(coordinate, g) in &dropper.gradient {
                 force[coordinate] -= tension * g;
             }

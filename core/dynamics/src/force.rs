@@ -137,8 +137,8 @@ pub trait Force: Send {
     }
 
     /// Called in place of the last evaluation of a step whose residual the solver foresees: the force was found last near `motion` and
-    /// is not found there. Returns whether it comes from the same piece of its law in both places; what it does not say of the motion
-    /// between them is smooth. Where the answer is no the solver evaluates.
+    /// may not be found there. Returns whether it comes from the same piece of its law in both places, as what is smooth always does;
+    /// where it does not the solver evaluates.
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
         let _ = motion;
         true

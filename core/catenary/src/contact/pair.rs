@@ -124,7 +124,7 @@ impl ContactPair {
     fn find(&mut self, motion: &Motion<'_>) -> Option<ContactState> {
         let contact = self.state(motion);
         self.active = contact.as_ref().map(|contact| contact.force);
-        self.piece = contact.as_ref().map(ContactState::piece);
+        self.piece = contact.as_ref().map(|contact| contact.piece);
         self.found = self.in_step.then(|| match &contact {
             Some(contact) => self.start_with(contact),
             None => AtStart::APART,

@@ -50,6 +50,8 @@ pub struct ContactState {
     step: OneWayStep,
     /// What `∂φ/∂δ⁺` adds to `∂F/∂δ⁺`, N/m.
     closing: f64,
+    /// Piece of the law, see [`OneWayStep::piece`].
+    pub(super) piece: u8,
 }
 
 /// What [`super::ContactPair::sensitivity`] returns, each per unit of the strip's motion.
@@ -97,7 +99,8 @@ impl ContactState {
             slide(&geometry, strip)
         };
         let (p, p_rate) = (share * delta, share * delta_rate + share_s * slide * delta);
-        let (closed_part, by_ahead) = step.closed_part(step.ahead(delta, delta_rate), p_rate);
+        let ahead = step.ahead(delta, delta_rate);
+        let (closed_part, by_ahead) = step.closed_part(ahead, p_rate);
         let d = closed_part * law.damping;
         let series = PenaltyContact {
             stiffness: k,
@@ -119,6 +122,7 @@ impl ContactState {
             elastic: if beside { 0.0 } else { (k * p).max(0.0) },
             step,
             closing: 0.0,
+            piece: 0,
         };
         let force = series.normal_force(closed_part, p, p_rate);
         if force > 0.0 && !beside {
@@ -132,14 +136,8 @@ impl ContactState {
             state.spring_rate = k * p_rate;
             state.spring = k;
         }
+        state.piece = step.piece(ahead, p_rate, state.force);
         state
-    }
-
-    /// Piece of the law, see [`OneWayStep::piece`].
-    pub(super) fn piece(&self) -> u8 {
-        let (delta, delta_rate) = (-self.geometry.gap, -self.geometry.gap_rate);
-        let p_rate = self.share * delta_rate + self.share_s * self.slide * delta;
-        self.step.piece(self.step.ahead(delta, delta_rate), p_rate, self.force)
     }
 
     /// A strip that is held on the curve by a `force` (N) of any sign.
@@ -160,6 +158,7 @@ impl ContactState {
             elastic: 0.0,
             step: OneWayStep::NONE,
             closing: 0.0,
+            piece: 0,
         }
     }
 

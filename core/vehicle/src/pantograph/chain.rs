@@ -204,22 +204,12 @@ impl ChainElement {
         (q - motion.q[self.above], v - motion.v[self.above])
     }
 
-    /// `N` before it is cut, N, and whether it is cut.
-    fn normal(&self, s: f64, rate: f64) -> (f64, bool) {
+    /// `(F, ∂F/∂s, ∂F/∂ṡ)`, and whether it is open.
+    fn law(&self, motion: &Motion<'_>) -> (f64, f64, f64, bool) {
+        let (s, rate) = self.compression(motion);
         let elastic = self.preload + self.stiffness * s;
         let normal = elastic + self.damping * rate;
-        (normal, self.unilateral && (elastic <= 0.0 || normal <= 0.0))
-    }
-
-    fn is_open(&self, motion: &Motion<'_>) -> bool {
-        let (s, rate) = self.compression(motion);
-        self.normal(s, rate).1
-    }
-
-    /// `(F, ∂F/∂s, ∂F/∂ṡ)`.
-    fn law(&self, motion: &Motion<'_>) -> (f64, f64, f64) {
-        let (s, rate) = self.compression(motion);
-        let (normal, open) = self.normal(s, rate);
+        let open = self.unilateral && (elastic <= 0.0 || normal <= 0.0);
         let (mut force, stiffness, mut damping) = if open {
             (0.0, 0.0, 0.0)
         } else {
@@ -230,12 +220,12 @@ impl ChainElement {
             force += self.friction * tanh;
             damping += self.friction / FRICTION_VELOCITY * (1.0 - tanh * tanh);
         }
-        (force, stiffness, damping)
+        (force, stiffness, damping, open)
     }
 
     /// Coefficient of the tangent `S = coefficient · u uᵀ`, `u = ∂s/∂q`, N/m.
     fn coefficient(&self, motion: &Motion<'_>, weights: Weights) -> f64 {
-        let (_, stiffness, damping) = self.law(motion);
+        let (_, stiffness, damping, _) = self.law(motion);
         weights.q * stiffness + weights.v * damping
     }
 
@@ -246,8 +236,8 @@ impl ChainElement {
 
 impl Force for ChainElement {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        let (normal, ..) = self.law(motion);
-        self.open = self.unilateral && self.is_open(motion);
+        let (normal, .., open) = self.law(motion);
+        self.open = open;
         force[self.above] += normal;
         if let Some(below) = self.below {
             force[below] -= normal;
@@ -274,7 +264,7 @@ impl Force for ChainElement {
                     *v = motion.v[index];
                 }
                 // ∂ṡ/∂q at constant v
-                let (_, _, damping) = self.law(motion);
+                let (_, _, damping, _) = self.law(motion);
                 let rate_q = rise_qq.transpose() * v;
                 blocks.add(&[self.above], &[self.above], &[s]);
                 for k in 0..count {
@@ -318,7 +308,7 @@ impl Force for ChainElement {
     }
 
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
-        !self.unilateral || self.is_open(motion) == self.open
+        !self.unilateral || self.law(motion).3 == self.open
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {

@@ -1,0 +1,43 @@
+//! Coefficients of the time integration.
+
+/// Coefficients of generalized-α for a spectral radius at infinite frequency `rho_inf` in 0…1
+/// [Chung & Hulbert 1993; Arnold & Brüls 2007, Eq. (8)].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scheme {
+    /// Weight of the old auxiliary acceleration, –.
+    pub alpha_m: f64,
+    /// Weight of the old acceleration, –.
+    pub alpha_f: f64,
+    /// Newmark's β, –.
+    pub beta: f64,
+    /// Newmark's γ, –.
+    pub gamma: f64,
+}
+
+impl Scheme {
+    /// The second-order coefficients for `rho_inf`: 1 keeps energy (trapezoid), 0 annihilates the highest frequencies.
+    ///
+    /// # Panics
+    /// When `rho_inf` is outside 0…1.
+    #[must_use]
+    pub fn new(rho_inf: f64) -> Self {
+        assert!((0.0..=1.0).contains(&rho_inf), "rho_inf = {rho_inf} is outside 0…1");
+        let alpha_m = (2.0 * rho_inf - 1.0) / (rho_inf + 1.0);
+        let alpha_f = rho_inf / (rho_inf + 1.0);
+        let gamma = 0.5 + alpha_f - alpha_m;
+        Self {
+            alpha_m,
+            alpha_f,
+            beta: 0.25 * (gamma + 0.5) * (gamma + 0.5),
+            gamma,
+        }
+    }
+
+    /// `(β', γ')`: change of acceleration and velocity per change of the coordinates at the end of a step of `h` s.
+    pub(crate) fn rates(&self, h: f64) -> (f64, f64) {
+        (
+            (1.0 - self.alpha_m) / (h * h * self.beta * (1.0 - self.alpha_f)),
+            self.gamma / (h * self.beta),
+        )
+    }
+}
