@@ -26,7 +26,7 @@ use crate::table_of_runs::{Attempt, Stage, attempt, settled};
 
 /// Most work of a run that is timed again alone, coordinates times micro steps: finer levels of references are judges, and
 /// nobody runs them for speed.
-const TIMED: f64 = 4e8;
+const TIMED: f64 = 5e8;
 
 /// Why a study cannot go on.
 #[derive(Debug, thiserror::Error)]
