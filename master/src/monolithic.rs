@@ -356,7 +356,7 @@ impl Monolithic {
                 let [previous, present] = points;
                 present.from = previous.t;
                 present.t = if steps == count { t + h } else { t + steps * dt };
-                whole.slackening.step(&*whole.line, &motion);
+                whole.slackening.step(whole.line.elongations());
                 whole.read((&motion, lambda), supports, present);
                 straighten(previous, present);
                 *crossed += work_between(previous, present);

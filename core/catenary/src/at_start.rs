@@ -1,11 +1,12 @@
 //! What a time step knows at its beginning of what presses or pulls one way only: a contact, a dropper.
+use crate::ancf::Number;
 use dynamics::Weights;
 
 /// `max(0, k δ + φ d δ̇)`, N: the force of a spring `k` (N/m) and a damper `d` (N·s/m) that act one way only, the damper for the `part`
 /// `φ` of the time the force stands for, see [`OneWayStep`].
-#[inline]
-pub(crate) fn one_way_force((k, d): (f64, f64), part: f64, delta: f64, rate: f64) -> f64 {
-    (k * delta + part * d * rate).max(0.0)
+#[inline(always)]
+pub(crate) fn one_way_force<N: Number>((k, d): (f64, f64), part: N, delta: N, rate: N) -> N {
+    (delta * k + part * d * rate).at_least(0.0)
 }
 
 /// What a time step knows at its beginning.

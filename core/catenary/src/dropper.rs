@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
 use std::ops::Range;
 
+mod ends;
 mod lanes;
 mod slackening;
 
@@ -136,12 +137,13 @@ impl Dropper {
     }
 }
 
-/// What the last assembled tangent contains of one dropper.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What the last assembled tangent contains, one entry per dropper.
+#[derive(Clone, Debug)]
 struct Assembled {
     /// `w_q k + w_v c`; zero when it was slack. N/m.
-    slope: f64,
-    direction: Vector3<f64>,
+    slopes: Vec<f64>,
+    /// Unit vectors.
+    directions: Vec<[f64; 3]>,
 }
 
 /// All droppers of a line as one contribution.
@@ -156,7 +158,7 @@ pub struct Droppers {
     droppers: Vec<Dropper>,
     groups: Vec<Group>,
     masses: Vec<Mass>,
-    assembled: Vec<Assembled>,
+    assembled: Assembled,
     /// Of each whole group the slope (N/m) that the last assembled tangent contains of all of them, where it is the same.
     common_slopes: Vec<Option<f64>>,
     /// `δ⁺₀` of each dropper in the present step, m; filled up to whole groups.
@@ -178,15 +180,14 @@ impl Droppers {
     /// A batch of droppers with one law; `gravity` in m/s².
     #[must_use]
     pub fn new(law: DropperLaw, droppers: Vec<Dropper>, gravity: f64) -> Self {
-        let slack = Assembled {
-            slope: 0.0,
-            direction: Vector3::z(),
-        };
         let groups = Group::all(&droppers);
         Self {
             law,
             gravity,
-            assembled: vec![slack; droppers.len()],
+            assembled: Assembled {
+                slopes: vec![0.0; droppers.len()],
+                directions: vec![[0.0, 0.0, 1.0]; droppers.len()],
+            },
             common_slopes: vec![None; groups.len()],
             at_start: vec![0.0; groups.len() * LANES],
             during: vec![0.0; groups.len() * LANES],
@@ -226,11 +227,10 @@ impl Droppers {
         OneWayStep::new(AtStart::At(start), self.half)
     }
 
-    /// Their elongations `δ`, m.
-    pub fn elongations(&self, motion: &Motion<'_>) -> impl Iterator<Item = f64> {
-        self.droppers
-            .iter()
-            .map(|dropper| dropper.length(motion) - dropper.unstressed_length)
+    /// Their elongations `δ` at the end of the last step, m.
+    #[must_use]
+    pub fn elongations(&self) -> &[f64] {
+        &self.extensions.elongation[..self.droppers.len()]
     }
 
     /// For each dropper `∂δ/∂q` (–), as (coordinate, value).
@@ -276,10 +276,9 @@ impl Droppers {
     }
 
     fn find_common_slopes(&mut self) {
-        for (common, group) in self.common_slopes.iter_mut().zip(self.assembled.chunks(LANES)) {
-            let slope = group[0].slope;
-            let same = group.len() == LANES && group.iter().all(|assembled| assembled.slope == slope);
-            *common = same.then_some(slope);
+        for (common, group) in self.common_slopes.iter_mut().zip(self.assembled.slopes.chunks(LANES)) {
+            let same = group.len() == LANES && group.iter().all(|&slope| slope == group[0]);
+            *common = same.then_some(group[0]);
         }
     }
 
@@ -328,22 +327,22 @@ impl Force for Droppers {
         self.version += 1;
         for (index, dropper) in self.droppers.iter().enumerate() {
             let step = self.step_of(self.at_start[index]);
-            let assembled = &mut self.assembled[index];
             let pose = dropper.pose(motion);
             let force = self.law.force(step, pose.elongation, pose.rate);
             let (_, damping) = self.law.derivatives(step, pose.elongation, pose.rate);
             let mut block = Matrix3::zeros();
-            assembled.direction = pose.direction;
-            assembled.slope = 0.0;
+            let mut slope = 0.0;
             if force > 0.0 {
-                assembled.slope = self.law.slope(step, pose.elongation, pose.rate, weights);
+                slope = self.law.slope(step, pose.elongation, pose.rate, weights);
                 let outer = pose.direction * pose.direction.transpose();
                 // ∂²length/∂r², the change of the direction with the position of the upper end.
                 let turning = (Matrix3::identity() - outer) / pose.length;
                 // ∂F/∂r = (∂F/∂δ) d + (∂F/∂δ̇) ∂δ̇/∂r with ∂δ̇/∂r = turning · velocity.
                 let swing = pose.direction * (turning * pose.velocity).transpose();
-                block = assembled.slope * outer + weights.q * (damping * swing + force * turning);
+                block = slope * outer + weights.q * (damping * swing + force * turning);
             }
+            self.assembled.slopes[index] = slope;
+            self.assembled.directions[index] = pose.direction.into();
             dropper.upper.add_relative_block(&dropper.lower, &block, blocks);
         }
         self.find_common_slopes();
@@ -359,10 +358,10 @@ impl Force for Droppers {
             for slot in first..self.droppers.len().min(first + LANES) {
                 let (elongation, rate) = self.extension(slot, motion);
                 let step = self.step_of(self.at_start[slot]);
-                let assembled = &self.assembled[slot];
-                let coefficient = self.law.slope(step, elongation, rate, weights) - assembled.slope;
+                let coefficient = self.law.slope(step, elongation, rate, weights) - self.assembled.slopes[slot];
                 if coefficient != 0.0 {
-                    let gradient = self.droppers[slot].gradient(assembled.direction);
+                    let direction = Vector3::from(self.assembled.directions[slot]);
+                    let gradient = self.droppers[slot].gradient(direction);
                     updates.rank_one(slot as u32, self.version, coefficient, gradient);
                 }
             }
@@ -415,39 +414,45 @@ impl Force for Droppers {
     }
 
     fn end_step(&mut self, motion: &Motion<'_>) {
-        self.during.copy_from_slice(&self.at_start);
-        for index in 0..self.droppers.len() {
-            let (elongation, rate) = self.extension(index, motion);
-            self.at_start[index] = self.step_of(self.at_start[index]).ahead(elongation, rate);
+        if !self.evaluated {
+            for (index, dropper) in self.droppers.iter().enumerate() {
+                let pose = dropper.pose(motion);
+                self.extensions.elongation[index] = pose.elongation;
+                self.extensions.rate[index] = pose.rate;
+            }
         }
         self.evaluated = false;
+        let step = OneWayStep::new(AtStart::Unknown, self.half);
+        let Extensions { elongation, rate, .. } = &self.extensions;
+        for (start, (&elongation, &rate)) in self.during.iter_mut().zip(elongation.iter().zip(rate)) {
+            *start = step.ahead(elongation, rate);
+        }
+        std::mem::swap(&mut self.during, &mut self.at_start);
     }
 
     fn save(&self, out: &mut Vec<f64>) {
+        let Assembled { slopes, directions } = &self.assembled;
         out.push(self.half);
-        for (assembled, at_start) in self.assembled.iter().zip(&self.at_start) {
-            out.push(*at_start);
-            out.push(assembled.slope);
-            out.extend_from_slice(assembled.direction.as_slice());
-        }
+        out.extend_from_slice(&self.at_start[..slopes.len()]);
+        out.extend_from_slice(slopes);
+        out.extend_from_slice(directions.as_flattened());
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
+        let Assembled { slopes, directions } = &mut self.assembled;
         let mut changed = false;
-        let mut next = || {
-            *values
+        let mut take = |value: &mut f64| {
+            let saved = *values
                 .next()
-                .expect("a saved state holds a number and five per dropper")
+                .expect("a saved state holds a number and five per dropper");
+            std::mem::replace(value, saved) != saved
         };
-        self.half = next();
-        for (assembled, at_start) in self.assembled.iter_mut().zip(&mut self.at_start) {
-            *at_start = next();
-            let saved = Assembled {
-                slope: next(),
-                direction: Vector3::new(next(), next(), next()),
-            };
-            changed |= saved != *assembled;
-            *assembled = saved;
+        take(&mut self.half);
+        for start in &mut self.at_start[..slopes.len()] {
+            take(start);
+        }
+        for value in slopes.iter_mut().chain(directions.as_flattened_mut()) {
+            changed |= take(value);
         }
         // Rows kept by the solver under the old version may not be those of the restored directions.
         self.version += u64::from(changed);

@@ -38,6 +38,7 @@ mod statics;
 mod subsystem;
 mod support;
 mod topology;
+mod transpose;
 mod window;
 mod wire;
 mod wires_in_wind;

@@ -39,6 +39,8 @@ pub struct LinearDroppers {
     half: f64,
     /// Pieces of the law that the forces found last come from.
     pieces: Vec<u8>,
+    /// `δ` at the end of the last step, m.
+    ended: Vec<f64>,
 }
 
 impl LinearDroppers {
@@ -51,6 +53,7 @@ impl LinearDroppers {
             at_start: vec![0.0; droppers.len()],
             half: 0.0,
             pieces: vec![0; droppers.len()],
+            ended: vec![0.0; droppers.len()],
             droppers,
         }
     }
@@ -72,9 +75,10 @@ impl LinearDroppers {
         self.law.slope(self.step(index), elongation, rate, weights)
     }
 
-    /// Their elongations `δ`, m.
-    pub fn elongations(&self, motion: &Motion<'_>) -> impl Iterator<Item = f64> {
-        self.droppers.iter().map(|dropper| dropper.extension(motion).0)
+    /// Their elongations `δ` at the end of the last step, m.
+    #[must_use]
+    pub fn elongations(&self) -> &[f64] {
+        &self.ended
     }
 
     /// Number of droppers that exert no force.
@@ -131,9 +135,11 @@ impl Force for LinearDroppers {
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
-        self.elongations(motion)
-            .map(|elongation| self.law.energy(elongation))
-            .sum()
+        let energies = self
+            .droppers
+            .iter()
+            .map(|dropper| self.law.energy(dropper.extension(motion).0));
+        energies.sum()
     }
 
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
@@ -147,6 +153,7 @@ impl Force for LinearDroppers {
         for index in 0..self.droppers.len() {
             let (elongation, rate) = self.droppers[index].extension(motion);
             self.at_start[index] = self.step(index).ahead(elongation, rate);
+            self.ended[index] = elongation;
         }
     }
 

@@ -17,8 +17,8 @@ pub trait OverheadLine: Send {
     /// Number of droppers that exert no force.
     fn slack_count(&self, motion: &Motion<'_>) -> usize;
 
-    /// Visits the elongation of every dropper that can go slack, m, always in the same order.
-    fn elongations(&self, motion: &Motion<'_>, see: &mut dyn FnMut(f64));
+    /// Elongations at the end of the last step of all droppers that can go slack, m, always in the same order.
+    fn elongations(&self) -> &[f64];
 
     /// Potential energy, J.
     fn energy(&self, motion: &Motion<'_>) -> f64;
@@ -142,8 +142,8 @@ impl OverheadLine for Line {
         self.slack_count(motion)
     }
 
-    fn elongations(&self, motion: &Motion<'_>, see: &mut dyn FnMut(f64)) {
-        self.droppers().elongations(motion).for_each(see);
+    fn elongations(&self) -> &[f64] {
+        self.droppers().elongations()
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
@@ -176,8 +176,8 @@ impl OverheadLine for LinearLine {
         self.droppers().slack_count(motion)
     }
 
-    fn elongations(&self, motion: &Motion<'_>, see: &mut dyn FnMut(f64)) {
-        self.droppers().elongations(motion).for_each(see);
+    fn elongations(&self) -> &[f64] {
+        self.droppers().elongations()
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {

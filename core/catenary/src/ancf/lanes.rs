@@ -113,6 +113,11 @@ impl<S: Simd> Number for Lanes<S> {
     }
 
     #[inline(always)]
+    fn at_least(self, limit: f64) -> Self {
+        self.with(self.simd.max_f64s(self.values, self.simd.splat_f64s(limit)))
+    }
+
+    #[inline(always)]
     fn constant(self, value: f64) -> Self {
         self.with(self.simd.splat_f64s(value))
     }

@@ -39,6 +39,6 @@ pub use bending::BendingLaw;
 pub use cable::{Cable, CableSection, Coordinates, Tangent};
 pub(crate) use even::EvenMatrix;
 pub(crate) use lanes::{Components, GROUP, Lanes};
-pub(crate) use number::Space;
+pub(crate) use number::{Number, Space};
 pub use shape::{ShapeFunctions, bending_matrix, mass_matrix, tension_matrix};
 pub(crate) use slopes::{Length, Slopes};

@@ -19,6 +19,9 @@ pub(crate) trait Number:
     /// The square root.
     fn sqrt(self) -> Self;
 
+    /// The larger one of `self` and `limit`.
+    fn at_least(self, limit: f64) -> Self;
+
     /// `value` for each of the elements that `self` belongs to.
     fn constant(self, value: f64) -> Self;
 }
@@ -53,6 +56,11 @@ impl Number for f64 {
     #[inline(always)]
     fn sqrt(self) -> Self {
         f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn at_least(self, limit: f64) -> Self {
+        self.max(limit)
     }
 
     #[inline(always)]

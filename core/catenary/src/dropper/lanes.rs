@@ -1,5 +1,9 @@
 //! Droppers side by side in the lanes of vector registers.
+use super::ends::Ends;
 use super::{Dropper, DropperLaw};
+use crate::ancf::{Components, GROUP, Lanes, Number, Space};
+use crate::at_start::one_way_force;
+use crate::transpose::Transpose;
 use crate::{AtStart, Attachment, OneWayStep};
 use dynamics::Motion;
 use nalgebra::Vector3;
@@ -7,21 +11,20 @@ use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
 /// Droppers of a group.
-pub(super) const LANES: usize = 8;
+pub(super) const LANES: usize = GROUP;
 
-type Lanes = [f64; LANES];
+/// A number of each dropper of a group.
+pub(super) type Array = [f64; LANES];
 
-/// What the forces of some droppers follow from; a lane without a dropper has no coordinates.
+/// What the forces of some droppers follow from.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct Group {
-    /// Coordinates of both ends by axis; `usize::MAX` stands for one that does not exist: no vector is as long.
-    upper: [[usize; LANES]; 3],
-    lower: [[usize; LANES]; 3],
+    ends: Ends,
     /// From the lower to the upper reference position, m.
-    between: [Lanes; 3],
+    between: [Array; 3],
     /// m.
-    unstressed_length: Lanes,
+    unstressed_length: Array,
     /// All its coordinates lie in here.
     range: Range<usize>,
     /// Whether no end moves sideways; the difference along y is constant then.
@@ -35,29 +38,22 @@ impl Group {
     }
 
     fn new(droppers: &[Dropper]) -> Self {
-        let missing = usize::MAX;
+        let ends = || droppers.iter().flat_map(|dropper| [dropper.upper, dropper.lower]);
+        let columns = || ends().flat_map(|end| end.columns());
+        let indices = || columns().map(|(index, _)| index);
+        let planar = columns().all(|(_, axis)| axis != 1);
         let mut group = Self {
-            upper: [[missing; LANES]; 3],
-            lower: [[missing; LANES]; 3],
+            ends: Ends::new(droppers, if planar { &[0, 2] } else { &[0, 1, 2] }),
             between: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
             unstressed_length: [1.0; LANES],
-            range: missing..0,
-            planar: true,
+            range: indices().min().unwrap_or(0)..indices().max().map_or(0, |last| last + 1),
+            planar,
         };
         for (lane, dropper) in droppers.iter().enumerate() {
             let between = dropper.upper.reference - dropper.lower.reference;
             group.unstressed_length[lane] = dropper.unstressed_length;
             for axis in 0..3 {
                 group.between[axis][lane] = between[axis];
-                let mut place = |end: &Attachment, coordinates: &mut [usize; LANES]| {
-                    if let Some(index) = end.coordinate(axis) {
-                        coordinates[lane] = index;
-                        group.planar &= axis != 1;
-                        group.range = group.range.start.min(index)..group.range.end.max(index + 1);
-                    }
-                };
-                place(&dropper.upper, &mut group.upper[axis]);
-                place(&dropper.lower, &mut group.lower[axis]);
             }
         }
         group
@@ -68,93 +64,136 @@ impl Group {
         self.range.start < range.end && range.start < self.range.end
     }
 
-    /// Finds the extensions, and where the upper ends are as seen from the lower ones; no end moves along other axes than `axes`.
+    /// Finds elongations and their rates, and where the upper ends are as seen from the lower ones; no end moves along other axes
+    /// than `axes`.
     #[inline(always)]
-    fn extend<const D: usize>(&self, axes: &[usize; D], (q, v): (&[f64], &[f64])) -> Extended<D> {
-        let mut between = [[0.0; LANES]; D];
-        let (mut square, mut along) = ([0.0; LANES], [0.0; LANES]);
-        if D < 3 {
-            for (square, y) in square.iter_mut().zip(self.between[1]) {
-                *square = y * y;
+    fn extend<S: Simd, const D: usize>(
+        &self,
+        transpose: Transpose<S>,
+        axes: &[usize; D],
+        (q, v): (&[f64], &[f64]),
+        (elongation, rate): (&mut [f64], &mut [f64]),
+    ) -> Seen<D> {
+        let displacement = self.ends.differences(transpose, axes, q);
+        let velocity = self.ends.differences(transpose, axes, v);
+        let mut seen = Seen {
+            between: [[0.0; LANES]; D],
+            inverse_length: [0.0; LANES],
+        };
+        for part in 0..Lanes::<S>::PARTS {
+            let load = |values: &[f64]| Lanes::load(transpose.simd, values, part);
+            let unstressed_length = load(&self.unstressed_length);
+            let (mut between, mut moving) = (Components([unstressed_length; D]), Components([unstressed_length; D]));
+            for (k, &axis) in axes.iter().enumerate() {
+                between.0[k] = load(&self.between[axis]) + load(&displacement[k]);
+                moving.0[k] = load(&velocity[k]);
+                between.0[k].store(&mut seen.between[k], part);
             }
-        }
-        for (between, &axis) in between.iter_mut().zip(axes) {
-            *between = self.difference(axis, self.between[axis], q);
-            let velocity = self.difference(axis, [0.0; LANES], v);
-            for lane in 0..LANES {
-                square[lane] += between[lane] * between[lane];
-                along[lane] += between[lane] * velocity[lane];
+            let mut square = between.dot(between);
+            if D < 3 {
+                let y = load(&self.between[1]);
+                square = y.mul_add(y, square);
             }
-        }
-        let (mut length, mut elongation, mut rate) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
             // Ends that coincide have no direction: no force.
-            length[lane] = square[lane].sqrt().max(f64::MIN_POSITIVE);
-            elongation[lane] = length[lane] - self.unstressed_length[lane];
-            rate[lane] = along[lane] / length[lane];
+            let length = square.sqrt().at_least(f64::MIN_POSITIVE);
+            let inverse = length.constant(1.0) / length;
+            inverse.store(&mut seen.inverse_length, part);
+            (length - unstressed_length).store(elongation, part);
+            (between.dot(moving) * inverse).store(rate, part);
         }
-        Extended {
-            between,
-            length,
-            elongation,
-            rate,
-        }
+        seen
     }
 
     /// Finds the extensions and adds the forces of springs and dampers; no end moves along other axes than `axes`.
     #[inline(always)]
-    fn pull<const D: usize>(
+    fn pull<S: Simd, const D: usize>(
         &self,
-        axes: &[usize; D],
-        (law, at_start, half): (DropperLaw, &[f64], f64),
-        (q, v): (&[f64], &[f64]),
+        (transpose, axes): (Transpose<S>, &[usize; D]),
+        step: Step<'_>,
+        motion: (&[f64], &[f64]),
         (elongation, rate, taut): (&mut [f64], &mut [f64], &mut bool),
         force: &mut [f64],
     ) {
-        let now = self.extend(axes, (q, v));
-        elongation.copy_from_slice(&now.elongation);
-        rate.copy_from_slice(&now.rate);
-        let mut pull_per_length = [0.0; LANES];
-        for lane in 0..LANES {
-            let step = OneWayStep::new(AtStart::At(at_start[lane]), half);
-            pull_per_length[lane] = law.force(step, now.elongation[lane], now.rate[lane]) / now.length[lane];
-        }
-        *taut = (0..LANES).all(|lane| at_start[lane] >= 0.0 && pull_per_length[lane] > 0.0);
-        for (between, &axis) in now.between.iter().zip(axes) {
-            for lane in 0..LANES {
-                let pull = pull_per_length[lane] * between[lane];
-                if let Some(force) = force.get_mut(self.upper[axis][lane]) {
-                    *force -= pull;
-                }
-                if let Some(force) = force.get_mut(self.lower[axis][lane]) {
-                    *force += pull;
-                }
+        let seen = self.extend(transpose, axes, motion, (elongation, rate));
+        let tensions = step.tensions(transpose.simd, (elongation, rate));
+        *taut = step.began_taut() && every(&tensions, |tension| tension > 0.0);
+        let mut pulls = seen.between;
+        for part in 0..Lanes::<S>::PARTS {
+            let load = |values: &[f64]| Lanes::load(transpose.simd, values, part);
+            let per_length = load(&tensions) * load(&seen.inverse_length);
+            for pull in &mut pulls {
+                (load(pull) * per_length).store(pull, part);
             }
         }
-    }
-
-    /// Difference of the ends' entries of `values` along an axis, on top of `start`.
-    #[inline(always)]
-    fn difference(&self, axis: usize, start: Lanes, values: &[f64]) -> Lanes {
-        let mut difference = start;
-        let at = |index: usize| values.get(index).copied().unwrap_or(0.0);
-        for (lane, difference) in difference.iter_mut().enumerate() {
-            *difference += at(self.upper[axis][lane]) - at(self.lower[axis][lane]);
-        }
-        difference
+        self.ends.transfer(transpose, axes, &pulls, force);
     }
 }
 
-/// How some droppers stand.
-struct Extended<const D: usize> {
-    /// From the lower to the upper end by axis, m.
-    between: [Lanes; D],
-    /// m
-    length: Lanes,
-    /// `δ`, m.
-    elongation: Lanes,
-    /// `δ̇`, m/s.
-    rate: Lanes,
+/// Where the upper ends of a group are as seen from the lower ones.
+struct Seen<const D: usize> {
+    /// By axis, m.
+    between: [Array; D],
+    /// 1/m
+    inverse_length: Array,
+}
+
+/// The law of the droppers of a group in the present time step.
+#[derive(Clone, Copy)]
+struct Step<'a> {
+    law: DropperLaw,
+    /// `δ⁺₀`, m; one per lane.
+    at_start: &'a [f64],
+    /// Half of the step, s.
+    half: f64,
+}
+
+impl Step<'_> {
+    fn of(self, lane: usize) -> OneWayStep {
+        OneWayStep::new(AtStart::At(self.at_start[lane]), self.half)
+    }
+
+    /// Whether all began taut.
+    #[inline(always)]
+    fn began_taut(self) -> bool {
+        every(self.at_start, |start| start >= 0.0)
+    }
+
+    /// Tensions (N) by elongations (m) and their rates (m/s).
+    #[inline(always)]
+    fn tensions<S: Simd>(self, simd: S, (elongation, rate): (&[f64], &[f64])) -> Array {
+        let mut parts = [1.0; LANES];
+        if !self.began_taut() {
+            for (lane, part) in parts.iter_mut().enumerate() {
+                let step = self.of(lane);
+                *part = step.closed_part(step.ahead(elongation[lane], rate[lane]), rate[lane]).0;
+            }
+        }
+        let mut tensions = [0.0; LANES];
+        for part in 0..Lanes::<S>::PARTS {
+            let load = |values: &[f64]| Lanes::load(simd, values, part);
+            let law = (self.law.stiffness, self.law.damping);
+            one_way_force(law, load(&parts), load(elongation), load(rate)).store(&mut tensions, part);
+        }
+        tensions
+    }
+
+    /// Whether the forces of two motions, given as for [`Step::tensions`], come from the same pieces of the law.
+    #[inline(always)]
+    fn is_smooth_between<S: Simd>(self, simd: S, before: (&[f64], &[f64]), now: (&[f64], &[f64])) -> bool {
+        if self.began_taut() {
+            let pull = |motion: (&[f64], &[f64])| self.tensions(simd, motion).map(|tension| tension > 0.0);
+            return pull(before) == pull(now);
+        }
+        let piece =
+            |lane: usize, motion: (&[f64], &[f64])| self.law.piece(self.of(lane), motion.0[lane], motion.1[lane]);
+        (0..LANES).all(|lane| piece(lane, before) == piece(lane, now))
+    }
+}
+
+/// Whether `holds` is true of all values; each is asked, in the lanes of a register.
+#[inline(always)]
+fn every(values: &[f64], holds: impl Fn(f64) -> bool) -> bool {
+    values.iter().fold(true, |all, &value| all & holds(value))
 }
 
 /// Where droppers stand: entries of the last lanes are without a dropper.
@@ -197,8 +236,9 @@ impl WithSimd for Evaluate<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Motion { q, v, .. } = *self.motion;
+        let transpose = Transpose::new(simd);
         let lanes = (self.extensions.elongation.chunks_exact_mut(LANES))
             .zip(self.extensions.rate.chunks_exact_mut(LANES))
             .zip(&mut self.extensions.taut)
@@ -207,11 +247,12 @@ impl WithSimd for Evaluate<'_> {
             if !group.meets(&self.range) {
                 continue;
             }
-            let (law, extensions) = ((self.law, at_start, self.half), (elongation, rate, taut));
+            let (law, half) = (self.law, self.half);
+            let (step, extensions) = (Step { law, at_start, half }, (elongation, rate, taut));
             if group.planar {
-                group.pull(&[0, 2], law, (q, v), extensions, self.force);
+                group.pull((transpose, &[0, 2]), step, (q, v), extensions, self.force);
             } else {
-                group.pull(&[0, 1, 2], law, (q, v), extensions, self.force);
+                group.pull((transpose, &[0, 1, 2]), step, (q, v), extensions, self.force);
             }
         }
     }
@@ -233,29 +274,27 @@ impl WithSimd for Move<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> bool {
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
         let Motion { q, v, .. } = *self.motion;
+        let transpose = Transpose::new(simd);
         let lanes = (self.extensions.elongation.chunks_exact_mut(LANES))
             .zip(self.extensions.rate.chunks_exact_mut(LANES))
             .zip(self.at_start.chunks_exact(LANES));
-        let mut others = 0;
+        let mut smooth = true;
         for (group, ((elongation, rate), at_start)) in self.groups.iter().zip(lanes) {
-            let (now_elongation, now_rate) = if group.planar {
-                let now = group.extend(&[0, 2], (q, v));
-                (now.elongation, now.rate)
+            let (law, half) = (self.law, self.half);
+            let step = Step { law, at_start, half };
+            let mut now = ([0.0; LANES], [0.0; LANES]);
+            if group.planar {
+                group.extend(transpose, &[0, 2], (q, v), (&mut now.0, &mut now.1));
             } else {
-                let now = group.extend(&[0, 1, 2], (q, v));
-                (now.elongation, now.rate)
-            };
-            for lane in 0..LANES {
-                let step = OneWayStep::new(AtStart::At(at_start[lane]), self.half);
-                let before = self.law.piece(step, elongation[lane], rate[lane]);
-                others |= before ^ self.law.piece(step, now_elongation[lane], now_rate[lane]);
+                group.extend(transpose, &[0, 1, 2], (q, v), (&mut now.0, &mut now.1));
             }
-            elongation.copy_from_slice(&now_elongation);
-            rate.copy_from_slice(&now_rate);
+            smooth &= step.is_smooth_between(simd, (elongation, rate), (&now.0, &now.1));
+            elongation.copy_from_slice(&now.0);
+            rate.copy_from_slice(&now.1);
         }
-        others == 0
+        smooth
     }
 }
 

@@ -1,7 +1,4 @@
 //! Energy that time steps make where droppers go slack and taut.
-use crate::OverheadLine;
-use dynamics::Motion;
-
 /// Follows the elongations of a line's droppers from step to step.
 ///
 /// Derived here. An integrator with the trapezoid's displacement lets a spring work with the mean of its two end forces,
@@ -38,27 +35,16 @@ impl Slackening {
         self.made
     }
 
-    /// Takes in the end of a step.
-    pub fn step(&mut self, line: &dyn OverheadLine, motion: &Motion<'_>) {
-        let Self {
-            stiffness,
-            elongations,
-            known,
-            made,
-        } = self;
-        if !*known {
-            elongations.clear();
-            line.elongations(motion, &mut |elongation| elongations.push(elongation));
-            *known = true;
-            return;
+    /// Takes in the elongations at the end of a step, m.
+    pub fn step(&mut self, elongations: &[f64]) {
+        if self.known {
+            let course = self.elongations.iter().zip(elongations);
+            let made = course.map(|(&start, &end)| energy_made(self.stiffness, start, end));
+            self.made += made.sum::<f64>();
         }
-        let mut before = elongations.iter_mut();
-        line.elongations(motion, &mut |end| {
-            if let Some(elongation) = before.next() {
-                let start = std::mem::replace(elongation, end);
-                *made += energy_made(*stiffness, start, end);
-            }
-        });
+        self.known = true;
+        self.elongations.clear();
+        self.elongations.extend_from_slice(elongations);
     }
 
     /// Forgets where the droppers were: the next step is the first one of other droppers.

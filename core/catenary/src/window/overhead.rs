@@ -26,8 +26,8 @@ impl OverheadLine for WindowedLine {
         self.inner.slack_count(motion)
     }
 
-    fn elongations(&self, motion: &Motion<'_>, see: &mut dyn FnMut(f64)) {
-        self.inner.elongations(motion, see);
+    fn elongations(&self) -> &[f64] {
+        self.inner.elongations()
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {

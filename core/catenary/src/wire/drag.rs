@@ -2,8 +2,9 @@
 use super::force::add_selected;
 use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, Places};
-use super::transpose::{Rows, Transpose};
+use super::transpose::Rows;
 use crate::ancf::{GROUP, ShapeFunctions};
+use crate::transpose::Transpose;
 use dynamics::{Blocks, CrossFlow, Force, Motion, Power, Weights, Wind};
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, WithSimd};

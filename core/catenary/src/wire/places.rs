@@ -1,7 +1,8 @@
 //! Between the coordinates of a system and the arrays of a batch of elements.
 use super::node::WireNode;
-use super::transpose::{Rows, Transpose};
+use super::transpose::{Rows, gather, scatter};
 use crate::ancf::GROUP;
+use crate::transpose::Transpose;
 use pulp::Simd;
 use std::ops::Range;
 
@@ -83,7 +84,7 @@ impl<const D: usize> Places<D> {
         (rows, arrays): (&mut Rows, &mut NodeArrays<D>),
     ) {
         match self {
-            Self::Runs(starts) => transpose.gather(&starts[first..=last], values, rows, arrays),
+            Self::Runs(starts) => gather(transpose, &starts[first..=last], values, (rows, arrays)),
             Self::Anywhere(places) => {
                 for (i, node) in places[first..=last].iter().enumerate().take(NODES) {
                     for (array, &place) in arrays.as_flattened_mut().iter_mut().zip(node.as_flattened()) {
@@ -104,7 +105,7 @@ impl<const D: usize> Places<D> {
         force: &mut [f64],
     ) {
         match self {
-            Self::Runs(starts) => transpose.scatter(&starts[first..=last], [a, b], rows, force),
+            Self::Runs(starts) => scatter(transpose, &starts[first..=last], ([a, b], rows), force),
             Self::Anywhere(places) => {
                 let (a, b) = (a.as_flattened(), b.as_flattened());
                 for (i, node) in places[first..=last].iter().enumerate().take(NODES) {

@@ -1,0 +1,154 @@
+//! Numbers that follow each other among the coordinates, and one array per number: transposed in registers.
+use crate::ancf::GROUP;
+use pulp::{Interleave, Simd};
+
+/// Between rows of `K` numbers, 2 or 4, and `K` columns.
+///
+/// What turns rows into columns with the fewest instructions changes the order of as many rows as a register has lanes: rows are
+/// put in such an order that columns come out in that of the owners.
+#[derive(Clone, Copy)]
+pub(crate) struct Transpose<S: Simd> {
+    pub simd: S,
+    /// Row of each lane's owner.
+    of_four: [usize; GROUP],
+    of_two: [usize; GROUP],
+}
+
+/// The rows or columns of one group.
+#[repr(align(64))]
+struct Aligned<T>(T);
+
+impl<S: Simd> Transpose<S> {
+    #[inline(always)]
+    pub fn new(simd: S) -> Self {
+        let mut order = Self {
+            simd,
+            of_four: [0; GROUP],
+            of_two: [0; GROUP],
+        };
+        let (mut fours, mut twos) = ([0.0; 4 * GROUP], [0.0; 2 * GROUP]);
+        for row in 0..S::F64_LANES {
+            fours[4 * row..4 * row + 4].fill(row as f64);
+            twos[2 * row..2 * row + 2].fill(row as f64);
+        }
+        let (mut of_four, mut of_two) = ([[0.0; GROUP]; 4], [[0.0; GROUP]; 2]);
+        order.to_columns::<4, GROUP>(S::F64_LANES, &fours, &mut of_four);
+        order.to_columns::<2, GROUP>(S::F64_LANES, &twos, &mut of_two);
+        for lane in 0..S::F64_LANES {
+            order.of_four[lane] = of_four[0][lane] as usize;
+            order.of_two[lane] = of_two[0][lane] as usize;
+        }
+        order
+    }
+
+    /// The row of each lane's owner, among rows of `K` numbers of as many owners as a register has lanes.
+    #[inline(always)]
+    pub fn order<const K: usize>(self) -> [usize; GROUP] {
+        const { assert!(K == 2 || K == 4, "rows have two numbers or four") };
+        if K == 2 { self.of_two } else { self.of_four }
+    }
+
+    #[inline(always)]
+    pub fn to_columns<const K: usize, const N: usize>(self, owners: usize, rows: &[f64], columns: &mut [[f64; N]])
+    where
+        [S::f64s; K]: Interleave,
+    {
+        let vectors = S::as_simd_f64s(rows).0.chunks_exact(K);
+        for (group, vectors) in vectors.enumerate().take(owners.div_ceil(S::F64_LANES)) {
+            let vectors = <[S::f64s; K]>::try_from(vectors).expect("as many as were asked for");
+            let vectors = self.simd.deinterleave_shfl_f64s(vectors);
+            for (column, vector) in columns.iter_mut().zip(vectors) {
+                S::as_mut_simd_f64s(column).0[group] = vector;
+            }
+        }
+    }
+
+    /// Rows of the sums of `TERMS` columns each.
+    #[inline(always)]
+    pub fn sum_to_rows<const K: usize, const N: usize, const TERMS: usize>(
+        self,
+        owners: usize,
+        terms: [&[[f64; N]]; TERMS],
+        rows: &mut [f64],
+    ) where
+        [S::f64s; K]: Interleave,
+    {
+        let vectors = S::as_mut_simd_f64s(rows).0.chunks_exact_mut(K);
+        for (group, vectors) in vectors.enumerate().take(owners.div_ceil(S::F64_LANES)) {
+            let mut sums = [self.simd.splat_f64s(0.0); K];
+            for (column, sum) in sums.iter_mut().enumerate() {
+                let mut values = terms.iter().map(|term| S::as_simd_f64s(&term[column]).0[group]);
+                if let Some(first) = values.next() {
+                    *sum = values.fold(first, |sum, value| self.simd.add_f64s(sum, value));
+                }
+            }
+            vectors.copy_from_slice(&self.simd.interleave_shfl_f64s(sums));
+        }
+    }
+
+    /// What the `D` numbers of `values` that begin at each place of `upper` have more than those of `lower`, one array per number;
+    /// rows have `K` numbers, at least `D`.
+    #[inline(always)]
+    pub fn differences<const D: usize, const K: usize>(
+        self,
+        [upper, lower]: [&[u32; GROUP]; 2],
+        values: &[f64],
+    ) -> [[f64; GROUP]; K]
+    where
+        [S::f64s; K]: Interleave,
+    {
+        let mut rows = Aligned([[[0.0; K]; GROUP]]);
+        let order = self.order::<K>();
+        let groups = rows.0.as_flattened_mut().chunks_exact_mut(S::F64_LANES);
+        let places = upper.chunks(S::F64_LANES).zip(lower.chunks(S::F64_LANES));
+        for ((upper, lower), rows) in places.zip(groups) {
+            for ((&upper, &lower), row) in upper.iter().zip(lower).zip(order) {
+                let (upper, lower) = (run::<D>(values, upper), run::<D>(values, lower));
+                for (difference, (upper, lower)) in rows[row].iter_mut().zip(upper.iter().zip(lower)) {
+                    *difference = upper - lower;
+                }
+            }
+        }
+        let mut columns = Aligned([[0.0; GROUP]; K]);
+        self.to_columns::<K, GROUP>(GROUP, rows.0.as_flattened().as_flattened(), &mut columns.0);
+        columns.0
+    }
+
+    /// Takes one number of each array off those of `values` that begin at each place of `upper`, and adds it to those of `lower`.
+    #[inline(always)]
+    pub fn transfer<const D: usize, const K: usize>(
+        self,
+        columns: [[f64; GROUP]; K],
+        [upper, lower]: [&[u32; GROUP]; 2],
+        values: &mut [f64],
+    ) where
+        [S::f64s; K]: Interleave,
+    {
+        let columns = Aligned(columns);
+        let mut rows = Aligned([[[0.0; K]; GROUP]]);
+        let flat = rows.0.as_flattened_mut().as_flattened_mut();
+        self.sum_to_rows::<K, GROUP, 1>(GROUP, [&columns.0], flat);
+        let order = self.order::<K>();
+        let groups = rows.0.as_flattened().chunks_exact(S::F64_LANES);
+        let places = upper.chunks(S::F64_LANES).zip(lower.chunks(S::F64_LANES));
+        for ((upper, lower), rows) in places.zip(groups) {
+            for ((&upper, &lower), row) in upper.iter().zip(lower).zip(order) {
+                change::<D>(values, upper, |value, i| value - rows[row][i]);
+                change::<D>(values, lower, |value, i| value + rows[row][i]);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn run<const D: usize>(values: &[f64], start: u32) -> &[f64; D] {
+    values[start as usize..].first_chunk().expect("owners are within")
+}
+
+#[inline(always)]
+fn change<const D: usize>(values: &mut [f64], start: u32, of: impl Fn(f64, usize) -> f64) {
+    let run = values[start as usize..]
+        .first_chunk_mut::<D>()
+        .expect("owners are within");
+    *run = std::array::from_fn(|i| of(run[i], i));
+}
