@@ -5,8 +5,9 @@ use super::enrichment::Products;
 use super::force::{Constants, element_matrix};
 use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, Places};
-use super::transpose::{Rows, Transpose};
+use super::transpose::Rows;
 use crate::ancf::{CableSection, Components, EvenMatrix, GROUP, Lanes, Length, Slopes, Space};
+use crate::transpose::Transpose;
 use dynamics::{Blocks, Motion, Weights};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
@@ -119,6 +120,7 @@ pub(super) struct Sweep<const D: usize> {
     cable: CableSection,
     /// Whether the strain is that of first order, see [`Batch::linearise`].
     linear: bool,
+    damped: bool,
     weight: f64,
     elements: usize,
     groups: Vec<Group<D>>,
@@ -183,6 +185,7 @@ impl<const D: usize> Sweep<D> {
         Self {
             cable: constants.cable,
             linear: false,
+            damped: constants.damping != Products::default(),
             weight: constants.weight,
             elements,
             groups: (0..groups).map(group).collect(),
@@ -219,17 +222,31 @@ impl<const D: usize> Sweep<D> {
         force: &mut [f64],
     ) {
         let groups = self.groups_of(&within);
-        match v_dot {
-            Some(v_dot) => arch.dispatch(AddForce::<D, true> {
-                sweep: self,
+        let (damped, values) = (self.damped, [motion.q, motion.v, v_dot.unwrap_or_default()]);
+        let sweep = self;
+        match (v_dot.is_some(), damped) {
+            (true, true) => arch.dispatch(AddForce::<D, true, true> {
+                sweep,
                 groups,
-                values: [motion.q, motion.v, v_dot],
+                values,
                 force,
             }),
-            None => arch.dispatch(AddForce::<D, false> {
-                sweep: self,
+            (true, false) => arch.dispatch(AddForce::<D, true, false> {
+                sweep,
                 groups,
-                values: [motion.q, motion.v, &[]],
+                values,
+                force,
+            }),
+            (false, true) => arch.dispatch(AddForce::<D, false, true> {
+                sweep,
+                groups,
+                values,
+                force,
+            }),
+            (false, false) => arch.dispatch(AddForce::<D, false, false> {
+                sweep,
+                groups,
+                values,
                 force,
             }),
         }
@@ -237,15 +254,15 @@ impl<const D: usize> Sweep<D> {
 }
 
 /// The sweep, compiled once for each kind of vector registers.
-struct AddForce<'a, const D: usize, const DYNAMIC: bool> {
+struct AddForce<'a, const D: usize, const DYNAMIC: bool, const DAMPED: bool> {
     sweep: &'a mut Sweep<D>,
     groups: Range<usize>,
-    /// `q`, `v`, and `v̇` where `DYNAMIC`.
+    /// `q`, `v`, and `v̇` where `DYNAMIC`; velocities matter where `DAMPED`.
     values: [&'a [f64]; 3],
     force: &'a mut [f64],
 }
 
-impl<const D: usize, const DYNAMIC: bool> WithSimd for AddForce<'_, D, DYNAMIC> {
+impl<const D: usize, const DYNAMIC: bool, const DAMPED: bool> WithSimd for AddForce<'_, D, DYNAMIC, DAMPED> {
     type Output = ();
 
     #[inline(always)]
@@ -268,14 +285,16 @@ impl<const D: usize, const DYNAMIC: bool> WithSimd for AddForce<'_, D, DYNAMIC> 
             let count = BLOCK.min(*elements - first);
             let nodes = (first, first + count);
             places.gather(transpose, nodes, q, (&mut block.rows, &mut block.q));
-            places.gather(transpose, nodes, v, (&mut block.rows, &mut block.v));
+            if DAMPED {
+                places.gather(transpose, nodes, v, (&mut block.rows, &mut block.v));
+            }
             if DYNAMIC {
                 places.gather(transpose, nodes, v_dot, (&mut block.rows, &mut block.v_dot));
             }
             for (place, group) in groups.iter().enumerate() {
                 for part in 0..Lanes::<S>::PARTS {
                     let lanes = GroupLanes { simd, place, part };
-                    lanes.add_force::<D, DYNAMIC>((cable, *linear), *weight, group, block);
+                    lanes.add_force::<D, DYNAMIC, DAMPED>((cable, *linear), *weight, group, block);
                 }
             }
             // The lanes beyond the last element belong to none; the first node ends no element of this block.
@@ -377,7 +396,7 @@ impl<S: Simd> GroupLanes<S> {
 
     /// Evaluates the elements and writes their forces on the nodes into the block.
     #[inline(always)]
-    fn add_force<const D: usize, const DYNAMIC: bool>(
+    fn add_force<const D: usize, const DYNAMIC: bool, const DAMPED: bool>(
         self,
         (cable, linear): (&CableSection, bool),
         weight: f64,
@@ -385,17 +404,24 @@ impl<S: Simd> GroupLanes<S> {
         block: &mut Block<D>,
     ) {
         let (length, [reference, change]) = self.slopes(group, block);
-        let mut rest = self.matrix(&group.damping).times(self.coordinates(&block.v));
-        if DYNAMIC {
-            rest = rest.and(self.matrix(&group.mass).times(self.coordinates(&block.v_dot)));
-        }
         let strain = if linear {
             cable.slope_force_about(length, &reference, &change)
         } else {
             cable.slope_force(length, &reference.and(&change))
         };
-        let strain = strain.on_nodes(length);
-        let [mut f1, mut m1, mut f2, mut m2] = add(strain, rest.on_nodes());
+        let mut sum = strain.on_nodes(length);
+        if DYNAMIC && DAMPED {
+            let damping = self.matrix(&group.damping).times(self.coordinates(&block.v));
+            let inertia = self.matrix(&group.mass).times(self.coordinates(&block.v_dot));
+            sum = add(sum, damping.and(inertia).on_nodes());
+        } else if DYNAMIC {
+            let inertia = self.matrix(&group.mass).times(self.coordinates(&block.v_dot));
+            sum = add(sum, inertia.on_nodes());
+        } else if DAMPED {
+            let damping = self.matrix(&group.damping).times(self.coordinates(&block.v));
+            sum = add(sum, damping.on_nodes());
+        }
+        let [mut f1, mut m1, mut f2, mut m2] = sum;
         // ∫ m g s dx
         let half = length.value * (0.5 * weight);
         let moment = length.value * length.value * (weight / 12.0);
