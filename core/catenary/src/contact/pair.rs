@@ -27,7 +27,7 @@ pub struct ContactPair {
     strip: Box<dyn Marker>,
     width: f64,
     tangent: ContactTangent,
-    /// Parameter found at the last predicted motion: every search of a step starts here.
+    /// Parameter found last: the next search starts here.
     s: f64,
     /// Share of the penetration that the contact spring has there, see [`ContactState`].
     share: f64,
@@ -123,6 +123,7 @@ impl ContactPair {
     /// Finds the contact, and takes note of what the rest of the step asks of it.
     fn find(&mut self, motion: &Motion<'_>) -> Option<ContactState> {
         let contact = self.state(motion);
+        self.s = contact.as_ref().map_or(self.s, |contact| contact.geometry.s);
         self.active = contact.as_ref().map(|contact| contact.force);
         self.piece = contact.as_ref().map(|contact| contact.piece);
         self.found = self.in_step.then(|| match &contact {
