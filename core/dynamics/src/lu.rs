@@ -18,8 +18,8 @@ impl Lu {
         &mut self.values
     }
 
-    /// Factors the matrix that was filled in; false where it is singular.
-    pub fn factor(&mut self) -> bool {
+    /// Factors the matrix that was filled in; where it is singular, the first column that depends on those before it.
+    pub fn factor(&mut self) -> Result<(), usize> {
         let (n, a) = (self.size, &mut self.values);
         self.pivots.clear();
         for column in 0..n {
@@ -27,7 +27,7 @@ impl Lu {
                 .max_by(|&i, &j| a[i * n + column].abs().total_cmp(&a[j * n + column].abs()))
                 .unwrap_or(column);
             if a[pivot * n + column] == 0.0 || !a[pivot * n + column].is_finite() {
-                return false;
+                return Err(column);
             }
             self.pivots.push(pivot);
             if pivot != column {
@@ -48,7 +48,7 @@ impl Lu {
                 }
             }
         }
-        true
+        Ok(())
     }
 
     /// Solves in place with the last factors.
@@ -90,7 +90,7 @@ mod tests {
             let b = DVector::from_fn(n, |i, _| 1.0 + i as f64);
             let mut lu = Lu::default();
             lu.matrix(n).copy_from_slice(a.transpose().as_slice());
-            assert!(lu.factor());
+            assert_eq!(lu.factor(), Ok(()));
             let mut x = b.clone();
             lu.solve(x.as_mut_slice());
             let exact = a.lu().solve(&b).unwrap();
@@ -102,9 +102,9 @@ mod tests {
     fn a_singular_matrix_is_refused() {
         let mut lu = Lu::default();
         lu.matrix(3)
-            .copy_from_slice(&[1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 0.0, 1.0, 1.0]);
-        assert!(!lu.factor());
+            .copy_from_slice(&[1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 0.0, 0.0, 1.0]);
+        assert_eq!(lu.factor(), Err(1));
         lu.matrix(2).copy_from_slice(&[f64::NAN, 1.0, 1.0, 1.0]);
-        assert!(!lu.factor());
+        assert_eq!(lu.factor(), Err(0));
     }
 }

@@ -2,6 +2,7 @@
 use crate::block_tridiagonal::{BlockTridiagonal, LocalColumn};
 use crate::factor::{Shape, SparseFactor};
 use crate::leaves::Leaves;
+use crate::lu::Lu;
 use std::ops::Range;
 
 /// A line and a pantograph are two parts, since contact enters as a low-rank term: each is factored and solved by itself.
@@ -18,6 +19,8 @@ pub(crate) struct Part {
     /// Unknowns that are eliminated before the blocks; no low-rank term acts on them.
     leaves: Option<Leaves>,
     sparse: Option<SparseFactor>,
+    /// In the place of `sparse` where that would take longer to look through than it has to do.
+    dense: Option<Lu>,
     /// Which of the two factored last.
     in_blocks: bool,
     /// Right side, then solution, where it is not the blocks'.
@@ -42,6 +45,9 @@ pub(crate) struct Thresholds {
 
 /// Parts up to this size are factored by LU whatever they are: it costs nothing there.
 const SMALL: usize = 64;
+
+/// Parts up to this size are factored as dense matrices: a pantograph.
+const DENSE: usize = 16;
 
 /// A column is kept down to this part of its largest entry, as a force; what is left out enters corrections with its square.
 const DECAYED: f64 = 1e-9;
@@ -86,6 +92,7 @@ impl Part {
             blocks,
             leaves,
             sparse: None,
+            dense: (unknowns.len() <= DENSE).then(Lu::default),
             unknowns,
         }
     }
@@ -102,7 +109,16 @@ impl Part {
             (Some(blocks), None) => blocks.factor(values),
             (None, _) => false,
         };
-        if !self.in_blocks {
+        if let Some(dense) = &mut self.dense {
+            let size = self.unknowns.len();
+            let matrix = dense.matrix(size);
+            for (column, ends) in self.column_starts.windows(2).enumerate() {
+                for k in ends[0]..ends[1] {
+                    matrix[self.row_indices[k] * size + column] = values[k];
+                }
+            }
+            dense.factor().map_err(|column| self.unknowns[column])?;
+        } else if !self.in_blocks {
             // What is not definite in blocks is not in faer's Cholesky either.
             let shape = if self.blocks.is_some() {
                 Shape::General
@@ -154,6 +170,8 @@ impl Part {
                     |_| (),
                 );
             }
+        } else if let Some(dense) = &self.dense {
+            dense.solve(&mut self.local);
         } else if let Some(sparse) = &mut self.sparse {
             sparse.solve(&mut self.local);
         }

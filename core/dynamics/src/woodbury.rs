@@ -165,7 +165,7 @@ impl Woodbury {
             }
         }
         (0..rank).for_each(|i| system[i * rank + i] += 1.0);
-        if !self.lu.factor() {
+        if self.lu.factor().is_err() {
             return false;
         }
         self.rows.extend(rows());
