@@ -207,21 +207,21 @@ impl Part {
     }
 
     /// `uᵀ A⁻¹ b` for the loaded right side `b`, from `y = A⁻¹ u` or `u` itself (local numbers).
-    pub fn product(&self, y: &Piece, u: impl Iterator<Item = (usize, f64)>) -> f64 {
+    pub fn product(&self, y: &Piece, u: &[(usize, f64)]) -> f64 {
         match (y, &self.blocks) {
             (Piece::Local(column), Some(blocks)) => blocks.dot(column),
             (Piece::Whole(y), _) if self.is_symmetric() => y.iter().zip(&self.local).map(|(y, b)| y * b).sum(),
-            _ => u.map(|(unknown, value)| value * self.local[unknown]).sum(),
+            _ => u.iter().map(|&(unknown, value)| value * self.local[unknown]).sum(),
         }
     }
 
     /// Takes the force `z u` out of the loaded right side, or `z y` out of its solution.
-    pub fn subtract(&mut self, z: f64, y: &Piece, u: impl Iterator<Item = (usize, f64)>) {
+    pub fn subtract(&mut self, z: f64, y: &Piece, u: &[(usize, f64)]) {
         match y {
             Piece::Whole(y) if !self.is_symmetric() => {
                 self.local.iter_mut().zip(y).for_each(|(value, y)| *value -= z * y);
             }
-            _ => u.for_each(|(unknown, value)| match &mut self.blocks {
+            _ => u.iter().for_each(|&(unknown, value)| match &mut self.blocks {
                 Some(blocks) if self.in_blocks => blocks.add(unknown, -z * value),
                 _ => self.local[unknown] -= z * value,
             }),
@@ -304,16 +304,16 @@ impl Part {
     }
 
     /// `A⁻¹ u`; nothing may be loaded.
-    pub fn column(&mut self, u: impl Iterator<Item = (usize, f64)>, piece: &mut Piece) {
+    pub fn column(&mut self, u: &[(usize, f64)], piece: &mut Piece) {
         let fits = matches!(piece, Piece::Local(_)) == self.in_blocks;
         if !fits {
             *piece = self.new_piece();
         }
         match (piece, &mut self.blocks) {
-            (Piece::Local(column), Some(blocks)) => blocks.column(u, DECAYED, column),
+            (Piece::Local(column), Some(blocks)) => blocks.column(u.iter().copied(), DECAYED, column),
             (Piece::Whole(y), _) => {
                 self.local.fill(0.0);
-                u.for_each(|(unknown, value)| self.local[unknown] += value);
+                u.iter().for_each(|&(unknown, value)| self.local[unknown] += value);
                 self.solve_local();
                 y.copy_from_slice(&self.local);
             }

@@ -36,22 +36,17 @@ pub(crate) struct Woodbury {
 struct Column {
     key: u64,
     version: Option<u64>,
-    /// Number of its part, and the column there.
-    pieces: Vec<(usize, Piece)>,
+    shares: Vec<Share>,
 }
 
-/// Entries (local number, value) of a row in one part.
-fn entries<'a>(
-    places: &'a Places,
-    updates: &'a Updates,
-    row: usize,
+/// What a column is in one part.
+#[derive(Debug)]
+struct Share {
+    /// Number of the part.
     part: usize,
-) -> impl Iterator<Item = (usize, f64)> + 'a {
-    let row = updates.rows[row];
-    (row.start..row.end).filter_map(move |k| {
-        let (number, local) = places.of(updates.indices[k])?;
-        (number == part).then_some((local, updates.values[k]))
-    })
+    /// Entries of `u`: unknown of the part, value.
+    u: Vec<(usize, f64)>,
+    y: Piece,
 }
 
 impl Woodbury {
@@ -86,7 +81,7 @@ impl Woodbury {
         for part in parts.iter_mut() {
             part.load(b, thresholds);
         }
-        let regular = updates.rank() == 0 || self.update(parts, places, updates);
+        let regular = updates.rank() == 0 || self.update(parts, updates);
         for part in parts {
             part.solve(thresholds, x, changed);
         }
@@ -94,15 +89,14 @@ impl Woodbury {
     }
 
     /// Takes the forces of the low-rank terms out of the loaded right side.
-    fn update(&mut self, parts: &mut [Part], places: &Places, updates: &Updates) -> bool {
-        let rank = updates.rank();
+    fn update(&mut self, parts: &mut [Part], updates: &Updates) -> bool {
         self.products.clear();
-        for row in 0..rank {
-            let pieces = self.columns[self.places[row]].pieces.iter();
-            let product = pieces.map(|(part, piece)| parts[*part].product(piece, entries(places, updates, row, *part)));
+        for &place in &self.places {
+            let shares = self.columns[place].shares.iter();
+            let product = shares.map(|Share { part, u, y }| parts[*part].product(y, u));
             self.products.push(product.sum());
         }
-        if !self.factor(parts, places, updates) {
+        if !self.factor(parts, updates) {
             return false;
         }
         // (I + C G) z = C Uᵀ A⁻¹ b
@@ -117,11 +111,10 @@ impl Woodbury {
             }));
         }
         self.lu.solve(&mut self.z);
-        for row in 0..rank {
-            let z = self.z[row];
+        for (&place, &z) in self.places.iter().zip(&self.z) {
             if z != 0.0 {
-                for (part, piece) in &self.columns[self.places[row]].pieces {
-                    parts[*part].subtract(z, piece, entries(places, updates, row, *part));
+                for Share { part, u, y } in &self.columns[place].shares {
+                    parts[*part].subtract(z, y, u);
                 }
             }
         }
@@ -129,7 +122,7 @@ impl Woodbury {
     }
 
     /// Factors `I + C G`, unless it is the matrix factored last.
-    fn factor(&mut self, parts: &[Part], places: &Places, updates: &Updates) -> bool {
+    fn factor(&mut self, parts: &[Part], updates: &Updates) -> bool {
         let rank = updates.rank();
         let rows = || updates.rows.iter().map(|row| (row.key, row.version));
         if self.rows.iter().copied().eq(rows()) && self.coefficients == updates.core_values {
@@ -140,13 +133,15 @@ impl Woodbury {
             for j in 0..rank {
                 let (left, right) = (self.places[i], self.places[j]);
                 if self.gram[left][right].is_nan() {
-                    let pieces = self.columns[right].pieces.iter();
-                    let product = pieces.map(|(part, piece)| {
-                        let own = entries(places, updates, i, *part);
-                        own.map(|(unknown, value)| value * parts[*part].entry(piece, unknown))
-                            .sum::<f64>()
-                    });
-                    self.gram[left][right] = product.sum();
+                    let mut product = 0.0;
+                    for Share { part, u, .. } in &self.columns[left].shares {
+                        let other = self.columns[right].shares.iter().find(|share| share.part == *part);
+                        if let Some(Share { y, .. }) = other {
+                            let own = u.iter().map(|&(unknown, value)| value * parts[*part].entry(y, unknown));
+                            product += own.sum::<f64>();
+                        }
+                    }
+                    self.gram[left][right] = product;
                 }
             }
         }
@@ -176,7 +171,7 @@ impl Woodbury {
     /// Finds the columns of all rows, and solves for those that have changed.
     fn refresh(&mut self, parts: &mut [Part], places: &Places, updates: &Updates) {
         self.places.clear();
-        for (row, &identity) in updates.rows.iter().enumerate() {
+        for &identity in &updates.rows {
             let found = self
                 .by_key
                 .binary_search_by_key(&identity.key, |&place| self.columns[place].key);
@@ -188,21 +183,28 @@ impl Woodbury {
             if self.columns[place].version == Some(identity.version) {
                 continue;
             }
-            let column = &mut self.columns[place];
+            let Column { version, shares, .. } = &mut self.columns[place];
             // A column that no longer reaches a part keeps its memory there for later.
-            for (number, part) in parts.iter_mut().enumerate() {
-                let at = column.pieces.iter().position(|(of, _)| *of == number);
-                let at = match at {
-                    Some(at) => at,
-                    None if entries(places, updates, row, number).next().is_none() => continue,
-                    None => {
-                        column.pieces.push((number, part.new_piece()));
-                        column.pieces.len() - 1
-                    }
+            shares.iter_mut().for_each(|share| share.u.clear());
+            for k in identity.start..identity.end {
+                let Some((number, unknown)) = places.of(updates.indices[k]) else {
+                    continue;
                 };
-                part.column(entries(places, updates, row, number), &mut column.pieces[at].1);
+                let at = shares.iter().position(|share| share.part == number);
+                let at = at.unwrap_or_else(|| {
+                    shares.push(Share {
+                        part: number,
+                        u: Vec::new(),
+                        y: parts[number].new_piece(),
+                    });
+                    shares.len() - 1
+                });
+                shares[at].u.push((unknown, updates.values[k]));
             }
-            column.version = Some(identity.version);
+            for Share { part, u, y } in shares {
+                parts[*part].column(u, y);
+            }
+            *version = Some(identity.version);
             self.solves += 1;
             self.gram[place].fill(f64::NAN);
             self.gram.iter_mut().for_each(|gram| gram[place] = f64::NAN);
@@ -215,7 +217,7 @@ impl Woodbury {
         self.columns.push(Column {
             key,
             version: None,
-            pieces: Vec::new(),
+            shares: Vec::new(),
         });
         self.by_key.insert(at, place);
         self.gram.iter_mut().for_each(|gram| gram.push(f64::NAN));
