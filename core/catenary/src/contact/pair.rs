@@ -98,14 +98,18 @@ impl ContactPair {
     /// A contact beside the strip (further than half its width from its middle) has a gap but no force.
     #[must_use]
     pub fn state(&self, motion: &Motion<'_>) -> Option<ContactState> {
-        let frame = self.strip.frame(motion);
-        let geometry = ContactGeometry::search(&*self.curve, &frame, self.s, motion.q, motion.v)?;
+        self.state_under(&self.strip.frame(motion), motion)
+    }
+
+    /// The same for a strip that is known to be at `frame`.
+    fn state_under(&self, frame: &Frame, motion: &Motion<'_>) -> Option<ContactState> {
+        let geometry = ContactGeometry::search(&*self.curve, frame, self.s, motion.q, motion.v)?;
         let beside = self.is_beside(&geometry);
         let compliance = self.curve.compliance(geometry.s);
         Some(ContactState::new(
             (&self.law, self.step),
             geometry,
-            &frame,
+            frame,
             compliance,
             beside,
         ))
@@ -218,14 +222,14 @@ impl Force for ContactPair {
         self.found = None;
         self.in_step = true;
         self.step = OneWayStep::new(self.reached, 0.5 * h);
-        if let Some(contact) = self.state(motion) {
+        let frame = self.strip.frame(motion);
+        if let Some(contact) = self.state_under(&frame, motion) {
             self.s = contact.geometry.s;
             self.share = contact.share();
             let sides = Sides::new(&contact.geometry, &*self.curve, &*self.strip, motion);
             self.direction.clear();
             self.direction.extend(sides.gap_gradient());
             self.version += 1;
-            let frame = self.strip.frame(motion);
             self.load.begin_step(&contact.geometry, &*self.curve, &frame, motion.t);
         } else {
             self.load.clear_terms();

@@ -14,47 +14,70 @@ pub(super) type Jet = [f64; 3];
 pub(super) struct Curve<const N: usize> {
     /// Coordinate of the first node, √kg·m.
     first: f64,
-    step: f64,
-    nodes: Vec<[Jet; N]>,
+    last: f64,
+    inverse_step: f64,
+    /// Of each interval between nodes.
+    intervals: Vec<[Quintic; N]>,
 }
 
 impl<const N: usize> Curve<N> {
-    pub fn new(first: f64, step: f64, nodes: Vec<[Jet; N]>) -> Self {
-        Self { first, step, nodes }
+    /// A curve through at least two `nodes`.
+    pub fn new(first: f64, step: f64, nodes: &[[Jet; N]]) -> Self {
+        let interval = |pair: &[[Jet; N]]| std::array::from_fn(|i| Quintic::new(pair[0][i], pair[1][i], step));
+        Self {
+            first,
+            last: first + step * (nodes.len() - 1) as f64,
+            inverse_step: 1.0 / step,
+            intervals: nodes.windows(2).map(interval).collect(),
+        }
     }
 
     /// Range of the coordinate.
     pub fn range(&self) -> (f64, f64) {
-        let last = self.first + self.step * (self.nodes.len() - 1) as f64;
-        (self.first, last)
+        (self.first, self.last)
     }
 
     /// All quantities at `sigma`; not a number outside the range.
     pub fn at(&self, sigma: f64) -> [Jet; N] {
-        let (first, last) = self.range();
-        if !(first..=last).contains(&sigma) {
+        if !(self.first..=self.last).contains(&sigma) {
             return [[f64::NAN; 3]; N];
         }
-        let place = (sigma - first) / self.step;
-        let node = (place as usize).min(self.nodes.len() - 2);
-        let x = place - node as f64;
-        let (from, to) = (&self.nodes[node], &self.nodes[node + 1]);
-        std::array::from_fn(|i| hermite(from[i], to[i], self.step, x))
+        let place = (sigma - self.first) * self.inverse_step;
+        let number = (place as usize).min(self.intervals.len() - 1);
+        let x = place - number as f64;
+        let interval = &self.intervals[number];
+        std::array::from_fn(|i| interval[i].at(x, self.inverse_step))
     }
 }
 
-/// Quintic polynomial from `a` at `x = 0` to `b` at `x = 1`, an interval of length `h`.
-fn hermite(a: Jet, b: Jet, h: f64, x: f64) -> Jet {
-    let [a0, a1, a2] = [a[0], h * a[1], 0.5 * h * h * a[2]];
-    let (d0, d1, d2) = (b[0] - a0 - a1 - a2, h * b[1] - a1 - 2.0 * a2, h * h * b[2] - 2.0 * a2);
-    let c3 = 10.0 * d0 - 4.0 * d1 + 0.5 * d2;
-    let c4 = -15.0 * d0 + 7.0 * d1 - d2;
-    let c5 = 6.0 * d0 - 3.0 * d1 + 0.5 * d2;
-    [
-        a0 + x * (a1 + x * (a2 + x * (c3 + x * (c4 + x * c5)))),
-        (a1 + x * (2.0 * a2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))) / h,
-        (2.0 * a2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))) / (h * h),
-    ]
+/// Coefficients of a polynomial of the fifth degree in `x = 0…1`.
+#[derive(Clone, Copy, Debug)]
+struct Quintic([f64; 6]);
+
+impl Quintic {
+    /// From `a` at `x = 0` to `b` at `x = 1`, an interval of length `h`.
+    fn new(a: Jet, b: Jet, h: f64) -> Self {
+        let [a0, a1, a2] = [a[0], h * a[1], 0.5 * h * h * a[2]];
+        let (d0, d1, d2) = (b[0] - a0 - a1 - a2, h * b[1] - a1 - 2.0 * a2, h * h * b[2] - 2.0 * a2);
+        Self([
+            a0,
+            a1,
+            a2,
+            10.0 * d0 - 4.0 * d1 + 0.5 * d2,
+            -15.0 * d0 + 7.0 * d1 - d2,
+            6.0 * d0 - 3.0 * d1 + 0.5 * d2,
+        ])
+    }
+
+    /// Value and derivatives with respect to the coordinate, of which `rate` is `dx/dσ`.
+    fn at(&self, x: f64, rate: f64) -> Jet {
+        let [c0, c1, c2, c3, c4, c5] = self.0;
+        [
+            c0 + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5)))),
+            (c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))) * rate,
+            (2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))) * (rate * rate),
+        ]
+    }
 }
 
 /// One configuration on the curve with its derivatives.

@@ -60,8 +60,8 @@ impl ReducedLinkage {
         // A strip as low as the base lies on the roof.
         let ends = |q: &DVector<f64>| table.carried_height(q) < entry.base[2];
         let path = Path::trace(&table.plane, |tangent| table.rise(tangent), ends)?;
-        let node = |node: &Node| table.jets(node);
-        let curve = Curve::new(path.first, path.step, path.nodes.iter().map(node).collect());
+        let nodes: Vec<_> = path.nodes.iter().map(|node| table.jets(node)).collect();
+        let curve = Curve::new(path.first, path.step, &nodes);
         let bodies = (0..table.plane.references.len()).map(|body| {
             let jets = |node: &Node| {
                 std::array::from_fn(|axis| {
@@ -69,7 +69,8 @@ impl ReducedLinkage {
                     [node.q[i], node.first[i], node.second[i]]
                 })
             };
-            Curve::new(path.first, path.step, path.nodes.iter().map(jets).collect())
+            let nodes: Vec<_> = path.nodes.iter().map(jets).collect();
+            Curve::new(path.first, path.step, &nodes)
         });
         let body = &full.bodies()[head];
         let orientation = full.orientation(head);
