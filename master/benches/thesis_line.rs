@@ -1,7 +1,8 @@
 //! Whole runs of the shipped lines: monolithic, in-process and co-simulated by turns, so that all see the same machine.
 //!
 //! Prints the median real-time factor of each mode (wall seconds of the time loop per simulated second) and its ratio to the
-//! monolithic one; the time of one monolithic step beside the sum of its floors; and what the FMI layer takes per macro step.
+//! monolithic one; the time of one monolithic step beside the floors of two corrections and of those that it makes; and what the FMI
+//! layer takes per macro step.
 
 #[path = "../../core/catenary/benches/floor/mod.rs"]
 mod floor;

@@ -433,7 +433,7 @@ impl Force for Droppers {
     fn save(&self, out: &mut Vec<f64>) {
         let Assembled { slopes, directions } = &self.assembled;
         out.push(self.half);
-        out.extend_from_slice(&self.at_start[..slopes.len()]);
+        out.extend_from_slice(&self.at_start[..self.droppers.len()]);
         out.extend_from_slice(slopes);
         out.extend_from_slice(directions.as_flattened());
     }
@@ -448,7 +448,7 @@ impl Force for Droppers {
             std::mem::replace(value, saved) != saved
         };
         take(&mut self.half);
-        for start in &mut self.at_start[..slopes.len()] {
+        for start in &mut self.at_start[..self.droppers.len()] {
             take(start);
         }
         for value in slopes.iter_mut().chain(directions.as_flattened_mut()) {

@@ -40,7 +40,7 @@ pub struct LinearDroppers {
     /// Pieces of the law that the forces found last come from.
     pieces: Vec<u8>,
     /// `δ` at the end of the last step, m.
-    ended: Vec<f64>,
+    elongations: Vec<f64>,
 }
 
 impl LinearDroppers {
@@ -53,7 +53,7 @@ impl LinearDroppers {
             at_start: vec![0.0; droppers.len()],
             half: 0.0,
             pieces: vec![0; droppers.len()],
-            ended: vec![0.0; droppers.len()],
+            elongations: vec![0.0; droppers.len()],
             droppers,
         }
     }
@@ -78,7 +78,7 @@ impl LinearDroppers {
     /// Their elongations `δ` at the end of the last step, m.
     #[must_use]
     pub fn elongations(&self) -> &[f64] {
-        &self.ended
+        &self.elongations
     }
 
     /// Number of droppers that exert no force.
@@ -153,7 +153,7 @@ impl Force for LinearDroppers {
         for index in 0..self.droppers.len() {
             let (elongation, rate) = self.droppers[index].extension(motion);
             self.at_start[index] = self.step(index).ahead(elongation, rate);
-            self.ended[index] = elongation;
+            self.elongations[index] = elongation;
         }
     }
 

@@ -17,7 +17,8 @@ pub trait OverheadLine: Send {
     /// Number of droppers that exert no force.
     fn slack_count(&self, motion: &Motion<'_>) -> usize;
 
-    /// Elongations at the end of the last step of all droppers that can go slack, m, always in the same order.
+    /// Elongations of all droppers that can go slack, m, always in the same order: at the end of the last step, or where
+    /// [`OverheadLine::follow`] has put the state since.
     fn elongations(&self) -> &[f64];
 
     /// Potential energy, J.

@@ -2,7 +2,7 @@
 use crate::ancf::GROUP;
 use pulp::{Interleave, Simd};
 
-/// Between rows of `K` numbers, 2 or 4, and `K` columns.
+/// Between rows of `K` numbers, 2 or 4, and `K` columns; each row belongs to one owner, a node or a dropper.
 ///
 /// What turns rows into columns with the fewest instructions changes the order of as many rows as a register has lanes: rows are
 /// put in such an order that columns come out in that of the owners.
@@ -48,6 +48,7 @@ impl<S: Simd> Transpose<S> {
         if K == 2 { self.of_two } else { self.of_four }
     }
 
+    /// The columns of the rows of so many `owners`.
     #[inline(always)]
     pub fn to_columns<const K: usize, const N: usize>(self, owners: usize, rows: &[f64], columns: &mut [[f64; N]])
     where
@@ -77,9 +78,9 @@ impl<S: Simd> Transpose<S> {
         for (group, vectors) in vectors.enumerate().take(owners.div_ceil(S::F64_LANES)) {
             let mut sums = [self.simd.splat_f64s(0.0); K];
             for (column, sum) in sums.iter_mut().enumerate() {
-                let mut values = terms.iter().map(|term| S::as_simd_f64s(&term[column]).0[group]);
-                if let Some(first) = values.next() {
-                    *sum = values.fold(first, |sum, value| self.simd.add_f64s(sum, value));
+                *sum = S::as_simd_f64s(&terms[0][column]).0[group];
+                for term in &terms[1..] {
+                    *sum = self.simd.add_f64s(*sum, S::as_simd_f64s(&term[column]).0[group]);
                 }
             }
             vectors.copy_from_slice(&self.simd.interleave_shfl_f64s(sums));
@@ -97,20 +98,20 @@ impl<S: Simd> Transpose<S> {
     where
         [S::f64s; K]: Interleave,
     {
-        let mut rows = Aligned([[[0.0; K]; GROUP]]);
+        let mut rows = Aligned([[0.0; K]; GROUP]);
         let order = self.order::<K>();
-        let groups = rows.0.as_flattened_mut().chunks_exact_mut(S::F64_LANES);
+        let groups = rows.0.chunks_exact_mut(S::F64_LANES);
         let places = upper.chunks(S::F64_LANES).zip(lower.chunks(S::F64_LANES));
         for ((upper, lower), rows) in places.zip(groups) {
             for ((&upper, &lower), row) in upper.iter().zip(lower).zip(order) {
-                let (upper, lower) = (run::<D>(values, upper), run::<D>(values, lower));
+                let (upper, lower) = (run::<D>(values, upper as usize), run::<D>(values, lower as usize));
                 for (difference, (upper, lower)) in rows[row].iter_mut().zip(upper.iter().zip(lower)) {
                     *difference = upper - lower;
                 }
             }
         }
         let mut columns = Aligned([[0.0; GROUP]; K]);
-        self.to_columns::<K, GROUP>(GROUP, rows.0.as_flattened().as_flattened(), &mut columns.0);
+        self.to_columns::<K, GROUP>(GROUP, rows.0.as_flattened(), &mut columns.0);
         columns.0
     }
 
@@ -125,30 +126,29 @@ impl<S: Simd> Transpose<S> {
         [S::f64s; K]: Interleave,
     {
         let columns = Aligned(columns);
-        let mut rows = Aligned([[[0.0; K]; GROUP]]);
-        let flat = rows.0.as_flattened_mut().as_flattened_mut();
-        self.sum_to_rows::<K, GROUP, 1>(GROUP, [&columns.0], flat);
+        let mut rows = Aligned([[0.0; K]; GROUP]);
+        self.sum_to_rows::<K, GROUP, 1>(GROUP, [&columns.0], rows.0.as_flattened_mut());
         let order = self.order::<K>();
-        let groups = rows.0.as_flattened().chunks_exact(S::F64_LANES);
+        let groups = rows.0.chunks_exact(S::F64_LANES);
         let places = upper.chunks(S::F64_LANES).zip(lower.chunks(S::F64_LANES));
         for ((upper, lower), rows) in places.zip(groups) {
             for ((&upper, &lower), row) in upper.iter().zip(lower).zip(order) {
-                change::<D>(values, upper, |value, i| value - rows[row][i]);
-                change::<D>(values, lower, |value, i| value + rows[row][i]);
+                change::<D>(values, upper as usize, |value, i| value - rows[row][i]);
+                change::<D>(values, lower as usize, |value, i| value + rows[row][i]);
             }
         }
     }
 }
 
+/// The `D` numbers that begin at `start`.
 #[inline(always)]
-fn run<const D: usize>(values: &[f64], start: u32) -> &[f64; D] {
-    values[start as usize..].first_chunk().expect("owners are within")
+pub(crate) fn run<const D: usize>(values: &[f64], start: usize) -> &[f64; D] {
+    values[start..].first_chunk().expect("owners are within")
 }
 
+/// Changes the `D` numbers that begin at `start`; `to` is given each with its place among them.
 #[inline(always)]
-fn change<const D: usize>(values: &mut [f64], start: u32, of: impl Fn(f64, usize) -> f64) {
-    let run = values[start as usize..]
-        .first_chunk_mut::<D>()
-        .expect("owners are within");
-    *run = std::array::from_fn(|i| of(run[i], i));
+pub(crate) fn change<const D: usize>(values: &mut [f64], start: usize, to: impl Fn(f64, usize) -> f64) {
+    let run = values[start..].first_chunk_mut::<D>().expect("owners are within");
+    *run = std::array::from_fn(|i| to(run[i], i));
 }

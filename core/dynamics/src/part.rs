@@ -19,9 +19,9 @@ pub(crate) struct Part {
     /// Unknowns that are eliminated before the blocks; no low-rank term acts on them.
     leaves: Option<Leaves>,
     sparse: Option<SparseFactor>,
-    /// In the place of `sparse` where that would take longer to look through than it has to do.
+    /// In the place of `sparse` for up to [`DENSE`] unknowns, where looking through indices takes longer than the sums.
     dense: Option<Lu>,
-    /// Which of the two factored last.
+    /// Whether the blocks factored last.
     in_blocks: bool,
     /// Right side, then solution, where it is not the blocks'.
     local: Vec<f64>,
@@ -109,32 +109,36 @@ impl Part {
             (Some(blocks), None) => blocks.factor(values),
             (None, _) => false,
         };
-        if let Some(dense) = &mut self.dense {
-            let size = self.unknowns.len();
-            let matrix = dense.matrix(size);
-            for (column, ends) in self.column_starts.windows(2).enumerate() {
-                for k in ends[0]..ends[1] {
-                    matrix[self.row_indices[k] * size + column] = values[k];
+        match &mut self.dense {
+            _ if self.in_blocks => {}
+            Some(dense) => {
+                let size = self.unknowns.len();
+                let matrix = dense.matrix(size);
+                for (column, ends) in self.column_starts.windows(2).enumerate() {
+                    for k in ends[0]..ends[1] {
+                        matrix[self.row_indices[k] * size + column] = values[k];
+                    }
                 }
+                dense.factor().map_err(|column| self.unknowns[column])?;
             }
-            dense.factor().map_err(|column| self.unknowns[column])?;
-        } else if !self.in_blocks {
-            // What is not definite in blocks is not in faer's Cholesky either.
-            let shape = if self.blocks.is_some() {
-                Shape::General
-            } else {
-                self.shape
-            };
-            let sparse = self.sparse.get_or_insert_with(|| {
-                SparseFactor::analyse(
-                    self.unknowns.len(),
-                    self.column_starts.clone(),
-                    self.row_indices.clone(),
-                    shape,
-                )
-            });
-            if !sparse.factor(values) {
-                return Err(self.unknowns[0]);
+            None => {
+                // What is not definite in blocks is not in faer's Cholesky either.
+                let shape = if self.blocks.is_some() {
+                    Shape::General
+                } else {
+                    self.shape
+                };
+                let sparse = self.sparse.get_or_insert_with(|| {
+                    SparseFactor::analyse(
+                        self.unknowns.len(),
+                        self.column_starts.clone(),
+                        self.row_indices.clone(),
+                        shape,
+                    )
+                });
+                if !sparse.factor(values) {
+                    return Err(self.unknowns[0]);
+                }
             }
         }
         // faer divides by a zero pivot without complaint: a right side without symmetry shows it.
@@ -328,5 +332,28 @@ impl Part {
             (Piece::Whole(y), _) => y[unknown],
             (Piece::Local(_), None) => unreachable!("only blocks make local columns"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_two_unknowns_is_solved_without_symmetry_and_names_the_one_without_stiffness() {
+        let mut part = Part::new(vec![5, 9], vec![0, 2, 4], vec![0, 1, 0, 1], 20);
+        // Columns (4, 1) and (2, 3): 4 x + 2 y = 2, x + 3 y = 8.
+        assert_eq!(part.factor(&[4.0, 1.0, 2.0, 3.0]), Ok(()));
+        let (mut right_side, mut solution, mut seen) = (vec![0.0; 20], vec![0.0; 20], Vec::new());
+        (right_side[5], right_side[9]) = (2.0, 8.0);
+        part.load(&right_side, Thresholds::default());
+        part.solve(Thresholds::default(), &mut solution, &mut |inner, _| seen.push(inner));
+        assert!(
+            (solution[5] + 1.0).abs() < 1e-15 && (solution[9] - 3.0).abs() < 1e-15,
+            "{solution:?}"
+        );
+        assert_eq!(seen, [5..6, 9..10]);
+        assert_eq!(part.factor(&[4.0, 1.0, 2.0, 0.5]), Err(9));
+        assert_eq!(part.factor(&[4.0, 1.0, 2.0, f64::NAN]), Err(9));
     }
 }

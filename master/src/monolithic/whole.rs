@@ -84,12 +84,18 @@ impl System for Whole {
 
     fn follow(&mut self, state: &mut State, u: &[f64]) -> Continuity {
         let continuity = follow_strips(&mut *self.line, &mut self.contacts, &mut self.layout, state, u);
-        self.other_droppers(continuity)
+        if continuity != Continuity::Kept {
+            self.slackening.restart(self.line.elongations());
+        }
+        continuity
     }
 
     fn adopt(&mut self, state: &State) -> Continuity {
         let continuity = adopt_state(&mut *self.line, &mut self.contacts, &mut self.layout, state);
-        self.other_droppers(continuity)
+        if continuity != Continuity::Kept {
+            self.slackening.forget();
+        }
+        continuity
     }
 }
 
@@ -135,14 +141,6 @@ impl Whole {
         if let Some(account) = &mut self.account {
             account.step_done();
         }
-    }
-
-    /// A line whose matrices were replaced has other droppers.
-    fn other_droppers(&mut self, continuity: Continuity) -> Continuity {
-        if continuity == Continuity::Replaced {
-            self.slackening.forget();
-        }
-        continuity
     }
 
     /// Writes what is exchanged between the two sides; the supports of these numbers (from 1) are read out.

@@ -29,7 +29,7 @@ pub struct ContactPair {
     tangent: ContactTangent,
     /// Parameter found last: the next search starts here.
     s: f64,
-    /// Share of the penetration that the contact spring has there, see [`ContactState`].
+    /// Share of the penetration that the contact spring has at the step's prediction, see [`ContactState`].
     share: f64,
     /// Counts the predicted directions, see [`Updates::rank_one`].
     version: u64,

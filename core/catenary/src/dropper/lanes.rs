@@ -44,6 +44,7 @@ impl Group {
         let planar = columns().all(|(_, axis)| axis != 1);
         let mut group = Self {
             ends: Ends::new(droppers, if planar { &[0, 2] } else { &[0, 1, 2] }),
+            // A lane without a dropper has no force, whatever its ends: they are where its length is the unstressed one.
             between: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
             unstressed_length: [1.0; LANES],
             range: indices().min().unwrap_or(0)..indices().max().map_or(0, |last| last + 1),
@@ -83,6 +84,7 @@ impl Group {
         for part in 0..Lanes::<S>::PARTS {
             let load = |values: &[f64]| Lanes::load(transpose.simd, values, part);
             let unstressed_length = load(&self.unstressed_length);
+            // (Not by `array::map`: what is not inlined here knows no vector registers.)
             let (mut between, mut moving) = (Components([unstressed_length; D]), Components([unstressed_length; D]));
             for (k, &axis) in axes.iter().enumerate() {
                 between.0[k] = load(&self.between[axis]) + load(&displacement[k]);

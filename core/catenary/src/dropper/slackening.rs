@@ -42,12 +42,17 @@ impl Slackening {
             let made = course.map(|(&start, &end)| energy_made(self.stiffness, start, end));
             self.made += made.sum::<f64>();
         }
+        self.restart(elongations);
+    }
+
+    /// The next step is that of other droppers, which begin it with these elongations, m.
+    pub fn restart(&mut self, elongations: &[f64]) {
         self.known = true;
         self.elongations.clear();
         self.elongations.extend_from_slice(elongations);
     }
 
-    /// Forgets where the droppers were: the next step is the first one of other droppers.
+    /// The next step is that of other droppers, and nobody knows how they begin it: it is not counted.
     pub fn forget(&mut self) {
         self.known = false;
     }
@@ -67,6 +72,20 @@ fn energy_made(stiffness: f64, start: f64, end: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::DropperLaw;
+
+    #[test]
+    fn steps_of_other_droppers_do_not_begin_where_those_before_have_ended() {
+        let mut slackening = Slackening::new(1e5);
+        slackening.step(&[-2e-3, 1e-3]);
+        slackening.step(&[-1e-3, 1e-3]);
+        slackening.restart(&[1e-3, -1e-3]);
+        slackening.step(&[2e-3, -2e-3]);
+        slackening.forget();
+        slackening.step(&[-2e-3, 2e-3]);
+        assert_eq!(slackening.made(), 0.0, "none has gone slack or taut");
+        slackening.step(&[1e-3, 2e-3]);
+        assert_eq!(slackening.made(), energy_made(1e5, -2e-3, 1e-3));
+    }
 
     #[test]
     fn what_a_step_makes_is_what_the_energy_changes_by_besides_the_work_of_the_mean_force() {

@@ -5,7 +5,7 @@ use super::enrichment::Products;
 use super::force::{Constants, element_matrix};
 use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, Places};
-use super::transpose::Rows;
+use super::rows::Rows;
 use crate::ancf::{CableSection, Components, EvenMatrix, GROUP, Lanes, Length, Slopes, Space};
 use crate::transpose::Transpose;
 use dynamics::{Blocks, Motion, Weights};
@@ -120,6 +120,7 @@ pub(super) struct Sweep<const D: usize> {
     cable: CableSection,
     /// Whether the strain is that of first order, see [`Batch::linearise`].
     linear: bool,
+    /// Whether velocities matter.
     damped: bool,
     weight: f64,
     elements: usize,
@@ -222,34 +223,28 @@ impl<const D: usize> Sweep<D> {
         force: &mut [f64],
     ) {
         let groups = self.groups_of(&within);
-        let (damped, values) = (self.damped, [motion.q, motion.v, v_dot.unwrap_or_default()]);
-        let sweep = self;
-        match (v_dot.is_some(), damped) {
-            (true, true) => arch.dispatch(AddForce::<D, true, true> {
-                sweep,
-                groups,
-                values,
-                force,
-            }),
-            (true, false) => arch.dispatch(AddForce::<D, true, false> {
-                sweep,
-                groups,
-                values,
-                force,
-            }),
-            (false, true) => arch.dispatch(AddForce::<D, false, true> {
-                sweep,
-                groups,
-                values,
-                force,
-            }),
-            (false, false) => arch.dispatch(AddForce::<D, false, false> {
-                sweep,
-                groups,
-                values,
-                force,
-            }),
+        let values = [motion.q, motion.v, v_dot.unwrap_or_default()];
+        match (v_dot.is_some(), self.damped) {
+            (true, true) => self.sweep::<true, true>(arch, groups, values, force),
+            (true, false) => self.sweep::<true, false>(arch, groups, values, force),
+            (false, true) => self.sweep::<false, true>(arch, groups, values, force),
+            (false, false) => self.sweep::<false, false>(arch, groups, values, force),
         }
+    }
+
+    fn sweep<const DYNAMIC: bool, const DAMPED: bool>(
+        &mut self,
+        arch: Arch,
+        groups: Range<usize>,
+        values: [&[f64]; 3],
+        force: &mut [f64],
+    ) {
+        arch.dispatch(AddForce::<D, DYNAMIC, DAMPED> {
+            sweep: self,
+            groups,
+            values,
+            force,
+        });
     }
 }
 
@@ -410,16 +405,19 @@ impl<S: Simd> GroupLanes<S> {
             cable.slope_force(length, &reference.and(&change))
         };
         let mut sum = strain.on_nodes(length);
-        if DYNAMIC && DAMPED {
-            let damping = self.matrix(&group.damping).times(self.coordinates(&block.v));
+        let mut rest = None;
+        if DAMPED {
+            rest = Some(self.matrix(&group.damping).times(self.coordinates(&block.v)));
+        }
+        if DYNAMIC {
             let inertia = self.matrix(&group.mass).times(self.coordinates(&block.v_dot));
-            sum = add(sum, damping.and(inertia).on_nodes());
-        } else if DYNAMIC {
-            let inertia = self.matrix(&group.mass).times(self.coordinates(&block.v_dot));
-            sum = add(sum, inertia.on_nodes());
-        } else if DAMPED {
-            let damping = self.matrix(&group.damping).times(self.coordinates(&block.v));
-            sum = add(sum, damping.on_nodes());
+            rest = Some(match rest {
+                Some(damping) => damping.and(inertia),
+                None => inertia,
+            });
+        }
+        if let Some(rest) = rest {
+            sum = add(sum, rest.on_nodes());
         }
         let [mut f1, mut m1, mut f2, mut m2] = sum;
         // ∫ m g s dx

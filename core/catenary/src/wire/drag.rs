@@ -2,7 +2,7 @@
 use super::force::add_selected;
 use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, Places};
-use super::transpose::Rows;
+use super::rows::Rows;
 use crate::ancf::{GROUP, ShapeFunctions};
 use crate::transpose::Transpose;
 use dynamics::{Blocks, CrossFlow, Force, Motion, Power, Weights, Wind};

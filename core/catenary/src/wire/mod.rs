@@ -9,9 +9,9 @@ mod layer;
 mod node;
 mod places;
 mod point;
+mod rows;
 #[cfg(test)]
 mod tests;
-mod transpose;
 
 pub use directors::{DirectorInertia, Directors, WireDirectors};
 pub use drag::WireDrag;

@@ -1,6 +1,6 @@
 //! Between the coordinates of a system and the arrays of a batch of elements.
 use super::node::WireNode;
-use super::transpose::{Rows, gather, scatter};
+use super::rows::{Rows, gather, scatter};
 use crate::ancf::GROUP;
 use crate::transpose::Transpose;
 use pulp::Simd;

@@ -71,14 +71,19 @@ fn wires() -> Vec<(&'static str, WireGeometry, usize)> {
     ]
 }
 
+const DAMPING: Rayleigh = Rayleigh { alpha: 0.3, beta: 2e-3 };
+
 fn wire(geometry: &WireGeometry, laws: (AxialLaw, BendingLaw)) -> Wire {
+    wire_with(DAMPING, geometry, laws)
+}
+
+fn wire_with(damping: Rayleigh, geometry: &WireGeometry, laws: (AxialLaw, BendingLaw)) -> Wire {
     let section = WireSection {
         axial_stiffness: 1.7e7,
         bending_stiffness: 195.0,
         mass_per_length: 1.35,
         tension: 2.0e4,
     };
-    let damping = Rayleigh { alpha: 0.3, beta: 2e-3 };
     Wire::new(section, damping, laws, 9.81, Arc::new(geometry.clone())).with_mass_correction(1e-3)
 }
 
@@ -157,8 +162,11 @@ fn force_by_elements(wire: &Wire, laws: (AxialLaw, BendingLaw), [q, v, v_dot]: [
 #[test]
 fn batches_give_the_force_of_element_by_element_on_every_kind_of_register() {
     for (name, geometry, n) in wires() {
-        for laws in LAWS {
-            let mut wire = wire(&geometry, laws);
+        for (laws, damping) in LAWS
+            .into_iter()
+            .flat_map(|laws| [(laws, DAMPING), (laws, Rayleigh::default())])
+        {
+            let mut wire = wire_with(damping, &geometry, laws);
             let q: Vec<f64> = noise(n, 1).iter().map(|value| 0.02 * value).collect();
             let (v, v_dot) = (
                 noise(n, 2),
@@ -204,7 +212,6 @@ fn batches_give_the_force_of_element_by_element_on_every_kind_of_register() {
 #[test]
 fn the_force_without_accelerations_is_the_dynamic_one_at_rest() {
     for (name, geometry, n) in wires() {
-        let mut wire = wire(&geometry, LAWS[0]);
         let (q, v) = (vec![1e-3; n], noise(n, 5));
         let motion = Motion {
             t: 0.0,
@@ -213,10 +220,13 @@ fn the_force_without_accelerations_is_the_dynamic_one_at_rest() {
             rotation: &[],
             u: &[],
         };
-        let (mut without, mut with) = (vec![0.0; n], vec![0.0; n]);
-        wire.add_force(&motion, &mut without);
-        wire.add_dynamic_force(&motion, &vec![0.0; n], &mut with);
-        assert_eq!(without, with, "{name}");
+        for damping in [DAMPING, Rayleigh::default()] {
+            let mut wire = wire_with(damping, &geometry, LAWS[0]);
+            let (mut without, mut with) = (vec![0.0; n], vec![0.0; n]);
+            wire.add_force(&motion, &mut without);
+            wire.add_dynamic_force(&motion, &vec![0.0; n], &mut with);
+            assert_eq!(without, with, "{name}, {damping:?}");
+        }
     }
 }
 

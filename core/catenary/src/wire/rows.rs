@@ -1,7 +1,7 @@
 //! The numbers of nodes, as they follow each other among the coordinates and as elements take them.
 use super::places::{NODES, NodeArrays};
 use crate::ancf::GROUP;
-use crate::transpose::Transpose;
+use crate::transpose::{Transpose, change, run};
 use pulp::Simd;
 
 /// The numbers of each node of a block one after the other, in the order of [`Transpose`]: the first four, then those after them.
@@ -30,9 +30,7 @@ fn fill<S: Simd, const K: usize>(
     let groups = rows.as_chunks_mut::<K>().0.chunks_exact_mut(S::F64_LANES);
     for (starts, rows) in starts.chunks(S::F64_LANES).zip(groups) {
         for (&start, lane) in starts.iter().zip(lanes) {
-            rows[lane] = *values[start as usize + offset..]
-                .first_chunk()
-                .expect("nodes are within");
+            rows[lane] = *run(values, start as usize + offset);
         }
     }
 }
@@ -48,14 +46,7 @@ fn subtract<S: Simd, const K: usize>(
     let groups = rows.as_chunks::<K>().0.chunks_exact(S::F64_LANES);
     for (starts, rows) in starts.chunks(S::F64_LANES).zip(groups) {
         for (&start, lane) in starts.iter().zip(lanes) {
-            let run = values[start as usize + offset..]
-                .first_chunk_mut::<K>()
-                .expect("nodes are within");
-            let (mut left, row) = (*run, rows[lane]);
-            for (left, row) in left.iter_mut().zip(row) {
-                *left -= row;
-            }
-            *run = left;
+            change::<K>(values, start as usize + offset, |value, i| value - rows[lane][i]);
         }
     }
 }
