@@ -2,7 +2,7 @@
 use crate::at_start::one_way_force;
 use crate::{AtStart, Attachment, OneWayStep};
 use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
-use lanes::{Evaluate, Extensions, Group, LANES, Mass, Move};
+use lanes::{Evaluate, Extensions, Group, LANES, Mass, Move, Step};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
 use std::ops::Range;
@@ -264,10 +264,12 @@ impl Droppers {
     /// Adds the forces of springs and dampers that have to do with a range of coordinates.
     fn pull(&mut self, range: Range<usize>, motion: &Motion<'_>, force: &mut [f64]) {
         self.arch.dispatch(Evaluate {
-            law: self.law,
+            step: Step {
+                law: self.law,
+                at_start: &self.at_start,
+                half: self.half,
+            },
             groups: &self.groups,
-            at_start: &self.at_start,
-            half: self.half,
             range,
             motion,
             extensions: &mut self.extensions,
@@ -404,10 +406,12 @@ impl Force for Droppers {
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
         self.evaluated
             && self.arch.dispatch(Move {
-                law: self.law,
+                step: Step {
+                    law: self.law,
+                    at_start: &self.at_start,
+                    half: self.half,
+                },
                 groups: &self.groups,
-                at_start: &self.at_start,
-                half: self.half,
                 motion,
                 extensions: &mut self.extensions,
             })

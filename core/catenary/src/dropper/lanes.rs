@@ -139,17 +139,25 @@ struct Seen<const D: usize> {
     inverse_length: Array,
 }
 
-/// The law of the droppers of a group in the present time step.
+/// The law of droppers in the present time step.
 #[derive(Clone, Copy)]
-struct Step<'a> {
-    law: DropperLaw,
+pub(super) struct Step<'a> {
+    pub law: DropperLaw,
     /// `δ⁺₀`, m; one per lane.
-    at_start: &'a [f64],
+    pub at_start: &'a [f64],
     /// Half of the step, s.
-    half: f64,
+    pub half: f64,
 }
 
 impl Step<'_> {
+    /// That of each group.
+    #[inline(always)]
+    fn of_groups(self) -> impl Iterator<Item = Self> {
+        self.at_start
+            .chunks_exact(LANES)
+            .map(move |at_start| Self { at_start, ..self })
+    }
+
     fn of(self, lane: usize) -> OneWayStep {
         OneWayStep::new(AtStart::At(self.at_start[lane]), self.half)
     }
@@ -222,12 +230,8 @@ impl Extensions {
 
 /// Finds the extensions of all groups that meet `range`, and adds their springs' and dampers' forces.
 pub(super) struct Evaluate<'a> {
-    pub law: DropperLaw,
+    pub step: Step<'a>,
     pub groups: &'a [Group],
-    /// `δ⁺₀`, m; one per lane.
-    pub at_start: &'a [f64],
-    /// Half of the step, s.
-    pub half: f64,
     pub range: Range<usize>,
     pub motion: &'a Motion<'a>,
     pub extensions: &'a mut Extensions,
@@ -244,13 +248,12 @@ impl WithSimd for Evaluate<'_> {
         let lanes = (self.extensions.elongation.chunks_exact_mut(LANES))
             .zip(self.extensions.rate.chunks_exact_mut(LANES))
             .zip(&mut self.extensions.taut)
-            .zip(self.at_start.chunks_exact(LANES));
-        for (group, (((elongation, rate), taut), at_start)) in self.groups.iter().zip(lanes) {
+            .zip(self.step.of_groups());
+        for (group, (((elongation, rate), taut), step)) in self.groups.iter().zip(lanes) {
             if !group.meets(&self.range) {
                 continue;
             }
-            let (law, half) = (self.law, self.half);
-            let (step, extensions) = (Step { law, at_start, half }, (elongation, rate, taut));
+            let extensions = (elongation, rate, taut);
             if group.planar {
                 group.pull((transpose, &[0, 2]), step, (q, v), extensions, self.force);
             } else {
@@ -262,12 +265,8 @@ impl WithSimd for Evaluate<'_> {
 
 /// Finds the extensions of all groups, and whether each dropper's force comes from the same piece of its law as with those before.
 pub(super) struct Move<'a> {
-    pub law: DropperLaw,
+    pub step: Step<'a>,
     pub groups: &'a [Group],
-    /// `δ⁺₀`, m; one per lane.
-    pub at_start: &'a [f64],
-    /// Half of the step, s.
-    pub half: f64,
     pub motion: &'a Motion<'a>,
     pub extensions: &'a mut Extensions,
 }
@@ -281,11 +280,9 @@ impl WithSimd for Move<'_> {
         let transpose = Transpose::new(simd);
         let lanes = (self.extensions.elongation.chunks_exact_mut(LANES))
             .zip(self.extensions.rate.chunks_exact_mut(LANES))
-            .zip(self.at_start.chunks_exact(LANES));
+            .zip(self.step.of_groups());
         let mut smooth = true;
-        for (group, ((elongation, rate), at_start)) in self.groups.iter().zip(lanes) {
-            let (law, half) = (self.law, self.half);
-            let step = Step { law, at_start, half };
+        for (group, ((elongation, rate), step)) in self.groups.iter().zip(lanes) {
             let mut now = ([0.0; LANES], [0.0; LANES]);
             if group.planar {
                 group.extend(transpose, &[0, 2], (q, v), (&mut now.0, &mut now.1));

@@ -1,4 +1,5 @@
 //! Energy that time steps make where droppers go slack and taut.
+
 /// Follows the elongations of a line's droppers from step to step.
 ///
 /// Derived here. An integrator with the trapezoid's displacement lets a spring work with the mean of its two end forces,
@@ -14,8 +15,8 @@
 #[derive(Clone, Debug, Default)]
 pub struct Slackening {
     stiffness: f64,
+    /// Those that the next step begins with, m; none where they are not known.
     elongations: Vec<f64>,
-    known: bool,
     made: f64,
 }
 
@@ -37,24 +38,21 @@ impl Slackening {
 
     /// Takes in the elongations at the end of a step, m.
     pub fn step(&mut self, elongations: &[f64]) {
-        if self.known {
-            let course = self.elongations.iter().zip(elongations);
-            let made = course.map(|(&start, &end)| energy_made(self.stiffness, start, end));
-            self.made += made.sum::<f64>();
-        }
+        let course = self.elongations.iter().zip(elongations);
+        let made = course.map(|(&start, &end)| energy_made(self.stiffness, start, end));
+        self.made += made.sum::<f64>();
         self.restart(elongations);
     }
 
     /// The next step is that of other droppers, which begin it with these elongations, m.
     pub fn restart(&mut self, elongations: &[f64]) {
-        self.known = true;
         self.elongations.clear();
         self.elongations.extend_from_slice(elongations);
     }
 
     /// The next step is that of other droppers, and nobody knows how they begin it: it is not counted.
     pub fn forget(&mut self) {
-        self.known = false;
+        self.elongations.clear();
     }
 }
 
