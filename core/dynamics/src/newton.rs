@@ -2,7 +2,7 @@
 use crate::augmented::rate_weight;
 use crate::matrix::{IterationMatrix, MovingRows};
 use crate::part::Thresholds;
-use crate::residual::{Correction, Imbalance, Residual, Since, all_finite};
+use crate::residual::{Correction, Imbalance, Residual, Since};
 use crate::woodbury::Woodbury;
 use crate::{Formulation, Motion, Stage, System, Updates, Weights};
 use serde::{Deserialize, Serialize};
@@ -279,9 +279,7 @@ impl Workspace {
                 constraint: left * options.constraint_tolerance * self.scale,
             }
         });
-        for range in self.changed.0.drain(..) {
-            self.correction[range].fill(0.0);
-        }
+        self.changed.0.clear();
         self.affected.0.clear();
         let before = self.woodbury.solves;
         let (changed, affected) = (&mut self.changed, &mut self.affected);
@@ -305,8 +303,7 @@ impl Workspace {
         }
         self.counters.newton_iterations += 1;
         self.counters.solves += self.woodbury.solves - before;
-        let finite = |range: &Range<usize>| all_finite(&self.correction[range.clone()]);
-        if regular && self.changed.0.iter().all(finite) {
+        if regular {
             return Ok(());
         }
         let place = self.correction.iter().position(|value| !value.is_finite());

@@ -61,6 +61,12 @@ fn for_each_run(unknowns: &[usize], mut see: impl FnMut(Range<usize>, Range<usiz
     }
 }
 
+/// Writes the values of these unknowns into a vector of all; returns whether they are finite.
+fn write(unknowns: &[usize], values: &[f64], all: &mut [f64]) -> bool {
+    for_each_run(unknowns, |own, of_all| all[of_all].copy_from_slice(&values[own]));
+    values.iter().all(|value| value.is_finite())
+}
+
 impl Part {
     /// A part from its pattern in compressed columns, local row indices ascending; unknowns below `coordinates` are coordinates.
     pub fn new(unknowns: Vec<usize>, column_starts: Vec<usize>, row_indices: Vec<usize>, coordinates: usize) -> Self {
@@ -232,60 +238,51 @@ impl Part {
         }
     }
 
-    /// Writes the solution into that of the whole system, but for zeros; `changed` sees the ranges of unknowns with a solution and
-    /// of those whose equations it enters.
+    /// Writes the solution into that of the whole system, which holds the last one or zeros; `changed` sees the ranges of unknowns with
+    /// a solution and of those whose equations it enters. Returns whether all is finite.
     pub fn solve(
         &mut self,
         thresholds: Thresholds,
         solution: &mut [f64],
         changed: &mut dyn FnMut(Range<usize>, Range<usize>),
-    ) {
+    ) -> bool {
         if self.in_blocks {
-            if let Some(blocks) = &mut self.blocks {
-                blocks.solve(thresholds.force, solution, &mut |inner, outer| {
-                    let whole = |range: Range<usize>| self.unknowns[range.start]..self.unknowns[range.end - 1] + 1;
-                    changed(whole(inner), whole(outer));
-                });
-                if let Some(leaves) = &mut self.leaves {
-                    let (others, own) = self.unknowns.split_at(leaves.core);
-                    let mut range: Option<Range<usize>> = None;
-                    let mut found = std::mem::take(&mut self.local);
-                    found[..own.len()].fill(0.0);
-                    let set = |leaves: Range<usize>, values: &[f64]| {
-                        found[leaves.clone()].copy_from_slice(values);
-                        let first = range.as_ref().map_or(leaves.start, |range| range.start);
-                        range = Some(first..leaves.end);
-                    };
-                    let mut touched = |range: Range<usize>| {
-                        // Nothing changes there, but the equations do.
-                        let outer = others[range.start]..others[range.end - 1] + 1;
-                        changed(outer.start..outer.start, outer);
-                    };
-                    leaves.substitute(|unknown| solution[others[unknown]], set, &mut touched);
-                    if let Some(range) = range {
-                        let own = &own[range.clone()];
-                        for_each_run(own, |leaves, of_all| {
-                            let leaves = range.start + leaves.start..range.start + leaves.end;
-                            solution[of_all].copy_from_slice(&found[leaves]);
-                        });
-                        let range = own[0]..own[own.len() - 1] + 1;
-                        changed(range.clone(), range);
-                    }
-                    self.local = found;
+            let Some(blocks) = &mut self.blocks else { return true };
+            let mut finite = blocks.solve(thresholds.force, solution, &mut |inner, outer| {
+                let whole = |range: Range<usize>| self.unknowns[range.start]..self.unknowns[range.end - 1] + 1;
+                changed(whole(inner), whole(outer));
+            });
+            if let Some(leaves) = &mut self.leaves {
+                let (others, own) = self.unknowns.split_at(leaves.core);
+                let mut range: Option<Range<usize>> = None;
+                let found = &mut self.local[..own.len()];
+                found.fill(0.0);
+                let set = |leaves: Range<usize>, values: &[f64]| {
+                    found[leaves.clone()].copy_from_slice(values);
+                    let first = range.as_ref().map_or(leaves.start, |range| range.start);
+                    range = Some(first..leaves.end);
+                };
+                let mut touched = |range: Range<usize>| {
+                    // Nothing changes there, but the equations do.
+                    let outer = others[range.start]..others[range.end - 1] + 1;
+                    changed(outer.start..outer.start, outer);
+                };
+                leaves.substitute(|unknown| solution[others[unknown]], set, &mut touched);
+                finite &= write(own, found, solution);
+                if let Some(range) = range {
+                    let range = own[range.start]..own[range.end - 1] + 1;
+                    changed(range.clone(), range);
                 }
             }
-            return;
+            return finite;
         }
         if self.is_symmetric() {
             self.solve_above(thresholds);
         }
-        if self.local.iter().all(|&value| value == 0.0) {
-            return;
+        if self.local.iter().any(|&value| value != 0.0) {
+            for_each_run(&self.unknowns, |_, of_all| changed(of_all.clone(), of_all));
         }
-        for_each_run(&self.unknowns, |own, of_all| {
-            solution[of_all.clone()].copy_from_slice(&self.local[own]);
-            changed(of_all.clone(), of_all);
-        });
+        write(&self.unknowns, &self.local, solution)
     }
 
     /// Solves in place of `local`, unless it is nowhere above the thresholds: then it becomes zero.

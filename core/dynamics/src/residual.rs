@@ -384,32 +384,3 @@ fn largest(values: &[f64]) -> f64 {
         .iter()
         .fold(0.0, |most: f64, value| most.max(value.abs()) + 0.0 * value)
 }
-
-/// Whether all of many numbers are finite.
-pub(crate) fn all_finite(values: &[f64]) -> bool {
-    struct Spoilt<'a>(&'a [f64]);
-    impl WithSimd for Spoilt<'_> {
-        type Output = f64;
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) -> f64 {
-            let zero = simd.splat_f64s(0.0);
-            let mut sums = [zero; 4];
-            let (vectors, rest) = S::as_simd_f64s(self.0);
-            let groups = vectors.chunks_exact(4);
-            // 0 · ∞ is not a number.
-            for &x in groups.remainder() {
-                sums[0] = simd.mul_add_e_f64s(x, zero, sums[0]);
-            }
-            for group in groups {
-                for (sum, &x) in sums.iter_mut().zip(group) {
-                    *sum = simd.mul_add_e_f64s(x, zero, *sum);
-                }
-            }
-            let [a, b, c, d] = sums;
-            let sum = simd.reduce_sum_f64s(simd.add_f64s(simd.add_f64s(a, b), simd.add_f64s(c, d)));
-            rest.iter().fold(sum, |sum, x| sum + 0.0 * x)
-        }
-    }
-    Arch::new().dispatch(Spoilt(values)) == 0.0
-}

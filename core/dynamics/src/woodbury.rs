@@ -63,8 +63,9 @@ impl Woodbury {
         &self.z
     }
 
-    /// Solves; `x` must be zero and stays so where there is nothing above the thresholds to solve. `changed` sees the ranges of
-    /// unknowns with a solution and of those whose equations it enters. Returns false where the updated matrix is singular.
+    /// Solves; `x` must hold the last solution, or zeros, and becomes zero where there is nothing above the thresholds to solve. `changed`
+    /// sees the ranges of unknowns with a solution and of those whose equations it enters. Returns false where the updated matrix is
+    /// singular or a solution is not finite.
     pub fn solve(
         &mut self,
         matrix: &mut IterationMatrix,
@@ -81,9 +82,9 @@ impl Woodbury {
         for part in parts.iter_mut() {
             part.load(b, thresholds);
         }
-        let regular = updates.rank() == 0 || self.update(parts, updates);
+        let mut regular = updates.rank() == 0 || self.update(parts, updates);
         for part in parts {
-            part.solve(thresholds, x, changed);
+            regular &= part.solve(thresholds, x, changed);
         }
         regular
     }

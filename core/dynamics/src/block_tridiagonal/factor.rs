@@ -34,6 +34,8 @@ impl BlockTridiagonal {
     /// one counts. Returns false where the matrix is not positive definite.
     #[must_use]
     pub fn factor(&mut self, values: &[f64]) -> bool {
+        // Who was asked while these factors did not serve may have left a solution anywhere.
+        self.solved = 0..self.work.len();
         let assembled = &mut self.assembled;
         for buffer in [&mut assembled.diagonal, &mut assembled.down, &mut assembled.up] {
             buffer.fill(0.0);

@@ -181,3 +181,20 @@ pub(super) fn dot<S: Simd>(simd: S, x: &[f64], y: &[f64]) -> f64 {
     let [a, b, c, d] = sums;
     simd.reduce_sum_f64s(simd.add_f64s(simd.add_f64s(a, b), simd.add_f64s(c, d)))
 }
+
+/// `to` becomes `from`, which becomes zero; `spoilt` stays zero as long as all numbers are finite.
+#[inline(always)]
+pub(super) fn take_out<S: Simd>(simd: S, from: &mut [f64], to: &mut [f64], spoilt: &mut S::f64s) {
+    let zero = simd.splat_f64s(0.0);
+    let (from, from_rest) = S::as_mut_simd_f64s(from);
+    let (to, to_rest) = S::as_mut_simd_f64s(to);
+    // 0 · ∞ is not a number.
+    for (from, to) in from.iter_mut().zip(to) {
+        *spoilt = simd.mul_add_e_f64s(*from, zero, *spoilt);
+        *to = std::mem::replace(from, zero);
+    }
+    let rest = simd.partial_load_f64s(from_rest);
+    *spoilt = simd.mul_add_e_f64s(rest, zero, *spoilt);
+    to_rest.copy_from_slice(from_rest);
+    from_rest.fill(0.0);
+}

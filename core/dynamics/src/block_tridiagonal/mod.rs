@@ -40,6 +40,8 @@ pub struct BlockTridiagonal {
     diagonal: Buffer,
     /// Right side, then solution; zero between two solutions.
     work: Buffer,
+    /// Where in the filled-up vectors the last solution may not be zero.
+    solved: Range<usize>,
     active: Vec<bool>,
 }
 
@@ -225,6 +227,7 @@ impl BlockTridiagonal {
             backward: Buffer::new(backward),
             diagonal: Buffer::new(at),
             work: Buffer::new(at),
+            solved: 0..0,
             active: vec![false; blocks.len()],
             blocks,
         };
@@ -267,12 +270,18 @@ impl BlockTridiagonal {
         self.arch.dispatch(Dot(work, &column.values))
     }
 
-    /// Solves for the loaded right side and writes the solution into a vector of the whole system, but for zeros at both ends of it.
-    /// `changed` sees the unknowns of every run of blocks that were solved, and those with the neighbours they couple with.
+    /// Solves for the loaded right side and writes the solution into a vector of the whole system, but for zeros where the solution
+    /// before it had none either: `solution` holds that one, or zeros. `changed` sees the unknowns of every run of blocks that were
+    /// solved, and those with the neighbours they couple with. Returns whether all is finite.
     ///
     /// Blocks whose right side, after elimination, is nowhere above `threshold` are left out, as are those that a solution next to them
     /// would change by a force below it: what is left of the right side there is of that order.
-    pub fn solve(&mut self, threshold: f64, solution: &mut [f64], changed: &mut dyn FnMut(Range<usize>, Range<usize>)) {
+    pub fn solve(
+        &mut self,
+        threshold: f64,
+        solution: &mut [f64],
+        changed: &mut dyn FnMut(Range<usize>, Range<usize>),
+    ) -> bool {
         let hull = self.sweep(threshold, 0..self.blocks.len());
         let mut from = hull.start;
         for active in self.active[hull.clone()].chunk_by(|a, b| a == b) {
@@ -286,14 +295,23 @@ impl BlockTridiagonal {
             }
             from = to;
         }
-        let (first, end) = self.span(&hull);
-        let begin = self.runs.partition_point(|run| run.at + run.len <= first);
-        for run in self.runs[begin..].iter().take_while(|run| run.at < end) {
-            let (from, to) = (run.at.max(first), (run.at + run.len).min(end));
-            let whole = run.whole + (from - run.at);
-            solution[whole..whole + (to - from)].copy_from_slice(&self.work[from..to]);
+        let solved = self.span(&hull);
+        let before = std::mem::replace(&mut self.solved, solved.clone());
+        let finite = self.arch.dispatch(TakeOut {
+            runs: &self.runs,
+            range: match (before.is_empty(), solved.is_empty()) {
+                (true, _) => solved,
+                (_, true) => before,
+                _ => before.start.min(solved.start)..before.end.max(solved.end),
+            },
+            work: &mut self.work,
+            solution,
+        });
+        if !finite {
+            // What fills up the blocks is none either.
+            self.work.fill(0.0);
         }
-        self.clear(&hull);
+        finite
     }
 
     /// Solves for the loaded right side without leaving anything out; `solution` has one entry per unknown.
@@ -335,9 +353,9 @@ impl BlockTridiagonal {
             return;
         }
         let hull = self.sweep(relative * largest, low..high + 1);
-        let (first, end) = self.span(&hull);
-        column.first = first;
-        column.values.extend_from_slice(&self.work[first..end]);
+        let span = self.span(&hull);
+        column.first = span.start;
+        column.values.extend_from_slice(&self.work[span]);
         self.clear(&hull);
     }
 
@@ -362,17 +380,49 @@ impl BlockTridiagonal {
     }
 
     /// Range of filled-up vectors that a range of blocks takes.
-    fn span(&self, blocks: &Range<usize>) -> (usize, usize) {
+    fn span(&self, blocks: &Range<usize>) -> Range<usize> {
         if blocks.is_empty() {
-            return (0, 0);
+            return 0..0;
         }
         let last = &self.blocks[blocks.end - 1];
-        (self.blocks[blocks.start].at, last.at + last.height)
+        self.blocks[blocks.start].at..last.at + last.height
     }
 
     fn clear(&mut self, hull: &Range<usize>) {
-        let (first, end) = self.span(hull);
-        self.work[first..end].fill(0.0);
+        let span = self.span(hull);
+        self.work[span].fill(0.0);
+    }
+}
+
+/// Moves a solution from where it was found into a vector of the whole system, and leaves zeros. Returns whether all is finite.
+struct TakeOut<'a> {
+    runs: &'a [Run],
+    /// Of the filled-up vectors.
+    range: Range<usize>,
+    work: &'a mut [f64],
+    solution: &'a mut [f64],
+}
+
+impl WithSimd for TakeOut<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self {
+            runs,
+            range,
+            work,
+            solution,
+        } = self;
+        let mut spoilt = simd.splat_f64s(0.0);
+        let begin = runs.partition_point(|run| run.at + run.len <= range.start);
+        for run in runs[begin..].iter().take_while(|run| run.at < range.end) {
+            let (from, to) = (run.at.max(range.start), (run.at + run.len).min(range.end));
+            let whole = run.whole + (from - run.at);
+            let target = &mut solution[whole..whole + (to - from)];
+            kernel::take_out(simd, &mut work[from..to], target, &mut spoilt);
+        }
+        simd.reduce_sum_f64s(spoilt) == 0.0
     }
 }
 

@@ -206,6 +206,41 @@ fn a_second_factorisation_and_solution_repeat_bit_for_bit() {
     assert_eq!(first, anew);
 }
 
+#[test]
+fn a_solution_takes_the_place_of_the_last_one_and_one_that_is_not_finite_leaves_nothing_behind() {
+    let mut random = Random(8);
+    let sample = decaying(&mut random, 40);
+    let size = sample.unknowns.len();
+    let right_side = |places: Range<usize>| {
+        let values = (0..size).map(|i| if places.contains(&i) { 1.0 } else { 0.0 });
+        sample.global(&values.collect::<Vec<_>>())
+    };
+    let mut matrix = sample.factored();
+    let mut solution = sample.global(&vec![0.0; size]);
+    let mut spoilt = right_side(9..30);
+    spoilt[sample.unknowns[20]] = f64::INFINITY;
+    // Everywhere, nowhere, here, there, and here again after what is no number.
+    let cases = [
+        (right_side(0..size), true),
+        (right_side(0..0), true),
+        (right_side(20..24), true),
+        (right_side(size - 30..size), true),
+        (spoilt, false),
+        (right_side(20..24), true),
+    ];
+    for (case, (b, finite)) in cases.into_iter().enumerate() {
+        matrix.load(&b);
+        assert_eq!(matrix.solve(1e-6, &mut solution, &mut |_, _| ()), finite, "case {case}");
+        if finite {
+            let mut fresh = sample.factored();
+            fresh.load(&b);
+            let mut alone = sample.global(&vec![0.0; size]);
+            fresh.solve(1e-6, &mut alone, &mut |_, _| ());
+            assert_eq!(solution, alone, "case {case}");
+        }
+    }
+}
+
 /// Strongly dominant, so that solutions decay within a few blocks.
 fn decaying(random: &mut Random, blocks: usize) -> Sample {
     let sizes: Vec<usize> = (0..blocks).map(|i| [8, 8, 10, 8, 5][i % 5]).collect();
