@@ -435,32 +435,17 @@ impl Force for Droppers {
     }
 
     fn save(&self, out: &mut Vec<f64>) {
-        let Assembled { slopes, directions } = &self.assembled;
         out.push(self.half);
         out.extend_from_slice(&self.at_start[..self.droppers.len()]);
-        out.extend_from_slice(slopes);
-        out.extend_from_slice(directions.as_flattened());
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        let Assembled { slopes, directions } = &mut self.assembled;
-        let mut changed = false;
-        let mut take = |value: &mut f64| {
-            let saved = *values
-                .next()
-                .expect("a saved state holds a number and five per dropper");
-            std::mem::replace(value, saved) != saved
-        };
-        take(&mut self.half);
-        for start in &mut self.at_start[..self.droppers.len()] {
-            take(start);
+        for value in [&mut self.half]
+            .into_iter()
+            .chain(&mut self.at_start[..self.droppers.len()])
+        {
+            *value = *values.next().expect("a saved state holds a number and one per dropper");
         }
-        for value in slopes.iter_mut().chain(directions.as_flattened_mut()) {
-            changed |= take(value);
-        }
-        // Rows kept by the solver under the old version may not be those of the restored directions.
-        self.version += u64::from(changed);
-        self.find_common_slopes();
         self.evaluated = false;
     }
 }

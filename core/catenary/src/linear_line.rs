@@ -158,17 +158,13 @@ impl Force for LinearDroppers {
     }
 
     fn save(&self, out: &mut Vec<f64>) {
-        out.extend_from_slice(&self.assembled);
-        out.extend_from_slice(&self.at_start);
         out.push(self.half);
+        out.extend_from_slice(&self.at_start);
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        let numbers = self.assembled.iter_mut().chain(&mut self.at_start);
-        for value in numbers.chain([&mut self.half]) {
-            *value = *values
-                .next()
-                .expect("a saved state holds two numbers per dropper and one");
+        for value in [&mut self.half].into_iter().chain(&mut self.at_start) {
+            *value = *values.next().expect("a saved state holds a number and one per dropper");
         }
     }
 }

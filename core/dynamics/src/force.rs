@@ -144,8 +144,9 @@ pub trait Force: Send {
         true
     }
 
-    /// Appends the history this contribution carries beyond `q, v` (start values of searches, directions frozen in the
-    /// factored matrix), so that a restored state continues bit for bit.
+    /// Appends the history this contribution carries beyond `q, v` (start values of searches, what the next step begins with), so that
+    /// a restored state continues bit for bit. What it has put into the factored matrix is none of it: with another matrix that one is
+    /// assembled again.
     fn save(&self, out: &mut Vec<f64>) {
         let _ = out;
     }

@@ -342,20 +342,6 @@ impl Force for ChainElement {
             dissipated: (normal - elastic) * rate,
         })
     }
-
-    fn save(&self, out: &mut Vec<f64>) {
-        if self.switches() {
-            out.push(self.factored);
-        }
-    }
-
-    fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        if self.switches()
-            && let Some(&factored) = values.next()
-        {
-            self.factored = factored;
-        }
-    }
 }
 
 /// The strip on the first mass of a chain, in the frame of the base: it rises and falls, nothing else.
