@@ -177,14 +177,14 @@ fn ranges(runs: &[RunBundle]) -> String {
 /// Table of the limits: where they are written, whether they apply and why, and their verdicts.
 pub(super) fn limits(runs: &[RunBundle]) -> String {
     let mut html = String::from(
-        "<div class=\"scroll\"><table><thead><tr><th>Standard</th><th>Clause</th><th>Quantity</th>\
+        "<div class=\"scroll\"><table><thead><tr><th>Standard</th><th>Quantity</th>\
          <th class=\"n\">value</th><th class=\"n\">limit</th><th></th><th>verdict</th><th></th>\
          <th>applies, or not</th><th>remark</th></tr></thead><tbody>\n",
     );
     for run in runs {
         if runs.len() > 1 {
             html.push_str(&format!(
-                "<tr><th colspan=\"10\">{}</th></tr>\n",
+                "<tr><th colspan=\"9\">{}</th></tr>\n",
                 escape(&run.summary.label())
             ));
         }
@@ -201,7 +201,7 @@ pub(super) fn limits(runs: &[RunBundle]) -> String {
                 shown.pantograph = None;
             }
             html.push_str(&format!(
-                "<tr><td class=\"s\">{}</td><td class=\"soft\">{}</td><td class=\"name\">{}</td>\
+                "<tr><td class=\"name\">{}<br><span class=\"soft\">{}</span></td><td class=\"name\">{}</td>\
                  <td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td>\
                  <td class=\"s\"><b class=\"{class}\">{}</b></td><td class=\"soft\">{}</td>\
                  <td class=\"soft remark\">{}</td><td class=\"soft remark\">{}</td></tr>\n",
