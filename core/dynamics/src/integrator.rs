@@ -191,6 +191,7 @@ impl GeneralizedAlpha {
         let mut last_ratio = f64::INFINITY;
         let mut fresh = 0;
         let mut damping = 1.0;
+        let mut contracts = false;
         self.residuals.clear();
         for iteration in 0..=options.max_iterations {
             let motion = state.motion(u);
@@ -215,7 +216,7 @@ impl GeneralizedAlpha {
                     coordinate: name(system, workspace.worst(&residual)),
                 });
             }
-            if iteration > 0 && damping == 1.0 {
+            if contracts {
                 self.memory.foresight.observe(iteration - 1, last_ratio, residual.ratio);
             }
             if residual.ratio <= 1.0 {
@@ -227,7 +228,7 @@ impl GeneralizedAlpha {
             }
             let foreseen = if damping == 1.0 && workspace.moving().is_empty() {
                 let foresight = &self.memory.foresight;
-                foresight.last_residual(iteration, residual.ratio, last_ratio, workspace.is_linear())
+                foresight.last_residual(iteration, residual.ratio, last_ratio)
             } else {
                 None
             };
@@ -264,26 +265,20 @@ impl GeneralizedAlpha {
             last_ratio = residual.ratio;
             workspace.correct(system, &motion, weights, Some((&options, iteration)))?;
             self.apply(workspace, damping, (mass_rate, velocity_rate), system, state);
+            let linear = iteration == 0 && workspace.is_linear();
+            let continues = (foreseen.is_some() || linear) && continues_to(system, &state.motion(u));
             if let Some(left) = foreseen
-                && self.end_unevaluated(system, &state.motion(u))
+                && continues
             {
+                self.counters.foreseen += 1;
+                self.memory.foresight.end_step(true);
+                system.forces(&mut |force| force.end_step(&state.motion(u)));
                 self.residuals.push(residual.value * left / residual.ratio);
                 return Ok(());
             }
+            contracts = damping == 1.0 && (iteration > 0 || continues);
         }
         unreachable!("the last pass returns")
-    }
-
-    /// Ends a step whose last residual is foreseen; returns false and does not where a force has left the piece of its law.
-    fn end_unevaluated(&mut self, system: &mut dyn System, motion: &Motion<'_>) -> bool {
-        let mut continues = true;
-        system.forces(&mut |force| continues = continues && force.continues_to(motion));
-        if continues {
-            self.counters.foreseen += 1;
-            self.memory.foresight.end_step(true);
-            system.forces(&mut |force| force.end_step(motion));
-        }
-        continues
     }
 
     /// Makes sure there is a factorisation for this step size.
@@ -553,6 +548,13 @@ impl GeneralizedAlpha {
         restore_history(system, &memory.history);
         Ok(())
     }
+}
+
+/// Whether all forces come from the same piece of their law as where they were found last.
+fn continues_to(system: &mut dyn System, motion: &Motion<'_>) -> bool {
+    let mut continues = true;
+    system.forces(&mut |force| continues = continues && force.continues_to(motion));
+    continues
 }
 
 fn restore_history(system: &mut dyn System, history: &[f64]) {
