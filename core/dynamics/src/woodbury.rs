@@ -20,8 +20,8 @@ pub(crate) struct Woodbury {
     by_key: Vec<usize>,
     /// For each row of the updates its place in `columns`.
     places: Vec<usize>,
-    /// `uᵢ · yⱼ` of columns `i` and `j`; not a number where it has not been computed since one of them changed.
-    gram: Vec<Vec<f64>>,
+    /// `uᵢ · yⱼ` of columns `i` and `j`.
+    gram: Vec<Vec<Product>>,
     lu: Lu,
     /// What `lu` was made of: rows and coefficients.
     rows: Vec<(u64, u64)>,
@@ -36,7 +36,23 @@ pub(crate) struct Woodbury {
 struct Column {
     key: u64,
     version: Option<u64>,
+    /// How often it was solved for.
+    turn: u64,
     shares: Vec<Share>,
+}
+
+/// A product of two columns as they were at the sum of their turns; it stands as long as that sum does.
+#[derive(Clone, Copy, Debug)]
+struct Product {
+    turns: u64,
+    value: f64,
+}
+
+impl Product {
+    const NONE: Self = Self {
+        turns: u64::MAX,
+        value: f64::NAN,
+    };
 }
 
 /// What a column is in one part.
@@ -133,16 +149,17 @@ impl Woodbury {
         for i in 0..rank {
             for j in 0..rank {
                 let (left, right) = (self.places[i], self.places[j]);
-                if self.gram[left][right].is_nan() {
-                    let mut product = 0.0;
+                let turns = self.columns[left].turn + self.columns[right].turn;
+                if self.gram[left][right].turns != turns {
+                    let mut value = 0.0;
                     for Share { part, u, .. } in &self.columns[left].shares {
                         let other = self.columns[right].shares.iter().find(|share| share.part == *part);
                         if let Some(Share { y, .. }) = other {
                             let own = u.iter().map(|&(unknown, value)| value * parts[*part].entry(y, unknown));
-                            product += own.sum::<f64>();
+                            value += own.sum::<f64>();
                         }
                     }
-                    self.gram[left][right] = product;
+                    self.gram[left][right] = Product { turns, value };
                 }
             }
         }
@@ -155,7 +172,7 @@ impl Woodbury {
                 for k in 0..core.size {
                     let gram = &self.gram[self.places[core.first_row + k]];
                     for (target, &place) in target.iter_mut().zip(&self.places) {
-                        *target += c[i * core.size + k] * gram[place];
+                        *target += c[i * core.size + k] * gram[place].value;
                     }
                 }
             }
@@ -184,7 +201,9 @@ impl Woodbury {
             if self.columns[place].version == Some(identity.version) {
                 continue;
             }
-            let Column { version, shares, .. } = &mut self.columns[place];
+            let Column {
+                version, turn, shares, ..
+            } = &mut self.columns[place];
             // A column that no longer reaches a part keeps its memory there for later.
             shares.iter_mut().for_each(|share| share.u.clear());
             for k in identity.start..identity.end {
@@ -206,9 +225,8 @@ impl Woodbury {
                 parts[*part].column(u, y);
             }
             *version = Some(identity.version);
+            *turn += 1;
             self.solves += 1;
-            self.gram[place].fill(f64::NAN);
-            self.gram.iter_mut().for_each(|gram| gram[place] = f64::NAN);
         }
     }
 
@@ -218,11 +236,12 @@ impl Woodbury {
         self.columns.push(Column {
             key,
             version: None,
+            turn: 0,
             shares: Vec::new(),
         });
         self.by_key.insert(at, place);
-        self.gram.iter_mut().for_each(|gram| gram.push(f64::NAN));
-        self.gram.push(vec![f64::NAN; place + 1]);
+        self.gram.iter_mut().for_each(|gram| gram.push(Product::NONE));
+        self.gram.push(vec![Product::NONE; place + 1]);
         place
     }
 }
