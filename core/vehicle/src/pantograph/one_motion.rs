@@ -1,8 +1,8 @@
 //! Where the strip of a reduced linkage is.
 use super::curve::{Curve, Jet};
-use super::plane::{quarter, turned};
+use super::plane::{Turn, quarter};
 use dynamics::{Columns, Frame, Marker, Motion};
-use nalgebra::{Matrix3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 use std::sync::Arc;
 
 /// What follows `σ`.
@@ -10,8 +10,8 @@ use std::sync::Arc;
 pub(super) struct OneMotion {
     /// `X`, `Z` (m), `φ` (rad), `V` (J).
     pub curve: Curve<4>,
-    /// `ψ₀`, rad.
-    pub tilt: f64,
+    /// By `ψ₀`.
+    pub tilt: Turn,
     /// Strip's body: kg, weight in N, height of its centre of mass in the reference position.
     pub mass: f64,
     pub weight: f64,
@@ -33,6 +33,8 @@ pub(super) struct Place {
     pub x_sigma_zeta: f64,
     pub zeta: f64,
     pub phi: Jet,
+    /// By `φ`.
+    pub turn: Turn,
     pub potential: Jet,
     pub s: f64,
     pub s_q: [f64; 2],
@@ -46,7 +48,8 @@ impl OneMotion {
     pub fn place(&self, sigma: f64, rise: f64) -> Place {
         let [x, z, phi, potential] = self.curve.at(sigma);
         let zeta = self.reference_z + rise;
-        let (sine, cosine) = (self.tilt + phi[0]).sin_cos();
+        let turn = Turn::by(phi[0]);
+        let Turn { sine, cosine } = turn.and(self.tilt);
         let tau = sine / cosine;
         let square = 1.0 + tau * tau;
         let tau_1 = square * phi[1];
@@ -61,13 +64,14 @@ impl OneMotion {
             x_sigma_zeta: tau_1,
             zeta,
             phi,
+            turn,
             potential,
             s: above / cosine,
             s_q: [s_1, 1.0 / cosine],
             s_sigma_sigma: (above * (tau_1 * phi[1] + tau * phi[2]) - tau * phi[1] * z[1] - z[2]) / cosine
                 + s_1 * tau * phi[1],
             s_sigma_zeta: tau * phi[1] / cosine,
-            arm: turned(Vector2::new(self.strip.x, self.strip.z), phi[0]),
+            arm: turn.of(Vector2::new(self.strip.x, self.strip.z)),
         }
     }
 }
@@ -109,14 +113,13 @@ impl Marker for ReducedStrip {
         let v = [motion.v[i], motion.v[i + 1]];
         let turning = place.phi[1] * v[0];
         let arm_rate = quarter(place.arm) * turning;
-        let turned = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), place.phi[0]);
         Frame {
             position: Vector3::new(
                 place.x + place.arm.x,
                 self.motion.y + self.motion.strip.y,
                 place.zeta + place.arm.y,
             ),
-            axes: turned.to_rotation_matrix() * self.motion.axes,
+            axes: place.turn.matrix() * self.motion.axes,
             velocity: Vector3::new(
                 place.x_sigma * v[0] + place.x_zeta * v[1] + arm_rate.x,
                 0.0,

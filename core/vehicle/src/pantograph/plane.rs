@@ -4,7 +4,7 @@
 //! qᵢ = (x, z, φ) of body i,   φ about +y from its reference position,    R(φ) (x, z) = (x c + z s, −x s + z c)
 //! g(q) = 0,   one equation less than coordinates:   q = q(σ) with q_σᵀ M q_σ = 1
 //! ```
-use nalgebra::{DMatrix, DVector, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector2};
 
 /// Where a joint holds on: a body with a point (m, from the centre of mass, axes of the reference position), or a point of
 /// the base.
@@ -22,10 +22,43 @@ pub(super) struct Derivatives {
     pub second: Vector2<f64>,
 }
 
+/// A turn about +y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Turn {
+    pub sine: f64,
+    pub cosine: f64,
+}
+
+impl Turn {
+    /// By `φ`, rad.
+    pub fn by(phi: f64) -> Self {
+        let (sine, cosine) = phi.sin_cos();
+        Self { sine, cosine }
+    }
+
+    /// Both turns.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            sine: self.sine * other.cosine + self.cosine * other.sine,
+            cosine: self.cosine * other.cosine - self.sine * other.sine,
+        }
+    }
+
+    /// What `r`, along x and z, becomes.
+    pub fn of(self, r: Vector2<f64>) -> Vector2<f64> {
+        Vector2::new(r.x * self.cosine + r.y * self.sine, r.y * self.cosine - r.x * self.sine)
+    }
+
+    /// In space.
+    pub fn matrix(self) -> Matrix3<f64> {
+        let Self { sine: s, cosine: c } = self;
+        Matrix3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
+    }
+}
+
 /// `r` turned by `φ` about +y.
 pub(super) fn turned(r: Vector2<f64>, phi: f64) -> Vector2<f64> {
-    let (s, c) = phi.sin_cos();
-    Vector2::new(r.x * c + r.y * s, r.y * c - r.x * s)
+    Turn::by(phi).of(r)
 }
 
 /// `dR(φ)r/dφ` for the turned `r`.

@@ -4,6 +4,7 @@ use super::curve::{Curve, Node, Path};
 use super::equilibrium::{Equilibrium, Offsets};
 use super::linkage::Linkage;
 use super::one_motion::{OneMotion, Place, ReducedStrip};
+use super::plane::Turn;
 use super::statics::Target;
 use super::table::Table;
 use crate::{Base, VehicleError};
@@ -76,7 +77,7 @@ impl ReducedLinkage {
         let orientation = full.orientation(head);
         let motion = OneMotion {
             curve,
-            tilt: table.tilt,
+            tilt: Turn::by(table.tilt),
             mass: body.mass,
             weight: body.mass * gravity,
             reference_z: body.pose.reference.z,
