@@ -248,6 +248,7 @@ struct Run {
     left: f64,
     model: Model,
     iterations: u64,
+    foreseen: u64,
 }
 
 fn run(is_linear: bool, bed: Range<usize>, tolerance: f64) -> Run {
@@ -297,6 +298,7 @@ fn run(is_linear: bool, bed: Range<usize>, tolerance: f64) -> Run {
         left,
         model,
         iterations: integrator.counters().newton_iterations,
+        foreseen: integrator.counters().foreseen,
     }
 }
 
@@ -354,4 +356,14 @@ fn a_tolerance_near_rounding_is_proved_by_evaluation() {
         run.model.chain.evaluations
     );
     assert!(run.left <= tolerance, "{} N are left", run.left);
+}
+
+#[test]
+fn a_first_correction_ends_a_step_unevaluated_only_where_it_leaves_less_than_the_tolerance() {
+    // The contact's law bends, by turns more and less, and it opens and closes: what a correction leaves comes and goes.
+    for tolerance in [1.0, 0.1, 1e-2, 1e-3, 1e-4] {
+        let run = run(true, 0..0, tolerance);
+        assert!(run.foreseen > 200, "{tolerance} N: {} steps of 600", run.foreseen);
+        assert!(run.left <= tolerance, "{tolerance} N: {} N are left", run.left);
+    }
 }
