@@ -86,6 +86,9 @@ impl System for Whole {
         let continuity = follow_strips(&mut *self.line, &mut self.contacts, &mut self.layout, state, u);
         if continuity != Continuity::Kept {
             self.slackening.restart(self.line.elongations());
+            if let Some(account) = &mut self.account {
+                account.leave_out();
+            }
         }
         continuity
     }
