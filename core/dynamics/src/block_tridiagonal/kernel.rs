@@ -186,15 +186,22 @@ pub(super) fn dot<S: Simd>(simd: S, x: &[f64], y: &[f64]) -> f64 {
 #[inline(always)]
 pub(super) fn take_out<S: Simd>(simd: S, from: &mut [f64], to: &mut [f64], spoilt: &mut S::f64s) {
     let zero = simd.splat_f64s(0.0);
-    let (from, from_rest) = S::as_mut_simd_f64s(from);
-    let (to, to_rest) = S::as_mut_simd_f64s(to);
-    // 0 · ∞ is not a number.
-    for (from, to) in from.iter_mut().zip(to) {
-        *spoilt = simd.mul_add_e_f64s(*from, zero, *spoilt);
-        *to = std::mem::replace(from, zero);
+    to.copy_from_slice(from);
+    let (vectors, rest) = S::as_simd_f64s(from);
+    // 0 · ∞ is not a number. Several sums do not wait for each other.
+    let mut sums = [zero; 4];
+    let groups = vectors.chunks_exact(4);
+    for &x in groups.remainder() {
+        sums[0] = simd.mul_add_e_f64s(x, zero, sums[0]);
     }
-    let rest = simd.partial_load_f64s(from_rest);
-    *spoilt = simd.mul_add_e_f64s(rest, zero, *spoilt);
-    to_rest.copy_from_slice(from_rest);
-    from_rest.fill(0.0);
+    for group in groups {
+        for (sum, &x) in sums.iter_mut().zip(group) {
+            *sum = simd.mul_add_e_f64s(x, zero, *sum);
+        }
+    }
+    sums[1] = simd.mul_add_e_f64s(simd.partial_load_f64s(rest), zero, sums[1]);
+    for sum in sums {
+        *spoilt = simd.add_f64s(*spoilt, sum);
+    }
+    from.fill(0.0);
 }
