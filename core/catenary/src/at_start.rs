@@ -44,6 +44,21 @@ impl AtStart {
     }
 }
 
+/// Appends half of the present step, s, and the `δ⁺₀` that many begin it with, m, to what a contribution saves.
+pub(crate) fn save_step(half: f64, at_start: &[f64], out: &mut Vec<f64>) {
+    out.push(half);
+    out.extend_from_slice(at_start);
+}
+
+/// Takes back what [`save_step`] appended.
+pub(crate) fn restore_step(half: &mut f64, at_start: &mut [f64], values: &mut std::slice::Iter<'_, f64>) {
+    for value in std::iter::once(half).chain(at_start) {
+        *value = *values
+            .next()
+            .expect("a saved step holds a number and one for each beginning");
+    }
+}
+
 /// What a time step of `h` knows of a spring and a damper that act one way only, where `δ > 0`: how long the damper acts.
 /// `δ` is the penetration of a contact or the elongation of a dropper; closed is what is under force.
 ///

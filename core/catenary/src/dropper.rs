@@ -1,5 +1,5 @@
 //! Droppers: the ties between messenger wire and contact wire.
-use crate::at_start::one_way_force;
+use crate::at_start::{one_way_force, restore_step, save_step};
 use crate::{AtStart, Attachment, OneWayStep};
 use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
 use lanes::{Evaluate, Extensions, Group, LANES, Mass, Move, Step};
@@ -435,17 +435,11 @@ impl Force for Droppers {
     }
 
     fn save(&self, out: &mut Vec<f64>) {
-        out.push(self.half);
-        out.extend_from_slice(&self.at_start[..self.droppers.len()]);
+        save_step(self.half, &self.at_start[..self.droppers.len()], out);
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        for value in [&mut self.half]
-            .into_iter()
-            .chain(&mut self.at_start[..self.droppers.len()])
-        {
-            *value = *values.next().expect("a saved state holds a number and one per dropper");
-        }
+        restore_step(&mut self.half, &mut self.at_start[..self.droppers.len()], values);
         self.evaluated = false;
     }
 }

@@ -1,4 +1,5 @@
 //! A line with constant matrices and unilateral droppers.
+use crate::at_start::{restore_step, save_step};
 use crate::linear_force::LinearForce;
 use crate::{
     AtStart, Attachment, Curve, DropperLaw, DropperSample, Line, OneWayStep, StaticLine, Wire, WireDrag, WireName,
@@ -158,14 +159,11 @@ impl Force for LinearDroppers {
     }
 
     fn save(&self, out: &mut Vec<f64>) {
-        out.push(self.half);
-        out.extend_from_slice(&self.at_start);
+        save_step(self.half, &self.at_start, out);
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        for value in [&mut self.half].into_iter().chain(&mut self.at_start) {
-            *value = *values.next().expect("a saved state holds a number and one per dropper");
-        }
+        restore_step(&mut self.half, &mut self.at_start, values);
     }
 }
 

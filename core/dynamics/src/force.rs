@@ -136,9 +136,10 @@ pub trait Force: Send {
         let _ = motion;
     }
 
-    /// Called in place of the last evaluation of a step whose residual the solver foresees: the force was found last near `motion` and
-    /// may not be found there. Returns whether it comes from the same piece of its law in both places, as what is smooth always does;
-    /// where it does not the solver evaluates. Who comes after one whose force does not is not asked.
+    /// Called after a correction that may end its step without an evaluation, or of which the solver learns what corrections leave: the
+    /// force was found last near `motion` and may not be found there. Returns whether it comes from the same piece of its law in both
+    /// places, as what is smooth always does; where it does not the solver evaluates. Who comes after one whose force does not is not
+    /// asked.
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
         let _ = motion;
         true

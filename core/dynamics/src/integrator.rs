@@ -265,8 +265,9 @@ impl GeneralizedAlpha {
             last_ratio = residual.ratio;
             workspace.correct(system, &motion, weights, Some((&options, iteration)))?;
             self.apply(workspace, damping, (mass_rate, velocity_rate), system, state);
-            let linear = iteration == 0 && workspace.is_linear();
-            let continues = (foreseen.is_some() || linear) && continues_to(system, &state.motion(u));
+            // What a first correction contracts tells of the next step's only where no law changes its piece.
+            let tells = iteration == 0 && workspace.is_linear();
+            let continues = (foreseen.is_some() || tells) && continues_to(system, &state.motion(u));
             if let Some(left) = foreseen
                 && continues
             {

@@ -1,7 +1,7 @@
 //! The air on a pantograph: which points of it feel the wind, and what it does to the state of rest.
 use super::curve::Curve;
 use super::one_motion::OneMotion;
-use super::plane::{quarter, turned};
+use super::plane::{Turn, quarter};
 use super::{HeadMarker, ReducedStrip};
 use crate::multibody::BodyMarker;
 use crate::{Base, Travelling};
@@ -163,8 +163,9 @@ struct Place {
     centre: Vector2<f64>,
     by_sigma: Vector2<f64>,
     by_zeta: Vector2<f64>,
-    angle: f64,
-    turn: f64,
+    turn: Turn,
+    /// `∂φ/∂σ`
+    turning: f64,
 }
 
 impl ReducedPoint {
@@ -177,8 +178,8 @@ impl ReducedPoint {
                     centre: Vector2::new(x[0], z[0]),
                     by_sigma: Vector2::new(x[1], z[1]),
                     by_zeta: Vector2::zeros(),
-                    angle: phi[0],
-                    turn: phi[1],
+                    turn: Turn::by(phi[0]),
+                    turning: phi[1],
                 }
             }
             PointPath::Carried(motion) => {
@@ -187,8 +188,8 @@ impl ReducedPoint {
                     centre: Vector2::new(place.x, place.zeta),
                     by_sigma: Vector2::new(place.x_sigma, 0.0),
                     by_zeta: Vector2::new(place.x_zeta, 1.0),
-                    angle: place.phi[0],
-                    turn: place.phi[1],
+                    turn: place.turn,
+                    turning: place.phi[1],
                 }
             }
         }
@@ -196,7 +197,7 @@ impl ReducedPoint {
 
     /// The arm in the plane, turned.
     fn arm(&self, place: &Place) -> Vector2<f64> {
-        turned(Vector2::new(self.arm.x, self.arm.z), place.angle)
+        place.turn.of(Vector2::new(self.arm.x, self.arm.z))
     }
 }
 
@@ -205,20 +206,19 @@ impl Marker for ReducedPoint {
         let place = self.place(motion);
         let (sigma_rate, rise_rate) = (motion.v[self.coordinate], motion.v[self.coordinate + 1]);
         let arm = self.arm(&place);
-        let velocity = (place.by_sigma + quarter(arm) * place.turn) * sigma_rate + place.by_zeta * rise_rate;
-        let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), place.angle);
+        let velocity = (place.by_sigma + quarter(arm) * place.turning) * sigma_rate + place.by_zeta * rise_rate;
         Frame {
             position: Vector3::new(place.centre.x + arm.x, self.y + self.arm.y, place.centre.y + arm.y),
-            axes: turn.to_rotation_matrix() * self.axes,
+            axes: place.turn.matrix() * self.axes,
             velocity: Vector3::new(velocity.x, 0.0, velocity.y),
-            angular_velocity: Vector3::new(0.0, place.turn * sigma_rate, 0.0),
+            angular_velocity: Vector3::new(0.0, place.turning * sigma_rate, 0.0),
         }
     }
 
     fn columns(&self, motion: &Motion<'_>, columns: &mut Columns) {
         let place = self.place(motion);
-        let along = place.by_sigma + quarter(self.arm(&place)) * place.turn;
-        let turn = Vector3::new(0.0, place.turn, 0.0);
+        let along = place.by_sigma + quarter(self.arm(&place)) * place.turning;
+        let turn = Vector3::new(0.0, place.turning, 0.0);
         columns.push(self.coordinate, Vector3::new(along.x, 0.0, along.y), turn);
         // A follower has it too, so that both coordinates stand in one block of the tangent.
         let rise = Vector3::new(place.by_zeta.x, 0.0, place.by_zeta.y);
