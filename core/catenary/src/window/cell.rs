@@ -6,11 +6,8 @@ use super::modes::{Envelope, lowest_modes, product};
 use dynamics::SparseMatrix;
 use nalgebra::{DMatrix, DVector};
 
-/// Modes that are evaluated side by side.
+/// Modes that are evaluated side by side, and rows of a span's interface, which is filled up with zeros to whole groups.
 pub(super) const GROUP: usize = 8;
-
-/// Rows of a span's interface that are evaluated together; it is filled up with zeros to whole ones.
-pub(super) const ROWS: usize = 8;
 
 /// Stiffness, damping and mass of one span between its supports, linear about the static state.
 pub(super) struct SpanMatrices {
@@ -65,8 +62,10 @@ pub(super) struct Cell {
     /// Between interface (rows) and modes.
     pub damping_coupling: DMatrix<f64>,
     pub mass_coupling: DMatrix<f64>,
-    /// The same, group by group of modes and in these row by row, filled up with zeros: damping, then mass.
-    pub couplings: Vec<Pair>,
+    /// Stiffness, damping and mass again, group by group of rows and in these column by column.
+    pub dense: Vec<Lanes<3>>,
+    /// The couplings again, damping, then mass, group by group of modes and in these row by row, filled up with zeros.
+    pub couplings: Vec<Lanes<2>>,
 }
 
 /// What moves between the supports of a span.
@@ -76,10 +75,19 @@ pub(super) struct Between {
     pub inner: Vec<f64>,
 }
 
-/// Two numbers for each mode of a group, at the boundary of a cache line: a vector loaded across two lines costs twice.
+/// Some numbers for each member of a group, at the boundary of a cache line: a vector loaded across two lines costs twice.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Pair(pub [[f64; GROUP]; 2]);
+pub(super) struct Lanes<const COUNT: usize>(pub [[f64; GROUP]; COUNT]);
+
+impl<const COUNT: usize> Lanes<COUNT> {
+    /// Numbers `of(kind, member)` of the group that begins with member `first`.
+    pub fn new(first: usize, of: impl Fn(usize, usize) -> f64) -> Self {
+        Self(std::array::from_fn(|kind| {
+            std::array::from_fn(|lane| of(kind, first + lane))
+        }))
+    }
+}
 
 impl Cell {
     /// Reduces a span to `count` modes: the first longitudinal ones among the lowest `searched`, and the lowest others.
@@ -97,7 +105,7 @@ impl Cell {
         let mut number = vec![0; size];
         inner.iter().enumerate().for_each(|(i, &index)| number[index] = i);
         let place = |index: usize| place[index].map_or((true, number[index]), |row| (false, row));
-        let (count_f, count_s) = (inner.len(), interface.len().next_multiple_of(ROWS));
+        let (count_f, count_s) = (inner.len(), interface.len().next_multiple_of(GROUP));
         let split = |matrix: &SparseMatrix| -> (SparseMatrix, DMatrix<f64>, DMatrix<f64>) {
             let matrix = span.elongations.transform(matrix);
             let mut ff = Vec::new();
@@ -141,12 +149,15 @@ impl Cell {
         let (stiffness, _) = reduced(&k_ff, &k_fs, &k_ss);
         let (damping, damping_coupling) = reduced(&d_ff, &d_fs, &d_ss);
         let (mass, mass_coupling) = reduced(&m_ff, &m_fs, &m_ss);
-        let couplings = (0..modes.ncols().div_ceil(GROUP)).flat_map(|group| (0..count_s).map(move |row| (group, row)));
-        let lanes = |matrix: &DMatrix<f64>, group: usize, row: usize| {
-            std::array::from_fn(|lane| matrix.get((row, GROUP * group + lane)).copied().unwrap_or(0.0))
-        };
-        let couplings = couplings
-            .map(|(group, row)| Pair([&damping_coupling, &mass_coupling].map(|matrix| lanes(matrix, group, row))))
+        let (of_interface, of_couplings) = ([&stiffness, &damping, &mass], [&damping_coupling, &mass_coupling]);
+        let pairs = |groups: usize| (0..groups).flat_map(|group| (0..count_s).map(move |other| (GROUP * group, other)));
+        let dense = pairs(count_s / GROUP)
+            .map(|(rows, column)| Lanes::new(rows, |kind, row| of_interface[kind][(row, column)]))
+            .collect();
+        let coupling =
+            |kind: usize, row: usize, mode: usize| of_couplings[kind].get((row, mode)).copied().unwrap_or(0.0);
+        let couplings = pairs(modes.ncols().div_ceil(GROUP))
+            .map(|(modes, row)| Lanes::new(modes, |kind, mode| coupling(kind, row, mode)))
             .collect();
         let damped = product(&d_ff, &modes);
         let mode_damping = (0..modes.ncols()).map(|i| modes.column(i).dot(&damped.column(i)));
@@ -165,6 +176,7 @@ impl Cell {
             damping,
             mass,
             squares,
+            dense,
             couplings,
             damping_coupling,
             mass_coupling,

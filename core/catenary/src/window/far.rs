@@ -1,5 +1,5 @@
 //! The spans far from the strips as one contribution.
-use super::cell::{Cell, GROUP, Pair, ROWS};
+use super::cell::{Cell, GROUP, Lanes};
 use dynamics::{Blocks, Force, Motion, Weights};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -13,7 +13,7 @@ pub(super) struct Member {
     /// Coordinates of its first modes, as many as are kept.
     pub modes: Range<usize>,
     /// Stiffness (1/s²) and damping (1/s) of the modes, that of the sponge included.
-    own: Vec<Pair>,
+    own: Vec<Lanes<2>>,
     /// `q`, `v` and `v̇` of the interface, row by row, filled up with zeros, and the force there.
     at_interface: Vec<[f64; 4]>,
 }
@@ -42,10 +42,12 @@ pub(super) struct FarField {
 impl Member {
     /// A span with damping `sponge` (1/s) added to its modes.
     pub fn new(cell: Arc<Cell>, interface: Vec<usize>, modes: Range<usize>, sponge: f64) -> Self {
-        let value = |of: &dyn Fn(usize) -> f64, i: usize| if i < modes.len() { of(i) } else { 0.0 };
-        let own = (0..modes.len().div_ceil(GROUP)).map(|group| {
-            let lanes = |of: &dyn Fn(usize) -> f64| std::array::from_fn(|lane| value(of, GROUP * group + lane));
-            Pair([lanes(&|i| cell.squares[i]), lanes(&|i| cell.mode_damping[i] + sponge)])
+        let own = (0..modes.len()).step_by(GROUP).map(|first| {
+            Lanes::new(first, |kind, i| match kind {
+                _ if i >= modes.len() => 0.0,
+                0 => cell.squares[i],
+                _ => cell.mode_damping[i] + sponge,
+            })
         });
         Self {
             own: own.collect(),
@@ -94,7 +96,7 @@ impl Member {
         match rows {
             _ if rows.is_multiple_of(24) => self.add_force_of::<24>(motion, v_dot, force),
             _ if rows.is_multiple_of(16) => self.add_force_of::<16>(motion, v_dot, force),
-            _ => self.add_force_of::<ROWS>(motion, v_dot, force),
+            _ => self.add_force_of::<GROUP>(motion, v_dot, force),
         }
     }
 
@@ -144,7 +146,7 @@ struct AddForce<'a, const N: usize> {
     cell: &'a Cell,
     /// Coordinates of the modes.
     range: Range<usize>,
-    own: &'a [Pair],
+    own: &'a [Lanes<2>],
     at_interface: &'a mut [[f64; 4]],
     /// `q`, `v` and `v̇` of everything; no `v̇` stands for zeros.
     modes: [&'a [f64]; 3],
@@ -156,8 +158,10 @@ impl<const N: usize> WithSimd for AddForce<'_, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) {
+        for first in (0..self.at_interface.len()).step_by(S::F64_LANES) {
+            self.set_dense(simd, first);
+        }
         for first in (0..self.at_interface.len()).step_by(N) {
-            let dense = self.dense(first);
             let zero = simd.splat_f64s(0.0);
             let mut by_modes = [zero; N];
             let groups = self.own.len();
@@ -171,8 +175,8 @@ impl<const N: usize> WithSimd for AddForce<'_, N> {
                     self.add_modes::<S, 1>(simd, (group, part), first, &mut by_modes);
                 }
             }
-            for i in 0..N {
-                self.at_interface[first + i][3] = dense[i] + simd.reduce_sum_f64s(by_modes[i]);
+            for (value, by_modes) in self.at_interface[first..first + N].iter_mut().zip(by_modes) {
+                value[3] += simd.reduce_sum_f64s(by_modes);
             }
         }
     }
@@ -182,25 +186,27 @@ impl<const N: usize> WithSimd for AddForce<'_, N> {
 const ABREAST: usize = 3;
 
 impl<const N: usize> AddForce<'_, N> {
-    /// What the interface does on its rows from `first` on.
+    /// Sets the force at as many rows of the interface as a register holds, from `first` on, to what the interface does there.
     #[inline(always)]
-    fn dense(&self, first: usize) -> [f64; N] {
-        let cell = self.cell;
+    fn set_dense<S: Simd>(&mut self, simd: S, first: usize) {
         let rows = self.at_interface.len();
-        let columns = (cell.stiffness.as_slice().chunks_exact(rows))
-            .zip(cell.damping.as_slice().chunks_exact(rows))
-            .zip(cell.mass.as_slice().chunks_exact(rows));
+        let (group, part) = (first / GROUP, first % GROUP / S::F64_LANES);
         // Three chains of additions in place of one.
-        let mut sums = [[0.0; N]; 3];
-        for (((k, d), m), [q, v, a, _]) in columns.zip(&*self.at_interface) {
-            let (k, d, m) = (&k[first..first + N], &d[first..first + N], &m[first..first + N]);
-            for i in 0..N {
-                sums[0][i] += k[i] * q;
-                sums[1][i] += d[i] * v;
-                sums[2][i] += m[i] * a;
+        let mut sums = [simd.splat_f64s(0.0); 3];
+        let columns = &self.cell.dense[group * rows..(group + 1) * rows];
+        for (Lanes(matrices), [q, v, a, _]) in columns.iter().zip(&*self.at_interface) {
+            for (sum, (matrix, value)) in sums.iter_mut().zip(matrices.iter().zip([q, v, a])) {
+                *sum = simd.mul_add_e_f64s(S::as_simd_f64s(matrix).0[part], simd.splat_f64s(*value), *sum);
             }
         }
-        std::array::from_fn(|i| sums[0][i] + sums[1][i] + sums[2][i])
+        let mut force = [0.0; GROUP];
+        simd.partial_store_f64s(
+            &mut force[..S::F64_LANES],
+            simd.add_f64s(simd.add_f64s(sums[0], sums[1]), sums[2]),
+        );
+        for (value, force) in self.at_interface[first..].iter_mut().zip(&force[..S::F64_LANES]) {
+            value[3] = *force;
+        }
     }
 
     /// Adds the forces of `W` groups of modes, from group `group` on, of each the register `part`: with the first rows all that act on
@@ -227,13 +233,13 @@ impl<const N: usize> AddForce<'_, N> {
             let [q, v, a] = self.modes;
             (v_m[w], a_m[w]) = (of_modes(v), of_modes(a));
             if first == 0 {
-                let Pair([square, damping]) = &self.own[group + w];
+                let Lanes([square, damping]) = &self.own[group + w];
                 by_damping[w] = simd.mul_add_e_f64s(lanes(square), of_modes(q), simd.mul_f64s(lanes(damping), v_m[w]));
                 by_mass[w] = a_m[w];
             }
         }
         let rows = self.at_interface.len();
-        let couplings: [&[Pair]; W] = std::array::from_fn(|w| {
+        let couplings: [&[Lanes<2>]; W] = std::array::from_fn(|w| {
             let start = (group + w) * rows + first;
             &self.cell.couplings[start..start + N]
         });
@@ -242,7 +248,7 @@ impl<const N: usize> AddForce<'_, N> {
             let (v, a) = (simd.splat_f64s(v), simd.splat_f64s(a));
             let mut sum = on_interface[i];
             for w in 0..W {
-                let Pair([d, m]) = &couplings[w][i];
+                let Lanes([d, m]) = &couplings[w][i];
                 let (d, m) = (lanes(d), lanes(m));
                 by_damping[w] = simd.mul_add_e_f64s(d, v, by_damping[w]);
                 by_mass[w] = simd.mul_add_e_f64s(m, a, by_mass[w]);
