@@ -23,12 +23,13 @@ pub(crate) struct Leaves {
     /// Where the couplings and the diagonal entry of each leaf stand among the values of the part.
     couplings: Vec<u32>,
     diagonals: Vec<u32>,
-    /// Per value of the part its place among those of the reduced matrix, if it is there.
-    kept: Vec<Option<u32>>,
+    /// Values of the part that are entries of the reduced matrix too, and their places there.
+    kept: Vec<(u32, u32)>,
     /// Per group, row by row, where `a aᵀ` goes.
     fill: Vec<u32>,
     reduced: Vec<f64>,
     /// `a` of the last factors, for each group neighbour by neighbour, each filled up with zeros to whole cache lines, and `1/d`.
+    /// Groups with the same ones read those of the first of them: spans that are alike stay in the first cache.
     coefficients: Buffer,
     inverses: Vec<f64>,
     /// `b` of the leaves of the loaded right side.
@@ -45,8 +46,10 @@ struct Group {
     leaves: Range<usize>,
     /// Among `neighbours`.
     neighbours: Range<usize>,
-    /// First of its couplings, and of its coefficients.
+    /// First of its couplings.
     couplings: usize,
+    /// First of the coefficients that are its place, and of those that it reads.
+    place: usize,
     coefficients: usize,
 }
 
@@ -56,15 +59,20 @@ impl Group {
         self.leaves.len().next_multiple_of(LINE)
     }
 
-    /// Where the coefficients of one neighbour stand.
+    /// Number of its coefficients.
+    fn size(&self) -> usize {
+        self.neighbours.len() * self.stride()
+    }
+
+    /// The coefficients of one neighbour.
     fn row(&self, neighbour: usize) -> Range<usize> {
         let first = self.coefficients + neighbour * self.stride();
         first..first + self.stride()
     }
 
-    /// Where the coefficients of all neighbours stand.
+    /// The coefficients of all neighbours.
     fn rows(&self) -> Range<usize> {
-        self.coefficients..self.row(self.neighbours.len()).start
+        self.coefficients..self.coefficients + self.size()
     }
 }
 
@@ -174,11 +182,13 @@ impl Leaves {
                     }
                     let first = neighbours.len();
                     neighbours.extend(others.iter().map(|&row| row as u32));
+                    let place = groups.last().map_or(0, |last| last.place + last.size());
                     groups.push(Group {
                         leaves: leaf..leaf + 1,
                         neighbours: first..neighbours.len(),
                         couplings: couplings.len(),
-                        coefficients: groups.last().map_or(0, |last| last.rows().end),
+                        place,
+                        coefficients: place,
                     });
                     before = Some(others);
                 }
@@ -202,10 +212,16 @@ impl Leaves {
                 .ok()
                 .map(|at| (reduced_starts[c] + at) as u32)
         };
-        let mut kept = vec![None; row_indices.len()];
+        // What is left of a column is among its entries, both ascending.
+        let mut kept = Vec::new();
         for c in 0..core {
-            for at in column_starts[c]..column_starts[c + 1] {
-                kept[at] = (row_indices[at] < core).then(|| place(row_indices[at], c)).flatten();
+            let mut next = reduced_starts[c];
+            let places = column_starts[c]..column_starts[c + 1];
+            for place in places.take_while(|&place| row_indices[place] < core) {
+                while rows[next] != row_indices[place] {
+                    next += 1;
+                }
+                kept.push((place as u32, next as u32));
             }
         }
         let mut fill = Vec::new();
@@ -221,7 +237,7 @@ impl Leaves {
         let longest = groups.iter().map(Group::stride).max().unwrap_or(0);
         let leaves = Self {
             core,
-            coefficients: Buffer::new(groups.last().map_or(0, |last| last.rows().end)),
+            coefficients: Buffer::new(groups.last().map_or(0, |last| last.place + last.size())),
             scratch: vec![0.0; widest],
             forces: Buffer::new(longest),
             arch: Arch::new(),
@@ -241,16 +257,24 @@ impl Leaves {
     /// The values of the reduced matrix; `None` where a leaf has no positive diagonal entry.
     pub fn reduce(&mut self, values: &[f64]) -> Option<&[f64]> {
         self.reduced.fill(0.0);
-        for (&value, place) in values.iter().zip(&self.kept) {
-            if let Some(place) = place {
-                self.reduced[*place as usize] = value;
-            }
+        for &(from, to) in &self.kept {
+            self.reduced[to as usize] = values[from as usize];
         }
-        for group in &self.groups {
+        for i in 0..self.groups.len() {
+            let (before, group) = self.groups.split_at_mut(i);
+            let group = &mut group[0];
+            group.coefficients = group.place;
             let (width, count) = (group.neighbours.len(), group.leaves.len());
             let couplings = &self.couplings[group.couplings..group.couplings + width * count];
-            for (i, &place) in couplings.iter().enumerate() {
-                self.coefficients[group.row(i % width).start + i / width] = values[place as usize];
+            for (leaf, places) in couplings.chunks_exact(width.max(1)).enumerate() {
+                for (neighbour, &place) in places.iter().enumerate() {
+                    self.coefficients[group.row(neighbour).start + leaf] = values[place as usize];
+                }
+            }
+            let own = &self.coefficients[group.rows()];
+            let same = |other: &&Group| other.stride() == group.stride() && self.coefficients[other.rows()] == *own;
+            if let Some(other) = before.iter().find(same) {
+                group.coefficients = other.coefficients;
             }
         }
         for (inverse, &diagonal) in self.inverses.iter_mut().zip(&self.diagonals) {
@@ -351,61 +375,108 @@ impl Leaves {
 mod tests {
     use super::*;
 
-    /// Two unknowns in a row with sixteen leaves on both: solved by hand and through the reduced matrix.
-    #[test]
-    fn eliminating_leaves_solves_the_whole_system() {
-        let (core, leaves) = (2, 16);
-        let size = core + leaves;
-        let entry = |i: usize, j: usize| -> f64 {
-            match (i < core, j < core) {
-                (true, true) => [[9.0, -1.0], [-1.0, 7.0]][i][j],
-                (false, false) => f64::from(u8::from(i == j)) * (3.0 + i as f64),
-                _ => 0.1 * (i.max(j) as f64) - 0.3 * (i.min(j) as f64),
-            }
-        };
+    /// Entry of a matrix of two unknowns with sixteen leaves on both.
+    fn entry(i: usize, j: usize) -> f64 {
+        match (i < 2, j < 2) {
+            (true, true) => [[9.0, -1.0], [-1.0, 7.0]][i][j],
+            (false, false) => f64::from(u8::from(i == j)) * (3.0 + i as f64),
+            _ => 0.1 * (i.max(j) as f64) - 0.3 * (i.min(j) as f64),
+        }
+    }
+
+    /// The columns of a matrix where it is not zero: starts, rows and values.
+    fn compressed(size: usize, entry: &dyn Fn(usize, usize) -> f64) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
         let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
         for j in 0..size {
-            for i in (0..size).filter(|&i| i < core || j < core || i == j) {
+            for i in (0..size).filter(|&i| entry(i, j) != 0.0) {
                 rows.push(i);
                 values.push(entry(i, j));
             }
             starts.push(rows.len());
         }
-        let (mut found, reduced_starts, reduced_rows) = Leaves::analyse(&starts, &rows).unwrap();
-        assert_eq!(
-            (found.core, reduced_starts, reduced_rows),
-            (2, vec![0, 2, 4], vec![0, 1, 0, 1])
-        );
+        (starts, rows, values)
+    }
+
+    /// Solves through the reduced matrix; returns what is off, and how many groups of leaves have moved.
+    fn solve(
+        found: &mut Leaves,
+        (starts, rows): (&[usize], &[usize]),
+        values: &[f64],
+        entry: &dyn Fn(usize, usize) -> f64,
+    ) -> (f64, usize) {
+        let core = found.core;
+        let size = core + found.loaded.len();
         let exact: Vec<f64> = (0..size).map(|i| 1.0 + 0.5 * i as f64).collect();
-        let right: Vec<f64> = (0..size)
-            .map(|i| (0..size).map(|j| entry(i, j) * exact[j]).sum())
-            .collect();
-        let s = found.reduce(&values).unwrap().to_vec();
-        found.loaded.copy_from_slice(&right[core..]);
-        let mut b = [right[0], right[1]];
-        found.eliminate(|unknown, value| b[unknown] += value);
-        let determinant = s[0] * s[3] - s[1] * s[2];
-        let x = [
-            (b[0] * s[3] - b[1] * s[2]) / determinant,
-            (b[1] * s[0] - b[0] * s[1]) / determinant,
-        ];
-        for i in 0..core {
-            assert!((x[i] - exact[i]).abs() < 1e-12);
+        let product = |i: usize| (0..size).map(|j| entry(i, j) * exact[j]).sum::<f64>();
+        let reduced = found.reduce(values).unwrap();
+        let mut matrix = nalgebra::DMatrix::zeros(core, core);
+        for column in 0..core {
+            for place in starts[column]..starts[column + 1] {
+                matrix[(rows[place], column)] = reduced[place];
+            }
         }
-        let mut last = vec![0.0; leaves];
-        let mut touched = Vec::new();
+        found
+            .loaded
+            .iter_mut()
+            .enumerate()
+            .for_each(|(leaf, value)| *value = product(core + leaf));
+        let mut b = nalgebra::DVector::from_fn(core, |i, _| product(i));
+        found.eliminate(|unknown, value| b[unknown] += value);
+        let x = matrix.lu().solve(&b).unwrap();
+        let mut all = x.as_slice().to_vec();
+        all.resize(size, 0.0);
+        let mut touched = 0;
         found.substitute(
             |unknown| x[unknown],
-            |leaves, values| last[leaves].copy_from_slice(values),
-            |range| touched.push(range),
+            |leaves, values| all[core + leaves.start..core + leaves.end].copy_from_slice(values),
+            |_| touched += 1,
         );
+        let off = all.iter().zip(&exact).map(|(x, exact)| (x - exact).abs());
+        (off.fold(0.0, f64::max), touched)
+    }
+
+    #[test]
+    fn eliminating_leaves_solves_the_whole_system() {
+        let (starts, rows, values) = compressed(18, &entry);
+        let (mut found, reduced_starts, reduced_rows) = Leaves::analyse(&starts, &rows).unwrap();
         assert_eq!(
-            (touched.len(), touched.first()),
-            (1, Some(&(0..2))),
-            "the leaves act on both"
+            (found.core, &reduced_starts, &reduced_rows),
+            (2, &vec![0, 2, 4], &vec![0, 1, 0, 1])
         );
-        for leaf in 0..leaves {
-            assert!((last[leaf] - exact[core + leaf]).abs() < 1e-12);
+        let (off, groups) = solve(&mut found, (&reduced_starts, &reduced_rows), &values, &entry);
+        assert!(off < 1e-11 && groups == 1, "{off}, {groups}");
+    }
+
+    /// Four unknowns in a row with sixteen leaves on the first two and sixteen on the last two: once with the same couplings, once
+    /// with one that is another, and with the same ones again.
+    #[test]
+    fn groups_that_are_alike_share_their_coefficients_while_they_are() {
+        let of = |other: f64| {
+            move |i: usize, j: usize| -> f64 {
+                let (low, high) = (i.min(j), i.max(j));
+                match (low, high) {
+                    (_, 0..4) => [9.0, -1.0, 0.0, 0.0][high - low],
+                    // Neither do the diagonal entries have to be the same ones.
+                    (4.., _) => f64::from(u8::from(i == j)) * (3.0 + i as f64),
+                    (_, 4..20) if low < 2 => entry(low, high - 2),
+                    (_, 20..) if low >= 2 => {
+                        entry(low - 2, high - 18) + if (low, high) == (3, 30) { other } else { 0.0 }
+                    }
+                    _ => 0.0,
+                }
+            }
+        };
+        let (starts, rows, _) = compressed(36, &of(0.0));
+        let (mut found, reduced_starts, reduced_rows) = Leaves::analyse(&starts, &rows).unwrap();
+        for (other, shared) in [(0.0, true), (0.25, false), (0.0, true)] {
+            let (_, _, values) = compressed(36, &of(other));
+            let (off, groups) = solve(&mut found, (&reduced_starts, &reduced_rows), &values, &of(other));
+            assert!(off < 1e-10 && groups == 2, "{off}, {groups}");
+            assert_eq!(
+                found.groups[0].coefficients == found.groups[1].coefficients,
+                shared,
+                "{other}"
+            );
         }
     }
 
