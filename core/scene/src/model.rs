@@ -89,10 +89,10 @@ impl Scene {
 
     /// Resolves `model.reduce = "auto"`: only what changes nothing is left out.
     ///
-    /// A linearised line is another line, and its distance from the nonlinear one is known from a run of both only (between one
-    /// and five percent of the standard deviation of the force on the lines of EN 50318, by their end conditions): it must be
-    /// asked for. So must a window: its error is below 0.3 % on the lines it was measured on, but it grows with droppers that go slack
-    /// beyond it and with echoes of far ends, which no rule bounds beforehand.
+    /// A linearised line is another line, and its distance from the nonlinear one is known from a run of both only (between half
+    /// a percent and five percent of the standard deviation of the force on the shipped lines): it must be asked for. So must a window:
+    /// its error is at most 0.5 % on the lines it was measured on, but it grows with droppers that go slack beyond it and with echoes of
+    /// far ends, which no rule bounds beforehand.
     pub(crate) fn choose_reductions(&mut self) {
         if !std::mem::take(&mut self.model.unresolved) {
             return;

@@ -63,9 +63,9 @@ pub(super) struct Cell {
     pub damping_coupling: DMatrix<f64>,
     pub mass_coupling: DMatrix<f64>,
     /// Stiffness, damping and mass again, group by group of rows and in these column by column.
-    pub dense: Vec<Lanes<3>>,
+    pub dense: Vec<Grouped<3>>,
     /// The couplings again, damping, then mass, group by group of modes and in these row by row, filled up with zeros.
-    pub couplings: Vec<Lanes<2>>,
+    pub couplings: Vec<Grouped<2>>,
 }
 
 /// What moves between the supports of a span.
@@ -78,9 +78,9 @@ pub(super) struct Between {
 /// Some numbers for each member of a group, at the boundary of a cache line: a vector loaded across two lines costs twice.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Lanes<const COUNT: usize>(pub [[f64; GROUP]; COUNT]);
+pub(super) struct Grouped<const COUNT: usize>(pub [[f64; GROUP]; COUNT]);
 
-impl<const COUNT: usize> Lanes<COUNT> {
+impl<const COUNT: usize> Grouped<COUNT> {
     /// Numbers `of(kind, member)` of the group that begins with member `first`.
     pub fn new(first: usize, of: impl Fn(usize, usize) -> f64) -> Self {
         Self(std::array::from_fn(|kind| {
@@ -152,12 +152,12 @@ impl Cell {
         let (of_interface, of_couplings) = ([&stiffness, &damping, &mass], [&damping_coupling, &mass_coupling]);
         let pairs = |groups: usize| (0..groups).flat_map(|group| (0..count_s).map(move |other| (GROUP * group, other)));
         let dense = pairs(count_s / GROUP)
-            .map(|(rows, column)| Lanes::new(rows, |kind, row| of_interface[kind][(row, column)]))
+            .map(|(rows, column)| Grouped::new(rows, |kind, row| of_interface[kind][(row, column)]))
             .collect();
         let coupling =
             |kind: usize, row: usize, mode: usize| of_couplings[kind].get((row, mode)).copied().unwrap_or(0.0);
         let couplings = pairs(modes.ncols().div_ceil(GROUP))
-            .map(|(modes, row)| Lanes::new(modes, |kind, mode| coupling(kind, row, mode)))
+            .map(|(modes, row)| Grouped::new(modes, |kind, mode| coupling(kind, row, mode)))
             .collect();
         let damped = product(&d_ff, &modes);
         let mode_damping = (0..modes.ncols()).map(|i| modes.column(i).dot(&damped.column(i)));

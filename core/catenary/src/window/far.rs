@@ -1,5 +1,5 @@
 //! The spans far from the strips as one contribution.
-use super::cell::{Cell, GROUP, Lanes};
+use super::cell::{Cell, GROUP, Grouped};
 use dynamics::{Blocks, Force, Motion, Weights};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -13,7 +13,7 @@ pub(super) struct Member {
     /// Coordinates of its first modes, as many as are kept.
     pub modes: Range<usize>,
     /// Stiffness (1/s²) and damping (1/s) of the modes, that of the sponge included.
-    own: Vec<Lanes<2>>,
+    own: Vec<Grouped<2>>,
     /// `q`, `v` and `v̇` of the interface, row by row, filled up with zeros, and the force there.
     at_interface: Vec<[f64; 4]>,
 }
@@ -43,7 +43,7 @@ impl Member {
     /// A span with damping `sponge` (1/s) added to its modes.
     pub fn new(cell: Arc<Cell>, interface: Vec<usize>, modes: Range<usize>, sponge: f64) -> Self {
         let own = (0..modes.len()).step_by(GROUP).map(|first| {
-            Lanes::new(first, |kind, i| match kind {
+            Grouped::new(first, |kind, i| match kind {
                 _ if i >= modes.len() => 0.0,
                 0 => cell.squares[i],
                 _ => cell.mode_damping[i] + sponge,
@@ -146,7 +146,7 @@ struct AddForce<'a, const N: usize> {
     cell: &'a Cell,
     /// Coordinates of the modes.
     range: Range<usize>,
-    own: &'a [Lanes<2>],
+    own: &'a [Grouped<2>],
     at_interface: &'a mut [[f64; 4]],
     /// `q`, `v` and `v̇` of everything; no `v̇` stands for zeros.
     modes: [&'a [f64]; 3],
@@ -194,7 +194,7 @@ impl<const N: usize> AddForce<'_, N> {
         // Three chains of additions in place of one.
         let mut sums = [simd.splat_f64s(0.0); 3];
         let columns = &self.cell.dense[group * rows..(group + 1) * rows];
-        for (Lanes(matrices), [q, v, a, _]) in columns.iter().zip(&*self.at_interface) {
+        for (Grouped(matrices), [q, v, a, _]) in columns.iter().zip(&*self.at_interface) {
             for (sum, (matrix, value)) in sums.iter_mut().zip(matrices.iter().zip([q, v, a])) {
                 *sum = simd.mul_add_e_f64s(S::as_simd_f64s(matrix).0[part], simd.splat_f64s(*value), *sum);
             }
@@ -233,13 +233,13 @@ impl<const N: usize> AddForce<'_, N> {
             let [q, v, a] = self.modes;
             (v_m[w], a_m[w]) = (of_modes(v), of_modes(a));
             if first == 0 {
-                let Lanes([square, damping]) = &self.own[group + w];
+                let Grouped([square, damping]) = &self.own[group + w];
                 by_damping[w] = simd.mul_add_e_f64s(lanes(square), of_modes(q), simd.mul_f64s(lanes(damping), v_m[w]));
                 by_mass[w] = a_m[w];
             }
         }
         let rows = self.at_interface.len();
-        let couplings: [&[Lanes<2>]; W] = std::array::from_fn(|w| {
+        let couplings: [&[Grouped<2>]; W] = std::array::from_fn(|w| {
             let start = (group + w) * rows + first;
             &self.cell.couplings[start..start + N]
         });
@@ -248,7 +248,7 @@ impl<const N: usize> AddForce<'_, N> {
             let (v, a) = (simd.splat_f64s(v), simd.splat_f64s(a));
             let mut sum = on_interface[i];
             for w in 0..W {
-                let Lanes([d, m]) = &couplings[w][i];
+                let Grouped([d, m]) = &couplings[w][i];
                 let (d, m) = (lanes(d), lanes(m));
                 by_damping[w] = simd.mul_add_e_f64s(d, v, by_damping[w]);
                 by_mass[w] = simd.mul_add_e_f64s(m, a, by_mass[w]);
