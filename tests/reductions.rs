@@ -379,6 +379,48 @@ fn a_window_taken_back_over_a_border_of_spans_repeats_bit_for_bit() {
     }
 }
 
+/// Each window of a line of unequal spans is another piece of it, with its own energy at rest: it must not show in the energy of the line
+/// above its static state, nor in the force.
+#[test]
+fn a_window_over_unequal_spans_moves_without_a_jump_of_energy() {
+    let course = |reduce: &str| -> Vec<(f64, f64)> {
+        let scene = scene_with(
+            EN_300,
+            &[
+                "catenary.span_length=[60,60,60,60,60,60,66,60,60,60]",
+                "run.start_x=290",
+                "run.duration=0.4",
+                "run.evaluate={time=[0.1,0.3]}",
+                "catenary.mesh.elements_per_interval=2",
+                &format!("model.reduce=[{reduce}]"),
+            ],
+        );
+        let statics = catenary::static_line(&scene).unwrap();
+        let strip = pressing(&scene, &statics);
+        let mut line = Subsystem::new(&scene, &statics).unwrap();
+        line.start(&[strip]).unwrap();
+        (0..300)
+            .map(|n| {
+                let t = f64::from(n) * 1e-3;
+                line.set_strip_input(0, 2, strip.height);
+                line.set_strip_input(0, 0, strip.x + strip.speed * t);
+                line.advance_to(t, 1e-3).unwrap();
+                (line.energy(), line.contact(0).force)
+            })
+            .collect()
+    };
+    let reduce = "\"planar\", \"linearised\"";
+    let (whole, window) = (course(reduce), course(&format!("{reduce}, \"window\"")));
+    let off = |of: fn(&(f64, f64)) -> f64| {
+        let pairs = whole.iter().zip(&window);
+        pairs.fold(0.0, |most: f64, (a, b)| most.max((of(a) - of(b)).abs()))
+    };
+    let (energy, force) = (off(|step| step.0), off(|step| step.1));
+    println!("{energy} J of {} J, {force} N", whole[0].0);
+    // The window moves at 0.12 s.
+    assert!(energy < 0.01 * whole[0].0 && force < 1.0, "{energy} J, {force} N");
+}
+
 #[test]
 fn a_windowed_line_is_as_large_whatever_the_number_of_spans() {
     let size = |spans: usize| {

@@ -61,6 +61,7 @@ impl Scene {
         if found.is_empty() {
             self.check_speed(&mut found);
             self.check_cures(&mut found);
+            self.check_window(&mut found);
             self.check_strips_on_the_line(&mut found);
             self.check_evaluation(&mut found);
         }

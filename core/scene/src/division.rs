@@ -91,6 +91,21 @@ impl Catenary {
         (0..self.spans()).map(of_span).max().unwrap_or(0)
     }
 
+    /// Two spans with different numbers of elements, if there are any.
+    pub(crate) fn uneven_spans(&self) -> Option<String> {
+        let counts = |span: usize| {
+            self.intervals_of(span)
+                .map(|length| self.mesh.division.elements(length))
+        };
+        let other = (1..self.spans()).find(|&span| !counts(span).eq(counts(0)))?;
+        let [first, second] = [0, other].map(|span| counts(span).sum::<usize>());
+        Some(format!(
+            "catenary.mesh divides each wire into {first} elements in span 1 and otherwise, into {second}, in span {}; \
+             elements_per_interval divides all spans alike",
+            other + 1
+        ))
+    }
+
     /// The division with the fewest elements that are no longer than those of `count` in the longest interval, but for a tenth of a
     /// millimetre: as many in each interval where all need as many.
     #[must_use]

@@ -150,4 +150,15 @@ impl Scene {
             }
         }
     }
+
+    /// A window has the same coordinates wherever it is.
+    pub(crate) fn check_window(&self, found: &mut Found) {
+        if self.model.has(Reduction::Window)
+            && let Some((catenary, _)) = self.modelled_line()
+            && let Some(reason) = catenary.uneven_spans()
+        {
+            let expected = format!("must be left out: {reason}");
+            refuse(found, "model.reduce", format!("\"{}\"", Reduction::Window), expected);
+        }
+    }
 }

@@ -568,6 +568,23 @@ fn a_line_is_linear_in_one_way_only() {
     assert!(error.contains(expected), "{error}");
 }
 
+/// A window has the same coordinates wherever it is: spans may differ, their numbers of elements may not.
+#[test]
+fn a_window_over_spans_that_are_divided_differently_is_refused() {
+    let line = |mesh: &str| {
+        let lengths = "catenary.span_length=[60,60,60,60,60,60,66,60,60,60]";
+        let reduce = "model.reduce=[\"planar\",\"window\"]";
+        message(EN, &[lengths, reduce, &format!("catenary.mesh={{ {mesh} }}")])
+    };
+    let refused = line("element_length = 0.93");
+    let reason = "model.reduce = \"window\": must be left out: catenary.mesh divides each wire into 66 elements in span 1 and otherwise";
+    holds(
+        &refused,
+        &[reason, "in span 7; elements_per_interval divides all spans alike"],
+    );
+    assert_eq!(line("elements_per_interval = 8"), "accepted");
+}
+
 #[test]
 fn a_line_of_somebody_else_cannot_be_reduced() {
     let (before, rest) = EN.split_once("[catenary]").unwrap();

@@ -140,6 +140,8 @@ pub struct WindowedLine {
     origin: f64,
     arrangement: Arrangement,
     inner: Box<dyn OverheadLine>,
+    /// Potential energy of `inner` in its static state, J: windows elsewhere have another one.
+    energy_at_rest: f64,
     far: FarField,
     held: Vec<usize>,
     uplift_reference: Vec<f64>,
@@ -238,6 +240,7 @@ impl WindowedLine {
             origin: fixed.supports_x[arrangement.at],
             uplift_reference: vec![0.0; fixed.supports_x.len()],
             inner: Box::new(line),
+            energy_at_rest: 0.0,
             far: FarField::default(),
             held: Vec::new(),
             compliance: None,
@@ -278,6 +281,7 @@ impl WindowedLine {
         let from = fixed.source_of(arrangement.at, plan.window);
         let spans = from..from + plan.window;
         let (mut line, count) = fixed.source().cut_for_contact(spans, first, &mut self.compliance);
+        assert_eq!(count, plan.inner, "windows must be divided alike");
         self.inner = if fixed.linearised {
             let mut own = Layout::new();
             own.add_coordinates(first + count, "window");
@@ -297,6 +301,7 @@ impl WindowedLine {
             u: &[],
         };
         self.inner.forces(&mut |part| part.add_force(&motion, &mut rest));
+        self.energy_at_rest = self.inner.energy(&motion);
         let mut far = FarField {
             load: rest.iter().map(|force| -force).collect(),
             ..FarField::default()

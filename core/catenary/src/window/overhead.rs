@@ -31,7 +31,7 @@ impl OverheadLine for WindowedLine {
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
-        self.inner.energy(motion) + self.far.energy(motion)
+        self.inner.energy(motion) - self.energy_at_rest + self.far.energy(motion)
     }
 
     fn dropper_samples(&self, motion: &Motion<'_>) -> Vec<DropperSample> {
@@ -46,17 +46,17 @@ impl OverheadLine for WindowedLine {
         for span in self.drawn().filter(|span| !self.arrangement.window.contains(span)) {
             let from = fixed.source_of(span, 1);
             let shift = Vector3::x() * (fixed.supports_x[span] - fixed.topology.x()[fixed.topology.supports()[from]]);
-            let droppers = fixed.topology.droppers().iter();
-            samples.extend(
-                droppers
-                    .filter(|place| place.span == from + 1)
-                    .map(|place| DropperSample {
-                        top: upper.nodes()[place.node].position + shift,
-                        bottom: lower.nodes()[place.node].position + shift,
-                        // Static: it carries the wire.
-                        force: fixed.catenary.droppers.stiffness,
-                    }),
-            );
+            let droppers = fixed.topology.droppers().iter().zip(&fixed.equilibrium.dropper_lengths);
+            let of_span = droppers.filter(|(place, _)| place.span == from + 1);
+            samples.extend(of_span.map(|(place, unstressed_length)| {
+                let [top, bottom] = [upper, lower].map(|wire| wire.nodes()[place.node].position + shift);
+                let elongation = (top - bottom).norm() - unstressed_length;
+                DropperSample {
+                    top,
+                    bottom,
+                    force: (fixed.catenary.droppers.stiffness * elongation).max(0.0),
+                }
+            }));
         }
         samples
     }
@@ -133,7 +133,14 @@ impl OverheadLine for WindowedLine {
         let next = self.fixed.plan.arrangement(at);
         self.fixed.transfer(&self.arrangement, &next, state);
         state.q[self.fixed.position] = self.fixed.supports_x[at] - self.origin;
+        let mut history = Vec::new();
+        self.inner.forces(&mut |part| part.save(&mut history));
         let continuity = self.go_to(next);
+        if continuity == Continuity::Replaced {
+            // With the step that has just ended droppers tell where the next one begins.
+            let mut values = history.iter();
+            self.inner.forces(&mut |part| part.restore(&mut values));
+        }
         for &index in self.held.iter().filter(|&&index| index != self.fixed.position) {
             for values in [&mut state.q, &mut state.v, &mut state.v_dot, &mut state.a] {
                 values[index] = 0.0;
