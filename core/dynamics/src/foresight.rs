@@ -28,12 +28,14 @@ const UNSEEN: u32 = 16;
 /// with `Θ_i` the largest contraction by correction `i` in the steps that were evaluated, of which a part is forgotten with each. Every
 /// so many steps the last residual is evaluated, and `Θ` measured.
 ///
-/// Of the first correction of a step there is `Θ_0` alone. That serves where nothing but contact and droppers is not linear: they say
+/// Of the first correction of a step there is `Θ_0` alone. That serves where the wires are linear: contact, droppers and pantographs say
 /// themselves where they leave the piece of their law, see [`crate::Force::continues_to`], and what the correction contracts there is
 /// not taken for `Θ_0`. On a nonlinear wire `Θ_0` grows with the motion: there it is not followed.
 ///
 /// With the last residuals evaluated too, on the lines of EN 50318 and of the thesis, nonlinear and linearised, whole and windowed, with
-/// tolerances of 1e-3 N and 0.3 N: at most 1.2 steps in a hundred end above the tolerance by that, and none above seven times.
+/// tolerances of 1e-3 N and 0.3 N: at most 1.2 steps in a hundred end above the tolerance by that, and none above seven times. Where a
+/// wheel touches a rail is searched for and not compared: under the vehicle of the thesis on smooth track, with irregularities, and in a
+/// curve of 500 m with stronger ones at 140 km/h it is at most 1 in a hundred, and none above five times.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Foresight {
     /// `Θ_i` (–); infinite where it is not known.

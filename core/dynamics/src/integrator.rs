@@ -161,10 +161,15 @@ impl GeneralizedAlpha {
         let iterations = workspace.counters.newton_iterations - before.newton_iterations;
         self.counters.newton_iterations += iterations;
         self.counters.most_iterations = self.counters.most_iterations.max(iterations);
+        self.keep(workspace, before);
+        result
+    }
+
+    /// Keeps the workspace, and counts what it factored and solved since it had counted `before`.
+    fn keep(&mut self, workspace: Workspace, before: Counters) {
         self.counters.factorizations += workspace.counters.factorizations - before.factorizations;
         self.counters.solves += workspace.counters.solves - before.solves;
         self.workspace = Some(workspace);
-        result
     }
 
     fn iterate(
@@ -239,11 +244,7 @@ impl GeneralizedAlpha {
                     h,
                     iterations: iteration,
                     residual: residual.value,
-                    tolerance: if worst < n {
-                        options.tolerance
-                    } else {
-                        options.constraint_tolerance
-                    },
+                    tolerance: options.tolerance_of(worst, n),
                     coordinate: name(system, worst),
                 });
             }
@@ -466,6 +467,7 @@ impl GeneralizedAlpha {
             return Ok(());
         }
         let mut workspace = self.take_workspace(system, &state.motion(u));
+        let counted = workspace.counters;
         let (mass_rate, velocity_rate) = self.scheme.rates(h);
         let weights = Weights {
             q: 1.0,
@@ -485,7 +487,7 @@ impl GeneralizedAlpha {
             }
             self.memory.moving.jump(workspace.moving(), of_multipliers);
         }
-        self.workspace = Some(workspace);
+        self.keep(workspace, counted);
         result
     }
 
@@ -542,8 +544,9 @@ impl GeneralizedAlpha {
         if !same && let Some(linearisation) = memory.linearisation.clone() {
             restore_history(system, &linearisation.history);
             let mut workspace = self.take_workspace(system, &state.motion(u));
+            let counted = workspace.counters;
             let result = self.factor(&mut workspace, system, &linearisation);
-            self.workspace = Some(workspace);
+            self.keep(workspace, counted);
             result?;
         }
         restore_history(system, &memory.history);

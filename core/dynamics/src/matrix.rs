@@ -203,7 +203,7 @@ pub(crate) fn visit_jacobian(system: &mut dyn System, motion: &Motion<'_>, sink:
 }
 
 /// The same for the rows that are in the pattern; returns the equations of those that are not.
-fn visit_still_jacobian(
+pub(crate) fn visit_still_jacobian(
     system: &mut dyn System,
     motion: &Motion<'_>,
     moving_rows: MovingRows,

@@ -46,6 +46,17 @@ impl Default for NewtonOptions {
     }
 }
 
+impl NewtonOptions {
+    /// The tolerance that the residual of an unknown is held to; the first ones are `coordinates`, then come constraints.
+    pub(crate) fn tolerance_of(&self, unknown: usize, coordinates: usize) -> f64 {
+        if unknown < coordinates {
+            self.tolerance
+        } else {
+            self.constraint_tolerance
+        }
+    }
+}
+
 /// Why an equilibrium could not be found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
@@ -209,7 +220,7 @@ impl Workspace {
         self.imbalance.sum_up(system, motion, lambda, options)
     }
 
-    /// Whether nothing is nonlinear but what evaluates no ranges: contact, droppers, a pantograph.
+    /// Whether nothing is nonlinear but what evaluates no ranges: contact, the droppers of a linear line, pantographs, vehicles.
     pub fn is_linear(&self) -> bool {
         self.imbalance.is_linear()
     }

@@ -1,5 +1,5 @@
 //! What is left over of the equations of motion: evaluated whole, where a correction has changed it, or known without evaluation.
-use crate::matrix::{IterationMatrix, visit_jacobian};
+use crate::matrix::{IterationMatrix, MovingRows, visit_jacobian, visit_still_jacobian};
 use crate::{Blocks, Layout, Motion, NewtonOptions, SparseMatrix, System, Updates, Weights};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -114,7 +114,7 @@ impl LinearPart {
             rows
         };
         let (mut own, mut evaluated) = (rows_of(true), rows_of(false));
-        visit_jacobian(system, motion, &mut |_, columns, _| {
+        visit_still_jacobian(system, motion, MovingRows::Placeholders, &mut |_, columns, _| {
             columns.iter().for_each(|&column| evaluated[column] |= own[column]);
         });
         for (own, evaluated) in own.iter_mut().zip(&evaluated) {

@@ -90,13 +90,14 @@ fn solve(
             });
         }
         if iteration == newton.max_iterations {
+            let worst = workspace.worst(&residual);
             return Err(StepError::NotConverged {
                 t: state.t,
                 h: 0.0,
                 iterations: iteration,
                 residual: residual.value,
-                tolerance: newton.tolerance,
-                coordinate: name(system, workspace.worst(&residual)),
+                tolerance: newton.tolerance_of(worst, state.q.len()),
+                coordinate: name(system, worst),
             });
         }
         stagnant = if residual.ratio < 0.9 * best { 0 } else { stagnant + 1 };

@@ -46,15 +46,19 @@ impl System for Told {
     }
 }
 
-fn steps(jacobian: Jacobian) -> (Told, dynamics::Counters) {
+fn told() -> Told {
     let mut layout = Layout::new();
     layout.add_coordinates(1, "mass");
-    let mut told = Told {
+    Told {
         layout,
         spring: Spring,
         stages: Vec::new(),
         visited: Vec::new(),
-    };
+    }
+}
+
+fn steps(jacobian: Jacobian) -> (Told, dynamics::Counters) {
+    let mut told = told();
     let options = NewtonOptions {
         jacobian,
         ..NewtonOptions::default()
@@ -73,6 +77,20 @@ fn steps(jacobian: Jacobian) -> (Told, dynamics::Counters) {
         );
     }
     (told, integrator.counters())
+}
+
+/// A side of a coupling takes the first jump of its inputs before its first step.
+#[test]
+fn what_a_jump_factors_and_solves_is_counted() {
+    let mut integrator = GeneralizedAlpha::new(0.8, NewtonOptions::default());
+    let mut state = State::at_rest(1, 0, Vec::new());
+    let mut told = told();
+    integrator.jump(&mut told, &mut state, &[0.0], &[1.0], 1e-2).unwrap();
+    let counters = integrator.counters();
+    assert_eq!((counters.factorizations, counters.newton_iterations), (1, 0));
+    assert!(counters.solves > 0);
+    integrator.step(&mut told, &mut state, &[1.0], 1e-2, 1e-2).unwrap();
+    assert_eq!(integrator.counters().factorizations, 1, "the same matrix");
 }
 
 #[test]

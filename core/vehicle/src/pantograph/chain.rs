@@ -174,6 +174,8 @@ pub struct ChainElement {
     factored: f64,
     /// Whether it was open where its force was found last.
     open: bool,
+    /// Rows of low-rank terms so far that a turning foot has a part in.
+    rows: u64,
 }
 
 impl ChainElement {
@@ -191,6 +193,7 @@ impl ChainElement {
             friction: 0.0,
             factored: 0.0,
             open: false,
+            rows: 0,
         }
     }
 
@@ -293,6 +296,7 @@ impl Force for ChainElement {
             let mut columns = Columns::default();
             if let (None, Some(foot)) = (self.below, &self.foot) {
                 foot.pair.second.columns(motion, &mut columns);
+                self.rows += 1;
             }
             let foot = columns
                 .as_slice()
@@ -300,7 +304,7 @@ impl Force for ChainElement {
                 .map(|column| (column.index, column.translation.z));
             updates.rank_one(
                 0,
-                0,
+                self.rows,
                 change,
                 std::iter::once((self.above, -1.0)).chain(below).chain(foot),
             );

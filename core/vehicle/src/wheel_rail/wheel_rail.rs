@@ -323,11 +323,6 @@ impl Force for WheelRail {
         self.start = self.search(&self.pairing(&place), &place);
     }
 
-    /// Where a wheel touches is searched for anew at each motion.
-    fn continues_to(&mut self, _: &Motion<'_>) -> bool {
-        false
-    }
-
     fn save(&self, out: &mut Vec<f64>) {
         out.push(self.start.s.unwrap_or(f64::NAN));
         let found = &self.start.found;
