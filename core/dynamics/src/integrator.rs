@@ -149,7 +149,6 @@ impl GeneralizedAlpha {
         h: f64,
     ) -> Result<(), StepError> {
         let mut workspace = self.take_workspace(system, &state.motion(u));
-        let before = workspace.counters;
         let result = self.ensure_factor(&mut workspace, system, state, u, h).and_then(|()| {
             let result = self.iterate(&mut workspace, system, state, u, t_end, h);
             if result.is_err() {
@@ -158,17 +157,18 @@ impl GeneralizedAlpha {
             result
         });
         self.counters.micro_steps += 1;
-        let iterations = workspace.counters.newton_iterations - before.newton_iterations;
+        let iterations = workspace.counters.newton_iterations;
         self.counters.newton_iterations += iterations;
         self.counters.most_iterations = self.counters.most_iterations.max(iterations);
-        self.keep(workspace, before);
+        self.keep(workspace);
         result
     }
 
-    /// Keeps the workspace, and counts what it factored and solved since it had counted `before`.
-    fn keep(&mut self, workspace: Workspace, before: Counters) {
-        self.counters.factorizations += workspace.counters.factorizations - before.factorizations;
-        self.counters.solves += workspace.counters.solves - before.solves;
+    /// Keeps the workspace, and counts what it factored and solved since it was taken.
+    fn keep(&mut self, mut workspace: Workspace) {
+        let work = std::mem::take(&mut workspace.counters);
+        self.counters.factorizations += work.factorizations;
+        self.counters.solves += work.solves;
         self.workspace = Some(workspace);
     }
 
@@ -467,7 +467,6 @@ impl GeneralizedAlpha {
             return Ok(());
         }
         let mut workspace = self.take_workspace(system, &state.motion(u));
-        let counted = workspace.counters;
         let (mass_rate, velocity_rate) = self.scheme.rates(h);
         let weights = Weights {
             q: 1.0,
@@ -487,7 +486,7 @@ impl GeneralizedAlpha {
             }
             self.memory.moving.jump(workspace.moving(), of_multipliers);
         }
-        self.keep(workspace, counted);
+        self.keep(workspace);
         result
     }
 
@@ -544,9 +543,8 @@ impl GeneralizedAlpha {
         if !same && let Some(linearisation) = memory.linearisation.clone() {
             restore_history(system, &linearisation.history);
             let mut workspace = self.take_workspace(system, &state.motion(u));
-            let counted = workspace.counters;
             let result = self.factor(&mut workspace, system, &linearisation);
-            self.keep(workspace, counted);
+            self.keep(workspace);
             result?;
         }
         restore_history(system, &memory.history);

@@ -170,6 +170,7 @@ pub(crate) struct Workspace {
     /// Where the correction is not zero, and the unknowns whose equations it enters.
     changed: Ranges,
     affected: Ranges,
+    /// Corrections, factorisations and solutions since they were last taken from here.
     pub counters: Counters,
 }
 

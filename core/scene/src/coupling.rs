@@ -25,7 +25,8 @@ pub struct Coupling {
     /// contract by more than half each time, or do not converge at all. With 1 no slave is taken back.
     pub max_iterations: usize,
     /// Change of the contact force by a further pass that is not worth it, N; 2e-3 by default: with the line of EN 50318 and
-    /// a micro step of 0.5 ms, macro steps of 1 ms are done in one pass, 5 ms in two or three with an error below 0.1 % of the standard deviation.
+    /// a micro step of 0.5 ms, macro steps of 1 ms are done in one pass, 5 ms in two or three with an error below 0.1 % of the standard
+    /// deviation.
     pub force_tolerance: f64,
     /// Why this algorithm: named in the scene, or what `"auto"` went by. Not in the file and not compared.
     pub reason: &'static str,

@@ -84,19 +84,21 @@ impl Catenary {
         self.intervals().fold(0.0, f64::max)
     }
 
+    /// Elements that a division makes of the intervals of a span.
+    fn elements_of(&self, span: usize, division: Division) -> impl Iterator<Item = usize> + '_ {
+        self.intervals_of(span).map(move |length| division.elements(length))
+    }
+
     /// Elements that a division makes of each wire in a span; where spans differ, in the one that has most.
     #[must_use]
     pub fn elements_per_span(&self, division: Division) -> usize {
-        let of_span = |span| self.intervals_of(span).map(|length| division.elements(length)).sum();
+        let of_span = |span| self.elements_of(span, division).sum();
         (0..self.spans()).map(of_span).max().unwrap_or(0)
     }
 
-    /// Two spans with different numbers of elements, if there are any.
+    /// Why spans are not divided alike: two of them, and what divides them so.
     pub(crate) fn uneven_spans(&self) -> Option<String> {
-        let counts = |span: usize| {
-            self.intervals_of(span)
-                .map(|length| self.mesh.division.elements(length))
-        };
+        let counts = |span: usize| self.elements_of(span, self.mesh.division);
         let other = (1..self.spans()).find(|&span| !counts(span).eq(counts(0)))?;
         let [first, second] = [0, other].map(|span| counts(span).sum::<usize>());
         Some(format!(

@@ -108,10 +108,7 @@ impl Scene {
 
     /// Reductions that this scene cannot have, alone or together.
     pub(crate) fn check_reductions(&self, found: &mut Found) {
-        let mut left_out = |reduction: Reduction, reason: String| {
-            let expected = format!("must be left out: {reason}");
-            refuse(found, "model.reduce", format!("\"{reduction}\""), expected);
-        };
+        let mut left_out = |reduction: Reduction, reason: String| leave_out(found, reduction, &reason);
         for &reduction in &self.model.reductions {
             if reduction == Reduction::Planar && self.modelled_line().is_none() {
                 // It asks nothing of a line that is not modelled, and resolved scenes of systems whose line was replaced name it.
@@ -157,8 +154,13 @@ impl Scene {
             && let Some((catenary, _)) = self.modelled_line()
             && let Some(reason) = catenary.uneven_spans()
         {
-            let expected = format!("must be left out: {reason}");
-            refuse(found, "model.reduce", format!("\"{}\"", Reduction::Window), expected);
+            leave_out(found, Reduction::Window, &reason);
         }
     }
+}
+
+/// Refuses a reduction.
+fn leave_out(found: &mut Found, reduction: Reduction, reason: &str) {
+    let expected = format!("must be left out: {reason}");
+    refuse(found, "model.reduce", format!("\"{reduction}\""), expected);
 }

@@ -88,7 +88,8 @@ fn a_stiff_contact_under_a_light_head_is_stable() {
     reaches("auto, head 1 kg, contact 500 kN/m", &[(2.0, 0.1, 2.0)]);
 }
 
-/// The prototypes measured with the problem: h321 is Gauss-Seidel, the pantograph first, with parabolic forces; "held" the common exchange.
+/// The prototypes measured with the problem: h321 is Gauss-Seidel, the pantograph first, with parabolic forces; "held" the common
+/// exchange.
 #[test]
 fn the_common_exchanges_have_the_published_errors() {
     reaches(

@@ -296,7 +296,7 @@ impl Force for ChainElement {
             let mut columns = Columns::default();
             if let (None, Some(foot)) = (self.below, &self.foot) {
                 foot.pair.second.columns(motion, &mut columns);
-                self.rows += 1;
+                self.rows += u64::from(!columns.as_slice().is_empty());
             }
             let foot = columns
                 .as_slice()
