@@ -284,25 +284,19 @@ impl BlockTridiagonal {
     ) -> bool {
         let hull = self.sweep(threshold, 0..self.blocks.len());
         let active = &self.active[hull.clone()];
-        let mut see = |from: usize, to: usize| {
-            let beyond = (to + 1).min(self.blocks.len());
-            changed(
-                self.unknowns_of(from..to),
-                self.unknowns_of(from.saturating_sub(1)..beyond),
-            );
-        };
         // Mostly all are solved, which takes a few registers to see; one after the other they take as long as eliminating ten.
-        if !active.is_empty() && active.iter().fold(true, |all, &active| all & active) {
-            see(hull.start, hull.end);
-        } else {
-            let mut from = hull.start;
-            for active in active.chunk_by(|a, b| a == b) {
-                let to = from + active.len();
-                if active[0] {
-                    see(from, to);
-                }
-                from = to;
+        let all = active.iter().fold(true, |all, &active| all & active);
+        let mut from = hull.start;
+        for active in active.chunk_by(|a, b| all || a == b) {
+            let to = from + active.len();
+            if active[0] {
+                let beyond = (to + 1).min(self.blocks.len());
+                changed(
+                    self.unknowns_of(from..to),
+                    self.unknowns_of(from.saturating_sub(1)..beyond),
+                );
             }
+            from = to;
         }
         let solved = self.span(&hull);
         let before = std::mem::replace(&mut self.solved, solved.clone());
