@@ -132,7 +132,7 @@ fn newton_converges_quadratically_on_a_hard_contact_step() {
         ContactTangent::Exact,
     ));
     // A strip rising at 2 m/s while travelling at 60 m/s meets the wire within the step.
-    let u = [9.3, 0.0, 2e-3, 60.0, 0.0, 2.0, 0.02];
+    let u = [9.3, 0.0, 2e-3, 60.0, 0.0, 2.0, 0.02, 0.0];
     let options = NewtonOptions {
         tolerance: 1e-6,
         jacobian: Jacobian::Full,
@@ -243,4 +243,34 @@ fn steps_that_close_stiffly_damped_droppers_reach_their_tolerance() {
     let run = run(scene_with(LUMPED, &overrides), Mode::Monolithic, "stiff droppers");
     let cost = run.summary.cost;
     assert!(cost.newton_iterations < 3 * cost.micro_steps, "{cost:?}");
+}
+
+#[test]
+fn a_step_too_short_to_see_changes_nothing_of_what_follows() {
+    // Rates over it are rounding: of the contact force, which the correction of the mass needs, and of the accelerations.
+    let scene = scene(EN, &["catenary.mesh.cures=[\"mass_correction\"]"]);
+    let statics = catenary::static_line(&scene).unwrap();
+    let course = |short: Option<f64>| -> Vec<f64> {
+        let mut line = Subsystem::new(&scene, &statics).unwrap();
+        let [start] = starts(&scene, scene.modelled_line().unwrap().0.contact_wire_height + 0.045);
+        line.start(&[start]).unwrap();
+        let mut t = 0.0;
+        let step = |n: i32| {
+            if let Some(h) = short.filter(|_| n == 20) {
+                line.advance_to(t, h).unwrap();
+                t += h;
+            }
+            line.advance_to(t, H).unwrap();
+            t += H;
+            line.contact(0).force
+        };
+        (0..60).map(step).collect()
+    };
+    let whole = course(None);
+    assert!(whole.iter().all(|force| *force > 10.0), "{whole:?}");
+    for short in [1e-7, 1e-9, 1e-10, 1e-12, 1e-14] {
+        let apart = distance(&whole, &course(Some(short)));
+        println!("after a step of {short} s: {apart:e} N");
+        assert!(apart < 0.01, "{short} s: {apart} N");
+    }
 }

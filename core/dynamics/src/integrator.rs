@@ -77,6 +77,9 @@ pub struct GeneralizedAlpha {
 /// Contraction of the residual per iteration beyond which a kept factorisation is replaced.
 const SLOW: f64 = 0.3;
 
+/// Ratio of two steps above which the second one knows nothing of the first.
+const LONGEST_STRETCH: f64 = 1e3;
+
 impl GeneralizedAlpha {
     /// An integrator for one system.
     #[must_use]
@@ -349,9 +352,10 @@ impl GeneralizedAlpha {
     }
 
     /// Ratio of a step of `h` s to the last one: `a` approximates `v̇` at `t + (α_m − α_f) h`, so its distance from `v̇` goes with
-    /// the step.
+    /// the step. Zero, so that `a` is `v̇`, after a step so short that this distance is rounding.
     fn stretch(&self, h: f64) -> f64 {
         match self.memory.last_h {
+            Some(last_h) if h > LONGEST_STRETCH * last_h => 0.0,
             Some(last_h) if (last_h - h).abs() > 1e-9 * h => h / last_h,
             _ => 1.0,
         }

@@ -33,6 +33,10 @@ pub struct LoadCorrection {
     pub kappa: f64,
 }
 
+/// Parts of the time step of the correction: two forces that are closer than this tell their rate no better than the rounding of their
+/// difference allows.
+const APART: f64 = 1e-3;
+
 /// The force at the end of a time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Reached {
@@ -52,8 +56,10 @@ impl Reached {
 /// What a contact adds to the forces on its wire.
 #[derive(Clone, Debug)]
 pub(super) struct MovingLoad {
-    /// At the ends of the last two steps, the later one first.
+    /// At the ends of the last two steps, the later one first; of two that are closer than [`APART`], the first one is not kept.
     reached: [Reached; 2],
+    /// `h` of the correction, s.
+    step: f64,
     /// In the present step: coordinate and N.
     terms: Vec<(usize, f64)>,
 }
@@ -61,6 +67,7 @@ pub(super) struct MovingLoad {
 impl MovingLoad {
     pub const NONE: Self = Self {
         reached: [Reached::NOTHING; 2],
+        step: 0.0,
         terms: Vec::new(),
     };
 
@@ -97,6 +104,7 @@ impl MovingLoad {
         let Some(LoadCorrection { step, kappa }) = curve.load_correction() else {
             return;
         };
+        self.step = step;
         let (force, rate) = self.continued(t);
         let way = slide(geometry, strip) * step;
         let places = [-1.0, 0.0, 1.0].map(|steps| geometry.s + steps * way);
@@ -129,7 +137,9 @@ impl MovingLoad {
 
     /// Takes note of the `force` (N) at the end of a step, `t` s.
     pub fn end_step(&mut self, t: f64, force: f64) {
-        self.reached = [Reached { t, force }, self.reached[0]];
+        let [last, before] = self.reached;
+        let close = t - last.t < APART * self.step && last.t - before.t < 2.0 * self.step;
+        self.reached = [Reached { t, force }, if close { before } else { last }];
     }
 
     pub fn save(&self, out: &mut Vec<f64>) {
