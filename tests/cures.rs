@@ -86,7 +86,7 @@ fn a_strip_feels_the_flexibility_of_the_wire_anywhere_on_a_coarse_mesh() {
             wire.contact = Some(ContactPair::new(law, curve, strip, 1.2, ContactTangent::RankOne));
             for i in 1..60 {
                 let x = 0.5 * f64::from(i) + 0.07;
-                let u = [x, 0.0, 1e-5, 0.0, 0.0, 0.0, 0.0];
+                let u = [x, 0.0, 1e-5, 0.0, 0.0, 0.0, 0.0, 0.0];
                 let mut state = wire.layout.state_at_rest();
                 let mut options = StaticOptions::default();
                 options.newton.tolerance = 1e-8;
@@ -273,7 +273,7 @@ fn error_ahead_of_a_strip(h: f64, corrected_load: bool) -> f64 {
     for step in 1..=steps {
         let t = step as f64 * h;
         let pressed = 2.0 * m * c * rate(t) / law.stiffness;
-        let u = [START + v * t, 0.0, height(t) + pressed, v, 0.0, 0.0, 0.0];
+        let u = [START + v * t, 0.0, height(t) + pressed, v, 0.0, 0.0, 0.0, 0.0];
         integrator
             .step(&mut wire, &mut state, &u, t, h)
             .expect("the wire moves on");

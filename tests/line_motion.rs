@@ -170,6 +170,7 @@ where
             0.0,
             if t < 0.2 { 0.2 } else { 0.0 },
             0.0,
+            0.0,
         ];
         integrator.step(&mut system, &mut state, &u, t, 1e-3).unwrap();
         forces.push(

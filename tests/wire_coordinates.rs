@@ -58,7 +58,7 @@ fn wire(per_node: usize, layer: bool) -> SingleWire {
 /// Contact force of a strip raised by 0.01 mm under mid-span, N.
 fn static_force(per_node: usize, layer: bool) -> f64 {
     let mut wire = wire(per_node, layer);
-    let u = [0.5 * LENGTH, 0.0, 1e-5, 0.0, 0.0, 0.0, 0.0];
+    let u = [0.5 * LENGTH, 0.0, 1e-5, 0.0, 0.0, 0.0, 0.0, 0.0];
     let mut state = wire.layout.state_at_rest();
     let mut options = StaticOptions::default();
     options.newton.tolerance = 1e-7;

@@ -1,5 +1,5 @@
 //! The line at rest over strips of given heights.
-use crate::contact::STRIP_INPUTS;
+use crate::contact::STRIP_VALUES;
 use crate::{
     CatenaryError, ContactTangent, OverheadLine, PrescribedStrip, SlidingJoint, StaticLine, StripStart, Subsystem,
     scene_line,
@@ -55,7 +55,7 @@ impl LineAtRest {
         let mut layout = Layout::new();
         let line = scene_line(scene, statics, &mut layout)?;
         let joints = (0..scene.pantographs.len()).map(|strip| {
-            let first = strip * STRIP_INPUTS;
+            let first = strip * STRIP_VALUES;
             SlidingJoint::new(
                 line.contact_curve(),
                 Box::new(PrescribedStrip { first }),

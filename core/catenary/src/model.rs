@@ -1,5 +1,5 @@
 //! The line of a scene together with the strips on it.
-use crate::contact::STRIP_INPUTS;
+use crate::contact::STRIP_VALUES;
 use crate::{
     BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, OverheadLine,
     PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine, WiresInWind,
@@ -36,7 +36,7 @@ pub enum CatenaryError {
     Settling(#[from] StepError),
 }
 
-/// A line with strips that follow the system's inputs, [`STRIP_INPUTS`] per strip.
+/// A line with strips that follow the system's inputs, [`STRIP_VALUES`] per strip.
 pub struct Model {
     layout: Layout,
     /// The line.
@@ -56,7 +56,7 @@ impl Model {
         line: Box<dyn OverheadLine>,
     ) -> Result<Self, CatenaryError> {
         let contacts = (0..scene.pantographs.len()).map(|strip| {
-            let first = strip * STRIP_INPUTS;
+            let first = strip * STRIP_VALUES;
             contact_pair(scene, &*line, strip, Box::new(PrescribedStrip { first }))
         });
         let contacts = contacts.collect::<Result<_, _>>()?;

@@ -1,5 +1,5 @@
 //! The line as one simulation unit: strips come in, contact forces go out.
-use crate::contact::{ContactState, STRIP_INPUTS};
+use crate::contact::{ContactState, STRIP_INPUTS, STRIP_VALUES};
 use crate::exchange::{Exchange, SAMPLES, Tally};
 use crate::signals::input_direction;
 use crate::{CatenaryError, Model, OverheadLine, StaticLine, scene_line};
@@ -101,7 +101,7 @@ impl Subsystem {
         let model = Model::with_prescribed_strips(scene, layout, line)?;
         let strips = scene.pantographs.len();
         let solver = &scene.solver;
-        let u = vec![0.0; strips * STRIP_INPUTS];
+        let u = vec![0.0; strips * STRIP_VALUES];
         let state = model.layout().state_at_rest();
         let options = solver.newton_options();
         let mut simulator = Simulator::new(model, state, u.clone(), solver.micro_step, solver.rho_inf, options);
@@ -111,7 +111,7 @@ impl Subsystem {
                 model.line.energy(&motion)
             },
             simulator,
-            inputs: vec![FollowedInput::default(); u.len()],
+            inputs: vec![FollowedInput::default(); strips * STRIP_INPUTS],
             follow_velocity: true,
             exchanges: vec![Exchange::default(); strips],
             before: Checkpoint::default(),
@@ -234,8 +234,10 @@ impl Subsystem {
         if result.is_ok() {
             tally.finish(&mut self.exchanges);
             follow_inputs(&self.inputs, self.follow_velocity, h, &mut self.u);
-            for (input, value) in self.inputs.iter_mut().zip(&self.u) {
-                input.finish(*value);
+            for (inputs, values) in strips_of(&mut self.inputs, &mut self.u) {
+                for (input, value) in inputs.iter_mut().zip(values) {
+                    input.finish(*value);
+                }
             }
         }
         self.tally = tally;
@@ -291,8 +293,11 @@ impl Subsystem {
     }
 
     fn refresh_inputs(&mut self) {
-        for (value, input) in self.u.iter_mut().zip(&self.inputs) {
-            *value = input.value();
+        for (inputs, values) in strips_of(&mut self.inputs, &mut self.u) {
+            // The roll rate stays what it was at the end of the last step.
+            for (value, input) in values.iter_mut().zip(inputs) {
+                *value = input.value();
+            }
         }
         self.outputs.fill(None);
         self.simulator.set_inputs(&self.u);
@@ -367,16 +372,27 @@ impl Subsystem {
 /// Contact stiffness that a line of any tension in use settles under at once, N/m: that of EN 50318.
 const SETTLING_STIFFNESS: f64 = 5e4;
 
-/// Inputs of all strips `tau` s after the start of the step: a position with derivatives follows them, else its velocity if
-/// `follow`, else it is held.
+/// The inputs of each strip with the values that its motion follows from.
+fn strips_of<'a>(
+    inputs: &'a mut [FollowedInput],
+    u: &'a mut [f64],
+) -> impl Iterator<Item = (&'a mut [FollowedInput], &'a mut [f64])> {
+    inputs
+        .chunks_exact_mut(STRIP_INPUTS)
+        .zip(u.chunks_exact_mut(STRIP_VALUES))
+}
+
+/// What the motion of all strips follows from `tau` s after the start of the step: a position with derivatives follows them, else its
+/// velocity if `follow`, else it is held.
 fn follow_inputs(inputs: &[FollowedInput], follow: bool, tau: f64, u: &mut [f64]) {
-    for (inputs, u) in inputs.chunks_exact(STRIP_INPUTS).zip(u.chunks_exact_mut(STRIP_INPUTS)) {
-        for (k, value) in u.iter_mut().enumerate() {
-            *value = if k < 3 && follow && !inputs[k].has_derivatives() {
-                inputs[k].value() + inputs[k + 3].integral(tau)
+    for (inputs, u) in inputs.chunks_exact(STRIP_INPUTS).zip(u.chunks_exact_mut(STRIP_VALUES)) {
+        for (k, (input, value)) in inputs.iter().zip(&mut *u).enumerate() {
+            *value = if k < 3 && follow && !input.has_derivatives() {
+                input.value() + inputs[k + 3].integral(tau)
             } else {
-                inputs[k].at(tau)
+                input.at(tau)
             };
         }
+        u[STRIP_INPUTS] = inputs[STRIP_INPUTS - 1].rate(tau);
     }
 }

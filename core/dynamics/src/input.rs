@@ -62,6 +62,13 @@ impl FollowedInput {
         self.value + tau * (first + tau * (second / 2.0 + tau * third / 6.0))
     }
 
+    /// Rate of [`FollowedInput::at`]: `u̇ + ü τ + …`.
+    #[must_use]
+    pub fn rate(&self, tau: f64) -> f64 {
+        let [first, second, third] = self.derivatives;
+        first + tau * (second + tau * third / 2.0)
+    }
+
     /// Integral of [`FollowedInput::at`] from 0 to `tau`: how far a position moves whose velocity this is.
     #[must_use]
     pub fn integral(&self, tau: f64) -> f64 {
@@ -86,6 +93,7 @@ mod tests {
             input.set_derivative(order, value);
         }
         assert!((input.at(0.5) - (2.0 + 1.5 - 0.5 + 0.125)).abs() < 1e-15);
+        assert!((input.rate(0.5) - (3.0 - 2.0 + 0.75)).abs() < 1e-15);
         let h = 1e-5;
         let slope = (input.integral(0.5 + h) - input.integral(0.5 - h)) / (2.0 * h);
         assert!(

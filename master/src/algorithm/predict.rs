@@ -6,7 +6,7 @@ use crate::interface::{contact, load, strip};
 
 use super::{Exchange, Point, Polynomial};
 
-/// Motion of all strips, extrapolated with degree `order` (0 to 2).
+/// Motion of all strips, extrapolated with degree `order` (0 to 2); roll with degree 1 at most.
 ///
 /// The acceleration of degree 2 is that at the end of the cubic through the last two positions and velocities:
 ///
@@ -36,6 +36,11 @@ pub fn strips(exchange: &Exchange, order: usize, polynomial: &mut Polynomial) {
                 second[at + strip::X + axis] = acceleration;
                 first[at + strip::VX + axis] = acceleration;
             }
+        }
+        if order >= 1 && exchange.known() > 1 {
+            // No output is its rate.
+            let change = motion[strip::ROLL] - before.strip(i)[strip::ROLL];
+            first[at + strip::ROLL] = change / (now.t - before.t);
         }
     }
 }

@@ -20,4 +20,4 @@ pub use on_wire::{OnWire, StripContact};
 pub use pair::{ContactPair, ContactTangent};
 pub use sliding_joint::SlidingJoint;
 pub use state::{ContactState, Sensitivity};
-pub use strip::{PrescribedStrip, STRIP_INPUTS};
+pub use strip::{PrescribedStrip, STRIP_INPUTS, STRIP_VALUES};
