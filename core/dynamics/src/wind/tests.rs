@@ -236,3 +236,31 @@ fn a_record_is_read_between_its_times_and_places_and_refused_where_it_is_none() 
         Err(WindRecordError::NotFinite { row: 1 })
     ));
 }
+
+#[test]
+fn a_field_has_the_standard_deviations_asked_for_over_its_period() {
+    for (speed, steps) in [(20.0, 1024), (10.0, 1024), (20.0, 8192)] {
+        let options = TurbulenceOptions {
+            speed,
+            steps,
+            ..options(3)
+        };
+        let field = Turbulence::new(&options);
+        for component in 0..3 {
+            let direction = options.axes.column(component).into_owned();
+            // At the first station all harmonics have their own amplitude, whatever their phases.
+            let samples = (0..steps).map(|step| {
+                field
+                    .velocity(step as f64 * options.time_step, options.start)
+                    .dot(&direction)
+            });
+            let variance = samples.map(|u| u * u).sum::<f64>() / steps as f64;
+            // What varies faster than ten times a second is left out.
+            let ratio = variance.sqrt() / options.deviations[component];
+            assert!(
+                (0.9..1.005).contains(&ratio),
+                "{speed} m/s, {steps} steps, {component}: {ratio}"
+            );
+        }
+    }
+}

@@ -43,7 +43,9 @@ pub struct TurbulenceOptions {
 /// u_j(t) = Re Σ_l √(2 S(f_l) Δf) z_jl exp(2π i f_l t),   z_jl = Σ_m H_jm(f_l) exp(i φ_ml),   H Hᵀ = [ρ^|j−k|],  ρ = exp(−C f Δx/U)
 /// ```
 ///
-/// with independent phases `φ`. The triangular factor `H` of a correlation that falls exponentially has a closed form, which makes
+/// with independent phases `φ`. What varies slower than half of `f_1`, a quarter of the variance at 20 m/s and a period of 51.2 s, has no
+/// harmonic of its own and is in the first one, so that the standard deviations are those asked for, but for what is above the
+/// highest frequency. The triangular factor `H` of a correlation that falls exponentially has a closed form, which makes
 /// `z` a recursion from station to station (derived here: both sides have the same correlations ρ^|j−k|):
 ///
 /// ```text
@@ -62,6 +64,13 @@ pub struct Turbulence {
     stations: usize,
     /// World axes, m/s, step by step within station after station.
     table: Vec<Vector3<f64>>,
+}
+
+/// `∫ S df` from 0 to half of a frequency step, below the band of the first harmonic; by the midpoints of a few hundredths of it.
+fn slower(density: impl Fn(f64) -> f64, frequency_step: f64) -> f64 {
+    const PARTS: usize = 64;
+    let width = 0.5 * frequency_step / PARTS as f64;
+    (0..PARTS).map(|k| density((k as f64 + 0.5) * width) * width).sum()
 }
 
 impl Turbulence {
@@ -92,7 +101,11 @@ impl Turbulence {
                 .iter()
                 .map(|&f| {
                     let density = options.spectrum.density(component, f, time_scale);
-                    sigma * (2.0 * density * frequency_step).sqrt()
+                    let mut share = density * frequency_step;
+                    if f == frequency_step {
+                        share += slower(|f| options.spectrum.density(component, f, time_scale), frequency_step);
+                    }
+                    sigma * (2.0 * share).sqrt()
                 })
                 .collect();
             let correlations: Vec<f64> = frequencies.iter().map(|f| (-decay * f).exp()).collect();
