@@ -4,6 +4,7 @@ use std::sync::Arc;
 use catenary::{AxialLaw, BendingLaw, NodeMap, Rayleigh, Wire, WireDrag, WireGeometry, WireSection};
 use dynamics::{CrossFlow, Force, Layout, Marker, StaticOptions, System, Wind, solve_static};
 use integration_tests::runs::{EN_300, Run, SECOND_ON_THESIS_LINE, audited, prepared, run, scene_with};
+use master::inprocess::of_pantograph;
 use master::simulation::Mode;
 use nalgebra::Vector3;
 use scene::{AerodynamicMarker, Scene};
@@ -304,6 +305,23 @@ const STRONG: &str = "wind={ speed = 25, yaw_deg = 60, air_density = 1.225, pant
 
 fn short(mode: Mode, more: &[&str], name: &str) -> Run {
     run(scene_with(EN_300, &[&SHORT[..], more].concat()), mode, name)
+}
+
+#[test]
+fn a_pantograph_on_its_own_has_its_own_uplift_of_a_list() {
+    let mut scene = scene_with(EN_300, &[&SHORT[..], &[STRONG]].concat());
+    scene.pantographs.push(scene.pantographs[0].clone());
+    let mut with = |uplift: Vec<f64>| {
+        let acts = scene.wind.as_mut().and_then(|wind| wind.pantograph.as_mut());
+        acts.expect("the wind acts on pantographs").uplift = uplift;
+        [0, 1].map(|index| {
+            let own = of_pantograph(&scene, index);
+            own.check("own").expect("a good scene of its own");
+            Air::of_scene(&own, 0).expect("there is wind").uplift
+        })
+    };
+    assert_eq!(with(vec![0.004]), [Some(0.004); 2]);
+    assert_eq!(with(vec![0.004, 0.02]), [Some(0.004), Some(0.02)]);
 }
 
 #[test]
