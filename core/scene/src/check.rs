@@ -141,6 +141,21 @@ impl Scene {
         }
     }
 
+    /// Displacement (m) of a given motion and its time (s) at which the strip of pantograph `index` (from 0) is not on the line; between
+    /// two samples it is no further off than at one of them, but for the overshoot of the curve through them.
+    fn moved_off_the_line(&self, index: usize, length: f64) -> Option<(f64, f64)> {
+        let Some(crate::Vehicle::RigidMotion(motion)) = self.vehicle.as_deref() else {
+            return None;
+        };
+        let duration = self.run.duration;
+        // From the last sample on it stays.
+        let at_end = motion.x.last().map(|&x| (x, duration));
+        let moved = motion.x.iter().copied().zip(motion.time.iter().copied());
+        let held = at_end.filter(|_| motion.time.last().is_some_and(|&last| last <= duration));
+        let mut within = moved.filter(|(_, time)| (0.0..=duration).contains(time)).chain(held);
+        within.find(|(x, time)| !(-ROUNDING..=length + ROUNDING).contains(&(self.strip_x(index, *time) + x)))
+    }
+
     fn check_strips_on_the_line(&self, found: &mut Found) {
         let Line::Modelled(catenary) = &self.catenary else {
             return;
@@ -165,6 +180,15 @@ impl Scene {
                     format!(
                         "must be at most {:.3} s: {strip} would leave the line, which ends at {length} m, for x = {end:.3} m",
                         (length - start) / self.run.speed
+                    ),
+                );
+            } else if let Some((x, time)) = self.moved_off_the_line(i, length) {
+                refuse(
+                    found,
+                    "vehicle.motion.x",
+                    shown_number(x, "m"),
+                    format!(
+                        "takes {strip} off the line, which is from 0 to {length} m, at t = {time:.3} s: must keep it there"
                     ),
                 );
             }

@@ -107,6 +107,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pitch = [0.0, 0.6] }\n[coupling]", &["vehicle.motion.pitch[2] = 0.6 rad: must be between -0.5 and 0.5 rad: it is the angle of a vehicle on rails"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pitch = [0.0] }\n[coupling]", &["vehicle.motion.pitch = [0.0]: has 1 entries, must be a list of numbers in rad, 2 of them"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pich = [0.0, 0.0] }\n[coupling]", &["pich", "pitch"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], x = [0.0, 1e4] }\n[coupling]", &["vehicle.motion.x = 10000 m: takes the strip of pantograph[1] off the line, which is from 0 to", "at t = 1.000 s"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { file = \"a.csv\", z = [0.0] }\n[coupling]", &["vehicle.motion.z: must be left out: file is given"]),
     ("[coupling]", "[track]\n[coupling]", &["track: must be left out: no wheel runs on it"]),
     ("[coupling]", "[track]\ncurve = 1\n[coupling]", &["track.curve = 1: must be a table under the header [track.curve], or several under [[track.curve]]"]),
