@@ -9,8 +9,8 @@ use fmi2::abi::Status;
 use fmi2::archive::binary_entry;
 use fmi2::import::{Fmu, Instance, StepOutcome};
 use fmi2::model_description::Causality;
-use integration_tests::fmus::{COARSE, Packaged, THESIS, initialise, read, reals, reference, started};
-use integration_tests::runs::EN_250;
+use integration_tests::fmus::{COARSE, DEFAULT, Packaged, THESIS, initialise, read, reals, reference, started};
+use integration_tests::runs::{EN_250, prepared, scene_with};
 use std::sync::LazyLock;
 
 const H: f64 = 1e-3;
@@ -300,6 +300,74 @@ fn nan_is_refused_with_variable_and_value_and_nothing_is_half_set() {
                 .is_err()
         );
     }
+}
+
+#[test]
+fn input_derivatives_outlast_a_parameter_that_is_set_after_them() {
+    let fmu = EN.open("Pantograph");
+    let (force, parameter) = ([reference(&fmu, "contact[1].fz")], [reference(&fmu, "static_force")]);
+    let value = fmu
+        .description()
+        .variable("static_force")
+        .unwrap()
+        .real_start()
+        .unwrap();
+    let height = [reference(&fmu, "strip[1].z")];
+    let course = |derivative_first: bool| {
+        let mut instance = fmu.instantiate("early derivative", false, false).unwrap();
+        instance.setup_experiment(0.0, None, None).unwrap();
+        instance.enter_initialization_mode().unwrap();
+        for derivative in [derivative_first, !derivative_first] {
+            if derivative {
+                instance.set_real_input_derivatives(&force, &[1], &[-1e5]).unwrap();
+            } else {
+                instance.set_real(&parameter, &[value + 5.0]).unwrap();
+            }
+        }
+        instance.exit_initialization_mode().unwrap();
+        assert_eq!(instance.do_step(0.0, H).unwrap(), StepOutcome::Ok);
+        read(&mut instance, &[force, height].concat())
+    };
+    assert_eq!(course(true), course(false));
+}
+
+#[test]
+fn a_scene_of_another_make_is_refused_and_so_is_a_parameter_it_has_no_place_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.display().to_string()
+    };
+    let variable = |fmu: &Fmu, name: &str| [fmu.description().variable(name).unwrap().value_reference];
+    let of_vehicle = Packaged::new(DEFAULT, &[]).open("Pantograph");
+    let mut instance = of_vehicle.instantiate("another make", false, false).unwrap();
+    let scene = [write("linkage.toml", &KULKARNI.scene.to_toml())];
+    let set = instance.set_string(&variable(&of_vehicle, "scene"), &[&scene[0]]);
+    let message = set.unwrap_err().to_string();
+    assert!(
+        message.contains("linkage.toml") && message.contains("has no variable base.x"),
+        "{message}"
+    );
+
+    let of_three = EN.open("Pantograph");
+    let mut instance = of_three.instantiate("fewer masses", false, false).unwrap();
+    let lumped = ["masses=[20.0]", "stiffnesses=[60.0]", "dampings=[40.0]"];
+    let lumped = lumped.map(|key| format!("pantograph[1].{key}"));
+    let one = prepared(
+        scene_with(EN_250, &[COARSE, &lumped.each_ref().map(String::as_str)].concat()),
+        "one mass",
+    );
+    let scene = write("one.toml", &one.scene.to_toml());
+    instance.set_string(&variable(&of_three, "scene"), &[&scene]).unwrap();
+    instance.set_real(&variable(&of_three, "masses[2]"), &[25.0]).unwrap();
+    instance.setup_experiment(0.0, None, None).unwrap();
+    instance.enter_initialization_mode().unwrap();
+    let message = instance.exit_initialization_mode().unwrap_err().to_string();
+    assert!(
+        message.contains("masses[2] = 25 kg") && message.contains("one.toml"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -23,7 +23,12 @@ struct Choices {
     settings: Vec<f64>,
     /// Inputs set before the component was built, by signal position.
     early_inputs: Vec<Option<f64>>,
+    /// Their derivatives of orders 1 to 3, set since the values.
+    early_derivatives: Vec<[f64; ORDERS]>,
 }
+
+/// Orders of input derivatives that are followed.
+const ORDERS: usize = 3;
 
 /// Everything that decides how a slave goes on.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -71,6 +76,7 @@ impl<C: Component> SceneSlave<C> {
             parameters: self.parameters.iter().map(|p| p.value(&self.packaged)).collect(),
             settings: self.signals.iter().map(|signal| signal.start).collect(),
             early_inputs: vec![None; self.signals.len()],
+            early_derivatives: vec![[0.0; ORDERS]; self.signals.len()],
         }
     }
 
@@ -82,8 +88,15 @@ impl<C: Component> SceneSlave<C> {
         };
         let mut scene = Scene::from_toml(&self.choices.scene_text, origin, &[]).map_err(ModelError::unusable)?;
         fill_start(&mut scene, &self.packaged);
+        let own = C::parameters(&scene);
         for (parameter, &value) in self.parameters.iter().zip(&self.choices.parameters) {
             if value != parameter.value(&self.packaged) {
+                if !own.iter().any(|own| own.name == parameter.name) {
+                    return Err(ModelError::unusable(format!(
+                        "{} = {value} {}: the scene {origin:?} has nothing of that name",
+                        parameter.name, parameter.unit
+                    )));
+                }
                 parameter.set(&mut scene, value);
             }
         }
@@ -100,6 +113,11 @@ impl<C: Component> SceneSlave<C> {
                     (Role::Setting, _) => component.set_input(position, self.choices.settings[position]),
                     (Role::Input, Some(value)) => component.set_input(position, value),
                     _ => {}
+                }
+                for (order, value) in (1..).zip(self.choices.early_derivatives[position]) {
+                    if value != 0.0 {
+                        component.set_input_derivative(position, order, value);
+                    }
                 }
             }
             self.component = Some(component);
@@ -141,6 +159,17 @@ impl<C: Component> SceneSlave<C> {
             return Err(ModelError::unusable(format!(
                 "scene = {path:?}: has {} strips and {} supports, this FMU was packaged for {} and {}",
                 other.0, other.1, mine.0, mine.1
+            )));
+        }
+        let other = C::signals(&scene);
+        let lacks = |signals: &[Signal], name: &str| !signals.iter().any(|signal| signal.name == name);
+        let missing = self.signals.iter().find(|signal| lacks(&other, &signal.name));
+        let more = other.iter().find(|signal| lacks(&self.signals, &signal.name));
+        if let Some((has, name)) =
+            (missing.map(|signal| ("no", &signal.name))).or(more.map(|signal| ("a", &signal.name)))
+        {
+            return Err(ModelError::unusable(format!(
+                "scene = {path:?}: has {has} variable {name}, unlike the scene that this FMU was packaged from"
             )));
         }
         self.choices.scene_path = path.into();
@@ -265,6 +294,7 @@ impl<C: Component> Model for SceneSlave<C> {
             return Ok(());
         }
         self.choices.early_inputs[position] = Some(value);
+        self.choices.early_derivatives[position] = [0.0; ORDERS];
         if let Some(component) = &mut self.component {
             component.set_input(position, value);
         }
@@ -290,8 +320,9 @@ impl<C: Component> Model for SceneSlave<C> {
     fn set_input_derivative(&mut self, position: usize, order: u32, value: f64) -> ModelResult<()> {
         let order = order as usize;
         // Orders beyond the third are more than any follower uses: the standard lets a slave ignore them.
-        if order <= 3 {
+        if (1..=ORDERS).contains(&order) {
             self.built()?.set_input_derivative(position, order, value);
+            self.choices.early_derivatives[position][order - 1] = value;
         }
         Ok(())
     }
