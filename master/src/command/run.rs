@@ -27,7 +27,7 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
     let default = Path::new("results").join(&file.name);
     let standing = [&directory, &default]
         .into_iter()
-        .find_map(|folder| study::standing(folder, &file.scene, mode));
+        .find_map(|folder| study::standing(folder, &file.scene, &file.base, mode));
     let prepared = prepare(file.scene, &file.name, &file.base, logging);
     let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let show = if common.quiet { Show::Never } else { Show::OnTerminal };

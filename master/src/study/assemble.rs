@@ -5,7 +5,7 @@ use super::front::{pareto, recommendations};
 use super::order::{Order, order};
 use super::outcome::{Entry, Levels, Reference, Study, label};
 use super::plan::{Planned, Sweep};
-use super::recipe::{Class, Exchange, Family, Mesh, identity};
+use super::recipe::{Class, Exchange, Family, Mesh};
 use super::reference::{Refinement, best};
 use crate::table_of_runs::{Curve, Errors, Row, Status, milliseconds};
 
@@ -17,7 +17,7 @@ pub fn assemble(script: &Script, state: &State) -> Study {
         scene: ground.name.clone(),
         title: ground.scene.title.clone(),
         source: ground.scene.source.clone().unwrap_or_default(),
-        identity: identity(&ground.scene),
+        identity: script.identity.clone(),
         machine: script.machine.clone(),
         simulated_s: ground.scene.run.duration,
         intervals: ground.intervals,

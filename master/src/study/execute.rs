@@ -13,7 +13,7 @@ use super::assemble::assemble;
 use super::machine::{forget_touched, touched};
 use super::outcome::Study;
 use super::plan::{Options, Planned, Sweep, plan};
-use super::recipe::{Family, Ground};
+use super::recipe::{Family, Ground, identity};
 use super::reference::{Discretisation, Refinement, expected_work, refine, wanted};
 use super::store::{Store, Times};
 use super::{Machine, store};
@@ -50,6 +50,8 @@ impl From<SetupError> for StudyError {
 pub struct Script {
     /// What all runs share.
     pub ground: Ground,
+    /// Hash of what no recipe changes.
+    pub identity: String,
     /// Folder that paths in the scene are relative to.
     pub base: PathBuf,
     /// What was asked for.
@@ -76,6 +78,7 @@ pub fn script(
     sliding_joint::refuse(&scene, "master study")?;
     scene.run.duration = settled(&scene);
     let prepared = prepare(scene.clone(), name, base, false)?;
+    let identity = identity(&scene, base);
     let ground = Ground::of(scene, &prepared, overrides, options.sweeps_over(Sweep::Vehicle));
     let planned = plan(&ground, &options);
     let mut families: Vec<Family> = planned
@@ -91,6 +94,7 @@ pub fn script(
     Ok(Script {
         refinements: wanted(&ground, &families),
         ground,
+        identity,
         base: base.to_owned(),
         options,
         planned,

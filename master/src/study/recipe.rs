@@ -1,8 +1,9 @@
 //! What a run of a study is made of.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
-use scene::{Catenary, Division, Scene};
+use scene::{Catenary, Division, Line, PantographModel, Scene};
 
 use super::vehicle::{Standing, StandingName, own_name, standings};
 use crate::monolithic::Monolithic;
@@ -456,22 +457,56 @@ fn reduce_key(reductions: &[String]) -> String {
     }
 }
 
-/// Hash of a scene without what a recipe changes, without its texts, and without what it leaves to be found: start, duration.
-/// Runs of scenes with the same hash can be compared.
-#[must_use]
-pub fn identity(scene: &Scene) -> String {
-    const TABLES: [&str; 4] = ["[catenary.mesh]", "[coupling]", "[solver]", "[model]"];
-    const KEYS: [&str; 6] = ["title", "source", "duration", "output_step", "start", "fmu"];
-    let (mut kept, mut skipped) = (String::new(), false);
-    for line in scene.to_toml().lines() {
+/// Lines of a scene as text that say something, each with the header of its table, which is empty above the first, and its key.
+fn entries(text: &str) -> impl Iterator<Item = (&str, &str, &str)> {
+    let lines = text.lines().filter(|line| !line.is_empty());
+    lines.scan("", |table, line| {
         if line.starts_with('[') {
-            skipped = TABLES.contains(&line);
+            *table = line;
         }
         let key = line.split('=').next().unwrap_or("").trim();
-        if !skipped && !line.is_empty() && !KEYS.contains(&key) {
-            kept.push_str(line);
-            kept.push('\n');
-        }
-    }
-    super::store::digest(&[kept.as_bytes()])[..12].to_owned()
+        Some((*table, key, line))
+    })
+}
+
+/// Short hash of some bytes.
+fn hash(parts: &[&[u8]]) -> String {
+    super::store::digest(parts)[..12].to_owned()
+}
+
+/// Hash of a scene without what a recipe changes, without its texts, and without what it leaves to be found:
+/// start, duration. FMUs of somebody else, whose paths are relative to `base`, count by their bytes, wherever they are.
+/// Runs of scenes with the same hash can be compared.
+#[must_use]
+pub fn identity(scene: &Scene, base: &Path) -> String {
+    const TABLES: [&str; 4] = ["[catenary.mesh]", "[coupling]", "[solver]", "[model]"];
+    const KEYS: [(&str, &str); 7] = [
+        ("", "title"),
+        ("", "source"),
+        ("[run]", "duration"),
+        ("[run]", "output_step"),
+        ("[catenary]", "fmu"),
+        ("[[pantograph]]", "fmu"),
+        ("[[pantograph]]", "start"),
+    ];
+    let text = scene.to_toml();
+    let kept: Vec<&str> = entries(&text)
+        .filter(|&(table, key, _)| !TABLES.contains(&table) && !KEYS.contains(&(table, key)))
+        .map(|(_, _, line)| line)
+        .collect();
+    let line = match &scene.catenary {
+        Line::ThirdParty(side) => Some(side),
+        Line::Modelled(_) => None,
+    };
+    let pantographs = scene.pantographs.iter().filter_map(|side| match &side.model {
+        PantographModel::ThirdParty(side) => Some(side),
+        _ => None,
+    });
+    // One that cannot be read stops the run that it is for, with a message.
+    let fmus = line
+        .into_iter()
+        .chain(pantographs)
+        .map(|side| std::fs::read(base.join(&side.fmu)).unwrap_or_default());
+    let parts: Vec<Vec<u8>> = std::iter::once(kept.join("\n").into_bytes()).chain(fmus).collect();
+    hash(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }

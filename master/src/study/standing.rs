@@ -53,10 +53,10 @@ fn read(folder: &Path) -> Vec<Read> {
 }
 
 /// What the study in `folder` says of a run of `scene` in `mode`: its expected error, and the nearest points of the front;
-/// nothing where there is no study of this scene.
+/// nothing where there is no study of this scene. Paths in the scene are relative to `base`.
 #[must_use]
-pub fn standing(folder: &Path, scene: &scene::Scene, mode: Mode) -> Option<String> {
-    let hash = identity(scene);
+pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) -> Option<String> {
+    let hash = identity(scene, base);
     let rows: Vec<Read> = read(folder)
         .into_iter()
         .filter(|read| read.scene_hash == hash)

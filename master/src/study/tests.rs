@@ -182,7 +182,8 @@ fn a_reduced_study_is_smaller_and_lists_are_taken_as_typed() {
 
 #[test]
 fn what_a_recipe_changes_does_not_make_another_scene() {
-    let own = identity(&short(&[]));
+    let identity = |key: &str| identity(&short(&[key]), Path::new("."));
+    let own = identity("run.speed_kmh=60");
     for key in [
         "catenary.mesh.elements_per_interval=7",
         "catenary.mesh.element_length=0.9",
@@ -193,7 +194,7 @@ fn what_a_recipe_changes_does_not_make_another_scene() {
         "run.duration=1.8",
         "title=another",
     ] {
-        assert_eq!(identity(&short(&[key])), own, "{key}");
+        assert_eq!(identity(key), own, "{key}");
     }
     for key in [
         "run.speed_kmh=61",
@@ -201,8 +202,45 @@ fn what_a_recipe_changes_does_not_make_another_scene() {
         "contact.stiffness=6e4",
         "pantograph[1].masses=[7, 15]",
     ] {
-        assert_ne!(identity(&short(&[key])), own, "{key}");
+        assert_ne!(identity(key), own, "{key}");
     }
+}
+
+#[test]
+fn what_is_left_out_of_a_scene_is_left_out_where_it_stands_only() {
+    let of = |more: &str, keys: &[&str]| {
+        let text = format!("{}\n{more}", include_str!("../../../scenes/thesis.toml"));
+        let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
+        identity(&Scene::from_toml(&text, "thesis.toml", &keys).unwrap(), Path::new("."))
+    };
+    let curves = |starts: [f64; 2]| {
+        let curve = |start: f64| {
+            format!(
+                "[[track.curve]]\nstart = {start:?}\nlength = 100.0\ntransition = 60.0\nradius = 3000.0\ncant = 0.05\n\
+                 direction = \"left\"\nrounding = 10.0\n"
+            )
+        };
+        of(&starts.map(curve).concat(), &[])
+    };
+    assert_ne!(curves([300.0, 700.0]), curves([300.0, 750.0]));
+    let found = "pantograph[1].start={ height = 4.9, force = 100.0 }";
+    assert_eq!(of("", &[found]), of("", &[]));
+}
+
+#[test]
+fn somebody_elses_fmu_is_what_it_holds_and_not_where_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in [("a.fmu", "one"), ("b.fmu", "one"), ("c.fmu", "two")] {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    let of = |fmu: &str| {
+        let text = include_str!("../../../scenes/en50318-250.toml");
+        let (line, _) = text.split_once("[[pantograph]]").unwrap();
+        let text = format!("{line}[[pantograph]]\nfmu = {fmu:?}\n");
+        identity(&Scene::from_toml(&text, "scene.toml", &[]).unwrap(), folder.path())
+    };
+    assert_eq!(of("a.fmu"), of("b.fmu"));
+    assert_ne!(of("a.fmu"), of("c.fmu"));
 }
 
 #[test]
@@ -273,8 +311,9 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
     assert!(!page.contains("<script src") && !page.contains("Incomplete:"));
     assert!(serde_json::to_value(&study).unwrap()["rows"][0]["rms_error_filtered_percent_of_std"].is_number());
 
+    let standing = |scene: &Scene, mode: Mode| standing(folder.path(), scene, Path::new("."), mode);
     // A run of the scene finds its own row; one of another scene finds nothing.
-    let said = standing(folder.path(), &short(&[]), Mode::Monolithic).unwrap();
+    let said = standing(&short(&[]), Mode::Monolithic).unwrap();
     let own = study
         .of(Sweep::Scene)
         .find(|entry| entry.row.macro_step.is_none())
@@ -283,13 +322,9 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
         said.contains(&format!("{:.2} % of σ", own.row.filtered_error.unwrap())),
         "{said}"
     );
-    let coupled = standing(folder.path(), &short(&[]), Mode::Cosimulation).unwrap();
+    let coupled = standing(&short(&[]), Mode::Cosimulation).unwrap();
     assert!(!coupled.contains("without that of the coupling"), "{coupled}");
-    let unknown = standing(
-        folder.path(),
-        &short(&["catenary.mesh.elements_per_interval=7"]),
-        Mode::Monolithic,
-    );
+    let unknown = standing(&short(&["catenary.mesh.elements_per_interval=7"]), Mode::Monolithic);
     assert!(unknown.unwrap().contains("not known"));
     // A rung of the ladder, by another length that makes the same elements: 3, 4 and 4 in 8, 12 and 10 m.
     let rung = [
@@ -297,13 +332,11 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
         "coupling.macro_step=0.002",
         "solver.newton_tolerance=0.3",
     ];
-    let said = standing(folder.path(), &short(&rung), Mode::Monolithic).unwrap();
+    let said = standing(&short(&rung), Mode::Monolithic).unwrap();
     assert!(said.contains("% of σ (rms"), "{said}");
-    assert_eq!(
-        standing(folder.path(), &short(&["run.speed_kmh=61"]), Mode::Monolithic),
-        None
-    );
-    assert_eq!(standing(Path::new("/nonexistent"), &short(&[]), Mode::Monolithic), None);
+    assert_eq!(standing(&short(&["run.speed_kmh=61"]), Mode::Monolithic), None);
+    let nowhere = Path::new("/nonexistent");
+    assert_eq!(super::standing(nowhere, &short(&[]), nowhere, Mode::Monolithic), None);
 }
 
 #[test]
