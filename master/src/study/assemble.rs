@@ -5,8 +5,9 @@ use super::front::{pareto, recommendations};
 use super::order::{Order, order};
 use super::outcome::{Entry, Levels, Reference, Study, label};
 use super::plan::{Planned, Sweep};
-use super::recipe::{Class, Exchange, Family, Mesh};
+use super::recipe::{Class, Exchange, Family, Mesh, settings};
 use super::reference::{Refinement, best};
+use crate::simulation::Mode;
 use crate::table_of_runs::{Curve, Errors, Row, Status, milliseconds};
 
 /// The study as far as it is known.
@@ -185,6 +186,9 @@ fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
         setup_s: made.filter(|made| made.complete).map(|made| made.setup),
         spans: planned.recipe.spans.map(|spans| spans as u64),
         working_memory_bytes: times.and_then(|times| times.memory),
+        settings: planned.scene.as_deref().map_or_else(String::new, |scene| {
+            settings(scene, planned.variant.mode != Mode::Monolithic)
+        }),
         standing: (!script.ground.standings.is_empty()).then(|| script.ground.standing_of(&planned.recipe)),
     }
 }

@@ -41,7 +41,7 @@ pub use order::{Order, order};
 pub use outcome::{Entry, Levels, Reference, Study};
 pub use page::page;
 pub use plan::{Options, Planned, Sweep};
-pub use recipe::{Class, Exchange, Family, Ground, Mesh, Recipe, identity};
+pub use recipe::{Class, Exchange, Family, Ground, Mesh, Recipe, identity, settings};
 pub use reference::{Discretisation, Refinement};
 pub use standing::standing;
 pub use store::Store;

@@ -64,6 +64,8 @@ pub struct Entry {
     pub spans: Option<u64>,
     /// Memory touched by the time loop, bytes.
     pub working_memory_bytes: Option<u64>,
+    /// Hash of the keys that no recipe says.
+    pub settings: String,
     /// What the pantograph stands on; nothing where the scene has no vehicle.
     #[serde(flatten)]
     pub standing: Option<StandingName>,
@@ -169,6 +171,7 @@ impl Study {
             ("vehicle", cells(&|entry| standing(entry, |name| name.vehicle))),
             ("track", cells(&|entry| standing(entry, |name| name.track))),
             ("scene_hash", cells(&|_| self.identity.clone())),
+            ("settings_hash", cells(&|entry| entry.settings.clone())),
         ];
         (self.rows.iter().map(|entry| entry.row.clone()).collect(), columns)
     }

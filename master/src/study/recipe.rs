@@ -474,7 +474,7 @@ fn hash(parts: &[&[u8]]) -> String {
     super::store::digest(parts)[..12].to_owned()
 }
 
-/// Hash of a scene without what a recipe changes, without its texts, and without what it leaves to be found:
+/// Hash of a scene without what a recipe changes or [`settings`] holds, without its texts, and without what it leaves to be found:
 /// start, duration. FMUs of somebody else, whose paths are relative to `base`, count by their bytes, wherever they are.
 /// Runs of scenes with the same hash can be compared.
 #[must_use]
@@ -509,4 +509,20 @@ pub fn identity(scene: &Scene, base: &Path) -> String {
         .map(|side| std::fs::read(base.join(&side.fmu)).unwrap_or_default());
     let parts: Vec<Vec<u8>> = std::iter::once(kept.join("\n").into_bytes()).chain(fmus).collect();
     hash(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
+}
+
+/// Hash of those keys of mesh and solver, and of the coupling where the sides are coupled, that change the result and that no recipe
+/// says; of a scene as text with every default written out. Runs of one recipe have the same error where it is the same.
+#[must_use]
+pub fn settings(text: &str, coupled: bool) -> String {
+    let held = |&(table, key, line): &(&str, &str, &str)| match table {
+        "[catenary.mesh]" => !["elements_per_interval", "element_length", "cures"].contains(&key),
+        "[solver]" => !["micro_step", "rho_inf", "newton_tolerance"].contains(&key),
+        // A step that is controlled is none of a recipe's.
+        "[coupling]" if key == "macro_step" => coupled && line.contains('{'),
+        "[coupling]" => coupled && !["algorithm", "extrapolation", "parallel"].contains(&key),
+        _ => false,
+    };
+    let kept: Vec<&str> = entries(text).filter(held).map(|(_, _, line)| line).collect();
+    hash(&[kept.join("\n").as_bytes()])
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::front::{point, speed};
 use super::plan::Sweep;
-use super::recipe::{Class, identity};
+use super::recipe::{Class, identity, settings};
 use super::{CSV, outcome::Study};
 use crate::simulation::Mode;
 use crate::table_of_runs::{Row, Status};
@@ -16,6 +16,7 @@ struct Read {
     newton_tolerance: f64,
     pareto: bool,
     scene_hash: String,
+    settings: String,
 }
 
 /// The rows of the study in `folder`; none where there is no study or it cannot be read.
@@ -27,8 +28,23 @@ fn read(folder: &Path) -> Vec<Read> {
         return Vec::new();
     };
     let place = |name: &str| head.iter().position(|column| column == name);
-    let columns = ["rho_inf", "newton_tolerance_N", "pareto", "scene_hash", "sweep"].map(place);
-    let [Some(rho), Some(tolerance), Some(pareto), Some(hash), Some(sweep)] = columns else {
+    let columns = [
+        "rho_inf",
+        "newton_tolerance_N",
+        "pareto",
+        "scene_hash",
+        "settings_hash",
+        "sweep",
+    ];
+    let [
+        Some(rho),
+        Some(tolerance),
+        Some(pareto),
+        Some(hash),
+        Some(settings),
+        Some(sweep),
+    ] = columns.map(place)
+    else {
         return Vec::new();
     };
     let mut rows = Vec::new();
@@ -47,6 +63,7 @@ fn read(folder: &Path) -> Vec<Read> {
             newton_tolerance: record[tolerance].parse().unwrap_or(f64::NAN),
             pareto: &record[pareto] == "1",
             scene_hash: record[hash].to_owned(),
+            settings: record[settings].to_owned(),
         });
     }
     rows
@@ -87,18 +104,37 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
         intervals,
         ..Study::default()
     };
-    let exact = rows.iter().find(|read| same_model(read) && same_coupling(read));
-    let found = exact.or_else(|| {
-        rows.iter()
-            .find(|read| same_model(read) && read.row.macro_step.is_none())
-    });
+    let text = scene.to_toml();
+    let [alone, coupled] = [false, true].map(|coupled| settings(&text, coupled));
+    let as_settled = |read: &&Read| {
+        let settled = if read.row.macro_step.is_some() {
+            &coupled
+        } else {
+            &alone
+        };
+        read.settings == *settled
+    };
+    let one_system = |read: &&Read| read.row.macro_step.is_none();
+    let of_recipe = || rows.iter().filter(same_model).filter(same_coupling);
+    let exact = of_recipe().find(as_settled);
+    let found = exact.or_else(|| rows.iter().filter(same_model).filter(one_system).find(as_settled));
     let Some(found) = found else {
-        return Some(format!(
-            "the study in {CSV} has no row of this recipe: its error is not known"
-        ));
+        let others = rows.iter().filter(same_model);
+        return Some(
+            if others.filter(|read| same_coupling(read) || one_system(read)).count() > 0 {
+                format!(
+                    "the study in {CSV} was made with other keys of [catenary.mesh], [coupling] or [solver]: the error of this run is not \
+                 known"
+                )
+            } else {
+                format!("the study in {CSV} has no row of this recipe: its error is not known")
+            },
+        );
     };
     let part = if exact.is_some() {
         ""
+    } else if of_recipe().count() > 0 {
+        " without that of the coupling, of which it has other keys,"
     } else {
         " without that of the coupling"
     };

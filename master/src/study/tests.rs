@@ -207,6 +207,44 @@ fn what_a_recipe_changes_does_not_make_another_scene() {
 }
 
 #[test]
+fn keys_that_no_recipe_says_tell_runs_of_one_recipe_apart() {
+    let of = |key: &str| {
+        let text = short(&[key]).to_toml();
+        [false, true].map(|coupled| settings(&text, coupled))
+    };
+    let own = of("run.speed_kmh=60");
+    for key in [
+        "coupling.force=end",
+        "coupling.order=catenary_first",
+        "coupling.max_iterations=3",
+        "coupling.force_tolerance=0.1",
+        "coupling.macro_step={ tolerance = 0.5 }",
+    ] {
+        let found = of(key);
+        assert!(found[0] == own[0] && found[1] != own[1], "{key}");
+    }
+    for key in [
+        "solver.jacobian=full",
+        "solver.max_iterations=9",
+        "catenary.mesh.axial_strain=full",
+    ] {
+        let found = of(key);
+        assert!(found[0] != own[0] && found[1] != own[1], "{key}");
+    }
+    for key in [
+        "coupling.macro_step=0.004",
+        "coupling.parallel=never",
+        "solver.rho_inf=0.8",
+        "solver.micro_step=1e-4",
+        "catenary.mesh.elements_per_interval=4",
+        "catenary.mesh.element_length=0.9",
+        "model.reduce=none",
+    ] {
+        assert_eq!(of(key), own, "{key}");
+    }
+}
+
+#[test]
 fn what_is_left_out_of_a_scene_is_left_out_where_it_stands_only() {
     let of = |more: &str, keys: &[&str]| {
         let text = format!("{}\n{more}", include_str!("../../../scenes/thesis.toml"));
@@ -326,6 +364,14 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
     assert!(!coupled.contains("without that of the coupling"), "{coupled}");
     let unknown = standing(&short(&["catenary.mesh.elements_per_interval=7"]), Mode::Monolithic);
     assert!(unknown.unwrap().contains("not known"));
+    // Another exchange has another error, another solver is another run altogether.
+    let exchange = standing(&short(&["coupling.force=end"]), Mode::Cosimulation).unwrap();
+    assert!(
+        exchange.contains("without that of the coupling, of which it has other keys"),
+        "{exchange}"
+    );
+    let solver = standing(&short(&["solver.jacobian=full"]), Mode::Monolithic).unwrap();
+    assert!(solver.contains("other keys") && !solver.contains('%'), "{solver}");
     // A rung of the ladder, by another length that makes the same elements: 3, 4 and 4 in 8, 12 and 10 m.
     let rung = [
         "catenary.mesh.element_length=3.1",
