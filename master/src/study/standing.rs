@@ -17,6 +17,15 @@ struct Read {
     pareto: bool,
     scene_hash: String,
     settings: String,
+    /// Whether it is a level of a reference.
+    level: bool,
+}
+
+impl Read {
+    /// Whether it is what the others are judged by: of all levels, that alone has no reference.
+    fn is_reference(&self) -> bool {
+        self.level && self.row.reference.is_empty() && matches!(self.row.status, Some(Status::Stable | Status::Limit))
+    }
 }
 
 /// The rows of the study in `folder`; none where there is no study or it cannot be read.
@@ -35,6 +44,7 @@ fn read(folder: &Path) -> Vec<Read> {
         "scene_hash",
         "settings_hash",
         "sweep",
+        "spans",
     ];
     let [
         Some(rho),
@@ -43,6 +53,7 @@ fn read(folder: &Path) -> Vec<Read> {
         Some(hash),
         Some(settings),
         Some(sweep),
+        Some(spans),
     ] = columns.map(place)
     else {
         return Vec::new();
@@ -53,8 +64,8 @@ fn read(folder: &Path) -> Vec<Read> {
         let Ok(row) = record.deserialize::<Row>(Some(&head)) else {
             return Vec::new();
         };
-        // On another vehicle it is another scene.
-        if &record[sweep] == Sweep::Vehicle.name() {
+        // On another vehicle or another length it is another scene; without a status it has not been made.
+        if &record[sweep] == Sweep::Vehicle.name() || !record[spans].is_empty() || row.status.is_none() {
             continue;
         }
         rows.push(Read {
@@ -64,6 +75,7 @@ fn read(folder: &Path) -> Vec<Read> {
             pareto: &record[pareto] == "1",
             scene_hash: record[hash].to_owned(),
             settings: record[settings].to_owned(),
+            level: record[sweep].split('+').any(|name| name == Sweep::Reference.name()),
         });
     }
     rows
@@ -92,8 +104,6 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
             && row.reduction == own.reduction
             && read.rho_inf == scene.solver.rho_inf
             && read.newton_tolerance == scene.solver.newton_tolerance
-            && row.status == Some(Status::Stable)
-            && row.filtered_error.is_some()
     };
     let same_coupling = |read: &&Read| {
         let row = &read.row;
@@ -138,12 +148,11 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
     } else {
         " without that of the coupling"
     };
-    let (factor, error) = point(&found.row)?;
-    let mut text = format!(
-        "error expected by the study in {CSV}{part}: {error:.2} % of σ (rms of the filtered force) against the converged {} line",
-        Class::of(&own.reduction).family.name()
-    );
-    let class = Class::of(&found.row.reduction);
+    let (mut text, row) = (said(found, part), &found.row);
+    let Some((factor, error)) = point(row) else {
+        return Some(text);
+    };
+    let class = Class::of(&row.reduction);
     let front = || {
         let of_class = rows
             .iter()
@@ -173,4 +182,27 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
         say("next more accurate", finer);
     }
     Some(text)
+}
+
+/// Error and status of a row; `part` says what of the run it does not hold.
+fn said(found: &Read, part: &str) -> String {
+    let row = &found.row;
+    let family = Class::of(&row.reduction).family.name();
+    if found.is_reference() {
+        return format!("this run{part} is the reference of the {family} line in the study in {CSV}");
+    }
+    let mut text = match row.filtered_error {
+        Some(error) => format!(
+            "error expected by the study in {CSV}{part}: {error:.2} % of σ (rms of the filtered force) against the reference of the \
+             {family} line"
+        ),
+        None => format!("the study in {CSV} knows no error of this run{part}"),
+    };
+    if let Some(status @ (Status::Limit | Status::Diverged | Status::Refused)) = row.status {
+        text.push_str(&format!("; there it is {}", status.name()));
+        if !row.reason.is_empty() {
+            text.push_str(&format!(": {}", row.reason));
+        }
+    }
+    text
 }

@@ -364,6 +364,44 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
     assert!(!coupled.contains("without that of the coupling"), "{coupled}");
     let unknown = standing(&short(&["catenary.mesh.elements_per_interval=7"]), Mode::Monolithic);
     assert!(unknown.unwrap().contains("not known"));
+    // A row that is not stable says so, and the reference is itself.
+    let write = |change: &dyn Fn(&mut Row)| {
+        let (mut rows, columns) = study.table();
+        rows.iter_mut().filter(|row| row.macro_step.is_none()).for_each(change);
+        let mut out = Vec::new();
+        crate::table_of_runs::write(&mut out, Path::new(CSV), &rows, &[], &columns).unwrap();
+        std::fs::write(folder.path().join(CSV), &out).unwrap();
+    };
+    write(&|row| {
+        row.status = Some(Status::Limit);
+        row.reason = "it rings".to_owned();
+    });
+    let limit = standing(&short(&[]), Mode::Monolithic).unwrap();
+    assert!(
+        limit.contains("% of σ (rms") && limit.ends_with("there it is limit: it rings"),
+        "{limit}"
+    );
+    write(&|row| {
+        row.status = Some(Status::Diverged);
+        row.filtered_error = None;
+        row.reason = "it rings".to_owned();
+    });
+    let diverged = standing(&short(&[]), Mode::Monolithic).unwrap();
+    assert!(
+        !diverged.contains('%') && diverged.ends_with("there it is diverged: it rings"),
+        "{diverged}"
+    );
+    write(&|_| {});
+    let finest = [
+        format!(
+            "catenary.mesh.elements_per_interval={}",
+            truth.row.elements_per_span.unwrap() / 3
+        ),
+        format!("catenary.mesh.cures=[\"{}\"]", truth.row.mesh.replace('+', "\", \"")).replace("[\"plain\"]", "none"),
+        format!("solver.micro_step={:?}", truth.row.micro_step.unwrap()),
+    ];
+    let said = standing(&short(&finest.each_ref().map(String::as_str)), Mode::Monolithic).unwrap();
+    assert!(said.contains("is the reference of the nonlinear line"), "{said}");
     // Another exchange has another error, another solver is another run altogether.
     let exchange = standing(&short(&["coupling.force=end"]), Mode::Cosimulation).unwrap();
     assert!(
