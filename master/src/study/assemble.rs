@@ -50,7 +50,8 @@ pub fn assemble(script: &Script, state: &State) -> Study {
         .map(|entry| if competes(entry) { &entry.row } else { &apart })
         .collect();
     let front = pareto(&rows);
-    let chosen = recommendations(&rows, |index| study.advice(&study.rows[index]));
+    let advice = |index: usize| study.advice(&study.rows[index]);
+    let chosen = recommendations(&rows, advice, |class, target| study.caveat(class.family, target));
     for (entry, front) in study.rows.iter_mut().zip(front) {
         entry.pareto = front;
     }

@@ -51,13 +51,20 @@ pub struct Recommendation {
     pub target_percent: f64,
     /// The cheapest row that is accurate enough; `None` where there is none.
     pub row: Option<usize>,
-    /// The same in words.
+    /// Why the reference cannot vouch for that error; empty where it can.
+    pub caveat: String,
+    /// All of it in words.
     pub text: String,
 }
 
-/// For each class that has rows with errors, and each target, the cheapest row that reaches it.
+/// For each class that has rows with errors, and each target, the cheapest row that reaches it; `name` says what a row is, `caveat` what
+/// the reference of a class leaves open of a target.
 #[must_use]
-pub fn recommendations(rows: &[&Row], name: impl Fn(usize) -> String) -> Vec<Recommendation> {
+pub fn recommendations(
+    rows: &[&Row],
+    name: impl Fn(usize) -> String,
+    caveat: impl Fn(Class, f64) -> String,
+) -> Vec<Recommendation> {
     let mut classes: Vec<Class> = rows
         .iter()
         .filter(|row| point(row).is_some())
@@ -80,9 +87,15 @@ pub fn recommendations(rows: &[&Row], name: impl Fn(usize) -> String) -> Vec<Rec
         for target in TARGETS {
             let enough = of_class.iter().filter(|(_, (_, error))| *error <= target);
             let chosen = enough.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
+            let caveat = chosen.map_or_else(String::new, |_| caveat(class, target));
             let text = match chosen {
                 Some((index, (factor, error))) => {
-                    format!("for {target} % take {}: {error:.2} %, {}", name(*index), speed(*factor))
+                    let but = if caveat.is_empty() { "" } else { "; " };
+                    let name = name(*index);
+                    format!(
+                        "for {target} % take {name}: {error:.2} %, {}{but}{caveat}",
+                        speed(*factor)
+                    )
                 }
                 None => format!(
                     "{target} % is not reached: {best:.2} % is the best of {} runs",
@@ -93,6 +106,7 @@ pub fn recommendations(rows: &[&Row], name: impl Fn(usize) -> String) -> Vec<Rec
                 class: class.name(),
                 target_percent: target,
                 row: chosen.map(|(index, _)| *index),
+                caveat,
                 text,
             });
         }
@@ -155,7 +169,11 @@ mod tests {
             row("planar+window", 0.02, 0.2),
         ];
         let rows: Vec<&Row> = rows.iter().collect();
-        let all = recommendations(&rows, |index| format!("row {index}"));
+        let unsure = |class: Class, target: f64| {
+            let said = class.window && target < 1.0;
+            if said { "not sure".to_owned() } else { String::new() }
+        };
+        let all = recommendations(&rows, |index| format!("row {index}"), unsure);
         let chosen: Vec<(&str, f64, Option<usize>)> = all
             .iter()
             .map(|found| (found.class.as_str(), found.target_percent, found.row))
@@ -173,5 +191,7 @@ mod tests {
         );
         assert!(all[1].text.contains("row 2: 0.80 %, 4.0 times faster than real time"));
         assert!(all[2].text.contains("0.80 % is the best of 3 runs"));
+        assert!(all[5].text.ends_with("real time; not sure") && all[5].caveat == "not sure");
+        assert!(all[..5].iter().all(|found| found.caveat.is_empty()));
     }
 }

@@ -8,6 +8,7 @@ use super::order::Order;
 use super::plan::Sweep;
 use super::recipe::Family;
 use super::reference::Discretisation;
+use super::text::known_to;
 use super::vehicle::StandingName;
 use crate::table_of_runs::{AUTO, Cell, Column, Row, milliseconds};
 
@@ -134,6 +135,18 @@ impl Study {
         self.references.iter().find(|found| found.family == family)
     }
 
+    /// What is to be said of an error of `target` percent that a row of a family is claimed to have; nothing where the reference is
+    /// known as well as that.
+    #[must_use]
+    pub fn caveat(&self, family: Family, target: f64) -> String {
+        let reference = self.reference(family);
+        let open = reference.filter(|found| found.uncertainty_percent.is_none_or(|percent| percent > target));
+        open.map_or_else(String::new, |found| {
+            let known = known_to(found.uncertainty_percent, found.confirmed_to_percent);
+            format!("as far as the reference can tell: {known}")
+        })
+    }
+
     /// The rows and the columns behind the common ones.
     #[must_use]
     pub fn table(&self) -> (Vec<Row>, Vec<Column>) {
@@ -141,13 +154,17 @@ impl Study {
         let standing = |entry: &Entry, word: fn(StandingName) -> &'static str| {
             entry.standing.map_or_else(String::new, |name| word(name).to_owned())
         };
-        let uncertainty = |entry: &Entry| {
-            let reference = self.reference(Family::of(&entry.row.reduction));
-            let judged = !entry.row.reference.is_empty() && entry.sweep != Sweep::Vehicle.name();
-            reference
-                .filter(|_| judged)
-                .and_then(|found| found.uncertainty_percent)
-                .cell()
+        // What is not known of the reference that a row is judged by, or is.
+        let of_reference = |known: fn(&Reference) -> Option<f64>| {
+            let cell = |(index, entry): (usize, &Entry)| {
+                let reference = self.reference(Family::of(&entry.row.reduction));
+                let judged = !entry.row.reference.is_empty() && entry.sweep != Sweep::Vehicle.name();
+                reference
+                    .filter(|found| judged || found.row == Some(index))
+                    .and_then(known)
+                    .cell()
+            };
+            self.rows.iter().enumerate().map(cell).collect::<Vec<_>>()
         };
         let columns: Vec<Column> = vec![
             ("sweep", cells(&|entry| entry.sweep.clone())),
@@ -157,7 +174,14 @@ impl Study {
                 "newton_tolerance_N",
                 cells(&|entry| format!("{:?}", entry.newton_tolerance)),
             ),
-            ("reference_uncertainty_percent_of_std", cells(&uncertainty)),
+            (
+                "reference_uncertainty_percent_of_std",
+                of_reference(|found| found.uncertainty_percent),
+            ),
+            (
+                "reference_confirmed_to_percent_of_std",
+                of_reference(|found| found.confirmed_to_percent),
+            ),
             (
                 "distance_from_nonlinear_percent_of_std",
                 cells(&|entry| entry.distance_from_nonlinear_percent.cell()),

@@ -91,13 +91,18 @@ fn recommended(study: &Study) -> String {
                 .recommendations
                 .iter()
                 .find(|found| found.class == class && found.target_percent == target);
-            let cell = match found.and_then(|found| found.row) {
-                Some(index) => {
+            let cell = match found.and_then(|found| Some((found, found.row?))) {
+                Some((found, index)) => {
                     let entry = &study.rows[index];
                     let row = &entry.row;
                     let factor = row.real_time_factor.unwrap_or(f64::NAN);
+                    let caveat = if found.caveat.is_empty() {
+                        String::new()
+                    } else {
+                        format!("<br><span class=\"bad\">{}</span>", escape(&found.caveat))
+                    };
                     format!(
-                        "<b>{}</b><br>{}<br><span class=\"soft\">{} % of σ</span>",
+                        "<b>{}</b><br>{}<br><span class=\"soft\">{} % of σ</span>{caveat}",
                         speed(factor),
                         breakable(&study.advice(entry)),
                         number(row.filtered_error)
@@ -112,7 +117,8 @@ fn recommended(study: &Study) -> String {
     format!(
         "<div class=\"scroll\"><table><thead><tr><th></th>{head}</tr></thead><tbody>{body}</tbody></table></div>\n\
          <p class=\"caption\">The cheapest stable run whose filtered contact force is right to the percentage of its standard \
-         deviation σ, rms over the evaluation range, against the converged run of its own model.</p>\n"
+         deviation σ, rms over the evaluation range, against the reference of its own model; what is known of that is said where it is \
+         less than the percentage.</p>\n"
     )
 }
 

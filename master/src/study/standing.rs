@@ -5,6 +5,7 @@ use std::path::Path;
 use super::front::{point, speed};
 use super::plan::Sweep;
 use super::recipe::{Class, identity, settings};
+use super::text::known_to;
 use super::{CSV, outcome::Study};
 use crate::simulation::Mode;
 use crate::table_of_runs::{Row, Status};
@@ -19,6 +20,10 @@ struct Read {
     settings: String,
     /// Whether it is a level of a reference.
     level: bool,
+    /// What is not known of its reference, from the last two levels of that, %.
+    uncertainty: Option<f64>,
+    /// Difference of its reference from another discretisation, %.
+    confirmed: Option<f64>,
 }
 
 impl Read {
@@ -45,6 +50,8 @@ fn read(folder: &Path) -> Vec<Read> {
         "settings_hash",
         "sweep",
         "spans",
+        "reference_uncertainty_percent_of_std",
+        "reference_confirmed_to_percent_of_std",
     ];
     let [
         Some(rho),
@@ -54,6 +61,8 @@ fn read(folder: &Path) -> Vec<Read> {
         Some(settings),
         Some(sweep),
         Some(spans),
+        Some(uncertainty),
+        Some(confirmed),
     ] = columns.map(place)
     else {
         return Vec::new();
@@ -75,6 +84,8 @@ fn read(folder: &Path) -> Vec<Read> {
             pareto: &record[pareto] == "1",
             scene_hash: record[hash].to_owned(),
             settings: record[settings].to_owned(),
+            uncertainty: record[uncertainty].parse().ok(),
+            confirmed: record[confirmed].parse().ok(),
             level: record[sweep].split('+').any(|name| name == Sweep::Reference.name()),
         });
     }
@@ -188,13 +199,14 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
 fn said(found: &Read, part: &str) -> String {
     let row = &found.row;
     let family = Class::of(&row.reduction).family.name();
+    let known = known_to(found.uncertainty, found.confirmed);
     if found.is_reference() {
-        return format!("this run{part} is the reference of the {family} line in the study in {CSV}");
+        return format!("this run{part} is the reference of the {family} line in the study in {CSV}, {known}");
     }
     let mut text = match row.filtered_error {
         Some(error) => format!(
             "error expected by the study in {CSV}{part}: {error:.2} % of σ (rms of the filtered force) against the reference of the \
-             {family} line"
+             {family} line, {known}"
         ),
         None => format!("the study in {CSV} knows no error of this run{part}"),
     };

@@ -402,6 +402,20 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
     ];
     let said = standing(&short(&finest.each_ref().map(String::as_str)), Mode::Monolithic).unwrap();
     assert!(said.contains("is the reference of the nonlinear line"), "{said}");
+    // How well the reference is known is said wherever an error is claimed against it.
+    let known = text::known(reference);
+    assert!(known.starts_with("known to ") && said.contains(&known), "{said}");
+    assert!(limit.contains(&known), "{limit}");
+    let percent = reference.uncertainty_percent.unwrap();
+    for target in TARGETS {
+        let caveat = study.caveat(Family::Nonlinear, target);
+        assert_eq!(caveat.is_empty(), percent <= target, "{caveat}");
+        let found = study
+            .recommendations
+            .iter()
+            .find(|found| found.target_percent == target && found.row.is_some());
+        assert!(found.is_none_or(|found| found.text.contains(&caveat) && page.contains(&caveat)));
+    }
     // Another exchange has another error, another solver is another run altogether.
     let exchange = standing(&short(&["coupling.force=end"]), Mode::Cosimulation).unwrap();
     assert!(

@@ -7,16 +7,21 @@ use super::plan::Sweep;
 use crate::report::aligned;
 use crate::table_of_runs::{Status, milliseconds, short, wrapped};
 
-/// What is known of a reference, in a sentence.
-pub(super) fn known(reference: &Reference) -> String {
-    let mut text = match reference.uncertainty_percent {
+/// How well a reference is known, in words: from its last two levels, and from another discretisation, both %.
+pub(super) fn known_to(uncertainty: Option<f64>, confirmed: Option<f64>) -> String {
+    let own = match uncertainty {
         Some(percent) => format!("known to {percent:.2} % (its last two levels)"),
         None => "its own error is not known".to_owned(),
     };
-    match reference.confirmed_to_percent {
-        Some(percent) => text.push_str(&format!(", confirmed to {percent:.2} % by another discretisation")),
-        None => text.push_str(", not confirmed by another discretisation"),
+    match confirmed {
+        Some(percent) => format!("{own}, confirmed to {percent:.2} % by another discretisation"),
+        None => format!("{own}, not confirmed by another discretisation"),
     }
+}
+
+/// What is known of a reference, in a sentence.
+pub(super) fn known(reference: &Reference) -> String {
+    let mut text = known_to(reference.uncertainty_percent, reference.confirmed_to_percent);
     if let Some(percent) = reference.distance_from_nonlinear_percent {
         text.push_str(&format!("; {percent:.2} % from the nonlinear one"));
     }
