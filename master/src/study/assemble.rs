@@ -286,9 +286,10 @@ fn orders(state: &State) -> Vec<Order> {
         else {
             continue;
         };
+        // A mesh that is the scene's own is one like any other.
         let alone = run.recipe.exchange == Exchange::None;
         for (sweep, kind) in [("mesh", Sweep::Mesh), ("micro_step", Sweep::MicroStep)] {
-            if !run.sweeps.contains(&kind) || !alone || run.recipe.mesh == Mesh::Scene {
+            if !run.sweeps.contains(&kind) || !alone {
                 continue;
             }
             let row = &made.row;

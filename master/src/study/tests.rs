@@ -438,6 +438,26 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
 }
 
 #[test]
+fn orders_are_observed_where_the_scene_has_the_mesh_of_the_base_case_itself() {
+    let scene = short(&["catenary.mesh.elements_per_interval=4", "coupling.macro_step=0.002"]);
+    let options = Options {
+        sweeps: vec![Sweep::Scene, Sweep::Mesh],
+        ..tiny()
+    };
+    let script = scripted(scene, options);
+    let both = |run: &&Planned| run.sweeps == [Sweep::Scene, Sweep::Mesh];
+    assert_eq!(script.planned.iter().filter(both).count(), 1);
+    let folder = tempfile::tempdir().unwrap();
+    let study = studied(&script, folder.path(), None);
+    let found: Vec<(bool, [f64; 3])> = study
+        .orders
+        .iter()
+        .map(|order| (order.of.starts_with("plain"), order.sizes))
+        .collect();
+    assert_eq!(found, [(false, [3.0, 6.0, 12.0]), (true, [3.0, 6.0, 12.0])]);
+}
+
+#[test]
 fn a_study_that_was_ended_goes_on_and_comes_to_the_same() {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let script = scripted(short(&["catenary.droppers.positions=[8.0, 20.0]"]), tiny());
