@@ -32,6 +32,8 @@ pub fn study(path: &Path, options: Options, common: &Common) -> Result<(), Comma
     let script = script.map_err(|error| in_scene(error.into()))?;
     let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
     let store = script.store(&directory).map_err(CommandError::Directory)?;
+    // A page that was there may be of another study than the table.
+    output.remove(PAGE).map_err(CommandError::Directory)?;
     let show = if common.quiet { Show::Never } else { Show::OnTerminal };
     let progress = Progress::share(&file.name, show);
     let mut keep = |study: &Study| write_table(&output, study).map_err(StudyError::from);
