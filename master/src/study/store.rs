@@ -99,17 +99,22 @@ impl Store {
             winds: Vec::new(),
             complete: head.complete,
             interrupted: false,
+            lost: false,
             energy_share: head.energy_share,
             remarks: head.remarks,
             setup: head.setup,
         })
     }
 
-    /// Keeps a run; its forces are written first, so that a run with a head is whole.
+    /// Keeps a run; its forces are written first, so that a run with a head is whole. One that ended with the process of an FMU is not
+    /// kept: it is made again.
     ///
     /// # Errors
     /// What the operating system reports.
     pub fn keep(&self, key: &str, run: &Attempt) -> Result<(), ResultsError> {
+        if run.lost {
+            return Ok(());
+        }
         self.directory.replace(&format!("{key}.force"), |out, path| {
             out.write_all(&bytes(&run.curves))
                 .map_err(crate::results::io(path, "write"))
@@ -232,11 +237,18 @@ mod tests {
             winds: Vec::new(),
             complete: true,
             interrupted: false,
+            lost: false,
             energy_share: 0.1 + 0.2,
             remarks: vec!["said".to_owned()],
             setup: 0.7,
         };
         let key = store.key("monolithic", "scene");
+        assert_eq!(store.run(&key), None);
+        let lost = Attempt {
+            lost: true,
+            ..run.clone()
+        };
+        store.keep(&key, &lost).unwrap();
         assert_eq!(store.run(&key), None);
         store.keep(&key, &run).unwrap();
         assert_eq!(store.run(&key), Some(run));

@@ -1,14 +1,19 @@
 //! A scene with some keys changed, run and timed.
 
+use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use scene::Scene;
 
 use super::{Curve, Errors, Row, Status};
+use crate::cosimulation::CosimulationError;
+use crate::instance::InstanceError;
+use crate::isolation::IsolationError;
 use crate::results::{Summary, WindRecord};
 use crate::run::Watch;
 use crate::simulation::{FmuSource, Mode, SetupError, prepare};
+use crate::third_party::ThirdPartyError;
 
 /// What all runs of a table have in common.
 pub struct Stage<'a> {
@@ -88,6 +93,8 @@ pub struct Attempt {
     pub complete: bool,
     /// Whether it was ended from outside: there is nothing to judge then.
     pub interrupted: bool,
+    /// Whether it ended early because the process of an isolated FMU did: another time it may not.
+    pub lost: bool,
     /// Energy that the coupling added, as a share of the work that crossed the contact (–).
     pub energy_share: f64,
     /// Why it ended early, what an automatic choice came to.
@@ -133,6 +140,7 @@ pub fn attempt(stage: &Stage<'_>, variant: &Variant, watch: &Watch<'_>) -> Resul
         winds: Vec::new(),
         complete: false,
         interrupted: false,
+        lost: false,
         energy_share: 0.0,
         remarks: Vec::new(),
         setup: 0.0,
@@ -153,6 +161,7 @@ pub fn attempt(stage: &Stage<'_>, variant: &Variant, watch: &Watch<'_>) -> Resul
         }
         Err(error) => {
             attempt.interrupted = matches!(error, SetupError::Interrupted { .. });
+            attempt.lost = lost_a_process(&error);
             attempt.row.status = (!attempt.interrupted).then_some(Status::Refused);
             attempt.row.remark(&crate::simulation::chain(&error));
             return Ok(attempt);
@@ -160,6 +169,10 @@ pub fn attempt(stage: &Stage<'_>, variant: &Variant, watch: &Watch<'_>) -> Resul
     };
     attempt.complete = finished.failure.is_none();
     attempt.interrupted = !attempt.complete && watch.interrupted.load(Ordering::Relaxed);
+    attempt.lost = finished
+        .failure
+        .as_deref()
+        .is_some_and(|failure| lost_a_process(failure));
     attempt.curves = Curve::of(&finished.info.evaluation, &finished.record);
     let strips = finished.record.pantographs.iter();
     attempt.winds = strips.map(|strip| strip.wind.clone()).collect();
@@ -175,6 +188,28 @@ pub fn attempt(stage: &Stage<'_>, variant: &Variant, watch: &Watch<'_>) -> Resul
         attempt.remarks.push(said.trim_start_matches("; ").to_owned());
     }
     Ok(attempt)
+}
+
+/// Whether an error comes of the process of an isolated FMU: it was killed or crashed, took too long, or did not start.
+fn lost_a_process(error: &(dyn Error + 'static)) -> bool {
+    if let Some(error) = error.downcast_ref::<IsolationError>() {
+        return !matches!(error, IsolationError::Reported { .. } | IsolationError::NotHere);
+    }
+    // An error that shows the message of the one that it holds shows its source too, and not the one itself.
+    let held: Option<&(dyn Error + 'static)> = if let Some(InstanceError::Isolation(held)) = error.downcast_ref() {
+        Some(held)
+    } else if let Some(CosimulationError::Isolation(held)) = error.downcast_ref() {
+        Some(held)
+    } else if let Some(ThirdPartyError::Fmu(held)) = error.downcast_ref() {
+        Some(held)
+    } else {
+        match error.downcast_ref() {
+            Some(SetupError::Cosimulation(held)) => Some(held),
+            Some(SetupError::Wiring { source, .. }) => Some(&**source),
+            _ => error.source(),
+        }
+    };
+    held.is_some_and(lost_a_process)
 }
 
 /// Makes the runs of a variant, one at a time, and compares the first of them with `reference`.
@@ -227,4 +262,47 @@ pub fn settled(scene: &Scene) -> f64 {
 pub fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get((values.len().max(1) - 1) / 2).copied().unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algorithm::CouplingError;
+    use crate::run::Failure;
+    use crate::slave::SlaveError;
+
+    #[test]
+    fn a_run_whose_fmu_lost_its_process_is_told_from_one_that_its_fmu_refused() {
+        let gone = || IsolationError::Gone {
+            instance: "pantograph".to_owned(),
+        };
+        let refused = || IsolationError::Reported {
+            message: "no".to_owned(),
+            kind: crate::isolation::Reported::Refused,
+        };
+        let in_a_step = |error: IsolationError| {
+            let source = Box::new(InstanceError::Isolation(error));
+            SlaveError::Step {
+                slave: "pantograph".to_owned(),
+                t: 0.5,
+                h: 1e-3,
+                retryable: false,
+                source,
+            }
+        };
+        let wired = |error: IsolationError| SetupError::Wiring {
+            key: "pantograph[1]".to_owned(),
+            source: Box::new(ThirdPartyError::Fmu(CosimulationError::Isolation(error))),
+        };
+        let ways: [fn(SlaveError) -> Box<dyn Error>; 3] = [
+            |error| Box::new(Failure::Coupling(CouplingError::Slave(error))),
+            |error| Box::new(SetupError::Standstill(error)),
+            |error| Box::new(SetupError::Cosimulation(CosimulationError::Slave(error))),
+        ];
+        for way in ways {
+            assert!(lost_a_process(&*way(in_a_step(gone()))));
+            assert!(!lost_a_process(&*way(in_a_step(refused()))));
+        }
+        assert!(lost_a_process(&wired(gone())) && !lost_a_process(&wired(refused())));
+    }
 }
