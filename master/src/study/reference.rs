@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::execute::StudyError;
 use super::plan::{Options, Planned, Sweep, base};
 use super::recipe::{Family, Ground, Mesh, Recipe};
-use crate::table_of_runs::{Attempt, Errors, Status};
+use crate::table_of_runs::{Attempt, Curve, Errors, NO_ERRORS, Status};
 
 /// Most levels: each has twice the elements at half the micro step.
 const LEVELS: u32 = 8;
@@ -145,6 +145,7 @@ pub fn refine(
             );
             break;
         }
+        let still = made.curves.iter().any(Curve::is_still);
         let before = found.levels.last();
         let difference = before.and_then(|level| Errors::between(&made.curves, &level.made.curves).filtered);
         found.levels.push(Level {
@@ -155,6 +156,10 @@ pub fn refine(
         if difference.is_some_and(|difference| difference <= options.tolerance) {
             found.converged = true;
             found.ended.clear();
+            break;
+        }
+        if still {
+            found.ended = NO_ERRORS.to_owned();
             break;
         }
     }

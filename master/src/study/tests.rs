@@ -458,6 +458,37 @@ fn orders_are_observed_where_the_scene_has_the_mesh_of_the_base_case_itself() {
 }
 
 #[test]
+fn a_scene_without_contact_has_a_note_and_neither_errors_nor_recommendations() {
+    let scene = short(&[
+        "run.initialise=as_given",
+        "pantograph[1].static_force=0.5",
+        "pantograph[1].reference_height=4.9",
+    ]);
+    let options = Options {
+        sweeps: vec![Sweep::Mesh],
+        ..tiny()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let study = studied(&scripted(scene, options), folder.path(), None);
+    assert!(study.complete && study.recommendations.is_empty() && study.orders.is_empty());
+    for entry in &study.rows {
+        let row = &entry.row;
+        assert_eq!((row.status, row.std), (Some(Status::Stable), Some(0.0)), "{row:?}");
+        assert_eq!((row.filtered_error, row.raw_error, row.std_error), (None, None, None));
+        assert!(
+            !entry.pareto && (row.reference.is_empty() || row.reason.contains("does not vary")),
+            "{row:?}"
+        );
+    }
+    assert!(
+        study.notes.iter().any(|note| note.contains("does not vary")),
+        "{:?}",
+        study.notes
+    );
+    assert!(page(&study).contains("does not vary") && text(&study).contains("does not vary"));
+}
+
+#[test]
 fn a_study_that_was_ended_goes_on_and_comes_to_the_same() {
     let (whole, parts) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let script = scripted(short(&["catenary.droppers.positions=[8.0, 20.0]"]), tiny());

@@ -41,6 +41,18 @@ impl Curve {
             .unwrap_or_default()
     }
 
+    /// Standard deviation of the filtered force over the evaluation range, N.
+    fn sigma(&self) -> Option<f64> {
+        let samples = self.filtered.get(self.range.clone())?;
+        ForceStatistics::of(samples).map(|force| force.std)
+    }
+
+    /// Whether a force varies so little that no other one has an error in percent of it.
+    #[must_use]
+    pub fn is_still(&self) -> bool {
+        self.sigma().is_some_and(|sigma| sigma <= STILL)
+    }
+
     /// The evaluation range with a few samples on both sides, so that every position of it lies between two samples of another
     /// run: all that a comparison needs.
     #[must_use]
@@ -58,6 +70,14 @@ impl Curve {
     }
 }
 
+/// Standard deviation of the filtered force below which a force does not vary, N: there is no contact, or next to none, and a
+/// percentage of it says nothing.
+const STILL: f64 = 1e-6;
+
+/// Why there are no errors where a force does not vary.
+pub const NO_ERRORS: &str =
+    "the contact force of the reference does not vary: there is no error in percent of its standard deviation";
+
 /// Differences of a run from its reference, % of the reference's standard deviation of the filtered force.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
@@ -72,7 +92,7 @@ pub struct Errors {
 impl Errors {
     /// Errors of the curves of a run against those of its reference, the largest of all pantographs.
     ///
-    /// A quantity is `None` where a curve is missing or does not reach over the evaluation range.
+    /// A quantity is `None` where a curve is missing or does not reach over the evaluation range, or where the reference does not vary.
     #[must_use]
     pub fn between(reference: &[Curve], run: &[Curve]) -> Self {
         if reference.is_empty() || reference.len() != run.len() {
@@ -80,17 +100,16 @@ impl Errors {
         }
         let (mut filtered, mut raw, mut std) = (Some(0.0_f64), Some(0.0_f64), Some(0.0_f64));
         let larger = |so_far: Option<f64>, error: Option<f64>| {
-            let (so_far, error) = (so_far?, error?);
+            let (so_far, error) = (so_far?, error.filter(|error| !error.is_nan())?);
             Some(if error.abs() > so_far.abs() { error } else { so_far })
         };
         for (reference, run) in reference.iter().zip(run) {
-            let sigma = |curve: &Curve| {
-                let samples = curve.filtered.get(curve.range.clone())?;
-                ForceStatistics::of(samples).map(|force| force.std)
-            };
-            let (Some(expected), Some(found)) = (sigma(reference), sigma(run)) else {
+            let (Some(expected), Some(found)) = (reference.sigma(), run.sigma()) else {
                 return Self::default();
             };
+            if expected <= STILL {
+                return Self::default();
+            }
             let percent = |rms: Option<f64>| rms.map(|rms| 100.0 * rms / expected);
             let at = &reference.x[reference.range.clone()];
             let wanted = |force: &Vec<f64>| force[reference.range.clone()].to_vec();

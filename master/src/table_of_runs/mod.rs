@@ -18,7 +18,7 @@ mod status;
 #[cfg(test)]
 mod tests;
 
-pub use curve::{Curve, Errors, pointwise_rms};
+pub use curve::{Curve, Errors, NO_ERRORS, pointwise_rms};
 pub(crate) use format::{milliseconds, short, significant, wrapped};
 pub use keys::{AUTO, Keys, macro_step};
 pub use perform::{Attempt, Performed, SETTLE, Stage, Variant, attempt, median, perform, settled};

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use scene::Scene;
 
-use super::{Curve, Errors, Row, Status};
+use super::{Curve, Errors, NO_ERRORS, Row, Status};
 use crate::cosimulation::CosimulationError;
 use crate::instance::InstanceError;
 use crate::isolation::IsolationError;
@@ -117,8 +117,13 @@ impl Attempt {
         if let (Some(errors), Some((name, _, _))) = (&errors, reference) {
             row.take_errors(errors, name);
         }
+        let still = reference.is_some_and(|(_, _, curves)| curves.iter().any(Curve::is_still));
+        let errors = errors.filter(|_| !still);
         let (status, reason) = Status::of(&row, self.complete, errors.as_ref(), reference.map(|(_, row, _)| row));
         row.remark(&reason);
+        if still && self.complete {
+            row.remark(NO_ERRORS);
+        }
         let (status, reason) = status.with_energy(self.energy_share);
         row.remark(&reason);
         self.remarks.iter().for_each(|remark| row.remark(remark));

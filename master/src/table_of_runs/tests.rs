@@ -138,6 +138,23 @@ fn errors_are_in_percent_of_sigma_and_the_worst_pantograph_counts() {
 }
 
 #[test]
+fn a_force_that_does_not_vary_has_no_errors_in_percent() {
+    let wave = |x: f64| 100.0 + 20.0 * x.sin();
+    let (none, some) = (curve(|_| 0.0, |_| 0.0), curve(wave, wave));
+    assert!(none.is_still() && !some.is_still());
+    let between =
+        |reference: &Curve, run: &Curve| Errors::between(std::slice::from_ref(reference), std::slice::from_ref(run));
+    assert_eq!(between(&none, &none), Errors::default());
+    assert_eq!(between(&none, &some), Errors::default());
+    // What is no number is no error of nothing, whichever strip it is on.
+    let lost = curve(wave, |_| f64::NAN);
+    for run in [[lost.clone(), some.clone()], [some.clone(), lost]] {
+        let errors = Errors::between(&[some.clone(), some.clone()], &run);
+        assert_eq!((errors.filtered, errors.raw), (Some(0.0), None));
+    }
+}
+
+#[test]
 fn the_status_follows_the_stated_bounds() {
     let row = |loss: f64| Row {
         mean: Some(100.0),
