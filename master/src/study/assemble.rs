@@ -73,6 +73,7 @@ pub fn assemble(script: &Script, state: &State) -> Study {
     }
     study.notes = notes(&study);
     study.notes.extend(ground.left_out.iter().cloned());
+    study.notes.extend(empty_sweeps(script));
     study
 }
 
@@ -161,16 +162,16 @@ fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
         }
         _ => stage_row(),
     };
+    if made.is_some_and(|made| !made.complete) {
+        row.wall = None;
+        row.real_time_factor = None;
+        row.repeats = None;
+    }
     let times = state.times[index].as_ref();
     match times.filter(|times| !times.walls.is_empty()) {
         Some(times) => row.timed(&mut times.walls.clone()),
         None if row.wall.is_some() => row.remark("timed once, beside other runs"),
         None => {}
-    }
-    if made.is_some_and(|made| !made.complete) {
-        row.wall = None;
-        row.real_time_factor = None;
-        row.repeats = None;
     }
     Entry {
         row,
@@ -328,6 +329,25 @@ fn orders(state: &State) -> Vec<Order> {
         }
     }
     all
+}
+
+/// What is to be said of sweeps that were asked for by name and have no run.
+fn empty_sweeps(script: &Script) -> Vec<String> {
+    let ground = &script.ground;
+    let made = |sweep: &&Sweep| script.planned.iter().any(|run| run.sweeps.contains(sweep));
+    let empty = script.options.sweeps.iter().filter(|sweep| !made(sweep));
+    let why = |sweep: &Sweep| match sweep {
+        Sweep::Vehicle if ground.scene.vehicle.is_none() => "the scene has no [vehicle]",
+        Sweep::Mesh | Sweep::Reductions | Sweep::Ladder | Sweep::Spans if !ground.meshed => {
+            "the line is an FMU of somebody else"
+        }
+        Sweep::Spans => "--spans and --window-spans say how many there are",
+        Sweep::RhoInf => "with --quick, --rho-inf says which there are",
+        _ => "nothing is left to be changed",
+    };
+    empty
+        .map(|sweep| format!("sweep {} has no run: {}", sweep.name(), why(sweep)))
+        .collect()
 }
 
 fn notes(study: &Study) -> Vec<String> {

@@ -458,6 +458,23 @@ fn orders_are_observed_where_the_scene_has_the_mesh_of_the_base_case_itself() {
 }
 
 #[test]
+fn a_sweep_that_was_asked_for_and_has_no_run_says_why() {
+    let options = Options {
+        sweeps: vec![Sweep::Vehicle, Sweep::Spans],
+        ..tiny()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let study = studied(&scripted(short(&[]), options), folder.path(), None);
+    assert!(study.complete && study.rows.is_empty());
+    let said = text(&study);
+    assert!(
+        said.contains("sweep vehicle has no run: the scene has no [vehicle]"),
+        "{said}"
+    );
+    assert!(said.contains("sweep spans has no run: --spans"), "{said}");
+}
+
+#[test]
 fn a_scene_without_contact_has_a_note_and_neither_errors_nor_recommendations() {
     let scene = short(&[
         "run.initialise=as_given",

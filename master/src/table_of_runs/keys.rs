@@ -51,7 +51,7 @@ impl Keys {
     }
 }
 
-/// Reads a macro step as typed: a number in ms, or with a unit (`s`, `ms`, `us`, `µs`); s.
+/// Reads a step as typed: a number in ms, or with a unit (`s`, `ms`, `us`, `µs`); s.
 ///
 /// # Errors
 /// What is wrong with it.
@@ -71,6 +71,6 @@ pub fn macro_step(text: &str) -> Result<f64, String> {
     if step > 0.0 && step.is_finite() {
         Ok(step)
     } else {
-        Err("a macro step must be a positive number in ms, or with a unit: 0.5, 0.5ms, 500us, 5e-4s".to_owned())
+        Err("must be a positive number in ms, or with a unit: 0.5, 0.5ms, 500us, 5e-4s".to_owned())
     }
 }
