@@ -10,7 +10,7 @@ use super::outcome::{Entry, Study};
 use super::plan::Sweep;
 use super::recipe::{Class, Family};
 use super::text::shortened;
-use crate::report::plots::{COLOURS, decades, finished, layout, logarithmic};
+use crate::report::plots::{COLOURS, decades_of, finished, layout, logarithmic};
 use crate::table_of_runs::{Row, Status, milliseconds, significant};
 
 /// A curve as the plots take it.
@@ -161,11 +161,11 @@ pub(super) fn precision(study: &Study) -> String {
     }
     let layout = layout(
         logarithmic("real-time factor: wall time of the time loop over simulated time"),
-        decades(ERROR),
+        decades_of(ERROR, [best, worst]),
     );
     format!(
         "{}<p class=\"caption\">Lower left is better. Filled: the Pareto front of its class, named where there is room (elements per \
-         dropper interval or their length, micro step{}); open: all other runs. Each class is judged by the converged run of its own \
+         dropper interval or their length, micro step{}); open: all other runs. Each class is judged by the reference of its own \
          model. Wall time in seconds is {:.2} times the real-time factor.</p>\n",
         finished(traces, layout.hover_mode(HoverMode::Closest), "plot-precision", 560),
         match usual.as_str() {
@@ -255,6 +255,11 @@ fn marked(
     logarithmic(title).tick_values(values).tick_text(texts)
 }
 
+/// The axis of the errors of these rows.
+fn errors(rows: &[&Entry]) -> plotly::layout::Axis {
+    decades_of(ERROR, rows.iter().filter_map(|entry| entry.row.filtered_error))
+}
+
 /// Error over elements.
 pub(super) fn mesh(study: &Study) -> String {
     let rows: Vec<&Entry> = study
@@ -273,7 +278,7 @@ pub(super) fn mesh(study: &Study) -> String {
          diverged.</p>\n",
         finished(
             traces,
-            layout(axis, decades(ERROR)).hover_mode(HoverMode::Closest),
+            layout(axis, errors(&rows)).hover_mode(HoverMode::Closest),
             "plot-mesh",
             420
         ),
@@ -297,7 +302,7 @@ pub(super) fn micro_step(study: &Study) -> String {
         "{}<p class=\"caption\">{}Where a curve flattens, the mesh is what is left.</p>\n",
         finished(
             traces,
-            layout(axis, decades(ERROR)).hover_mode(HoverMode::Closest),
+            layout(axis, errors(&rows)).hover_mode(HoverMode::Closest),
             "plot-micro",
             400
         ),
@@ -343,7 +348,7 @@ pub(super) fn coupling(study: &Study) -> String {
          compute the same.</p>\n",
         finished(
             traces,
-            layout(axis, decades(ERROR)).hover_mode(HoverMode::Closest),
+            layout(axis, errors(&rows)).hover_mode(HoverMode::Closest),
             "plot-coupling",
             420
         )
@@ -408,10 +413,20 @@ pub(super) fn growth(study: &Study) -> String {
         "",
         DashType::Solid,
     );
-    let axes = layout(spans("spans"), decades("wall time [s]")).hover_mode(HoverMode::Closest);
+    let walls = rows
+        .iter()
+        .flat_map(|entry| [entry.row.real_time_factor, entry.setup_s])
+        .flatten();
+    let axes = layout(spans("spans"), decades_of("wall time [s]", walls)).hover_mode(HoverMode::Closest);
     let mut html = finished(time, axes, "plot-growth", 400);
     if !memory.is_empty() {
-        let axes = layout(spans("spans"), decades("memory touched by the time loop [MB]"));
+        let touched = rows
+            .iter()
+            .filter_map(|entry| Some(entry.working_memory_bytes? as f64 / 1e6));
+        let axes = layout(
+            spans("spans"),
+            decades_of("memory touched by the time loop [MB]", touched),
+        );
         html.push_str(&finished(
             memory,
             axes.hover_mode(HoverMode::Closest),

@@ -89,6 +89,36 @@ pub(crate) fn decades(title: &str) -> Axis {
     logarithmic(title).dtick(1.0)
 }
 
+/// Powers of ten, and where these values span less than two of them also twice and five times as much: one number alone is no
+/// scale.
+pub(crate) fn decades_of(title: &str, values: impl IntoIterator<Item = f64>) -> Axis {
+    match ticks(values) {
+        Some(ticks) => {
+            let texts = ticks.iter().map(|tick| format!("{tick}")).collect();
+            logarithmic(title).tick_values(ticks).tick_text(texts)
+        }
+        None => decades(title),
+    }
+}
+
+/// Ticks at once, twice and five times the powers of ten around these values; nothing where they span two decades or more, or none is
+/// positive.
+fn ticks(values: impl IntoIterator<Item = f64>) -> Option<Vec<f64>> {
+    let shown = values.into_iter().filter(|value| value.is_finite() && *value > 0.0);
+    let (low, high) = shown.fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
+        (low.min(value), high.max(value))
+    });
+    if high <= 0.0 || high >= 100.0 * low {
+        return None;
+    }
+    let [from, to] = [low, high].map(|value| value.log10().floor() as i32);
+    let ticks = (from - 1..=to + 1).flat_map(|power| {
+        // Read as decimal numbers, so that they are written as such.
+        ["1", "2", "5"].map(|digit| format!("{digit}e{power}").parse().expect("a digit and a power of ten"))
+    });
+    Some(ticks.collect())
+}
+
 /// Logarithmic, powers of ten written as powers.
 pub(crate) fn logarithmic(title: &str) -> Axis {
     axis(title)
@@ -209,4 +239,18 @@ pub(super) fn sections(runs: &[RunBundle]) -> Vec<(&'static str, String)> {
         ("Wind on the collector head", series::wind(&curves)),
         ("Spectrum and histogram", pair),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_axis_has_more_ticks_than_its_powers_of_ten() {
+        let found = ticks([0.3, 2.0, 0.0, f64::NAN]).unwrap();
+        assert_eq!(found[..4], [0.01, 0.02, 0.05, 0.1]);
+        assert_eq!(found.iter().filter(|tick| (0.3..=2.0).contains(*tick)).count(), 3);
+        assert_eq!(ticks([0.01, 1.0]), None);
+        assert_eq!(ticks([0.0]), None);
+    }
 }
