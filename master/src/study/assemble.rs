@@ -355,7 +355,8 @@ fn notes(study: &Study) -> Vec<String> {
     for reference in &study.references {
         let family = reference.family.name();
         let Some(uncertainty) = reference.uncertainty_percent else {
-            let why: Vec<&str> = reference.refinements.iter().map(|found| found.ended.as_str()).collect();
+            let mut why: Vec<&str> = reference.refinements.iter().map(|found| found.ended.as_str()).collect();
+            why.dedup();
             notes.push(format!(
                 "{family}: nothing is known of the reference's own error: {}",
                 why.join("; ")

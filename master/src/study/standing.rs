@@ -155,9 +155,9 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
     let part = if exact.is_some() {
         ""
     } else if of_recipe().count() > 0 {
-        " without that of the coupling, of which it has other keys,"
+        " without the coupling (its keys are others there)"
     } else {
-        " without that of the coupling"
+        " without the coupling"
     };
     let (mut text, row) = (said(found, part), &found.row);
     let Some((factor, error)) = point(row) else {
@@ -170,7 +170,7 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
             .filter(|read| read.pareto && Class::of(&read.row.reduction) == class);
         of_class.filter_map(|read| Some((read, point(&read.row)?)))
     };
-    if found.pareto {
+    if found.pareto && exact.is_some() {
         text.push_str("; no run of the study is both cheaper and more accurate");
     }
     let mut say = |what: &str, (read, (factor, error)): (&Read, (f64, f64))| {
