@@ -17,6 +17,8 @@ struct IrregularRail {
     /// y of the profile's origin, m.
     y: f64,
     shape: Option<Arc<RailShape>>,
+    /// Part of the irregularities that are there.
+    part: f64,
     /// None is straight and level.
     alignment: Option<Arc<Alignment>>,
 }
@@ -28,6 +30,7 @@ impl RailLine for IrregularRail {
             .shape
             .as_ref()
             .map_or(none, |shape| (shape.lateral(s), shape.rise(s)));
+        let [y, z] = [y, z].map(|shape| shape.map(|value| self.part * value));
         if let Some(alignment) = &self.alignment {
             return alignment.seen_from(s, from).beside([
                 Vector3::new(0.0, self.y + y[0], z[0]),
@@ -89,6 +92,11 @@ impl std::fmt::Debug for RollingWheel {
 
 impl RollingWheel {
     pub(super) fn new(shared: Rolling, spin: Spin, side: Side, shape: Option<Arc<RailShape>>) -> Self {
+        Self::on_part(shared, spin, side, shape, 1.0)
+    }
+
+    /// A wheel on rails with this `part` of their irregularities.
+    fn on_part(shared: Rolling, spin: Spin, side: Side, shape: Option<Arc<RailShape>>, part: f64) -> Self {
         let contact = WheelRail::new(WheelRailParts {
             marker: Box::new(WheelsetMarker::new(spin.pose, spin.coordinate)),
             travel: shared.travel.clone(),
@@ -105,6 +113,7 @@ impl RollingWheel {
                 line: Arc::new(IrregularRail {
                     y: side.sign() * shared.rail_distance,
                     shape: shape.clone(),
+                    part,
                     alignment: shared.travel.alignment().cloned(),
                 }),
                 side,
@@ -121,6 +130,11 @@ impl RollingWheel {
             shape,
             contact,
         }
+    }
+
+    /// Leaves this `part` of the irregularities of the rail, for statics that begin on smooth rails. Creep forces are there again.
+    pub(super) fn set_irregularity(&mut self, part: f64) {
+        *self = Self::on_part(self.shared.clone(), self.spin, self.side, self.shape.clone(), part);
     }
 
     /// Takes the creep forces out for statics, in which nothing rolls, and puts them back.

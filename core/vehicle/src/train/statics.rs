@@ -94,10 +94,15 @@ impl Train {
             mass_shift: MASS_SHIFT,
             ..StaticOptions::default()
         };
+        let start = state.clone();
         self.set_creeping(false);
         let settled = self.settle(layout, state, &loads, &options);
         self.set_creeping(true);
-        settled?;
+        if let Err(error) = settled {
+            *state = start;
+            self.settle_by_and_by(layout, state, &loads, &options)
+                .map_err(|_| error)?;
+        }
         let (spins, steady) = self.steady_rolling(layout, state, &loads, &options);
         let base = self.base_frame(&state.motion(&[]));
         Ok(TrainRest {
@@ -130,6 +135,48 @@ impl Train {
         };
         let settled = solve_static(&mut alone, state, &[], options);
         settled.map(|_| ()).map_err(VehicleError::Unsettled)
+    }
+
+    /// From smooth rails on, whose irregularities grow by steps as long as they may be: wheels that hang in the air, or half of which do,
+    /// have no stiffness.
+    fn settle_by_and_by(
+        &mut self,
+        layout: &Layout,
+        state: &mut State,
+        loads: &[DeadForce],
+        options: &StaticOptions,
+    ) -> Result<(), VehicleError> {
+        const SHORTEST: f64 = 1.0 / 256.0;
+        let (mut reached, mut step) = (0.0, 1.0);
+        let mut part: f64 = 0.0;
+        let result = loop {
+            let before = state.clone();
+            self.set_irregularity(part);
+            self.set_creeping(false);
+            match self.settle(layout, state, loads, options) {
+                Ok(()) if part >= 1.0 => break Ok(()),
+                Ok(()) => {
+                    reached = part;
+                    step *= 2.0;
+                }
+                Err(error) if part == 0.0 || step <= SHORTEST => break Err(error),
+                Err(_) => {
+                    *state = before;
+                    step *= 0.25;
+                }
+            }
+            part = (reached + step).min(1.0);
+        };
+        self.set_irregularity(1.0);
+        result
+    }
+
+    fn set_irregularity(&mut self, part: f64) {
+        for wheel in &mut self.wheels {
+            if let TrainWheel::Rolling(wheel) = wheel {
+                wheel.set_irregularity(part);
+            }
+        }
     }
 
     /// From rest without creep forces to rest under those of steady rolling: a wheel that rolls on a slope turns about the normal of its

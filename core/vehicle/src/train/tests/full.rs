@@ -39,6 +39,32 @@ fn each_rolling_wheel_bears_an_eighth_of_the_weight_at_rest() {
 }
 
 #[test]
+fn on_rails_that_lie_elsewhere_the_vehicle_rests_there() {
+    // Below the wheels, and one rail below the other: at the nominal pose wheels hang in the air.
+    for (drop, aslant) in [(5e-3, 0.0), (20e-3, 0.0), (0.0, 1e-4)] {
+        let rails = format!(
+            "track.irregularities={{model=\"points\",x=[0,200],z_left=[{0},{0}],z_right=[{1},{1}]}}",
+            aslant - drop,
+            -aslant - drop
+        );
+        let scene = full_scene(&[&rails]);
+        let reach = Reach {
+            start: 60.0,
+            end: 150.0,
+            rail_distance: 1.5,
+        };
+        let shape = TrackShape::new(scene.track.as_deref().unwrap(), reach);
+        let [mut level, mut lower] = [full(&full_scene(&[]), None), full(&scene, shape.as_ref())];
+        let [before, after] = [rolling(&mut level), rolling(&mut lower)];
+        let sunk = level.train.base_frame(&before.motion(&[])).position.z
+            - lower.train.base_frame(&after.motion(&[])).position.z;
+        assert!((sunk - drop).abs() < 2e-6, "{drop} m, {aslant} m: {sunk} m");
+        let weight: f64 = lower.train.wheel_loads(&after.motion(&[])).sum();
+        assert!((weight / (43_052.0 * 9.81) - 1.0).abs() < 1e-6, "{weight} N");
+    }
+}
+
+#[test]
 fn a_rolling_vehicle_on_smooth_track_goes_on_rolling() {
     let mut alone = full(&full_scene(&[]), None);
     let state = rolling(&mut alone);
