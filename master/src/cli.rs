@@ -30,7 +30,7 @@ pub struct Arguments {
 /// Options of all commands.
 #[derive(Clone, Debug, Args)]
 pub struct Common {
-    /// Directory that results are written to [default: results/SCENE]
+    /// Directory that results are written to [default: results/SCENE; of package target/fmu/SCENE]; check writes none
     #[arg(long, global = true, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Overrides a key of the scene; repeatable
@@ -247,8 +247,8 @@ fn stability_help() -> String {
          Status: {STATUS_RULE}.\n\n\
          References: a coupled run is compared with the monolithic one at the same micro step, the monolithic one with itself at half the micro \
          step. The monolithic one is also limit where the time integration made more than 1 % of the energy \
-         exchanged; a coupled one is at most limit where the monolithic one is. A run that is not stable is repeated with shorter \
-         steps until it is: its boundary.\n\n\
+         exchanged; a coupled one is at most limit where the monolithic one is. A run that is not stable is repeated with other \
+         values of what makes it hard, or with its step halved up to three times: where it becomes stable is its boundary.\n\n\
          Without --cases and --quick the boundaries are mapped by bisection: macro step against contact stiffness, head mass and \
          speed, micro step against contact stiffness.\n\n\
          Runs are made side by side, one per core: they have no wall times, and the table is the same for any number of cores."

@@ -344,7 +344,9 @@ impl Slave for FmuSlave {
                     (false, true) => "",
                     (false, false) => "; it cannot go back to try a shorter step: use a smaller coupling.macro_step",
                 });
-                if !log.is_empty() {
+                if log.is_empty() {
+                    text.push_str("; -vv asks it for the reason");
+                } else {
                     text.push_str(&format!(": {}", log.join("; ")));
                 }
                 Err(self.step_failed(t, h, !ended, Discarded(text)))

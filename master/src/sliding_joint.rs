@@ -84,7 +84,8 @@ pub fn remarks(scene: &Scene, record: &Record) -> Vec<String> {
 
 fn remark(pantograph: usize, time: &[f64], spells: &[Spell]) -> String {
     let name = format!(
-        "pantograph {pantograph}: its strip is held on the wire by a sliding joint, which cannot lose contact; "
+        "pantograph {pantograph}: its strip is held on the wire by a sliding joint, which cannot lose contact: what counts as its loss \
+         is when it pulls; "
     );
     let Some(worst) = spells.iter().max_by(|a, b| a.largest.total_cmp(&b.largest)) else {
         return name + "its force was never negative";

@@ -20,7 +20,7 @@ pub enum BendingLayers {
     /// Cubic elements only.
     #[default]
     Absent,
-    /// One vertical layer per attachment and wire, and a lateral one at the supports of a staggered line.
+    /// One vertical layer per attachment and wire, and a lateral one at the supports of a line with lateral coordinates.
     AtAttachments,
     /// The same, and at the ends: of a piece whose wires go on, which has half of the layer there. `ψ` and its slope vanish at the
     /// node, so that each half is a layer of its own.
@@ -101,7 +101,6 @@ pub struct Topology {
     supports: Vec<usize>,
     droppers: Vec<DropperPlace>,
     options: LineOptions,
-    staggered: bool,
     /// Whether each wire has bending stiffness; a string has no layers.
     bends: [bool; 2],
     element: Element,
@@ -173,7 +172,6 @@ impl Topology {
             supports,
             droppers,
             options,
-            staggered,
             bends,
             element: catenary.mesh.element,
         }
@@ -264,7 +262,7 @@ impl Topology {
             return Vec::new();
         }
         let mut directions = vec![Vector3::z()];
-        if support && self.staggered {
+        if support && self.options.dimension == Dimension::Spatial {
             directions.push(Vector3::y());
         }
         directions

@@ -165,12 +165,12 @@ impl Scene {
         for (i, pantograph) in self.pantographs.iter().enumerate() {
             let (start, end) = (self.strip_start_x(i), self.strip_x(i, self.run.duration));
             let strip = format!("the strip of pantograph[{}]", i + 1);
-            if start < -ROUNDING || start > length {
+            if start < -ROUNDING || start >= length {
                 refuse(
                     found,
                     "run.start_x",
                     shown_number(self.run.start_x, "m"),
-                    format!("{strip} starts at x = {start} m, must be on the line, from 0 to {length} m"),
+                    format!("{strip} starts at x = {start} m, must be on the line, before its end at {length} m"),
                 );
             } else if end > length + ROUNDING {
                 refuse(

@@ -67,8 +67,8 @@ pub enum VehicleError {
     },
     /// Newton's method did not find an equilibrium of the linkage.
     #[error(
-        "no equilibrium of the linkage at {target}: {residual:.3e} N or m remain after {iterations} iterations, tolerance \
-         {tolerance:.1e}"
+        "no equilibrium of the linkage at {target}: it may not reach there ({residual:.3e} N or m remain after {iterations} \
+         iterations, tolerance {tolerance:.1e})"
     )]
     NotConverged {
         /// What was asked for ("strip height 5.3 m").
