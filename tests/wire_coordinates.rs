@@ -88,7 +88,7 @@ fn the_layer_gives_the_contact_the_exact_flexibility_of_the_wire() {
 fn run(per_node: usize, layer: bool) -> (Vec<f64>, f64) {
     let mut wire = wire(per_node, layer);
     let (h, speed, rate) = (1e-3, 50.0, 0.05);
-    let strip = |t: f64| [25.0 + speed * t, 0.0, rate * t, speed, 0.0, rate, 0.0];
+    let strip = |t: f64| [25.0 + speed * t, 0.0, rate * t, speed, 0.0, rate, 0.0, 0.0];
     let mut state = wire.layout.state_at_rest();
     let mut integrator = trapezoid(NewtonOptions::default().tolerance);
     let (mut forces, mut layer_peak) = (Vec::new(), 0.0_f64);

@@ -81,8 +81,10 @@ impl LineAtRest {
         match &mut self.0 {
             Law::Penalty(line) => line.start(strips),
             Law::SlidingJoint(joined) => {
-                let inputs = |strip: &StripStart| [strip.x, strip.y, strip.height, 0.0, 0.0, 0.0, 0.0];
-                let u: Vec<f64> = strips.iter().flat_map(inputs).collect();
+                let mut u = vec![0.0; strips.len() * STRIP_VALUES];
+                for (values, strip) in u.chunks_exact_mut(STRIP_VALUES).zip(strips) {
+                    values[..3].copy_from_slice(&[strip.x, strip.y, strip.height]);
+                }
                 let mut state = std::mem::take(&mut joined.state);
                 let found = solve_static(&mut **joined, &mut state, &u, &StaticOptions::default());
                 joined.state = state;
