@@ -53,7 +53,8 @@ pub use at_start::{AtStart, OneWayStep};
 pub use attachment::Attachment;
 pub use contact::{
     Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, CuredWire, LoadCorrection, OnWire,
-    PenaltyContact, PrescribedStrip, ResidualCompliance, STRIP_INPUTS, Sensitivity, SlidingJoint, StripContact,
+    PenaltyContact, PrescribedStrip, ResidualCompliance, STRIP_INPUTS, STRIP_VALUES, Sensitivity, SlidingJoint,
+    StripContact,
 };
 pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};

@@ -11,8 +11,8 @@ pub const STEP_TIMEOUT: f64 = 60.0;
 /// An FMU with its wiring, in `[catenary]` or `[[pantograph]]`.
 ///
 /// Inputs and outputs are keyed by this program's names. A pantograph's inputs are `force`, `force_x`, `force_y`,
-/// `force_z`, `time`, `x`, its outputs `height`, `velocity`, `x`, `y`, `vx`, `vy`, `roll`, `roll_rate` (a line takes no
-/// roll rate: it is accepted and not read). A line's are those of `Catenary.fmu`: `strip[i].…`, `contact[i].…`,
+/// `force_z`, `time`, `x`, its outputs `height`, `velocity`, `x`, `y`, `vx`, `vy`, `roll`, `roll_rate` (accepted and
+/// not read: a line takes the rate of `roll` itself). A line's are those of `Catenary.fmu`: `strip[i].…`, `contact[i].…`,
 /// `support[k].uplift`, and `time` (`contact[i].closed` is accepted and not read: it follows from the force). Empty maps
 /// leave the wiring to be guessed from the FMU's variables.
 #[derive(Clone, Debug, PartialEq)]

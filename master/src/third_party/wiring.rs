@@ -260,7 +260,7 @@ fn wire(
         format!("{factor} × ")
     };
     let unused = match name {
-        "roll_rate" => "; not used: a line takes no roll rate",
+        "roll_rate" => "; not used: the line takes the rate of roll itself",
         name if name.ends_with(".closed") => "; not used: it follows from the force",
         _ => "",
     };
