@@ -36,6 +36,9 @@ pub struct Finding {
     pub how: String,
 }
 
+/// What is found of a response that there is none of.
+const NOT_SEEN: &str = "not seen";
+
 /// What was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Probe {
@@ -92,10 +95,18 @@ impl Probe {
 
     /// Claims that do not hold, and what else a user should know.
     pub fn remarks(&self) -> impl Iterator<Item = String> {
-        let broken = self.findings.iter().filter(|finding| finding.found == "does not hold");
-        broken
-            .map(|finding| format!("it claims {}, which does not hold: {}", finding.subject, finding.how))
-            .chain(self.failure.clone())
+        let broken = self.findings.iter().filter_map(|finding| match finding.found.as_str() {
+            "does not hold" => Some(format!(
+                "it claims {}, which does not hold: {}",
+                finding.subject, finding.how
+            )),
+            NOT_SEEN => Some(format!(
+                "it was not seen to answer to what the other side does to it, is it wired to the right variables? {}",
+                finding.how
+            )),
+            _ => None,
+        });
+        broken.chain(self.failure.clone())
     }
 
     pub(super) fn add(&mut self, subject: &str, claimed: bool, found: &str, how: String) {

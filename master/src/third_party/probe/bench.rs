@@ -2,7 +2,7 @@
 
 use fmi2::import::Fmu;
 
-use super::{Probe, Request};
+use super::{NOT_SEEN, Probe, Request};
 use crate::cosimulation::{CosimulationError, FmuSlave, Role};
 use crate::slave::{Abilities, Slave, SlaveError};
 use crate::third_party::driven::{fixed_step, start_value};
@@ -351,7 +351,7 @@ impl<'a> Bench<'a> {
         let name = &wire.name;
         if difference.abs() <= EXACT {
             let how = format!("{name} does not change within {WATCHED} steps");
-            found.add("response", true, "not seen", how);
+            found.add("response", true, NOT_SEEN, how);
             return Ok(());
         }
         match self.request.wiring.side {
