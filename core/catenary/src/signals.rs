@@ -132,7 +132,7 @@ impl Component for Subsystem {
         signals.push(Signal::output(
             "energy",
             "J",
-            "Kinetic and potential energy of the line above its static state without strips; that of the contact springs is none of it",
+            "Kinetic and potential energy of the line above its static state without strips",
         ));
         signals.push(Signal::new(
             "inputs.follow_velocity",
