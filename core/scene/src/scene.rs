@@ -112,6 +112,20 @@ impl Scene {
         }
     }
 
+    /// The FMUs of somebody else: that of the line, then those of pantographs.
+    pub fn third_parties_mut(&mut self) -> impl Iterator<Item = &mut ThirdParty> {
+        let line = match &mut self.catenary {
+            Line::ThirdParty(side) => Some(side),
+            Line::Modelled(_) => None,
+        };
+        let pantographs = self.pantographs.iter_mut();
+        line.into_iter()
+            .chain(pantographs.filter_map(|pantograph| match &mut pantograph.model {
+                crate::PantographModel::ThirdParty(side) => Some(side),
+                _ => None,
+            }))
+    }
+
     /// Gravitational acceleration, m/s²; 9.81 where no modelled line says it.
     #[must_use]
     pub fn gravity(&self) -> f64 {

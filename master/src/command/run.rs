@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use scene::{Line, PantographModel, Scene, ThirdParty};
+use scene::Scene;
 
 use super::{CommandError, SceneFile, interrupted, print, print_json, say};
 use crate::cli::Common;
@@ -78,7 +78,7 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
 /// without the archive, and makes the scene refer to them.
 fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(), ResultsError> {
     let unpacked = real(unpacked);
-    for side in third_parties(scene) {
+    for side in scene.third_parties_mut() {
         let from = real(Path::new(&side.fmu));
         let Ok(inside) = from.strip_prefix(&unpacked) else {
             continue;
@@ -103,24 +103,10 @@ fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(),
 /// The scene with the paths of its FMUs relative to `directory`.
 fn relative_to(scene: &Scene, directory: &Path) -> Scene {
     let mut scene = scene.clone();
-    for side in third_parties(&mut scene) {
+    for side in scene.third_parties_mut() {
         side.fmu = relative(Path::new(&side.fmu), directory).display().to_string();
     }
     scene
-}
-
-/// The FMUs of others in a scene.
-fn third_parties(scene: &mut Scene) -> impl Iterator<Item = &mut ThirdParty> {
-    let line = match &mut scene.catenary {
-        Line::ThirdParty(side) => Some(side),
-        _ => None,
-    };
-    let pantographs = scene.pantographs.iter_mut();
-    line.into_iter()
-        .chain(pantographs.filter_map(|pantograph| match &mut pantograph.model {
-            PantographModel::ThirdParty(side) => Some(side),
-            _ => None,
-        }))
 }
 
 /// `path` seen from `folder`; as it is where the two have no common root.

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use scene::{Catenary, Division, Line, PantographModel, Scene};
+use scene::{Catenary, Division, Scene};
 
 use super::vehicle::{Standing, StandingName, own_name, standings};
 use crate::monolithic::Monolithic;
@@ -470,8 +470,8 @@ fn entries(text: &str) -> impl Iterator<Item = (&str, &str, &str)> {
 }
 
 /// Short hash of some bytes.
-fn hash(parts: &[&[u8]]) -> String {
-    super::store::digest(parts)[..12].to_owned()
+fn hash(bytes: &[u8]) -> String {
+    super::store::digest(&[bytes])[..12].to_owned()
 }
 
 /// Hash of a scene without what a recipe changes or [`settings`] holds, without its texts, and without what it leaves to be found:
@@ -480,35 +480,24 @@ fn hash(parts: &[&[u8]]) -> String {
 #[must_use]
 pub fn identity(scene: &Scene, base: &Path) -> String {
     const TABLES: [&str; 4] = ["[catenary.mesh]", "[coupling]", "[solver]", "[model]"];
-    const KEYS: [(&str, &str); 7] = [
+    const KEYS: [(&str, &str); 5] = [
         ("", "title"),
         ("", "source"),
         ("[run]", "duration"),
         ("[run]", "output_step"),
-        ("[catenary]", "fmu"),
-        ("[[pantograph]]", "fmu"),
         ("[[pantograph]]", "start"),
     ];
+    let mut scene = scene.clone();
+    for side in scene.third_parties_mut() {
+        // One that cannot be read stops the run that it is for, with a message.
+        side.fmu = hash(&std::fs::read(base.join(&side.fmu)).unwrap_or_default());
+    }
     let text = scene.to_toml();
     let kept: Vec<&str> = entries(&text)
         .filter(|&(table, key, _)| !TABLES.contains(&table) && !KEYS.contains(&(table, key)))
         .map(|(_, _, line)| line)
         .collect();
-    let line = match &scene.catenary {
-        Line::ThirdParty(side) => Some(side),
-        Line::Modelled(_) => None,
-    };
-    let pantographs = scene.pantographs.iter().filter_map(|side| match &side.model {
-        PantographModel::ThirdParty(side) => Some(side),
-        _ => None,
-    });
-    // One that cannot be read stops the run that it is for, with a message.
-    let fmus = line
-        .into_iter()
-        .chain(pantographs)
-        .map(|side| std::fs::read(base.join(&side.fmu)).unwrap_or_default());
-    let parts: Vec<Vec<u8>> = std::iter::once(kept.join("\n").into_bytes()).chain(fmus).collect();
-    hash(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    hash(kept.join("\n").as_bytes())
 }
 
 /// Hash of those keys of mesh and solver, and of the coupling where the sides are coupled, that change the result and that no recipe
@@ -524,5 +513,5 @@ pub fn settings(text: &str, coupled: bool) -> String {
         _ => false,
     };
     let kept: Vec<&str> = entries(text).filter(held).map(|(_, _, line)| line).collect();
-    hash(&[kept.join("\n").as_bytes()])
+    hash(kept.join("\n").as_bytes())
 }
