@@ -96,11 +96,12 @@ fn read(folder: &Path) -> Vec<Read> {
 /// nothing where there is no study of this scene. Paths in the scene are relative to `base`.
 #[must_use]
 pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) -> Option<String> {
+    let mut rows = read(folder);
+    if rows.is_empty() {
+        return None;
+    }
     let hash = identity(scene, base);
-    let rows: Vec<Read> = read(folder)
-        .into_iter()
-        .filter(|read| read.scene_hash == hash)
-        .collect();
+    rows.retain(|read| read.scene_hash == hash);
     if rows.is_empty() {
         return None;
     }
@@ -140,21 +141,19 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
     let exact = of_recipe().find(as_settled);
     let found = exact.or_else(|| rows.iter().filter(same_model).filter(one_system).find(as_settled));
     let Some(found) = found else {
-        let others = rows.iter().filter(same_model);
-        return Some(
-            if others.filter(|read| same_coupling(read) || one_system(read)).count() > 0 {
-                format!(
-                    "the study in {CSV} was made with other keys of [catenary.mesh], [coupling] or [solver]: the error of this run is not \
+        let mut others = rows.iter().filter(same_model);
+        return Some(if others.any(|read| same_coupling(&read) || one_system(&read)) {
+            format!(
+                "the study in {CSV} was made with other keys of [catenary.mesh], [coupling] or [solver]: the error of this run is not \
                  known"
-                )
-            } else {
-                format!("the study in {CSV} has no row of this recipe: its error is not known")
-            },
-        );
+            )
+        } else {
+            format!("the study in {CSV} has no row of this recipe: its error is not known")
+        });
     };
     let part = if exact.is_some() {
         ""
-    } else if of_recipe().count() > 0 {
+    } else if of_recipe().next().is_some() {
         " without the coupling (its keys are others there)"
     } else {
         " without the coupling"
