@@ -132,9 +132,10 @@ impl RollingWheel {
         }
     }
 
-    /// Leaves this `part` of the irregularities of the rail, for statics that begin on smooth rails. Creep forces are there again.
+    /// Leaves this `part` of the irregularities of the rail, for statics that begin on smooth rails; creep forces are out as for those.
     pub(super) fn set_irregularity(&mut self, part: f64) {
         *self = Self::on_part(self.shared.clone(), self.spin, self.side, self.shape.clone(), part);
+        self.set_creeping(false);
     }
 
     /// Takes the creep forces out for statics, in which nothing rolls, and puts them back.

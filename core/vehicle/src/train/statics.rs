@@ -96,13 +96,13 @@ impl Train {
         };
         let start = state.clone();
         self.set_creeping(false);
-        let settled = self.settle(layout, state, &loads, &options);
-        self.set_creeping(true);
-        if let Err(error) = settled {
+        let settled = self.settle(layout, state, &loads, &options).or_else(|error| {
             *state = start;
             self.settle_by_and_by(layout, state, &loads, &options)
-                .map_err(|_| error)?;
-        }
+                .map_err(|_| error)
+        });
+        self.set_creeping(true);
+        settled?;
         let (spins, steady) = self.steady_rolling(layout, state, &loads, &options);
         let base = self.base_frame(&state.motion(&[]));
         Ok(TrainRest {
@@ -147,12 +147,10 @@ impl Train {
         options: &StaticOptions,
     ) -> Result<(), VehicleError> {
         const SHORTEST: f64 = 1.0 / 256.0;
-        let (mut reached, mut step) = (0.0, 1.0);
-        let mut part: f64 = 0.0;
+        let (mut part, mut reached, mut step) = (0.0_f64, 0.0, 1.0);
         let result = loop {
             let before = state.clone();
             self.set_irregularity(part);
-            self.set_creeping(false);
             match self.settle(layout, state, loads, options) {
                 Ok(()) if part >= 1.0 => break Ok(()),
                 Ok(()) => {
@@ -171,6 +169,7 @@ impl Train {
         result
     }
 
+    /// Leaves this `part` of the irregularities, without creep forces.
     fn set_irregularity(&mut self, part: f64) {
         for wheel in &mut self.wheels {
             if let TrainWheel::Rolling(wheel) = wheel {
