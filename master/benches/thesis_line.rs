@@ -126,10 +126,12 @@ fn main() {
             "{corrections:.2} Newton iterations per step, {} factorisations",
             cost.factorizations
         );
-        let middle = REPEATS / 2;
         let times = [
-            ("one monolithic step", [together(&alone, 0), together(&alone, middle)]),
-            ("the same with what is recorded", [walls[0][0], walls[0][middle]]),
+            (
+                "one monolithic step",
+                [together(&alone, 0), together(&alone, REPEATS / 2)],
+            ),
+            ("the same with what is recorded", [walls[0][0], medians[0]]),
         ];
         for (what, corrections) in [("two corrections", 2.0), ("the corrections it makes", corrections)] {
             for (of, [fastest, median]) in &times {

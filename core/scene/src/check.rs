@@ -148,12 +148,14 @@ impl Scene {
             return None;
         };
         let duration = self.run.duration;
-        // From the last sample on it stays.
-        let at_end = motion.x.last().map(|&x| (x, duration));
         let moved = motion.x.iter().copied().zip(motion.time.iter().copied());
-        let held = at_end.filter(|_| motion.time.last().is_some_and(|&last| last <= duration));
-        let mut within = moved.filter(|(_, time)| (0.0..=duration).contains(time)).chain(held);
-        within.find(|(x, time)| !(-ROUNDING..=length + ROUNDING).contains(&(self.strip_x(index, *time) + x)))
+        let within = moved.filter(|(_, time)| (0.0..=duration).contains(time));
+        // From the last sample on it stays.
+        let last = motion.x.last().zip(motion.time.last());
+        let held = last.filter(|(_, time)| **time <= duration).map(|(&x, _)| (x, duration));
+        within
+            .chain(held)
+            .find(|(x, time)| !(-ROUNDING..=length + ROUNDING).contains(&(self.strip_x(index, *time) + x)))
     }
 
     fn check_strips_on_the_line(&self, found: &mut Found) {

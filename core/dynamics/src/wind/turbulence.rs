@@ -97,17 +97,12 @@ impl Turbulence {
             let direction = options.axes.column(component).into_owned();
             let time_scale = options.length_scales[component] / options.speed;
             let decay = options.coherence_decays[component] * options.spacing / options.speed;
-            let amplitudes: Vec<f64> = frequencies
-                .iter()
-                .map(|&f| {
-                    let density = options.spectrum.density(component, f, time_scale);
-                    let mut share = density * frequency_step;
-                    if f == frequency_step {
-                        share += slower(|f| options.spectrum.density(component, f, time_scale), frequency_step);
-                    }
-                    sigma * (2.0 * share).sqrt()
-                })
-                .collect();
+            let density = |f: f64| options.spectrum.density(component, f, time_scale);
+            let mut shares: Vec<f64> = frequencies.iter().map(|&f| density(f) * frequency_step).collect();
+            if let Some(longest) = shares.first_mut() {
+                *longest += slower(density, frequency_step);
+            }
+            let amplitudes: Vec<f64> = shares.iter().map(|share| sigma * (2.0 * share).sqrt()).collect();
             let correlations: Vec<f64> = frequencies.iter().map(|f| (-decay * f).exp()).collect();
             let mut z = vec![Complex::default(); frequencies.len()];
             for station in 0..stations {
