@@ -371,6 +371,30 @@ fn a_scene_of_another_make_is_refused_and_so_is_a_parameter_it_has_no_place_for(
 }
 
 #[test]
+fn a_scene_that_leaves_a_table_to_a_file_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("moved.toml");
+    let rest = "vehicle={model=\"rigid_motion\",motion={time=[0],z=[0]}}";
+    let fmu = Packaged::new(EN_250, &[COARSE, &[rest]].concat()).open("Pantograph");
+    let scene = scene_with(EN_250, COARSE).to_toml();
+    let scene = format!("{scene}\n[vehicle]\nmodel = \"rigid_motion\"\nmotion = {{ file = \"motion.csv\" }}\n");
+    std::fs::write(&path, scene).unwrap();
+    let mut instance = fmu.instantiate("a file", false, false).unwrap();
+    let reference = [fmu.description().variable("scene").unwrap().value_reference];
+    let set = instance.set_string(&reference, &[&path.display().to_string()]);
+    let message = set.and_then(|()| {
+        instance.setup_experiment(0.0, None, None)?;
+        instance.enter_initialization_mode()?;
+        instance.exit_initialization_mode()
+    });
+    let message = message.unwrap_err().to_string();
+    assert!(
+        message.contains("vehicle.motion.file = \"motion.csv\": an FMU reads no file"),
+        "{message}"
+    );
+}
+
+#[test]
 fn no_step_goes_past_a_stop_time_that_was_given() {
     for identifier in IDENTIFIERS {
         let fmu = EN.open(identifier);

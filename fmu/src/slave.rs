@@ -202,14 +202,13 @@ fn fill_start(scene: &mut Scene, packaged: &Scene) {
 /// to say, so the run in it is made to fit; a strip may also stand still.
 fn check(scene: &Scene) -> ModelResult<()> {
     const SLOW: f64 = 1.0; // m/s
-    let mut unread = scene.wind.iter().flat_map(scene::Wind::unread_files);
-    if let Some((key, file)) = unread.next() {
+    let mut alone = scene.clone();
+    if let Some((key, file)) = alone.unread_files_mut().first() {
         return Err(ModelError::unusable(format!(
             "{key} = {file:?}: an FMU reads no file but its scene: must be left out and its rows be given in the scene, as in the \
              scene.toml that a run writes"
         )));
     }
-    let mut alone = scene.clone();
     if alone.run.speed == 0.0 {
         alone.run.speed = SLOW;
     }

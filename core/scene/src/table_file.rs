@@ -8,6 +8,14 @@ use crate::{AerodynamicMarker, GivenMotion, Irregularities, Points, Scene, Vehic
 /// Most rows of a record of the wind: what a scene can still hold as text.
 const MOST_ROWS: usize = 200_000;
 
+const WIND_KEY: &str = "wind.file";
+const MOTION_KEY: &str = "vehicle.motion.file";
+const POINTS_KEY: &str = "track.irregularities.file";
+
+fn marker_file_key(surface: usize) -> String {
+    format!("wind.pantograph.surfaces[{}].marker_file", surface + 1)
+}
+
 /// Gives the text of a file, or why it cannot.
 type Open<'a> = &'a dyn Fn(&str) -> Result<String, String>;
 
@@ -65,7 +73,7 @@ fn refused(key: &str, path: &str, reason: &str) -> String {
 impl Wind {
     fn fill_tables(&mut self, open: Open<'_>) -> Result<(), String> {
         if let Some(file) = self.file.take() {
-            let refused = |reason: String| refused("wind.file", &file, &reason);
+            let refused = |reason: String| refused(WIND_KEY, &file, &reason);
             let rows = rows_of(&open(&file).map_err(refused)?).map_err(|error| refused(error.to_string()))?;
             if rows.len() > MOST_ROWS {
                 return Err(refused(format!(
@@ -84,7 +92,7 @@ impl Wind {
             let Some(file) = surface.marker_file.take() else {
                 continue;
             };
-            let key = format!("wind.pantograph.surfaces[{}].marker_file", index + 1);
+            let key = marker_file_key(index);
             let refused = |reason: String| refused(&key, &file, &reason);
             let markers = AerodynamicMarker::read(&open(&file).map_err(refused)?);
             surface.markers = markers.map_err(|error| refused(error.to_string()))?;
@@ -94,6 +102,30 @@ impl Wind {
 }
 
 impl Scene {
+    /// Files that tables are left to and that were not read yet: their keys, and their paths as the scene has them.
+    pub fn unread_files_mut(&mut self) -> Vec<(String, &mut String)> {
+        let mut found = Vec::new();
+        if let Some(wind) = &mut self.wind {
+            found.extend(wind.file.as_mut().map(|file| (WIND_KEY.to_owned(), file)));
+            let surfaces = wind.pantograph.iter_mut().flat_map(|wind| &mut wind.surfaces);
+            found.extend(surfaces.enumerate().filter_map(|(index, surface)| {
+                let file = surface.marker_file.as_mut();
+                file.map(|file| (marker_file_key(index), file))
+            }));
+        }
+        if let Some(vehicle) = &mut self.vehicle
+            && let Vehicle::RigidMotion(motion) = Arc::make_mut(vehicle)
+        {
+            found.extend(motion.file.as_mut().map(|file| (MOTION_KEY.to_owned(), file)));
+        }
+        if let Some(track) = &mut self.track
+            && let Irregularities::Points(points) = &mut Arc::make_mut(track).irregularities
+        {
+            found.extend(points.file.as_mut().map(|file| (POINTS_KEY.to_owned(), file)));
+        }
+        found
+    }
+
     /// Reads the files that tables are left to and writes their content into the scene in their place; `open` gives the text of a
     /// file, whose path is as the scene has it. What is read has still to be checked ([`Scene::check`]).
     ///
@@ -110,7 +142,7 @@ impl Scene {
         if let Some(vehicle) = &mut self.vehicle
             && let Vehicle::RigidMotion(GivenMotion { file: Some(path), .. }) = vehicle.as_ref()
         {
-            let found = read("vehicle.motion.file", path, &GivenMotion::COLUMNS)?;
+            let found = read(MOTION_KEY, path, &GivenMotion::COLUMNS)?;
             let columns = <[Vec<f64>; 7]>::try_from(found).unwrap_or_default();
             *Arc::make_mut(vehicle) = Vehicle::RigidMotion(GivenMotion::of_columns(columns));
         }
@@ -118,7 +150,7 @@ impl Scene {
             && let Irregularities::Points(Points { file: Some(path), .. }) = &track.irregularities
         {
             let names = ["x", "z_left", "z_right", "y_left", "y_right"];
-            let found = read("track.irregularities.file", path, &names)?;
+            let found = read(POINTS_KEY, path, &names)?;
             let [x, z_left, z_right, y_left, y_right] = <[Vec<f64>; 5]>::try_from(found).unwrap_or_default();
             Arc::make_mut(track).irregularities = Irregularities::Points(Points {
                 x,

@@ -108,8 +108,7 @@ impl Script {
     /// # Errors
     /// See [`Store::open`].
     pub fn store(&self, folder: &Path) -> Result<Store, ResultsError> {
-        let others: Vec<PathBuf> = self.ground.others.iter().map(PathBuf::from).collect();
-        Store::open(&folder.join(store::FOLDER), &others, &self.machine)
+        Store::open(&folder.join(store::FOLDER), &self.identity, &self.machine)
     }
 }
 

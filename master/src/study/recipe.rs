@@ -7,7 +7,7 @@ use scene::{Catenary, Division, Scene};
 
 use super::vehicle::{Standing, StandingName, own_name, standings};
 use crate::monolithic::Monolithic;
-use crate::simulation::{Mode, Other, Prepared};
+use crate::simulation::{Mode, Prepared};
 use crate::table_of_runs::{AUTO, Keys, Variant};
 
 /// Cures of the mesh that a scene may name, best set first; the first one that the scene takes is called cured here.
@@ -167,8 +167,6 @@ pub struct Ground {
     pub intervals: usize,
     /// Step that resolves the low-pass filter's band, s.
     pub micro_step: f64,
-    /// FMUs of somebody else.
-    pub others: Vec<String>,
     /// What else the pantograph may stand on.
     pub standings: Vec<Standing>,
     /// What it does not stand on, and why.
@@ -199,7 +197,6 @@ impl Ground {
             elements: line.map_or(1, |_| resolving_elements(&scene)),
             intervals: line.map_or(1, Catenary::intervals_per_span),
             micro_step: 0.02 / scene.run.low_pass_hz,
-            others: prepared.others.iter().map(|other: &Other| other.fmu.clone()).collect(),
             standings: Vec::new(),
             left_out: Vec::new(),
             scene,
@@ -475,7 +472,8 @@ fn hash(bytes: &[u8]) -> String {
 }
 
 /// Hash of a scene without what a recipe changes or [`settings`] holds, without its texts, and without what it leaves to be found:
-/// start, duration. FMUs of somebody else, whose paths are relative to `base`, count by their bytes, wherever they are.
+/// start, duration. Files that it names, FMUs of somebody else and tables, count by their bytes, wherever they are; paths are relative
+/// to `base`.
 /// Runs of scenes with the same hash can be compared.
 #[must_use]
 pub fn identity(scene: &Scene, base: &Path) -> String {
@@ -488,10 +486,10 @@ pub fn identity(scene: &Scene, base: &Path) -> String {
         ("[[pantograph]]", "start"),
     ];
     let mut scene = scene.clone();
-    for side in scene.third_parties_mut() {
-        // One that cannot be read stops the run that it is for, with a message.
-        side.fmu = hash(&std::fs::read(base.join(&side.fmu)).unwrap_or_default());
-    }
+    // A file that cannot be read stops the run that it is for, with a message.
+    let hashed = |path: &mut String| *path = hash(&std::fs::read(base.join(&*path)).unwrap_or_default());
+    scene.third_parties_mut().for_each(|side| hashed(&mut side.fmu));
+    scene.unread_files_mut().into_iter().for_each(|(_, path)| hashed(path));
     let text = scene.to_toml();
     let kept: Vec<&str> = entries(&text)
         .filter(|&(table, key, _)| !TABLES.contains(&table) && !KEYS.contains(&(table, key)))

@@ -1,9 +1,9 @@
 //! Runs that are kept, so that a study that was ended goes on where it was.
 //!
-//! A run is found again by a hash of its scene with every default written out, its mode, the program's own bytes and those of
-//! FMUs of somebody else: the same key gives the same results bit for bit. Wall times belong to a machine too.
+//! A run is found again by a hash of its scene with every default written out, its mode, the program's own bytes and those of the
+//! files that the scene names: the same key gives the same results bit for bit. Wall times belong to a machine too.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
@@ -37,8 +37,8 @@ static PROGRAM: LazyLock<String> = LazyLock::new(|| {
 #[derive(Debug)]
 pub struct Store {
     directory: OutputDirectory,
-    /// Hash of the FMUs of somebody else.
-    others: String,
+    /// Of the study's scene, with the content of the files that it names.
+    identity: String,
     machine: Machine,
 }
 
@@ -64,19 +64,15 @@ pub struct Times {
 }
 
 impl Store {
-    /// A store in `folder`; `others` are FMUs of somebody else that the runs use.
+    /// A store in `folder` for the runs of a study of the scene with this identity, which holds the content of the files that the
+    /// scene names.
     ///
     /// # Errors
-    /// A folder that cannot be written to, an FMU that cannot be read.
-    pub fn open(folder: &Path, others: &[PathBuf], machine: &Machine) -> Result<Self, ResultsError> {
-        let mut parts = Vec::new();
-        for path in others {
-            parts.push(std::fs::read(path).map_err(crate::results::io(path, "read"))?);
-        }
-        let parts: Vec<&[u8]> = parts.iter().map(Vec::as_slice).collect();
+    /// A folder that cannot be written to.
+    pub fn open(folder: &Path, identity: &str, machine: &Machine) -> Result<Self, ResultsError> {
         Ok(Self {
             directory: OutputDirectory::open(folder)?,
-            others: digest(&parts),
+            identity: identity.to_owned(),
             machine: machine.clone(),
         })
     }
@@ -84,7 +80,7 @@ impl Store {
     /// Key of a run: its mode and its scene as text.
     #[must_use]
     pub fn key(&self, mode: &str, scene: &str) -> String {
-        let parts = [mode, scene, &*PROGRAM, &self.others].map(str::as_bytes);
+        let parts = [mode, scene, &*PROGRAM, &self.identity].map(str::as_bytes);
         digest(&parts)[..24].to_owned()
     }
 
@@ -220,7 +216,7 @@ mod tests {
     #[test]
     fn a_kept_run_is_found_again_with_all_its_bits_and_half_a_run_is_not() {
         let folder = tempfile::tempdir().unwrap();
-        let store = Store::open(folder.path(), &[], &Machine::default()).unwrap();
+        let store = Store::open(folder.path(), "", &Machine::default()).unwrap();
         let samples: Vec<f64> = (0..50).map(|n| (0.1 * f64::from(n)).sin() * 1e2 / 3.0).collect();
         let run = Attempt {
             row: Row {
@@ -263,7 +259,7 @@ mod tests {
     #[test]
     fn wall_times_of_another_machine_do_not_count() {
         let folder = tempfile::tempdir().unwrap();
-        let here = Store::open(folder.path(), &[], &Machine::default()).unwrap();
+        let here = Store::open(folder.path(), "", &Machine::default()).unwrap();
         let mut times = here.times("a");
         times.walls = vec![1.0, 2.0];
         here.keep_times("a", &times).unwrap();
@@ -272,7 +268,7 @@ mod tests {
             cpu: "another".to_owned(),
             ..Machine::default()
         };
-        let there = Store::open(folder.path(), &[], &elsewhere).unwrap();
+        let there = Store::open(folder.path(), "", &elsewhere).unwrap();
         assert!(there.times("a").walls.is_empty());
     }
 }

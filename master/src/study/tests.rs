@@ -207,6 +207,20 @@ fn what_a_recipe_changes_does_not_make_another_scene() {
 }
 
 #[test]
+fn a_table_counts_by_its_content_wherever_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let identity = |file: &str, content: &str| {
+        std::fs::write(folder.path().join(file), content).unwrap();
+        let more = format!("[vehicle]\nmodel = \"rigid_motion\"\nmotion = {{ file = \"{file}\" }}\n");
+        let text = format!("{}\n{more}", short(&[]).to_toml());
+        identity(&Scene::from_toml(&text, "short", &[]).unwrap(), folder.path())
+    };
+    let own = identity("a.csv", "time,z\n0,0\n1,0.01\n");
+    assert_eq!(identity("b.csv", "time,z\n0,0\n1,0.01\n"), own);
+    assert_ne!(identity("a.csv", "time,z\n0,0\n1,0.02\n"), own);
+}
+
+#[test]
 fn keys_that_no_recipe_says_tell_runs_of_one_recipe_apart() {
     let of = |key: &str| {
         let text = short(&[key]).to_toml();

@@ -10,17 +10,6 @@ impl Wind {
         let (sine, cosine) = self.yaw_deg.to_radians().sin_cos();
         [-self.speed * cosine, -self.speed * sine, 0.0]
     }
-
-    /// Files that the scene names and that were not read yet: key and path.
-    pub fn unread_files(&self) -> impl Iterator<Item = (String, &str)> {
-        let own = self.file.as_deref().map(|file| ("wind.file".to_owned(), file));
-        let surfaces = self.pantograph.iter().flat_map(|pantograph| &pantograph.surfaces);
-        let markers = surfaces.enumerate().filter_map(|(i, surface)| {
-            let key = format!("wind.pantograph.surfaces[{}].marker_file", i + 1);
-            surface.marker_file.as_deref().map(|file| (key, file))
-        });
-        own.into_iter().chain(markers)
-    }
 }
 
 impl super::WindSurface {
