@@ -555,3 +555,21 @@ fn d12_without_isolation_a_crash_says_what_would_help() {
         assert!(ended.stderr.contains("isolate = true"), "{ended}");
     }
 }
+
+#[test]
+fn d12_a_crash_at_the_end_of_a_run_loses_nothing_of_it() {
+    for fault in FAULTS {
+        for (table, isolated) in [(PARAMETERS, false), (ISOLATED, true)] {
+            if fault == "LOOP" && !isolated {
+                continue;
+            }
+            let faults = [&format!("FAULT={fault}"), "FAULT_IN=TERMINATE", "FAULT_AT=0.1"];
+            let tried = Tried::new(&Pantograph::new().built_with(&faults));
+            let ended = tried.run_with(table, &[]);
+            assert_eq!(ended.code == Some(0), isolated, "{fault}: {ended}");
+            assert_eq!(ended.summary()["complete"], true, "{fault}: {ended}");
+            assert_eq!(ended.force(), good_force(&[]), "{fault}: {ended}");
+            assert!(isolated || ended.stderr.contains("isolate = true"), "{fault}: {ended}");
+        }
+    }
+}

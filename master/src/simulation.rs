@@ -115,6 +115,8 @@ pub struct Finished {
     pub most_iterations: u64,
     /// What was seen of one system besides, where that was asked for.
     pub evidence: Option<Evidence>,
+    /// What was coupled, still to be ended: an FMU that crashes there takes nothing with it once the results are written.
+    pub slaves: Vec<Box<dyn Slave>>,
 }
 
 /// Where co-simulation takes its FMUs from.
@@ -329,7 +331,10 @@ impl Prepared {
             energy_residual: Some(outcome.energy_residual),
             energy_share: outcome.energy_share,
         };
-        Ok(self.finished(mode, outcome, coupling, setup, None))
+        let mut finished = self.finished(mode, outcome, coupling, setup, None);
+        finished.slaves = pantographs;
+        finished.slaves.push(Box::new(line));
+        Ok(finished)
     }
 
     fn run_as_one<E: From<SetupError>>(
@@ -429,6 +434,7 @@ impl Prepared {
             failure,
             most_iterations: outcome.work.most_iterations,
             evidence,
+            slaves: Vec::new(),
         }
     }
 }

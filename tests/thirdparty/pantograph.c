@@ -25,7 +25,8 @@
  *     STEP_STATUS=s               returns s from steps that start at STEP_STATUS_AT or later
  *     DISCARD_LONGER_THAN=h       discards steps longer than h
  *     NAN_AT=t                    the height is not a number from t on
- *     FAULT=f                     SEGV, ABORT, EXIT, LOOP in FAULT_IN=INSTANTIATE, INITIALISE, STEP (there from FAULT_AT on)
+ *     FAULT=f                     SEGV, ABORT, EXIT, LOOP in FAULT_IN=INSTANTIATE, INITIALISE, STEP, TERMINATE (in the
+ *                                 last two from FAULT_AT on)
  */
 #define _GNU_SOURCE
 #include "fmi2.h"
@@ -56,7 +57,7 @@
 #endif
 
 /* Words of FAULT and FAULT_IN. */
-enum { NOTHING, SEGV, ABORT, EXIT, LOOP, INSTANTIATE, INITIALISE, STEP };
+enum { NOTHING, SEGV, ABORT, EXIT, LOOP, INSTANTIATE, INITIALISE, STEP, TERMINATE };
 #ifndef FAULT
 #define FAULT NOTHING
 #endif
@@ -332,7 +333,11 @@ FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
 }
 
 FMI2_EXPORT fmi2Status fmi2Terminate(fmi2Component c) {
-    ((Pantograph *)c)->running = 0;
+    Pantograph *p = c;
+    if (p->state.t > FAULT_AT - 1e-9) {
+        misbehave(TERMINATE);
+    }
+    p->running = 0;
     return fmi2OK;
 }
 

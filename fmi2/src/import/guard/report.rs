@@ -158,6 +158,9 @@ impl Text {
     }
 }
 
+/// Called when what was computed is written.
+const ENDING: [&str; 2] = ["fmi2Terminate", "fmi2FreeInstance"];
+
 /// What a person is told.
 pub(super) fn sentence(call: &Call, ending: Ending) -> Text {
     let mut text = Text::new();
@@ -194,7 +197,13 @@ pub(super) fn sentence(call: &Call, ending: Ending) -> Text {
             text.push(b")");
         }
     }
-    text.push(b"; the FMU runs in this program, so the results of this run are lost: with isolate = true in its table they are kept\n");
+    text.push(b"; the FMU runs in this program");
+    let what = if ENDING.contains(&call.function) {
+        ", which ends with it: what is written stays, and with isolate = true in its table the program goes on\n"
+    } else {
+        ", so the results of this run are lost: with isolate = true in its table they are kept\n"
+    };
+    text.push(what.as_bytes());
     text
 }
 
