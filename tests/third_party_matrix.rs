@@ -428,6 +428,16 @@ fn d9_messages_of_any_form_are_taken() {
 }
 
 #[test]
+fn d9_what_it_prints_does_not_spoil_what_other_programs_read() {
+    let tried = Tried::new(&Pantograph::new().built_with(&["PRINT"]));
+    let scene = (tried.program).scene("tried", &under_the_line(Path::new("two_mass.fmu"), PARAMETERS));
+    let ended = tried.program.run(&scene, &[&HERE[..], &["--json"]].concat()).done();
+    let summary: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
+    assert_eq!(summary, ended.summary());
+    assert!(ended.stderr.contains("at your service"), "{ended}");
+}
+
+#[test]
 fn d9_what_was_logged_is_in_the_message_of_a_failure() {
     let chatty = [
         "LOG_ARGUMENTS",

@@ -303,6 +303,7 @@ impl From<ModeArgument> for Mode {
 pub fn main() -> ExitCode {
     // Prints help or the mistake and exits with 0 or 2.
     let Arguments { command, common } = Arguments::parse();
+    command::keep_stdout();
     isolation::this_program_serves();
     fmi2::import::guard::install(fmi2::import::guard::Report::Sentence);
     let command = command.unwrap_or(Command::Run {

@@ -22,6 +22,7 @@
  *     NEED_DIRECTORY              goes to its resources and stays there; takes the masses from pantograph.txt at each start
  *     NEED_CURRENT_DIRECTORY      opens pantograph.txt in whatever the current directory is
  *     LOG_ARGUMENTS, LOG_NULL_CATEGORY, LOG_FROM_THREAD, LOG_EVERY_STEP
+ *     PRINT                       prints a line at its start
  *     STEP_STATUS=s               returns s from steps that start at STEP_STATUS_AT or later
  *     DISCARD_LONGER_THAN=h       discards steps longer than h
  *     NAN_AT=t                    the height is not a number from t on
@@ -308,6 +309,9 @@ FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranc
 FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
     Pantograph *p = c;
     misbehave(INITIALISE);
+#ifdef PRINT
+    puts("two masses, at your service");
+#endif
     chatter(p, "initialise");
 #ifdef NEED_RESOURCES
     return read_masses(p, p->resources);

@@ -1,7 +1,7 @@
-//! What a process that runs one FMU needs of the system.
+//! What a process that runs FMUs needs of the system.
 
 use std::io;
-use std::os::fd::{AsFd as _, AsRawFd as _, OwnedFd};
+use std::os::fd::{AsFd as _, AsRawFd as _, OwnedFd, RawFd};
 use std::os::unix::net::UnixStream;
 use std::time::Duration;
 
@@ -14,13 +14,28 @@ pub fn detached_stdin() -> io::Result<UnixStream> {
     let channel = UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
     channel.peer_addr()?;
     let nothing = std::fs::File::open("/dev/null")?;
-    for (from, to) in [(nothing.as_raw_fd(), 0), (2, 1)] {
-        // SAFETY: plain numbers of open descriptors; what 0 and 1 were before is not used by anybody.
-        if unsafe { libc::dup2(from, to) } < 0 {
-            return Err(io::Error::last_os_error());
-        }
-    }
+    replace(nothing.as_raw_fd(), 0)?;
+    replace(2, 1)?;
     Ok(channel)
+}
+
+/// The standard output of this process for its own use. What an FMU prints goes to the standard error stream from now on.
+///
+/// # Errors
+/// The system has no descriptor left.
+pub fn own_stdout() -> io::Result<std::fs::File> {
+    let own = io::stdout().as_fd().try_clone_to_owned()?;
+    replace(2, 1)?;
+    Ok(own.into())
+}
+
+/// Makes the descriptor `number` that of `by`.
+fn replace(by: RawFd, number: RawFd) -> io::Result<()> {
+    // SAFETY: plain numbers of open descriptors, of which `number` is a standard stream that is not used as what it was.
+    if unsafe { libc::dup2(by, number) } < 0 {
+        return Err(io::Error::last_os_error());
+    }
+    Ok(())
 }
 
 /// Ends this process, whatever it is doing, when the other end of `channel` has been closed for `grace`.

@@ -11,8 +11,10 @@ pub mod run;
 pub mod stability;
 pub mod study;
 
+use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::Scene;
@@ -284,10 +286,28 @@ fn scene_name(path: &Path) -> String {
     stem.into_owned()
 }
 
+/// This program's own stdout, once FMUs have another.
+static OUT: OnceLock<File> = OnceLock::new();
+
+/// Keeps stdout to this program: what FMUs print goes to stderr from now on, so that what is read by other programs stays whole.
+pub fn keep_stdout() {
+    // Where the system refuses, the two are mixed.
+    #[cfg(unix)]
+    if let Ok(own) = fmi2::import::process::own_stdout() {
+        let _ = OUT.set(own);
+    }
+}
+
 /// Prints `text` on stdout; a reader that has gone away is no error.
 fn print(text: &str) -> Result<(), CommandError> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    let written = match OUT.get() {
+        Some(mut own) => own.write_all(text.as_bytes()),
+        None => {
+            let mut out = std::io::stdout().lock();
+            out.write_all(text.as_bytes()).and_then(|()| out.flush())
+        }
+    };
+    match written {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(CommandError::Output(error)),
         _ => Ok(()),
     }
