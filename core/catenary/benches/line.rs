@@ -1,7 +1,7 @@
 //! The lines of the shipped scenes: force, assembly, factorisation, solution, contact search and statics.
 mod floor;
 
-use catenary::{Line, Model, StaticLine, static_line};
+use catenary::{Line, Model, STRIP_VALUES, StaticLine, static_line};
 use criterion::{Criterion, criterion_group, criterion_main};
 use dynamics::{Blocks, FactoredMatrix, Force, Layout, Motion, Weights};
 use floor::{Floors, measure, settings};
@@ -84,7 +84,7 @@ fn lines(criterion: &mut Criterion) {
             line.forces(&mut |part| part.add_tangent(black_box(&motion), weights, &mut blocks));
         });
         let mut model = Model::with_prescribed_strips(&scene, layout, Box::new(line)).expect("a line of our own");
-        let mut u = vec![0.0; 7 * scene.pantographs.len()];
+        let mut u = vec![0.0; STRIP_VALUES * scene.pantographs.len()];
         (u[0], u[2], u[3]) = (scene.strip_start_x(0), 5.0, scene.run.speed);
         let motion = Motion { u: &u, ..motion };
         let mut matrix = FactoredMatrix::analyse(&mut model, &motion);
