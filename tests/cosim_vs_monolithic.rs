@@ -1,5 +1,5 @@
 //! Co-simulation against the same equations as one system: the difference is the error of the coupling.
-use integration_tests::runs::{EN_250, Run, prepared, rms, run, scene_with};
+use integration_tests::runs::{EN_250, EN_300, Run, prepared, rms, run, scene_with};
 use master::simulation::Mode;
 
 /// Four spans of the reference model on a coarse mesh, which does not enter the error of the coupling. At this speed contact is
@@ -129,6 +129,40 @@ fn a_strip_that_rolls_is_the_same_strip_on_either_side() {
     let [long, short] = errors;
     assert!(long[0] < 1.0 && long[1] < 0.03, "{errors:?}");
     assert!((0..2).all(|k| short[k] < 0.8 * long[k]), "{errors:?}");
+}
+
+#[test]
+fn under_a_standing_strip_no_damper_acts_and_with_its_speed_it_does_on_either_side() {
+    // Slopes of the wire of 1e-3 make a damper of 1e4 N s/m press or pull with several times the contact force, at which no line
+    // rests under a strip that moves along.
+    for start_x in ["20", "23", "40"] {
+        let at = |damping: &str, mode| {
+            let overrides = [
+                "catenary.spans=3",
+                "run.duration=0.2",
+                "run.evaluate={time=[0,0.2]}",
+                &format!("run.start_x={start_x}"),
+                &format!("contact.damping={damping}"),
+            ];
+            run(scene_with(EN_300, &overrides), mode, "damped-start")
+        };
+        let [undamped, whole] = ["0", "1e4"].map(|damping| at(damping, Mode::Monolithic));
+        let [stands, moves] = [&undamped, &whole].map(|run| {
+            let pantograph = &run.record.pantographs[0];
+            (pantograph.force[0], pantograph.strip_z[0])
+        });
+        assert!(
+            (stands.1 - moves.1).abs() < 1e-9,
+            "the same place: {stands:?}, {moves:?}"
+        );
+        assert!(
+            (stands.0 - moves.0).abs() > 20.0,
+            "its damper acts at once: {stands:?}, {moves:?}"
+        );
+        let parts = at("1e4", Mode::Inprocess);
+        let apart = rms(whole.raw(), parts.raw()) / whole.sigma();
+        assert!(apart < 1e-3, "x = {start_x} m: {apart} of σ");
+    }
 }
 
 // The orders are those of the raw force: what a low-pass leaves of an error changes sign with the step. Droppers that go slack

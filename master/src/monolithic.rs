@@ -130,10 +130,10 @@ impl Monolithic {
         let settled = alone.q();
         state.q[..settled.len()].copy_from_slice(settled);
         line.set_uplift_reference(&state.q);
-        // A joint that moves on along a sloping or bent wire is not in balance at rest.
+        // A joint or a damper that moves on along a sloping or bent wire is not in balance at rest.
         let mut balanced = contacts
             .iter()
-            .all(|contact| matches!(contact, StripContact::Penalty(_)));
+            .all(|contact| matches!(contact, StripContact::Penalty(pair) if !pair.is_damped()));
         for (index, (pantograph, start)) in pantographs.iter_mut().zip(&starts).enumerate() {
             pantograph.set_initial(start, &mut state);
             balanced &= (alone.force(index) - start.force).abs() < AT_REST;

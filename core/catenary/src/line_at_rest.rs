@@ -73,13 +73,17 @@ impl LineAtRest {
         }))))
     }
 
-    /// Puts the strips at these places and lets the line come to rest over them.
+    /// Puts the strips at these places, where they stand, and lets the line come to rest over them.
     ///
     /// # Errors
     /// When there is no static equilibrium.
     pub fn start(&mut self, strips: &[StripStart]) -> Result<(), CatenaryError> {
         match &mut self.0 {
-            Law::Penalty(line) => line.start(strips),
+            Law::Penalty(line) => {
+                let standing: Vec<StripStart> =
+                    strips.iter().map(|&strip| StripStart { speed: 0.0, ..strip }).collect();
+                line.start(&standing)
+            }
             Law::SlidingJoint(joined) => {
                 let mut u = vec![0.0; strips.len() * STRIP_VALUES];
                 for (values, strip) in u.chunks_exact_mut(STRIP_VALUES).zip(strips) {

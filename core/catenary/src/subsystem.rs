@@ -1,5 +1,5 @@
 //! The line as one simulation unit: strips come in, contact forces go out.
-use crate::contact::{ContactState, STRIP_INPUTS, STRIP_VALUES};
+use crate::contact::{ContactPair, ContactState, STRIP_INPUTS, STRIP_VALUES};
 use crate::exchange::{Exchange, SAMPLES, Tally};
 use crate::signals::input_direction;
 use crate::{CatenaryError, Model, OverheadLine, StaticLine, scene_line};
@@ -17,7 +17,7 @@ pub struct StripStart {
     pub y: f64,
     /// Height above rail, m.
     pub height: f64,
-    /// Speed along the track, m/s.
+    /// Speed along the track from the start on, m/s.
     pub speed: f64,
 }
 
@@ -133,13 +133,14 @@ impl Subsystem {
         self.simulator.system.layout().coordinates()
     }
 
-    /// Starts at rest in equilibrium with strips at these places.
+    /// Starts at rest in equilibrium with strips that stand at these places. From then on they have their speed, and with it the
+    /// contacts' dampers act: on a slope of the wire their force comes at once.
     ///
     /// # Errors
     /// When there is no static equilibrium.
     pub fn start(&mut self, strips: &[StripStart]) -> Result<(), CatenaryError> {
         for (inputs, start) in self.inputs.chunks_exact_mut(STRIP_INPUTS).zip(strips) {
-            let values = [start.x, start.y, start.height, start.speed, 0.0, 0.0, 0.0];
+            let values = [start.x, start.y, start.height, 0.0, 0.0, 0.0, 0.0];
             for (input, value) in inputs.iter_mut().zip(values) {
                 input.set(value);
             }
@@ -161,6 +162,15 @@ impl Subsystem {
         }
         let q = self.simulator.state().q.clone();
         self.simulator.system.line.set_uplift_reference(&q);
+        for (strip, start) in strips.iter().enumerate() {
+            self.inputs[strip * STRIP_INPUTS + 3].set(start.speed);
+        }
+        self.refresh_inputs();
+        if strips.iter().any(|start| start.speed != 0.0)
+            && self.simulator.system.contacts.iter().any(ContactPair::is_damped)
+        {
+            self.simulator.start_accelerations()?;
+        }
         self.outputs.fill(None);
         for strip in 0..self.exchanges.len() {
             let contact = self.evaluate(strip);

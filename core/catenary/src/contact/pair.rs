@@ -87,6 +87,12 @@ impl ContactPair {
         self.stiffness > limit
     }
 
+    /// Whether it has a damper.
+    #[must_use]
+    pub fn is_damped(&self) -> bool {
+        self.law.damping > 0.0
+    }
+
     /// Puts another marker in place of the strip's, made of it.
     pub fn replace_strip(&mut self, other: impl FnOnce(Box<dyn Marker>) -> Box<dyn Marker>) {
         let nowhere: Box<dyn Marker> = Box::new(super::PrescribedStrip { first: 0 });
