@@ -91,8 +91,8 @@ impl Scene {
     ///
     /// A linearised line is another line, and its distance from the nonlinear one is known from a run of both only (between half
     /// a percent and five percent of the standard deviation of the force on the shipped lines): it must be asked for. So must a window:
-    /// its error is at most 0.5 % on the lines it was measured on, but it grows with droppers that go slack beyond it and with echoes of
-    /// far ends, which no rule bounds beforehand.
+    /// its error is at most 0.5 % on the lines of 10 and 20 spans it was measured on, but it grows with the time run, with droppers that go
+    /// slack beyond it and with echoes of far ends, which no rule bounds beforehand.
     pub(crate) fn choose_reductions(&mut self) {
         if !std::mem::take(&mut self.model.unresolved) {
             return;

@@ -73,8 +73,9 @@ const NEAR: usize = 6;
 /// track are counted apart.)
 const BAND: f64 = 1.0;
 /// Highest mode of a span further away in units of the filter's frequency `f`: what comes back from there is met at `f/(1 + v/c)` or
-/// below.
-const FAR_BAND: f64 = 0.7;
+/// below, and a mode is carried right only well below the highest one. On 32 spans of EN 50318 at 300 km/h, linearised, the force is
+/// 1.35 % of its standard deviation from that of the whole line with up to 1.0, 0.26 % with 1.2, 0.21 % with 1.4 and 2.
+const FAR_BAND: f64 = 1.4;
 /// Damping of modes in a span `REACH` beyond the near ones, 1/s.
 const SPONGE: f64 = 5.0;
 /// Spans that differ by less in the static state are the same, m.
@@ -407,6 +408,7 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     let second_longitudinal = along[0].max(along[1]) / longest;
     let slower = wires[0].wave_speed().min(wires[1].wave_speed());
     let shift = (1.0 - scene.run.speed / slower).max(1e-3);
+    let far = modes_up_to(FAR_BAND * scene.run.low_pass_hz);
     let plan = Plan {
         spans: repeat.spans,
         window,
@@ -415,8 +417,8 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
         reach: REACH,
         near: NEAR,
         modes: ModeCounts {
-            near: modes_up_to(BAND * scene.run.low_pass_hz / shift),
-            far: modes_up_to(FAR_BAND * scene.run.low_pass_hz),
+            near: modes_up_to(BAND * scene.run.low_pass_hz / shift).max(far),
+            far,
             searched: modes_up_to(1.2 * second_longitudinal),
         },
         at_support: numbers.supports[0].len(),
