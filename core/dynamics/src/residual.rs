@@ -45,6 +45,10 @@ const SOLVED: f64 = 1e-7;
 /// Part of the coordinates above which all are evaluated in one pass: each range takes more than its share of that.
 const WHOLE: f64 = 0.7;
 
+/// Rows of linear contributions alone, between others that are evaluated, that are evaluated with these: a range of their own on either
+/// side, for which every contribution is asked, costs more.
+const SHORTEST: usize = 32;
+
 /// `Q − M v̇ − g_qᵀ λ` and `g` of one system, and what they are made of.
 pub(crate) struct Imbalance {
     arch: Arch,
@@ -119,6 +123,13 @@ impl LinearPart {
         });
         for (own, evaluated) in own.iter_mut().zip(&evaluated) {
             *own &= !evaluated;
+        }
+        if evaluated.contains(&true) {
+            let short = ranges(coordinates, |index| own[index]).into_iter();
+            for range in short.filter(|range| range.len() < SHORTEST) {
+                own[range.clone()].fill(false);
+                evaluated[range].fill(true);
+            }
         }
         let rows = ranges(coordinates, |index| own[index]);
         // Rows between two others cost less than a range of their own.
