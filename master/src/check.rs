@@ -87,7 +87,7 @@ impl Report {
             waves,
             start: starts.collect(),
             others: prepared.others.clone(),
-            notes: prepared.notes(),
+            notes: prepared.notes(prepared.scene.internal_step()),
         })
     }
 

@@ -32,9 +32,9 @@ pub fn described(scene: &Scene) -> String {
     text
 }
 
-/// The error that mesh and step are expected to make, or why none is known; `None` for somebody else's line.
+/// The error that mesh and internal steps of `step` s are expected to make, or why none is known; `None` for somebody else's line.
 #[must_use]
-pub fn expected_error(scene: &Scene) -> Option<String> {
+pub fn expected_error(scene: &Scene, step: f64) -> Option<String> {
     let (catenary, _) = scene.modelled_line()?;
     let waves = [&catenary.contact_wire, &catenary.messenger_wire].map(scene::Wire::wave_speed);
     let (c, v) = (waves[0].min(waves[1]), scene.run.speed);
@@ -49,18 +49,18 @@ pub fn expected_error(scene: &Scene) -> Option<String> {
         catenary.longest_element(),
         (c - v) / f
     );
-    Some(match scene.expected_mesh_error() {
-        None => format!("mesh: {mesh}; no rule is known for its error"),
-        Some(error) if error.total() >= 30.0 => format!(
+    Some(match scene.expected_mesh_error_at(step) {
+        Err(why) => format!("mesh: {mesh}; no rule is known for its error with {why}"),
+        Ok(error) if error.total() >= 30.0 => format!(
             "this mesh is far from converged: {mesh}; the filtered force may be wrong by more than its own standard deviation"
         ),
-        Some(error) => format!(
+        Ok(error) => format!(
             "mesh: the filtered force is wrong by about {:.1} % of its standard deviation, {:.1} % by the mesh and {:.1} % by steps of \
              {:.3} ms: {mesh}; by rule, good to a factor of two",
             error.total(),
             error.space,
             error.time,
-            1e3 * scene.internal_step()
+            1e3 * step
         ),
     })
 }
@@ -75,7 +75,7 @@ mod tests {
     fn said(text: &str, overrides: &[&str]) -> String {
         let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
         let scene = Scene::from_toml(text, "scene.toml", &overrides).unwrap();
-        expected_error(&scene).unwrap()
+        expected_error(&scene, scene.internal_step()).unwrap()
     }
 
     #[test]
@@ -99,6 +99,24 @@ mod tests {
             ],
         );
         assert!(fast.contains("faster than the waves"), "{fast}");
+        let undamped = said(EN_300, &["catenary.damping.beta=0"]);
+        assert!(
+            undamped.contains("no rule is known for its error with catenary.damping.beta = 0 s: must be at least"),
+            "{undamped}"
+        );
+    }
+
+    #[test]
+    fn a_step_is_judged_as_it_is_made() {
+        let overrides = ["coupling.macro_step={tolerance=1.0}", "solver.micro_step=0.00125"].map(str::to_owned);
+        let scene = Scene::from_toml(EN_300, "scene.toml", &overrides).unwrap();
+        for (step, said) in [
+            (1.25e-3, "0.3 % by steps of 1.250 ms"),
+            (1e-3, "1.3 % by steps of 1.000 ms"),
+        ] {
+            let text = expected_error(&scene, step).unwrap();
+            assert!(text.contains(said), "{text}");
+        }
     }
 
     #[test]

@@ -92,11 +92,11 @@ impl Prepared {
         asked.then(|| WindowedLine::size(&self.scene, statics))
     }
 
-    /// Remarks on what the results are worth.
+    /// Remarks on what the results of internal steps of `step` s are worth.
     #[must_use]
-    pub fn notes(&self) -> Vec<String> {
+    pub fn notes(&self, step: f64) -> Vec<String> {
         let mut notes = Vec::new();
-        notes.extend(mesh::expected_error(&self.scene));
+        notes.extend(mesh::expected_error(&self.scene, step));
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {
             if let (PantographModel::ThirdParty(_), Some(start)) = (&pantograph.model, pantograph.start) {
                 notes.push(format!(

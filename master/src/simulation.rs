@@ -16,7 +16,7 @@ use crate::monolithic::{Evidence, Monolithic};
 use crate::parallel;
 use crate::recorder::Recorder;
 use crate::results::{self, LineGeometry, Record, RunInfo};
-use crate::run::{self, Control, Controller, Estimate, Failure, Outcome, Schedule, Watch};
+use crate::run::{self, Control, Controller, Estimate, Failure, Outcome, Schedule, Steps, Watch};
 use crate::slave::Slave;
 use crate::sliding_joint;
 use crate::standards;
@@ -29,6 +29,15 @@ pub use crate::prepare::{Other, prepare};
 
 /// Contact stiffness of EN 50318, N/m: what errors of a height are weighted with where the line's own is not known.
 const USUAL_STIFFNESS: f64 = 5e4;
+
+/// The internal step of the macro steps that a run has made, s: of the longest where they differ, as all others but those shorter than a
+/// micro step have the same. One system and slaves of one step take the first macro step of a controlled one.
+fn step_made(scene: &Scene, steps: &Steps) -> f64 {
+    match scene.coupling.step_control {
+        Some(_) if steps.largest > 0.0 => scene.internal_step_of(steps.largest),
+        _ => scene.internal_step(),
+    }
+}
 
 /// How a scene is run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -420,7 +429,7 @@ impl Prepared {
                 mean_macro_step_s: (outcome.macro_steps > 0).then(|| outcome.simulated / outcome.macro_steps as f64),
                 shares: outcome.shares,
             },
-            notes: (self.notes().into_iter())
+            notes: (self.notes(step_made(scene, &outcome.steps)).into_iter())
                 .chain(outcome.notes)
                 .chain(sliding_joint::remarks(scene, &outcome.record))
                 .collect(),
@@ -447,5 +456,35 @@ fn line_of(scene: &Scene) -> standards::Line {
         wave_speed: catenary.map(|catenary| catenary.contact_wire.wave_speed()),
         free_uplift: catenary.and_then(|catenary| catenary.registration_arms.free_uplift),
         uplift_stop: catenary.is_some_and(|catenary| catenary.registration_arms.uplift_stop),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_step_of_a_note_is_the_one_that_was_made() {
+        const EN_300: &str = include_str!("../../scenes/en50318-300.toml");
+        let read = |macro_step: &str| {
+            let overrides = [macro_step.to_owned(), "solver.micro_step=0.00125".to_owned()];
+            Scene::from_toml(EN_300, "scene.toml", &overrides).unwrap()
+        };
+        let made = |scene: &Scene, largest: f64| {
+            let mut steps = Steps::default();
+            steps.largest = largest;
+            step_made(scene, &steps)
+        };
+        let controlled = read("coupling.macro_step={tolerance=1.0}");
+        for (largest, step) in [
+            (1e-2, 1.25e-3),
+            (1.25e-3, 1.25e-3),
+            (1e-3, 1e-3),
+            (0.625e-3, 0.625e-3),
+            (0.0, 1.25e-3),
+        ] {
+            assert_eq!(made(&controlled, largest), step, "{largest}");
+        }
+        assert_eq!(made(&read("coupling.macro_step=0.002"), 0.002), 1e-3);
     }
 }

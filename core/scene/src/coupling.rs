@@ -70,6 +70,20 @@ pub struct StepControl {
     pub max: f64,
 }
 
+impl StepControl {
+    /// The micro step, s, or the longest of its halves, quarters, … between `min` and `max` where macro steps are shorter than it.
+    #[must_use]
+    pub fn longest_part(&self, micro_step: f64) -> f64 {
+        // A rest of rounding is no difference; the shortest step is taken even where it is above the longest.
+        const ROUNDING: f64 = 1e-6;
+        let mut step = micro_step;
+        while step > self.max * (1.0 + ROUNDING) && 0.5 * step >= self.min * (1.0 - ROUNDING) {
+            step *= 0.5;
+        }
+        step
+    }
+}
+
 impl Entry for StepControl {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let control = Self {

@@ -133,18 +133,20 @@ impl Scene {
     }
 
     /// Internal time step of both sides, s: the macro step evenly divided into steps of at most `solver.micro_step`; where the
-    /// macro step is controlled, that of all macro steps that are not shorter than it.
+    /// macro step is controlled, that of all macro steps that are not shorter than it, or the longest of those that there are.
     #[must_use]
     pub fn internal_step(&self) -> f64 {
-        let micro_step = self.solver.micro_step;
         match self.coupling.step_control {
-            Some(_) => micro_step,
-            // A rest of rounding makes no extra step.
-            None => {
-                let macro_step = self.coupling.macro_step;
-                macro_step / (macro_step / micro_step - 1e-9).ceil().max(1.0)
-            }
+            Some(control) => control.longest_part(self.solver.micro_step),
+            None => self.internal_step_of(self.coupling.macro_step),
         }
+    }
+
+    /// Internal time step of both sides in a macro step of `macro_step` s, s.
+    #[must_use]
+    pub fn internal_step_of(&self, macro_step: f64) -> f64 {
+        // A rest of rounding makes no extra step.
+        macro_step / (macro_step / self.solver.micro_step - 1e-9).ceil().max(1.0)
     }
 
     /// x of the strip of pantograph `index` (from 0) at t = 0, m.

@@ -8,6 +8,7 @@ use scene::{
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
 const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
 const THESIS: &str = include_str!("../../../scenes/thesis-pantograph.toml");
+const LUMPED: &str = include_str!("../../../scenes/thesis-lumped.toml");
 const VEHICLE: &str = include_str!("../../../scenes/thesis.toml");
 
 fn read(text: &str, overrides: &[&str]) -> Scene {
@@ -610,6 +611,10 @@ fn the_internal_step_divides_the_macro_step() {
         (&["coupling.macro_step=0.0025"], 2.5e-3 / 3.0),
         (&["coupling.macro_step=0.0002"], 2e-4),
         (&["coupling.macro_step={tolerance=1.0}"], 1e-3),
+        // Where all macro steps are shorter than the micro step, its half or quarter; but none below the shortest.
+        (&["coupling.macro_step={tolerance=1.0, max=9e-4}"], 5e-4),
+        (&["coupling.macro_step={tolerance=1.0, max=3e-4}"], 2.5e-4),
+        (&["coupling.macro_step={tolerance=1.0, min=9e-4, max=9e-4}"], 1e-3),
     ] {
         assert_eq!(read(EN_250, overrides).internal_step(), step);
     }
@@ -723,6 +728,177 @@ fn a_mesh_follows_the_error_that_is_asked_for() {
     // A step that is given stays.
     let given = for_error(EN_300, 1.0, &["solver.micro_step=0.0005"]);
     assert_eq!(given.solver.micro_step, 5e-4);
+}
+
+/// Keys of a run at `kmh` that is filtered at `hz`, long enough to be read.
+fn slow_run(kmh: f64, hz: f64) -> [String; 4] {
+    [
+        format!("run.speed_kmh={kmh}"),
+        "run.duration=5".to_owned(),
+        "run.evaluate={time=[1,4]}".to_owned(),
+        format!("run.low_pass_hz={hz}"),
+    ]
+}
+
+/// The error that is expected of a scene with `more`, at `kmh` and `hz`.
+fn expected(text: &str, (kmh, hz): (f64, f64), more: &[&str]) -> scene::MeshError {
+    let run = slow_run(kmh, hz);
+    let run: Vec<&str> = run.iter().map(String::as_str).collect();
+    read(text, &[&run[..], more].concat()).expected_mesh_error().unwrap()
+}
+
+#[test]
+fn expected_errors_are_those_that_were_measured() {
+    // Speed in km/h, filter in Hz, elements, step in ms, and the error measured against 16 cured elements at 0.25 ms, %.
+    type Case = (f64, f64, usize, f64, f64);
+    let en: &[Case] = &[
+        (300.0, 3.0, 4, 1.0, 0.65),
+        (300.0, 5.0, 2, 1.0, 3.85),
+        (300.0, 10.0, 4, 1.0, 2.93),
+        (300.0, 3.0, 8, 2.0, 1.25),
+        (300.0, 10.0, 8, 2.0, 4.42),
+        (300.0, 20.0, 8, 1.0, 0.41),
+        (200.0, 20.0, 6, 1.0, 0.95),
+        (120.0, 10.0, 4, 1.0, 0.87),
+        (120.0, 20.0, 4, 1.0, 5.06),
+        (120.0, 20.0, 3, 1.0, 12.15),
+        (120.0, 20.0, 8, 1.0, 0.39),
+        (60.0, 3.0, 2, 1.0, 1.05),
+        (60.0, 10.0, 4, 1.0, 1.27),
+        (60.0, 20.0, 6, 1.0, 2.67),
+        (60.0, 20.0, 8, 1.0, 0.98),
+        (60.0, 10.0, 8, 2.0, 2.98),
+    ];
+    let thesis: &[Case] = &[
+        (200.0, 1.0, 4, 1.0, 1.91),
+        (200.0, 5.0, 8, 1.0, 0.64),
+        (200.0, 10.0, 2, 1.0, 7.65),
+        (120.0, 5.0, 4, 1.0, 0.58),
+        (120.0, 20.0, 3, 1.0, 9.21),
+        (60.0, 5.0, 6, 1.0, 0.76),
+        (60.0, 20.0, 8, 1.0, 1.25),
+    ];
+    for (text, cases) in [(EN_300, en), (LUMPED, thesis)] {
+        for &(kmh, hz, elements, step, measured) in cases {
+            let keys = [
+                format!("catenary.mesh.elements_per_interval={elements}"),
+                format!("solver.micro_step={step}e-3"),
+                format!("coupling.macro_step={step}e-3"),
+            ];
+            let expected = expected(text, (kmh, hz), &[&keys[0], &keys[1], &keys[2]]).total();
+            let ratio = expected / measured;
+            assert!(
+                (0.5..6.0).contains(&ratio),
+                "{kmh} km/h, {hz} Hz, {elements} elements, {step} ms: {expected:.2} %, measured {measured} %"
+            );
+        }
+    }
+    let plain = "catenary.mesh.cures=none";
+    for (kmh, hz, elements, measured) in [
+        (300.0, 3.0, 8, 0.60),
+        (300.0, 5.0, 4, 4.47),
+        (120.0, 20.0, 4, 28.9),
+        (60.0, 5.0, 8, 2.57),
+        (60.0, 20.0, 8, 13.9),
+    ] {
+        let elements = format!("catenary.mesh.elements_per_interval={elements}");
+        let ratio = expected(EN_300, (kmh, hz), &[plain, &elements]).total() / measured;
+        assert!(
+            (0.5..4.0).contains(&ratio),
+            "plain, {kmh} km/h, {hz} Hz, {elements}: {ratio:.2}"
+        );
+    }
+    // Hardly damped, of 8 cured elements and of a step without correction.
+    let damping = "catenary.damping.beta=2e-5";
+    let long = ["solver.micro_step=2e-3", "coupling.macro_step=2e-3"];
+    let ratio = expected(EN_300, (300.0, 20.0), &[damping]).total() / 1.18;
+    assert!((0.7..1.5).contains(&ratio), "{ratio:.2}");
+    let ratio = expected(EN_300, (300.0, 20.0), &[damping, long[0], long[1]]).total() / 14.7;
+    assert!((0.7..1.5).contains(&ratio), "{ratio:.2}");
+}
+
+#[test]
+fn from_twenty_hertz_and_two_hundred_km_h_on_errors_go_by_waves() {
+    let line = read(EN_300, &[]);
+    let c = line.modelled_line().unwrap().0.contact_wire.wave_speed();
+    for (kmh, hz, beta) in [
+        (300.0, 20.0, "1e-4"),
+        (300.0, 30.0, "1e-4"),
+        (200.0, 20.0, "5e-5"),
+        (400.0, 20.0, "1e-3"),
+    ] {
+        let beta = format!("catenary.damping.beta={beta}");
+        let error = expected(EN_300, (kmh, hz), &[&beta]);
+        let mu = 6.5 / 8.0 * hz / (c * (c - kmh / 3.6)).sqrt();
+        let waves = (200.0 * mu.powi(4)).min(80.0 * mu.powi(2));
+        assert!(
+            (error.space / waves - 1.0).abs() < 1e-9,
+            "{kmh} km/h, {hz} Hz: {error:?}, {waves}"
+        );
+        assert!(
+            (error.time / (500.0 * (1e-3 * hz).powi(2)) - 1.0).abs() < 1e-9,
+            "{error:?}"
+        );
+    }
+    // A lower filter never makes more of it, nor anything of nothing.
+    let mut last = f64::INFINITY;
+    for hz in [30.0, 20.0, 19.9, 15.0, 10.0, 5.0, 2.0] {
+        let error = expected(EN_300, (300.0, hz), &[]).total();
+        assert!(error <= last && error > 0.3, "{hz} Hz: {error}");
+        last = error;
+    }
+}
+
+#[test]
+fn a_micro_step_is_chosen_among_the_parts_of_the_macro_step() {
+    let text = &EN_300.replace("micro_step = 0.001", "# micro_step left out");
+    let chosen = |error: f64, macro_step: &str| {
+        let key = format!("coupling.macro_step={macro_step}");
+        let scene = for_error(text, error, &[&key]);
+        assert!(scene.expected_mesh_error().unwrap().total() <= error, "{macro_step}");
+        assert_eq!(read(&scene.to_toml(), &[]), scene);
+        scene.internal_step()
+    };
+    for (macro_step, micro_step) in [
+        // Those of the list, whole.
+        ("0.001", 1e-3),
+        ("0.0005", 5e-4),
+        ("0.002", 1e-3),
+        ("0.00125", 1.25e-3),
+        ("0.00005", 5e-5),
+        // Others.
+        ("0.0016", 0.8e-3),
+        ("0.0015", 0.75e-3),
+        ("0.0007", 0.7e-3),
+        ("0.0011", 1.1e-3),
+        ("0.0013", 1.3e-3),
+        ("0.0033333333333333335", 1e-2 / 9.0),
+        ("0.00002", 2e-5),
+    ] {
+        let step = chosen(1.0, macro_step);
+        assert!((step / micro_step - 1.0).abs() < 1e-9, "{macro_step} s: {step} s");
+    }
+    // A part of the list is written as that.
+    assert_eq!(
+        for_error(text, 1.0, &["coupling.macro_step=0.003"]).solver.micro_step,
+        1e-3
+    );
+    // A controlled one that is always shorter than the list.
+    let control = "coupling.macro_step={tolerance=1.0, min=1e-5, max=4e-5}";
+    assert_eq!(for_error(text, 1.0, &[control]).internal_step(), 4e-5);
+}
+
+#[test]
+fn a_step_that_the_mass_is_not_corrected_for_makes_its_own_error() {
+    let scene = read(
+        EN_300,
+        &["coupling.macro_step={tolerance=1.0}", "solver.micro_step=0.00125"],
+    );
+    assert_eq!((scene.internal_step(), scene.internal_step_of(1e-3)), (1.25e-3, 1e-3));
+    let time = |step: f64| scene.expected_mesh_error_at(step).unwrap().time;
+    // 0.02 and 0.025 are the steps in periods of 20 Hz.
+    assert!((time(1.25e-3) - 500.0 * 0.025_f64.powi(2)).abs() < 1e-12);
+    assert!((time(1e-3) - (500.0 * 0.02_f64.powi(2) + 5000.0 * (0.025_f64.powi(2) - 0.02_f64.powi(2)))).abs() < 1e-12);
 }
 
 /// Everything that `[wind]` may hold beside the uplift.

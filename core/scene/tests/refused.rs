@@ -646,6 +646,27 @@ fn an_error_that_no_mesh_makes_is_refused() {
         &message(EN, &[&[mesh], &fast[..]].concat()),
         &["catenary.mesh.error_percent = 1 %: no rule is known for 450.0 km/h on wires with waves of 438.2"],
     );
+    let slow = ["run.speed_kmh=20", "run.duration=4", "run.evaluate={time=[1,3]}"];
+    let cases: [(&[&str], &str); 4] = [
+        (
+            &["run.low_pass_hz=1"],
+            "run.low_pass_hz = 1 Hz: must be at least 1.16 Hz, at which spans of 60.00 m pass at 250.0 km/h",
+        ),
+        (&slow, "run.speed_kmh = 20 km/h: must be at least 60 km/h"),
+        (
+            &["catenary.damping.beta=0"],
+            "catenary.damping.beta = 0 s: must be at least 0.00002 s",
+        ),
+        (&["solver.rho_inf=0.7"], "solver.rho_inf = 0.7: must be at least 0.8"),
+    ];
+    for (keys, why) in cases {
+        let refused = "catenary.mesh.error_percent = 1 %: no rule is known for ";
+        let found = message(EN, &[&[mesh], keys].concat());
+        holds(
+            &found,
+            &[refused, why, "give elements_per_interval or element_length instead"],
+        );
+    }
     let long = ["solver.micro_step=0.005", "coupling.macro_step=0.005"];
     holds(
         &message(EN, &[&[mesh], &long[..]].concat()),
