@@ -148,6 +148,12 @@ impl Scene {
         })
     }
 
+    /// Whether the rule is good to a factor of two both ways; else errors may be far below what it says.
+    #[must_use]
+    pub fn mesh_error_goes_by_waves(&self) -> bool {
+        self.run.low_pass_hz >= WAVES_FROM && self.run.speed >= WAVES_FROM_SPEED
+    }
+
     /// `Err` says by key, value and bound for what no rule is known.
     fn has_a_rule(&self, catenary: &Catenary) -> Result<(), String> {
         let (v, f, kmh) = (self.run.speed, self.run.low_pass_hz, crate::run::kmh);
