@@ -54,6 +54,7 @@ impl Scene {
         }
         self.check_order_of_strips(&mut found);
         self.check_steps(&mut found);
+        self.solver.check(&mut found);
         self.check_vehicle(&mut found);
         self.check_reductions(&mut found);
         self.check_wind(&mut found);

@@ -77,6 +77,8 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("stagger = [0.0]", "stagger = []", &["catenary.stagger", "has 0 entries, must be a list of numbers in m, at least one"]),
     ("spans = 10", "spans = 0", &["catenary.spans = 0: must be a whole number from 1 to 5000"]),
     ("alpha = 0.0125", "alpha = -0.0125", &["catenary.damping.alpha = -0.0125 1/s: must be zero or positive, and finite"]),
+    ("rho_inf = 0.9", "rho_inf = 0.9\nnewton_tolerance = 10", &["solver.newton_tolerance = 10 N: must be at most 1 N, which moves the filtered force by up to 0.5 %"]),
+    ("rho_inf = 0.9", "rho_inf = 0.9\nnewton_tolerance = 1.0", &["accepted"]),
     ("rho_inf = 0.9", "rho_inf = 1.1", &["solver.rho_inf = 1.1: must be from 0 to 1"]),
     ("algorithm = \"auto\"", "extrapolation = 3", &["coupling.extrapolation = 3: must be a whole number from 0 to 2"]),
     ("masses = [7.2, 15.0]", "masses = [7.2, 0.0]", &["pantograph[1].masses[2] = 0 kg: must be positive and finite"]),
