@@ -13,6 +13,11 @@ pub(crate) type Found = Vec<(String, What)>;
 const ROUNDING: f64 = 1e-9;
 /// A run of more steps or rows than this is a mistake in a key.
 const MAX_STEPS: f64 = 1e8;
+/// Longest span, m: several times that of any line whose messenger wire still hangs above its contact wire.
+const LONGEST_SPAN: f64 = 500.0;
+/// Shortest distance of droppers from each other and from supports, m: less than their clamps need, and so short that the elements
+/// between them are too stiff for the statics to close to their tolerance.
+const SHORTEST_INTERVAL: f64 = 0.1;
 
 pub(crate) fn refuse(found: &mut Found, key: impl Into<String>, value: impl Into<String>, expected: impl Into<String>) {
     found.push((
@@ -96,14 +101,26 @@ impl Scene {
                 ("coupling.macro_step.max", control.max),
             ]),
         }
+        let longest = steps.iter().map(|(_, step)| *step).fold(0.0, f64::max);
+        if duration / longest > MAX_STEPS {
+            // No step goes with it: once is enough.
+            let limit = shown_number(MAX_STEPS * longest, "s");
+            let expected = format!(
+                "must be at most {limit}: {MAX_STEPS:e} steps of {}",
+                shown_number(longest, "s")
+            );
+            refuse(found, "run.duration", shown_number(duration, "s"), expected);
+            steps.clear();
+        }
         for (key, step) in steps {
+            let shown_duration = shown_number(duration, "s");
             if step > duration {
-                let expected = format!("must be at most run.duration = {duration} s");
+                let expected = format!("must be at most run.duration = {shown_duration}");
                 refuse(found, key, shown_number(step, "s"), expected);
             } else if duration / step > MAX_STEPS {
                 let expected = format!(
-                    "must be at least {} s: run.duration = {duration} s in {MAX_STEPS:e} steps",
-                    duration / MAX_STEPS
+                    "must be at least {}: run.duration = {shown_duration} in {MAX_STEPS:e} steps",
+                    shown_number(duration / MAX_STEPS, "s")
                 );
                 refuse(found, key, shown_number(step, "s"), expected);
             }
@@ -275,18 +292,9 @@ impl Catenary {
             let expected = format!("must be less than contact_wire_height = {} m", self.contact_wire_height);
             refuse(found, "catenary.presag", shown_number(self.presag, "m"), expected);
         }
-        let shortest = self.span_lengths.iter().copied().fold(f64::INFINITY, f64::min);
+        self.check_spans(found);
+        self.check_positions(found);
         let positions = &self.droppers.positions;
-        for (i, position) in positions.iter().enumerate() {
-            let key = format!("catenary.droppers.positions[{}]", i + 1);
-            if *position <= 0.0 || *position >= shortest {
-                let expected = format!("must be inside its span, between 0 and {shortest} m");
-                refuse(found, key, shown_number(*position, "m"), expected);
-            } else if i > 0 && *position <= positions[i - 1] {
-                let expected = format!("must be greater than the position before it, {} m", positions[i - 1]);
-                refuse(found, key, shown_number(*position, "m"), expected);
-            }
-        }
         self.check_division(found);
         if let Some(lengths) = &self.droppers.lengths {
             let key = "catenary.droppers.lengths";
@@ -307,6 +315,36 @@ impl Catenary {
 }
 
 impl Catenary {
+    fn check_spans(&self, found: &mut Found) {
+        if let Some(length) = self.span_lengths.iter().find(|length| **length > LONGEST_SPAN) {
+            let expected = format!("must be at most {LONGEST_SPAN} m, each span");
+            refuse(found, "catenary.span_length", shown_number(*length, "m"), expected);
+        }
+    }
+
+    /// Droppers are inside their span, in order, and apart from each other and from the supports.
+    fn check_positions(&self, found: &mut Found) {
+        let shortest = self.span_lengths.iter().copied().fold(f64::INFINITY, f64::min);
+        let positions = &self.droppers.positions;
+        for (i, &position) in positions.iter().enumerate() {
+            let before = if i > 0 { positions[i - 1] } else { 0.0 };
+            let expected = if position <= 0.0 || position >= shortest {
+                format!("must be inside its span, between 0 and {shortest} m")
+            } else if position <= before {
+                format!("must be greater than the position before it, {before} m")
+            } else if position - before < SHORTEST_INTERVAL - ROUNDING {
+                let neighbour = if i > 0 { "position before it" } else { "support" };
+                format!("must be at least {SHORTEST_INTERVAL} m from the {neighbour}, at {before} m")
+            } else if shortest - position < SHORTEST_INTERVAL - ROUNDING {
+                format!("must be at least {SHORTEST_INTERVAL} m from the support, at {shortest} m")
+            } else {
+                continue;
+            };
+            let key = format!("catenary.droppers.positions[{}]", i + 1);
+            refuse(found, key, shown_number(position, "m"), expected);
+        }
+    }
+
     /// The contact wire has what its elements need and nothing else.
     fn check_beam(&self, found: &mut Found) {
         let (key, shown) = ("catenary.contact_wire.beam", |given: bool| {

@@ -318,13 +318,15 @@ impl Entry for Mesh {
                 }
             }
             let error = keys.number("error_percent", None, Number::positive("%"));
+            // What is no error at all is refused already, and nothing is chosen for it.
+            let open = (error > 0.0).then_some(Open::Error(error));
             return Self {
                 element,
                 division: Division::PerInterval(1),
                 axial_strain,
                 cures: Vec::new(),
                 contact_speed: 0.0,
-                open: Some(Open::Error(error)),
+                open,
             };
         }
         let division = Division::entry(keys, was.map(|mesh| mesh.division));

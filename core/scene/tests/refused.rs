@@ -156,11 +156,16 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("49.5, 55.0]", "49.5, 60.0]", &["catenary.droppers.positions[9] = 60 m: must be inside its span, between 0 and 60 m"]),
     ("23.5, 30.0", "23.5, 20.0", &["catenary.droppers.positions[5] = 20 m: must be greater than the position before it, 23.5 m"]),
     ("mass = 0.0 ", "lengths = [1.0]\nmass = 0.0 ", &["catenary.droppers.lengths = [1.0] m: must be left out with catenary.statics = \"form_finding\""]),
+    ("23.5, 30.0", "23.5, 23.55", &["catenary.droppers.positions[5] = 23.55 m: must be at least 0.1 m from the position before it, at 23.5 m"]),
+    ("positions = [5.0,", "positions = [0.05,", &["catenary.droppers.positions[1] = 0.05 m: must be at least 0.1 m from the support, at 0 m"]),
+    ("49.5, 55.0]", "49.5, 59.9999999]", &["catenary.droppers.positions[9] = 59.9999999 m: must be at least 0.1 m from the support, at 60 m"]),
+    ("49.5, 55.0]", "49.5, 59.9]", &["accepted"]),
+    ("span_length = 60.0", "span_length = 1e9", &["catenary.span_length = 1000000000 m: must be at most 500 m, each span"]),
     ("dampings = [10.0, 90.0]", "dampings = [10.0]", &["pantograph[1].dampings = 1 entries: must have 2, one per mass"]),
     ("stiffnesses = [4200.0,", "stiffnesses = [0.0,", &["pantograph[1].stiffnesses[1] = 0 N/m: must be positive"]),
     ("stagger = [0.0]", "stagger = [0.2, -0.7]", &["catenary.stagger[2] = -0.7 m: must be within ±0.6 m, half the width of the strip of pantograph[1]"]),
     ("macro_step = 0.001", "macro_step = 9.0", &["coupling.macro_step = 9 s: must be at most run.duration = 7 s"]),
-    ("macro_step = 0.001", "macro_step = 1e-12", &["coupling.macro_step = 0.000000000001 s: must be at least 0.00000007 s"]),
+    ("macro_step = 0.001", "macro_step = 1e-12", &["coupling.macro_step = 1e-12 s: must be at least 7e-8 s"]),
     ("output_step = 0.001", "output_step = 0.05", &["run.low_pass_hz = 20 Hz: must be below 10 Hz"]),
     ("model = \"lumped\"", "fmu = \"vendor/panto.fmu\"\nmodel = \"lumped\"", &["pantograph[1].model: must be left out: fmu is given", "pantograph[1].static_force: must be left out", "pantograph[1].masses: must be left out"]),
 ];
@@ -191,6 +196,24 @@ fn every_refusal_names_the_line_of_the_key() {
             "{} is not the beginning of {message}",
             at(&text, key)
         );
+    }
+}
+
+/// A mistake in one key is told once, whatever follows from it.
+#[test]
+fn one_mistake_is_one_line() {
+    let told = message(&edited(EN, "duration = 7.0", "duration = 1e300"), &[]);
+    assert_eq!(
+        told,
+        "x.toml:6: run.duration = 1e300 s: must be at most 100000 s: 1e8 steps of 0.001 s"
+    );
+    for error in ["0.0", "-1.0", "nan"] {
+        let told = message(&edited(EN, MESH, &format!("error_percent = {error}")), &[]);
+        holds(
+            &told,
+            &["catenary.mesh.error_percent = ", " %: must be positive and finite"],
+        );
+        assert_eq!(told.lines().count(), 1, "{told}");
     }
 }
 
