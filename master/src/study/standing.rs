@@ -159,39 +159,50 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
         " without the coupling"
     };
     let (mut text, row) = (said(found, part), &found.row);
-    let Some((factor, error)) = point(row) else {
+    let Some(own) = point(row) else {
         return Some(text);
-    };
-    let class = Class::of(&row.reduction);
-    let front = || {
-        let of_class = rows
-            .iter()
-            .filter(|read| read.pareto && Class::of(&read.row.reduction) == class);
-        of_class.filter_map(|read| Some((read, point(&read.row)?)))
     };
     if found.pareto && exact.is_some() {
         text.push_str("; no run of the study is both cheaper and more accurate");
     }
-    let mut say = |what: &str, (read, (factor, error)): (&Read, (f64, f64))| {
+    let class = Class::of(&row.reduction);
+    let of_class = rows
+        .iter()
+        .filter(|read| read.pareto && Class::of(&read.row.reduction) == class);
+    let front: Vec<(&Read, Point)> = of_class.filter_map(|read| Some((read, point(&read.row)?))).collect();
+    for (what, (read, (factor, error))) in beside(own, &front) {
         text.push_str(&format!(
             "; {what}: {} ({error:.2} %, {})",
             names.label(&read.row),
             speed(factor)
         ));
-    };
-    let cheaper = front()
-        .filter(|(_, point)| point.0 < factor)
-        .max_by(|a, b| a.1.0.total_cmp(&b.1.0));
-    let finer = front()
-        .filter(|(_, point)| point.1 < error)
-        .max_by(|a, b| a.1.1.total_cmp(&b.1.1));
-    if let Some(cheaper) = cheaper {
-        say("next cheaper", cheaper);
-    }
-    if let Some(finer) = finer {
-        say("next more accurate", finer);
     }
     Some(text)
+}
+
+/// Real-time factor and error of a row.
+type Point = (f64, f64);
+
+/// What a user would take in place of a run at `own`: where a run of the front beats it the most accurate of those that do, else its
+/// neighbours on the front; each with what it is.
+fn beside<T: Copy>(own: Point, front: &[(T, Point)]) -> Vec<(&'static str, (T, Point))> {
+    let (factor, error) = own;
+    let others = || front.iter().copied().filter(|(_, point)| *point != own);
+    let beating = others().filter(|(_, point)| point.0 <= factor && point.1 <= error);
+    if let Some(best) = beating.min_by(|a, b| a.1.1.total_cmp(&b.1.1)) {
+        let what = match best.1 {
+            (its, _) if its == factor => "it is off the front: as cheap and more accurate",
+            (_, its) if its == error => "it is off the front: cheaper and as accurate",
+            _ => "it is off the front: both cheaper and more accurate",
+        };
+        return vec![(what, best)];
+    }
+    let cheaper = others().filter(|(_, point)| point.0 < factor);
+    let finer = others().filter(|(_, point)| point.1 < error);
+    let cheaper = cheaper.max_by(|a, b| a.1.0.total_cmp(&b.1.0));
+    let finer = finer.max_by(|a, b| a.1.1.total_cmp(&b.1.1));
+    let said = [("next cheaper", cheaper), ("next more accurate", finer)];
+    said.into_iter().filter_map(|(what, run)| Some((what, run?))).collect()
 }
 
 /// Error and status of a row; `part` says what of the run it does not hold.
@@ -216,4 +227,45 @@ fn said(found: &Read, part: &str) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Real-time factor and error: cheap and coarse to dear and fine.
+    const FRONT: [(&str, Point); 4] = [
+        ("a", (0.1, 5.0)),
+        ("b", (0.2, 2.0)),
+        ("c", (0.4, 1.0)),
+        ("d", (0.8, 0.3)),
+    ];
+
+    fn said(own: Point) -> Vec<(&'static str, &'static str)> {
+        let beside = beside(own, &FRONT);
+        beside.into_iter().map(|(what, (run, _))| (what, run)).collect()
+    }
+
+    #[test]
+    fn on_the_front_the_neighbours_are_dearer_and_finer_or_cheaper_and_coarser() {
+        assert_eq!(said((0.2, 2.0)), [("next cheaper", "a"), ("next more accurate", "c")]);
+        assert_eq!(said((0.1, 5.0)), [("next more accurate", "b")]);
+        assert_eq!(said((0.8, 0.3)), [("next cheaper", "c")]);
+    }
+
+    #[test]
+    fn a_run_that_is_beaten_is_off_the_front_and_named_what_beats_it() {
+        let beaten = "it is off the front: both cheaper and more accurate";
+        // b and c are both cheaper and more accurate: the more accurate one is named, and nothing else.
+        assert_eq!(said((0.5, 3.0)), [(beaten, "c")]);
+        assert_eq!(said((0.15, 6.0)), [(beaten, "a")]);
+        assert_eq!(
+            said((0.2, 3.0)),
+            [("it is off the front: as cheap and more accurate", "b")]
+        );
+        assert_eq!(
+            said((0.3, 2.0)),
+            [("it is off the front: cheaper and as accurate", "b")]
+        );
+    }
 }
