@@ -4,13 +4,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use scene::{Division, MAX_SPANS, Reduction};
 
 use crate::command::{self, CommandError};
 use crate::compare;
 use crate::isolation;
 use crate::simulation::Mode;
 use crate::study::{Options, Sweep};
-use crate::table_of_runs::{SETTLE, STATUS_RULE, macro_step};
+use crate::table_of_runs::{AUTO, SETTLE, STATUS_RULE, macro_step};
 
 /// Scene that is run when nothing is said.
 const DEFAULT_SCENE: &str = "scenes/thesis.toml";
@@ -80,8 +81,8 @@ enum Command {
     Study {
         /// Scene file, or an .ssp
         scene: PathBuf,
-        /// Elements per dropper interval, separated by commas [default: 1,2,4,8,16]
-        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = positive)]
+        /// Elements per dropper interval, up to 200, separated by commas [default: 1,2,4,8,16]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = elements)]
         elements: Vec<usize>,
         /// Micro steps, in ms or with a unit, separated by commas [default: 0.25,0.5,1,2]
         #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = macro_step)]
@@ -93,7 +94,7 @@ enum Command {
         #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = spectral_radius)]
         rho_inf: Vec<f64>,
         /// Sets of reductions joined by + and separated by commas: none,planar,linearised+window
-        #[arg(long, value_name = "LIST", value_delimiter = ',')]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = reductions)]
         reductions: Vec<String>,
         /// Times that every run is timed, one run at a time; its wall time is the median
         #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u16).range(1..))]
@@ -108,10 +109,10 @@ enum Command {
         #[arg(long, value_name = "WORK", default_value_t = Options::WORK, value_parser = above_zero)]
         reference_work: f64,
         /// Also measures the cost of the whole line at these numbers of spans: 10,20,40,80
-        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = positive)]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = spans)]
         spans: Vec<usize>,
         /// Also measures the cost of a window at these numbers of spans: 80,400,2000
-        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = positive)]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = spans)]
         window_spans: Vec<usize>,
         /// Sweeps to make, separated by commas: scene,mesh,micro_step,coupling,rho_inf,reductions,vehicle,ladder,spans [default: all]
         #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = sweep)]
@@ -205,12 +206,38 @@ fn study_help() -> String {
     )
 }
 
-/// A number of things, at least one.
-fn positive(text: &str) -> Result<usize, String> {
+/// A number of things, at least one and at most `most`.
+fn count(text: &str, most: usize) -> Result<usize, String> {
     match text.trim().parse() {
-        Ok(count) if count > 0 => Ok(count),
-        _ => Err("must be a whole number, at least 1".to_owned()),
+        Ok(count) if (1..=most).contains(&count) => Ok(count),
+        _ => Err(format!("must be a whole number from 1 to {most}")),
     }
+}
+
+/// Elements of a dropper interval.
+fn elements(text: &str) -> Result<usize, String> {
+    count(text, Division::MOST)
+}
+
+/// Spans of a line.
+fn spans(text: &str) -> Result<usize, String> {
+    count(text, MAX_SPANS)
+}
+
+/// A set of reductions, as it is typed.
+fn reductions(text: &str) -> Result<String, String> {
+    let known = || Reduction::ALL.iter().map(|reduction| reduction.name());
+    let names: Vec<&str> = text.split('+').map(str::trim).collect();
+    let alone = names.len() == 1 && ["none", AUTO].contains(&names[0]);
+    let once = |(index, name): (usize, &&str)| known().any(|known| known == *name) && !names[..index].contains(name);
+    if alone || names.iter().enumerate().all(once) {
+        return Ok(names.join("+"));
+    }
+    let known: Vec<&str> = known().collect();
+    Err(format!(
+        "must be none, {AUTO}, or one or more of {} joined by +, each once",
+        known.join(", ")
+    ))
 }
 
 /// A sweep of a study by its name.
@@ -341,6 +368,16 @@ pub fn main() -> ExitCode {
             window_spans,
             sweeps,
         } => {
+            let flags = [
+                ("--elements", Sweep::Mesh, !elements.is_empty()),
+                ("--micro-steps", Sweep::MicroStep, !micro_steps.is_empty()),
+                ("--macro-steps", Sweep::Coupling, !macro_steps.is_empty()),
+                ("--rho-inf", Sweep::RhoInf, !rho_inf.is_empty()),
+                ("--reductions", Sweep::Reductions, !reductions.is_empty()),
+                ("--spans", Sweep::Spans, !spans.is_empty()),
+                ("--window-spans", Sweep::Spans, !window_spans.is_empty()),
+            ];
+            let checked = command::study::check_flags(&sweeps, &flags);
             let options = Options {
                 elements: or(
                     elements,
@@ -369,7 +406,7 @@ pub fn main() -> ExitCode {
                 window_spans,
                 sweeps,
             };
-            command::study::study(&scene, options, &common)
+            checked.and_then(|()| command::study::study(&scene, options, &common))
         }
         Command::Reproduce {
             what: Publication::Thesis,
@@ -404,6 +441,40 @@ mod tests {
     #[test]
     fn the_arguments_are_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    /// Why a line is refused.
+    fn refusal(line: &[&str]) -> String {
+        Arguments::try_parse_from(line).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_study_refuses_what_no_scene_can_have_with_what_would_be_right() {
+        let study = |flag, value| refusal(&["master", "study", "a.toml", flag, value]);
+        for wrong in ["foo", "planar+foo", "planar+planar", "none+planar", "planar,"] {
+            let said = study("--reductions", wrong);
+            assert!(
+                said.contains("none, auto, or one or more of planar, linearised, flat, window, linkage"),
+                "{said}"
+            );
+        }
+        for right in ["none", "auto", "planar, linearised+window"] {
+            assert!(Arguments::try_parse_from(["master", "study", "a.toml", "--reductions", right]).is_ok());
+        }
+        assert!(study("--elements", "2,500").contains("'500'") && study("--elements", "500").contains("from 1 to 200"));
+        assert!(study("--spans", "0").contains("from 1 to 5000"));
+    }
+
+    #[test]
+    fn a_flag_without_its_sweep_is_refused() {
+        let flags = [("--spans", Sweep::Spans, true), ("--elements", Sweep::Mesh, false)];
+        let said = |sweeps: &[Sweep]| command::study::check_flags(sweeps, &flags).map_err(|error| error.to_string());
+        assert!(said(&[]).is_ok() && said(&[Sweep::Mesh, Sweep::Spans]).is_ok());
+        let refused = said(&[Sweep::Mesh]).unwrap_err();
+        assert!(
+            refused.starts_with("--spans: --sweeps mesh leaves out") && refused.ends_with("--sweeps mesh,spans"),
+            "{refused}"
+        );
     }
 
     #[test]

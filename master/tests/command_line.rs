@@ -257,6 +257,44 @@ fn a_start_without_balance_names_its_key() {
 }
 
 #[test]
+fn a_study_that_cannot_be_made_writes_nothing_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let (scene, out) = (scene(), folder.path().display().to_string());
+    let csv = folder.path().join("study.csv");
+    std::fs::write(&csv, "precious").unwrap();
+    for (flags, words) in [
+        (
+            &["--sweeps", "spans"][..],
+            &["--sweeps spans: --spans or --window-spans must say"][..],
+        ),
+        (
+            &["--sweeps", "mesh", "--spans", "10"],
+            &["--spans: --sweeps mesh leaves out", "--sweeps mesh,spans"],
+        ),
+        (
+            &["--reductions", "foo"],
+            &["'foo'", "none, auto, or one or more of planar"],
+        ),
+        (&["--elements", "500"], &["'500'", "from 1 to 200"]),
+        (
+            &["--sweeps", "vehicle"],
+            &["nothing to be studied: sweep vehicle has no run: the scene has no [vehicle]"],
+        ),
+    ] {
+        let mut arguments = vec!["study", scene.to_str().unwrap(), "--out", &out];
+        for key in SHORT {
+            arguments.extend(["--set", key]);
+        }
+        arguments.extend(flags);
+        let output = master(&arguments);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{flags:?}: {said}");
+        assert!(words.iter().all(|word| said.contains(word)), "{flags:?}: {said}");
+        assert_eq!(std::fs::read_to_string(&csv).unwrap(), "precious", "{flags:?}");
+    }
+}
+
+#[test]
 fn files_of_another_kind_are_named_with_what_would_be_right() {
     let folder = tempfile::tempdir().unwrap();
     let made = |name: &str, content: &[u8]| {

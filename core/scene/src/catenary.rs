@@ -205,7 +205,7 @@ impl Wire {
 }
 
 /// More spans than any tensioning section has, and few enough to be numbered and stored.
-pub(crate) const MAX_SPANS: usize = 5000;
+pub const MAX_SPANS: usize = 5000;
 
 impl Entry for Catenary {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {

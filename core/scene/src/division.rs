@@ -15,13 +15,16 @@ pub enum Division {
     UpTo(f64),
 }
 
-/// Most elements of an interval: far beyond any converged mesh.
-const MOST: usize = 200;
+/// Most elements of an interval.
+const MOST: usize = Division::MOST;
 
 /// Part of an element that rounding may leave of a length that the limit divides, –.
 const ROUNDING: f64 = 1e-9;
 
 impl Division {
+    /// Most elements of an interval: far beyond any converged mesh.
+    pub const MOST: usize = 200;
+
     /// Elements of an interval of this length, m.
     #[must_use]
     pub fn elements(self, length: f64) -> usize {

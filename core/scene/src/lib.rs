@@ -59,7 +59,7 @@ mod vehicle;
 mod wind;
 mod write;
 
-pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
+pub use catenary::{Beam, Catenary, Damping, Droppers, MAX_SPANS, RegistrationArms, Statics, Supports, Wire, WireEnds};
 pub use contact::{Contact, ContactLaw};
 pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};
 pub use curve::{Curve, Direction, millimetres_up};

@@ -26,6 +26,7 @@ use crate::package::PackageError;
 use crate::results::ResultsError;
 use crate::simulation::SetupError;
 use crate::ssp::{self, SspError};
+use crate::study::Sweep;
 
 /// Why a command ended without success.
 #[derive(Debug, thiserror::Error)]
@@ -64,6 +65,32 @@ pub enum CommandError {
         nearest: String,
         /// All names.
         known: String,
+    },
+    /// A flag of `master study` that belongs to a sweep which is not made.
+    #[error(
+        "{flag}: --sweeps {sweeps} leaves out the sweep that it is for: must be left out, or --sweeps {sweeps},{}",
+        missing.name()
+    )]
+    NoSweep {
+        /// The flag.
+        flag: &'static str,
+        /// As typed.
+        sweeps: String,
+        /// Its sweep.
+        missing: Sweep,
+    },
+    /// `--sweeps spans` without numbers of spans.
+    #[error(
+        "--sweeps spans: --spans or --window-spans must say how many there are, such as --spans 10,20,40,80 --window-spans 80,400"
+    )]
+    NoSpans,
+    /// A study without a run.
+    #[error("{}: nothing to be studied: {why}", file.display())]
+    NothingToStudy {
+        /// Scene file.
+        file: PathBuf,
+        /// Why each sweep is empty.
+        why: String,
     },
     /// Overrides for a command that reads no scene.
     #[error("--set {first}: {command} reads no scene whose keys could be set")]

@@ -6,7 +6,7 @@ use super::{CommandError, SceneFile, interrupted, print, print_json, say};
 use crate::cli::Common;
 use crate::report::{Progress, Show};
 use crate::results::{OutputDirectory, ResultsError};
-use crate::study::{self, CSV, Options, PAGE, Study, StudyError};
+use crate::study::{self, CSV, Options, PAGE, Study, StudyError, Sweep};
 use crate::table_of_runs;
 
 impl From<StudyError> for CommandError {
@@ -16,6 +16,24 @@ impl From<StudyError> for CommandError {
             StudyError::Results(error) => Self::Results(error),
         }
     }
+}
+
+/// Refuses flags, each with its sweep and whether it was typed, of which `sweeps` leaves out the sweep.
+///
+/// # Errors
+/// [`CommandError::NoSweep`], [`CommandError::NoSpans`].
+pub fn check_flags(sweeps: &[Sweep], flags: &[(&'static str, Sweep, bool)]) -> Result<(), CommandError> {
+    let typed = || flags.iter().filter(|(_, _, typed)| *typed);
+    if sweeps.contains(&Sweep::Spans) && !typed().any(|(_, sweep, _)| *sweep == Sweep::Spans) {
+        return Err(CommandError::NoSpans);
+    }
+    let idle = typed().find(|(_, sweep, _)| !sweeps.is_empty() && !sweeps.contains(sweep));
+    let Some(&(flag, missing, _)) = idle else {
+        return Ok(());
+    };
+    let names: Vec<&str> = sweeps.iter().map(|sweep| sweep.name()).collect();
+    let sweeps = names.join(",");
+    Err(CommandError::NoSweep { flag, sweeps, missing })
 }
 
 /// Studies speed against error of a scene, and writes the table and the page.
@@ -30,6 +48,11 @@ pub fn study(path: &Path, options: Options, common: &Common) -> Result<(), Comma
     file.notes.iter().for_each(|note| say(common)(note));
     let script = study::script(file.scene, &file.name, &file.base, &common.overrides, options);
     let script = script.map_err(|error| in_scene(error.into()))?;
+    if script.planned.is_empty() {
+        let why = script.empty_sweeps().join("; ");
+        let file = path.to_owned();
+        return Err(CommandError::NothingToStudy { file, why });
+    }
     let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
     let store = script.store(&directory).map_err(CommandError::Directory)?;
     // A page that was there may be of another study than the table.

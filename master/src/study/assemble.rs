@@ -73,7 +73,7 @@ pub fn assemble(script: &Script, state: &State) -> Study {
     }
     study.notes = notes(&study);
     study.notes.extend(ground.left_out.iter().cloned());
-    study.notes.extend(empty_sweeps(script));
+    study.notes.extend(script.empty_sweeps());
     study
 }
 
@@ -329,25 +329,6 @@ fn orders(state: &State) -> Vec<Order> {
         }
     }
     all
-}
-
-/// What is to be said of sweeps that were asked for by name and have no run.
-fn empty_sweeps(script: &Script) -> Vec<String> {
-    let ground = &script.ground;
-    let made = |sweep: &&Sweep| script.planned.iter().any(|run| run.sweeps.contains(sweep));
-    let empty = script.options.sweeps.iter().filter(|sweep| !made(sweep));
-    let why = |sweep: &Sweep| match sweep {
-        Sweep::Vehicle if ground.scene.vehicle.is_none() => "the scene has no [vehicle]",
-        Sweep::Mesh | Sweep::Reductions | Sweep::Ladder | Sweep::Spans if !ground.meshed => {
-            "the line is an FMU of somebody else"
-        }
-        Sweep::Spans => "--spans and --window-spans say how many there are",
-        Sweep::RhoInf => "with --quick, --rho-inf says which there are",
-        _ => "nothing is left to be changed",
-    };
-    empty
-        .map(|sweep| format!("sweep {} has no run: {}", sweep.name(), why(sweep)))
-        .collect()
 }
 
 fn notes(study: &Study) -> Vec<String> {

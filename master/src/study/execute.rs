@@ -103,6 +103,32 @@ pub fn script(
 }
 
 impl Script {
+    /// What is to be said of sweeps that were asked for, or belong to every study, and have no run.
+    #[must_use]
+    pub fn empty_sweeps(&self) -> Vec<String> {
+        let ground = &self.ground;
+        let joined = sliding_joint::holds(&ground.scene);
+        let made = |sweep: &Sweep| self.planned.iter().any(|run| run.sweeps.contains(sweep));
+        let unnamed = (joined && self.options.sweeps.is_empty()).then_some(Sweep::Coupling);
+        let why = |sweep: &Sweep| match sweep {
+            Sweep::Vehicle if ground.scene.vehicle.is_none() => "the scene has no [vehicle]",
+            Sweep::Mesh | Sweep::Reductions | Sweep::Ladder | Sweep::Spans if !ground.meshed => {
+                "the line is an FMU of somebody else"
+            }
+            Sweep::Coupling if joined => {
+                "contact.law = \"sliding_joint\" makes line and pantograph one system, which nothing can couple"
+            }
+            Sweep::Spans => "--spans and --window-spans say how many there are",
+            Sweep::RhoInf => "with --quick, --rho-inf says which there are",
+            _ => "nothing is left to be changed",
+        };
+        let asked = self.options.sweeps.iter().copied().chain(unnamed);
+        asked
+            .filter(|sweep| !made(sweep))
+            .map(|sweep| format!("sweep {} has no run: {}", sweep.name(), why(&sweep)))
+            .collect()
+    }
+
     /// Opens the store of the study in `folder`.
     ///
     /// # Errors
