@@ -75,7 +75,6 @@ pub fn script(
     overrides: &[String],
     options: Options,
 ) -> Result<Script, SetupError> {
-    sliding_joint::refuse(&scene, "master study")?;
     scene.run.duration = settled(&scene);
     let prepared = prepare(scene.clone(), name, base, false)?;
     let identity = identity(&scene, base);

@@ -6,6 +6,7 @@ use super::recipe::{Class, Exchange, Ground, Mesh, Recipe};
 use super::vehicle::OWN;
 use crate::compare::algorithms;
 use crate::simulation::Mode;
+use crate::sliding_joint;
 use crate::table_of_runs::{AUTO, Row, Variant};
 
 /// What a study is asked for.
@@ -292,7 +293,9 @@ fn scene(runs: &mut Runs<'_>) {
             Sweep::Scene,
         );
     }
-    runs.add(own, Sweep::Scene);
+    if !sliding_joint::holds(&ground.scene) {
+        runs.add(own, Sweep::Scene);
+    }
 }
 
 /// Whether there is a mesh without cures beside the cured one.
@@ -345,6 +348,9 @@ fn micro_step(runs: &mut Runs<'_>, options: &Options) {
 /// The automatic choice at every macro step; the other algorithms, and degrees of extrapolation, at the middle one.
 fn coupling(runs: &mut Runs<'_>, options: &Options) {
     let ground = runs.ground;
+    if sliding_joint::holds(&ground.scene) {
+        return;
+    }
     let mut steps = options.macro_steps.clone();
     steps.sort_by(f64::total_cmp);
     let with = |algorithm: &str, extrapolation: Option<usize>, macro_step: f64| Recipe {

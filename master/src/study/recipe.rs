@@ -11,11 +11,15 @@ use crate::simulation::{Mode, Prepared};
 use crate::table_of_runs::{AUTO, Keys, Variant};
 
 /// Cures of the mesh that a scene may name, best set first; the first one that the scene takes is called cured here.
-const CURES: [&[&str]; 4] = [
+/// Those without the contact's compliance are for strips that are held on the wire.
+const CURES: [&[&str]; 7] = [
     &["contact_compliance", "bending_layers", "mass_correction"],
     &["contact_compliance", "mass_correction"],
     &["contact_compliance", "bending_layers"],
     &["contact_compliance"],
+    &["bending_layers", "mass_correction"],
+    &["mass_correction"],
+    &["bending_layers"],
 ];
 
 /// Reductions that change the model: they are judged, and no reference has them.

@@ -489,6 +489,49 @@ fn a_sweep_that_was_asked_for_and_has_no_run_says_why() {
 }
 
 #[test]
+fn strips_held_on_the_wire_are_studied_as_one_system() {
+    let scene = short(&["contact={ law = \"sliding_joint\" }"]);
+    let options = Options {
+        sweeps: vec![
+            Sweep::Scene,
+            Sweep::Mesh,
+            Sweep::MicroStep,
+            Sweep::Coupling,
+            Sweep::Reductions,
+        ],
+        ..tiny()
+    };
+    let script = scripted(scene, options);
+    assert!(script.planned.iter().all(|run| run.variant.mode == Mode::Monolithic));
+    assert_eq!(
+        script.ground.cures.as_deref(),
+        Some(&["bending_layers", "mass_correction"].map(str::to_owned)[..])
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let study = studied(&script, folder.path(), None);
+    assert!(study.complete);
+    let said = "sweep coupling has no run: contact.law = \"sliding_joint\" makes line and pantograph one system";
+    assert!(
+        study.notes.iter().any(|note| note.starts_with(said)),
+        "{:?}",
+        study.notes
+    );
+    for sweep in [Sweep::Scene, Sweep::Mesh, Sweep::MicroStep, Sweep::Reductions] {
+        let known = |entry: &Entry| entry.row.filtered_error.is_some() || entry.row.reference.is_empty();
+        assert!(study.of(sweep).count() > 0 && study.of(sweep).all(known), "{sweep:?}");
+    }
+    // The finer of two meshes under a joint, which takes waves of any length, is nearer to the reference.
+    let errors: Vec<f64> = (study.of(Sweep::Mesh))
+        .filter(|entry| entry.row.mesh == "plain")
+        .filter_map(|entry| entry.row.filtered_error)
+        .collect();
+    assert!(errors.len() >= 3 && errors.is_sorted_by(|a, b| a > b), "{errors:?}");
+    // Where nothing is named, it is said too.
+    let all = scripted(short(&["contact={ law = \"sliding_joint\" }"]), tiny());
+    assert!(all.empty_sweeps().iter().any(|note| note.starts_with(said)));
+}
+
+#[test]
 fn a_scene_without_contact_has_a_note_and_neither_errors_nor_recommendations() {
     let scene = short(&[
         "run.initialise=as_given",
