@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use catenary::StaticsReport;
 use serde::Serialize;
 
+use crate::beside_strip;
 use crate::results::Model;
 use crate::simulation::{Other, Prepared, SetupError, evaluated_spans};
 
@@ -87,7 +88,9 @@ impl Report {
             waves,
             start: starts.collect(),
             others: prepared.others.clone(),
-            notes: prepared.notes(prepared.scene.internal_step()),
+            notes: (prepared.notes(prepared.scene.internal_step()).into_iter())
+                .chain(beside_strip::foreseen(scene))
+                .collect(),
         })
     }
 

@@ -35,6 +35,7 @@
 
 pub mod account;
 pub mod algorithm;
+mod beside_strip;
 pub mod check;
 pub mod cli;
 pub mod command;

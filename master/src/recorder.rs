@@ -42,6 +42,7 @@ impl Recorder {
             strip_vz: column(),
             gap: column(),
             wind: None,
+            aside: column(),
         };
         let record = Record {
             time: column(),
@@ -131,6 +132,7 @@ impl Recorder {
             let (z, vz) = strip_at(start.strip(i), end.strip(i), end.t - start.t, part);
             record.strip_z.push(z);
             record.strip_vz.push(vz);
+            record.aside.push(linear(aside(start, i), aside(end, i)));
             if let Some(wind) = &mut record.wind {
                 let value = |index: usize| linear(start.strip(i)[index], end.strip(i)[index]);
                 wind.drag.push(value(strip::WIND_DRAG));
@@ -142,6 +144,13 @@ impl Recorder {
             support.uplift.push(linear(start.line[k], end.line[k]));
         }
     }
+}
+
+/// Contact point of strip `i` along the strip from its middle, m.
+fn aside(point: &Point, i: usize) -> f64 {
+    let (strip, contact) = (point.strip(i), point.contact(i));
+    let (sin, cos) = strip[strip::ROLL].sin_cos();
+    (contact[contact::Y] - strip[strip::Y]) * cos + (contact[contact::WIRE_Z] - strip[strip::Z]) * sin
 }
 
 /// Contact force at `part` of the step: piecewise linear through the start force and the samples.

@@ -10,6 +10,7 @@ use catenary::{CatenaryError, StaticLine};
 use scene::{Evaluate, Initialise, Scene};
 
 use crate::algorithm::{self, Exchange, Sides};
+use crate::beside_strip;
 use crate::hardship::Hardship;
 use crate::interface;
 use crate::monolithic::{Evidence, Monolithic};
@@ -432,6 +433,7 @@ impl Prepared {
             notes: (self.notes(step_made(scene, &outcome.steps)).into_iter())
                 .chain(outcome.notes)
                 .chain(sliding_joint::remarks(scene, &outcome.record))
+                .chain(beside_strip::remarks(scene, &outcome.record))
                 .collect(),
         };
         let failure = outcome

@@ -295,6 +295,39 @@ fn a_study_that_cannot_be_made_writes_nothing_over() {
 }
 
 #[test]
+fn a_strip_beside_the_wire_is_told_by_run_and_check() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/thesis-pantograph.toml");
+    let out = folder.path().display().to_string();
+    let told = |command: &[&str]| {
+        let mut arguments = command.to_vec();
+        let scene = scene.to_str().unwrap();
+        arguments.extend([
+            scene,
+            "--set",
+            "run.duration=1.6",
+            "--set",
+            "run.evaluate={ time = [0.1, 1.6] }",
+        ]);
+        arguments.extend([
+            "--set",
+            "vehicle={ model = \"rigid_motion\", motion = { time = [0, 0.5, 1.5], y = [0, 3, 0] } }",
+        ]);
+        let output = master(&arguments);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let run = told(&["run", "--mode", "monolithic", "--out", &out]);
+    assert!(
+        run.contains("pantograph 1: the wire passed beside its strip") && run.contains("half the width"),
+        "{run}"
+    );
+    let check = told(&["check"]);
+    let note = "pantograph 1: vehicle.motion is such that the wire passes beside its strip";
+    assert!(check.contains(note) && check.contains("up to 3.306 m"), "{check}");
+}
+
+#[test]
 fn files_of_another_kind_are_named_with_what_would_be_right() {
     let folder = tempfile::tempdir().unwrap();
     let made = |name: &str, content: &[u8]| {

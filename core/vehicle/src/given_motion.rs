@@ -74,6 +74,18 @@ impl GivenMotion {
         }
     }
 
+    /// Displacement (m) at time `t` (s) of a point that is `height` m above the base's at rest, and the lateral axis of the base.
+    #[must_use]
+    pub fn above(&self, height: f64, t: f64) -> ([f64; 3], [f64; 3]) {
+        let position = Vector3::new(0.0, 0.0, height);
+        let axes = Matrix3::identity();
+        let frame = self.carry(&BaseMarker { position, axes }, t);
+        (
+            (frame.position - position).into(),
+            frame.axes.column(1).into_owned().into(),
+        )
+    }
+
     /// Where a marker that rides on the base is at time `t` (s).
     #[must_use]
     pub fn carry(&self, marker: &BaseMarker, t: f64) -> Frame {

@@ -38,6 +38,8 @@ pub struct StripRecord {
     pub gap: Vec<f64>,
     /// The wind on the body of the strip; nothing where no wind acts on the pantograph.
     pub wind: Option<WindRecord>,
+    /// Contact point along the strip from its middle, m; not in the file, notes say it where it matters.
+    pub aside: Vec<f64>,
 }
 
 /// The wind on the body that carries a strip.
@@ -94,6 +96,7 @@ impl StripRecord {
             strip_vz,
             gap,
             wind: None,
+            aside: Vec::new(),
         }
     }
 }

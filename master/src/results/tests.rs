@@ -14,6 +14,7 @@ pub(crate) fn run(complete: bool) -> (RunInfo, Record) {
         strip_vz: vec![0.02; time.len()],
         gap: vec![-0.001; time.len()],
         wind: None,
+        aside: Vec::new(),
     };
     let half = (0..n).map(|i| if i % 2 == 0 { 0.0 } else { 200.0 }).collect();
     let record = Record {
