@@ -53,8 +53,7 @@ pub enum EquilibriumError {
     /// The correction does not settle.
     #[error(
         "run.start_x = {start_x} m: no balance between the line and pantograph {pantograph}, whose strip starts at x = {x} m: \
-         {residual:.3e} N remain after {iterations} iterations, tolerance {TOLERANCE:.0e} N; must be further inside the line, half \
-         a span or more from its ends"
+         {residual:.3e} N remain after {iterations} iterations, tolerance {TOLERANCE:.0e} N"
     )]
     NotConverged {
         /// Key of the scene, m.

@@ -251,7 +251,7 @@ fn a_start_without_balance_names_its_key() {
     assert_eq!(output.status.code(), Some(2));
     let said = text(&output.stderr);
     assert!(
-        said.contains("run.start_x = 0 m: no balance") && said.contains("further inside the line"),
+        said.contains("run.start_x = 0 m: ") && said.contains("must be 0.01 m or more from the end of the line"),
         "{said}"
     );
 }

@@ -146,6 +146,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     // Contradictions.
     ("duration = 7.0", "duration = 80.0", &["run.duration = 80 s: must be at most 8.352 s", "pantograph[1] would leave the line, which ends at 600 m"]),
     ("start_x = 20.0", "start_x = -1.0", &["run.start_x = -1 m: the strip of pantograph[1] starts at x = -1 m, must be on the line, before its end at 600 m"]),
+    ("start_x = 20.0", "start_x = 0.0", &["run.start_x = 0 m: the strip of pantograph[1] starts at x = 0 m, must be 0.01 m or more from the end of the line at 0 m"]),
     ("speed_kmh = 250.0 ", "speed_kmh = 500.0 ", &["run.speed_kmh = 500 km/h: must be below 438.2 km/h", "121.72 m/s", "allow_supercritical"]),
     ("spans = [5, 6]", "spans = [6, 5]", &["run.evaluate.spans = [6, 5]: must be two spans from 1 to 10"]),
     ("spans = [5, 6]", "spans = [5, 11]", &["run.evaluate.spans = [5, 11]: must be two spans from 1 to 10"]),
