@@ -68,6 +68,7 @@ pub mod standards;
 pub mod standstill;
 pub mod statistics;
 pub mod study;
+mod suspects;
 mod table_files;
 pub mod table_of_runs;
 pub mod test_problem;

@@ -13,6 +13,7 @@ use crate::equilibrium;
 use crate::hardship::Hardship;
 use crate::isolation;
 use crate::simulation::{Prepared, SetupError};
+use crate::suspects::with_suspects;
 use crate::table_files;
 use crate::third_party::{
     Side, StripAtStart, ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph, Wiring, aligned, own_heights,
@@ -44,7 +45,7 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
     let begin = Instant::now();
     table_files::read(&mut scene, name, base)?;
     let statics = match &scene.catenary {
-        Line::Modelled(_) => Some(static_line(&scene)?),
+        Line::Modelled(_) => Some(static_line(&scene).map_err(|error| with_suspects(error.into(), &scene))?),
         Line::ThirdParty(_) => None,
     };
     let mut third_party = Vec::new();
@@ -63,7 +64,8 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
     }
     let line = match (&statics, scene.catenary.clone()) {
         (Some(statics), _) => {
-            equilibrium::resolve(&mut scene, statics)?;
+            let resolved = equilibrium::resolve(&mut scene, statics);
+            resolved.map_err(|error| with_suspects(error.into(), &scene))?;
             None
         }
         (None, Line::ThirdParty(entry)) => Some(start_line(&mut scene, entry, base, logging)?),

@@ -23,6 +23,15 @@ pub enum SetupError {
     /// There is no start.
     #[error("the state at t = 0")]
     Equilibrium(#[from] EquilibriumError),
+    /// Statics that find no answer, with the keys of the scene to be looked at.
+    #[error("{suspects}")]
+    NoStatics {
+        /// Keys with their values.
+        suspects: String,
+        /// What was not found.
+        #[source]
+        source: Box<SetupError>,
+    },
     /// What the mode cannot do with this scene.
     #[error("--mode {mode}: {what}")]
     NotInThisMode {
@@ -103,6 +112,7 @@ impl SetupError {
             Self::Scene(_)
                 | Self::Line(_)
                 | Self::Equilibrium(_)
+                | Self::NoStatics { .. }
                 | Self::NotInThisMode { .. }
                 | Self::NotAvailable(_)
                 | Self::FmuFile(_)
