@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use clap::{Arg, ArgAction, Args, Parser, Subcommand, ValueEnum};
 use scene::{Division, MAX_SPANS, Reduction};
 
 use crate::command::{self, CommandError};
@@ -119,7 +119,7 @@ enum Command {
         sweeps: Vec<Sweep>,
     },
     /// Runs the hard cases: what is stable, and where it stops being so
-    #[command(after_long_help = stability_help())]
+    #[command(after_long_help = stability_help(), arg = no_set())]
     Stability {
         /// Cases to run, separated by commas [default: all]
         #[arg(long, value_name = "LIST", value_delimiter = ',')]
@@ -148,6 +148,7 @@ enum Command {
         scene: PathBuf,
     },
     /// Shows variables and capabilities of any FMI 2.0 FMU, and how it would be wired
+    #[command(arg = no_set())]
     Inspect {
         /// FMU file
         fmu: PathBuf,
@@ -165,11 +166,17 @@ enum Command {
         quick: bool,
     },
     /// Renders report.html again; several directories are overlaid
+    #[command(arg = no_set())]
     Report {
         /// Output directories of finished runs
         #[arg(required = true, value_name = "DIR")]
         directories: Vec<PathBuf>,
     },
+}
+
+/// `--set` of a command that reads no scene: refused with a reason, and not in its help.
+fn no_set() -> Arg {
+    Arg::new("overrides").long("set").action(ArgAction::Append).hide(true)
 }
 
 /// What `compare` does, at the end of its help.
@@ -475,6 +482,29 @@ mod tests {
             refused.starts_with("--spans: --sweeps mesh leaves out") && refused.ends_with("--sweeps mesh,spans"),
             "{refused}"
         );
+    }
+
+    #[test]
+    fn help_lists_set_where_there_is_a_scene() {
+        let help = |name: &str| refusal(&["master", name, "--help"]);
+        for name in ["run", "compare", "study", "check", "reproduce"] {
+            assert!(help(name).contains("--set"), "{name}");
+        }
+        for name in ["stability", "inspect", "report"] {
+            assert!(!help(name).contains("--set"), "{name}");
+            // It is understood, so that the command can say why not.
+            let line = ["master", name, "x", "--set", "a=b"];
+            let line = if name == "stability" {
+                &["master", name, "--set", "a=b"][..]
+            } else {
+                &line
+            };
+            assert_eq!(
+                Arguments::try_parse_from(line).unwrap().common.overrides,
+                ["a=b"],
+                "{name}"
+            );
+        }
     }
 
     #[test]
