@@ -161,7 +161,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("positions = [5.0,", "positions = [0.05,", &["catenary.droppers.positions[1] = 0.05 m: must be at least 0.1 m from the support, at 0 m"]),
     ("49.5, 55.0]", "49.5, 59.9999999]", &["catenary.droppers.positions[9] = 59.9999999 m: must be at least 0.1 m from the support, at 60 m"]),
     ("49.5, 55.0]", "49.5, 59.9]", &["accepted"]),
-    ("span_length = 60.0", "span_length = 1e9", &["catenary.span_length = 1000000000 m: must be at most 500 m, each span"]),
+    ("span_length = 60.0", "span_length = 1e9", &["catenary.span_length = 1000000000 m: must be at most 5000 m, each span"]),
     ("dampings = [10.0, 90.0]", "dampings = [10.0]", &["pantograph[1].dampings = 1 entries: must have 2, one per mass"]),
     ("stiffnesses = [4200.0,", "stiffnesses = [0.0,", &["pantograph[1].stiffnesses[1] = 0 N/m: must be positive"]),
     ("stagger = [0.0]", "stagger = [0.2, -0.7]", &["catenary.stagger[2] = -0.7 m: must be within ±0.6 m, half the width of the strip of pantograph[1]"]),
