@@ -3,8 +3,8 @@
 use crate::error::What;
 use crate::write::{shown_key, shown_number};
 use crate::{
-    Catenary, Element, Evaluate, Initialise, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Statics,
-    ThirdParty, Wire,
+    Catenary, ContactLaw, Element, Evaluate, Initialise, Line, Lumped, Offset, Pantograph, PantographModel, Scene,
+    Statics, ThirdParty, Wire,
 };
 
 /// Contradictions found so far: the key and what is wrong with it.
@@ -61,6 +61,7 @@ impl Scene {
             pantograph.check(&format!("pantograph[{}]", i + 1), &mut found);
         }
         self.check_order_of_strips(&mut found);
+        self.check_joint(&mut found);
         self.check_steps(&mut found);
         self.solver.check(&mut found);
         self.check_vehicle(&mut found);
@@ -88,6 +89,20 @@ impl Scene {
                     format!("must be less than {ahead} m, the offset of the pantograph before it: the first one leads"),
                 );
             }
+        }
+    }
+
+    /// A sliding joint needs the equations of both sides.
+    fn check_joint(&self, found: &mut Found) {
+        let joined = (self.contact.as_ref()).is_some_and(|contact| contact.law == ContactLaw::SlidingJoint);
+        let other = |pantograph: &Pantograph| matches!(pantograph.model, PantographModel::ThirdParty(_));
+        if let Some(index) = self.pantographs.iter().position(other).filter(|_| joined) {
+            let expected = format!(
+                "must be \"penalty\" where pantograph[{}] is an FMU: line and pantograph are one system under a sliding joint, and an \
+                 FMU gives no equations",
+                index + 1
+            );
+            refuse(found, "contact.law", "\"sliding_joint\"", expected);
         }
     }
 

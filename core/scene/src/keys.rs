@@ -144,6 +144,11 @@ impl Keys<'_> {
         );
     }
 
+    /// Whether something was reported so far.
+    pub(crate) fn has_problems(&self) -> bool {
+        matches!(&self.side, Side::Read { report, .. } if !report.is_empty())
+    }
+
     /// Reports an impossible value.
     pub(crate) fn refuse(&mut self, name: &str, expected: impl Into<String>) {
         let value = match &self.side {

@@ -4,6 +4,8 @@ use crate::check::{Found, refuse};
 use crate::choice::choice;
 use crate::error::What;
 use crate::keys::{Entry, Keys, Number};
+use crate::mesh_error;
+use crate::write::shown_number;
 use crate::{Catenary, ContactLaw, Division, Scene, WireEnds};
 
 /// `[catenary.mesh]`.
@@ -172,13 +174,13 @@ impl Scene {
         }
     }
 
-    /// Resolves what `[catenary.mesh]` leaves open.
+    /// Resolves what `[catenary.mesh]` leaves open; nothing in a scene with problems, whose values may be no mesh's or no step's.
     pub(crate) fn choose_mesh(&mut self, keys: &mut Keys) {
         let step_is_given = !std::mem::take(&mut self.solver.open_step);
         let crate::Line::Modelled(catenary) = &mut self.catenary else {
             return;
         };
-        match catenary.mesh.open.take() {
+        match catenary.mesh.open.take().filter(|_| !keys.has_problems()) {
             None => {}
             Some(Open::Cures) => self.choose_cures(),
             Some(Open::Error(error)) => match self.mesh_for(error, step_is_given) {
@@ -188,7 +190,7 @@ impl Scene {
                     self.solver.micro_step = choice.micro_step;
                 }
                 Err(expected) => {
-                    let value = format!("{error} %");
+                    let value = shown_number(error, "%");
                     keys.report_path("catenary.mesh.error_percent", What::Refused { value, expected });
                 }
             },
@@ -318,6 +320,15 @@ impl Entry for Mesh {
                 }
             }
             let error = keys.number("error_percent", None, Number::positive("%"));
+            if error > 0.0 && error < mesh_error::LEAST {
+                let expected = format!(
+                    "must be at least {} %: below, no rule was measured; give elements_per_interval or element_length, and \
+                     solver.micro_step, instead",
+                    mesh_error::LEAST
+                );
+                let value = shown_number(error, "%");
+                keys.report("error_percent", What::Refused { value, expected });
+            }
             // What is no error at all is refused already, and nothing is chosen for it.
             let open = (error > 0.0).then_some(Open::Error(error));
             return Self {

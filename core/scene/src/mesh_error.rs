@@ -7,9 +7,11 @@
 //! μ = l f / √(c (c − v))
 //! by waves:   W(f) = a μ²    plain; half of it with one of contact_compliance and bending_layers
 //!                    b μ⁴    with both
-//! by length:  L(f) = g l² (1 + (f/f₁)²)    g larger with fewer cures
-//! space:      max(W(f), L(f)), and at most W(max(f, f₀)) max(1, v₀/v)²
-//! time:       d h² f max(f, f₀)    d smaller with mass_correction
+//! by length:  L(f) = g l² (1 + (f/f₁)²)    g larger with fewer cures, and without both as 1/v below 120 km/h
+//! space:      u max(W(f), L(f)), and at most u W(max(f, f₀)) max(1, v₀/v)²
+//! time:       u d h² f max(f, f₀)                           without mass_correction
+//!             u (d₁ h² + d |h₁² − h²|) f max(f, f₀)         with it, made for steps h₁
+//! u:          √(5·10⁻⁵ s / damping.beta), at least 1
 //! error of the filtered force, % of its standard deviation: √(space² + time²)
 //! ```
 //!
@@ -72,7 +74,7 @@ const LEAST_DAMPING: f64 = 2e-5;
 /// are 0.4 (5.3) % with 1e-4 s, 0.6 (9.6) % with 5e-5 s and 1.2 (14.7) % with 2e-5 s, on the line of EN 50318 at 300 km/h.
 const DAMPED_FROM: f64 = 5e-5;
 /// An error that the rule does not go below, %: that of the measurements.
-const LEAST: f64 = 0.3;
+pub(crate) const LEAST: f64 = 0.3;
 /// Spectral radius of the integrator below which its damping is the error of a step (–).
 const LEAST_RHO_INF: f64 = 0.8;
 /// An error beyond which a mesh gives no force at all, %.
@@ -80,6 +82,8 @@ const MOST: f64 = 100.0;
 /// Micro steps that the rule chooses from where the macro step is controlled, s, and its longest and shortest where it is fixed: those
 /// between 1 and 2 ms are what the mass correction of even elements takes.
 const STEPS: [f64; 8] = [2e-3, 1.6e-3, 1.25e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5];
+/// Parts of a macro step above which those next to the list are enough: they differ from it by less than a twentieth.
+const MOST_PARTS: f64 = 1000.0;
 /// Most elements in an interval that the rule chooses.
 const MOST_ELEMENTS: usize = 100;
 
@@ -199,18 +203,11 @@ impl Scene {
 
     /// The cheapest mesh and step of those that the rule knows whose error is at most `error` %; `Err` says why there is none.
     pub(crate) fn mesh_for(&self, error: f64, micro_step_is_given: bool) -> Result<Choice, String> {
-        if error < LEAST {
-            return Err(format!(
-                "must be at least {LEAST} %: below, no rule was measured; give elements_per_interval or element_length, and \
-                 solver.micro_step, instead"
-            ));
-        }
         let no_rule =
             |of: String| format!("no rule is known for {of}; give elements_per_interval or element_length instead");
+        let line = self.modelled_line().ok_or("a line that is an FMU of somebody else");
+        let (catenary, _) = line.map_err(|of| no_rule(of.to_owned()))?;
         self.expected_mesh_error().map_err(no_rule)?;
-        let Some((catenary, _)) = self.modelled_line() else {
-            return Err(no_rule("a line that is an FMU of somebody else".to_owned()));
-        };
         // The longest element makes the error: what is shorter costs for nothing.
         let divisions: Vec<Division> = (1..=MOST_ELEMENTS)
             .map(|count| catenary.evenly_divided(count))
@@ -264,7 +261,8 @@ impl Scene {
         })
     }
 
-    /// Micro steps that the rule chooses from, s, the longest first: what a fixed macro step is evenly divided into, or the list.
+    /// Micro steps that the rule chooses from, s, the longest first: what a fixed macro step is evenly divided into, of long ones what
+    /// is next to the list, or the list.
     fn steps_to_choose_from(&self) -> Vec<f64> {
         let (longest, shortest) = (STEPS[0], STEPS[STEPS.len() - 1]);
         if let Some(control) = self.coupling.step_control {
@@ -273,7 +271,11 @@ impl Scene {
         }
         // A rest of rounding is no part, and a part that is one of the list is written as that.
         let macro_step = self.coupling.macro_step;
-        let fewest = (macro_step / longest - 1e-9).ceil().max(1.0);
+        let parts = |step: f64| (macro_step / step - 1e-9).ceil().max(1.0);
+        if parts(shortest) > MOST_PARTS {
+            return STEPS.map(|step| macro_step / parts(step)).to_vec();
+        }
+        let fewest = parts(longest);
         let most = (macro_step / shortest + 1e-9).floor().max(fewest);
         let listed = |part: f64| STEPS.into_iter().find(|step| (step / part - 1.0).abs() < 1e-9);
         (fewest as u64..=most as u64)

@@ -216,6 +216,37 @@ fn one_mistake_is_one_line() {
         );
         assert_eq!(told.lines().count(), 1, "{told}");
     }
+    // A mesh is not chosen, nor a step halved, for values that are refused.
+    for keys in [
+        &["run.speed_kmh=-250"][..],
+        &["run.low_pass_hz=0"],
+        &["catenary.damping.beta=-1"],
+        &["solver.rho_inf=-1"],
+        &["coupling.macro_step=0"],
+        &["solver.micro_step=inf", "coupling.macro_step={tolerance=1.0}"],
+    ] {
+        for mesh in ["catenary.mesh={error_percent=1.0}", "catenary.mesh.cures=\"auto\""] {
+            let told = message(EN, &[keys, &[mesh]].concat());
+            holds(&told, &[keys[0].split('=').next().unwrap(), "must be"]);
+            assert_eq!(told.lines().count(), 1, "{told}");
+        }
+    }
+    let negative = message(EN, &["coupling.macro_step={tolerance=1.0, min=-0.01, max=-0.001}"]);
+    holds(&negative, &["coupling.macro_step.max = -0.001 s: must be positive"]);
+    holds(
+        &message(EN, &["catenary.mesh={error_percent=1e-300}"]),
+        &["catenary.mesh.error_percent = 1e-300 %: must be at least 0.3 %"],
+    );
+}
+
+#[test]
+fn macro_steps_of_many_parts_are_refused_where_they_are_longer_than_the_run() {
+    for step in ["1000", "1e6", "6e13", "1e300"] {
+        let mesh = ["catenary.mesh={error_percent=1.0}", "solver={}"];
+        let told = message(EN, &[&mesh[..], &[&format!("coupling.macro_step={step}")]].concat());
+        holds(&told, &["coupling.macro_step = ", "must be at most run.duration"]);
+        assert_eq!(told.lines().count(), 1, "{told}");
+    }
 }
 
 #[test]
@@ -275,6 +306,10 @@ fn a_wrong_third_party_pantograph_is_refused() {
         format!("{before}[[pantograph]]\n{keys}\n[coupling]{after}")
     };
     assert_eq!(message(&third_party("fmu = \"p.fmu\""), &[]), "accepted");
+    holds(
+        &message(&third_party("fmu = \"p.fmu\""), &["contact={law=\"sliding_joint\"}"]),
+        &["contact.law = \"sliding_joint\": must be \"penalty\" where pantograph[1] is an FMU"],
+    );
     #[rustfmt::skip]
     let cases: &[(&str, &[&str])] = &[
         ("", &["pantograph[1].model is missing", "fmu = \"path\""]),
