@@ -43,7 +43,6 @@ pub enum MonolithicError {
 pub struct Monolithic {
     simulator: Simulator<Whole>,
     supports: Vec<usize>,
-    micro_step: f64,
     audit: Option<Audit>,
     rehearsal: Option<Box<Checkpoint>>,
     unrepeated: u64,
@@ -164,7 +163,6 @@ impl Monolithic {
         Ok(Self {
             simulator,
             supports: supports.to_vec(),
-            micro_step: solver.micro_step,
             audit: None,
             rehearsal: None,
             unrepeated: 0,
@@ -231,12 +229,6 @@ impl Monolithic {
         }
         self.simulator.set_state(state);
         self.simulator.start_accelerations().map_err(MonolithicError::Start)
-    }
-
-    /// The internal step that a macro step of `h` s is made of, s.
-    #[must_use]
-    pub fn longest_step(&self, h: f64) -> f64 {
-        h / (h / self.micro_step - 1e-9).ceil().max(1.0)
     }
 
     /// What was seen of the run so far, where it was audited.

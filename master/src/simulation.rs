@@ -31,12 +31,18 @@ pub use crate::prepare::{Other, prepare};
 /// Contact stiffness of EN 50318, N/m: what errors of a height are weighted with where the line's own is not known.
 const USUAL_STIFFNESS: f64 = 5e4;
 
-/// The internal step of the macro steps that a run has made, s: of the longest where they differ, as all others but those shorter than a
-/// micro step have the same. One system and slaves of one step take the first macro step of a controlled one.
-fn step_made(scene: &Scene, steps: &Steps) -> f64 {
-    match scene.coupling.step_control {
-        Some(_) if steps.largest > 0.0 => scene.internal_step_of(steps.largest),
-        _ => scene.internal_step(),
+/// The internal step that a run has made, s, with macro steps of `mean` s on average. Where these are controlled, the one of the longest,
+/// which all but those shorter than a micro step have; or their mean where that is shorter. One system and slaves of one step take the
+/// first macro step of a controlled one.
+fn step_made(scene: &Scene, steps: &Steps, mean: f64) -> f64 {
+    if scene.coupling.step_control.is_none() || steps.largest <= 0.0 {
+        return scene.internal_step();
+    }
+    let of_longest = scene.internal_step_of(steps.largest);
+    if steps.smallest < steps.largest {
+        of_longest.min(mean)
+    } else {
+        of_longest
     }
 }
 
@@ -369,7 +375,7 @@ impl Prepared {
         let setup = self.begin.elapsed().as_secs_f64();
         let mut schedule = self.schedule(true);
         if self.hardship.audited {
-            schedule.macro_step = whole.longest_step(schedule.macro_step);
+            schedule.macro_step = self.scene.internal_step_of(schedule.macro_step);
         }
         let recorder = self.recorder(supports);
         (watch.begun)();
@@ -393,6 +399,7 @@ impl Prepared {
         evidence: Option<Evidence>,
     ) -> Finished {
         let scene = &self.scene;
+        let mean_step = outcome.simulated / outcome.macro_steps as f64;
         let info = RunInfo {
             scene: self.name.clone(),
             title: scene.title.clone(),
@@ -427,10 +434,10 @@ impl Prepared {
                 refused_steps: outcome.steps.refused,
                 smallest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.smallest),
                 largest_macro_step_s: (outcome.macro_steps > 0).then_some(outcome.steps.largest),
-                mean_macro_step_s: (outcome.macro_steps > 0).then(|| outcome.simulated / outcome.macro_steps as f64),
+                mean_macro_step_s: (outcome.macro_steps > 0).then_some(mean_step),
                 shares: outcome.shares,
             },
-            notes: (self.notes(step_made(scene, &outcome.steps)).into_iter())
+            notes: (self.notes(step_made(scene, &outcome.steps, mean_step)).into_iter())
                 .chain(outcome.notes)
                 .chain(sliding_joint::remarks(scene, &outcome.record))
                 .chain(beside_strip::remarks(scene, &outcome.record))
@@ -472,21 +479,25 @@ mod tests {
             let overrides = [macro_step.to_owned(), "solver.micro_step=0.00125".to_owned()];
             Scene::from_toml(EN_300, "scene.toml", &overrides).unwrap()
         };
-        let made = |scene: &Scene, largest: f64| {
+        let made = |scene: &Scene, (smallest, largest): (f64, f64), mean: f64| {
             let mut steps = Steps::default();
-            steps.largest = largest;
-            step_made(scene, &steps)
+            (steps.smallest, steps.largest) = (smallest, largest);
+            step_made(scene, &steps, mean)
         };
         let controlled = read("coupling.macro_step={tolerance=1.0}");
-        for (largest, step) in [
-            (1e-2, 1.25e-3),
-            (1.25e-3, 1.25e-3),
-            (1e-3, 1e-3),
-            (0.625e-3, 0.625e-3),
-            (0.0, 1.25e-3),
+        for (steps, mean, step) in [
+            ((1e-3, 1e-2), 4e-3, 1.25e-3),
+            // All the same, and a shorter one at the end.
+            ((1.25e-3, 1.25e-3), 1.249e-3, 1.25e-3),
+            ((1e-3, 1e-3), 0.999e-3, 1e-3),
+            // A first step that is as long as all others are not.
+            ((0.3e-3, 1e-3), 0.32e-3, 0.32e-3),
+            ((0.3e-3, 1.25e-3), 0.9e-3, 0.9e-3),
+            // None.
+            ((f64::INFINITY, 0.0), f64::NAN, 1.25e-3),
         ] {
-            assert_eq!(made(&controlled, largest), step, "{largest}");
+            assert_eq!(made(&controlled, steps, mean), step, "{steps:?}");
         }
-        assert_eq!(made(&read("coupling.macro_step=0.002"), 0.002), 1e-3);
+        assert_eq!(made(&read("coupling.macro_step=0.002"), (0.002, 0.002), 0.002), 1e-3);
     }
 }
