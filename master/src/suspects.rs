@@ -53,13 +53,25 @@ fn suspects(scene: &Scene) -> Vec<Suspect> {
     };
     let of = |key: &str, value, unit, usual| Suspect::new(format!("catenary.{key}"), value, unit, usual);
     let longest = line.span_lengths.iter().copied().fold(0.0, f64::max);
-    let tension = (3e3, 5e4);
+    let (tension, mass) = ((3e3, 5e4), (0.2, 3.0));
     let mut all = vec![
         of("span_length", longest, "m", (20.0, 100.0)),
         of("encumbrance", line.encumbrance, "m", (0.3, 3.0)),
         of("presag", line.presag, "m", (-0.2, 0.2)),
         of("contact_wire.tension", line.contact_wire.tension, "N", tension),
         of("messenger_wire.tension", line.messenger_wire.tension, "N", tension),
+        of(
+            "contact_wire.mass_per_length",
+            line.contact_wire.mass_per_length,
+            "kg/m",
+            mass,
+        ),
+        of(
+            "messenger_wire.mass_per_length",
+            line.messenger_wire.mass_per_length,
+            "kg/m",
+            mass,
+        ),
         of("droppers.stiffness", line.droppers.stiffness, "N/m", (1e3, 1e8)),
     ];
     // A sliding joint has no spring.
@@ -91,7 +103,7 @@ fn named(scene: &Scene) -> String {
         .collect();
     if unusual.is_empty() {
         let all: Vec<String> = all.iter().map(Suspect::shown).collect();
-        return format!("one of {} or catenary.droppers.positions", all.join(", "));
+        return format!("look first at {} and catenary.droppers.positions", all.join(", "));
     }
     unusual.join("; ")
 }
@@ -177,7 +189,7 @@ mod tests {
         let scene = Scene::from_toml(text, "scene.toml", &[]).unwrap();
         let named = named(&scene);
         assert!(
-            named.starts_with("one of catenary.span_length = 56.25 m, ")
+            named.starts_with("look first at catenary.span_length = 56.25 m, ")
                 && named.contains("pantograph[1].uplift.force = "),
             "{named}"
         );

@@ -45,8 +45,8 @@ const SOLVED: f64 = 1e-7;
 /// Part of the coordinates above which all are evaluated in one pass: each range takes more than its share of that.
 const WHOLE: f64 = 0.7;
 
-/// Rows of linear contributions alone, between others that are evaluated, that are evaluated with these: a range of their own on either
-/// side, for which every contribution is asked, costs more.
+/// Rows of linear contributions alone, apart from others of these, that are evaluated where any are: a range of their own on either side,
+/// for which every contribution is asked, costs more.
 const SHORTEST: usize = 32;
 
 /// `Q − M v̇ − g_qᵀ λ` and `g` of one system, and what they are made of.

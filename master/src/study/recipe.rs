@@ -11,7 +11,7 @@ use crate::simulation::{Mode, Prepared};
 use crate::table_of_runs::{AUTO, Keys, Variant};
 
 /// Cures of the mesh that a scene may name, best set first; the first one that the scene takes is called cured here.
-/// Those without the contact's compliance are for strips that are held on the wire.
+/// Those without the contact's compliance are for strips that are held on the wire or as fast as its waves.
 const CURES: [&[&str]; 7] = [
     &["contact_compliance", "bending_layers", "mass_correction"],
     &["contact_compliance", "mass_correction"],
