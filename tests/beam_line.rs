@@ -11,7 +11,7 @@ const BEAM: [&str; 2] = [
 
 /// The mesh that both kinds of elements can have.
 const PLAIN: [&str; 3] = [
-    "catenary.mesh.cures=\"none\"",
+    "catenary.mesh.corrections=\"none\"",
     "catenary.mesh.elements_per_interval=4",
     "model.reduce=\"none\"",
 ];

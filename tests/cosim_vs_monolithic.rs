@@ -178,7 +178,7 @@ fn gauss_seidel_with_the_mean_force_is_of_second_order_in_the_macro_step() {
 #[test]
 fn gauss_seidel_with_quadratic_strips_and_interpolated_force_is_of_second_order() {
     let convergence = Convergence::of("gauss_seidel", "interpolated", 2, 5e-4);
-    // The next term still shows at these steps: 2.4 on the cured mesh.
+    // The next term still shows at these steps: 2.4 on the corrected mesh.
     convergence.has_order(2.2, 0.4);
     assert!(convergence.filtered[1] < 0.1, "at 1 ms");
 }

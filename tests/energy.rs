@@ -108,8 +108,11 @@ fn energy_is_accounted_for_to_a_thousandth_with_every_damper() {
 }
 
 #[test]
-fn energy_is_accounted_for_on_a_cured_mesh() {
-    let keys = with(&["catenary.mesh.elements_per_interval=6", "catenary.mesh.cures=\"auto\""]);
+fn energy_is_accounted_for_on_a_corrected_mesh() {
+    let keys = with(&[
+        "catenary.mesh.elements_per_interval=6",
+        "catenary.mesh.corrections=\"auto\"",
+    ]);
     let (_, evidence) = run(&keys, None);
     let left = evidence.worst_residual / evidence.exchanged;
     println!("driven {:.3} J, left over {left:.1e}", evidence.driven);

@@ -139,7 +139,7 @@ fn write_other_scenes(scene: &Scene, plain: &str, folder: &Path) {
             linkage.uplift.force = 1480.0;
             ("uplift.force", 1480.0)
         }
-        PantographModel::ThirdParty(_) => unreachable!("the shipped scenes have pantographs of their own"),
+        PantographModel::Supplied(_) => unreachable!("the shipped scenes have pantographs of their own"),
     };
     let same = serde_json::json!({ "Catenary": { "contact.stiffness": 80_000.0 }, "Pantograph": { parameter: value } });
     fs::write(folder.join("other.json"), same.to_string()).unwrap();
@@ -147,7 +147,7 @@ fn write_other_scenes(scene: &Scene, plain: &str, folder: &Path) {
     fs::write(folder.join("plain.toml"), plain).unwrap();
     let spans = match &scene.catenary {
         scene::Line::Modelled(line) => line.spans() + 2,
-        scene::Line::ThirdParty(_) => unreachable!("the shipped scenes have lines of their own"),
+        scene::Line::Supplied(_) => unreachable!("the shipped scenes have lines of their own"),
     };
     let overrides = [format!("catenary.spans={spans}")];
     let longer = Scene::from_toml(&scene.to_toml(), "longer.toml", &overrides).unwrap();

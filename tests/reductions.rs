@@ -185,7 +185,7 @@ fn windowed_scene(text: &str, words: &str, more: &[&str]) -> (f64, f64) {
 fn a_window_travels_from_end_to_end_without_a_trace_on_a_linearised_line() {
     let more = [
         "catenary.spans=7",
-        "catenary.mesh.cures=\"none\"",
+        "catenary.mesh.corrections=\"none\"",
         "run.start_x=30",
         "run.duration=4.2",
         "run.evaluate={time=[0.2,4.0]}",
@@ -310,7 +310,7 @@ dampings = [10.0, 90.0]
 "#;
     let more = [
         "catenary.spans=9",
-        "catenary.mesh.cures=\"none\"",
+        "catenary.mesh.corrections=\"none\"",
         "run.start_x=230",
         "run.duration=1.0",
         "run.evaluate={time=[0.1,0.9]}",
@@ -324,7 +324,7 @@ dampings = [10.0, 90.0]
 fn nothing_comes_back_from_the_end_of_what_is_modelled_on_a_long_line() {
     let more = [
         "catenary.spans=90",
-        "catenary.mesh.cures=\"none\"",
+        "catenary.mesh.corrections=\"none\"",
         "catenary.mesh.elements_per_interval=1",
         "run.start_x=2650",
         "run.duration=1.5",

@@ -62,8 +62,11 @@ fn with_72_elements_per_span_it_lasts_10_s() {
 }
 
 #[test]
-fn on_the_cured_mesh_it_lasts_10_s() {
-    endures(&["catenary.mesh.elements_per_interval=8", "catenary.mesh.cures=\"auto\""]);
+fn on_the_corrected_mesh_it_lasts_10_s() {
+    endures(&[
+        "catenary.mesh.elements_per_interval=8",
+        "catenary.mesh.corrections=\"auto\"",
+    ]);
 }
 
 /// Seven seconds fewer than above. A window cuts the line anew under way.

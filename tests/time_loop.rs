@@ -248,7 +248,7 @@ fn steps_that_close_stiffly_damped_droppers_reach_their_tolerance() {
 #[test]
 fn a_step_too_short_to_see_changes_nothing_of_what_follows() {
     // Rates over it are rounding: of the contact force, which the correction of the mass needs, and of the accelerations.
-    let scene = scene(EN, &["catenary.mesh.cures=[\"mass_correction\"]"]);
+    let scene = scene(EN, &["catenary.mesh.corrections=[\"mass_correction\"]"]);
     let statics = catenary::static_line(&scene).unwrap();
     let course = |short: Option<f64>| -> Vec<f64> {
         let mut line = Subsystem::new(&scene, &statics).unwrap();

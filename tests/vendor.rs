@@ -1,5 +1,5 @@
 //! Pantographs of other suppliers: one written in C, which the tests build, describe and pack as they need it, and the line
-//! they are tried under: `tests/thirdparty`.
+//! they are tried under: `tests/suppliers`.
 use crate::fmus::tree;
 use std::fs::{self, File};
 use std::io::Write;
@@ -9,7 +9,7 @@ use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
 /// A short line without a pantograph, as a scene.
-pub const LINE: &str = include_str!("thirdparty/line.toml");
+pub const LINE: &str = include_str!("suppliers/line.toml");
 
 /// The pantograph that they all are, modelled here.
 pub const OWN: &str = "
@@ -58,7 +58,7 @@ impl Pantograph {
     pub fn new() -> Self {
         Self {
             macros: Vec::new(),
-            description: fs::read(tree().join("tests/thirdparty/modelDescription.xml")).unwrap(),
+            description: fs::read(tree().join("tests/suppliers/modelDescription.xml")).unwrap(),
             resources: Vec::new(),
         }
     }
@@ -124,7 +124,7 @@ impl Pantograph {
         command
             .arg("-o")
             .arg(&library)
-            .arg(tree().join("tests/thirdparty/pantograph.c"));
+            .arg(tree().join("tests/suppliers/pantograph.c"));
         let output = command.args(["-lm", "-lpthread"]).output().unwrap_or_else(|error| {
             panic!(
                 "the pantograph of another supplier is written in C and needs a compiler: {command:?}: {error}. Install one \

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use catenary::StaticsReport;
 use serde::Serialize;
 
-use crate::beside_strip;
 use crate::results::Model;
 use crate::simulation::{Other, Prepared, SetupError, evaluated_spans};
+use crate::strip_overrun;
 
 /// Statics, model and waves of a scene.
 #[derive(Clone, Debug, Serialize)]
@@ -89,7 +89,7 @@ impl Report {
             start: starts.collect(),
             others: prepared.others.clone(),
             notes: (prepared.notes(prepared.scene.internal_step()).into_iter())
-                .chain(beside_strip::foreseen(scene))
+                .chain(strip_overrun::foreseen(scene))
                 .collect(),
         })
     }

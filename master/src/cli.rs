@@ -201,7 +201,7 @@ fn compare_help() -> String {
 fn study_help() -> String {
     format!(
         "Reference: elements doubled and micro step halved until two successive levels agree within the tolerance; the nonlinear \
-         line with two meshes (cured and plain), which confirm each other. Their last difference is stated as what is not known \
+         line with two meshes (corrected and plain), which confirm each other. Their last difference is stated as what is not known \
          of the reference. Linearised and flat lines have references of their own.\n\n\
          Runs: a base case that resolves the waves ahead of the pantograph and the band of the low-pass filter; sweeps that \
          change one thing of it; where the scene has a vehicle, every model of it that the scene has what it needs for, on its track \

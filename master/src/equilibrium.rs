@@ -129,7 +129,7 @@ pub fn resolve(scene: &mut Scene, statics: &StaticLine) -> Result<(), Equilibriu
         }
     }
     let missing = |pantograph: &scene::Pantograph| {
-        pantograph.start.is_none() && !matches!(pantograph.model, PantographModel::ThirdParty(_))
+        pantograph.start.is_none() && !matches!(pantograph.model, PantographModel::Supplied(_))
     };
     if !scene.pantographs.iter().any(missing) {
         return Ok(());

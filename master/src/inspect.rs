@@ -7,7 +7,7 @@ use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, Causality, Kind, ModelDescription, Variability, Variable};
 use serde_json::{Value, json};
 
-use crate::third_party::{Guess, Probe, Request, Side, Wire, Wiring, guess, isolation, probe, side, unit};
+use crate::suppliers::{Guess, Probe, Request, Side, Wire, Wiring, guess, isolation, probe, side, unit};
 
 fn causality(variable: &Variable) -> &'static str {
     match variable.causality {
@@ -107,7 +107,7 @@ impl Inspection {
             .filter(|guess| guess.name.ends_with("].z"))
             .count()
             .max(1);
-        let mut entry = scene::ThirdParty {
+        let mut entry = scene::Supplied {
             fmu: String::new(),
             isolate: false,
             step_timeout: PATIENCE,

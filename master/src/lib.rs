@@ -13,10 +13,10 @@
 //! cosimulation  slaves made of FMUs
 //! instance      an instance of an FMU, wherever it runs
 //! isolation     FMUs in processes of their own
-//! third_party   somebody else's pantograph or line behind the scene's wiring
+//! supplied   somebody else's pantograph or line behind the scene's wiring
 //! monolithic    line and pantographs as one system
 //! equilibrium   the state at t = 0
-//! standstill    the way of somebody else's pantograph to rest before that
+//! settling    the way of somebody else's pantograph to rest before that
 //! package       FMUs made from a scene
 //! ssp           the co-simulation as a system structure, and scenes made of somebody else's
 //! prepare       a scene resolved: statics, FMUs of somebody else, starts
@@ -33,9 +33,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
-pub mod account;
 pub mod algorithm;
-mod beside_strip;
 pub mod check;
 pub mod cli;
 pub mod command;
@@ -59,18 +57,20 @@ pub mod report;
 pub mod reproduce;
 pub mod results;
 pub mod run;
+pub mod settling;
 pub mod simulation;
 pub mod slave;
 pub mod sliding_joint;
 pub mod ssp;
 pub mod stability;
 pub mod standards;
-pub mod standstill;
+mod statics_hints;
 pub mod statistics;
+mod strip_overrun;
 pub mod study;
-mod suspects;
+pub mod suppliers;
 mod table_files;
 pub mod table_of_runs;
 pub mod test_problem;
-pub mod third_party;
+pub mod time_shares;
 pub mod timed;

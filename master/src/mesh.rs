@@ -10,10 +10,10 @@ pub fn described(scene: &Scene) -> String {
     };
     let mesh = &catenary.mesh;
     let without: Vec<String> = scene
-        .cures_left_out()
+        .corrections_left_out()
         .into_iter()
-        .filter(|(cure, _)| *cure != scene::Cure::DropperCompliance)
-        .map(|(cure, reason)| format!("without {cure}: {reason}"))
+        .filter(|(correction, _)| *correction != scene::Correction::DropperCompliance)
+        .map(|(correction, reason)| format!("without {correction}: {reason}"))
         .collect();
     let mut text = format!(
         "{} between droppers, {}",
@@ -21,12 +21,16 @@ pub fn described(scene: &Scene) -> String {
             Division::PerInterval(count) => format!("{count} elements"),
             Division::UpTo(length) => format!("elements of up to {length} m"),
         },
-        match mesh.cures.as_slice() {
+        match mesh.corrections.as_slice() {
             [] => "plain".to_owned(),
-            cures => cures.iter().map(|cure| cure.name()).collect::<Vec<_>>().join(" + "),
+            corrections => corrections
+                .iter()
+                .map(|correction| correction.name())
+                .collect::<Vec<_>>()
+                .join(" + "),
         }
     );
-    if !without.is_empty() && !mesh.cures.is_empty() {
+    if !without.is_empty() && !mesh.corrections.is_empty() {
         text.push_str(&format!(" ({})", without.join("; ")));
     }
     text
@@ -90,11 +94,11 @@ mod tests {
             "{}",
             said(THESIS, &[])
         );
-        let plain = said(EN_300, &["catenary.mesh.cures=none"]);
+        let plain = said(EN_300, &["catenary.mesh.corrections=none"]);
         assert!(plain.contains("wrong by about 4.9 %"), "{plain}");
-        let cured = said(EN_300, &[]);
-        assert!(cured.contains("wrong by about 0.7 %"), "{cured}");
-        assert!(cured.ends_with("by rule, good to a factor of two"), "{cured}");
+        let corrected = said(EN_300, &[]);
+        assert!(corrected.contains("wrong by about 0.7 %"), "{corrected}");
+        assert!(corrected.ends_with("by rule, good to a factor of two"), "{corrected}");
         let low = said(EN_300, &["run.low_pass_hz=10"]);
         assert!(
             low.contains("wrong by about 0.6 %")

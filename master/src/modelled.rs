@@ -5,9 +5,9 @@ use scene::{Initialise, PantographModel, Reduction, Start};
 
 use crate::mesh;
 use crate::results::{Model, Part};
+use crate::settling::{self, Settling};
 use crate::simulation::Prepared;
 use crate::sliding_joint;
-use crate::standstill::{self, Standstill};
 
 mod track;
 
@@ -46,14 +46,14 @@ impl Prepared {
                 PantographModel::Linkage(linkage) => {
                     format!("linkage of {} bodies{}", linkage.bodies.len(), motions(scene))
                 }
-                PantographModel::ThirdParty(entry) => format!("FMU {}", entry.fmu),
+                PantographModel::Supplied(entry) => format!("FMU {}", entry.fmu),
             });
         }
         let statics = self.statics.as_ref();
         let elements = statics.map_or(0, catenary::StaticLine::elements);
         let elements = window.map_or(elements, |window| window.elements);
         let line = match &scene.catenary {
-            scene::Line::ThirdParty(entry) => format!("FMU {}", entry.fmu),
+            scene::Line::Supplied(entry) => format!("FMU {}", entry.fmu),
             scene::Line::Modelled(_) => format!(
                 "{elements} cable elements in two wires, {} spans; mesh: {}; {}; {}{}",
                 statics.map_or(0, catenary::StaticLine::spans),
@@ -98,18 +98,18 @@ impl Prepared {
         let mut notes = Vec::new();
         notes.extend(mesh::expected_error(&self.scene, step));
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {
-            if let (PantographModel::ThirdParty(_), Some(start)) = (&pantograph.model, pantograph.start) {
+            if let (PantographModel::Supplied(_), Some(start)) = (&pantograph.model, pantograph.start) {
                 notes.push(format!(
                     "pantograph {}: somebody else's FMU; the work on its strip and with it the energy residual is an estimate; {}",
                     index + 1,
-                    third_party_start(self.scene.run.initialise, self.standstill, start)
+                    supplied_start(self.scene.run.initialise, self.settling, start)
                 ));
             }
         }
-        if let scene::Line::ThirdParty(_) = self.scene.catenary {
+        if let scene::Line::Supplied(_) = self.scene.catenary {
             notes.push(format!(
                 "line: somebody else's FMU; its work and with it the energy residual is an estimate where it does not offer it{}",
-                self.standstill.map_or_else(String::new, |found| format!("; {}", at_rest(found, true)))
+                self.settling.map_or_else(String::new, |found| format!("; {}", at_rest(found, true)))
             ));
         }
         for other in &self.others {
@@ -231,7 +231,7 @@ fn wind_on_pantograph(scene: &scene::Scene) -> Result<String, String> {
         let points: usize = acts.surfaces.iter().map(|surface| surface.markers.len().max(1)).sum();
         format!("drag and lift at {points} points of {} bodies", acts.surfaces.len())
     };
-    let foreign = |pantograph: &scene::Pantograph| matches!(pantograph.model, PantographModel::ThirdParty(_));
+    let foreign = |pantograph: &scene::Pantograph| matches!(pantograph.model, PantographModel::Supplied(_));
     if scene.pantographs.iter().any(foreign) {
         how.push_str("; none on FMUs of somebody else");
     }
@@ -255,19 +255,19 @@ fn file_name(path: &str) -> &str {
 }
 
 /// How a phase at rest went.
-fn at_rest(found: Standstill, in_contact: bool) -> String {
-    let Standstill {
+fn at_rest(found: Settling, in_contact: bool) -> String {
+    let Settling {
         duration,
         steps,
         change,
     } = found;
-    let rest = if change < standstill::REST && in_contact {
+    let rest = if change < settling::REST && in_contact {
         "came to rest"
     } else {
         "did not come to rest"
     };
     format!(
-        "it {rest} in {duration:.1} s ({steps} steps) at standstill before t = 0, a change of {change:.2e} N/s being left; its \
+        "it {rest} in {duration:.1} s ({steps} steps) at settling before t = 0, a change of {change:.2e} N/s being left; its \
          clock is ahead by that time"
     )
 }
@@ -328,7 +328,7 @@ fn around(window: WindowSize) -> String {
     let WindowSize { full, reduced, .. } = window;
     format!(
         "window, asked for by model.reduce: {full} spans around the pantographs in full; up to {reduced} spans beyond linear, with \
-         their droppers taut, reduced to supports and modes. Measured error of the filtered force on cured meshes, in percent of its \
+         their droppers taut, reduced to supports and modes. Measured error of the filtered force on corrected meshes, in percent of its \
          standard deviation: 0.2 linearised and 0.3 nonlinear on the lines of EN 50318, 0.2 linearised and 0.5 nonlinear on that of the \
          thesis (0.5 on the thesis' own coarse mesh), on 10 and 20 spans; nonlinear it grows with the time run (32 spans of EN 50318: \
          0.7 over 20 s, 1.4 in the last two): only a run without the window tells what it is elsewhere. Echoes of ends further away \
@@ -337,12 +337,12 @@ fn around(window: WindowSize) -> String {
 }
 
 /// How somebody else's pantograph comes to its start.
-fn third_party_start(initialise: Initialise, standstill: Option<Standstill>, start: Start) -> String {
+fn supplied_start(initialise: Initialise, settling: Option<Settling>, start: Start) -> String {
     let Start { height, force } = start;
-    match (initialise, standstill) {
+    match (initialise, settling) {
         (Initialise::AsGiven, _) => format!("it starts at {height:.4} m as initialised"),
         (Initialise::Equilibrium, None) => {
-            format!("initialised at {height:.4} m, it comes to rest at standstill before a run")
+            format!("initialised at {height:.4} m, it comes to rest at settling before a run")
         }
         (Initialise::Equilibrium, Some(found)) => {
             format!("at {height:.4} m and {force:.2} N {}", at_rest(found, force > 0.0))

@@ -10,11 +10,11 @@ use scene::{PantographModel as Entry, Scene};
 use vehicle::{Air, PantographModel, VehicleError};
 
 use self::whole::Whole;
-use crate::account::{self, Account};
 use crate::algorithm::{ENERGY_SHARE, Point};
 use crate::hardship::{Hardship, Lifted};
 use crate::interface::{contact, line_output_count, strip};
 use crate::results::{Frame, Share};
+use crate::time_shares::{self, Profile};
 
 /// Difference of forces below which the start counts as rest, N.
 const AT_REST: f64 = 1e-3;
@@ -144,7 +144,7 @@ impl Monolithic {
             pantographs,
             contacts,
             slackening: Slackening::new(dropper_stiffness),
-            account: Some(Box::default()),
+            profile: Some(Box::default()),
         };
         let solver = &scene.solver;
         let mut simulator = Simulator::new(
@@ -273,7 +273,7 @@ impl Monolithic {
     /// Whether every pantograph of a scene is modelled here.
     #[must_use]
     pub fn can(scene: &Scene) -> bool {
-        let own = |pantograph: &scene::Pantograph| !matches!(pantograph.model, Entry::ThirdParty(_));
+        let own = |pantograph: &scene::Pantograph| !matches!(pantograph.model, Entry::Supplied(_));
         scene.modelled_line().is_some() && scene.pantographs.iter().all(own)
     }
 
@@ -312,21 +312,21 @@ impl Monolithic {
         points: &mut [Point; 2],
         see: &mut dyn FnMut(&Point, &Point),
     ) -> Result<(), StepError> {
-        self.with_account(Account::begin);
+        self.with_profile(Profile::begin);
         let result = self.advance_all(t, h, points, see);
-        self.with_account(Account::end);
+        self.with_profile(Profile::end);
         result
     }
 
-    fn with_account(&mut self, call: impl FnOnce(&mut Account)) {
-        self.simulator.system.account.as_deref_mut().map(call);
+    fn with_profile(&mut self, call: impl FnOnce(&mut Profile)) {
+        self.simulator.system.profile.as_deref_mut().map(call);
     }
 
     /// Shares of the time loop of a run, which took `wall` s.
     #[must_use]
     pub fn shares(&self, wall: f64) -> Vec<Share> {
-        let account = self.simulator.system.account.as_deref();
-        account.map_or_else(Vec::new, |account| account.shares(wall))
+        let profile = self.simulator.system.profile.as_deref();
+        profile.map_or_else(Vec::new, |profile| profile.shares(wall))
     }
 
     fn advance_all(
@@ -343,7 +343,7 @@ impl Monolithic {
         let count = self.simulator.micro_steps(h) as f64;
         self.simulator
             .advance(t, h, &mut |_, _| {}, &mut |whole, motion, lambda, dt| {
-                whole.turn_to(account::MASTER);
+                whole.turn_to(time_shares::MASTER);
                 steps += 1.0;
                 let [previous, present] = points;
                 present.from = previous.t;

@@ -214,7 +214,7 @@ pub fn archives(scene: &Scene, libraries: &Libraries) -> Result<Vec<(String, Pac
     }
     let mut library = None;
     for (index, pantograph) in scene.pantographs.iter().enumerate() {
-        if let PantographModel::ThirdParty(_) = pantograph.model {
+        if let PantographModel::Supplied(_) = pantograph.model {
             continue;
         }
         let bytes = match &library {

@@ -6,18 +6,18 @@ use std::time::Instant;
 
 use catenary::{StaticLine, static_line};
 use fmi2::import::{Fmu, Options};
-use scene::{Connection, Line, PantographModel, Scene, Start, ThirdParty};
+use scene::{Connection, Line, PantographModel, Scene, Start, Supplied};
 
 use crate::cosimulation::CosimulationError;
 use crate::equilibrium;
 use crate::hardship::Hardship;
 use crate::isolation;
 use crate::simulation::{Prepared, SetupError};
-use crate::suspects::with_suspects;
-use crate::table_files;
-use crate::third_party::{
-    Side, StripAtStart, ThirdPartyError, ThirdPartyLine, ThirdPartyPantograph, Wiring, aligned, own_heights,
+use crate::statics_hints::with_suspects;
+use crate::suppliers::{
+    Side, StripAtStart, SuppliedLine, SuppliedPantograph, SupplierError, Wiring, aligned, own_heights,
 };
+use crate::table_files;
 
 /// Contact force that no strip starts with, N: several times what pantographs press with at any speed.
 const LARGEST_START: f64 = 1000.0;
@@ -46,12 +46,12 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
     table_files::read(&mut scene, name, base)?;
     let statics = match &scene.catenary {
         Line::Modelled(_) => Some(static_line(&scene).map_err(|error| with_suspects(error.into(), &scene))?),
-        Line::ThirdParty(_) => None,
+        Line::Supplied(_) => None,
     };
-    let mut third_party = Vec::new();
+    let mut supplied = Vec::new();
     for index in 0..scene.pantographs.len() {
-        third_party.push(match scene.pantographs[index].model.clone() {
-            PantographModel::ThirdParty(entry) => Some(start_pantograph(
+        supplied.push(match scene.pantographs[index].model.clone() {
+            PantographModel::Supplied(entry) => Some(start_pantograph(
                 &mut scene,
                 statics.as_ref(),
                 entry,
@@ -68,28 +68,28 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
             resolved.map_err(|error| with_suspects(error.into(), &scene))?;
             None
         }
-        (None, Line::ThirdParty(entry)) => Some(start_line(&mut scene, entry, base, logging)?),
+        (None, Line::Supplied(entry)) => Some(start_line(&mut scene, entry, base, logging)?),
         (None, Line::Modelled(_)) => None,
     };
     scene.check(name)?;
-    let others = others(&scene, line.as_ref(), &third_party);
+    let others = others(&scene, line.as_ref(), &supplied);
     Ok(Prepared {
         scene,
         name: name.to_owned(),
         statics,
-        standstill: None,
+        settling: None,
         others,
-        third_party,
+        supplied,
         line,
         begin,
         hardship: Hardship::default(),
     })
 }
 
-fn others(scene: &Scene, line: Option<&ThirdPartyLine>, pantographs: &[Option<ThirdPartyPantograph>]) -> Vec<Other> {
+fn others(scene: &Scene, line: Option<&SuppliedLine>, pantographs: &[Option<SuppliedPantograph>]) -> Vec<Other> {
     let lines = |wiring: &Wiring| wiring.lines().map(str::to_owned).collect();
     let mut others = Vec::new();
-    if let (Some(line), Line::ThirdParty(entry)) = (line, &scene.catenary) {
+    if let (Some(line), Line::Supplied(entry)) = (line, &scene.catenary) {
         others.push(Other {
             name: "line".to_owned(),
             fmu: entry.fmu.clone(),
@@ -98,7 +98,7 @@ fn others(scene: &Scene, line: Option<&ThirdPartyLine>, pantographs: &[Option<Th
         });
     }
     for (index, (pantograph, entry)) in pantographs.iter().zip(&scene.pantographs).enumerate() {
-        if let (Some(pantograph), PantographModel::ThirdParty(entry)) = (pantograph, &entry.model) {
+        if let (Some(pantograph), PantographModel::Supplied(entry)) = (pantograph, &entry.model) {
             others.push(Other {
                 name: format!("pantograph {}", index + 1),
                 fmu: entry.fmu.clone(),
@@ -111,7 +111,7 @@ fn others(scene: &Scene, line: Option<&ThirdPartyLine>, pantographs: &[Option<Th
 }
 
 /// The FMU of an entry of a table of the scene, whose path is made absolute.
-fn open(table: &str, entry: &mut ThirdParty, base: &Path) -> Result<Fmu, SetupError> {
+fn open(table: &str, entry: &mut Supplied, base: &Path) -> Result<Fmu, SetupError> {
     let path = base.join(&entry.fmu);
     let options = Options {
         time_limit: Some(isolation::time_limit(entry)),
@@ -125,18 +125,18 @@ fn open(table: &str, entry: &mut ThirdParty, base: &Path) -> Result<Fmu, SetupEr
     Ok(fmu)
 }
 
-/// Starts a third-party pantograph, aligns it with the wire where asked for, and takes its start into the scene.
+/// Starts a supplied pantograph, aligns it with the wire where asked for, and takes its start into the scene.
 fn start_pantograph(
     scene: &mut Scene,
     statics: Option<&StaticLine>,
-    mut entry: ThirdParty,
+    mut entry: Supplied,
     index: usize,
     base: &Path,
     logging: bool,
-) -> Result<ThirdPartyPantograph, SetupError> {
+) -> Result<SuppliedPantograph, SetupError> {
     let table = format!("pantograph[{}]", index + 1);
     let fmu = open(&table, &mut entry, base)?;
-    let started = ThirdPartyPantograph::start(&fmu, &mut entry, scene, index, logging);
+    let started = SuppliedPantograph::start(&fmu, &mut entry, scene, index, logging);
     let mut pantograph = started.map_err(|source| refused(&table, &entry, source))?;
     let force = pantograph.start_force();
     if aligned(&entry) {
@@ -159,19 +159,19 @@ fn start_pantograph(
         height: pantograph.height(),
         force: force.max(0.0),
     });
-    pantograph_entry.model = PantographModel::ThirdParty(entry);
+    pantograph_entry.model = PantographModel::Supplied(entry);
     Ok(pantograph)
 }
 
 /// Refuses a strip that starts so far above the wire that the line would not come to rest over it.
-fn check_height(scene: &Scene, statics: &StaticLine, index: usize, height: f64) -> Result<(), ThirdPartyError> {
+fn check_height(scene: &Scene, statics: &StaticLine, index: usize, height: f64) -> Result<(), SupplierError> {
     let under = |force| equilibrium::wire_height(scene, statics, index, force);
     // What the statics have no answer to is left to the start of the line.
     let (Ok(wire), Ok(lifted)) = (under(0.0), under(LARGEST_START)) else {
         return Ok(());
     };
     if height > lifted {
-        return Err(ThirdPartyError::Height {
+        return Err(SupplierError::Height {
             height,
             wire,
             force: LARGEST_START,
@@ -181,15 +181,10 @@ fn check_height(scene: &Scene, statics: &StaticLine, index: usize, height: f64) 
     Ok(())
 }
 
-/// Starts a third-party line under the strips, whose starts are taken into the scene where they are not known.
+/// Starts a supplied line under the strips, whose starts are taken into the scene where they are not known.
 ///
 /// A strip starts where the scene says, else where the line's FMU has it by itself, else where its pantograph is at rest.
-fn start_line(
-    scene: &mut Scene,
-    mut entry: ThirdParty,
-    base: &Path,
-    logging: bool,
-) -> Result<ThirdPartyLine, SetupError> {
+fn start_line(scene: &mut Scene, mut entry: Supplied, base: &Path, logging: bool) -> Result<SuppliedLine, SetupError> {
     let strips = scene.pantographs.len();
     let fmu = open("catenary", &mut entry, base)?;
     let wiring = Wiring::resolve(fmu.description(), &mut entry, Side::Line, strips)
@@ -207,9 +202,9 @@ fn start_line(
             }
         })
         .collect();
-    let line = ThirdPartyLine::start(&fmu, &entry, wiring, scene, &starts, logging)
+    let line = SuppliedLine::start(&fmu, &entry, wiring, scene, &starts, logging)
         .map_err(|source| refused("catenary", &entry, source))?;
-    scene.catenary = Line::ThirdParty(entry);
+    scene.catenary = Line::Supplied(entry);
     Ok(line)
 }
 
@@ -217,7 +212,7 @@ fn start_line(
 fn start_beside_line(scene: &mut Scene, index: usize, height: Option<f64>) -> Result<(), SetupError> {
     let table = format!("pantograph[{}]", index + 1);
     match &scene.pantographs[index].model {
-        PantographModel::ThirdParty(_) => return Ok(()),
+        PantographModel::Supplied(_) => return Ok(()),
         PantographModel::Lumped(lumped) if lumped.reference_height.is_none() => {
             let what = format!(
                 "{table}.reference_height is missing: with catenary.fmu the height of the wire is not known; must be the height of \
@@ -246,13 +241,13 @@ fn start_beside_line(scene: &mut Scene, index: usize, height: Option<f64>) -> Re
     Ok(())
 }
 
-fn refused(table: &str, entry: &ThirdParty, source: ThirdPartyError) -> SetupError {
+fn refused(table: &str, entry: &Supplied, source: SupplierError) -> SetupError {
     let key = match &source {
-        ThirdPartyError::Fmu(error) => key_of(entry, error),
-        ThirdPartyError::Wiring(error) => error.key(),
-        ThirdPartyError::Sign { name, .. } => format!("inputs.{name}"),
-        ThirdPartyError::Step { .. } => "fmu".to_owned(),
-        ThirdPartyError::Height { .. } => "outputs.height".to_owned(),
+        SupplierError::Fmu(error) => key_of(entry, error),
+        SupplierError::Wiring(error) => error.key(),
+        SupplierError::Sign { name, .. } => format!("inputs.{name}"),
+        SupplierError::Step { .. } => "fmu".to_owned(),
+        SupplierError::Height { .. } => "outputs.height".to_owned(),
     };
     // A message that names a key of the FMU only does not say which FMU it is.
     let key = format!("{table}.{key} ({})", entry.fmu);
@@ -261,7 +256,7 @@ fn refused(table: &str, entry: &ThirdParty, source: ThirdPartyError) -> SetupErr
 }
 
 /// The key of an entry that a refusal of its FMU speaks of.
-fn key_of(entry: &ThirdParty, refusal: &CosimulationError) -> String {
+fn key_of(entry: &Supplied, refusal: &CosimulationError) -> String {
     let (CosimulationError::NoVariable { variable, .. } | CosimulationError::WrongType { variable, .. }) = refusal
     else {
         return "fmu".to_owned();

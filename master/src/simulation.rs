@@ -10,7 +10,6 @@ use catenary::{CatenaryError, StaticLine};
 use scene::{Evaluate, Initialise, Scene};
 
 use crate::algorithm::{self, Exchange, Sides};
-use crate::beside_strip;
 use crate::hardship::Hardship;
 use crate::interface;
 use crate::monolithic::{Evidence, Monolithic};
@@ -18,11 +17,12 @@ use crate::parallel;
 use crate::recorder::Recorder;
 use crate::results::{self, LineGeometry, Record, RunInfo};
 use crate::run::{self, Control, Controller, Estimate, Failure, Outcome, Schedule, Steps, Watch};
+use crate::settling::{self, Settling};
 use crate::slave::Slave;
 use crate::sliding_joint;
 use crate::standards;
-use crate::standstill::{self, Standstill};
-use crate::third_party::{ThirdPartyLine, ThirdPartyPantograph};
+use crate::strip_overrun;
+use crate::suppliers::{SuppliedLine, SuppliedPantograph};
 use crate::timed::Timed;
 
 pub use self::error::{SetupError, chain};
@@ -79,11 +79,11 @@ pub struct Prepared {
     /// Static state of its line; nothing where the line is somebody else's.
     pub statics: Option<StaticLine>,
     /// How pantographs of somebody else came to rest; nothing before a run.
-    pub standstill: Option<Standstill>,
+    pub settling: Option<Settling>,
     /// What is known of the FMUs of somebody else: wiring, abilities, remarks.
     pub others: Vec<Other>,
-    pub(crate) third_party: Vec<Option<ThirdPartyPantograph>>,
-    pub(crate) line: Option<ThirdPartyLine>,
+    pub(crate) supplied: Vec<Option<SuppliedPantograph>>,
+    pub(crate) line: Option<SuppliedLine>,
     pub(crate) begin: Instant,
     /// What is done to the run on purpose.
     pub hardship: Hardship,
@@ -254,10 +254,7 @@ impl Prepared {
             line,
         )
         .with_wind((0..self.scene.pantographs.len()).filter(|&index| {
-            let own = !matches!(
-                self.scene.pantographs[index].model,
-                scene::PantographModel::ThirdParty(_)
-            );
+            let own = !matches!(self.scene.pantographs[index].model, scene::PantographModel::Supplied(_));
             own && vehicle::Air::of_scene(&self.scene, index).is_some()
         }))
     }
@@ -274,28 +271,28 @@ impl Prepared {
             let (mode, what) = (mode.name(), CatenaryError::SlidingJoint.to_string());
             return Err(SetupError::NotInThisMode { mode, what }.into());
         }
-        let mut third_party = std::mem::take(&mut self.third_party);
+        let mut supplied = std::mem::take(&mut self.supplied);
         let mut line = self.line.take();
-        let others = line.is_some() || third_party.iter().any(Option::is_some);
+        let others = line.is_some() || supplied.iter().any(Option::is_some);
         if self.scene.run.initialise == Initialise::Equilibrium
             && others
-            && line.as_ref().is_none_or(ThirdPartyLine::can_stand)
+            && line.as_ref().is_none_or(SuppliedLine::can_stand)
         {
             let statics = self.statics.as_ref();
-            let found = standstill::settle(
+            let found = settling::settle(
                 &mut self.scene,
                 statics,
                 line.as_mut(),
-                &mut third_party,
+                &mut supplied,
                 watch.interrupted,
             )?;
-            self.standstill = Some(found);
+            self.settling = Some(found);
         }
         let own_threads = self.own_threads();
         let outputs = interface::line_output_count(self.scene.pantographs.len(), supports.len());
         let (mut line, mut pantographs) = match mode {
-            Mode::Cosimulation => self.fmu_slaves(supports, line, third_party, source)?,
-            _ => self.core_slaves(supports, line, third_party)?,
+            Mode::Cosimulation => self.fmu_slaves(supports, line, supplied, source)?,
+            _ => self.core_slaves(supports, line, supplied)?,
         };
         self.hardship.put_on(&mut line, &mut pantographs, outputs);
         let beside_the_line = self.scene.coupling.algorithm == scene::Algorithm::Jacobi;
@@ -440,7 +437,7 @@ impl Prepared {
             notes: (self.notes(step_made(scene, &outcome.steps, mean_step)).into_iter())
                 .chain(outcome.notes)
                 .chain(sliding_joint::remarks(scene, &outcome.record))
-                .chain(beside_strip::remarks(scene, &outcome.record))
+                .chain(strip_overrun::remarks(scene, &outcome.record))
                 .collect(),
         };
         let failure = outcome

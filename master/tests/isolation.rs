@@ -1,4 +1,4 @@
-//! Third-party FMUs that crash, hang or end the process, in a process of their own and in this one.
+//! supplied FMUs that crash, hang or end the process, in a process of their own and in this one.
 #![cfg(target_os = "linux")]
 
 use std::collections::BTreeMap;

@@ -294,7 +294,7 @@ fn contact_force_converges_to_the_monolithic_run() {
 }
 
 /// The scene with its pantograph taken from `Pantograph.fmu`, wired like anybody's; `more` keys of the entry.
-fn with_third_party(own: &Scene, more: &str) -> Scene {
+fn with_supplied(own: &Scene, more: &str) -> Scene {
     let toml = own.to_toml();
     let first = toml.find("[[pantograph]]").unwrap();
     let rest = first + toml[first..].find("\n[").unwrap() + 1;
@@ -317,11 +317,11 @@ fn run_in(folder: &Path, scene: Scene) -> (Record, Vec<String>, scene::Start) {
 }
 
 #[test]
-fn a_third_party_pantograph_can_be_swapped_in() {
+fn a_supplied_pantograph_can_be_swapped_in() {
     let folder = tempfile::tempdir().unwrap();
     let own = resolved();
     fmus(&own, folder.path());
-    let other = with_third_party(&own, "");
+    let other = with_supplied(&own, "");
     let (own, other) = (run_in(folder.path(), own).0, run_in(folder.path(), other).0);
     let difference = largest_difference(&own.pantographs[0].force, &other.pantographs[0].force);
     // It has stood for half a second, held by the statics of the line to 1e-6 N.
@@ -329,11 +329,11 @@ fn a_third_party_pantograph_can_be_swapped_in() {
 }
 
 #[test]
-fn a_third_party_pantograph_comes_to_rest_before_the_run() {
+fn a_supplied_pantograph_comes_to_rest_before_the_run() {
     let folder = tempfile::tempdir().unwrap();
     fmus(&resolved(), folder.path());
     // Its force is raised after it was packaged: it is not at rest where it is initialised.
-    let other = with_third_party(&resolved(), "parameters = { static_force = 150.0 }\n");
+    let other = with_supplied(&resolved(), "parameters = { static_force = 150.0 }\n");
     let mut own = scene(&["pantograph[1].static_force=150"]);
     let statics = catenary::static_line(&own).unwrap();
     equilibrium::resolve(&mut own, &statics).unwrap();

@@ -1,6 +1,6 @@
 //! Droppers: the ties between messenger wire and contact wire.
-use crate::at_start::{one_way_force, restore_step, save_step};
-use crate::{AtStart, Attachment, OneWayStep};
+use crate::unilateral::{restore_step, save_step, unilateral_force};
+use crate::{Attachment, UnilateralStart, UnilateralStep};
 use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
 use lanes::{Evaluate, Extensions, Group, LANES, Mass, Move, Step};
 use nalgebra::{Matrix3, Vector3};
@@ -19,7 +19,7 @@ pub use slackening::Slackening;
 /// F = max(0, k δ + φ c δ̇)        δ = length − unstressed length
 /// ```
 ///
-/// `φ` is the part of a time step in which the dropper is taut, see [`OneWayStep`]: 1 in a step that begins taut, 0 in one that begins
+/// `φ` is the part of a time step in which the dropper is taut, see [`UnilateralStep`]: 1 in a step that begins taut, 0 in one that begins
 /// and ends slack: a slack dropper exerts no force at all [Thesis, section 3.2].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DropperLaw {
@@ -32,25 +32,25 @@ pub struct DropperLaw {
 impl DropperLaw {
     /// Tension in N, never negative, for an `elongation` in m that changes with `rate` in m/s at the end of a `step`.
     #[must_use]
-    pub fn force(&self, step: OneWayStep, elongation: f64, rate: f64) -> f64 {
+    pub fn force(&self, step: UnilateralStep, elongation: f64, rate: f64) -> f64 {
         let (part, _) = step.closed_part(step.ahead(elongation, rate), rate);
-        one_way_force((self.stiffness, self.damping), part, elongation, rate)
+        unilateral_force((self.stiffness, self.damping), part, elongation, rate)
     }
 
     /// `(∂F/∂δ, ∂F/∂δ̇)`, N/m and N·s/m; zero without force.
     #[must_use]
-    pub fn derivatives(&self, step: OneWayStep, elongation: f64, rate: f64) -> (f64, f64) {
+    pub fn derivatives(&self, step: UnilateralStep, elongation: f64, rate: f64) -> (f64, f64) {
         let (part, by_ahead) = step.closed_part(step.ahead(elongation, rate), rate);
         let law = (self.stiffness, self.damping);
-        if one_way_force(law, part, elongation, rate) <= 0.0 {
+        if unilateral_force(law, part, elongation, rate) <= 0.0 {
             return (0.0, 0.0);
         }
         let closing = by_ahead * self.damping * rate;
         (self.stiffness + closing, part * self.damping + step.half * closing)
     }
 
-    /// Piece of the law, see [`OneWayStep::piece`].
-    pub(crate) fn piece(&self, step: OneWayStep, elongation: f64, rate: f64) -> u8 {
+    /// Piece of the law, see [`UnilateralStep::piece`].
+    pub(crate) fn piece(&self, step: UnilateralStep, elongation: f64, rate: f64) -> u8 {
         step.piece(step.ahead(elongation, rate), rate, self.force(step, elongation, rate))
     }
 
@@ -63,7 +63,7 @@ impl DropperLaw {
     /// Slope of the force in the weighted tangent, N/m. In a step that closes it is not below that of the chord to where the dropper
     /// closes, so that no correction opens it again.
     #[must_use]
-    pub fn slope(&self, step: OneWayStep, elongation: f64, rate: f64, weights: Weights) -> f64 {
+    pub fn slope(&self, step: UnilateralStep, elongation: f64, rate: f64, weights: Weights) -> f64 {
         let (by_elongation, by_rate) = self.derivatives(step, elongation, rate);
         let slope = weights.q * by_elongation + weights.v * by_rate;
         let ahead = step.ahead(elongation, rate);
@@ -162,7 +162,7 @@ pub struct Droppers {
     /// Of each whole group the slope (N/m) that the last assembled tangent contains of all of them, where it is the same.
     common_slopes: Vec<Option<f64>>,
     /// `δ⁺₀` of each dropper in the present step, m; filled up to whole groups.
-    at_start: Vec<f64>,
+    start_closure: Vec<f64>,
     /// The same of the step that has just ended: with it the force at its end was found.
     during: Vec<f64>,
     /// Half of the present step, or of the one that has just ended, s.
@@ -189,7 +189,7 @@ impl Droppers {
                 directions: vec![[0.0, 0.0, 1.0]; droppers.len()],
             },
             common_slopes: vec![None; groups.len()],
-            at_start: vec![0.0; groups.len() * LANES],
+            start_closure: vec![0.0; groups.len() * LANES],
             during: vec![0.0; groups.len() * LANES],
             half: 0.0,
             extensions: Extensions::new(groups.len()),
@@ -219,12 +219,12 @@ impl Droppers {
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
         let pose = self.droppers[index].pose(motion);
         self.law
-            .force(self.step_of(self.at_start[index]), pose.elongation, pose.rate)
+            .force(self.step_of(self.start_closure[index]), pose.elongation, pose.rate)
     }
 
     /// The present step of a dropper that began with `start` m.
-    fn step_of(&self, start: f64) -> OneWayStep {
-        OneWayStep::new(AtStart::At(start), self.half)
+    fn step_of(&self, start: f64) -> UnilateralStep {
+        UnilateralStep::new(UnilateralStart::At(start), self.half)
     }
 
     /// Their elongations `δ` at the end of the last step, m.
@@ -266,7 +266,7 @@ impl Droppers {
         self.arch.dispatch(Evaluate {
             step: Step {
                 law: self.law,
-                at_start: &self.at_start,
+                start_closure: &self.start_closure,
                 half: self.half,
             },
             groups: &self.groups,
@@ -328,7 +328,7 @@ impl Force for Droppers {
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         self.version += 1;
         for (index, dropper) in self.droppers.iter().enumerate() {
-            let step = self.step_of(self.at_start[index]);
+            let step = self.step_of(self.start_closure[index]);
             let pose = dropper.pose(motion);
             let force = self.law.force(step, pose.elongation, pose.rate);
             let (_, damping) = self.law.derivatives(step, pose.elongation, pose.rate);
@@ -359,7 +359,7 @@ impl Force for Droppers {
             let first = group * LANES;
             for slot in first..self.droppers.len().min(first + LANES) {
                 let (elongation, rate) = self.extension(slot, motion);
-                let step = self.step_of(self.at_start[slot]);
+                let step = self.step_of(self.start_closure[slot]);
                 let coefficient = self.law.slope(step, elongation, rate, weights) - self.assembled.slopes[slot];
                 if coefficient != 0.0 {
                     let direction = Vector3::from(self.assembled.directions[slot]);
@@ -408,7 +408,7 @@ impl Force for Droppers {
             && self.arch.dispatch(Move {
                 step: Step {
                     law: self.law,
-                    at_start: &self.at_start,
+                    start_closure: &self.start_closure,
                     half: self.half,
                 },
                 groups: &self.groups,
@@ -426,20 +426,20 @@ impl Force for Droppers {
             }
         }
         self.evaluated = false;
-        let step = OneWayStep::new(AtStart::Unknown, self.half);
+        let step = UnilateralStep::new(UnilateralStart::Unknown, self.half);
         let Extensions { elongation, rate, .. } = &self.extensions;
         for (start, (&elongation, &rate)) in self.during.iter_mut().zip(elongation.iter().zip(rate)) {
             *start = step.ahead(elongation, rate);
         }
-        std::mem::swap(&mut self.during, &mut self.at_start);
+        std::mem::swap(&mut self.during, &mut self.start_closure);
     }
 
     fn save(&self, out: &mut Vec<f64>) {
-        save_step(self.half, &self.at_start[..self.droppers.len()], out);
+        save_step(self.half, &self.start_closure[..self.droppers.len()], out);
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        restore_step(&mut self.half, &mut self.at_start[..self.droppers.len()], values);
+        restore_step(&mut self.half, &mut self.start_closure[..self.droppers.len()], values);
         self.evaluated = false;
     }
 }

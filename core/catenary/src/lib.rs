@@ -18,7 +18,6 @@
 
 mod ancf;
 mod anchor;
-mod at_start;
 mod attachment;
 mod beam_wire;
 mod contact;
@@ -39,6 +38,7 @@ mod subsystem;
 mod support;
 mod topology;
 mod transpose;
+mod unilateral;
 mod window;
 mod wire;
 mod wires_in_wind;
@@ -49,10 +49,9 @@ pub use ancf::{
     nominal_stretch, tension_matrix,
 };
 pub use anchor::Anchor;
-pub use at_start::{AtStart, OneWayStep};
 pub use attachment::Attachment;
 pub use contact::{
-    Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, CuredWire, LoadCorrection, OnWire,
+    Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, CorrectedWire, LoadCorrection, OnWire,
     PenaltyContact, PrescribedStrip, ResidualCompliance, STRIP_INPUTS, STRIP_VALUES, Sensitivity, SlidingJoint,
     StripContact,
 };
@@ -74,6 +73,7 @@ pub use statics::{
 pub use subsystem::{Checkpoint, ContactOutputs, StripStart, Subsystem};
 pub use support::Supports;
 pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, MassCorrection, Topology, WireName};
+pub use unilateral::{UnilateralStart, UnilateralStep};
 pub use window::{WindowSize, WindowedLine};
 pub use wire::{
     DirectorInertia, Directors, Enrichment, NodeMap, Rayleigh, Wire, WireDirectors, WireDrag, WireGeometry, WireNode,

@@ -2,9 +2,10 @@
 use crate::beam_wire::directors;
 use crate::topology::WireCoordinates;
 use crate::{
-    Anchor, Attachment, AxialLaw, BendingLaw, CuredWire, Curve, Directors, Dropper, DropperLaw, Droppers, Enrichment,
-    LineEnd, LineEnds, LoadCorrection, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance,
-    Supports, Topology, Wire, WireDirectors, WireDrag, WireGeometry, WireName, WireNode, WireSection, WiresInWind,
+    Anchor, Attachment, AxialLaw, BendingLaw, CorrectedWire, Curve, Directors, Dropper, DropperLaw, Droppers,
+    Enrichment, LineEnd, LineEnds, LoadCorrection, MassCorrection, NodeMap, Rayleigh, RegistrationArms,
+    ResidualCompliance, Supports, Topology, Wire, WireDirectors, WireDrag, WireGeometry, WireName, WireNode,
+    WireSection, WiresInWind,
 };
 use dynamics::{Force, Motion};
 use nalgebra::Vector3;
@@ -240,7 +241,7 @@ impl Line {
         if self.compliance.is_none() && self.load.is_none() {
             return geometry;
         }
-        Arc::new(CuredWire {
+        Arc::new(CorrectedWire {
             geometry,
             compliance: self.compliance.clone(),
             load: self.load,

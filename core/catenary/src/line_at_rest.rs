@@ -48,7 +48,7 @@ impl LineAtRest {
     /// # Errors
     /// See [`CatenaryError`].
     pub fn new(scene: &Scene, statics: &StaticLine) -> Result<Self, CatenaryError> {
-        let (_, contact) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
+        let (_, contact) = scene.modelled_line().ok_or(CatenaryError::SuppliedLine)?;
         if contact.law == ContactLaw::Penalty {
             return Ok(Self(Law::Penalty(Box::new(Subsystem::new(scene, statics)?))));
         }

@@ -1,8 +1,9 @@
 //! A line with constant matrices and unilateral droppers.
-use crate::at_start::{restore_step, save_step};
 use crate::linear_force::LinearForce;
+use crate::unilateral::{restore_step, save_step};
 use crate::{
-    AtStart, Attachment, Curve, DropperLaw, DropperSample, Line, OneWayStep, StaticLine, Wire, WireDrag, WireName,
+    Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, UnilateralStart, UnilateralStep, Wire, WireDrag,
+    WireName,
 };
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
 use std::sync::Arc;
@@ -35,7 +36,7 @@ pub struct LinearDroppers {
     /// Slope in the assembled tangent, N/m; zero for a dropper that was slack.
     assembled: Vec<f64>,
     /// `δ⁺₀` of each dropper in the present step, m.
-    at_start: Vec<f64>,
+    start_closure: Vec<f64>,
     /// Half of the present step, or of the one that has just ended, s.
     half: f64,
     /// Pieces of the law that the forces found last come from.
@@ -51,7 +52,7 @@ impl LinearDroppers {
         Self {
             law,
             assembled: vec![0.0; droppers.len()],
-            at_start: vec![0.0; droppers.len()],
+            start_closure: vec![0.0; droppers.len()],
             half: 0.0,
             pieces: vec![0; droppers.len()],
             elongations: vec![0.0; droppers.len()],
@@ -67,8 +68,8 @@ impl LinearDroppers {
     }
 
     /// The present step of dropper `index`.
-    fn step(&self, index: usize) -> OneWayStep {
-        OneWayStep::new(AtStart::At(self.at_start[index]), self.half)
+    fn step(&self, index: usize) -> UnilateralStep {
+        UnilateralStep::new(UnilateralStart::At(self.start_closure[index]), self.half)
     }
 
     fn slope(&self, index: usize, motion: &Motion<'_>, weights: Weights) -> f64 {
@@ -153,17 +154,17 @@ impl Force for LinearDroppers {
     fn end_step(&mut self, motion: &Motion<'_>) {
         for index in 0..self.droppers.len() {
             let (elongation, rate) = self.droppers[index].extension(motion);
-            self.at_start[index] = self.step(index).ahead(elongation, rate);
+            self.start_closure[index] = self.step(index).ahead(elongation, rate);
             self.elongations[index] = elongation;
         }
     }
 
     fn save(&self, out: &mut Vec<f64>) {
-        save_step(self.half, &self.at_start, out);
+        save_step(self.half, &self.start_closure, out);
     }
 
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
-        restore_step(&mut self.half, &mut self.at_start, values);
+        restore_step(&mut self.half, &mut self.start_closure, values);
     }
 }
 

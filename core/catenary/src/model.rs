@@ -6,14 +6,14 @@ use crate::{
     adopt_state, follow_strips,
 };
 use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
-use scene::{ContactLaw, Cure, Reduction, Scene};
+use scene::{ContactLaw, Correction, Reduction, Scene};
 
 /// Why a line could not be modelled or started.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CatenaryError {
-    /// The scene names a third-party line.
-    #[error("the scene's line is a third-party FMU: there is nothing to model")]
-    ThirdPartyLine,
+    /// The scene names a supplied line.
+    #[error("the scene's line is a supplied FMU: there is nothing to model")]
+    SuppliedLine,
     /// The scene's strips are held on the wire.
     #[error(
         "contact.law = \"sliding_joint\": line and pantograph are one system under it, for its contact force is the multiplier of an \
@@ -21,10 +21,10 @@ pub enum CatenaryError {
     )]
     SlidingJoint,
     /// Values set since the scene was read contradict its mesh.
-    #[error("catenary.mesh.cures = \"{cure}\": must be left out: {obstacle}")]
-    Cure {
+    #[error("catenary.mesh.corrections = \"{correction}\": must be left out: {obstacle}")]
+    Correction {
         /// Which.
-        cure: Cure,
+        correction: Correction,
         /// Why it cannot be.
         obstacle: String,
     },
@@ -49,7 +49,7 @@ impl Model {
     /// A line of any kind in its layout under prescribed strips, one per pantograph of the scene.
     ///
     /// # Errors
-    /// See [`CatenaryError::ThirdPartyLine`] and [`CatenaryError::SlidingJoint`].
+    /// See [`CatenaryError::SuppliedLine`] and [`CatenaryError::SlidingJoint`].
     pub fn with_prescribed_strips(
         scene: &Scene,
         layout: Layout,
@@ -90,9 +90,9 @@ impl System for Model {
 /// # Errors
 /// See [`CatenaryError`].
 pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
-    let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
-    if let Some((cure, obstacle)) = scene.impossible_cures().into_iter().next() {
-        return Err(CatenaryError::Cure { cure, obstacle });
+    let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::SuppliedLine)?;
+    if let Some((correction, obstacle)) = scene.impossible_corrections().into_iter().next() {
+        return Err(CatenaryError::Correction { correction, obstacle });
     }
     let mesh = &catenary.mesh;
     let options = LineOptions {
@@ -101,13 +101,13 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
         } else {
             Dimension::Spatial
         },
-        layers: if mesh.has(Cure::BendingLayers) {
+        layers: if mesh.has(Correction::BendingLayers) {
             BendingLayers::AtAttachments
         } else {
             BendingLayers::Absent
         },
-        contact_compliance: mesh.has(Cure::ContactCompliance).then_some(mesh.contact_speed),
-        mass_correction: mesh.has(Cure::MassCorrection).then(|| MassCorrection {
+        contact_compliance: mesh.has(Correction::ContactCompliance).then_some(mesh.contact_speed),
+        mass_correction: mesh.has(Correction::MassCorrection).then(|| MassCorrection {
             step: scene.internal_step(),
             rho_inf: scene.solver.rho_inf,
         }),
@@ -146,14 +146,14 @@ pub fn scene_line(
 /// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's penalty law.
 ///
 /// # Errors
-/// See [`CatenaryError::ThirdPartyLine`] and [`CatenaryError::SlidingJoint`].
+/// See [`CatenaryError::SuppliedLine`] and [`CatenaryError::SlidingJoint`].
 pub fn contact_pair(
     scene: &Scene,
     line: &dyn OverheadLine,
     index: usize,
     strip: Box<dyn Marker>,
 ) -> Result<ContactPair, CatenaryError> {
-    let (_, contact) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
+    let (_, contact) = scene.modelled_line().ok_or(CatenaryError::SuppliedLine)?;
     if contact.law == ContactLaw::SlidingJoint {
         return Err(CatenaryError::SlidingJoint);
     }
@@ -161,7 +161,7 @@ pub fn contact_pair(
         stiffness: contact.stiffness,
         damping: contact.damping,
     };
-    // A third-party strip tells no width: it is taken as wide enough.
+    // A supplied strip tells no width: it is taken as wide enough.
     let width = scene.pantographs[index].strip_width().unwrap_or(f64::INFINITY);
     Ok(ContactPair::new(
         law,
@@ -176,7 +176,7 @@ pub fn contact_pair(
 /// `layout`, and its constraint is to be visited after those that are there.
 ///
 /// # Errors
-/// See [`CatenaryError::ThirdPartyLine`].
+/// See [`CatenaryError::SuppliedLine`].
 pub fn strip_contact(
     scene: &Scene,
     line: &dyn OverheadLine,
@@ -184,7 +184,7 @@ pub fn strip_contact(
     strip: Box<dyn Marker>,
     layout: &mut Layout,
 ) -> Result<StripContact, CatenaryError> {
-    let (_, contact) = scene.modelled_line().ok_or(CatenaryError::ThirdPartyLine)?;
+    let (_, contact) = scene.modelled_line().ok_or(CatenaryError::SuppliedLine)?;
     Ok(match contact.law {
         ContactLaw::Penalty => StripContact::Penalty(contact_pair(scene, line, index, strip)?),
         ContactLaw::SlidingJoint => {

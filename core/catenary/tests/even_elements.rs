@@ -2,7 +2,7 @@
 use catenary::{BendingLayers, Dimension, LineOptions, MassCorrection, StaticLine, Topology};
 use dynamics::{Blocks, Layout};
 use nalgebra::DMatrix;
-use scene::{Catenary, Cure, Division, Scene};
+use scene::{Catenary, Correction, Division, Scene};
 
 /// Dropper intervals of 5, 5.5 and 6.5 m.
 const SCENE: &str = include_str!("../../../scenes/en50318-300.toml");
@@ -125,7 +125,7 @@ fn the_longest_steps_that_scenes_take_leave_the_corrected_mass_positive() {
                     &format!("coupling.macro_step={ms:?}e-3"),
                 ])
             };
-            let takes = |ms: &f64| at(*ms).cures().contains(&Cure::MassCorrection);
+            let takes = |ms: &f64| at(*ms).corrections().contains(&Correction::MassCorrection);
             let longest = (50..500).map(|n| 0.01 * f64::from(n)).take_while(takes).last();
             let longest = longest.expect("it takes steps of 0.5 ms");
             let line = modelled(&at(longest)).clone();

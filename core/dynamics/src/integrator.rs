@@ -1,6 +1,6 @@
 //! Generalized-α time integration of constrained systems.
 use crate::augmented::{Formulation, Stepped};
-use crate::foresight::Foresight;
+use crate::convergence_estimate::ConvergenceEstimate;
 use crate::moving::MovingMultipliers;
 use crate::newton::{Jacobian, Workspace, name};
 use crate::passes::{Apply, Predict};
@@ -31,7 +31,7 @@ pub struct Memory {
     history: Vec<f64>,
     last_h: Option<f64>,
     moving: MovingMultipliers,
-    foresight: Foresight,
+    convergence_estimate: ConvergenceEstimate,
 }
 
 /// Generalized-α for constrained systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012],
@@ -225,18 +225,20 @@ impl GeneralizedAlpha {
                 });
             }
             if contracts {
-                self.memory.foresight.observe(iteration - 1, last_ratio, residual.ratio);
+                self.memory
+                    .convergence_estimate
+                    .observe(iteration - 1, last_ratio, residual.ratio);
             }
             if residual.ratio <= 1.0 {
-                self.memory.foresight.end_step(false);
+                self.memory.convergence_estimate.end_step(false);
                 system.forces(&mut |force| force.end_step(&motion));
                 let moving = &mut self.memory.moving;
                 moving.end(workspace.moving(), &self.scheme, (h, stretch), &mut state.lambda);
                 return Ok(());
             }
             let foreseen = if damping == 1.0 && workspace.moving().is_empty() {
-                let foresight = &self.memory.foresight;
-                foresight.last_residual(iteration, residual.ratio, last_ratio)
+                let convergence_estimate = &self.memory.convergence_estimate;
+                convergence_estimate.last_residual(iteration, residual.ratio, last_ratio)
             } else {
                 None
             };
@@ -276,7 +278,7 @@ impl GeneralizedAlpha {
                 && continues
             {
                 self.counters.foreseen += 1;
-                self.memory.foresight.end_step(true);
+                self.memory.convergence_estimate.end_step(true);
                 system.forces(&mut |force| force.end_step(&state.motion(u)));
                 self.residuals.push(residual.value * left / residual.ratio);
                 return Ok(());
@@ -322,7 +324,7 @@ impl GeneralizedAlpha {
             history,
         };
         self.factor(workspace, system, &linearisation)?;
-        self.memory.foresight = Foresight::default();
+        self.memory.convergence_estimate = ConvergenceEstimate::default();
         self.memory.linearisation = Some(Arc::new(linearisation));
         Ok(())
     }
@@ -515,7 +517,9 @@ impl GeneralizedAlpha {
         memory.linearisation.clone_from(&self.memory.linearisation);
         memory.last_h = self.memory.last_h;
         memory.moving.copy_from(&self.memory.moving);
-        memory.foresight.clone_from(&self.memory.foresight);
+        memory
+            .convergence_estimate
+            .clone_from(&self.memory.convergence_estimate);
         memory.history.clear();
         system.forces(&mut |force| force.save(&mut memory.history));
     }
@@ -539,7 +543,9 @@ impl GeneralizedAlpha {
         self.memory.linearisation.clone_from(&memory.linearisation);
         self.memory.last_h = memory.last_h;
         self.memory.moving.copy_from(&memory.moving);
-        self.memory.foresight.clone_from(&memory.foresight);
+        self.memory
+            .convergence_estimate
+            .clone_from(&memory.convergence_estimate);
         if let Some(mut workspace) = self.workspace.take() {
             workspace.forget();
             self.workspace = Some(workspace);

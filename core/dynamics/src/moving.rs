@@ -56,13 +56,13 @@ impl MovingMultipliers {
     /// the end of the next one in their place: that the mean force is the one reported last.
     pub fn begin(&mut self, equations: &[usize], scheme: &Scheme, stretch: f64, lambda: &mut [f64]) {
         if self.courses.len() != equations.len() {
-            let at_start = |&equation: &usize| Course {
+            let initial = |&equation: &usize| Course {
                 end: lambda[equation],
                 auxiliary: lambda[equation],
                 mean: lambda[equation],
             };
             self.courses.clear();
-            self.courses.extend(equations.iter().map(at_start));
+            self.courses.extend(equations.iter().map(initial));
             self.age = 0.0;
         }
         let Scheme {

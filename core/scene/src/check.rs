@@ -4,7 +4,7 @@ use crate::error::What;
 use crate::write::{shown_key, shown_number};
 use crate::{
     Catenary, ContactLaw, Element, Evaluate, Initialise, Line, Lumped, Offset, Pantograph, PantographModel, Scene,
-    Statics, ThirdParty, Wire,
+    Statics, Supplied, Wire,
 };
 
 /// Contradictions found so far: the key and what is wrong with it.
@@ -52,7 +52,7 @@ impl Scene {
         let mut found = Found::new();
         match &self.catenary {
             Line::Modelled(catenary) => catenary.check(&mut found),
-            Line::ThirdParty(side) => {
+            Line::Supplied(side) => {
                 side.check_alignment("catenary", None, &mut found);
                 side.check_environment("catenary", &mut found);
             }
@@ -70,7 +70,7 @@ impl Scene {
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {
             self.check_speed(&mut found);
-            self.check_cures(&mut found);
+            self.check_corrections(&mut found);
             self.check_window(&mut found);
             self.check_strips_on_the_line(&mut found);
             self.check_evaluation(&mut found);
@@ -95,7 +95,7 @@ impl Scene {
     /// A sliding joint needs the equations of both sides.
     fn check_joint(&self, found: &mut Found) {
         let joined = (self.contact.as_ref()).is_some_and(|contact| contact.law == ContactLaw::SlidingJoint);
-        let other = |pantograph: &Pantograph| matches!(pantograph.model, PantographModel::ThirdParty(_));
+        let other = |pantograph: &Pantograph| matches!(pantograph.model, PantographModel::Supplied(_));
         if let Some(index) = self.pantographs.iter().position(other).filter(|_| joined) {
             let expected = format!(
                 "must be \"penalty\" where pantograph[{}] is an FMU: line and pantograph are one system under a sliding joint, and an \
@@ -277,7 +277,7 @@ impl Scene {
                     );
                 }
             }
-            (Evaluate::Spans { first, last }, Line::ThirdParty(_)) => refuse(
+            (Evaluate::Spans { first, last }, Line::Supplied(_)) => refuse(
                 found,
                 "run.evaluate.spans",
                 format!("[{first}, {last}]"),
@@ -436,7 +436,7 @@ impl Pantograph {
         match &self.model {
             PantographModel::Lumped(lumped) => lumped.check(path, found),
             PantographModel::Linkage(linkage) => linkage.check(path, found),
-            PantographModel::ThirdParty(side) => side.check(path, found),
+            PantographModel::Supplied(side) => side.check(path, found),
         }
     }
 }
@@ -470,7 +470,7 @@ impl Lumped {
     }
 }
 
-impl ThirdParty {
+impl Supplied {
     fn check(&self, path: &str, found: &mut Found) {
         if !self.outputs.is_empty() && !self.outputs.contains_key("height") {
             let named: Vec<&str> = self.outputs.keys().map(String::as_str).collect();

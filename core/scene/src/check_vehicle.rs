@@ -53,8 +53,7 @@ impl Scene {
         }
         let moved = matches!(self.vehicle.as_deref(), Some(Vehicle::RigidMotion(_)));
         let jointed = |pantograph: &Pantograph| matches!(pantograph.model, PantographModel::Linkage(_));
-        if moved && self.solver.formulation == Formulation::AugmentedLagrangian && self.pantographs.iter().any(jointed)
-        {
+        if moved && self.solver.formulation == Formulation::Index1Baumgarte && self.pantographs.iter().any(jointed) {
             let expected =
                 "must be \"default\": the joints of a linkage on a base with vehicle.motion change with time";
             let value = format!("{:?}", self.solver.formulation.name());

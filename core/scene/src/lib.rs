@@ -51,8 +51,8 @@ mod pantograph;
 mod run;
 mod scene;
 mod solver;
+mod supplied;
 mod table_file;
-mod third_party;
 mod track;
 mod tree;
 mod vehicle;
@@ -66,14 +66,14 @@ pub use curve::{Curve, Direction, millimetres_up};
 pub use division::Division;
 pub use error::{Place, Problem, SceneError, What};
 pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageStrip, Uplift};
-pub use mesh::{AxialStrain, Cure, Element, Mesh};
+pub use mesh::{AxialStrain, Correction, Element, Mesh};
 pub use mesh_error::MeshError;
 pub use model::{Model, Reduction};
 pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
 pub use run::{Electrification, Evaluate, Initialise, Run};
 pub use scene::{Line, Scene};
 pub use solver::{Formulation, Jacobian, Solver};
-pub use third_party::{Connection, Offset, ParameterValue, STEP_TIMEOUT, ThirdParty};
+pub use supplied::{Connection, Offset, ParameterValue, STEP_TIMEOUT, Supplied};
 pub use track::{Irregularities, Points, RailSection, Spectrum, Track};
 pub use vehicle::{
     Axis, BearingEntry, BushingEntry, Creep, GivenMotion, Pivot, Stop, Train, Vehicle, VehicleBody, WheelContact,

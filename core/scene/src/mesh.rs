@@ -17,9 +17,9 @@ pub struct Mesh {
     pub division: Division,
     /// Axial strain measure.
     pub axial_strain: AxialStrain,
-    /// What makes up for the coarseness of the mesh, in the order of [`Cure::ALL`]; empty is the plain mesh. `"auto"` is already
+    /// What makes up for the coarseness of the mesh, in the order of [`Correction::ALL`]; empty is the plain mesh. `"auto"` is already
     /// resolved.
-    pub cures: Vec<Cure>,
+    pub corrections: Vec<Correction>,
     /// Speed of the strips when the scene was read, m/s: that of the contact's residual compliance. A standstill before the run, or
     /// another speed set later, is not another mesh.
     pub contact_speed: f64,
@@ -30,9 +30,9 @@ pub struct Mesh {
 /// What a scene leaves to the program.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Open {
-    /// The cures.
-    Cures,
-    /// Elements, cures and, where it is not given, the micro step, for an error of the filtered force of at most this, % of its
+    /// The corrections.
+    Corrections,
+    /// Elements, corrections and, where it is not given, the micro step, for an error of the filtered force of at most this, % of its
     /// standard deviation.
     Error(f64),
 }
@@ -61,8 +61,8 @@ choice! {
 }
 
 choice! {
-    /// An entry of `catenary.mesh.cures`.
-    pub enum Cure {
+    /// An entry of `catenary.mesh.corrections`.
+    pub enum Correction {
         /// The contact point yields by what the mesh lacks of the wire's flexibility under a moving point force.
         ContactCompliance = "contact_compliance",
         /// One unknown per attachment and wire for the bend there, which is shorter than an element.
@@ -105,32 +105,32 @@ fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64) {
 }
 
 impl Mesh {
-    /// Whether a cure is in use.
+    /// Whether a correction is in use.
     #[must_use]
-    pub fn has(&self, cure: Cure) -> bool {
-        self.cures.contains(&cure)
+    pub fn has(&self, correction: Correction) -> bool {
+        self.corrections.contains(&correction)
     }
 
-    /// The cures in a few words: `plain`, or their names joined by `+`.
+    /// The corrections in a few words: `plain`, or their names joined by `+`.
     #[must_use]
     pub fn name(&self) -> String {
-        if self.cures.is_empty() {
+        if self.corrections.is_empty() {
             return "plain".to_owned();
         }
-        let names: Vec<&str> = self.cures.iter().map(|cure| cure.name()).collect();
+        let names: Vec<&str> = self.corrections.iter().map(|correction| correction.name()).collect();
         names.join("+")
     }
 }
 
 impl Scene {
-    /// Why `cure` cannot be used in this scene's line beside `others`; `None` where it can.
-    fn cure_obstacle(&self, cure: Cure, others: &[Cure]) -> Option<String> {
+    /// Why `correction` cannot be used in this scene's line beside `others`; `None` where it can.
+    fn correction_obstacle(&self, correction: Correction, others: &[Correction]) -> Option<String> {
         let (catenary, contact) = self.modelled_line()?;
         if catenary.mesh.element == Element::Beam {
-            return Some("cures are made for cable elements, and catenary.mesh.element = \"beam\"".to_owned());
+            return Some("corrections are made for cable elements, and catenary.mesh.element = \"beam\"".to_owned());
         }
-        match cure {
-            Cure::ContactCompliance => {
+        match correction {
+            Correction::ContactCompliance => {
                 if contact.law == ContactLaw::SlidingJoint {
                     return Some(
                         "contact.law is \"sliding_joint\", which holds the strip on the wire that the mesh has, without a spring that \
@@ -146,9 +146,9 @@ impl Scene {
                     )
                 })
             }
-            Cure::BendingLayers => layers_obstacle(catenary),
-            Cure::DropperCompliance => Some("this version does not have it".to_owned()),
-            Cure::MassCorrection => {
+            Correction::BendingLayers => layers_obstacle(catenary),
+            Correction::DropperCompliance => Some("this version does not have it".to_owned()),
+            Correction::MassCorrection => {
                 let rho_inf = self.solver.rho_inf;
                 if rho_inf < LEAST_RHO_INF {
                     return Some(format!(
@@ -160,7 +160,7 @@ impl Scene {
                     .contact_wire
                     .wave_speed()
                     .max(catenary.messenger_wire.wave_speed());
-                let (share, length) = longest_corrected_step(catenary, others.contains(&Cure::BendingLayers));
+                let (share, length) = longest_corrected_step(catenary, others.contains(&Correction::BendingLayers));
                 let (step, limit) = (self.internal_step(), share * length / c);
                 (step > limit).then(|| {
                     format!(
@@ -182,11 +182,11 @@ impl Scene {
         };
         match catenary.mesh.open.take().filter(|_| !keys.has_problems()) {
             None => {}
-            Some(Open::Cures) => self.choose_cures(),
+            Some(Open::Corrections) => self.choose_corrections(),
             Some(Open::Error(error)) => match self.mesh_for(error, step_is_given) {
                 Ok(choice) => {
                     self.set_division(choice.division);
-                    self.set_cures(choice.cures);
+                    self.set_corrections(choice.corrections);
                     self.solver.micro_step = choice.micro_step;
                 }
                 Err(expected) => {
@@ -210,57 +210,58 @@ impl Scene {
         }
     }
 
-    fn set_cures(&mut self, cures: Vec<Cure>) {
+    fn set_corrections(&mut self, corrections: Vec<Correction>) {
         if let crate::Line::Modelled(catenary) = &mut self.catenary {
-            catenary.mesh.cures = cures;
+            catenary.mesh.corrections = corrections;
         }
     }
 
-    /// The cures in use; none in somebody else's line.
+    /// The corrections in use; none in somebody else's line.
     #[must_use]
-    pub fn cures(&self) -> &[Cure] {
-        self.modelled_line().map_or(&[], |(line, _)| &line.mesh.cures)
+    pub fn corrections(&self) -> &[Correction] {
+        self.modelled_line().map_or(&[], |(line, _)| &line.mesh.corrections)
     }
 
-    /// Takes every cure that can be used.
-    pub(crate) fn choose_cures(&mut self) {
-        let mut cures = Vec::new();
-        for &cure in Cure::ALL {
-            if self.modelled_line().is_some() && self.cure_obstacle(cure, &cures).is_none() {
-                cures.push(cure);
+    /// Takes every correction that can be used.
+    pub(crate) fn choose_corrections(&mut self) {
+        let mut corrections = Vec::new();
+        for &correction in Correction::ALL {
+            if self.modelled_line().is_some() && self.correction_obstacle(correction, &corrections).is_none() {
+                corrections.push(correction);
             }
         }
-        self.set_cures(cures);
+        self.set_corrections(corrections);
     }
 
-    /// The cures that are not in use, each with why not.
+    /// The corrections that are not in use, each with why not.
     #[must_use]
-    pub fn cures_left_out(&self) -> Vec<(Cure, String)> {
+    pub fn corrections_left_out(&self) -> Vec<(Correction, String)> {
         let Some((catenary, _)) = self.modelled_line() else {
             return Vec::new();
         };
-        let cures = &catenary.mesh.cures;
-        (Cure::ALL.iter())
-            .filter(|cure| !cures.contains(cure))
-            .map(|&cure| {
-                let obstacle = self.cure_obstacle(cure, cures);
+        let corrections = &catenary.mesh.corrections;
+        (Correction::ALL.iter())
+            .filter(|correction| !corrections.contains(correction))
+            .map(|&correction| {
+                let obstacle = self.correction_obstacle(correction, corrections);
                 (
-                    cure,
-                    obstacle.unwrap_or_else(|| "left out by catenary.mesh.cures".to_owned()),
+                    correction,
+                    obstacle.unwrap_or_else(|| "left out by catenary.mesh.corrections".to_owned()),
                 )
             })
             .collect()
     }
 
-    /// The cures in use that this scene cannot have, each with why not: none in a scene that was read and not changed.
+    /// The corrections in use that this scene cannot have, each with why not: none in a scene that was read and not changed.
     #[must_use]
-    pub fn impossible_cures(&self) -> Vec<(Cure, String)> {
+    pub fn impossible_corrections(&self) -> Vec<(Correction, String)> {
         let Some((catenary, _)) = self.modelled_line() else {
             return Vec::new();
         };
-        let cures = &catenary.mesh.cures;
-        let obstacle = |&cure: &Cure| Some((cure, self.cure_obstacle(cure, cures)?));
-        cures.iter().filter_map(obstacle).collect()
+        let corrections = &catenary.mesh.corrections;
+        let obstacle =
+            |&correction: &Correction| Some((correction, self.correction_obstacle(correction, corrections)?));
+        corrections.iter().filter_map(obstacle).collect()
     }
 
     /// Why a reduction of the line cannot be had with its elements; `None` where it can.
@@ -270,10 +271,15 @@ impl Scene {
             .then(|| "it is made for cable elements, and catenary.mesh.element = \"beam\"".to_owned())
     }
 
-    pub(crate) fn check_cures(&self, found: &mut Found) {
-        for (cure, obstacle) in self.impossible_cures() {
+    pub(crate) fn check_corrections(&self, found: &mut Found) {
+        for (correction, obstacle) in self.impossible_corrections() {
             let expected = format!("must be left out: {obstacle}");
-            refuse(found, "catenary.mesh.cures", format!("\"{cure}\""), expected);
+            refuse(
+                found,
+                "catenary.mesh.corrections",
+                format!("\"{correction}\""),
+                expected,
+            );
         }
     }
 }
@@ -313,7 +319,7 @@ impl Entry for Mesh {
                  elements_per_interval or element_length",
             );
         } else if keys.has("error_percent", false) {
-            for name in ["elements_per_interval", "element_length", "cures"] {
+            for name in ["elements_per_interval", "element_length", "corrections"] {
                 if keys.has(name, false) {
                     let because = "catenary.mesh.error_percent chooses it".to_owned();
                     keys.report(name, What::LeaveOut { because });
@@ -335,21 +341,21 @@ impl Entry for Mesh {
                 element,
                 division: Division::PerInterval(1),
                 axial_strain,
-                cures: Vec::new(),
+                corrections: Vec::new(),
                 contact_speed: 0.0,
                 open,
             };
         }
         let division = Division::entry(keys, was.map(|mesh| mesh.division));
-        let chosen = keys.words("cures", was.map(|mesh| mesh.cures.as_slice()));
-        let open = chosen.is_none().then_some(Open::Cures);
-        let mut cures = chosen.unwrap_or_default();
-        cures.sort_by_key(|cure| Cure::ALL.iter().position(|other| other == cure));
+        let chosen = keys.words("corrections", was.map(|mesh| mesh.corrections.as_slice()));
+        let open = chosen.is_none().then_some(Open::Corrections);
+        let mut corrections = chosen.unwrap_or_default();
+        corrections.sort_by_key(|correction| Correction::ALL.iter().position(|other| other == correction));
         Self {
             element,
             division,
             axial_strain,
-            cures,
+            corrections,
             contact_speed: 0.0,
             open,
         }

@@ -7,7 +7,7 @@
 //! μ = l f / √(c (c − v))
 //! by waves:   W(f) = a μ²    plain; half of it with one of contact_compliance and bending_layers
 //!                    b μ⁴    with both
-//! by length:  L(f) = g l² (1 + (f/f₁)²)    g larger with fewer cures, and without both as 1/v below 120 km/h
+//! by length:  L(f) = g l² (1 + (f/f₁)²)    g larger with fewer corrections, and without both as 1/v below 120 km/h
 //! space:      u max(W(f), L(f)), and at most u W(max(f, f₀)) max(1, v₀/v)²
 //! time:       u d h² f max(f, f₀)                           without mass_correction
 //!             u (d₁ h² + d |h₁² − h²|) f max(f, f₀)         with it, made for steps h₁
@@ -19,11 +19,11 @@
 //! is `W` and `d (h f)²`. Below, a mesh is wrong in what waves do not tell: in the flexibility of the line, whose error is felt at every
 //! frequency, and in what the strip feels as it passes elements, against a standard deviation that goes with the speed.
 //!
-//! Measured below `f₀` and `v₀` against 16 cured elements at 0.25 ms, at 2, 3, 5, 7, 10, 15 and 20 Hz, on the lines of EN 50318 at 60,
+//! Measured below `f₀` and `v₀` against 16 corrected elements at 0.25 ms, at 2, 3, 5, 7, 10, 15 and 20 Hz, on the lines of EN 50318 at 60,
 //! 120, 200 and 300 km/h and of the thesis at 60, 120 and 200 km/h under a lumped pantograph, with 2 to 8 elements between droppers and
-//! steps of 0.5 to 2 ms: nothing makes twice what the rule says, but meshes without both cures on the line of EN 50318 at 120 and
+//! steps of 0.5 to 2 ms: nothing makes twice what the rule says, but meshes without both corrections on the line of EN 50318 at 120 and
 //! 200 km/h up to 2.3 times from 15 Hz on. The other way the rule is less exact: on the line of EN 50318 coarse elements make down to an
-//! eighth of it at 3 Hz and a twentieth at 2 Hz. Cured elements of 0.81, 1.6 and 3.3 m at 1 ms, %, measured (expected):
+//! eighth of it at 3 Hz and a twentieth at 2 Hz. Corrected elements of 0.81, 1.6 and 3.3 m at 1 ms, %, measured (expected):
 //!
 //! ```text
 //! EN 50318       3 Hz                                 5 Hz                                  10 Hz
@@ -32,14 +32,14 @@
 //!  60 km/h       0.1  (0.4)  0.4 (1.4)  1.0 (5.6)     0.2  (0.4)  0.5 (1.6)  1.5 (6.2)      0.2 (0.6)  1.3 (2.2)  2.7 (8.9)
 //! ```
 
-use crate::{Catenary, ContactLaw, Cure, Division, Scene};
+use crate::{Catenary, ContactLaw, Correction, Division, Scene};
 
-/// Of the plain mesh, %. Measured with 4, 8 and 16 elements between droppers at 0.5 and 1 ms, against 12 cured ones at 0.25 ms, on
+/// Of the plain mesh, %. Measured with 4, 8 and 16 elements between droppers at 0.5 and 1 ms, against 12 corrected ones at 0.25 ms, on
 /// seven spans of EN 50318 at 250 and 300 km/h and eight of the thesis' line at 200 km/h under a lumped pantograph: 67 to 102.
 const PLAIN: f64 = 80.0;
-/// Share of it that is left with one cure; measured 0.44 to 0.73.
+/// Share of it that is left with one correction; measured 0.44 to 0.73.
 const WITH_ONE_CURE: f64 = 0.5;
-/// Of the mesh with both cures, %. Measured with 4, 6 and 8 elements likewise: 89 to 250.
+/// Of the mesh with both corrections, %. Measured with 4, 6 and 8 elements likewise: 89 to 250.
 const CURED: f64 = 200.0;
 /// Of the time step, %: at 1 ms and 20 Hz 2 %.
 const STEP: f64 = 5000.0;
@@ -48,14 +48,14 @@ const STEP: f64 = 5000.0;
 const CORRECTED_STEP: f64 = 500.0;
 /// The same of a sliding joint, whose force is not corrected as it moves, %: at 1 ms and 20 Hz 0.3 %.
 const CORRECTED_STEP_OF_JOINT: f64 = 750.0;
-/// Of elements by their length, with both cures, % per m² at low frequency: measured 0.1 to 0.4 on the line of EN 50318 and 0.2 to 1.0
+/// Of elements by their length, with both corrections, % per m² at low frequency: measured 0.1 to 0.4 on the line of EN 50318 and 0.2 to 1.0
 /// on that of the thesis up to 5 Hz, 0.2 to 1.1 at 10 Hz.
 const CURED_LENGTH: f64 = 0.5;
-/// The same with one cure: 0.3 to 3.9 up to 5 Hz, compliance more than layers.
+/// The same with one correction: 0.3 to 3.9 up to 5 Hz, compliance more than layers.
 const LENGTH_WITH_ONE_CURE: f64 = 1.8;
 /// The same of the plain mesh: 0.5 to 4 from 120 km/h on up to 5 Hz, 2.0 to 5.3 at 60 km/h.
 const PLAIN_LENGTH: f64 = 3.0;
-/// Speed below which those without both cures go with 1/v, as the standard deviation goes down with v and what the strip feels of an
+/// Speed below which those without both corrections go with 1/v, as the standard deviation goes down with v and what the strip feels of an
 /// element does not, m/s.
 const SLOW: f64 = 120.0 / 3.6;
 /// Frequency `f₁` from which that error grows with the frequency, Hz.
@@ -64,13 +64,13 @@ const RISE: f64 = 12.0;
 const WAVES_FROM: f64 = 20.0;
 /// Speed `v₀` at and above which they do, m/s.
 const WAVES_FROM_SPEED: f64 = 200.0 / 3.6;
-/// The lowest speed that was measured with all meshes, m/s. At 20 km/h the standard deviation at 20 Hz is 1 N: cured elements of 1.6 m
+/// The lowest speed that was measured with all meshes, m/s. At 20 km/h the standard deviation at 20 Hz is 1 N: corrected elements of 1.6 m
 /// make a fifth of what the rule would say, plain ones twice.
 const LEAST_SPEED: f64 = 60.0 / 3.6;
 /// The least damping of the wires that was measured to converge, `catenary.damping.beta` in s. Without any, on the line of EN 50318 at
-/// 300 km/h, eight cured elements at 1 ms are 5 % from sixteen at 0.25 ms, and at 0.5 ms 8 %.
+/// 300 km/h, eight corrected elements at 1 ms are 5 % from sixteen at 0.25 ms, and at 0.5 ms 8 %.
 const LEAST_DAMPING: f64 = 2e-5;
-/// Damping below which errors go with its root, s: those of eight cured elements at 1 ms (of a step of 2 ms without correction) at 20 Hz
+/// Damping below which errors go with its root, s: those of eight corrected elements at 1 ms (of a step of 2 ms without correction) at 20 Hz
 /// are 0.4 (5.3) % with 1e-4 s, 0.6 (9.6) % with 5e-5 s and 1.2 (14.7) % with 2e-5 s, on the line of EN 50318 at 300 km/h.
 const DAMPED_FROM: f64 = 5e-5;
 /// An error that the rule does not go below, %: that of the measurements.
@@ -104,11 +104,11 @@ impl MeshError {
     }
 }
 
-/// Elements, cures and micro step for an error.
+/// Elements, corrections and micro step for an error.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Choice {
     pub division: Division,
-    pub cures: Vec<Cure>,
+    pub corrections: Vec<Correction>,
     pub micro_step: f64,
 }
 
@@ -133,7 +133,7 @@ impl Scene {
         let (catenary, contact) = self.modelled_line().ok_or("a line that is an FMU of somebody else")?;
         self.has_a_rule(catenary)?;
         let (f, corrected) = (self.run.low_pass_hz, self.internal_step());
-        let squares = match (catenary.mesh.has(Cure::MassCorrection), contact.law) {
+        let squares = match (catenary.mesh.has(Correction::MassCorrection), contact.law) {
             (false, _) => STEP * (step * f).powi(2),
             (true, law) => {
                 let rest = match law {
@@ -229,7 +229,7 @@ impl Scene {
             }
             for division in &divisions {
                 trial.set_division(*division);
-                trial.choose_cures();
+                trial.choose_corrections();
                 let expected = trial.expected_mesh_error().map_err(no_rule)?;
                 least = least.min(expected.total());
                 if expected.total() > error {
@@ -238,10 +238,10 @@ impl Scene {
                 let cost = cost(*division);
                 let cheaper = best.as_ref().is_none_or(|(other, _)| cost < other * (1.0 - 1e-9));
                 if cheaper {
-                    let cures = trial.cures().to_vec();
+                    let corrections = trial.corrections().to_vec();
                     let choice = Choice {
                         division: *division,
-                        cures,
+                        corrections,
                         micro_step,
                     };
                     best = Some((cost, choice));
@@ -296,7 +296,7 @@ fn space_error(catenary: &Catenary, v: f64, f: f64) -> f64 {
 fn error_by_waves(catenary: &Catenary, v: f64, f: f64) -> f64 {
     let mu = catenary.longest_element() / shortest_wave(catenary, v, f);
     let plain = PLAIN * mu.powi(2);
-    match force_cures(catenary) {
+    match force_corrections(catenary) {
         2 => plain.min(CURED * mu.powi(4)),
         1 => WITH_ONE_CURE * plain,
         _ => plain,
@@ -306,7 +306,7 @@ fn error_by_waves(catenary: &Catenary, v: f64, f: f64) -> f64 {
 /// `L(f)`, %.
 fn error_by_length(catenary: &Catenary, v: f64, f: f64) -> f64 {
     let slow = (SLOW / v).max(1.0);
-    let low = match force_cures(catenary) {
+    let low = match force_corrections(catenary) {
         2 => CURED_LENGTH,
         1 => LENGTH_WITH_ONE_CURE * slow,
         _ => PLAIN_LENGTH * slow,
@@ -314,10 +314,13 @@ fn error_by_length(catenary: &Catenary, v: f64, f: f64) -> f64 {
     low * catenary.longest_element().powi(2) * (1.0 + (f / RISE).powi(2))
 }
 
-/// How many of the cures that make up for the length of elements are in use.
-fn force_cures(catenary: &Catenary) -> usize {
-    let cures = [Cure::ContactCompliance, Cure::BendingLayers];
-    cures.into_iter().filter(|cure| catenary.mesh.has(*cure)).count()
+/// How many of the corrections that make up for the length of elements are in use.
+fn force_corrections(catenary: &Catenary) -> usize {
+    let corrections = [Correction::ContactCompliance, Correction::BendingLayers];
+    corrections
+        .into_iter()
+        .filter(|correction| catenary.mesh.has(*correction))
+        .count()
 }
 
 /// Geometric mean of the waves that a force of frequency `f` Hz sends out at rest and ahead of itself at the speed `v`, m, on the wire

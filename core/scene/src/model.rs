@@ -73,7 +73,7 @@ impl Scene {
             return Some(reason.to_owned());
         }
         self.pantographs.iter().enumerate().find_map(|(index, pantograph)| {
-            let PantographModel::ThirdParty(side) = &pantograph.model else {
+            let PantographModel::Supplied(side) = &pantograph.model else {
                 return None;
             };
             let tilts = side.outputs.contains_key("roll");

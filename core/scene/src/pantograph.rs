@@ -2,7 +2,7 @@
 
 use crate::error::What;
 use crate::keys::{Entry, Keys, Length, Number, placeholder};
-use crate::{Linkage, ThirdParty};
+use crate::{Linkage, Supplied};
 
 /// `[[pantograph]]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub enum PantographModel {
     /// `model = "linkage"`: a mechanism of rigid bodies.
     Linkage(Linkage),
     /// `fmu = "…"`: somebody else's model.
-    ThirdParty(ThirdParty),
+    Supplied(Supplied),
 }
 
 /// `pantograph.start`: height and force at t = 0.
@@ -73,7 +73,7 @@ impl Pantograph {
         match &self.model {
             PantographModel::Lumped(lumped) => Some(lumped.strip.width),
             PantographModel::Linkage(linkage) => Some(linkage.strip.width),
-            PantographModel::ThirdParty(_) => None,
+            PantographModel::Supplied(_) => None,
         }
     }
 }
@@ -96,12 +96,12 @@ impl Entry for Pantograph {
         );
         // `model` or `fmu` says which other keys there are.
         let model = was.map(|pantograph| &pantograph.model);
-        let third_party = model.and_then(|model| match model {
-            PantographModel::ThirdParty(side) => Some(side),
+        let supplied = model.and_then(|model| match model {
+            PantographModel::Supplied(side) => Some(side),
             _ => None,
         });
-        let model = if keys.has("fmu", third_party.is_some()) {
-            let side = ThirdParty::pantograph(keys, third_party);
+        let model = if keys.has("fmu", supplied.is_some()) {
+            let side = Supplied::pantograph(keys, supplied);
             if was.is_none() {
                 let because = "fmu is given, which describes the whole pantograph";
                 if keys.has("model", false) {
@@ -111,7 +111,7 @@ impl Entry for Pantograph {
                 keys.leave_out::<Lumped>(because);
                 keys.leave_out::<Linkage>(because);
             }
-            Some(PantographModel::ThirdParty(side))
+            Some(PantographModel::Supplied(side))
         } else if was.is_none() && !keys.has("model", false) {
             let expected = "\"lumped\" or \"linkage\", or else fmu = \"path\" for somebody else's model".to_string();
             keys.report("model", What::Missing { expected });

@@ -3,7 +3,7 @@
 use crate::error::{SceneError, What};
 use crate::keys::{Entry, Keys, read, write};
 use crate::tree::{Sources, parse};
-use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, ThirdParty, Track, Vehicle, Wind};
+use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, Supplied, Track, Vehicle, Wind};
 use std::sync::Arc;
 
 /// A scene: every value present, checked and in SI units.
@@ -42,7 +42,7 @@ pub enum Line {
     /// Described by the scene.
     Modelled(Catenary),
     /// `fmu = "…"`.
-    ThirdParty(ThirdParty),
+    Supplied(Supplied),
 }
 
 impl Scene {
@@ -113,15 +113,15 @@ impl Scene {
     }
 
     /// The FMUs of somebody else: that of the line, then those of pantographs.
-    pub fn third_parties_mut(&mut self) -> impl Iterator<Item = &mut ThirdParty> {
+    pub fn supplied_sides_mut(&mut self) -> impl Iterator<Item = &mut Supplied> {
         let line = match &mut self.catenary {
-            Line::ThirdParty(side) => Some(side),
+            Line::Supplied(side) => Some(side),
             Line::Modelled(_) => None,
         };
         let pantographs = self.pantographs.iter_mut();
         line.into_iter()
             .chain(pantographs.filter_map(|pantograph| match &mut pantograph.model {
-                crate::PantographModel::ThirdParty(side) => Some(side),
+                crate::PantographModel::Supplied(side) => Some(side),
                 _ => None,
             }))
     }
@@ -187,7 +187,7 @@ impl Scene {
             }
             (Evaluate::Time { from, to }, _) => (from, to),
             // Refused by `from_toml`: the spans of somebody else's line are not known.
-            (Evaluate::Spans { .. }, Line::ThirdParty(_)) => (0.0, self.run.duration),
+            (Evaluate::Spans { .. }, Line::Supplied(_)) => (0.0, self.run.duration),
         }
     }
 
@@ -258,11 +258,11 @@ impl Entry for Line {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         match was {
             Some(Self::Modelled(catenary)) => Self::Modelled(Catenary::entry(keys, Some(catenary))),
-            Some(Self::ThirdParty(side)) => Self::ThirdParty(ThirdParty::line(keys, Some(side))),
+            Some(Self::Supplied(side)) => Self::Supplied(Supplied::line(keys, Some(side))),
             None if keys.has("fmu", false) => {
-                let side = ThirdParty::line(keys, None);
+                let side = Supplied::line(keys, None);
                 keys.leave_out::<Catenary>("fmu is given, which describes the whole line");
-                Self::ThirdParty(side)
+                Self::Supplied(side)
             }
             None => Self::Modelled(Catenary::entry(keys, None)),
         }

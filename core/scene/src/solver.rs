@@ -34,9 +34,9 @@ choice! {
     /// `solver.formulation`.
     pub enum Formulation {
         /// Index-3 constraints with multipliers inside generalised-α.
-        Default = "default",
+        Index3 = "index_3",
         /// Accelerations and multipliers from one system of equations, constraints of accelerations [Thesis, Eq. (19)].
-        AugmentedLagrangian = "augmented_lagrangian",
+        Index1Baumgarte = "index_1_baumgarte",
     }
     unavailable: []
 }
@@ -70,7 +70,7 @@ impl Entry for Solver {
             formulation: keys.word(
                 "formulation",
                 was.map(|solver| solver.formulation),
-                Some(Formulation::Default),
+                Some(Formulation::Index3),
             ),
             newton_tolerance: keys.number(
                 "newton_tolerance",
@@ -115,8 +115,8 @@ impl Solver {
                 Jacobian::Full => dynamics::Jacobian::Full,
             },
             formulation: match self.formulation {
-                Formulation::Default => dynamics::Formulation::Positions,
-                Formulation::AugmentedLagrangian => dynamics::Formulation::Accelerations,
+                Formulation::Index3 => dynamics::Formulation::Positions,
+                Formulation::Index1Baumgarte => dynamics::Formulation::Accelerations,
             },
             ..dynamics::NewtonOptions::default()
         }

@@ -212,7 +212,7 @@ const REPLACED: [(&str, &str, &[&str]); 3] = [
     (
         "catenary.mesh",
         "error_percent",
-        &["elements_per_interval", "element_length", "cures"],
+        &["elements_per_interval", "element_length", "corrections"],
     ),
 ];
 

@@ -1,7 +1,7 @@
 //! What is read is what was typed, and what is written reads again as the same.
 
 use scene::{
-    Algorithm, ContactLaw, Cure, Division, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue,
+    Algorithm, ContactLaw, Correction, Division, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue,
     Reduction, Scene, Start, Statics,
 };
 
@@ -108,7 +108,7 @@ fn everything_optional_survives_writing() {
             "catenary.registration_arms.free_uplift=0.24",
             "catenary.registration_arms.uplift_stop=true",
             "run.electrification=dc_1_5kv",
-            "solver.formulation=augmented_lagrangian",
+            "solver.formulation=index_1_baumgarte",
             "catenary.span_length=[60, 60.5, 61, 60, 60, 60, 60, 60, 60, 59]",
             "catenary.stagger=[0.2, -0.2]",
             "run.evaluate={ time = [2.0, 3.0] }",
@@ -140,9 +140,9 @@ const BEAM: [&str; 2] = [
 ];
 
 #[test]
-fn a_contact_wire_of_beams_is_spatial_without_cures_and_survives_writing() {
+fn a_contact_wire_of_beams_is_spatial_without_corrections_and_survives_writing() {
     let scene = read(EN_250, &BEAM);
-    assert!(scene.cures().is_empty() && !scene.is_planar());
+    assert!(scene.corrections().is_empty() && !scene.is_planar());
     assert_eq!(read(&scene.to_toml(), &[]), scene);
 }
 
@@ -153,7 +153,10 @@ fn what_is_made_for_cables_is_refused_with_beams() {
         ("model.reduce=[\"linearised\"]", "model.reduce"),
         ("model.reduce=[\"flat\"]", "model.reduce"),
         ("model.reduce=[\"window\"]", "model.reduce"),
-        ("catenary.mesh.cures=[\"mass_correction\"]", "catenary.mesh.cures"),
+        (
+            "catenary.mesh.corrections=[\"mass_correction\"]",
+            "catenary.mesh.corrections",
+        ),
         (
             "catenary.contact_wire.bending_stiffness=0",
             "catenary.contact_wire.bending_stiffness",
@@ -196,7 +199,7 @@ outputs = {{ height = {{ variable = "z1", offset = "align" }}, velocity = {{ var
     let scene = read(&text, &["run.evaluate={ time = [2, 3] }"]);
     assert_eq!(read(&scene.to_toml(), &[]), scene);
     assert!(scene.contact.is_none() && scene.modelled_line().is_none());
-    let PantographModel::ThirdParty(side) = &scene.pantographs[0].model else {
+    let PantographModel::Supplied(side) = &scene.pantographs[0].model else {
         panic!("somebody else's")
     };
     assert_eq!(
@@ -364,7 +367,7 @@ fn a_quoted_key_of_an_override_may_hold_dots_and_signs() {
     let after = &rest[rest.find("[coupling]").unwrap()..];
     let text = format!("{before}[[pantograph]]\nfmu = \"p.fmu\"\n{after}");
     let scene = read(&text, &["pantograph[1].parameters.\"static.force=\"=110"]);
-    let PantographModel::ThirdParty(side) = &scene.pantographs[0].model else {
+    let PantographModel::Supplied(side) = &scene.pantographs[0].model else {
         panic!("somebody else's")
     };
     assert_eq!(side.parameters["static.force="], ParameterValue::Number(110.0));
@@ -410,17 +413,22 @@ fn a_sliding_joint_has_no_spring_and_is_written_as_it_is_read() {
     };
     assert_eq!(named, penalty);
     // What its mesh lacks has no spring to be in series with.
-    let cured = read(JOINT, &["catenary.mesh.cures=\"auto\""]);
-    assert!(!cured.cures().contains(&Cure::ContactCompliance) && cured.cures().contains(&Cure::BendingLayers));
-    let left_out = cured.cures_left_out();
+    let corrected = read(JOINT, &["catenary.mesh.corrections=\"auto\""]);
+    assert!(
+        !corrected.corrections().contains(&Correction::ContactCompliance)
+            && corrected.corrections().contains(&Correction::BendingLayers)
+    );
+    let left_out = corrected.corrections_left_out();
     let reason = &left_out
         .iter()
-        .find(|(cure, _)| *cure == Cure::ContactCompliance)
+        .find(|(correction, _)| *correction == Correction::ContactCompliance)
         .unwrap()
         .1;
     assert!(reason.contains("sliding_joint"), "{reason}");
-    let with_cure = "catenary.mesh.cures=[\"contact_compliance\"]".to_owned();
-    let refused = Scene::from_toml(JOINT, "x.toml", &[with_cure]).unwrap_err().to_string();
+    let with_correction = "catenary.mesh.corrections=[\"contact_compliance\"]".to_owned();
+    let refused = Scene::from_toml(JOINT, "x.toml", &[with_correction])
+        .unwrap_err()
+        .to_string();
     assert!(
         refused.contains("must be left out: contact.law is \"sliding_joint\""),
         "{refused}"
@@ -543,30 +551,40 @@ fn exchange_keys_that_are_left_out_are_those_the_algorithm_uses() {
 }
 
 #[test]
-fn a_mesh_takes_every_cure_that_it_can_have() {
-    use scene::Cure;
-    let all = [Cure::ContactCompliance, Cure::BendingLayers, Cure::MassCorrection];
-    let cures = |text: &str, overrides: &[&str]| read(text, overrides).cures().to_vec();
-    assert_eq!(cures(EN_250, &[]), all);
-    assert_eq!(cures(EN_250, &["catenary.mesh.cures=auto"]), all);
-    assert!(cures(EN_250, &["catenary.mesh.cures=none"]).is_empty());
-    assert!(cures(THESIS, &[]).is_empty());
+fn a_mesh_takes_every_correction_that_it_can_have() {
+    use scene::Correction;
+    let all = [
+        Correction::ContactCompliance,
+        Correction::BendingLayers,
+        Correction::MassCorrection,
+    ];
+    let corrections = |text: &str, overrides: &[&str]| read(text, overrides).corrections().to_vec();
+    assert_eq!(corrections(EN_250, &[]), all);
+    assert_eq!(corrections(EN_250, &["catenary.mesh.corrections=auto"]), all);
+    assert!(corrections(EN_250, &["catenary.mesh.corrections=none"]).is_empty());
+    assert!(corrections(THESIS, &[]).is_empty());
     // Held ends bear longer steps than those under tensioning weights.
     let long = ["solver.micro_step=1.3e-3", "coupling.macro_step=1.3e-3"];
-    assert_eq!(cures(EN_250, &long), all[..2]);
-    assert_eq!(cures(EN_250, &[&long[..], &["catenary.wire_ends=fixed"]].concat()), all);
+    assert_eq!(corrections(EN_250, &long), all[..2]);
+    assert_eq!(
+        corrections(EN_250, &[&long[..], &["catenary.wire_ends=fixed"]].concat()),
+        all
+    );
     // In one order, whatever that of the file.
-    let two = "catenary.mesh.cures=[\"mass_correction\", \"contact_compliance\"]";
-    assert_eq!(cures(EN_250, &[two]), [Cure::ContactCompliance, Cure::MassCorrection]);
+    let two = "catenary.mesh.corrections=[\"mass_correction\", \"contact_compliance\"]";
+    assert_eq!(
+        corrections(EN_250, &[two]),
+        [Correction::ContactCompliance, Correction::MassCorrection]
+    );
     for (overrides, left_out, reason) in [
         (
             &["solver.rho_inf=0.8"][..],
-            Cure::MassCorrection,
+            Correction::MassCorrection,
             "solver.rho_inf = 0.8 is below 0.9",
         ),
         (
             &["solver.micro_step=0.002", "coupling.macro_step=0.002"],
-            Cure::MassCorrection,
+            Correction::MassCorrection,
             "internal steps of 2.0000 ms are longer than 1.2778 ms",
         ),
         (
@@ -574,12 +592,12 @@ fn a_mesh_takes_every_cure_that_it_can_have() {
                 "catenary.contact_wire.bending_stiffness=0",
                 "catenary.messenger_wire.bending_stiffness=0",
             ],
-            Cure::BendingLayers,
+            Correction::BendingLayers,
             "both wires are strings",
         ),
         (
             &["catenary.mesh.elements_per_interval=64"],
-            Cure::BendingLayers,
+            Correction::BendingLayers,
             "is below the bending length",
         ),
         (
@@ -589,18 +607,21 @@ fn a_mesh_takes_every_cure_that_it_can_have() {
                 "run.duration=4",
                 "run.evaluate={time=[1,3]}",
             ],
-            Cure::ContactCompliance,
+            Correction::ContactCompliance,
             "is not slower than the waves",
         ),
     ] {
         let scene = read(EN_250, overrides);
-        let reasons = scene.cures_left_out();
-        let found = reasons.iter().find(|(cure, _)| *cure == left_out).expect("left out");
+        let reasons = scene.corrections_left_out();
+        let found = reasons
+            .iter()
+            .find(|(correction, _)| *correction == left_out)
+            .expect("left out");
         assert!(found.1.contains(reason), "{}", found.1);
         assert_eq!(read(&scene.to_toml(), &[]), scene);
     }
     let written = read(EN_250, &[]).to_toml();
-    let line = "cures = [\"contact_compliance\", \"bending_layers\", \"mass_correction\"]";
+    let line = "corrections = [\"contact_compliance\", \"bending_layers\", \"mass_correction\"]";
     assert!(written.lines().any(|written| written == line), "{written}");
 }
 
@@ -642,7 +663,7 @@ fn elements_are_no_longer_than_their_limit_and_an_override_takes_the_place_of_th
     ];
     assert_eq!(elements(&read(EN_300, &both)), 30);
     assert_eq!(elements(&read(EN_300, &[both[1], both[0]])), 36);
-    // What asks for an error chooses the cures too.
+    // What asks for an error chooses the corrections too.
     let asked = read(EN_300, &["catenary.mesh.error_percent=1"]);
     assert_eq!(elements(&asked), 76);
     // One element for each interval is enough for a long limit.
@@ -655,8 +676,8 @@ fn elements_are_no_longer_than_their_limit_and_an_override_takes_the_place_of_th
         ];
         read(EN_300, &["catenary.mesh.element_length=0.93", &keys[0], &keys[1]])
     };
-    assert!(steps("1.70").cures().contains(&Cure::MassCorrection));
-    assert!(!steps("1.71").cures().contains(&Cure::MassCorrection));
+    assert!(steps("1.70").corrections().contains(&Correction::MassCorrection));
+    assert!(!steps("1.71").corrections().contains(&Correction::MassCorrection));
 }
 
 /// Elements of each wire in a span.
@@ -695,7 +716,7 @@ fn a_mesh_follows_the_error_that_is_asked_for() {
         (
             mesh.division,
             elements(&scene),
-            mesh.cures.len(),
+            mesh.corrections.len(),
             scene.solver.micro_step
         ),
         (Division::UpTo(0.8125), 76, 3, 1e-3)
@@ -703,7 +724,7 @@ fn a_mesh_follows_the_error_that_is_asked_for() {
     // A macro step that leaves room for longer micro steps: elements of one length take them with the mass correction.
     let long = for_error(text, 2.0, &["coupling.macro_step=0.0016"]);
     assert_eq!(
-        (elements(&long), long.solver.micro_step, long.cures().len()),
+        (elements(&long), long.solver.micro_step, long.corrections().len()),
         (66, 1.6e-3, 3)
     );
     // On intervals of one length, as many in each.
@@ -749,7 +770,7 @@ fn expected(text: &str, (kmh, hz): (f64, f64), more: &[&str]) -> scene::MeshErro
 
 #[test]
 fn expected_errors_are_those_that_were_measured() {
-    // Speed in km/h, filter in Hz, elements, step in ms, and the error measured against 16 cured elements at 0.25 ms, %.
+    // Speed in km/h, filter in Hz, elements, step in ms, and the error measured against 16 corrected elements at 0.25 ms, %.
     type Case = (f64, f64, usize, f64, f64);
     let en: &[Case] = &[
         (300.0, 3.0, 4, 1.0, 0.65),
@@ -793,7 +814,7 @@ fn expected_errors_are_those_that_were_measured() {
             );
         }
     }
-    let plain = "catenary.mesh.cures=none";
+    let plain = "catenary.mesh.corrections=none";
     for (kmh, hz, elements, measured) in [
         (300.0, 3.0, 8, 0.60),
         (300.0, 5.0, 4, 4.47),
@@ -808,7 +829,7 @@ fn expected_errors_are_those_that_were_measured() {
             "plain, {kmh} km/h, {hz} Hz, {elements}: {ratio:.2}"
         );
     }
-    // Hardly damped, of 8 cured elements and of a step without correction.
+    // Hardly damped, of 8 corrected elements and of a step without correction.
     let damping = "catenary.damping.beta=2e-5";
     let long = ["solver.micro_step=2e-3", "coupling.macro_step=2e-3"];
     let ratio = expected(EN_300, (300.0, 20.0), &[damping]).total() / 1.18;

@@ -35,7 +35,7 @@ fn at(text: &str, what: &str) -> String {
 }
 
 /// The mesh of the scene.
-const MESH: &str = "elements_per_interval = 8               # chosen with the cures: the force is 0.5 % of its standard deviation from the converged one\ncures = \"auto\"";
+const MESH: &str = "elements_per_interval = 8               # chosen with the corrections: the force is 0.5 % of its standard deviation from the converged one\ncorrections = \"auto\"";
 
 /// (what is replaced, by what, fragments of the message), on the EN 50318 scene.
 #[rustfmt::skip]
@@ -102,7 +102,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, max = 9.0 }", &["coupling.macro_step.max = 9 s: must be at most run.duration = 7 s"]),
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, maximum = 1e-2 }", &["coupling.macro_step.maximum", "did you mean"]),
     ("macro_step = 0.001", "macro_step = 0.001\nparallel = \"on\"", &["coupling.parallel = \"on\": unknown word", "\"auto\", \"always\", \"never\""]),
-    ("rho_inf = 0.9", "formulation = \"augmented_lagrange\"", &["solver.formulation = \"augmented_lagrange\": unknown word, did you mean \"augmented_lagrangian\"?"]),
+    ("rho_inf = 0.9", "formulation = \"augmented_lagrange\"", &["solver.formulation = \"augmented_lagrange\": unknown word, did you mean \"index_1_baumgarte\"?"]),
     ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle.model is missing: must be one of \"rigid_motion\", \"vertical\", \"full\""]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], z = [0.0] }\n[coupling]", &["vehicle.motion.z = [0.0]: has 1 entries, must be a list of numbers in m, 2 of them"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 0.0] }\n[coupling]", &["vehicle.motion.time[2] = 0 s: must be greater than the entry before it, 0 s"]),
@@ -128,10 +128,10 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]", &["model.reduce = \"linkage\": must be left out: no pantograph is a linkage"]),
     ("[coupling]", "[model]\nreduce = [\"plannar\"]\n[coupling]", &["model.reduce[1] = \"plannar\": unknown word, did you mean \"planar\"?"]),
     ("[coupling]", "[model]\nreduce = \"all\"\n[coupling]", &["model.reduce = \"all\": unknown word", "must be one of \"auto\", \"none\", \"planar\""]),
-    ("cures = \"auto\"", "cures = [\"bending_layer\"]", &["catenary.mesh.cures[1] = \"bending_layer\": unknown word, did you mean \"bending_layers\"?"]),
-    ("cures = \"auto\"", "cures = [\"dropper_compliance\"]", &["catenary.mesh.cures[1] = \"dropper_compliance\": not modelled yet", "\"mass_correction\""]),
-    ("cures = \"auto\"", "error_percent = 1.0", &["catenary.mesh.elements_per_interval: must be left out: catenary.mesh.error_percent chooses it"]),
-    ("elements_per_interval = 8", "error_percent = 1.0", &["catenary.mesh.cures: must be left out: catenary.mesh.error_percent chooses it"]),
+    ("corrections = \"auto\"", "corrections = [\"bending_layer\"]", &["catenary.mesh.corrections[1] = \"bending_layer\": unknown word, did you mean \"bending_layers\"?"]),
+    ("corrections = \"auto\"", "corrections = [\"dropper_compliance\"]", &["catenary.mesh.corrections[1] = \"dropper_compliance\": not modelled yet", "\"mass_correction\""]),
+    ("corrections = \"auto\"", "error_percent = 1.0", &["catenary.mesh.elements_per_interval: must be left out: catenary.mesh.error_percent chooses it"]),
+    ("elements_per_interval = 8", "error_percent = 1.0", &["catenary.mesh.corrections: must be left out: catenary.mesh.error_percent chooses it"]),
     (MESH, "error_percent = 0.0", &["catenary.mesh.error_percent = 0 %: must be positive"]),
     (MESH, "error_percent = 0.1", &["catenary.mesh.error_percent = 0.1 %: must be at least 0.3 %"]),
     (MESH, "", &["catenary.mesh.elements_per_interval is missing: must be a whole number from 1 to 200, or element_length in m or error_percent in its place"]),
@@ -225,7 +225,10 @@ fn one_mistake_is_one_line() {
         &["coupling.macro_step=0"],
         &["solver.micro_step=inf", "coupling.macro_step={tolerance=1.0}"],
     ] {
-        for mesh in ["catenary.mesh={error_percent=1.0}", "catenary.mesh.cures=\"auto\""] {
+        for mesh in [
+            "catenary.mesh={error_percent=1.0}",
+            "catenary.mesh.corrections=\"auto\"",
+        ] {
             let told = message(EN, &[keys, &[mesh]].concat());
             holds(&told, &[keys[0].split('=').next().unwrap(), "must be"]);
             assert_eq!(told.lines().count(), 1, "{told}");
@@ -300,14 +303,14 @@ fn a_wrong_linkage_is_refused() {
 
 #[test]
 fn a_wrong_third_party_pantograph_is_refused() {
-    let third_party = |keys: &str| {
+    let supplied = |keys: &str| {
         let (before, rest) = EN.split_once("[[pantograph]]").expect("one pantograph");
         let after = rest.split_once("[coupling]").expect("coupling follows").1;
         format!("{before}[[pantograph]]\n{keys}\n[coupling]{after}")
     };
-    assert_eq!(message(&third_party("fmu = \"p.fmu\""), &[]), "accepted");
+    assert_eq!(message(&supplied("fmu = \"p.fmu\""), &[]), "accepted");
     holds(
-        &message(&third_party("fmu = \"p.fmu\""), &["contact={law=\"sliding_joint\"}"]),
+        &message(&supplied("fmu = \"p.fmu\""), &["contact={law=\"sliding_joint\"}"]),
         &["contact.law = \"sliding_joint\": must be \"penalty\" where pantograph[1] is an FMU"],
     );
     #[rustfmt::skip]
@@ -328,7 +331,7 @@ fn a_wrong_third_party_pantograph_is_refused() {
         ("fmu = \"p.fmu\"\nstep_timeout = 0", &["pantograph[1].step_timeout = 0 s: must be positive and finite"]),
     ];
     for (keys, fragments) in cases {
-        holds(&message(&third_party(keys), &[]), fragments);
+        holds(&message(&supplied(keys), &[]), fragments);
     }
 }
 
@@ -660,8 +663,8 @@ fn a_line_of_somebody_else_cannot_be_reduced() {
 }
 
 #[test]
-fn a_cure_that_cannot_be_is_refused_with_its_reason() {
-    let cures = "catenary.mesh.cures=[\"contact_compliance\", \"bending_layers\", \"mass_correction\"]";
+fn a_correction_that_cannot_be_is_refused_with_its_reason() {
+    let corrections = "catenary.mesh.corrections=[\"contact_compliance\", \"bending_layers\", \"mass_correction\"]";
     for (more, what, reason) in [
         (
             &["solver.micro_step=0.002", "coupling.macro_step=0.002"][..],
@@ -689,8 +692,8 @@ fn a_cure_that_cannot_be_is_refused_with_its_reason() {
             "contact wire",
         ),
     ] {
-        let message = message(EN, &[&[cures], more].concat());
-        holds(&message, &["catenary.mesh.cures = ", what, reason]);
+        let message = message(EN, &[&[corrections], more].concat());
+        holds(&message, &["catenary.mesh.corrections = ", what, reason]);
     }
 }
 
@@ -812,12 +815,12 @@ fn a_vehicle_that_cannot_be_is_refused_by_key_value_and_remedy() {
 fn joints_that_change_with_time_need_constraints_of_positions() {
     let overrides = [
         "vehicle={ model = \"rigid_motion\", motion = { time = [0.0, 1.0], z = [0.0, 0.01] } }",
-        "solver.formulation=augmented_lagrangian",
+        "solver.formulation=index_1_baumgarte",
     ];
     let error = Scene::from_toml(THESIS, "thesis.toml", &overrides.map(str::to_owned)).unwrap_err();
     holds(
         &error.to_string(),
-        &["solver.formulation = \"augmented_lagrangian\": must be \"default\""],
+        &["solver.formulation = \"index_1_baumgarte\": must be \"default\""],
     );
 }
 

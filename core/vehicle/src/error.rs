@@ -5,7 +5,7 @@
 pub enum VehicleError {
     /// The scene hands the pantograph to somebody else's model.
     #[error("the pantograph is the FMU {fmu}: it has no equations here")]
-    ThirdParty {
+    Supplied {
         /// The FMU's path as written in the scene.
         fmu: String,
     },

@@ -63,7 +63,7 @@ impl PantographModel {
                     .reference_strip_position()
                     .x
             }
-            Entry::Lumped(_) | Entry::ThirdParty(_) => 0.0,
+            Entry::Lumped(_) | Entry::Supplied(_) => 0.0,
         };
         let base = Base {
             start_x: placement.start_x - reference_x,
@@ -104,8 +104,8 @@ impl PantographModel {
                 }
                 Kind::Linkage(Box::new(linkage))
             }
-            Entry::ThirdParty(entry) => {
-                return Err(VehicleError::ThirdParty { fmu: entry.fmu.clone() });
+            Entry::Supplied(entry) => {
+                return Err(VehicleError::Supplied { fmu: entry.fmu.clone() });
             }
         };
         Ok(Self {
@@ -199,14 +199,14 @@ impl PantographModel {
         let reference = self.carriage.base_point(self.base_z());
         match (&self.carriage, &self.alone) {
             (Carriage::Given(_), _) => {
-                let at_start = Motion {
+                let initial = Motion {
                     t: 0.0,
                     q: &[],
                     v: &[],
                     rotation: &[],
                     u: &[],
                 };
-                let frame = self.carriage.ground().frame(reference, &at_start);
+                let frame = self.carriage.ground().frame(reference, &initial);
                 self.equilibrium_on(reference, frame, target)
             }
             (Carriage::Train(_), Some(alone)) => {

@@ -92,7 +92,7 @@ impl Component for Subsystem {
         let mut parameters = match &scene.pantographs[0].model {
             PantographModel::Lumped(lumped) => lumped_parameters(lumped.masses.len()),
             PantographModel::Linkage(_) => linkage_parameters(),
-            PantographModel::ThirdParty(_) => Vec::new(),
+            PantographModel::Supplied(_) => Vec::new(),
         };
         parameters.extend(component::solver_parameters());
         parameters.extend(component::start_parameters(0, ""));

@@ -8,7 +8,7 @@ use crate::package::{Libraries, archives};
 use crate::simulation::prepare;
 use crate::sliding_joint;
 use crate::ssp;
-use crate::third_party::ThirdPartyPantograph;
+use crate::suppliers::SuppliedPantograph;
 
 /// Writes the co-simulation of a scene as an `.ssp`.
 ///
@@ -26,7 +26,7 @@ pub fn export(path: &Path, common: &Common) -> Result<(), CommandError> {
     let libraries = Libraries::find(&say)?;
     let target = folder.join(format!("{}.ssp", prepared.name));
     let own = archives(&prepared.scene, &libraries)?;
-    let aligned: Vec<Option<f64>> = prepared.third_party.iter().map(aligned_offset).collect();
+    let aligned: Vec<Option<f64>> = prepared.supplied.iter().map(aligned_offset).collect();
     let exported = ssp::export(&prepared.scene, &prepared.name, &own, &file.base, &aligned, &target)?;
     fmi2::archive::write(&target, &exported.archive).map_err(CommandError::Unwritten)?;
     exported.notes.iter().for_each(|note| say(note));
@@ -40,7 +40,7 @@ pub fn export(path: &Path, common: &Common) -> Result<(), CommandError> {
 }
 
 /// Offset of a pantograph's height as it stands under the wire, m.
-fn aligned_offset(pantograph: &Option<ThirdPartyPantograph>) -> Option<f64> {
+fn aligned_offset(pantograph: &Option<SuppliedPantograph>) -> Option<f64> {
     let outputs = &pantograph.as_ref()?.wiring().outputs;
     outputs
         .iter()

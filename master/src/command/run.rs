@@ -78,7 +78,7 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
 /// without the archive, and makes the scene refer to them.
 fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(), ResultsError> {
     let unpacked = real(unpacked);
-    for side in scene.third_parties_mut() {
+    for side in scene.supplied_sides_mut() {
         let from = real(Path::new(&side.fmu));
         let Ok(inside) = from.strip_prefix(&unpacked) else {
             continue;
@@ -103,7 +103,7 @@ fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(),
 /// The scene with the paths of its FMUs relative to `directory`.
 fn relative_to(scene: &Scene, directory: &Path) -> Scene {
     let mut scene = scene.clone();
-    for side in scene.third_parties_mut() {
+    for side in scene.supplied_sides_mut() {
         side.fmu = relative(Path::new(&side.fmu), directory).display().to_string();
     }
     scene

@@ -6,7 +6,7 @@ use scene::ParameterValue;
 
 use super::{CosimulationError, Role};
 use crate::instance::{self, FmuInstance};
-use crate::third_party::{Typed, typed};
+use crate::suppliers::{Typed, typed};
 
 /// Finds a variable by name among those with the right type and causality.
 pub(super) fn find<'a>(

@@ -102,7 +102,7 @@ pub struct Isolation {
 impl Isolation {
     /// What a scene asks for; `None` where the FMU runs in this process.
     #[must_use]
-    pub fn of(entry: &scene::ThirdParty) -> Option<Self> {
+    pub fn of(entry: &scene::Supplied) -> Option<Self> {
         entry.isolate.then(|| Self {
             time_limit: time_limit(entry),
             environment: entry.environment.clone(),
@@ -112,7 +112,7 @@ impl Isolation {
 
 /// Longest that a call of the FMU may take; a millisecond at least.
 #[must_use]
-pub fn time_limit(entry: &scene::ThirdParty) -> Duration {
+pub fn time_limit(entry: &scene::Supplied) -> Duration {
     Duration::try_from_secs_f64(entry.step_timeout)
         .unwrap_or(Duration::MAX)
         .clamp(Duration::from_millis(1), Duration::from_secs(10 * 365 * 86_400))

@@ -89,7 +89,7 @@ fn every_code_is_its_own_byte() {
 
 #[test]
 fn a_time_limit_is_a_millisecond_at_least() {
-    let entry = |step_timeout, isolate| scene::ThirdParty {
+    let entry = |step_timeout, isolate| scene::Supplied {
         fmu: String::new(),
         isolate,
         step_timeout,

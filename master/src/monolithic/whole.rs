@@ -6,11 +6,11 @@ use catenary::{OnWire, OverheadLine, Slackening, StripContact, adopt_state, foll
 use dynamics::{Constraint, Continuity, Force, Layout, Motion, Stage, State, System};
 use vehicle::PantographModel;
 
-use crate::account::Account;
 use crate::algorithm::Point;
 use crate::interface::{contact, strip};
+use crate::time_shares::Profile;
 
-/// Who visits a contribution, and in an account the part that it then is, unless [`Force::part`] says another.
+/// Who visits a contribution, and in an profile the part that it then is, unless [`Force::part`] says another.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Owner {
     Line,
@@ -42,7 +42,7 @@ pub(super) struct Whole {
     pub contacts: Vec<StripContact>,
     pub slackening: Slackening,
     /// Here except while contributions are visited for it.
-    pub account: Option<Box<Account>>,
+    pub profile: Option<Box<Profile>>,
 }
 
 impl System for Whole {
@@ -52,33 +52,33 @@ impl System for Whole {
 
     fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         let owner = Cell::new(Owner::Line);
-        let Some(mut account) = self.account.take_if(|account| account.looks()) else {
+        let Some(mut profile) = self.profile.take_if(|profile| profile.looks()) else {
             return self.visit_forces(&owner, visit);
         };
         self.visit_forces(&owner, &mut |force| {
-            account.turn_to(owner.get().part(force.part()));
+            profile.turn_to(owner.get().part(force.part()));
             visit(force);
         });
-        account.enter(Stage::Integration);
-        self.account = Some(account);
+        profile.enter(Stage::Integration);
+        self.profile = Some(profile);
     }
 
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
         let owner = Cell::new(Owner::Vehicle);
-        let Some(mut account) = self.account.take_if(|account| account.looks()) else {
+        let Some(mut profile) = self.profile.take_if(|profile| profile.looks()) else {
             return self.visit_constraints(&owner, visit);
         };
         self.visit_constraints(&owner, &mut |constraint| {
-            account.turn_to(owner.get().part(None));
+            profile.turn_to(owner.get().part(None));
             visit(constraint);
         });
-        account.enter(Stage::Integration);
-        self.account = Some(account);
+        profile.enter(Stage::Integration);
+        self.profile = Some(profile);
     }
 
     fn enter(&mut self, stage: Stage) {
-        if let Some(account) = &mut self.account {
-            account.enter(stage);
+        if let Some(profile) = &mut self.profile {
+            profile.enter(stage);
         }
     }
 
@@ -86,8 +86,8 @@ impl System for Whole {
         let continuity = follow_strips(&mut *self.line, &mut self.contacts, &mut self.layout, state, u);
         if continuity != Continuity::Kept {
             self.slackening.restart(self.line.elongations());
-            if let Some(account) = &mut self.account {
-                account.leave_out();
+            if let Some(profile) = &mut self.profile {
+                profile.leave_out();
             }
         }
         continuity
@@ -134,15 +134,15 @@ impl Whole {
 
     /// From here on time goes to `part`.
     pub fn turn_to(&mut self, part: &'static str) {
-        if let Some(account) = &mut self.account {
-            account.turn_to(part);
+        if let Some(profile) = &mut self.profile {
+            profile.turn_to(part);
         }
     }
 
     /// A step has ended, with whatever is done after it.
     pub fn step_done(&mut self) {
-        if let Some(account) = &mut self.account {
-            account.step_done();
+        if let Some(profile) = &mut self.profile {
+            profile.step_done();
         }
     }
 

@@ -64,6 +64,6 @@ impl Open {
     /// Whether it is changed on this mesh.
     #[must_use]
     pub fn is_on(&self, mesh: Mesh) -> bool {
-        mesh == Mesh::ALL[0] || (mesh == Mesh::Cured && self.thesis_mesh_only.is_none())
+        mesh == Mesh::ALL[0] || (mesh == Mesh::Corrected && self.thesis_mesh_only.is_none())
     }
 }

@@ -92,7 +92,7 @@ pub(super) fn published(x: Vec<f64>, y: Vec<f64>, name: &str) -> Trace {
 fn meshes(reproduction: &Reproduction) -> String {
     let elements = |line: &Line| match line.mesh {
         Mesh::Plain(count) => Some(9.0 * count as f64),
-        Mesh::Cured => None,
+        Mesh::Corrected => None,
     };
     let mut traces: Vec<Trace> = Vec::new();
     for (case, colour) in CASES.iter().zip(COLOURS) {
@@ -112,10 +112,13 @@ fn meshes(reproduction: &Reproduction) -> String {
     let converged = reproduction
         .lines
         .iter()
-        .find(|line| line.mesh == Mesh::Cured && line.group == Group::Mesh && line.case.scene == CASES[0].scene)
+        .find(|line| line.mesh == Mesh::Corrected && line.group == Group::Mesh && line.case.scene == CASES[0].scene)
         .and_then(|line| line.row.std);
     let converged = converged.map_or_else(String::new, |std| {
-        format!("<p>Converged, {}: {std:.2} N without wind.</p>\n", Mesh::Cured.name())
+        format!(
+            "<p>Converged, {}: {std:.2} N without wind.</p>\n",
+            Mesh::Corrected.name()
+        )
     });
     let drawn = finished(
         traces,
@@ -238,7 +241,7 @@ fn open(reproduction: &Reproduction, mesh: Mesh) -> String {
     if spreads.is_empty() {
         return String::new();
     }
-    let id = format!("open-{}", if mesh == Mesh::Cured { "cured" } else { "plain" });
+    let id = format!("open-{}", if mesh == Mesh::Corrected { "corrected" } else { "plain" });
     let with = |held: Option<bool>| -> Vec<&str> {
         let of = spreads.iter().filter(|spread| spread.holds_published() == held);
         of.map(|spread| spread.quantity).collect()

@@ -46,8 +46,8 @@ impl Group {
 pub enum Mesh {
     /// Plain elements, so many per dropper interval: nine intervals make a span, so that 1 is the thesis' mesh.
     Plain(usize),
-    /// Eight elements per interval with all cures, at half the thesis' step: converged to one percent of the standard deviation.
-    Cured,
+    /// Eight elements per interval with all corrections, at half the thesis' step: converged to one percent of the standard deviation.
+    Corrected,
 }
 
 impl Mesh {
@@ -57,7 +57,7 @@ impl Mesh {
         Self::Plain(2),
         Self::Plain(4),
         Self::Plain(8),
-        Self::Cured,
+        Self::Corrected,
     ];
 
     /// What it is called.
@@ -65,7 +65,7 @@ impl Mesh {
     pub fn name(self) -> String {
         match self {
             Self::Plain(count) => format!("{} elements per span", 9 * count),
-            Self::Cured => "72 cured elements per span".to_owned(),
+            Self::Corrected => "72 corrected elements per span".to_owned(),
         }
     }
 
@@ -75,11 +75,11 @@ impl Mesh {
         match self {
             Self::Plain(count) => vec![
                 key("catenary.mesh.elements_per_interval", &count.to_string()),
-                key("catenary.mesh.cures", "\"none\""),
+                key("catenary.mesh.corrections", "\"none\""),
             ],
-            Self::Cured => vec![
+            Self::Corrected => vec![
                 key("catenary.mesh.elements_per_interval", "8"),
-                key("catenary.mesh.cures", "\"auto\""),
+                key("catenary.mesh.corrections", "\"auto\""),
                 key("solver.micro_step", "0.0005"),
             ],
         }
@@ -129,8 +129,8 @@ pub fn plan(quick: bool, overrides: &[String]) -> Vec<Planned> {
         run.value = reading.name.to_owned();
         runs.push(run);
     }
-    for mesh in [thesis, Mesh::Cured] {
-        if quick && mesh == Mesh::Cured {
+    for mesh in [thesis, Mesh::Corrected] {
+        if quick && mesh == Mesh::Corrected {
             continue;
         }
         let own = mesh.keys();

@@ -347,7 +347,7 @@ pub const OPEN: &[Open] = &[
         },
         range: "the thesis does not name its integrator; spectral radius at infinity of generalised alpha, 1.0 has no damping",
         thesis_mesh_only: Some(
-            "no physical quantity: it leaves with the step, and the cures of the converged mesh are made for 0.9 and above",
+            "no physical quantity: it leaves with the step, and the corrections of the converged mesh are made for 0.9 and above",
         ),
     },
     Open {

@@ -210,15 +210,19 @@ fn the_keys_of_a_reading_make_the_air_that_it_says() {
 
 #[test]
 fn what_could_not_be_computed_is_said_with_its_reason() {
-    let mut refused = line(Group::Mesh, 1, Mesh::Cured, 0.0, 0.0);
+    let mut refused = line(Group::Mesh, 1, Mesh::Corrected, 0.0, 0.0);
     refused.row = Row {
         status: Some(Status::Refused),
-        reason: "the cure has no meaning here".to_owned(),
+        reason: "the correction has no meaning here".to_owned(),
         ..Row::default()
     };
     let made = reproduction(vec![refused]);
-    assert!(text(&made).contains("the cure has no meaning here"), "{}", text(&made));
-    assert!(page(&made).contains("the cure has no meaning here"));
+    assert!(
+        text(&made).contains("the correction has no meaning here"),
+        "{}",
+        text(&made)
+    );
+    assert!(page(&made).contains("the correction has no meaning here"));
 }
 
 #[test]

@@ -356,7 +356,7 @@ struct Mobility {
 }
 
 impl Mobility {
-    /// Takes the step just made into account.
+    /// Takes the step just made into profile.
     fn update(&mut self, exchange: &Exchange, i: usize, h: f64) {
         let (reached, now, before) = (&exchange.reached, exchange.point(0), exchange.point(1));
         if exchange.known() > 1 {

@@ -13,13 +13,13 @@ use std::time::{Duration, Instant};
 
 use dynamics::StepError;
 
-use crate::account;
 use crate::algorithm::{Algorithm, CouplingError, Exchange, Point, Sides};
 use crate::monolithic::Monolithic;
 use crate::recorder::Recorder;
 use crate::report::Progress;
 use crate::results::{Frame, Record, Share};
 use crate::slave::Work;
+use crate::time_shares;
 
 /// Part of a step by which the duration may miss a whole number of them.
 const ROUNDING: f64 = 1e-9;
@@ -353,7 +353,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
     fn shares(&self, wall: f64) -> Vec<Share> {
         let now = spent(self.stepper.sides);
         let times = now.into_iter().zip(&self.spent_before).enumerate();
-        account::shares(
+        time_shares::shares(
             wall,
             times.filter_map(|(side, (now, before))| {
                 let part = match side {

@@ -9,7 +9,7 @@ use crate::equilibrium::EquilibriumError;
 use crate::monolithic::MonolithicError;
 use crate::package::PackageError;
 use crate::slave::SlaveError;
-use crate::third_party::ThirdPartyError;
+use crate::suppliers::SupplierError;
 
 /// Why a run cannot begin.
 #[derive(Debug, thiserror::Error)]
@@ -24,10 +24,10 @@ pub enum SetupError {
     #[error("the state at t = 0")]
     Equilibrium(#[from] EquilibriumError),
     /// Statics that find no answer, with the keys of the scene to be looked at.
-    #[error("{suspects}")]
+    #[error("{statics_hints}")]
     NoStatics {
         /// Keys with their values.
-        suspects: String,
+        statics_hints: String,
         /// What was not found.
         #[source]
         source: Box<SetupError>,
@@ -62,7 +62,7 @@ pub enum SetupError {
         key: String,
         /// Reason.
         #[source]
-        source: Box<ThirdPartyError>,
+        source: Box<SupplierError>,
     },
     /// An FMU cannot be made.
     #[error(transparent)]
@@ -87,7 +87,7 @@ pub enum SetupError {
     Coupling(#[from] CouplingError),
     /// A side fails before t = 0.
     #[error("while line and pantographs stand still before t = 0")]
-    Standstill(#[source] SlaveError),
+    Settling(#[source] SlaveError),
     /// Somebody asked for an end before the run has begun.
     #[error(
         "interrupted after {t:.3} s of at most {longest} s in which line and pantographs come to rest before t = 0: nothing is written"

@@ -6,7 +6,7 @@ use crate::inprocess::{self, InProcess, of_pantograph};
 use crate::interface;
 use crate::package::{self, Libraries};
 use crate::slave::Slave;
-use crate::third_party::{ThirdPartyLine, ThirdPartyPantograph};
+use crate::suppliers::{SuppliedLine, SuppliedPantograph};
 
 /// Slaves of a coupled run.
 type Slaves = (Box<dyn Slave>, Vec<Box<dyn Slave>>);
@@ -16,16 +16,16 @@ impl Prepared {
     pub(super) fn core_slaves(
         &self,
         supports: &[usize],
-        line: Option<ThirdPartyLine>,
-        third_party: Vec<Option<ThirdPartyPantograph>>,
+        line: Option<SuppliedLine>,
+        supplied: Vec<Option<SuppliedPantograph>>,
     ) -> Result<Slaves, SetupError> {
         let line: Box<dyn Slave> = match line {
             Some(line) => Box::new(line),
             None => Box::new(InProcess::line(&self.scene, supports)?),
         };
         let mut pantographs: Vec<Box<dyn Slave>> = Vec::new();
-        for (index, third_party) in third_party.into_iter().enumerate() {
-            pantographs.push(match third_party {
+        for (index, supplied) in supplied.into_iter().enumerate() {
+            pantographs.push(match supplied {
                 Some(pantograph) => Box::new(pantograph),
                 None => {
                     let refused = |source| SetupError::Pantograph {
@@ -43,11 +43,11 @@ impl Prepared {
     pub(super) fn fmu_slaves(
         &self,
         supports: &[usize],
-        line: Option<ThirdPartyLine>,
-        third_party: Vec<Option<ThirdPartyPantograph>>,
+        line: Option<SuppliedLine>,
+        supplied: Vec<Option<SuppliedPantograph>>,
         source: &FmuSource<'_>,
     ) -> Result<Slaves, SetupError> {
-        let fmus = if line.is_some() && third_party.iter().all(Option::is_some) {
+        let fmus = if line.is_some() && supplied.iter().all(Option::is_some) {
             Vec::new()
         } else {
             let libraries = Libraries::find(source.say)?;
@@ -84,8 +84,8 @@ impl Prepared {
             }
         };
         let mut pantographs: Vec<Box<dyn Slave>> = Vec::new();
-        for (index, third_party) in third_party.into_iter().enumerate() {
-            pantographs.push(match third_party {
+        for (index, supplied) in supplied.into_iter().enumerate() {
+            pantographs.push(match supplied {
                 Some(pantograph) => Box::new(pantograph),
                 None => {
                     let name = format!("pantograph {}", index + 1);

@@ -6,7 +6,7 @@ use std::path::Path;
 use fmi2::archive::{Package, zipped};
 use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, Causality, Kind as VariableKind, ModelDescription, Unit, Variable};
-use scene::{Line, Offset, PantographModel, Scene, ThirdParty};
+use scene::{Line, Offset, PantographModel, Scene, Supplied};
 
 use super::digest::digest_of;
 use super::document::{
@@ -81,7 +81,7 @@ pub fn export(
     };
     let (mut entries, mut notes) = (BTreeMap::new(), Vec::new());
     let mut scene = scene.clone();
-    let take = |name: &str, side: Option<&mut ThirdParty>, entries: &mut BTreeMap<String, Vec<u8>>| {
+    let take = |name: &str, side: Option<&mut Supplied>, entries: &mut BTreeMap<String, Vec<u8>>| {
         let file = format!("{name}.fmu");
         let target = format!("resources/{file}");
         let model = match side {
@@ -112,7 +112,7 @@ pub fn export(
     let strips = scene.pantographs.len();
     let line = match &mut scene.catenary {
         Line::Modelled(_) => Side::own_line(take("Catenary", None, &mut entries)?, strips),
-        Line::ThirdParty(side) => {
+        Line::Supplied(side) => {
             let model = take("Catenary", Some(side), &mut entries)?;
             Side::foreign_line(model, side)
         }
@@ -121,7 +121,7 @@ pub fn export(
     for (index, pantograph) in scene.pantographs.iter_mut().enumerate() {
         let name = crate::package::pantograph_file(index).replace(".fmu", "");
         pantographs.push(match &mut pantograph.model {
-            PantographModel::ThirdParty(side) => {
+            PantographModel::Supplied(side) => {
                 let model = take(&name, Some(side), &mut entries)?;
                 Side::foreign_pantograph(name, model, side, aligned.get(index).copied().flatten())
             }
@@ -241,7 +241,7 @@ impl Side {
         }
     }
 
-    fn foreign_line(model: ModelDescription, side: &ThirdParty) -> Self {
+    fn foreign_line(model: ModelDescription, side: &Supplied) -> Self {
         let outputs: BTreeMap<String, Tap> = side
             .outputs
             .iter()
@@ -278,7 +278,7 @@ impl Side {
         }
     }
 
-    fn foreign_pantograph(name: String, model: ModelDescription, side: &ThirdParty, aligned: Option<f64>) -> Self {
+    fn foreign_pantograph(name: String, model: ModelDescription, side: &Supplied, aligned: Option<f64>) -> Self {
         let ours = |theirs: &str| {
             match theirs {
                 "height" => "z",

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, Causality};
-use scene::{Offset, ParameterValue, STEP_TIMEOUT, ThirdParty};
+use scene::{Offset, ParameterValue, STEP_TIMEOUT, Supplied};
 
 use super::SspError;
 use super::document::{Component, Description, Linear};
@@ -17,9 +17,9 @@ use crate::interface::contact;
 
 /// A system as a line and pantographs.
 pub(super) struct Foreign {
-    pub line: ThirdParty,
+    pub line: Supplied,
     /// With x of their strips at the start where it is known, m; the first one leads.
-    pub pantographs: Vec<(Option<f64>, ThirdParty)>,
+    pub pantographs: Vec<(Option<f64>, Supplied)>,
     /// m/s, where it is known.
     pub speed: Option<f64>,
 }
@@ -86,8 +86,8 @@ impl Foreign {
 }
 
 /// An FMU that nothing is said about yet.
-fn unwired(fmu: String) -> ThirdParty {
-    ThirdParty {
+fn unwired(fmu: String) -> Supplied {
+    Supplied {
         fmu,
         isolate: false,
         step_timeout: STEP_TIMEOUT,
@@ -108,7 +108,7 @@ struct Place {
 }
 
 /// The pantographs, the first one leads where all places are known, and their speed in m/s.
-fn places(fmus: &[Fmu], sides: &[ThirdParty], flows: &[Flow], line: usize) -> (Vec<Place>, Option<f64>) {
+fn places(fmus: &[Fmu], sides: &[Supplied], flows: &[Flow], line: usize) -> (Vec<Place>, Option<f64>) {
     // Start values: set in the system, else those of the FMU.
     let number = |component: usize, name: &str| match sides[component].parameters.get(name) {
         Some(ParameterValue::Number(number)) => Some(*number),
@@ -149,8 +149,8 @@ struct Pair<'a> {
     component: &'a Component,
     /// Number of the pantograph, from 1.
     i: usize,
-    line: &'a mut ThirdParty,
-    pantograph: ThirdParty,
+    line: &'a mut Supplied,
+    pantograph: Supplied,
 }
 
 impl Pair<'_> {

@@ -3,7 +3,7 @@ use std::path::{Path, PathBuf};
 
 use fmi2::archive::{Package, write as write_archive, zipped};
 use fmi2::model_description::{ModelDescription, Variable};
-use scene::{Line, Offset, PantographModel, ParameterValue, Scene, ThirdParty};
+use scene::{Line, Offset, PantographModel, ParameterValue, Scene, Supplied};
 use tempfile::TempDir;
 
 use super::*;
@@ -145,9 +145,9 @@ fn refusal(body: &str) -> String {
     }
 }
 
-fn pantograph(scene: &Scene) -> &ThirdParty {
+fn pantograph(scene: &Scene) -> &Supplied {
     match &scene.pantographs[0].model {
-        PantographModel::ThirdParty(side) => side,
+        PantographModel::Supplied(side) => side,
         other => panic!("{other:?}"),
     }
 }
@@ -159,7 +159,7 @@ fn a_system_of_another_tool_becomes_a_scene() {
     assert_eq!(scene.title, "Somebody's \"line\"");
     assert_eq!((scene.run.duration, scene.run.start_x), (4.0, 10.0));
     assert!((scene.run.speed - 50.0).abs() < 1e-12, "180 km/h: {}", scene.run.speed);
-    let Line::ThirdParty(line) = &scene.catenary else {
+    let Line::Supplied(line) = &scene.catenary else {
         panic!("the line is somebody else's")
     };
     assert_eq!(
@@ -331,7 +331,7 @@ fn two_pantographs_are_ordered_by_where_they_start() {
     let scene = import(&path, &["run.speed_kmh=250".to_owned()]).unwrap().scene;
     assert_eq!((scene.run.start_x, scene.pantographs[1].offset_x), (120.0, -100.0));
     assert_eq!(pantograph(&scene).fmu, "Front.fmu");
-    let Line::ThirdParty(line) = &scene.catenary else {
+    let Line::Supplied(line) = &scene.catenary else {
         panic!("the line is somebody else's")
     };
     // The leading pantograph is the line's second strip.

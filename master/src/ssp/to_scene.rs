@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use scene::{Evaluate, Line, Offset, Pantograph, PantographModel, ParameterValue, Scene, ThirdParty};
+use scene::{Evaluate, Line, Offset, Pantograph, PantographModel, ParameterValue, Scene, Supplied};
 
 use super::SspError;
 use super::document::{Description, Own};
@@ -29,7 +29,7 @@ impl Foreign {
             from: from.min(scene.run.duration),
             to: to.min(scene.run.duration),
         };
-        scene.catenary = Line::ThirdParty(self.line);
+        scene.catenary = Line::Supplied(self.line);
         scene.contact = None;
         let first = self.pantographs[0].0;
         if let Some(x) = first {
@@ -43,7 +43,7 @@ impl Foreign {
             .into_iter()
             .map(|(x, side)| Pantograph {
                 offset_x: x.zip(first).map_or(0.0, |(x, first)| x - first),
-                model: PantographModel::ThirdParty(side),
+                model: PantographModel::Supplied(side),
                 start: None,
             })
             .collect();
@@ -69,13 +69,13 @@ impl Foreign {
             let _ = writeln!(out, "start_x = {x:?}");
         }
         out.push_str("initialise = \"as_given\"\n\n[catenary]\n");
-        third_party(&mut out, &self.line);
+        supplied(&mut out, &self.line);
         for (x, side) in &self.pantographs {
             out.push_str("\n[[pantograph]]\n");
             if let (Some(x), Some(first)) = (x, first) {
                 let _ = writeln!(out, "offset_x = {:?}", x - first);
             }
-            third_party(&mut out, side);
+            supplied(&mut out, side);
         }
         out
     }
@@ -101,7 +101,7 @@ fn quoted(text: &str) -> String {
 }
 
 /// The keys of `[catenary]` or `[[pantograph]]` with an FMU.
-fn third_party(out: &mut String, side: &ThirdParty) {
+fn supplied(out: &mut String, side: &Supplied) {
     let _ = writeln!(out, "fmu = {}", quoted(&side.fmu));
     let parameters: Vec<String> = side
         .parameters

@@ -291,7 +291,7 @@ fn theory(scene: &Scene, way: &Way, row: &Row) -> Figures {
                 let head = linkage.bodies.iter().find(|body| body.name == linkage.strip.body);
                 head.map(|body| body.mass)
             }
-            scene::PantographModel::ThirdParty(_) => None,
+            scene::PantographModel::Supplied(_) => None,
         });
     let omega = head
         .zip(scene.contact)

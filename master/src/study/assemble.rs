@@ -219,12 +219,12 @@ fn asked_for(script: &Script, planned: &Planned, mut row: Row) -> Row {
     if planned.scene.is_some() {
         return row;
     }
-    if let (Mesh::Of { division, cures }, Some((line, _))) = (&recipe.mesh, script.ground.scene.modelled_line()) {
+    if let (Mesh::Of { division, corrections }, Some((line, _))) = (&recipe.mesh, script.ground.scene.modelled_line()) {
         row.divide(line, *division);
-        row.mesh = if cures.is_empty() {
+        row.mesh = if corrections.is_empty() {
             "plain".to_owned()
         } else {
-            cures.join("+")
+            corrections.join("+")
         };
     }
     row.micro_step = Some(recipe.micro_step);

@@ -448,7 +448,7 @@ fn work(runner: &Runner<'_>, job: &Job) -> Result<Option<Done>, StudyError> {
             let found = refine(ground, options, family, discretisation, &mut one)?;
             let Some(found) = found else { return Ok(None) };
             let instead = found.levels.is_empty() && family != Family::Nonlinear;
-            if instead && discretisation == Discretisation::Cured {
+            if instead && discretisation == Discretisation::Corrected {
                 let plain = refine(ground, options, family, Discretisation::Plain, &mut one)?;
                 return Ok(plain.map(Done::Refined));
             }

@@ -92,7 +92,7 @@ pub enum Sweep {
     Reference,
     /// What the scene says itself.
     Scene,
-    /// Elements per dropper interval and cures.
+    /// Elements per dropper interval and corrections.
     Mesh,
     /// Micro step.
     MicroStep,
@@ -233,7 +233,7 @@ impl Runs<'_> {
 #[must_use]
 pub fn base(ground: &Ground) -> Recipe {
     Recipe {
-        mesh: ground.cured(ground.elements),
+        mesh: ground.corrected(ground.elements),
         micro_step: ground.micro_step,
         rho_inf: ground.scene.solver.rho_inf,
         newton_tolerance: ground.scene.solver.newton_tolerance,
@@ -298,9 +298,12 @@ fn scene(runs: &mut Runs<'_>) {
     }
 }
 
-/// Whether there is a mesh without cures beside the cured one.
+/// Whether there is a mesh without corrections beside the corrected one.
 fn both(ground: &Ground) -> bool {
-    ground.cures.as_ref().is_some_and(|cures| !cures.is_empty())
+    ground
+        .corrections
+        .as_ref()
+        .is_some_and(|corrections| !corrections.is_empty())
 }
 
 fn mesh(runs: &mut Runs<'_>, options: &Options) {
@@ -310,20 +313,20 @@ fn mesh(runs: &mut Runs<'_>, options: &Options) {
     }
     let with = |mesh: Mesh| Recipe { mesh, ..base(ground) };
     for &elements in &options.elements {
-        runs.add(with(ground.cured(elements)), Sweep::Mesh);
+        runs.add(with(ground.corrected(elements)), Sweep::Mesh);
         runs.add(with(ground.mesh(elements, Vec::new())), Sweep::Mesh);
     }
-    let cures = ground.cures.clone().unwrap_or_default();
-    if options.quick || cures.len() < 2 {
+    let corrections = ground.corrections.clone().unwrap_or_default();
+    if options.quick || corrections.len() < 2 {
         return;
     }
-    // Each cure alone, and all but one.
-    for index in 0..cures.len() {
+    // Each correction alone, and all but one.
+    for index in 0..corrections.len() {
         runs.add(
-            with(ground.mesh(ground.elements, vec![cures[index].clone()])),
+            with(ground.mesh(ground.elements, vec![corrections[index].clone()])),
             Sweep::Mesh,
         );
-        let mut others = cures.clone();
+        let mut others = corrections.clone();
         others.remove(index);
         runs.add(with(ground.mesh(ground.elements, others)), Sweep::Mesh);
     }
@@ -338,7 +341,7 @@ fn micro_step(runs: &mut Runs<'_>, options: &Options) {
             exchange: ground.plain_exchange(micro_step),
             ..base(ground)
         };
-        runs.add(with(ground.cured(ground.elements)), Sweep::MicroStep);
+        runs.add(with(ground.corrected(ground.elements)), Sweep::MicroStep);
         if both(ground) {
             runs.add(with(ground.mesh(ground.elements, Vec::new())), Sweep::MicroStep);
         }
@@ -383,21 +386,21 @@ fn coupling(runs: &mut Runs<'_>, options: &Options) {
     }
 }
 
-/// All on one mesh: with those cures that go with every one of them.
+/// All on one mesh: with those corrections that go with every one of them.
 fn rho_inf(runs: &mut Runs<'_>, options: &Options) {
     let ground = runs.ground;
-    let with = |cures: &[String], rho_inf: f64| Recipe {
-        mesh: ground.mesh(ground.elements, cures.to_vec()),
+    let with = |corrections: &[String], rho_inf: f64| Recipe {
+        mesh: ground.mesh(ground.elements, corrections.to_vec()),
         rho_inf,
         ..base(ground)
     };
-    let goes = |cures: &Vec<String>| {
+    let goes = |corrections: &Vec<String>| {
         let mut all = options.rho_inf.iter();
-        all.all(|rho_inf| ground.takes(&ground.variant(&with(cures, *rho_inf)).overrides))
+        all.all(|rho_inf| ground.takes(&ground.variant(&with(corrections, *rho_inf)).overrides))
     };
-    let cures = ground.cure_sets().into_iter().find(goes).unwrap_or_default();
+    let corrections = ground.correction_sets().into_iter().find(goes).unwrap_or_default();
     for &rho_inf in &options.rho_inf {
-        runs.add(with(&cures, rho_inf), Sweep::RhoInf);
+        runs.add(with(&corrections, rho_inf), Sweep::RhoInf);
     }
 }
 
@@ -508,11 +511,11 @@ fn ladder(runs: &mut Runs<'_>, options: &Options) {
         return;
     }
     let rungs = if options.quick { &SHORT_LADDER[..] } else { &LADDER[..] };
-    let recipe = |(elements, micro_step): (usize, f64), cures: &[String], reductions: &[String]| {
+    let recipe = |(elements, micro_step): (usize, f64), corrections: &[String], reductions: &[String]| {
         let elements = (ground.elements * elements).div_ceil(8).max(1);
         let micro_step = 0.125 * micro_step * ground.micro_step;
         Recipe {
-            mesh: ground.even_mesh(elements, cures.to_vec()),
+            mesh: ground.even_mesh(elements, corrections.to_vec()),
             micro_step,
             reductions: reductions.to_vec(),
             exchange: ground.plain_exchange(micro_step),
@@ -520,7 +523,7 @@ fn ladder(runs: &mut Runs<'_>, options: &Options) {
             ..base(ground)
         }
     };
-    let cures = ground.cures.clone().unwrap_or_default();
+    let corrections = ground.corrections.clone().unwrap_or_default();
     let classes: [&[&str]; 4] = [&[], &["window"], &["linearised"], &["linearised", "window"]];
     for names in classes {
         let reductions = ground.with(names);
@@ -528,7 +531,7 @@ fn ladder(runs: &mut Runs<'_>, options: &Options) {
             continue;
         }
         for &rung in rungs {
-            runs.add(recipe(rung, &cures, &reductions), Sweep::Ladder);
+            runs.add(recipe(rung, &corrections, &reductions), Sweep::Ladder);
         }
     }
     if both(ground) && !options.quick {

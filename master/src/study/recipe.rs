@@ -10,7 +10,7 @@ use crate::monolithic::Monolithic;
 use crate::simulation::{Mode, Prepared};
 use crate::table_of_runs::{AUTO, Keys, Variant};
 
-/// Cures of the mesh that a scene may name, best set first; the first one that the scene takes is called cured here.
+/// Corrections of the mesh that a scene may name, best set first; the first one that the scene takes is called corrected here.
 /// Those without the contact's compliance are for strips that are held on the wire or as fast as its waves.
 const CURES: [&[&str]; 7] = [
     &["contact_compliance", "bending_layers", "mass_correction"],
@@ -117,8 +117,8 @@ pub enum Mesh {
     Of {
         /// Elements between neighbouring droppers or supports.
         division: Division,
-        /// Cures by name; none is the plain mesh.
-        cures: Vec<String>,
+        /// Corrections by name; none is the plain mesh.
+        corrections: Vec<String>,
     },
 }
 
@@ -159,8 +159,8 @@ pub struct Ground {
     pub meshed: bool,
     /// Whether line and pantographs can be one system.
     pub one_system: bool,
-    /// Cures that the scene takes, all together; `None` where it knows no such key.
-    pub cures: Option<Vec<String>>,
+    /// Corrections that the scene takes, all together; `None` where it knows no such key.
+    pub corrections: Option<Vec<String>>,
     /// Reductions that the scene has and that belong to every run: those that do not change the model.
     pub reductions: Vec<String>,
     /// The scene's own coupling.
@@ -193,7 +193,7 @@ impl Ground {
             name: prepared.name.clone(),
             meshed: line.is_some(),
             one_system: Monolithic::can(&scene),
-            cures: None,
+            corrections: None,
             reductions: reductions
                 .filter(|name| !APPROXIMATE.contains(&name.as_str()))
                 .collect(),
@@ -210,7 +210,7 @@ impl Ground {
             let found = standings(&ground.scene, ground.micro_step);
             (ground.standings, ground.left_out) = (found.all, found.left_out);
         }
-        ground.cures = ground.accepted_cures();
+        ground.corrections = ground.accepted_corrections();
         ground
     }
 
@@ -227,15 +227,15 @@ impl Ground {
         other.unwrap_or_else(|| own_name(&self.scene))
     }
 
-    fn accepted_cures(&self) -> Option<Vec<String>> {
+    fn accepted_corrections(&self) -> Option<Vec<String>> {
         if !self.meshed {
             return None;
         }
         let found = self
-            .cure_sets()
+            .correction_sets()
             .into_iter()
-            .find(|cures| self.takes(&self.at_base(cures_key(cures))));
-        found.or_else(|| self.takes(&self.at_base(cures_key(&[]))).then(Vec::new))
+            .find(|corrections| self.takes(&self.at_base(corrections_key(corrections))));
+        found.or_else(|| self.takes(&self.at_base(corrections_key(&[]))).then(Vec::new))
     }
 
     /// A key beside the mesh and the step of the base case, which the scene's own may not go with.
@@ -244,10 +244,10 @@ impl Ground {
         vec![mesh, format!("solver.micro_step={:?}", self.micro_step), key]
     }
 
-    /// Sets of cures that go together, best first.
+    /// Sets of corrections that go together, best first.
     #[must_use]
-    pub fn cure_sets(&self) -> Vec<Vec<String>> {
-        let names = |cures: &&[&str]| cures.iter().map(|cure| (*cure).to_owned()).collect();
+    pub fn correction_sets(&self) -> Vec<Vec<String>> {
+        let names = |corrections: &&[&str]| corrections.iter().map(|correction| (*correction).to_owned()).collect();
         CURES.iter().map(names).collect()
     }
 
@@ -282,29 +282,29 @@ impl Ground {
         if planar { vec!["planar".to_owned()] } else { Vec::new() }
     }
 
-    /// The mesh with all cures that the scene takes.
+    /// The mesh with all corrections that the scene takes.
     #[must_use]
-    pub fn cured(&self, elements: usize) -> Mesh {
-        self.mesh(elements, self.cures.clone().unwrap_or_default())
+    pub fn corrected(&self, elements: usize) -> Mesh {
+        self.mesh(elements, self.corrections.clone().unwrap_or_default())
     }
 
-    /// A mesh with as many elements in each dropper interval, and some cures.
+    /// A mesh with as many elements in each dropper interval, and some corrections.
     #[must_use]
-    pub fn mesh(&self, elements: usize, cures: Vec<String>) -> Mesh {
+    pub fn mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
         if self.meshed {
             let division = Division::PerInterval(elements);
-            Mesh::Of { division, cures }
+            Mesh::Of { division, corrections }
         } else {
             Mesh::Scene
         }
     }
 
-    /// A mesh with the fewest elements that are as short as those of so many in the longest dropper interval, and some cures.
+    /// A mesh with the fewest elements that are as short as those of so many in the longest dropper interval, and some corrections.
     #[must_use]
-    pub fn even_mesh(&self, elements: usize, cures: Vec<String>) -> Mesh {
+    pub fn even_mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
         self.scene.modelled_line().map_or(Mesh::Scene, |(line, _)| Mesh::Of {
             division: line.evenly_divided(elements),
-            cures,
+            corrections,
         })
     }
 
@@ -325,10 +325,10 @@ impl Ground {
     #[must_use]
     pub fn variant(&self, recipe: &Recipe) -> Variant {
         let mut keys = Vec::new();
-        if let (Mesh::Of { division, cures }, true) = (&recipe.mesh, self.meshed) {
+        if let (Mesh::Of { division, corrections }, true) = (&recipe.mesh, self.meshed) {
             keys.push(division_key(*division));
-            if self.cures.is_some() || !cures.is_empty() {
-                keys.push(cures_key(cures));
+            if self.corrections.is_some() || !corrections.is_empty() {
+                keys.push(corrections_key(corrections));
             }
         }
         if self.meshed {
@@ -373,7 +373,7 @@ impl Ground {
         }
     }
 
-    /// Work of a recipe: coordinates times micro steps, roughly; repeated steps and constant matrices taken into account.
+    /// Work of a recipe: coordinates times micro steps, roughly; repeated steps and constant matrices taken into profile.
     #[must_use]
     pub fn work(&self, recipe: &Recipe) -> f64 {
         let has = |name: &str| recipe.reductions.iter().any(|reduction| reduction == name);
@@ -442,11 +442,11 @@ fn division_key(division: Division) -> String {
     }
 }
 
-fn cures_key(cures: &[String]) -> String {
-    if cures.is_empty() {
-        "catenary.mesh.cures=none".to_owned()
+fn corrections_key(corrections: &[String]) -> String {
+    if corrections.is_empty() {
+        "catenary.mesh.corrections=none".to_owned()
     } else {
-        format!("catenary.mesh.cures={}", list(cures))
+        format!("catenary.mesh.corrections={}", list(corrections))
     }
 }
 
@@ -492,7 +492,7 @@ pub fn identity(scene: &Scene, base: &Path) -> String {
     let mut scene = scene.clone();
     // A file that cannot be read stops the run that it is for, with a message.
     let hashed = |path: &mut String| *path = hash(&std::fs::read(base.join(&*path)).unwrap_or_default());
-    scene.third_parties_mut().for_each(|side| hashed(&mut side.fmu));
+    scene.supplied_sides_mut().for_each(|side| hashed(&mut side.fmu));
     scene.unread_files_mut().into_iter().for_each(|(_, path)| hashed(path));
     let text = scene.to_toml();
     let kept: Vec<&str> = entries(&text)
@@ -507,7 +507,7 @@ pub fn identity(scene: &Scene, base: &Path) -> String {
 #[must_use]
 pub fn settings(text: &str, coupled: bool) -> String {
     let held = |&(table, key, line): &(&str, &str, &str)| match table {
-        "[catenary.mesh]" => !["elements_per_interval", "element_length", "cures"].contains(&key),
+        "[catenary.mesh]" => !["elements_per_interval", "element_length", "corrections"].contains(&key),
         "[solver]" => !["micro_step", "rho_inf", "newton_tolerance"].contains(&key),
         // A step that is controlled is none of a recipe's.
         "[coupling]" if key == "macro_step" => coupled && line.contains('{'),

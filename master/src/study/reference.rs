@@ -19,8 +19,8 @@ pub type Run<'a> = dyn FnMut(&Planned) -> Result<Option<Arc<Attempt>>, StudyErro
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Discretisation {
-    /// Elements with all cures that the scene takes.
-    Cured,
+    /// Elements with all corrections that the scene takes.
+    Corrected,
     /// Elements alone.
     Plain,
 }
@@ -30,7 +30,7 @@ impl Discretisation {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Cured => "cured",
+            Self::Corrected => "corrected",
             Self::Plain => "plain",
         }
     }
@@ -72,8 +72,11 @@ impl Refinement {
 
 /// Level `number` (from 0) of a refinement.
 fn level(ground: &Ground, family: Family, discretisation: Discretisation, number: u32) -> Planned {
-    // Plain elements begin where cured ones have their second level.
-    let both = ground.cures.as_ref().is_some_and(|cures| !cures.is_empty());
+    // Plain elements begin where corrected ones have their second level.
+    let both = ground
+        .corrections
+        .as_ref()
+        .is_some_and(|corrections| !corrections.is_empty());
     let ahead = u32::from(discretisation == Discretisation::Plain && both);
     let elements = ground.elements << (number + ahead);
     let micro_step = 0.5 * ground.micro_step / f64::from(1_u32 << number);
@@ -82,7 +85,7 @@ fn level(ground: &Ground, family: Family, discretisation: Discretisation, number
         reductions.push(family.name().to_owned());
     }
     let mesh: Mesh = match discretisation {
-        Discretisation::Cured => ground.cured(elements),
+        Discretisation::Corrected => ground.corrected(elements),
         Discretisation::Plain => ground.mesh(elements, Vec::new()),
     };
     let recipe = Recipe {
@@ -169,11 +172,14 @@ pub fn refine(
 /// Refinements that a study needs for its families.
 #[must_use]
 pub fn wanted(ground: &Ground, families: &[Family]) -> Vec<(Family, Discretisation)> {
-    let both = ground.cures.as_ref().is_some_and(|cures| !cures.is_empty());
+    let both = ground
+        .corrections
+        .as_ref()
+        .is_some_and(|corrections| !corrections.is_empty());
     let mut all = Vec::new();
     for &family in families {
         if both {
-            all.push((family, Discretisation::Cured));
+            all.push((family, Discretisation::Corrected));
         }
         // Two discretisations confirm each other; for the reduced models one is enough, unless it cannot run.
         if !both || family == Family::Nonlinear {

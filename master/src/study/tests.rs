@@ -411,7 +411,11 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
             "catenary.mesh.elements_per_interval={}",
             truth.row.elements_per_span.unwrap() / 3
         ),
-        format!("catenary.mesh.cures=[\"{}\"]", truth.row.mesh.replace('+', "\", \"")).replace("[\"plain\"]", "none"),
+        format!(
+            "catenary.mesh.corrections=[\"{}\"]",
+            truth.row.mesh.replace('+', "\", \"")
+        )
+        .replace("[\"plain\"]", "none"),
         format!("solver.micro_step={:?}", truth.row.micro_step.unwrap()),
     ];
     let said = standing(&short(&finest.each_ref().map(String::as_str)), Mode::Monolithic).unwrap();
@@ -504,7 +508,7 @@ fn strips_held_on_the_wire_are_studied_as_one_system() {
     let script = scripted(scene, options);
     assert!(script.planned.iter().all(|run| run.variant.mode == Mode::Monolithic));
     assert_eq!(
-        script.ground.cures.as_deref(),
+        script.ground.corrections.as_deref(),
         Some(&["bending_layers", "mass_correction"].map(str::to_owned)[..])
     );
     let folder = tempfile::tempdir().unwrap();

@@ -161,7 +161,7 @@ fn vehicles(study: &Study) -> String {
     format!("\n{}\n", aligned(&rows))
 }
 
-/// Names of cures by their initials, for narrow tables: `contact_compliance+bending_layers` is `cc+bl`.
+/// Names of corrections by their initials, for narrow tables: `contact_compliance+bending_layers` is `cc+bl`.
 pub(super) fn shortened(mesh: &str) -> String {
     let initials = |name: &str| -> String { name.split('_').filter_map(|word| word.chars().next()).collect() };
     let parts = mesh.split('+').map(|name| {

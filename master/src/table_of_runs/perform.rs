@@ -13,7 +13,7 @@ use crate::isolation::IsolationError;
 use crate::results::{Summary, WindRecord};
 use crate::run::Watch;
 use crate::simulation::{FmuSource, Mode, SetupError, prepare};
-use crate::third_party::ThirdPartyError;
+use crate::suppliers::SupplierError;
 
 /// What all runs of a table have in common.
 pub struct Stage<'a> {
@@ -205,7 +205,7 @@ fn lost_a_process(error: &(dyn Error + 'static)) -> bool {
         Some(held)
     } else if let Some(CosimulationError::Isolation(held)) = error.downcast_ref() {
         Some(held)
-    } else if let Some(ThirdPartyError::Fmu(held)) = error.downcast_ref() {
+    } else if let Some(SupplierError::Fmu(held)) = error.downcast_ref() {
         Some(held)
     } else {
         match error.downcast_ref() {
@@ -297,11 +297,11 @@ mod tests {
         };
         let wired = |error: IsolationError| SetupError::Wiring {
             key: "pantograph[1]".to_owned(),
-            source: Box::new(ThirdPartyError::Fmu(CosimulationError::Isolation(error))),
+            source: Box::new(SupplierError::Fmu(CosimulationError::Isolation(error))),
         };
         let ways: [fn(SlaveError) -> Box<dyn Error>; 3] = [
             |error| Box::new(Failure::Coupling(CouplingError::Slave(error))),
-            |error| Box::new(SetupError::Standstill(error)),
+            |error| Box::new(SetupError::Settling(error)),
             |error| Box::new(SetupError::Cosimulation(CosimulationError::Slave(error))),
         ];
         for way in ways {

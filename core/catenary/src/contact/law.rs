@@ -1,5 +1,5 @@
 //! The penalty law.
-use crate::at_start::one_way_force;
+use crate::unilateral::unilateral_force;
 
 /// Unilateral penalty law between contact wire and collector strip.
 ///
@@ -7,7 +7,7 @@ use crate::at_start::one_way_force;
 /// F = max(0, k δ + φ d δ̇)                                          [Thesis, Eq. (17), with φ = 1 for δ > 0, else 0]
 /// ```
 ///
-/// `φ` is the part of a time step in which the contact is closed, see [`crate::OneWayStep`]: 1 in a step that begins closed.
+/// `φ` is the part of a time step in which the contact is closed, see [`crate::UnilateralStep`]: 1 in a step that begins closed.
 /// The thesis' Eq. (17) holds both normals of the wire with the bilateral spring; here only the common normal of wire and
 /// strip carries a force and it never pulls, so that contact can be lost and, with stagger, the wire slides along the strip.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ impl PenaltyContact {
     /// `penetration` in m is positive when the strip overlaps the wire; `penetration_rate` is its time derivative in m/s.
     #[must_use]
     pub fn normal_force(&self, part: f64, penetration: f64, penetration_rate: f64) -> f64 {
-        one_way_force((self.stiffness, self.damping), part, penetration, penetration_rate)
+        unilateral_force((self.stiffness, self.damping), part, penetration, penetration_rate)
     }
 
     /// Slopes `(∂F/∂δ, ∂F/∂δ̇)` of the closed contact in series with a part that leaves it the `share` of the penetration, see
@@ -45,36 +45,36 @@ impl PenaltyContact {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{AtStart, OneWayStep};
+    use crate::{UnilateralStart, UnilateralStep};
 
     const LAW: PenaltyContact = PenaltyContact {
         stiffness: 5e4,
         damping: 200.0,
     };
     const H: f64 = 1e-3;
-    const OPEN: AtStart = AtStart::At(-1e-4);
-    const CLOSED: AtStart = AtStart::At(1e-4);
+    const OPEN: UnilateralStart = UnilateralStart::At(-1e-4);
+    const CLOSED: UnilateralStart = UnilateralStart::At(1e-4);
 
-    /// At the end of a step of [`H`] that began `at_start`.
-    fn force_of(at_start: AtStart, penetration: f64, penetration_rate: f64) -> f64 {
-        let step = OneWayStep::new(at_start, 0.5 * H);
+    /// At the end of a step of [`H`] that began `start_closure`.
+    fn force_of(start_closure: UnilateralStart, penetration: f64, penetration_rate: f64) -> f64 {
+        let step = UnilateralStep::new(start_closure, 0.5 * H);
         let (part, _) = step.closed_part(step.ahead(penetration, penetration_rate), penetration_rate);
         LAW.normal_force(part, penetration, penetration_rate)
     }
 
     #[test]
     fn what_ends_apart_half_a_step_ahead_exerts_no_force_however_fast_it_closes() {
-        for at_start in [AtStart::Unknown, OPEN, AtStart::APART] {
-            assert_eq!(force_of(at_start, -0.5 * H * 10.0, 10.0), 0.0);
-            assert_eq!(force_of(at_start, -1e-9, -10.0), 0.0);
+        for start_closure in [UnilateralStart::Unknown, OPEN, UnilateralStart::APART] {
+            assert_eq!(force_of(start_closure, -0.5 * H * 10.0, 10.0), 0.0);
+            assert_eq!(force_of(start_closure, -1e-9, -10.0), 0.0);
         }
         assert_eq!(LAW.energy(-1e-3), 0.0);
     }
 
     #[test]
     fn damping_never_turns_compression_into_tension() {
-        for at_start in [AtStart::Unknown, OPEN, CLOSED] {
-            assert_eq!(force_of(at_start, 1e-3, -1.0), 0.0);
+        for start_closure in [UnilateralStart::Unknown, OPEN, CLOSED] {
+            assert_eq!(force_of(start_closure, 1e-3, -1.0), 0.0);
         }
         assert_eq!(force_of(CLOSED, -1e-3, 0.1), 0.0);
     }
@@ -83,36 +83,42 @@ mod tests {
     fn a_closed_contact_is_a_spring_with_a_damper_that_acts_for_the_part_of_a_step_in_which_it_is_closed() {
         // 5e4 N/m * 1 mm + 200 N s/m * 0.1 m/s
         assert_eq!(force_of(CLOSED, 1e-3, 0.1), 70.0);
-        assert_eq!(force_of(AtStart::Unknown, 1e-3, 0.1), 70.0);
-        assert_eq!(force_of(AtStart::At(0.0), 1e-3, 0.1), 70.0);
-        assert_eq!(force_of(AtStart::At(0.0), 1e-3, -0.1), 30.0);
+        assert_eq!(force_of(UnilateralStart::Unknown, 1e-3, 0.1), 70.0);
+        assert_eq!(force_of(UnilateralStart::At(0.0), 1e-3, 0.1), 70.0);
+        assert_eq!(force_of(UnilateralStart::At(0.0), 1e-3, -0.1), 30.0);
         // A quarter of the way half a step ahead: 4e-4 m of 1e-4 + 0.5 ms * 0.1 m/s + 4.5e-4 m.
-        let quarter = force_of(AtStart::At(-4.5e-4), 1e-4, 0.1);
+        let quarter = force_of(UnilateralStart::At(-4.5e-4), 1e-4, 0.1);
         assert!(
             (quarter - (5.0 + 0.25 * 20.0)).abs() < 1e-12,
             "rounding of 10 N: {quarter}"
         );
         // What moves apart again is under the whole damper.
-        assert_eq!(force_of(AtStart::At(-4.5e-4), 1e-3, -0.1), 30.0);
+        assert_eq!(force_of(UnilateralStart::At(-4.5e-4), 1e-3, -0.1), 30.0);
         // Denormal numbers at most are left of the damper.
-        assert!((force_of(AtStart::APART, 1e-3, 0.1) - 50.0).abs() < 1e-12);
+        assert!((force_of(UnilateralStart::APART, 1e-3, 0.1) - 50.0).abs() < 1e-12);
     }
 
     /// Along a step of `h`, `δ̇ = A + 2 δ/h` (trapezoid).
     #[test]
     fn along_a_step_the_force_neither_jumps_nor_falls() {
-        for at_start in [OPEN, CLOSED, AtStart::At(-1e-9), AtStart::At(0.0), AtStart::APART] {
+        for start_closure in [
+            OPEN,
+            CLOSED,
+            UnilateralStart::At(-1e-9),
+            UnilateralStart::At(0.0),
+            UnilateralStart::APART,
+        ] {
             for offset in [-1.0, -0.1, 0.0, 0.1, 1.0] {
-                let force = |penetration: f64| force_of(at_start, penetration, offset + 2.0 * penetration / H);
+                let force = |penetration: f64| force_of(start_closure, penetration, offset + 2.0 * penetration / H);
                 let step = 1e-9;
                 let forces: Vec<f64> = (-600_000..600_000).map(|i| force(f64::from(i) * step)).collect();
-                let name = format!("{at_start:?}, {offset} m/s");
+                let name = format!("{start_closure:?}, {offset} m/s");
                 assert!(
                     forces.windows(2).all(|pair| pair[1] >= pair[0] - 1e-12),
                     "rounding of 300 N: {name}"
                 );
                 // One that begins just open is as steep as it likes.
-                if !matches!(at_start, AtStart::At(start) if start > -1e-6 && start < 0.0) {
+                if !matches!(start_closure, UnilateralStart::At(start) if start > -1e-6 && start < 0.0) {
                     // The steepest is 2 d A/|δ⁺₀| beside k + 2 d/h: 4.5e6 N/m.
                     let rise = forces.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
                     assert!(rise < 4.6e6 * step, "{name}: {rise} N in {step} m");
@@ -124,7 +130,7 @@ mod tests {
     #[test]
     fn the_force_is_continuous_in_where_the_step_begins_while_it_ends_closed() {
         for (penetration, rate) in [(1e-6, 0.1), (1e-4, 0.1), (1e-4, -0.01)] {
-            let [before, after] = [-1e-12, 1e-12].map(|start| force_of(AtStart::At(start), penetration, rate));
+            let [before, after] = [-1e-12, 1e-12].map(|start| force_of(UnilateralStart::At(start), penetration, rate));
             // 20 N of damping, of which 1e-12/5e-5 is left out.
             assert!((after - before).abs() < 5e-7, "{before} {after}");
         }

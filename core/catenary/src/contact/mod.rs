@@ -1,6 +1,6 @@
 //! Contact between the contact wire and collector strips.
 mod compliance;
-mod cured_wire;
+mod corrected_wire;
 mod geometry;
 mod law;
 mod moving_load;
@@ -12,7 +12,7 @@ mod state;
 mod strip;
 
 pub use compliance::{Compliance, ResidualCompliance};
-pub use cured_wire::CuredWire;
+pub use corrected_wire::CorrectedWire;
 pub use geometry::ContactGeometry;
 pub use law::PenaltyContact;
 pub use moving_load::LoadCorrection;

@@ -163,7 +163,7 @@ impl MovingLoad {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CuredWire, Curve};
+    use crate::{CorrectedWire, Curve};
     use crate::{NodeMap, WireGeometry};
     use nalgebra::{Matrix3, Vector3};
     use std::sync::Arc;
@@ -174,12 +174,12 @@ mod tests {
     const SPEED: f64 = 70.0;
 
     /// Three planar elements on the x axis, four coordinates per node: x, z and their slopes.
-    fn wire() -> CuredWire {
+    fn wire() -> CorrectedWire {
         let lengths = [LENGTH; 3];
         let geometry = WireGeometry::straight(Vector3::zeros(), Vector3::x(), &lengths, |node| {
             NodeMap::planar(4 * node)
         });
-        CuredWire {
+        CorrectedWire {
             geometry: Arc::new(geometry),
             compliance: None,
             load: Some(LoadCorrection {

@@ -3,7 +3,7 @@ use super::moving_load::MovingLoad;
 use super::sides::Sides;
 use super::state::{ContactState, Sensitivity, Variation, vary};
 use super::{ContactGeometry, OnWire, PenaltyContact};
-use crate::{AtStart, Curve, CurveColumns, OneWayStep};
+use crate::{Curve, CurveColumns, UnilateralStart, UnilateralStep};
 use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -35,14 +35,14 @@ pub struct ContactPair {
     version: u64,
     direction: Vec<(usize, f64)>,
     active: Option<f64>,
-    /// Piece of its law that the force found last comes from, see [`OneWayStep::piece`].
+    /// Piece of its law that the force found last comes from, see [`UnilateralStep::piece`].
     piece: Option<u8>,
     /// The present step, or the one that has just ended: by it the force at its end is found.
-    step: OneWayStep,
+    step: UnilateralStep,
     /// What the next step begins with.
-    reached: AtStart,
+    reached: UnilateralStart,
     /// Within a step: what one would begin with that begins where the force was found last.
-    found: Option<AtStart>,
+    found: Option<UnilateralStart>,
     in_step: bool,
     load: MovingLoad,
 }
@@ -70,8 +70,8 @@ impl ContactPair {
             direction: Vec::new(),
             active: None,
             piece: None,
-            step: OneWayStep::NONE,
-            reached: AtStart::Unknown,
+            step: UnilateralStep::NONE,
+            reached: UnilateralStart::Unknown,
             found: None,
             in_step: false,
             load: MovingLoad::NONE,
@@ -81,7 +81,7 @@ impl ContactPair {
     /// Lowers the stiffness to `limit` (N/m) where it is above; returns whether it was. For statics: what a step began with is
     /// forgotten.
     pub fn limit_stiffness(&mut self, limit: f64) -> bool {
-        self.reached = AtStart::Unknown;
+        self.reached = UnilateralStart::Unknown;
         self.load.forget();
         self.law.stiffness = self.stiffness.min(limit);
         self.stiffness > limit
@@ -122,11 +122,11 @@ impl ContactPair {
     }
 
     /// What a step that begins with this contact knows of it.
-    fn start_with(&self, contact: &ContactState) -> AtStart {
+    fn start_with(&self, contact: &ContactState) -> UnilateralStart {
         if self.is_beside(&contact.geometry) {
-            AtStart::APART
+            UnilateralStart::APART
         } else {
-            AtStart::At(self.step.ahead(-contact.geometry.gap, -contact.geometry.gap_rate))
+            UnilateralStart::At(self.step.ahead(-contact.geometry.gap, -contact.geometry.gap_rate))
         }
     }
 
@@ -138,7 +138,7 @@ impl ContactPair {
         self.piece = contact.as_ref().map(|contact| contact.piece);
         self.found = self.in_step.then(|| match &contact {
             Some(contact) => self.start_with(contact),
-            None => AtStart::APART,
+            None => UnilateralStart::APART,
         });
         contact
     }
@@ -227,7 +227,7 @@ impl Force for ContactPair {
         self.active = None;
         self.found = None;
         self.in_step = true;
-        self.step = OneWayStep::new(self.reached, 0.5 * h);
+        self.step = UnilateralStep::new(self.reached, 0.5 * h);
         let frame = self.strip.frame(motion);
         if let Some(contact) = self.state_under(&frame, motion) {
             self.s = contact.geometry.s;
@@ -319,7 +319,7 @@ impl Force for ContactPair {
                 let contact = self.state(motion);
                 let reached = contact
                     .as_ref()
-                    .map_or(AtStart::APART, |contact| self.start_with(contact));
+                    .map_or(UnilateralStart::APART, |contact| self.start_with(contact));
                 (contact.map(|contact| contact.force), reached)
             }
         };
@@ -331,7 +331,7 @@ impl Force for ContactPair {
     fn save(&self, out: &mut Vec<f64>) {
         out.push(self.s);
         out.push(self.step.half);
-        self.step.at_start.save(out);
+        self.step.start_closure.save(out);
         self.reached.save(out);
         self.load.save(out);
     }
@@ -339,8 +339,8 @@ impl Force for ContactPair {
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         if let (Some(&s), Some(&half)) = (values.next(), values.next()) {
             self.s = s;
-            self.step = OneWayStep::new(AtStart::restored(values), half);
-            self.reached = AtStart::restored(values);
+            self.step = UnilateralStep::new(UnilateralStart::restored(values), half);
+            self.reached = UnilateralStart::restored(values);
             self.load.restore(values);
             (self.found, self.in_step) = (None, false);
         }

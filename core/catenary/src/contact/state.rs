@@ -1,6 +1,6 @@
 //! The contact at one instant, and how it changes.
 use super::{Compliance, ContactGeometry, PenaltyContact};
-use crate::OneWayStep;
+use crate::UnilateralStep;
 use dynamics::{Frame, Weights};
 use nalgebra::Vector3;
 
@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 /// ```
 ///
 /// `ṗ` is the rate along the path of the strip, `ṡ` its rate on the wire, `φ` the part of the step in which the contact is closed, see
-/// [`OneWayStep`]. The series of spring and damper with `g` is exact but for
+/// [`UnilateralStep`]. The series of spring and damper with `g` is exact but for
 /// terms `(k g) (d ṗ/(k p))²` of `F`: at 20 Hz, with `d/k` = 2 ms and `k g` = 0.05, 0.3 %. The contact moves along a wire that yields
 /// more at one place than at another; so the strip is pushed to where it yields more, by `½ g_s F²`, and the force is the gradient of
 /// the energy `½ k c δ²`.
@@ -47,10 +47,10 @@ pub struct ContactState {
     /// `k p`, N, also where the damper takes all of it; zero at a gap.
     elastic: f64,
     /// The step that ends here.
-    step: OneWayStep,
+    step: UnilateralStep,
     /// What `∂φ/∂δ⁺` adds to `∂F/∂δ⁺`, N/m.
     closing: f64,
-    /// Piece of the law, see [`OneWayStep::piece`].
+    /// Piece of the law, see [`UnilateralStep::piece`].
     pub(super) piece: u8,
 }
 
@@ -83,7 +83,7 @@ pub(super) struct Variation {
 impl ContactState {
     /// The contact under `law` at the end of a `step`; one `beside` the strip carries nothing.
     pub(super) fn new(
-        (law, step): (&PenaltyContact, OneWayStep),
+        (law, step): (&PenaltyContact, UnilateralStep),
         geometry: ContactGeometry,
         strip: &Frame,
         compliance: Compliance,
@@ -156,7 +156,7 @@ impl ContactState {
             slide: 0.0,
             spring: 0.0,
             elastic: 0.0,
-            step: OneWayStep::NONE,
+            step: UnilateralStep::NONE,
             closing: 0.0,
             piece: 0,
         }

@@ -2,9 +2,9 @@
 use super::ends::Ends;
 use super::{Dropper, DropperLaw};
 use crate::ancf::{Components, GROUP, Lanes, Number, Space};
-use crate::at_start::one_way_force;
 use crate::transpose::Transpose;
-use crate::{AtStart, Attachment, OneWayStep};
+use crate::unilateral::unilateral_force;
+use crate::{Attachment, UnilateralStart, UnilateralStep};
 use dynamics::Motion;
 use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
@@ -144,7 +144,7 @@ struct Seen<const D: usize> {
 pub(super) struct Step<'a> {
     pub law: DropperLaw,
     /// `δ⁺₀`, m; one per lane.
-    pub at_start: &'a [f64],
+    pub start_closure: &'a [f64],
     /// Half of the step, s.
     pub half: f64,
 }
@@ -153,19 +153,19 @@ impl Step<'_> {
     /// That of each group.
     #[inline(always)]
     fn of_groups(self) -> impl Iterator<Item = Self> {
-        self.at_start
+        self.start_closure
             .chunks_exact(LANES)
-            .map(move |at_start| Self { at_start, ..self })
+            .map(move |start_closure| Self { start_closure, ..self })
     }
 
-    fn of(self, lane: usize) -> OneWayStep {
-        OneWayStep::new(AtStart::At(self.at_start[lane]), self.half)
+    fn of(self, lane: usize) -> UnilateralStep {
+        UnilateralStep::new(UnilateralStart::At(self.start_closure[lane]), self.half)
     }
 
     /// Whether all began taut.
     #[inline(always)]
     fn began_taut(self) -> bool {
-        every(self.at_start, |start| start >= 0.0)
+        every(self.start_closure, |start| start >= 0.0)
     }
 
     /// Tensions (N) by elongations (m) and their rates (m/s).
@@ -182,7 +182,7 @@ impl Step<'_> {
         for part in 0..Lanes::<S>::PARTS {
             let load = |values: &[f64]| Lanes::load(simd, values, part);
             let law = (self.law.stiffness, self.law.damping);
-            one_way_force(law, load(&parts), load(elongation), load(rate)).store(&mut tensions, part);
+            unilateral_force(law, load(&parts), load(elongation), load(rate)).store(&mut tensions, part);
         }
         tensions
     }

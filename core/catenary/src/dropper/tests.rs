@@ -101,7 +101,7 @@ fn a_slack_dropper_exerts_no_force_whatever_its_rate() {
 
 #[test]
 fn a_taut_dropper_never_pushes() {
-    let began = |start: f64| OneWayStep::new(AtStart::At(start), 5e-4);
+    let began = |start: f64| UnilateralStep::new(UnilateralStart::At(start), 5e-4);
     assert_eq!(LAW.force(began(1e-3), 1e-4, -10.0), 0.0);
     assert_eq!(LAW.force(began(-1e-3), -5e-3, 10.0), 0.0);
     assert_eq!(LAW.force(began(1e-3), 1e-3, 0.1), 130.0);
@@ -312,9 +312,9 @@ fn droppers_in_groups_pull_as_each_by_itself() {
     batch.add_dynamic_force(&motion, &v_dot, &mut all);
     assert_eq!(rank(&mut batch), taut, "seen from the evaluation as from the motion");
     batch.end_step(&motion);
-    for (one, (dropper, at_start)) in droppers.iter().zip(&batch.at_start).enumerate() {
+    for (one, (dropper, start_closure)) in droppers.iter().zip(&batch.start_closure).enumerate() {
         let elongation = dropper.pose(&motion).elongation;
-        assert!((elongation - at_start).abs() < 1e-14, "{one}: rounding of 1.2 m");
+        assert!((elongation - start_closure).abs() < 1e-14, "{one}: rounding of 1.2 m");
     }
     let mut sum = vec![0.0; state.q.len()];
     for dropper in droppers {
@@ -357,7 +357,7 @@ fn droppers_pull_the_same_in_registers_of_any_width() {
         let pulled = |arch: Arch| {
             let mut batch = Droppers::new(LAW, droppers.clone(), 9.81);
             batch.arch = arch;
-            batch.at_start[2] = -1e-3;
+            batch.start_closure[2] = -1e-3;
             batch.half = 5e-4;
             let mut force = vec![0.0; state.q.len()];
             batch.add_dynamic_force(&motion, &state.v_dot, &mut force);
@@ -368,7 +368,7 @@ fn droppers_pull_the_same_in_registers_of_any_width() {
         for (k, dropper) in droppers.iter().enumerate() {
             let pose = dropper.pose(&motion);
             let start = if k == 2 { -1e-3 } else { 0.0 };
-            let step = OneWayStep::new(AtStart::At(start), 5e-4);
+            let step = UnilateralStep::new(UnilateralStart::At(start), 5e-4);
             let pull = LAW.force(step, pose.elongation, pose.rate) * pose.direction;
             dropper.upper.add_force(&-pull, &mut each);
             dropper.lower.add_force(&pull, &mut each);
@@ -484,7 +484,7 @@ fn a_step_that_ends_unevaluated_ends_as_an_evaluated_one_or_asks_for_the_evaluat
     for batch in [&mut batch, &mut evaluated] {
         batch.end_step(&motion);
     }
-    assert_eq!(batch.at_start, evaluated.at_start);
+    assert_eq!(batch.start_closure, evaluated.start_closure);
     batch.add_dynamic_force(&motion, &v_dot, &mut force);
     let upper = batch.as_slice()[17].upper;
     state.q[upper.coordinate(2).unwrap()] -= 0.1;

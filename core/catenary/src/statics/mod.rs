@@ -200,12 +200,12 @@ impl StaticLine {
         let first = layout.coordinates();
         let coordinates = self.topology.register(layout);
         self.topology.fix_ends(&coordinates, self.catenary.wire_ends, layout);
-        self.cured(Line::new(&self.catenary, &self.topology, &self.equilibrium, first))
+        self.corrected(Line::new(&self.catenary, &self.topology, &self.equilibrium, first))
             .in_wind(self.wind.as_ref())
     }
 
     /// With the residual compliance and the corrected mass that the line is to move with.
-    fn cured(&self, line: Line) -> Line {
+    fn corrected(&self, line: Line) -> Line {
         let line = line.with_contact_compliance(self.system.line.compliance().cloned());
         match self.topology.options().mass_correction {
             None => line,
@@ -234,7 +234,7 @@ impl StaticLine {
             dropper_lengths: vec![2.0 * catenary.encumbrance; equilibrium.dropper_lengths.len()],
             ..equilibrium.clone()
         };
-        self.cured(Line::new(catenary, &self.topology, &straight, first))
+        self.corrected(Line::new(catenary, &self.topology, &straight, first))
     }
 
     fn solved_height_under(&self, x: f64, force: f64) -> Result<StaticAnswer, StaticsError> {

@@ -44,7 +44,7 @@ impl Scene {
             let rows = format!("[{} rows]", wind.record.len());
             refuse(found, "wind.record", rows, error.to_string());
         }
-        if wind.wires.is_some() && matches!(self.catenary, Line::ThirdParty(_)) {
+        if wind.wires.is_some() && matches!(self.catenary, Line::Supplied(_)) {
             let expected = "must be left out: the line is an FMU of somebody else";
             refuse(found, "wind.wires", "{ … }", expected);
         }
@@ -101,7 +101,7 @@ impl Scene {
         let mut modelled = false;
         for (index, pantograph) in self.pantographs.iter().enumerate() {
             match &pantograph.model {
-                PantographModel::ThirdParty(_) => {}
+                PantographModel::Supplied(_) => {}
                 PantographModel::Lumped(_) => {
                     modelled = true;
                     if !wind.surfaces.is_empty() {

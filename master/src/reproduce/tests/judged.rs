@@ -86,7 +86,7 @@ fn the_thesis_itself_holds_on_every_relation() {
 
 #[test]
 fn relations_are_judged_on_each_mesh_and_counted_over_all() {
-    let (thesis, refined) = (Mesh::Plain(1), Mesh::Cured);
+    let (thesis, refined) = (Mesh::Plain(1), Mesh::Corrected);
     let made = reproduction(vec![
         line(Group::Published, 0, thesis, 106.98, 47.41),
         line(Group::Published, 1, thesis, 107.21, 42.59),

@@ -53,7 +53,7 @@ fn the_table_holds_every_run_every_relation_and_every_spread() {
         let meshes = if quick { 2 } else { Mesh::ALL.len() };
         // Three pairs of cases, mean and standard deviation.
         assert_eq!(of("relation").len(), 6 * meshes);
-        let refined = OPEN.iter().filter(|open| !quick && open.is_on(Mesh::Cured)).count();
+        let refined = OPEN.iter().filter(|open| !quick && open.is_on(Mesh::Corrected)).count();
         assert_eq!(of("spread").len(), OPEN.len() + refined);
         assert_eq!(rows.len(), made.lines.len() + 6 * meshes + OPEN.len() + refined);
         for row in of("relation").into_iter().chain(of("spread")) {
@@ -96,7 +96,7 @@ fn a_relation_stands_in_the_table_with_both_figures_and_its_verdict() {
 
 #[test]
 fn a_spread_stands_in_the_table_with_its_ends_and_whether_the_published_value_lies_inside() {
-    let mesh = Mesh::Cured;
+    let mesh = Mesh::Corrected;
     let mut lines = vec![line(Group::Mesh, 0, mesh, 106.31, 37.31)];
     for (value, std) in [("10000.0 N/m", 34.2), ("20000.0 N/m", 35.5)] {
         let mut run = line(Group::Open, 0, mesh, 106.0, std);
@@ -224,7 +224,7 @@ fn figures_are_drawn_on_the_thesis_mesh_and_beside_it_on_the_finest_that_was_com
     assert!(html.contains("122.5"));
     // The converged mesh takes the place of a coarser one, where it has all cases that a figure shows.
     let mut more = plain;
-    more.push(drawn(Mesh::Cured, 0, 133.5));
+    more.push(drawn(Mesh::Corrected, 0, 133.5));
     let html = page(&reproduction(more));
     assert!(html.contains("133.5"));
     assert!(

@@ -1,13 +1,13 @@
 //! Somebody else's line.
 
 use fmi2::import::Fmu;
-use scene::{ParameterValue, Scene, ThirdParty};
+use scene::{ParameterValue, Scene, Supplied};
 
 use super::driven::{Driven, Setting, fixed_step, pieces, start_value};
 use super::probe::{Probe, Request, isolation, probe};
 use super::quantity::{Place, Side, input, output};
 use super::wiring::Wiring;
-use super::{ThirdPartyError, check_step, told_duration};
+use super::{SupplierError, check_step, told_duration};
 use crate::cosimulation::CosimulationError;
 use crate::interface::{contact, line_output_count, strip};
 use crate::slave::{Abilities, Slave, SlaveError};
@@ -47,7 +47,7 @@ impl State {
 /// What it does not offer is derived: the force from its vertical component or the other way round, means over a step and
 /// samples inside it from the forces at both ends (trapezoid), the contact point from the strip, the work from mean force
 /// and way.
-pub struct ThirdPartyLine {
+pub struct SuppliedLine {
     driven: Driven,
     inputs: Vec<Place>,
     /// Entry of the outputs and sign of each wire; `None` where nothing is used.
@@ -84,7 +84,7 @@ pub fn own_heights(fmu: &Fmu, wiring: &Wiring, strips: usize) -> Vec<Option<f64>
 /// does not set them.
 fn start_parameters(
     fmu: &Fmu,
-    entry: &ThirdParty,
+    entry: &Supplied,
     scene: &Scene,
     i: usize,
     at: &StripAtStart,
@@ -107,19 +107,19 @@ fn start_parameters(
         .collect()
 }
 
-impl ThirdPartyLine {
+impl SuppliedLine {
     /// Tries, instantiates and initialises the FMU under strips at `starts`.
     ///
     /// # Errors
     /// A macro step that it does not take, and whatever the FMU reports.
     pub fn start(
         fmu: &Fmu,
-        entry: &ThirdParty,
+        entry: &Supplied,
         wiring: Wiring,
         scene: &Scene,
         starts: &[StripAtStart],
         logging: bool,
-    ) -> Result<Self, ThirdPartyError> {
+    ) -> Result<Self, SupplierError> {
         let strips = starts.len();
         check_step(fixed_step(fmu.description()), scene.coupling.macro_step)?;
         let inputs: Vec<Place> = wiring.inputs.iter().map(|wire| input(Side::Line, &wire.name)).collect();
@@ -278,7 +278,7 @@ impl ThirdPartyLine {
         self.standing = true;
     }
 
-    /// Ends a standstill of `duration` s: the run's time is 0 now.
+    /// Ends a settling of `duration` s: the run's time is 0 now.
     ///
     /// # Errors
     /// What the FMU reports.
@@ -407,7 +407,7 @@ fn derive(now: &mut [f64], before: &[f64], offered: &[bool], strip: &[f64], stri
     }
 }
 
-impl Slave for ThirdPartyLine {
+impl Slave for SuppliedLine {
     fn name(&self) -> &str {
         self.driven.name()
     }

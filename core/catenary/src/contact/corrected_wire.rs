@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 /// A wire with what makes up for the coarseness of its mesh and of the time step under strips.
 #[derive(Clone, Debug)]
-pub struct CuredWire {
+pub struct CorrectedWire {
     /// The wire.
     pub geometry: Arc<WireGeometry>,
     /// What its mesh lacks.
@@ -14,7 +14,7 @@ pub struct CuredWire {
     pub load: Option<LoadCorrection>,
 }
 
-impl Curve for CuredWire {
+impl Curve for CorrectedWire {
     fn length(&self) -> f64 {
         self.geometry.length()
     }

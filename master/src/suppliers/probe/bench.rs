@@ -5,8 +5,8 @@ use fmi2::import::Fmu;
 use super::{NOT_SEEN, Probe, Request};
 use crate::cosimulation::{CosimulationError, FmuSlave, Role};
 use crate::slave::{Abilities, Slave, SlaveError};
-use crate::third_party::driven::{fixed_step, start_value};
-use crate::third_party::quantity::Side;
+use crate::suppliers::driven::{fixed_step, start_value};
+use crate::suppliers::quantity::Side;
 
 /// Change of a force that responses are watched under, N.
 const FORCE: f64 = 20.0;
@@ -58,7 +58,7 @@ impl<'a> Bench<'a> {
         let description = fmu.description();
         let wiring = &request.wiring;
         let capabilities = &description.co_simulation;
-        let names = |wires: &[crate::third_party::Wire]| wires.iter().map(|wire| wire.variable.clone()).collect();
+        let names = |wires: &[crate::suppliers::Wire]| wires.iter().map(|wire| wire.variable.clone()).collect();
         let role = Role {
             name: "trial".to_owned(),
             inputs: names(&wiring.inputs),
@@ -114,7 +114,7 @@ impl<'a> Bench<'a> {
     }
 
     /// An instance at its start.
-    fn at_start(&mut self) -> Result<&mut FmuSlave, CosimulationError> {
+    fn in_place(&mut self) -> Result<&mut FmuSlave, CosimulationError> {
         if self.can_return
             && let Some(slave) = &mut self.slave
         {
@@ -150,7 +150,7 @@ impl<'a> Bench<'a> {
     fn watch(&mut self, parts: &[f64], h: f64) -> Result<f64, CosimulationError> {
         let (outputs, watched) = (self.request.wiring.outputs.len(), self.watched);
         let inputs: Vec<Vec<f64>> = parts.iter().map(|part| self.inputs(*part)).collect();
-        let slave = self.at_start()?;
+        let slave = self.in_place()?;
         for (n, inputs) in inputs.iter().enumerate() {
             slave.set_inputs(inputs)?;
             slave.do_step(n as f64 * h, h)?;
@@ -165,7 +165,7 @@ impl<'a> Bench<'a> {
     pub fn run(&mut self, found: &mut Probe) -> Result<(), CosimulationError> {
         let stage = |found: &mut Probe, text: String| found.stage = text;
         stage(found, "initialising an instance".to_owned());
-        self.at_start()?;
+        self.in_place()?;
         stage(found, format!("taking the first step, of {} s", self.h));
         self.first_step(found)?;
         let capability = "canGetAndSetFMUstate";
@@ -231,7 +231,7 @@ impl<'a> Bench<'a> {
         let shortest = self.h * 0.5_f64.powi(HALVINGS);
         let start = loop {
             let h = self.h;
-            let slave = self.at_start()?;
+            let slave = self.in_place()?;
             let start = Self::seen(slave, outputs)?;
             slave.set_inputs(&inputs)?;
             match slave.do_step(0.0, h) {
@@ -286,7 +286,7 @@ impl<'a> Bench<'a> {
         let (outputs, h) = (self.request.wiring.outputs.len(), self.h);
         let before = self.inputs(0.0);
         let parts = [1.0, -0.5, 0.25].map(|part| self.inputs(part));
-        let slave = self.at_start()?;
+        let slave = self.in_place()?;
         slave.set_inputs(&before)?;
         slave.do_step(0.0, h)?;
         slave.save()?;
@@ -319,7 +319,7 @@ impl<'a> Bench<'a> {
         let steps = [h, h / 2.0, h / 3.0];
         let mut try_all = || -> Result<(), CosimulationError> {
             let inputs = self.inputs(0.0);
-            let slave = self.at_start()?;
+            let slave = self.in_place()?;
             let mut t = 0.0;
             for step in steps {
                 slave.set_inputs(&inputs)?;
@@ -397,7 +397,7 @@ impl<'a> Bench<'a> {
             scale *= k as f64 / h;
         }
         let rates: Vec<f64> = self.change.iter().map(|change| change * scale).collect();
-        let slave = self.at_start()?;
+        let slave = self.in_place()?;
         slave.set_inputs(&inputs)?;
         slave.set_input_derivatives(order, &rates)?;
         slave.do_step(0.0, h)?;

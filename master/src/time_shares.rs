@@ -3,7 +3,7 @@
 //! | what runs | parts | how they are measured |
 //! | --- | --- | --- |
 //! | coupled sides | `catenary`, `pantograph[i]` with its vehicle | every call of a side, see [`Timed`](crate::timed::Timed) |
-//! | one system | contributions, solver | an [`Account`]: one step in [`EVERY`], factorisations always |
+//! | one system | contributions, solver | an [`Profile`]: one step in [`EVERY`], factorisations always |
 //!
 //! The last share is always [`MASTER`]: what is left of the time loop, coupling and recording above all.
 
@@ -56,7 +56,7 @@ pub fn shares(wall: f64, times: impl IntoIterator<Item = (String, f64)>) -> Vec<
 }
 
 /// What the steps of one system are spent on.
-pub struct Account {
+pub struct Profile {
     /// Steps that have ended.
     steps: u64,
     /// Whether the present step is looked at.
@@ -74,7 +74,7 @@ pub struct Account {
     advancing: Duration,
 }
 
-impl Account {
+impl Profile {
     /// An empty one.
     #[must_use]
     pub fn new() -> Self {
@@ -201,7 +201,7 @@ impl Account {
     }
 }
 
-impl Default for Account {
+impl Default for Profile {
     fn default() -> Self {
         Self::new()
     }
@@ -218,14 +218,14 @@ mod tests {
     }
 
     /// Steps, the first one included, of an advance in which `step` is done, and the wall time of it all, s.
-    fn advance(account: &mut Account, steps: u64, mut step: impl FnMut(&mut Account)) -> f64 {
+    fn advance(profile: &mut Profile, steps: u64, mut step: impl FnMut(&mut Profile)) -> f64 {
         let begin = Instant::now();
-        account.begin();
+        profile.begin();
         for _ in 0..steps {
-            step(account);
-            account.step_done();
+            step(profile);
+            profile.step_done();
         }
-        account.end();
+        profile.end();
         begin.elapsed().as_secs_f64()
     }
 
@@ -250,10 +250,10 @@ mod tests {
 
     #[test]
     fn one_step_in_so_many_is_looked_at() {
-        let (mut account, mut looked) = (Account::new(), Vec::new());
+        let (mut profile, mut looked) = (Profile::new(), Vec::new());
         let mut n = 0;
-        advance(&mut account, 80, |account| {
-            if account.looks() {
+        advance(&mut profile, 80, |profile| {
+            if profile.looks() {
                 looked.push(n);
             }
             n += 1;
@@ -263,21 +263,21 @@ mod tests {
 
     #[test]
     fn shares_sum_to_one_and_name_what_took_time() {
-        let mut account = Account::new();
-        let wall = advance(&mut account, 40, |account| {
+        let mut profile = Profile::new();
+        let wall = advance(&mut profile, 40, |profile| {
             for part in ["wires", "droppers"] {
-                account.turn_to(part);
+                profile.turn_to(part);
                 pass();
             }
-            account.enter(Stage::Integration);
-            account.enter(Stage::Solution);
+            profile.enter(Stage::Integration);
+            profile.enter(Stage::Solution);
             pass();
-            account.enter(Stage::Integration);
+            profile.enter(Stage::Integration);
             pass();
-            account.turn_to(MASTER);
+            profile.turn_to(MASTER);
             pass();
         });
-        let shares = account.shares(wall);
+        let shares = profile.shares(wall);
         let parts: Vec<&str> = shares.iter().map(|share| &*share.part).collect();
         assert_eq!(parts, ["wires", "droppers", LINEAR_SOLUTION, TIME_INTEGRATION, MASTER]);
         assert!(shares.iter().all(|share| share.share > 0.0));
@@ -286,16 +286,16 @@ mod tests {
 
     #[test]
     fn factorisations_are_booked_in_every_step_and_their_contributions_with_them() {
-        let mut account = Account::new();
-        let wall = advance(&mut account, 17, |account| {
-            if account.steps == 7 {
-                account.enter(Stage::Factorization);
-                account.turn_to("wires");
+        let mut profile = Profile::new();
+        let wall = advance(&mut profile, 17, |profile| {
+            if profile.steps == 7 {
+                profile.enter(Stage::Factorization);
+                profile.turn_to("wires");
                 pass();
-                account.enter(Stage::Integration);
+                profile.enter(Stage::Integration);
             }
         });
-        let shares = account.shares(wall);
+        let shares = profile.shares(wall);
         assert!(of(&shares, FACTORIZATION) > Some(0.0), "step 7 is not looked at");
         assert_eq!(of(&shares, "wires"), None);
         assert!((sum(&shares) - 1.0).abs() < 1e-12, "rounding of a sum of three");
@@ -303,47 +303,47 @@ mod tests {
 
     #[test]
     fn what_comes_seldom_is_not_taken_for_what_every_step_does() {
-        let mut account = Account::new();
-        let wall = advance(&mut account, EVERY, |account| {
-            account.turn_to("wires");
+        let mut profile = Profile::new();
+        let wall = advance(&mut profile, EVERY, |profile| {
+            profile.turn_to("wires");
             pass();
-            if account.steps == 0 {
-                account.turn_to(TIME_INTEGRATION);
+            if profile.steps == 0 {
+                profile.turn_to(TIME_INTEGRATION);
                 std::thread::sleep(Duration::from_millis(20));
-                account.leave_out();
+                profile.leave_out();
             }
         });
         // Of two parts that take a look at the clock each; a millionth, were the pause one of every step's.
-        let wires = of(&account.shares(wall), "wires").expect("looked at");
+        let wires = of(&profile.shares(wall), "wires").expect("looked at");
         assert!(wires > 0.01, "{wires}");
     }
 
     #[test]
     fn nothing_is_booked_before_the_first_advance() {
-        let mut account = Account::new();
-        account.turn_to("wires");
+        let mut profile = Profile::new();
+        profile.turn_to("wires");
         pass();
-        account.enter(Stage::Factorization);
+        profile.enter(Stage::Factorization);
         pass();
-        account.enter(Stage::Integration);
-        assert!(account.shares(1.0).is_empty());
+        profile.enter(Stage::Integration);
+        assert!(profile.shares(1.0).is_empty());
     }
 
     #[test]
     fn time_between_advances_is_nobodys_but_the_masters() {
-        let mut account = Account::new();
+        let mut profile = Profile::new();
         let begin = Instant::now();
         for _ in 0..2 {
-            advance(&mut account, 1, |account| {
-                account.turn_to("wires");
+            advance(&mut profile, 1, |profile| {
+                profile.turn_to("wires");
                 pass();
             });
             // Many times what is done within.
-            let inside = account.advancing;
+            let inside = profile.advancing;
             let outside = Instant::now();
             while outside.elapsed() < 20 * inside {}
         }
-        let shares = account.shares(begin.elapsed().as_secs_f64());
+        let shares = profile.shares(begin.elapsed().as_secs_f64());
         // At most 1 part within to 20 outside.
         assert!(of(&shares, MASTER) > Some(0.9), "{shares:?}");
     }

@@ -37,14 +37,14 @@ const UNSEEN: u32 = 16;
 /// wheel touches a rail is searched for and not compared: under the vehicle of the thesis on smooth track, with irregularities, and in a
 /// curve of 500 m with stronger ones at 140 km/h it is at most 1 in a hundred, and none above five times.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Foresight {
+pub(crate) struct ConvergenceEstimate {
     /// `Θ_i` (–); infinite where it is not known.
     contractions: [f64; FOLLOWED],
     /// Steps since the last one that was evaluated to its end.
     unseen: u32,
 }
 
-impl Default for Foresight {
+impl Default for ConvergenceEstimate {
     fn default() -> Self {
         Self {
             contractions: [f64::INFINITY; FOLLOWED],
@@ -53,7 +53,7 @@ impl Default for Foresight {
     }
 }
 
-impl Foresight {
+impl ConvergenceEstimate {
     /// Takes note that correction `i` (from 0) of a step took the residual from `before` to `after`, both in units of the tolerance.
     pub fn observe(&mut self, i: usize, before: f64, after: f64) {
         if let Some(known) = self.contractions.get_mut(i) {
@@ -85,29 +85,33 @@ mod tests {
     use super::*;
 
     /// A step whose residuals are evaluated to the end.
-    fn observe(foresight: &mut Foresight, residuals: &[f64]) {
+    fn observe(convergence_estimate: &mut ConvergenceEstimate, residuals: &[f64]) {
         for (i, pair) in residuals.windows(2).enumerate() {
-            foresight.observe(i, pair[0], pair[1]);
+            convergence_estimate.observe(i, pair[0], pair[1]);
         }
-        foresight.end_step(false);
+        convergence_estimate.end_step(false);
     }
 
     #[test]
     fn what_contracts_alike_in_each_step_is_foreseen() {
-        let mut foresight = Foresight::default();
-        assert_eq!(foresight.last_residual(1, 40.0, 1e4), None, "nothing is known yet");
-        observe(&mut foresight, &[1e4, 40.0, 0.2]);
-        let foreseen = foresight.last_residual(1, 40.0, 1e4).unwrap();
+        let mut convergence_estimate = ConvergenceEstimate::default();
+        assert_eq!(
+            convergence_estimate.last_residual(1, 40.0, 1e4),
+            None,
+            "nothing is known yet"
+        );
+        observe(&mut convergence_estimate, &[1e4, 40.0, 0.2]);
+        let foreseen = convergence_estimate.last_residual(1, 40.0, 1e4).unwrap();
         assert!((foreseen - 0.2).abs() < 1e-12, "{foreseen}");
         assert_eq!(
-            foresight.last_residual(1, 120.0, 3e4),
+            convergence_estimate.last_residual(1, 120.0, 3e4),
             None,
             "0.6 is not surely below 1"
         );
-        let of_the_first = foresight.last_residual(0, 25.0, f64::INFINITY).unwrap();
+        let of_the_first = convergence_estimate.last_residual(0, 25.0, f64::INFINITY).unwrap();
         assert!((of_the_first - 0.1).abs() < 1e-12, "0.004 alone: {of_the_first}");
         assert_eq!(
-            foresight.last_residual(2, 0.01, 40.0),
+            convergence_estimate.last_residual(2, 0.01, 40.0),
             None,
             "a third correction has not been seen"
         );
@@ -115,24 +119,27 @@ mod tests {
 
     #[test]
     fn contraction_by_turns_is_not_taken_for_contraction_in_each_correction() {
-        let mut foresight = Foresight::default();
-        observe(&mut foresight, &[1e4, 50.0, 25.0, 0.1]);
+        let mut convergence_estimate = ConvergenceEstimate::default();
+        observe(&mut convergence_estimate, &[1e4, 50.0, 25.0, 0.1]);
         // By the last two residuals alone the next one would be 0.25.
-        assert_eq!(foresight.last_residual(1, 50.0, 1e4), None);
-        assert!(foresight.last_residual(2, 25.0, 50.0).is_none(), "a half of 25");
+        assert_eq!(convergence_estimate.last_residual(1, 50.0, 1e4), None);
+        assert!(
+            convergence_estimate.last_residual(2, 25.0, 50.0).is_none(),
+            "a half of 25"
+        );
         // A step that contracts less than those before it counts at once.
-        observe(&mut foresight, &[1e4, 1.0, 0.1]);
-        assert!(foresight.last_residual(1, 1.0, 1e4).is_some());
-        assert!(foresight.last_residual(1, 1.0, 1.2).is_none());
+        observe(&mut convergence_estimate, &[1e4, 1.0, 0.1]);
+        assert!(convergence_estimate.last_residual(1, 1.0, 1e4).is_some());
+        assert!(convergence_estimate.last_residual(1, 1.0, 1.2).is_none());
     }
 
     #[test]
     fn the_largest_contraction_fades() {
-        let mut foresight = Foresight::default();
-        observe(&mut foresight, &[100.0, 10.0, 6.0, 0.1]);
+        let mut convergence_estimate = ConvergenceEstimate::default();
+        observe(&mut convergence_estimate, &[100.0, 10.0, 6.0, 0.1]);
         let mut steps = 0;
-        while foresight.last_residual(1, 10.0, 1e4).is_none() {
-            observe(&mut foresight, &[100.0, 10.0, 0.1]);
+        while convergence_estimate.last_residual(1, 10.0, 1e4).is_none() {
+            observe(&mut convergence_estimate, &[100.0, 10.0, 0.1]);
             steps += 1;
         }
         // 0.6 · 0.9ⁿ · 10 ≤ 0.5
@@ -141,14 +148,14 @@ mod tests {
 
     #[test]
     fn every_so_many_steps_are_evaluated_to_the_end() {
-        let mut foresight = Foresight::default();
-        observe(&mut foresight, &[1e4, 1.0, 1e-3]);
+        let mut convergence_estimate = ConvergenceEstimate::default();
+        observe(&mut convergence_estimate, &[1e4, 1.0, 1e-3]);
         for _ in 0..UNSEEN {
-            assert!(foresight.last_residual(1, 1.0, 1e4).is_some());
-            foresight.end_step(true);
+            assert!(convergence_estimate.last_residual(1, 1.0, 1e4).is_some());
+            convergence_estimate.end_step(true);
         }
-        assert_eq!(foresight.last_residual(1, 1.0, 1e4), None);
-        foresight.end_step(false);
-        assert!(foresight.last_residual(1, 1.0, 1e4).is_some());
+        assert_eq!(convergence_estimate.last_residual(1, 1.0, 1e4), None);
+        convergence_estimate.end_step(false);
+        assert!(convergence_estimate.last_residual(1, 1.0, 1e4).is_some());
     }
 }

@@ -1,7 +1,7 @@
 //! Somebody else's pantograph, written in C, and our own FMUs as if they were somebody else's.
 #![cfg(unix)]
 
-#[path = "third_party/program.rs"]
+#[path = "supplied/program.rs"]
 mod program;
 mod running;
 
@@ -101,7 +101,7 @@ fn description(manners: Manners) -> ModelDescription {
 /// `Somebody.fmu` in `folder`.
 fn made(folder: &Path, manners: Manners) -> PathBuf {
     let library = folder.join("somebody.so");
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/third_party.c");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/supplied.c");
     let mut cc = Command::new(std::env::var_os("CC").unwrap_or("cc".into()));
     cc.args(["-O2", "-shared", "-fPIC", "-o"]).arg(&library).arg(source);
     cc.args(manners.defines.iter().map(|define| format!("-D{define}")))
@@ -217,7 +217,7 @@ fn the_same_physics_from_somebody_else_gives_the_same_force() {
     let difference = rms(&own, &other);
     assert!(difference < 0.3, "{difference} N");
     assert!(
-        notes.contains("came to rest") && notes.contains("steps) at standstill"),
+        notes.contains("came to rest") && notes.contains("steps) at settling"),
         "{notes}"
     );
 }
@@ -297,7 +297,7 @@ fn a_velocity_that_is_not_offered_is_derived_with_order_two() {
     let without = "[[pantograph]]\nfmu = \"Somebody.fmu\"\ninputs = { force = { variable = \"F_c\" } }\n\
         outputs = { height = { variable = \"Wippe.z1\", offset = \"align\" } }\n";
     let error = |macro_step: &str| {
-        let keys = [macro_step, "catenary.mesh.cures=none"];
+        let keys = [macro_step, "catenary.mesh.corrections=none"];
         let (offered, _) = with(Manners::default(), WIRED, &keys);
         let (derived, notes) = with(Manners::default(), without, &keys);
         assert!(
@@ -466,7 +466,7 @@ fn our_own_line_as_somebody_elses_gives_the_same_force() {
     let (record, notes) = run(folder.path(), whole.clone());
     assert!(notes.contains("line: somebody else's FMU"), "{notes}");
     let difference = rms(&expected, &record);
-    assert!(difference < 1e-3, "after half a second at standstill: {difference} N");
+    assert!(difference < 1e-3, "after half a second at settling: {difference} N");
     // The least that a line must offer: the mean is a trapezoid, the wire's way derived.
     let least = "[catenary]\nfmu = \"Catenary.fmu\"\n[catenary.inputs]\n\"strip[1].x\" = { variable = \"strip[1].x\" }\n\
         \"strip[1].z\" = { variable = \"strip[1].z\" }\n\"strip[1].vz\" = { variable = \"strip[1].vz\" }\n\

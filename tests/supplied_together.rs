@@ -63,7 +63,7 @@ fn forces(ended: &Ended) -> [Vec<f64>; 2] {
 #[test]
 fn two_pantographs_of_a_supplier_have_the_forces_of_two_of_ours() {
     let program = program();
-    // Second-order errors of our own pantograph are left, see `third_party.rs`.
+    // Second-order errors of our own pantograph are left, see `supplied.rs`.
     let fine = ["--set", "solver.micro_step=2.5e-4"];
     let ours = run(&program, "ours", &format!("{LINE}{}{}", own(0.0), own(BEHIND)), &fine);
     let both = format!("{LINE}{}{}", theirs(0.0, ""), theirs(BEHIND, ""));

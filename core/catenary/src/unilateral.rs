@@ -3,22 +3,22 @@ use crate::ancf::Number;
 use dynamics::Weights;
 
 /// `max(0, k δ + φ d δ̇)`, N: the force of a spring `k` (N/m) and a damper `d` (N·s/m) that act one way only, the damper for the `part`
-/// `φ` of the time the force stands for, see [`OneWayStep`].
+/// `φ` of the time the force stands for, see [`UnilateralStep`].
 #[inline(always)]
-pub(crate) fn one_way_force<N: Number>((k, d): (f64, f64), part: N, delta: N, rate: N) -> N {
+pub(crate) fn unilateral_force<N: Number>((k, d): (f64, f64), part: N, delta: N, rate: N) -> N {
     (delta * k + part * d * rate).at_least(0.0)
 }
 
 /// What a time step knows at its beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AtStart {
+pub enum UnilateralStart {
     /// Nothing: no step has ended yet, or there is no step. The damper acts wherever `δ > 0`.
     Unknown,
-    /// `δ⁺₀` in m, see [`OneWayStep`]; negative for what is open.
+    /// `δ⁺₀` in m, see [`UnilateralStep`]; negative for what is open.
     At(f64),
 }
 
-impl AtStart {
+impl UnilateralStart {
     /// A strip that is beside the wire or beyond its ends: wherever it comes from, the damper leaves out the step in which it comes.
     pub const APART: Self = Self::At(-f64::MAX);
 
@@ -30,7 +30,7 @@ impl AtStart {
         }
     }
 
-    /// Takes back what [`AtStart::save`] appended.
+    /// Takes back what [`UnilateralStart::save`] appended.
     pub(crate) fn restored(values: &mut std::slice::Iter<'_, f64>) -> Self {
         let mut next = || {
             *values
@@ -45,14 +45,14 @@ impl AtStart {
 }
 
 /// Appends half of the present step, s, and the `δ⁺₀` that many begin it with, m, to what a contribution saves.
-pub(crate) fn save_step(half: f64, at_start: &[f64], out: &mut Vec<f64>) {
+pub(crate) fn save_step(half: f64, start_closure: &[f64], out: &mut Vec<f64>) {
     out.push(half);
-    out.extend_from_slice(at_start);
+    out.extend_from_slice(start_closure);
 }
 
 /// Takes back what [`save_step`] appended.
-pub(crate) fn restore_step(half: &mut f64, at_start: &mut [f64], values: &mut std::slice::Iter<'_, f64>) {
-    for value in std::iter::once(half).chain(at_start) {
+pub(crate) fn restore_step(half: &mut f64, start_closure: &mut [f64], values: &mut std::slice::Iter<'_, f64>) {
+    for value in std::iter::once(half).chain(start_closure) {
         *value = *values
             .next()
             .expect("a saved step holds a number and one for each beginning");
@@ -88,9 +88,9 @@ pub(crate) fn restore_step(half: &mut f64, at_start: &mut [f64], values: &mut st
 /// at most `d δ̇`, of what opened and comes back within the step. `φ` is also continuous in `δ⁺₀` while `δ⁺ > 0`: runs that differ by
 /// rounding, or by what a coupling leaves, stay together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OneWayStep {
+pub struct UnilateralStep {
     /// What it began with.
-    pub at_start: AtStart,
+    pub start_closure: UnilateralStart,
     /// `½ h`, s; zero where there is no step.
     pub half: f64,
 }
@@ -108,17 +108,17 @@ enum Case {
     Closing,
 }
 
-impl OneWayStep {
+impl UnilateralStep {
     /// No step.
     pub const NONE: Self = Self {
-        at_start: AtStart::Unknown,
+        start_closure: UnilateralStart::Unknown,
         half: 0.0,
     };
 
-    /// One that began `at_start`, of twice `half` s.
+    /// One that began `start_closure`, of twice `half` s.
     #[must_use]
-    pub fn new(at_start: AtStart, half: f64) -> Self {
-        Self { at_start, half }
+    pub fn new(start_closure: UnilateralStart, half: f64) -> Self {
+        Self { start_closure, half }
     }
 
     /// `δ⁺`, m, of `delta` in m that changes with `rate` in m/s.
@@ -130,10 +130,10 @@ impl OneWayStep {
     /// `φ` (–) and `∂φ/∂δ⁺` (1/m) for `δ⁺` in m and `δ̇` in m/s.
     #[must_use]
     pub fn closed_part(self, ahead: f64, rate: f64) -> (f64, f64) {
-        match (self.case(ahead, rate), self.at_start) {
-            (Case::Closed | Case::Parting, _) | (Case::Closing, AtStart::Unknown) => (1.0, 0.0),
+        match (self.case(ahead, rate), self.start_closure) {
+            (Case::Closed | Case::Parting, _) | (Case::Closing, UnilateralStart::Unknown) => (1.0, 0.0),
             (Case::Apart, _) => (0.0, 0.0),
-            (Case::Closing, AtStart::At(start)) => {
+            (Case::Closing, UnilateralStart::At(start)) => {
                 let way = ahead - start;
                 let part = ahead / way;
                 (part, (1.0 - part) / way)
@@ -141,17 +141,17 @@ impl OneWayStep {
         }
     }
 
-    /// The case of [`OneWayStep::closed_part`].
+    /// The case of [`UnilateralStep::closed_part`].
     fn case(self, ahead: f64, rate: f64) -> Case {
-        match self.at_start {
-            AtStart::At(start) if start >= 0.0 => Case::Closed,
+        match self.start_closure {
+            UnilateralStart::At(start) if start >= 0.0 => Case::Closed,
             _ if rate <= 0.0 => Case::Parting,
             _ if ahead <= 0.0 => Case::Apart,
             _ => Case::Closing,
         }
     }
 
-    /// A number for the case of [`OneWayStep::closed_part`] and for whether there is a `force` (N): between two motions with the same
+    /// A number for the case of [`UnilateralStep::closed_part`] and for whether there is a `force` (N): between two motions with the same
     /// one the force is smooth.
     pub(crate) fn piece(self, ahead: f64, rate: f64, force: f64) -> u8 {
         2 * self.case(ahead, rate) as u8 + u8::from(force > 0.0)
@@ -159,7 +159,7 @@ impl OneWayStep {
 
     /// Whether it is known to have begun open.
     pub(crate) fn began_open(self) -> bool {
-        matches!(self.at_start, AtStart::At(start) if start < 0.0)
+        matches!(self.start_closure, UnilateralStart::At(start) if start < 0.0)
     }
 
     /// Whether it closes, with `ahead` and `rate` at its end.

@@ -23,7 +23,7 @@ outputs = { height = { variable = \"pantograph.height\" }, velocity = { variable
 ";
 
 fn python() -> PathBuf {
-    environment("thirdparty", &tree().join("tests/thirdparty/requirements.txt"))
+    environment("suppliers", &tree().join("tests/suppliers/requirements.txt"))
 }
 
 /// Runs the short line with a pantograph; `scene` is complete.
@@ -81,7 +81,7 @@ fn a_pantograph_in_fmpys_container_has_the_force_of_the_one_inside() {
     let container = program.folder().join("container.fmu");
     run(
         Command::new(python())
-            .arg(tree().join("tests/thirdparty/container.py"))
+            .arg(tree().join("tests/suppliers/container.py"))
             .args([&inside, &container])
             .arg("0.00025"),
         "packing a pantograph into FMPy's container",
@@ -106,7 +106,7 @@ fn a_pantograph_from_pythonfmu_runs_in_a_process_with_its_python() {
     run(
         Command::new(&interpreter)
             .args(["-m", "pythonfmu", "build", "-f"])
-            .arg(tree().join("tests/thirdparty/two_mass.py"))
+            .arg(tree().join("tests/suppliers/two_mass.py"))
             .arg("-d")
             .arg(program.folder()),
         "exporting a pantograph with PythonFMU",
@@ -128,7 +128,7 @@ fn a_pantograph_that_needs_python_says_what_it_needs() {
     run(
         Command::new(python())
             .args(["-m", "pythonfmu", "build", "-f"])
-            .arg(tree().join("tests/thirdparty/two_mass.py"))
+            .arg(tree().join("tests/suppliers/two_mass.py"))
             .arg("-d")
             .arg(program.folder()),
         "exporting a pantograph with PythonFMU",

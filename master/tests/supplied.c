@@ -1,5 +1,5 @@
 /* A pantograph of two masses as somebody else writes it, with the manners that the defines give it; compiled by
-   tests/third_party.rs. Value references: 0 F_c, 1 z1, 2 v1, 3 static force, 4 mode (enumeration, an integer). */
+   tests/supplied.rs. Value references: 0 F_c, 1 z1, 2 v1, 3 static force, 4 mode (enumeration, an integer). */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use fmi2::model_description::ModelDescription;
-use scene::{Connection, Offset, ThirdParty};
+use scene::{Connection, Offset, Supplied};
 
 use super::guess::guess;
 use super::quantity::{Side, strip_of, unit};
@@ -96,7 +96,7 @@ impl Wiring {
     /// [`WiringError`].
     pub fn resolve(
         description: &ModelDescription,
-        entry: &mut ThirdParty,
+        entry: &mut Supplied,
         side: Side,
         strips: usize,
     ) -> Result<Self, WiringError> {
@@ -147,7 +147,7 @@ impl Wiring {
 }
 
 /// Refuses a wiring without what a coupling cannot do without.
-fn needed(description: &ModelDescription, entry: &ThirdParty, side: Side, strips: usize) -> Result<(), WiringError> {
+fn needed(description: &ModelDescription, entry: &Supplied, side: Side, strips: usize) -> Result<(), WiringError> {
     let missing = |needed: String, table| WiringError::Missing {
         fmu: description.model_name.clone(),
         needed,

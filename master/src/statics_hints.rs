@@ -47,7 +47,7 @@ fn short(value: f64) -> String {
 }
 
 /// The keys that the rest of line and pantographs hangs on most; none of somebody else's line.
-fn suspects(scene: &Scene) -> Vec<Suspect> {
+fn statics_hints(scene: &Scene) -> Vec<Suspect> {
     let Some((line, contact)) = scene.modelled_line() else {
         return Vec::new();
     };
@@ -82,7 +82,7 @@ fn suspects(scene: &Scene) -> Vec<Suspect> {
         let (key, force, most) = match &pantograph.model {
             PantographModel::Lumped(lumped) => ("static_force", lumped.static_force, 500.0),
             PantographModel::Linkage(linkage) => ("uplift.force", linkage.uplift.force, 5e3),
-            PantographModel::ThirdParty(_) => continue,
+            PantographModel::Supplied(_) => continue,
         };
         let key = format!("pantograph[{}].{key}", index + 1);
         all.push(Suspect::new(key, force, "N", (0.0, most)));
@@ -92,7 +92,7 @@ fn suspects(scene: &Scene) -> Vec<Suspect> {
 
 /// Those that are unusual, or else all of them, in words; empty where there is none.
 fn named(scene: &Scene) -> String {
-    let all = suspects(scene);
+    let all = statics_hints(scene);
     let unusual: Vec<String> = (all.iter())
         .filter(|suspect| suspect.is_unusual())
         .map(|suspect| {
@@ -136,7 +136,7 @@ pub fn with_suspects(error: SetupError, scene: &Scene) -> SetupError {
         return error;
     }
     SetupError::NoStatics {
-        suspects: named(scene),
+        statics_hints: named(scene),
         source: Box::new(error),
     }
 }

@@ -16,7 +16,7 @@ pub const STEP_TIMEOUT: f64 = 60.0;
 /// `support[k].uplift`, and `time` (`contact[i].closed` is accepted and not read: it follows from the force). Empty maps
 /// leave the wiring to be guessed from the FMU's variables.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ThirdParty {
+pub struct Supplied {
     /// Path of the archive, relative to the scene file.
     pub fmu: String,
     /// Whether it runs in a child process.
@@ -114,7 +114,7 @@ fn line_names() -> [Vec<String>; 2] {
     [inputs.collect(), outputs.collect()]
 }
 
-impl ThirdParty {
+impl Supplied {
     /// `[[pantograph]]` with `fmu`.
     pub(crate) fn pantograph(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self::wired(

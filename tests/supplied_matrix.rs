@@ -16,7 +16,7 @@
 //! | D11 | returns values that are not numbers |
 //! | D12 | crashes, aborts, exits or never returns |
 //!
-//! The FMU is `tests/thirdparty/pantograph.c`, which behaves as it is built. Its good form gives the reference.
+//! The FMU is `tests/suppliers/pantograph.c`, which behaves as it is built. Its good form gives the reference.
 use integration_tests::installed::{Ended, Program};
 use integration_tests::runs::rms;
 use integration_tests::vendor::{Pantograph, under_the_line};

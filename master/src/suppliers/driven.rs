@@ -2,7 +2,7 @@
 
 use fmi2::import::Fmu;
 use fmi2::model_description::{Causality, ModelDescription};
-use scene::ThirdParty;
+use scene::Supplied;
 
 use super::probe::Probe;
 use super::wiring::{Wire, Wiring};
@@ -78,7 +78,7 @@ pub(super) struct Setting<'a> {
     /// Name of the instance: ASCII.
     pub name: String,
     /// Its table in the scene.
-    pub entry: &'a ThirdParty,
+    pub entry: &'a Supplied,
     /// Values of inputs during the initialisation, in the FMU's units; none leaves its own.
     pub initial: Vec<f64>,
     /// Parameters besides those of the scene.

@@ -1,6 +1,6 @@
 //! What makes up for a coarse mesh, against closed forms and fine meshes.
 use catenary::{
-    AxialLaw, BendingLaw, BendingLayers, ContactPair, ContactTangent, CuredWire, Curve, Enrichment, LineOptions,
+    AxialLaw, BendingLaw, BendingLayers, ContactPair, ContactTangent, CorrectedWire, Curve, Enrichment, LineOptions,
     LoadCorrection, MassCorrection, NodeMap, PenaltyContact, PrescribedStrip, ResidualCompliance, StaticLine,
     WireGeometry, WireSection,
 };
@@ -31,9 +31,9 @@ fn bending_length(tension: f64) -> f64 {
     (SECTION.bending_stiffness / tension).sqrt()
 }
 
-fn compliant(geometry: &Arc<WireGeometry>, speed: f64) -> CuredWire {
+fn compliant(geometry: &Arc<WireGeometry>, speed: f64) -> CorrectedWire {
     let compliance = ResidualCompliance::new(geometry, &SECTION, speed).expect("below the wave speed");
-    CuredWire {
+    CorrectedWire {
         geometry: Arc::clone(geometry),
         compliance: Some(Arc::new(compliance)),
         load: None,
@@ -76,8 +76,8 @@ fn a_strip_feels_the_flexibility_of_the_wire_anywhere_on_a_coarse_mesh() {
             damping: 0.0,
         };
         let mut worst = [0.0_f64; 2];
-        for (cured, worst) in worst.iter_mut().enumerate() {
-            let curve: Arc<dyn Curve> = if cured == 1 {
+        for (corrected, worst) in worst.iter_mut().enumerate() {
+            let curve: Arc<dyn Curve> = if corrected == 1 {
                 Arc::new(compliant(wire.geometry(), 0.0))
             } else {
                 wire.geometry().clone()
@@ -97,11 +97,11 @@ fn a_strip_feels_the_flexibility_of_the_wire_anywhere_on_a_coarse_mesh() {
                 *worst = worst.max((found / exact - 1.0).abs());
             }
         }
-        let [plain, cured] = worst;
-        println!("layer {layered}: plain {plain:.2e}, cured {cured:.2e}");
+        let [plain, corrected] = worst;
+        println!("layer {layered}: plain {plain:.2e}, corrected {corrected:.2e}");
         assert!(
-            plain > 5e-3 && cured < 2e-5,
-            "layer {layered}: plain {plain}, cured {cured}"
+            plain > 5e-3 && corrected < 2e-5,
+            "layer {layered}: plain {plain}, corrected {corrected}"
         );
     }
 }
@@ -127,7 +127,7 @@ fn under_a_moving_force(length: f64, speed: f64) -> (f64, f64) {
     let h = 5e-4;
     let mut integrator = integration_tests::single_wire::trapezoid(1e-7);
     let mut state = wire.layout.state_at_rest();
-    let (mut plain, mut cured) = (Vec::new(), Vec::new());
+    let (mut plain, mut corrected) = (Vec::new(), Vec::new());
     // Until the first wave comes back from an end.
     let steps = ((2.0 * START / (c + speed)).min((2.0 * WIRE - 2.0 * START) / (c + speed)) / h) as usize;
     for step in 1..=steps {
@@ -141,21 +141,21 @@ fn under_a_moving_force(length: f64, speed: f64) -> (f64, f64) {
         // The waves of the start have left.
         if t > 0.25 {
             plain.push(height - exact);
-            cured.push(height + curve.compliance(s).value - exact);
+            corrected.push(height + curve.compliance(s).value - exact);
         }
     }
     let zero = vec![0.0; plain.len()];
-    (rms(&plain, &zero), rms(&cured, &zero))
+    (rms(&plain, &zero), rms(&corrected, &zero))
 }
 
 #[test]
 fn the_residual_compliance_is_what_a_mesh_lacks_under_a_moving_force() {
     let speed = 60.0;
     let bend = bending_length(SECTION.tension - SECTION.mass_per_length * speed * speed);
-    let (plain, cured) = under_a_moving_force(1.25, speed);
-    println!("elements of 1.25 m, bend {bend:.3} m: plain {plain:.2e} m, cured {cured:.2e} m");
+    let (plain, corrected) = under_a_moving_force(1.25, speed);
+    println!("elements of 1.25 m, bend {bend:.3} m: plain {plain:.2e} m, corrected {corrected:.2e} m");
     // What is left are the short waves of the start, which such elements hold back.
-    assert!(cured < 0.35 * plain, "plain {plain}, cured {cured}");
+    assert!(corrected < 0.35 * plain, "plain {plain}, corrected {corrected}");
 }
 
 /// Phase error of a standing wave of wavelength 20 m after ten periods, rad.
@@ -250,7 +250,7 @@ fn error_ahead_of_a_strip(h: f64, corrected_load: bool) -> f64 {
         damping: 0.0,
     };
     let kappa = 1.0 / 6.0;
-    let curve = Arc::new(CuredWire {
+    let curve = Arc::new(CorrectedWire {
         geometry: Arc::clone(wire.geometry()),
         compliance: ResidualCompliance::new(wire.geometry(), &section, v).map(Arc::new),
         load: corrected_load.then_some(LoadCorrection { step: h, kappa }),
@@ -310,11 +310,11 @@ fn a_moving_force_is_corrected_with_the_mass() {
 }
 
 #[test]
-fn statics_of_a_cured_coarse_mesh_are_those_of_a_fine_one() {
+fn statics_of_a_corrected_coarse_mesh_are_those_of_a_fine_one() {
     let mut catenary = scene_line(EN, &[]);
     catenary.span_lengths.truncate(4);
     catenary.mesh.division = Division::PerInterval(4);
-    let cures = LineOptions {
+    let corrections = LineOptions {
         layers: BendingLayers::AtAttachments,
         contact_compliance: Some(83.3),
         mass_correction: Some(MassCorrection {
@@ -324,39 +324,39 @@ fn statics_of_a_cured_coarse_mesh_are_those_of_a_fine_one() {
         ..LineOptions::default()
     };
     let coarse = StaticLine::solve(&catenary, LineOptions::default()).unwrap();
-    let cured = StaticLine::solve(&catenary, cures).unwrap();
+    let corrected = StaticLine::solve(&catenary, corrections).unwrap();
     catenary.mesh.division = Division::PerInterval(32);
     let fine = StaticLine::solve(&catenary, LineOptions::default()).unwrap();
-    for (a, b) in cured.report().droppers.iter().zip(&fine.report().droppers) {
+    for (a, b) in corrected.report().droppers.iter().zip(&fine.report().droppers) {
         assert!((a.force - b.force).abs() < 1e-3 * b.force, "{} {}", a.force, b.force);
     }
     // At attachments, and between them and between nodes.
     let x = [60.0, 61.3, 65.0, 66.1, 70.5, 73.8, 90.0, 93.1];
-    let [coarse, cured, fine] = [&coarse, &cured, &fine].map(|line| line.elasticity(&x).unwrap());
+    let [coarse, corrected, fine] = [&coarse, &corrected, &fine].map(|line| line.elasticity(&x).unwrap());
     let mut worst = (0.0_f64, 0.0_f64);
-    for ((coarse, cured), fine) in coarse.iter().zip(&cured).zip(&fine) {
+    for ((coarse, corrected), fine) in coarse.iter().zip(&corrected).zip(&fine) {
         println!(
             "x = {}: {:.5} {:.5} {:.5} mm/N",
             fine.x,
             1e3 * coarse.elasticity,
-            1e3 * cured.elasticity,
+            1e3 * corrected.elasticity,
             1e3 * fine.elasticity
         );
         worst.0 = worst.0.max((coarse.elasticity / fine.elasticity - 1.0).abs());
-        worst.1 = worst.1.max((cured.elasticity / fine.elasticity - 1.0).abs());
+        worst.1 = worst.1.max((corrected.elasticity / fine.elasticity - 1.0).abs());
     }
     assert!(
         worst.1 < 5e-4 && worst.1 < 0.2 * worst.0,
-        "plain {}, cured {}",
+        "plain {}, corrected {}",
         worst.0,
         worst.1
     );
 }
 
 /// Four spans of the reference model at 300 km/h; `mesh` is `elements_per_interval=…` or `element_length=…`.
-fn short(mesh: &str, cures: &str, step: f64) -> Run {
+fn short(mesh: &str, corrections: &str, step: f64) -> Run {
     let mesh = format!("catenary.mesh.{mesh}");
-    let cures = format!("catenary.mesh.cures={cures}");
+    let corrections = format!("catenary.mesh.corrections={corrections}");
     let steps = [
         format!("solver.micro_step={step}"),
         format!("coupling.macro_step={step}"),
@@ -367,23 +367,23 @@ fn short(mesh: &str, cures: &str, step: f64) -> Run {
         "run.duration=1.6",
         "run.evaluate={time=[0.3,1.3]}",
         &mesh,
-        &cures,
+        &corrections,
         &steps[0],
         &steps[1],
     ];
-    run(scene_with(EN_300, &overrides), Mode::Monolithic, "cures")
+    run(scene_with(EN_300, &overrides), Mode::Monolithic, "corrections")
 }
 
 #[test]
-fn a_cured_mesh_is_several_times_closer_to_the_converged_force_than_a_plain_one() {
+fn a_corrected_mesh_is_several_times_closer_to_the_converged_force_than_a_plain_one() {
     let reference = short("elements_per_interval=14", "auto", 2.5e-4);
     let error = |run: &Run| 100.0 * run.filtered_difference(&reference) / reference.sigma();
-    let eight = |cures| error(&short("elements_per_interval=8", cures, 1e-3));
-    let [plain, cured] = ["none", "auto"].map(eight);
-    println!("8 elements per interval, 1 ms: plain {plain:.2} %, cured {cured:.2} % of σ");
+    let eight = |corrections| error(&short("elements_per_interval=8", corrections, 1e-3));
+    let [plain, corrected] = ["none", "auto"].map(eight);
+    println!("8 elements per interval, 1 ms: plain {plain:.2} %, corrected {corrected:.2} % of σ");
     assert!(
-        plain > 2.0 && cured < 1.0 && cured < 0.3 * plain,
-        "plain {plain} %, cured {cured} %"
+        plain > 2.0 && corrected < 1.0 && corrected < 0.3 * plain,
+        "plain {plain} %, corrected {corrected} %"
     );
     let [even, coarser] = [("0.8125", 1e-3), ("0.93", 1.6e-3)].map(|(length, step)| {
         let run = short(&format!("element_length={length}"), "auto", step);
@@ -392,13 +392,13 @@ fn a_cured_mesh_is_several_times_closer_to_the_converged_force_than_a_plain_one(
     });
     println!("76 even elements, 1 ms: {even:.2} %; 66, 1.6 ms: {coarser:.2} % of σ");
     // The same longest element, and some of 0.71 m in the place of 0.63 m.
-    assert!(even < 1.25 * cured, "{even} %, cured {cured} %");
+    assert!(even < 1.25 * corrected, "{even} %, corrected {corrected} %");
     // Elements that are 1.14 times as long make 1.7 times the error, and steps 1.6 times as long 2.6 times theirs.
-    assert!(coarser < 2.6 * cured, "{coarser} %, cured {cured} %");
+    assert!(coarser < 2.6 * corrected, "{coarser} %, corrected {corrected} %");
 }
 
 #[test]
-fn a_run_starts_at_rest_on_a_cured_mesh() {
+fn a_run_starts_at_rest_on_a_corrected_mesh() {
     // A train that nearly stands: what moves in the first tenth of a second comes from the start alone.
     let overrides = [
         "catenary.spans=4",
@@ -409,10 +409,10 @@ fn a_run_starts_at_rest_on_a_cured_mesh() {
         "run.evaluate={time=[0.0,0.1]}",
         "run.low_pass_hz=100",
     ];
-    let run = run(scene_with(EN_300, &overrides), Mode::Monolithic, "cures-start");
+    let run = run(scene_with(EN_300, &overrides), Mode::Monolithic, "corrections-start");
     let scene = &run.written;
     assert!(
-        scene.contains("cures = [\"contact_compliance\", \"bending_layers\", \"mass_correction\"]"),
+        scene.contains("corrections = [\"contact_compliance\", \"bending_layers\", \"mass_correction\"]"),
         "{scene}"
     );
     let force = &run.record.pantographs[0].force;

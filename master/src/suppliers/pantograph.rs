@@ -1,14 +1,14 @@
 //! Somebody else's pantograph.
 
 use fmi2::import::Fmu;
-use scene::{Offset, Scene, ThirdParty};
+use scene::{Offset, Scene, Supplied};
 
 use super::driven::{Driven, Setting, start_value};
 use super::probe::{Probe, Request, isolation, probe};
 use super::quantity::{Place, Side, input, output};
 use super::velocity::Rate;
 use super::wiring::Wiring;
-use super::{ThirdPartyError, check_step, told_duration};
+use super::{SupplierError, check_step, told_duration};
 use crate::interface::{load, strip};
 use crate::results::Frame;
 use crate::slave::{Abilities, Slave, SlaveError};
@@ -30,7 +30,7 @@ struct State {
 }
 
 /// A pantograph FMU seen as a pantograph.
-pub struct ThirdPartyPantograph {
+pub struct SuppliedPantograph {
     driven: Driven,
     inputs: Vec<Place>,
     outputs: Vec<Place>,
@@ -48,7 +48,7 @@ pub struct ThirdPartyPantograph {
     probe: Probe,
 }
 
-impl ThirdPartyPantograph {
+impl SuppliedPantograph {
     /// Wires, tries, instantiates and initialises the FMU for pantograph `index` (from 0); what `entry` leaves open is
     /// written into it.
     ///
@@ -56,11 +56,11 @@ impl ThirdPartyPantograph {
     /// A wiring that does not fit, and whatever the FMU reports.
     pub fn start(
         fmu: &Fmu,
-        entry: &mut ThirdParty,
+        entry: &mut Supplied,
         scene: &Scene,
         index: usize,
         logging: bool,
-    ) -> Result<Self, ThirdPartyError> {
+    ) -> Result<Self, SupplierError> {
         let description = fmu.description();
         let wiring = Wiring::resolve(description, entry, Side::Pantograph, 1)?;
         let unit = super::driven::fixed_step(description);
@@ -90,7 +90,7 @@ impl ThirdPartyPantograph {
                 .iter()
                 .find(|wire| ["force", "force_z"].contains(&wire.name.as_str()))
         {
-            return Err(ThirdPartyError::Sign {
+            return Err(SupplierError::Sign {
                 name: wire.name.clone(),
                 variable: wire.variable.clone(),
                 force: 20.0,
@@ -229,7 +229,7 @@ impl ThirdPartyPantograph {
         self.restart()
     }
 
-    /// Ends a standstill of `duration` s: the run's time is 0 now, and x counts from the start.
+    /// Ends a settling of `duration` s: the run's time is 0 now, and x counts from the start.
     ///
     /// # Errors
     /// What the FMU reports.
@@ -314,7 +314,7 @@ impl ThirdPartyPantograph {
     }
 }
 
-impl Slave for ThirdPartyPantograph {
+impl Slave for SuppliedPantograph {
     fn name(&self) -> &str {
         self.driven.name()
     }
@@ -379,7 +379,7 @@ impl Slave for ThirdPartyPantograph {
 
 /// Whether a scene asks for the height to be aligned with the wire.
 #[must_use]
-pub fn aligned(entry: &ThirdParty) -> bool {
+pub fn aligned(entry: &Supplied) -> bool {
     entry
         .outputs
         .get("height")

@@ -12,7 +12,7 @@
 //! `providesDirectionalDerivative` and dependencies are not tested: this program builds on neither.
 
 use fmi2::import::Fmu;
-use scene::{ParameterValue, ThirdParty};
+use scene::{ParameterValue, Supplied};
 use serde::Serialize;
 
 use super::wiring::Wiring;
@@ -122,7 +122,7 @@ impl Probe {
 /// How instances are tried: in processes of their own where this program can start such; each call may take
 /// as long as `entry` says.
 #[must_use]
-pub fn isolation(entry: &ThirdParty) -> Option<Isolation> {
+pub fn isolation(entry: &Supplied) -> Option<Isolation> {
     Isolation::of(entry).or_else(|| {
         (cfg!(unix) && isolation::serves()).then(|| Isolation {
             time_limit: isolation::time_limit(entry),

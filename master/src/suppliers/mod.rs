@@ -26,8 +26,8 @@ mod velocity;
 mod wiring;
 
 pub use guess::{Guess, guess, side};
-pub use line::{StripAtStart, ThirdPartyLine, own_heights};
-pub use pantograph::{ThirdPartyPantograph, aligned};
+pub use line::{StripAtStart, SuppliedLine, own_heights};
+pub use pantograph::{SuppliedPantograph, aligned};
 pub use parameter::{Typed, typed};
 pub use probe::{Finding, Probe, Request, isolation, probe};
 pub use quantity::{Side, unit};
@@ -37,7 +37,7 @@ use crate::cosimulation::CosimulationError;
 
 /// Why somebody else's FMU cannot take part.
 #[derive(Debug, thiserror::Error)]
-pub enum ThirdPartyError {
+pub enum SupplierError {
     /// Its variables, or what it reports.
     #[error(transparent)]
     Fmu(#[from] CosimulationError),
@@ -89,7 +89,7 @@ pub enum ThirdPartyError {
     },
 }
 
-impl ThirdPartyError {
+impl SupplierError {
     /// Whether the scene or the file is to blame, and not what was made of it.
     #[must_use]
     pub fn is_input(&self) -> bool {
@@ -103,13 +103,13 @@ impl ThirdPartyError {
 /// Simulated time that an FMU is told for a run of `duration` s: the phase at rest before it, and a last step that is no
 /// shorter than the others, included.
 fn told_duration(scene: &scene::Scene) -> f64 {
-    scene.run.duration + crate::standstill::LONGEST + 2.0 * scene.coupling.macro_step
+    scene.run.duration + crate::settling::LONGEST + 2.0 * scene.coupling.macro_step
 }
 
 /// Refuses a macro step that an FMU cannot be stepped with.
-fn check_step(unit: Option<f64>, macro_step: f64) -> Result<(), ThirdPartyError> {
+fn check_step(unit: Option<f64>, macro_step: f64) -> Result<(), SupplierError> {
     match unit {
-        Some(unit) if driven::pieces(unit, macro_step).is_none() => Err(ThirdPartyError::Step {
+        Some(unit) if driven::pieces(unit, macro_step).is_none() => Err(SupplierError::Step {
             macro_step,
             unit,
             nearest: driven::nearest_multiple(unit, macro_step),

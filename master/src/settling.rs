@@ -13,7 +13,7 @@ use crate::inprocess::InProcess;
 use crate::interface::{contact, line_output_count, load, strip};
 use crate::simulation::SetupError;
 use crate::slave::{Slave, SlaveError};
-use crate::third_party::{ThirdPartyLine, ThirdPartyPantograph};
+use crate::suppliers::{SuppliedLine, SuppliedPantograph};
 
 /// Change of the contact force that counts as rest, N/s.
 pub const REST: f64 = 0.1;
@@ -32,7 +32,7 @@ const MASS_DAMPING: f64 = 6.0;
 
 /// How a phase ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Standstill {
+pub struct Settling {
     /// How long it took, s.
     pub duration: f64,
     /// Communication steps taken.
@@ -86,8 +86,8 @@ impl Pair<'_> {
     }
 
     /// Steps until the forces stay the same, all contacts being closed.
-    fn settle(&mut self, h: f64, interrupted: &AtomicBool) -> Result<Standstill, SetupError> {
-        let failed = SetupError::Standstill;
+    fn settle(&mut self, h: f64, interrupted: &AtomicBool) -> Result<Settling, SetupError> {
+        let failed = SetupError::Settling;
         self.line.outputs(&mut self.contacts).map_err(failed)?;
         self.read_strips().map_err(failed)?;
         let window = (WINDOW / h).ceil() as u64;
@@ -107,7 +107,7 @@ impl Pair<'_> {
                 }
             }
             let widest = range.iter().map(|(least, most)| most - least).fold(0.0, f64::max);
-            let found = Standstill {
+            let found = Settling {
                 duration: n as f64 * h,
                 steps: n,
                 change: widest / (window as f64 * h),
@@ -131,7 +131,7 @@ fn step(macro_step: f64, units: &[Option<f64>], any_step: bool) -> f64 {
     }
 }
 
-/// Brings `third_party` pantographs, and a line of somebody else, to rest and writes into the scene where they have come to,
+/// Brings `supplied` pantographs, and a line of somebody else, to rest and writes into the scene where they have come to,
 /// and the start of the others beside them.
 ///
 /// # Errors
@@ -139,10 +139,10 @@ fn step(macro_step: f64, units: &[Option<f64>], any_step: bool) -> f64 {
 pub fn settle(
     scene: &mut Scene,
     statics: Option<&catenary::StaticLine>,
-    mut other_line: Option<&mut ThirdPartyLine>,
-    third_party: &mut [Option<ThirdPartyPantograph>],
+    mut other_line: Option<&mut SuppliedLine>,
+    supplied: &mut [Option<SuppliedPantograph>],
     interrupted: &AtomicBool,
-) -> Result<Standstill, SetupError> {
+) -> Result<Settling, SetupError> {
     if let Some(statics) = statics {
         // What the scene says of the others was found beside the pantographs at rest: a resolved scene takes the same way
         // again.
@@ -155,7 +155,7 @@ pub fn settle(
         line.damping.alpha = line.damping.alpha.max(MASS_DAMPING);
     }
     let mut own: Vec<Option<InProcess<vehicle::Subsystem>>> = Vec::new();
-    for (index, pantograph) in third_party.iter_mut().enumerate() {
+    for (index, pantograph) in supplied.iter_mut().enumerate() {
         own.push(match pantograph {
             Some(pantograph) => {
                 pantograph.stand()?;
@@ -170,8 +170,8 @@ pub fn settle(
             }
         });
     }
-    let of_pantographs = third_party.iter().flatten();
-    let mut units: Vec<Option<f64>> = of_pantographs.clone().map(ThirdPartyPantograph::unit).collect();
+    let of_pantographs = supplied.iter().flatten();
+    let mut units: Vec<Option<f64>> = of_pantographs.clone().map(SuppliedPantograph::unit).collect();
     let mut any_step = of_pantographs
         .clone()
         .all(|pantograph| pantograph.abilities().variable_step);
@@ -189,10 +189,10 @@ pub fn settle(
             &mut core
         }
     };
-    let strips = third_party.len();
+    let strips = supplied.len();
     let mut pair = Pair {
         line,
-        pantographs: third_party
+        pantographs: supplied
             .iter_mut()
             .zip(&mut own)
             .filter_map(|pair| -> Option<&mut dyn Slave> {
@@ -214,7 +214,7 @@ pub fn settle(
         .map(|strip| strip[strip::Z])
         .collect();
     let line_is_other = other_line.is_some();
-    for (index, pantograph) in third_party.iter_mut().enumerate() {
+    for (index, pantograph) in supplied.iter_mut().enumerate() {
         if let Some(pantograph) = pantograph {
             pantograph.depart(found.duration)?;
         }
@@ -237,7 +237,7 @@ pub fn settle(
 
 fn forget_own_starts(scene: &mut Scene) {
     for pantograph in &mut scene.pantographs {
-        if !matches!(pantograph.model, PantographModel::ThirdParty(_)) {
+        if !matches!(pantograph.model, PantographModel::Supplied(_)) {
             pantograph.start = None;
         }
     }
