@@ -1,7 +1,7 @@
 //! A contact wire of fully parameterised beam elements against one of cable elements.
 use integration_tests::lines::{EN, scene_line, solve};
 use integration_tests::runs::{EN_250, run, scene_with};
-use master::simulation::Mode;
+use simulation::Mode;
 
 /// The round wire of the standard's line: `r² = 4 EI/EA`, Poisson's ratio 0.34, `k = 6 (1 + ν)/(7 + 6 ν)`, `J = 2 I`.
 const BEAM: [&str; 2] = [

@@ -8,9 +8,9 @@ use dynamics::{StaticOptions, solve_static};
 use integration_tests::lines::{EN, scene_line};
 use integration_tests::runs::{EN_300, Run, rms, run, scene_with};
 use integration_tests::single_wire::{Load, Material, SingleWire};
-use master::simulation::Mode;
 use nalgebra::Vector3;
 use scene::Division;
+use simulation::Mode;
 use std::sync::Arc;
 
 /// The contact wire of the reference model.

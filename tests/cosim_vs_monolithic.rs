@@ -1,6 +1,6 @@
 //! Co-simulation against the same equations as one system: the difference is the error of the coupling.
 use integration_tests::runs::{EN_250, EN_300, Run, prepared, rms, run, scene_with};
-use master::simulation::Mode;
+use simulation::Mode;
 
 /// Four spans of the reference model on a coarse mesh, which does not enter the error of the coupling. At this speed contact is
 /// never lost, so that the orders are those of smooth motion but for droppers that go slack.

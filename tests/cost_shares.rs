@@ -1,8 +1,9 @@
 //! What the time loop of a scene is spent on: shares of its parts, in all modes.
+use component::Share;
 use integration_tests::fmus::DEFAULT;
 use integration_tests::runs::{EN_250, run, scene_with};
-use master::results::{Share, Summary};
-use master::simulation::Mode;
+use results::Summary;
+use simulation::Mode;
 
 /// The full scene with wind on pantograph and wires.
 const WIND: &str = include_str!("../scenes/thesis-wind-both.toml");

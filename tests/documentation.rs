@@ -2,7 +2,7 @@
 use integration_tests::fmus::{COARSE, Packaged, tree};
 use integration_tests::python::{environment, run_apart};
 use integration_tests::runs::{EN_300, Run, run, run_beside, scene_with};
-use master::simulation::Mode;
+use simulation::Mode;
 use std::fs;
 use std::process::Command;
 

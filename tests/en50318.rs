@@ -1,7 +1,7 @@
 //! The reference model of EN 50318:2002 against the ranges of the standard, in every mode.
 use integration_tests::runs::{EN_250, EN_300, Run, run, scene_with};
-use master::simulation::Mode;
 use scene::Division;
+use simulation::Mode;
 use std::sync::LazyLock;
 
 /// One line of the table of ranges.

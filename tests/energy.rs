@@ -1,21 +1,21 @@
 //! Energy: what a line keeps without damping, and where the energy of a run goes.
 use integration_tests::runs::{SECOND_ON_THESIS_LINE, audited, prepared, scene_with};
-use master::hardship::{Hardship, Pluck};
-use master::monolithic::Evidence;
-use master::simulation::Finished;
+use simulation::Finished;
+use system::disturbance::{Deflection, Disturbance};
+use system::one_system::Evidence;
 
-const SHORT_LINE: &str = include_str!("../master/src/stability/base.toml");
+const SHORT_LINE: &str = include_str!("../master/experiments/src/stability/base.toml");
 
 /// A run as one system with its energy followed.
-fn run(overrides: &[&str], pluck: Option<Pluck>) -> (Finished, Evidence) {
-    run_scene(SHORT_LINE, overrides, pluck)
+fn run(overrides: &[&str], deflection: Option<Deflection>) -> (Finished, Evidence) {
+    run_scene(SHORT_LINE, overrides, deflection)
 }
 
-fn run_scene(text: &str, overrides: &[&str], pluck: Option<Pluck>) -> (Finished, Evidence) {
+fn run_scene(text: &str, overrides: &[&str], deflection: Option<Deflection>) -> (Finished, Evidence) {
     let mut prepared = prepared(scene_with(text, overrides), "energy");
-    prepared.hardship = Hardship {
-        pluck,
-        ..Hardship::default()
+    prepared.disturbance = Disturbance {
+        deflection,
+        ..Disturbance::default()
     };
     audited(prepared, "energy")
 }
@@ -49,18 +49,18 @@ fn an_undamped_line_without_contact_keeps_its_energy_for_100_seconds() {
         "pantograph.0.static_force=1",
         "pantograph.0.stiffnesses=[4200,5000]",
     ]);
-    let (finished, evidence) = run(&keys, Some(Pluck { amplitude: 0.05 }));
+    let (finished, evidence) = run(&keys, Some(Deflection { amplitude: 0.05 }));
     assert!(finished.record.pantographs[0].force.iter().all(|force| *force == 0.0));
     // Half sines in taut wires: (T₁ + T₂)/4 (π a/L)² per metre, and what the sagging messenger wire adds.
     let slope = std::f64::consts::PI * 0.05 / 50.0;
     let strings = 36_000.0 / 4.0 * slope * slope * 100.0;
     assert!(
-        (evidence.plucked / strings - 1.0).abs() < 0.3,
+        (evidence.deflected / strings - 1.0).abs() < 0.3,
         "{} J, as strings {strings} J",
-        evidence.plucked
+        evidence.deflected
     );
-    let lost = evidence.worst_residual / evidence.plucked;
-    println!("{} J, worst {lost:.1e} of it", evidence.plucked);
+    let lost = evidence.worst_residual / evidence.deflected;
+    println!("{} J, worst {lost:.1e} of it", evidence.deflected);
     assert!(lost < 1e-3, "{lost}");
 }
 

@@ -1,11 +1,11 @@
 //! Both FMUs in FMPy: packages them, writes down what the core does with the same inputs, and runs `tests/fmpy`.
 use component::{Component, Role};
+use cosim::package::{Libraries, archives};
 use integration_tests::fmus::{COARSE, DEFAULT, Packaged, THESIS, tree};
 use integration_tests::python::{environment, run};
 use integration_tests::runs::EN_250;
-use master::package::{Libraries, archives};
-use master::simulation::Mode;
 use scene::{PantographModel, Scene};
+use simulation::Mode;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -172,9 +172,9 @@ fn write_system(text: &str, overrides: &[&str], name: &str, folder: &Path) {
     }
     fs::write(folder.join("system.jacobi.csv"), table).unwrap();
     let scene = integration_tests::runs::prepared(scene, name).scene;
-    let own = archives(&scene, &Libraries::find(&|_| {}).unwrap()).unwrap();
+    let own = archives(&scene, &Libraries::find().unwrap()).unwrap();
     let path = folder.join("system.ssp");
-    let exported = master::ssp::export(&scene, name, &own, Path::new("."), &[], &path).unwrap();
+    let exported = suppliers::ssp::export(&scene, name, &own, Path::new("."), &[], &path).unwrap();
     assert!(exported.notes.is_empty(), "{:?}", exported.notes);
     fs::write(path, exported.archive).unwrap();
 }

@@ -1,8 +1,8 @@
 //! FMUs of scenes, packaged as the program does it.
 use crate::runs::{prepared, scene_with};
+use cosim::package::{Libraries, archives};
 use fmi2::import::{Fmu, Instance};
 use fmi2::model_description::Causality;
-use master::package::{Libraries, archives};
 use scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -39,7 +39,7 @@ impl Packaged {
     #[must_use]
     pub fn new(text: &str, overrides: &[&str]) -> Self {
         static LIBRARIES: OnceLock<Libraries> = OnceLock::new();
-        let libraries = LIBRARIES.get_or_init(|| Libraries::find(&|_| {}).unwrap());
+        let libraries = LIBRARIES.get_or_init(|| Libraries::find().unwrap());
         let scene = prepared(scene_with(text, overrides), "scene.toml").scene;
         // A name that has to be encoded in a URI.
         let folder = tempfile::Builder::new().prefix("fmus ü 100%41 ").tempdir().unwrap();

@@ -2,7 +2,7 @@
 use catenary::{Checkpoint, StripStart, Subsystem};
 use integration_tests::fmus::THESIS;
 use integration_tests::runs::{EN_300, Run, run, scene_with};
-use master::simulation::Mode;
+use simulation::Mode;
 
 const THESIS_LUMPED: &str = include_str!("../scenes/thesis-lumped.toml");
 

@@ -5,7 +5,7 @@ use catenary::{
 };
 use dynamics::{Force, Layout, Simulator, StaticOptions, System};
 use integration_tests::runs::{EN_250, EN_300, rms, scene_with};
-use master::statistics::LowPass;
+use results::statistics::LowPass;
 use scene::Scene;
 use vehicle::PantographModel;
 
@@ -145,7 +145,7 @@ fn at_positions(ours: &Series, theirs: &Series) -> Series {
 }
 
 fn sigma(series: &[f64]) -> f64 {
-    master::statistics::ForceStatistics::of(series).unwrap().std
+    results::statistics::ForceStatistics::of(series).unwrap().std
 }
 
 /// rms difference of filtered and raw force in parts of the reference's standard deviation.

@@ -1,15 +1,15 @@
 //! Runs of scenes through the program's own functions, and differences between them.
-use master::monolithic::Evidence;
-use master::package;
-use master::report::{Progress, Show};
-use master::results::{Record, Summary};
-use master::run::Watch;
-use master::simulation::{Finished, FmuSource, Mode, Prepared, SetupError, prepare};
-use master::statistics::ForceStatistics;
+use cosim::package;
+use results::report::{Progress, Show};
+use results::statistics::ForceStatistics;
+use results::{Record, Summary};
 use scene::Scene;
+use simulation::{Finished, FmuSource, Mode, Prepared, SetupError, prepare};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
+use system::one_system::Evidence;
+use system::run::Watch;
 
 /// The reference model of EN 50318 at 250 km/h.
 pub const EN_250: &str = include_str!("../scenes/en50318-250.toml");
@@ -150,7 +150,7 @@ pub fn finished(prepared: Prepared, mode: Mode, name: &str) -> Finished {
 /// When it does not come to its end.
 #[must_use]
 pub fn audited(mut prepared: Prepared, name: &str) -> (Finished, Evidence) {
-    prepared.hardship.audited = true;
+    prepared.disturbance.audited = true;
     let finished = finished(prepared, Mode::Monolithic, name);
     let evidence = finished.evidence.unwrap();
     (finished, evidence)
@@ -163,7 +163,6 @@ fn finished_telling(prepared: Prepared, mode: Mode, name: &str, mut tell: impl F
     let watch = Watch::new(&never, &progress);
     let source = FmuSource {
         folder: package::folder(&format!("test-{name}")),
-        say: &|_| {},
         logging: false,
     };
     let finished = prepared

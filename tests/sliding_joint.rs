@@ -1,6 +1,6 @@
 //! Strips joined to the line of the thesis without numerical damping: 10 s at 1 ms on the thesis' mesh and on finer ones.
 use integration_tests::runs::{Run, run, scene_with};
-use master::simulation::Mode;
+use simulation::Mode;
 
 const JOINT: &str = include_str!("../scenes/thesis-sliding-joint.toml");
 const PENALTY: &str = include_str!("../scenes/thesis.toml");

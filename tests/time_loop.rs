@@ -8,8 +8,8 @@ use dynamics::{GeneralizedAlpha, Jacobian, Layout, NewtonOptions, System};
 use integration_tests::lines::EN;
 use integration_tests::runs::{run, scene_with};
 use integration_tests::single_wire::{Material, SingleWire};
-use master::simulation::Mode;
 use scene::Scene;
+use simulation::Mode;
 
 const LUMPED: &str = include_str!("../scenes/thesis-lumped.toml");
 const H: f64 = 1e-3;

@@ -3,8 +3,8 @@ use std::f64::consts::TAU;
 
 use integration_tests::fmus::DEFAULT;
 use integration_tests::runs::{Run, prepared, run, scene_with};
-use master::simulation::{Mode, prepare};
 use nalgebra::{Complex, Matrix4, Vector4};
+use simulation::{Mode, prepare};
 
 /// Two and a half seconds; the force is looked at after the first.
 const SHORT: [&str; 2] = ["run.duration=2.5", "run.evaluate={time=[1.0,2.5]}"];

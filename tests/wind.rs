@@ -2,12 +2,12 @@
 use std::sync::Arc;
 
 use catenary::{AxialLaw, BendingLaw, NodeMap, Rayleigh, Wire, WireDrag, WireGeometry, WireSection};
+use component::of_pantograph;
 use dynamics::{CrossFlow, Force, Layout, Marker, StaticOptions, System, Wind, solve_static};
 use integration_tests::runs::{EN_300, Run, SECOND_ON_THESIS_LINE, audited, prepared, run, scene_with};
-use master::inprocess::of_pantograph;
-use master::simulation::Mode;
 use nalgebra::Vector3;
 use scene::{AerodynamicMarker, Scene};
+use simulation::Mode;
 use vehicle::{Air, PantographModel};
 
 const THESIS: &str = include_str!("../scenes/thesis.toml");

@@ -5,6 +5,7 @@
 //! - [`model_description`]: `modelDescription.xml`, read and written.
 //! - [`archive`]: the `.fmu` archive, written reproducibly and extracted with bounds.
 //! - [`import`]: any FMU, loaded through its C interface.
+//! - [`instance`]: an instance of an FMU, in this process or in another; [`isolation`]: FMUs in processes of their own.
 //! - [`abi`]: the C types.
 //!
 //! This is the only crate of the workspace with hand-written `unsafe`; every block says why it is sound.
@@ -32,6 +33,8 @@ pub mod abi;
 pub mod archive;
 mod error;
 pub mod import;
+pub mod instance;
+pub mod isolation;
 mod location;
 pub mod model_description;
 pub mod slave;

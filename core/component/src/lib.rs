@@ -4,11 +4,20 @@
 #![forbid(unsafe_code)]
 
 mod common;
+pub mod exchange;
+mod observer;
 mod parameter;
+mod picture;
+mod point;
+mod share;
 mod signal;
 
-pub use common::{solver_parameters, start_parameters};
+pub use common::{of_pantograph, solver_parameters, start_parameters};
+pub use observer::{Observer, Progress};
 pub use parameter::Parameter;
+pub use picture::{DropperLine, Frame};
+pub use point::Point;
+pub use share::Share;
 pub use signal::{Kind, Role, Signal};
 
 use scene::Scene;

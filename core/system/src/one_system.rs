@@ -1,0 +1,426 @@
+//! Line and pantographs as one system: no coupling, one integrator.
+
+mod whole;
+
+use catenary::{
+    CatenaryError, LineAtRest, Slackening, StaticLine, StripContact, StripStart, WireName, scene_line, strip_contact,
+};
+use dynamics::{Checkpoint, EnergyBalance, Layout, Simulator, State, StepError, System};
+use scene::{PantographModel as Entry, Scene};
+use vehicle::{Air, PantographModel, VehicleError};
+
+use component::exchange::{contact, line_output_count, strip};
+use component::{Frame, Point, Share, Work};
+
+use self::whole::Whole;
+use crate::ENERGY_SHARE;
+use crate::disturbance::{Disturbance, Lifted};
+use crate::picture;
+use crate::time_shares::{self, Profile};
+
+/// Difference of forces below which the start counts as rest, N.
+const AT_REST: f64 = 1e-3;
+
+/// Why there is no single system.
+#[derive(Debug, thiserror::Error)]
+pub enum OneSystemError {
+    /// The line.
+    #[error(transparent)]
+    Line(#[from] CatenaryError),
+    /// A pantograph.
+    #[error("pantograph[{pantograph}]")]
+    Pantograph {
+        /// From 1.
+        pantograph: usize,
+        /// Reason.
+        #[source]
+        source: VehicleError,
+    },
+    /// The start.
+    #[error("the accelerations at the start")]
+    Start(#[source] StepError),
+}
+
+/// A scene as one system in time.
+pub struct OneSystem {
+    simulator: Simulator<Whole>,
+    supports: Vec<usize>,
+    audit: Option<Audit>,
+    repetition: Option<Box<Checkpoint>>,
+    unrepeated: u64,
+    /// Sum of the amounts of work that crossed the contacts, step by step, J.
+    crossed: f64,
+}
+
+/// What is followed besides the contact.
+struct Audit {
+    balance: EnergyBalance,
+    deflected: f64,
+    slack: usize,
+}
+
+/// What was seen of one system.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Evidence {
+    /// Energy that nothing accounts for at the end, J; positive where the integration has made it.
+    pub residual: f64,
+    /// Its largest amount, J.
+    pub worst_residual: f64,
+    /// Work of prescribed motion and heat, their amounts summed step by step, J.
+    pub exchanged: f64,
+    /// Energy that the line was deflected with, J.
+    pub deflected: f64,
+    /// Work of prescribed motion, J.
+    pub driven: f64,
+    /// Heat of dampers and friction, J.
+    pub dissipated: f64,
+    /// Part of the residual that droppers make by going slack and taut within steps, J; see [`Slackening`].
+    pub made_at_droppers: f64,
+    /// Largest violation of a constraint, m, and of its rate, m/s.
+    pub drift: [f64; 2],
+    /// Number of constraints.
+    pub constraints: usize,
+    /// Most droppers without tension at one time.
+    pub slack_droppers: usize,
+    /// Steps that did not come out the same when they were repeated from a saved state.
+    pub unrepeated: u64,
+}
+
+impl OneSystem {
+    /// A resolved scene at its start; the supports of these numbers (from 1) are read out.
+    ///
+    /// # Errors
+    /// See [`OneSystemError`].
+    pub fn new(scene: &Scene, statics: &StaticLine, supports: &[usize]) -> Result<Self, OneSystemError> {
+        let mut layout = Layout::new();
+        let mut line = scene_line(scene, statics, &mut layout)?;
+        let mut pantographs = Vec::new();
+        let mut starts = Vec::new();
+        for (index, entry) in scene.pantographs.iter().enumerate() {
+            let refused = |source| OneSystemError::Pantograph {
+                pantograph: index + 1,
+                source,
+            };
+            let name = format!("pantograph {}", index + 1);
+            let placement = vehicle::placement(scene, index);
+            let mut pantograph = PantographModel::new(&entry.model, placement, &name, &mut layout).map_err(refused)?;
+            pantograph.expose_to(Air::of_scene(scene, index).as_ref());
+            let height = entry
+                .start
+                .map_or_else(|| pantograph.reference_height(), |start| start.height);
+            let start = pantograph.equilibrium_at_height(height).map_err(refused)?;
+            // The contact takes the strip as it is now: a linkage at another height than that of reference has it at another place along
+            // the track.
+            pantograph.set_initial(&start, &mut layout.state_at_rest());
+            starts.push(start);
+            pantographs.push(pantograph);
+        }
+
+        // The line settles under the strips as it does alone; a linkage has its own statics.
+        let mut alone = LineAtRest::new(scene, statics)?;
+        let strips: Vec<StripStart> = (0..starts.len())
+            .map(|index| StripStart::of(scene, index, starts[index].height))
+            .collect();
+        alone.start(&strips)?;
+        let contacts = pantographs
+            .iter()
+            .enumerate()
+            .map(|(index, pantograph)| strip_contact(scene, &*line, index, pantograph.strip(), &mut layout));
+        let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
+        let mut state = layout.state_at_rest();
+        let settled = alone.q();
+        state.q[..settled.len()].copy_from_slice(settled);
+        line.set_uplift_reference(&state.q);
+        // A joint or a damper that moves on along a sloping or bent wire is not in balance at rest.
+        let mut balanced = contacts
+            .iter()
+            .all(|contact| matches!(contact, StripContact::Penalty(pair) if !pair.is_damped()));
+        for (index, (pantograph, start)) in pantographs.iter_mut().zip(&starts).enumerate() {
+            pantograph.set_initial(start, &mut state);
+            balanced &= (alone.force(index) - start.force).abs() < AT_REST;
+        }
+        let dropper_stiffness = scene.modelled_line().map_or(0.0, |(line, _)| line.droppers.stiffness);
+        let whole = Whole {
+            layout,
+            line,
+            pantographs,
+            contacts,
+            slackening: Slackening::new(dropper_stiffness),
+            profile: Some(Box::default()),
+        };
+        let solver = &scene.solver;
+        let mut simulator = Simulator::new(
+            whole,
+            state,
+            Vec::new(),
+            solver.micro_step,
+            solver.rho_inf,
+            solver.newton_options(),
+        );
+        if balanced {
+            simulator.begin();
+        } else {
+            simulator.start_accelerations().map_err(OneSystemError::Start)?;
+        }
+        Ok(Self {
+            simulator,
+            supports: supports.to_vec(),
+            audit: None,
+            repetition: None,
+            unrepeated: 0,
+            crossed: 0.0,
+        })
+    }
+
+    /// Puts a disturbance on the run to come; steps are not discarded, as nobody could take them back.
+    ///
+    /// # Errors
+    /// A deflected line without accelerations at the start.
+    pub fn disturb(&mut self, disturbance: &Disturbance) -> Result<(), OneSystemError> {
+        if let Some(lift) = &disturbance.lift {
+            for contact in &mut self.simulator.system.contacts {
+                let lift = lift.clone();
+                contact.replace_strip(|marker| Box::new(Lifted { marker, lift }));
+            }
+        }
+        self.repetition = disturbance.repeated.then(Box::default);
+        let at_rest = disturbance.audited.then(|| self.simulator.energy_balance().energy());
+        if let Some(deflection) = disturbance.deflection {
+            self.deflection(deflection.amplitude)?;
+        }
+        self.audit = at_rest.map(|at_rest| {
+            let balance = self.simulator.energy_balance();
+            Audit {
+                deflected: balance.energy() - at_rest,
+                balance,
+                slack: 0,
+            }
+        });
+        Ok(())
+    }
+
+    /// See [`system::disturbance::Deflection`]; `amplitude` in m.
+    fn deflection(&mut self, amplitude: f64) -> Result<(), OneSystemError> {
+        let mut state = self.simulator.state().clone();
+        let Some(line) = self.simulator.system.line.shape() else {
+            return Ok(());
+        };
+        let contact_wire = line.wire(WireName::ContactWire).geometry().nodes();
+        let topology = line.topology();
+        let supports: Vec<f64> = topology
+            .supports()
+            .iter()
+            .map(|&node| contact_wire[node].position.x)
+            .collect();
+        for name in [WireName::ContactWire, WireName::MessengerWire] {
+            for node in line.wire(name).geometry().nodes() {
+                let x = node.position.x;
+                let span = supports
+                    .partition_point(|support| *support <= x)
+                    .clamp(1, supports.len() - 1);
+                let (from, to) = (supports[span - 1], supports[span]);
+                let sign = if span % 2 == 1 { amplitude } else { -amplitude };
+                let wave = std::f64::consts::PI / (to - from);
+                if let Some(index) = node.map.position(2) {
+                    state.q[index] = sign * (wave * (x - from)).sin();
+                }
+                if let Some(index) = node.map.slope(2) {
+                    state.q[index] = sign * wave * (wave * (x - from)).cos();
+                }
+            }
+        }
+        self.simulator.set_state(state);
+        self.simulator.start_accelerations().map_err(OneSystemError::Start)
+    }
+
+    /// What was seen of the run so far, where it was audited.
+    #[must_use]
+    pub fn evidence(&self) -> Option<Evidence> {
+        let Audit {
+            balance,
+            deflected,
+            slack,
+        } = self.audit.as_ref()?;
+        Some(Evidence {
+            residual: balance.residual(),
+            worst_residual: balance.worst_residual(),
+            exchanged: balance.exchanged(),
+            deflected: *deflected,
+            driven: balance.driven(),
+            dissipated: balance.dissipated(),
+            made_at_droppers: self.simulator.system.slackening.made(),
+            drift: balance.drift(),
+            constraints: self.simulator.system.layout().constraints(),
+            slack_droppers: *slack,
+            unrepeated: self.unrepeated,
+        })
+    }
+
+    /// What a reader must be told on the energy that the time steps have made at the droppers; nothing where it is a small share of
+    /// the work that crossed the contact.
+    #[must_use]
+    pub fn energy_note(&self) -> Option<String> {
+        let made = self.simulator.system.slackening.made();
+        (made > ENERGY_SHARE * self.crossed).then(|| {
+            format!(
+                "the time steps made {made:.3} J at droppers that go slack and taut ({:.1} % of the {:.1} J of work that crossed the \
+                 contact), so that the force may vary more than it should: a shorter solver.micro_step or some \
+                 catenary.droppers.damping leaves less",
+                100.0 * made / self.crossed,
+                self.crossed
+            )
+        })
+    }
+
+    /// Whether every pantograph of a scene is modelled here.
+    #[must_use]
+    pub fn can(scene: &Scene) -> bool {
+        let own = |pantograph: &scene::Pantograph| !matches!(pantograph.model, Entry::Supplied(_));
+        scene.modelled_line().is_some() && scene.pantographs.iter().all(own)
+    }
+
+    /// Number of generalised coordinates and of constraints.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        let layout = self.simulator.system.layout();
+        (layout.coordinates(), layout.constraints())
+    }
+
+    /// What is exchanged between the two sides, as a communication point at `t` in s.
+    #[must_use]
+    pub fn point(&mut self, t: f64) -> Point {
+        let strips = self.simulator.system.contacts.len();
+        let mut point = Point {
+            t,
+            from: t,
+            line: vec![0.0; line_output_count(strips, self.supports.len())],
+            strips: vec![0.0; strips * strip::OUTPUTS],
+        };
+        let supports = &self.supports;
+        let lambda = self.simulator.state().lambda.clone();
+        let (whole, motion) = self.simulator.parts();
+        whole.read((&motion, &lambda), supports, &mut point);
+        point
+    }
+
+    /// Advances from `t` to `t + h`; `see(previous, present)` is given the two ends of every internal step.
+    ///
+    /// # Errors
+    /// See [`StepError`].
+    pub fn advance(
+        &mut self,
+        t: f64,
+        h: f64,
+        points: &mut [Point; 2],
+        see: &mut dyn FnMut(&Point, &Point),
+    ) -> Result<(), StepError> {
+        self.with_profile(Profile::begin);
+        let result = self.advance_all(t, h, points, see);
+        self.with_profile(Profile::end);
+        result
+    }
+
+    fn with_profile(&mut self, call: impl FnOnce(&mut Profile)) {
+        self.simulator.system.profile.as_deref_mut().map(call);
+    }
+
+    /// Shares of the time loop of a run, which took `wall` s.
+    #[must_use]
+    pub fn shares(&self, wall: f64) -> Vec<Share> {
+        let profile = self.simulator.system.profile.as_deref();
+        profile.map_or_else(Vec::new, |profile| profile.shares(wall))
+    }
+
+    fn advance_all(
+        &mut self,
+        t: f64,
+        h: f64,
+        points: &mut [Point; 2],
+        see: &mut dyn FnMut(&Point, &Point),
+    ) -> Result<(), StepError> {
+        let first = self.repeat_ahead(t, h)?;
+        let supports = &self.supports;
+        let crossed = &mut self.crossed;
+        let mut steps = 0.0;
+        let count = self.simulator.micro_steps(h) as f64;
+        self.simulator
+            .advance(t, h, &mut |_, _| {}, &mut |whole, motion, lambda, dt| {
+                whole.turn_to(time_shares::MASTER);
+                steps += 1.0;
+                let [previous, present] = points;
+                present.from = previous.t;
+                present.t = if steps == count { t + h } else { t + steps * dt };
+                whole.slackening.step(whole.line.elongations());
+                whole.read((&motion, lambda), supports, present);
+                straighten(previous, present);
+                *crossed += work_between(previous, present);
+                see(previous, present);
+                points.swap(0, 1);
+                whole.step_done();
+            })?;
+        self.unrepeated += u64::from(first.is_some_and(|first| first != *self.simulator.state()));
+        if let Some(audit) = &mut self.audit {
+            self.simulator.balance(&mut audit.balance, h);
+            let (whole, motion) = self.simulator.parts();
+            audit.slack = audit.slack.max(whole.line.slack_count(&motion));
+        }
+        Ok(())
+    }
+
+    /// Makes the step to come and takes it back, where that was asked for; returns what it led to.
+    fn repeat_ahead(&mut self, t: f64, h: f64) -> Result<Option<State>, StepError> {
+        let Some(checkpoint) = &mut self.repetition else {
+            return Ok(None);
+        };
+        self.simulator.save(checkpoint);
+        self.simulator.advance(t, h, &mut |_, _| {}, &mut |_, _, _, _| {})?;
+        let state = self.simulator.state().clone();
+        self.simulator.restore(checkpoint)?;
+        Ok(Some(state))
+    }
+
+    /// Work done by the solver.
+    #[must_use]
+    pub fn work(&self) -> Work {
+        let counters = self.simulator.counters();
+        Work {
+            micro_steps: counters.micro_steps,
+            newton_iterations: counters.newton_iterations,
+            factorizations: counters.factorizations,
+            most_iterations: counters.most_iterations,
+        }
+    }
+
+    /// Adds line and pantographs to a picture.
+    pub fn draw(&mut self, frame: &mut Frame) {
+        let (whole, motion) = self.simulator.parts();
+        picture::draw_wires(&*whole.line, &motion, frame);
+        for pantograph in &whole.pantographs {
+            picture::draw_outline(pantograph, &motion, frame);
+        }
+    }
+}
+
+/// Amounts of work that crossed the contacts in a step, by the mean vertical forces, J.
+fn work_between(start: &Point, end: &Point) -> f64 {
+    (0..end.strip_count())
+        .map(|i| {
+            let force = 0.5 * (start.contact(i)[contact::FZ] + end.contact(i)[contact::FZ]);
+            (force * (end.strip(i)[strip::Z] - start.strip(i)[strip::Z])).abs()
+        })
+        .sum()
+}
+
+/// Fills the samples of a step with the straight line between its end forces.
+fn straighten(start: &Point, end: &mut Point) {
+    let strips = end.strip_count();
+    for (i, values) in end.line.chunks_exact_mut(contact::COUNT).take(strips).enumerate() {
+        let (from, to) = (start.contact(i)[contact::FORCE], values[contact::FORCE]);
+        for (j, sample) in values[contact::SAMPLES..contact::SAMPLES + contact::SAMPLE_COUNT]
+            .iter_mut()
+            .enumerate()
+        {
+            *sample = from + (to - from) * (j + 1) as f64 / contact::SAMPLE_COUNT as f64;
+        }
+    }
+}

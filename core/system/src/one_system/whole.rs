@@ -1,0 +1,181 @@
+//! Line and pantographs as one [`System`].
+
+use std::cell::Cell;
+
+use catenary::{OnWire, OverheadLine, Slackening, StripContact, adopt_state, follow_strips};
+use dynamics::{Constraint, Continuity, Force, Layout, Motion, Stage, State, System};
+use vehicle::PantographModel;
+
+use component::Point;
+use component::exchange::{contact, strip};
+
+use crate::time_shares::Profile;
+
+/// Who visits a contribution, and in a profile the part that it then is, unless [`Force::part`] says another.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Owner {
+    Line,
+    Vehicle,
+    Pantograph,
+    Contact,
+}
+
+impl Owner {
+    /// The word of the summary.
+    fn part(self, own: Option<&'static str>) -> &'static str {
+        match (self, own) {
+            (Self::Line, Some("wind")) => "wind_wires",
+            (Self::Pantograph, Some("wind")) => "wind_pantograph",
+            (_, Some(own)) => own,
+            (Self::Line, None) => "catenary",
+            (Self::Vehicle, None) => "vehicle",
+            (Self::Pantograph, None) => "pantograph",
+            (Self::Contact, None) => "contact",
+        }
+    }
+}
+
+/// Line, pantographs and the contacts between them.
+pub(super) struct Whole {
+    pub layout: Layout,
+    pub line: Box<dyn OverheadLine>,
+    pub pantographs: Vec<PantographModel>,
+    pub contacts: Vec<StripContact>,
+    pub slackening: Slackening,
+    /// Here except while contributions are visited for it.
+    pub profile: Option<Box<Profile>>,
+}
+
+impl System for Whole {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        let owner = Cell::new(Owner::Line);
+        let Some(mut profile) = self.profile.take_if(|profile| profile.looks()) else {
+            return self.visit_forces(&owner, visit);
+        };
+        self.visit_forces(&owner, &mut |force| {
+            profile.turn_to(owner.get().part(force.part()));
+            visit(force);
+        });
+        profile.enter(Stage::Integration);
+        self.profile = Some(profile);
+    }
+
+    fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        let owner = Cell::new(Owner::Vehicle);
+        let Some(mut profile) = self.profile.take_if(|profile| profile.looks()) else {
+            return self.visit_constraints(&owner, visit);
+        };
+        self.visit_constraints(&owner, &mut |constraint| {
+            profile.turn_to(owner.get().part(None));
+            visit(constraint);
+        });
+        profile.enter(Stage::Integration);
+        self.profile = Some(profile);
+    }
+
+    fn enter(&mut self, stage: Stage) {
+        if let Some(profile) = &mut self.profile {
+            profile.enter(stage);
+        }
+    }
+
+    fn follow(&mut self, state: &mut State, u: &[f64]) -> Continuity {
+        let continuity = follow_strips(&mut *self.line, &mut self.contacts, &mut self.layout, state, u);
+        if continuity != Continuity::Kept {
+            self.slackening.restart(self.line.elongations());
+            if let Some(profile) = &mut self.profile {
+                profile.leave_out();
+            }
+        }
+        continuity
+    }
+
+    fn adopt(&mut self, state: &State) -> Continuity {
+        let continuity = adopt_state(&mut *self.line, &mut self.contacts, &mut self.layout, state);
+        if continuity != Continuity::Kept {
+            self.slackening.forget();
+        }
+        continuity
+    }
+}
+
+impl Whole {
+    /// Visits every force; `owner` is whose it is.
+    fn visit_forces(&mut self, owner: &Cell<Owner>, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.line.forces(visit);
+        for pantograph in &mut self.pantographs {
+            owner.set(Owner::Vehicle);
+            pantograph.vehicle_forces(visit);
+            owner.set(Owner::Pantograph);
+            pantograph.pantograph_forces(visit);
+        }
+        owner.set(Owner::Contact);
+        for contact in &mut self.contacts {
+            visit(contact.force());
+        }
+    }
+
+    /// Visits every constraint; `owner` is whose it is.
+    fn visit_constraints(&mut self, owner: &Cell<Owner>, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        for pantograph in &mut self.pantographs {
+            owner.set(Owner::Vehicle);
+            pantograph.vehicle_constraints(visit);
+            owner.set(Owner::Pantograph);
+            pantograph.pantograph_constraints(visit);
+        }
+        owner.set(Owner::Contact);
+        for constraint in self.contacts.iter_mut().filter_map(StripContact::constraint) {
+            visit(constraint);
+        }
+    }
+
+    /// From here on time goes to `part`.
+    pub fn turn_to(&mut self, part: &'static str) {
+        if let Some(profile) = &mut self.profile {
+            profile.turn_to(part);
+        }
+    }
+
+    /// A step has ended, with whatever is done after it.
+    pub fn step_done(&mut self) {
+        if let Some(profile) = &mut self.profile {
+            profile.step_done();
+        }
+    }
+
+    /// Writes what is exchanged between the two sides; the supports of these numbers (from 1) are read out.
+    pub fn read(&self, (motion, lambda): (&Motion<'_>, &[f64]), supports: &[usize], point: &mut Point) {
+        for (i, pair) in self.contacts.iter().enumerate() {
+            let frame = pair.strip(motion);
+            let values = &mut point.strips[i * strip::OUTPUTS..(i + 1) * strip::OUTPUTS];
+            for axis in 0..3 {
+                values[strip::X + axis] = frame.position[axis];
+                values[strip::VX + axis] = frame.velocity[axis];
+            }
+            values[strip::ROLL] = frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]);
+            [values[strip::WIND_DRAG], values[strip::WIND_LIFT]] = self.pantographs[i].wind_on_head(motion);
+            let state = pair.state(motion, lambda);
+            let on_strip = state.map(|state| state.force_on_strip());
+            let position = state.map_or(frame.position, |state| state.position());
+            let force = state.map_or(0.0, |state| state.force);
+            let values = &mut point.line[i * contact::COUNT..(i + 1) * contact::COUNT];
+            for axis in 0..3 {
+                values[contact::FX + axis] = on_strip.map_or(0.0, |force| force[axis]);
+                values[contact::MEAN_FX + axis] = values[contact::FX + axis];
+            }
+            values[contact::FORCE] = force;
+            values[contact::X] = position.x;
+            values[contact::Y] = position.y;
+            values[contact::WIRE_Z] = position.z;
+            values[contact::GAP] = state.map_or(f64::MAX, |state| state.gap());
+        }
+        let first = self.contacts.len() * contact::COUNT;
+        for (k, &support) in supports.iter().enumerate() {
+            point.line[first + k] = self.line.uplift(support - 1, motion.q);
+        }
+    }
+}

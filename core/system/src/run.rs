@@ -1,0 +1,212 @@
+//! The run in time: schedule, outcome, and the time loop of one system.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use component::{Frame, Observer, Point, Progress, Share, Work};
+use dynamics::StepError;
+
+use crate::one_system::OneSystem;
+
+/// Part of a step by which the duration may miss a whole number of them.
+const ROUNDING: f64 = 1e-9;
+
+/// Times of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schedule {
+    /// Simulated time, s.
+    pub duration: f64,
+    /// Communication step, s.
+    pub macro_step: f64,
+    /// Whether the last step may be shorter than the others; where not, it may pass the duration.
+    pub may_shorten: bool,
+}
+
+impl Schedule {
+    /// Number of macro steps.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        (self.duration / self.macro_step - ROUNDING).ceil().max(1.0) as u64
+    }
+
+    /// Communication point `n` and the length of the step that leads there, s.
+    #[must_use]
+    pub fn step(&self, n: u64) -> (f64, f64) {
+        let end = n as f64 * self.macro_step;
+        if self.may_shorten && n == self.steps() && end != self.duration {
+            let start = (n - 1) as f64 * self.macro_step;
+            return (self.duration, self.duration - start);
+        }
+        (end, self.macro_step)
+    }
+}
+
+/// Whoever watches a run.
+pub struct Watch<'a> {
+    /// Set from outside to end the run in order.
+    pub interrupted: &'a AtomicBool,
+    /// Display of the time reached.
+    pub progress: &'a dyn Progress,
+    /// Called when all is there for the time loop to begin.
+    pub begun: &'a dyn Fn(),
+    /// Called when the time loop has ended, with all still there that it has worked with.
+    pub ended: &'a dyn Fn(),
+}
+
+impl<'a> Watch<'a> {
+    /// For one who wants nothing but to end the run and to see how far it is.
+    #[must_use]
+    pub fn new(interrupted: &'a AtomicBool, progress: &'a dyn Progress) -> Self {
+        Self {
+            interrupted,
+            progress,
+            begun: &|| {},
+            ended: &|| {},
+        }
+    }
+}
+
+/// What a run left behind, complete or not.
+#[derive(Debug)]
+pub struct Outcome<E: std::error::Error + 'static> {
+    /// Why it did not reach its end.
+    pub failure: Option<Failure<E>>,
+    /// Energy that the coupling added, J.
+    pub energy_residual: f64,
+    /// The same as a share of the work that crossed the contact (–).
+    pub energy_share: f64,
+    /// What a reader must be told on the coupling, or on the time integration of one system.
+    pub notes: Vec<String>,
+    /// Simulated time, s.
+    pub simulated: f64,
+    /// Wall time of the time loop, s.
+    pub wall: f64,
+    /// Macro steps done.
+    pub macro_steps: u64,
+    /// Times that the slaves were taken back.
+    pub rollbacks: u64,
+    /// Lengths of the macro steps.
+    pub steps: Steps,
+    /// Work of all slaves during the run.
+    pub work: Work,
+    /// What `wall` was spent on; empty where nobody takes the slaves' time.
+    pub shares: Vec<Share>,
+}
+
+/// Reason for a run that did not reach its end.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure<E: std::error::Error + 'static> {
+    /// Asked for from outside.
+    #[error("interrupted at t = {t} s")]
+    Interrupted {
+        /// Simulated time, s.
+        t: f64,
+    },
+    /// A step could not be completed.
+    #[error(transparent)]
+    Step(#[from] E),
+}
+
+/// Lengths of the macro steps of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steps {
+    /// Steps that were taken back because their error was too large.
+    pub refused: u64,
+    /// Shortest step done, s; the last one, which ends at the duration, does not count.
+    pub smallest: f64,
+    /// Longest step done, s.
+    pub largest: f64,
+    /// Changes between growing and shrinking steps.
+    pub turns: u64,
+    last: f64,
+    grew: Option<bool>,
+}
+
+impl Default for Steps {
+    fn default() -> Self {
+        Self {
+            refused: 0,
+            smallest: f64::INFINITY,
+            largest: 0.0,
+            turns: 0,
+            last: 0.0,
+            grew: None,
+        }
+    }
+}
+
+impl Steps {
+    /// Counts a step of `h` s that is done.
+    pub fn done(&mut self, h: f64) {
+        self.smallest = self.smallest.min(h);
+        self.largest = self.largest.max(h);
+        let change = h - self.last;
+        if change.abs() > ROUNDING.sqrt() * h {
+            let grows = change > 0.0;
+            self.turns += u64::from(self.grew.is_some_and(|grew| grew != grows));
+            self.grew = (self.last > 0.0).then_some(grows);
+            self.last = h;
+        }
+    }
+}
+
+/// Steps one system through the schedule; every internal step is recorded.
+pub fn run(
+    whole: &mut OneSystem,
+    recorder: &mut dyn Observer,
+    schedule: Schedule,
+    watch: &Watch<'_>,
+) -> Outcome<StepError> {
+    let begin = Instant::now();
+    let start = whole.point(0.0);
+    recorder.start(&start);
+    let mut points = [start.clone(), start];
+    let draw = |whole: &mut OneSystem, recorder: &mut dyn Observer, point: &Point| {
+        if recorder.wants_frame(point.t) {
+            let mut frame = Frame::default();
+            whole.draw(&mut frame);
+            recorder.frame(point, frame);
+        }
+    };
+    draw(whole, recorder, &points[0]);
+    let (mut failure, mut macro_steps, mut shown) = (None, 0, 0.0);
+    for n in 1..=schedule.steps() {
+        let t = points[0].t;
+        if watch.interrupted.load(Ordering::Relaxed) {
+            failure = Some(Failure::Interrupted { t });
+            break;
+        }
+        let (end, h) = schedule.step(n);
+        if let Err(error) = whole.advance(t, h, &mut points, &mut |previous, present| {
+            recorder.step(previous, present)
+        }) {
+            failure = Some(Failure::Step(error));
+            break;
+        }
+        points[0].t = end;
+        macro_steps = n;
+        draw(whole, recorder, &points[0]);
+        if end >= shown + 0.01 {
+            shown = end;
+            watch.progress.reached(end);
+        }
+    }
+    let wall = begin.elapsed().as_secs_f64();
+    Outcome {
+        failure,
+        energy_residual: 0.0,
+        energy_share: 0.0,
+        notes: whole.energy_note().into_iter().collect(),
+        simulated: points[0].t,
+        wall,
+        macro_steps,
+        rollbacks: 0,
+        steps: Steps {
+            smallest: schedule.macro_step,
+            largest: schedule.macro_step,
+            ..Steps::default()
+        },
+        work: whole.work(),
+        shares: whole.shares(wall),
+    }
+}

@@ -1,0 +1,381 @@
+//! One file per subcommand.
+
+pub mod check;
+pub mod compare;
+pub mod export;
+pub mod inspect;
+pub mod package;
+pub mod report;
+pub mod reproduce;
+pub mod run;
+pub mod stability;
+pub mod study;
+
+use std::fs::File;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use scene::Scene;
+use tempfile::TempDir;
+
+use crate::cli::Common;
+use cosim::package::PackageError;
+use experiments::study::Sweep;
+use fmi2::isolation::IsolationError;
+use results::ResultsError;
+use simulation::SetupError;
+use suppliers::ssp::{self, SspError};
+
+/// Why a command ended without success.
+#[derive(Debug, thiserror::Error)]
+pub enum CommandError {
+    /// A file named on the command line.
+    #[error("{}: cannot be read", path.display())]
+    Read {
+        /// File.
+        path: PathBuf,
+        /// Reason of the operating system.
+        #[source]
+        source: std::io::Error,
+    },
+    /// A file that is no scene.
+    #[error("{}: {is}; expected a scene (.toml) or a system (.ssp){instead}", path.display())]
+    NoScene {
+        /// File.
+        path: PathBuf,
+        /// What it is.
+        is: &'static str,
+        /// What it is for.
+        instead: &'static str,
+    },
+    /// A directory without results.
+    #[error("{}: holds no {}; expected the output directory of a finished `master run`", path.display(), results::SUMMARY)]
+    NoResults {
+        /// What was named.
+        path: PathBuf,
+    },
+    /// A case that does not exist.
+    #[error("--cases {name}: there is no such case{nearest}; the cases are {known}")]
+    NoCase {
+        /// As typed.
+        name: String,
+        /// `, did you mean …`, or nothing.
+        nearest: String,
+        /// All names.
+        known: String,
+    },
+    /// A flag of `master study` that belongs to a sweep which is not made.
+    #[error(
+        "{flag}: --sweeps {sweeps} leaves out the sweep that it is for: must be left out, or --sweeps {sweeps},{}",
+        missing.name()
+    )]
+    NoSweep {
+        /// The flag.
+        flag: &'static str,
+        /// As typed.
+        sweeps: String,
+        /// Its sweep.
+        missing: Sweep,
+    },
+    /// `--sweeps spans` without numbers of spans.
+    #[error(
+        "--sweeps spans: --spans or --window-spans must say how many there are, such as --spans 10,20,40,80 --window-spans 80,400"
+    )]
+    NoSpans,
+    /// A study without a run.
+    #[error("{}: nothing to be studied: {why}", file.display())]
+    NothingToStudy {
+        /// Scene file.
+        file: PathBuf,
+        /// Why each sweep is empty.
+        why: String,
+    },
+    /// Overrides for a command that reads no scene.
+    #[error("--set {first}: {command} reads no scene whose keys could be set")]
+    NothingToSet {
+        /// The command.
+        command: &'static str,
+        /// The first override.
+        first: String,
+    },
+    /// The run cannot begin.
+    #[error(transparent)]
+    Setup(Box<SetupError>),
+    /// What a scene asks for cannot be had.
+    #[error("{}", file.display())]
+    InScene {
+        /// Scene file.
+        file: PathBuf,
+        /// Why.
+        #[source]
+        source: Box<SetupError>,
+    },
+    /// An FMU named on the command line.
+    #[error(transparent)]
+    FmuFile(Box<fmi2::Error>),
+    /// A system structure cannot be made or run.
+    #[error(transparent)]
+    Ssp(Box<SspError>),
+    /// An archive cannot be written; the reason names it.
+    #[error(transparent)]
+    Unwritten(fmi2::archive::ArchiveError),
+    /// FMUs cannot be made.
+    #[error(transparent)]
+    Package(Box<PackageError>),
+    /// The directory given for results, or read from.
+    #[error(transparent)]
+    Directory(ResultsError),
+    /// Results cannot be written.
+    #[error(transparent)]
+    Results(ResultsError),
+    /// This process runs an FMU for another one.
+    #[error(transparent)]
+    Isolation(IsolationError),
+    /// A result cannot be turned into JSON.
+    #[error("the result is no JSON")]
+    Json(#[from] serde_json::Error),
+    /// Standard output does not take the result.
+    #[error("cannot write to standard output")]
+    Output(#[source] std::io::Error),
+    /// The run ended early.
+    #[error("the run is incomplete, its results are in {}: {reason}", directory.display())]
+    Incomplete {
+        /// Where the results are.
+        directory: PathBuf,
+        /// Why.
+        reason: String,
+    },
+}
+
+impl CommandError {
+    /// 1 where the simulation could not be completed, 2 where usage, scene or FMU are wrong.
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Setup(error) | Self::InScene { source: error, .. } if !error.is_input() => 1,
+            Self::Incomplete { .. } | Self::Results(_) | Self::Output(_) | Self::Package(_) | Self::Json(_) => 1,
+            _ => 2,
+        }
+    }
+}
+
+impl CommandError {
+    /// Names the scene file where the message does not name a file yet.
+    #[must_use]
+    pub fn in_scene(self, file: &Path) -> Self {
+        match self {
+            Self::Setup(source)
+                if !matches!(
+                    *source,
+                    SetupError::Scene(_) | SetupError::FmuFile(_) | SetupError::Package(_)
+                ) =>
+            {
+                let file = file.to_owned();
+                Self::InScene { file, source }
+            }
+            other => other,
+        }
+    }
+}
+
+impl From<SetupError> for CommandError {
+    fn from(error: SetupError) -> Self {
+        Self::Setup(Box::new(error))
+    }
+}
+
+impl From<SspError> for CommandError {
+    fn from(error: SspError) -> Self {
+        Self::Ssp(Box::new(error))
+    }
+}
+
+impl From<PackageError> for CommandError {
+    fn from(error: PackageError) -> Self {
+        Self::Package(Box::new(error))
+    }
+}
+
+/// A scene file as the command line names it.
+pub struct SceneFile {
+    /// The scene, overrides included.
+    pub scene: Scene,
+    /// Name: that of the file, or of its directory for the `scene.toml` of results.
+    pub name: String,
+    /// Folder that paths in it are relative to.
+    pub base: PathBuf,
+    /// The unpacked archive, where the scene was made of an `.ssp`.
+    pub unpacked: Option<TempDir>,
+    /// How such an archive was read.
+    pub notes: Vec<String>,
+}
+
+impl SceneFile {
+    /// Reads a scene, or makes one of an `.ssp`; one of the source tree is found from anywhere.
+    ///
+    /// # Errors
+    /// [`CommandError::Read`], [`SetupError::Scene`], [`CommandError::Ssp`].
+    pub fn read(path: &Path, common: &Common) -> Result<Self, CommandError> {
+        let found = found(path);
+        if found.exists() && has_extension(&found, "ssp") {
+            let imported = ssp::import(&found, &common.overrides)?;
+            return Ok(Self {
+                scene: imported.scene,
+                name: scene_name(&found),
+                base: imported.base,
+                unpacked: Some(imported.folder),
+                notes: imported.notes,
+            });
+        }
+        let text = scene_text(&found, path)?;
+        let scene =
+            Scene::from_toml(&text, &path.display().to_string(), &common.overrides).map_err(SetupError::from)?;
+        let base = found.parent().unwrap_or(Path::new("")).to_owned();
+        Ok(Self {
+            scene,
+            name: scene_name(&found),
+            base,
+            unpacked: None,
+            notes: Vec::new(),
+        })
+    }
+
+    /// Directory for results.
+    #[must_use]
+    pub fn output(&self, common: &Common) -> PathBuf {
+        common
+            .out
+            .clone()
+            .unwrap_or_else(|| Path::new("results").join(&self.name))
+    }
+}
+
+/// A file as it is named, or that of the source tree where there is none.
+fn found(path: &Path) -> PathBuf {
+    if path.exists() {
+        return path.to_owned();
+    }
+    let in_tree = cosim::package::source_tree().map(|tree| tree.join(path));
+    in_tree.filter(|path| path.exists()).unwrap_or_else(|| path.to_owned())
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    let extension = path.extension();
+    extension.is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
+}
+
+/// Text of the scene file `found`, `path` on the command line.
+fn scene_text(found: &Path, path: &Path) -> Result<String, CommandError> {
+    let bytes = std::fs::read(found).map_err(|source| CommandError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    let is_archive = bytes.starts_with(b"PK\x03\x04");
+    let (is, instead) = if has_extension(found, "fmu") {
+        let instead = "; `master inspect` shows an FMU and the lines that wire it into a scene";
+        ("is an FMU", instead)
+    } else if is_archive {
+        ("is a zip archive", "; a system needs a name that ends in .ssp")
+    } else {
+        match String::from_utf8(bytes) {
+            Ok(text) => return Ok(text),
+            Err(_) => ("is no text in UTF-8", ""),
+        }
+    };
+    let path = path.to_owned();
+    Err(CommandError::NoScene { path, is, instead })
+}
+
+/// Refuses overrides where there is no scene.
+///
+/// # Errors
+/// [`CommandError::NothingToSet`].
+pub fn nothing_to_set(command: &'static str, common: &Common) -> Result<(), CommandError> {
+    match common.overrides.first().cloned() {
+        Some(first) => Err(CommandError::NothingToSet { command, first }),
+        None => Ok(()),
+    }
+}
+
+/// Name of a scene: the file's without extension; the folder's for `scene.toml`, which every result directory has.
+fn scene_name(path: &Path) -> String {
+    let stem = path
+        .file_stem()
+        .map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
+    if stem == "scene" {
+        let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        if let Some(folder) = absolute.parent().and_then(Path::file_name) {
+            return folder.to_string_lossy().into_owned();
+        }
+    }
+    stem.into_owned()
+}
+
+/// This program's own stdout, once FMUs have another.
+static OUT: OnceLock<File> = OnceLock::new();
+
+/// Keeps stdout to this program: what FMUs print goes to stderr from now on, so that what is read by other programs stays whole.
+pub fn keep_stdout() {
+    // Where the system refuses, the two are mixed.
+    #[cfg(unix)]
+    if let Ok(own) = fmi2::import::process::own_stdout() {
+        let _ = OUT.set(own);
+    }
+}
+
+/// Prints `text` on stdout; a reader that has gone away is no error.
+fn print(text: &str) -> Result<(), CommandError> {
+    let written = match OUT.get() {
+        Some(mut own) => own.write_all(text.as_bytes()),
+        None => {
+            let mut out = std::io::stdout().lock();
+            out.write_all(text.as_bytes()).and_then(|()| out.flush())
+        }
+    };
+    match written {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(CommandError::Output(error)),
+        _ => Ok(()),
+    }
+}
+
+/// Prints `value` as JSON on stdout.
+fn print_json(value: &impl serde::Serialize) -> Result<(), CommandError> {
+    print(&format!("{}\n", serde_json::to_string_pretty(value)?))
+}
+
+/// Prints a line on stderr unless quiet was asked for.
+fn say(common: &Common) -> impl Fn(&str) {
+    let quiet = common.quiet;
+    move |text| {
+        if !quiet {
+            eprintln!("{text}");
+        }
+    }
+}
+
+/// Is set by the first Ctrl-C, which asks for an end in order; a second one ends the program at once.
+fn interrupted(common: &Common) -> &'static AtomicBool {
+    static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+    let handler = || {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    };
+    if ctrlc::set_handler(handler).is_err() && common.verbose > 0 {
+        eprintln!("Ctrl-C is handled by somebody else");
+    }
+    &INTERRUPTED
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scene_is_named_after_its_file_or_its_result_directory() {
+        assert_eq!(scene_name(Path::new("scenes/en50318-250.toml")), "en50318-250");
+        assert_eq!(scene_name(Path::new("results/thesis/scene.toml")), "thesis");
+    }
+}

@@ -1,0 +1,161 @@
+//! `master run`.
+
+use std::path::{Component, Path, PathBuf};
+
+use scene::Scene;
+
+use super::{CommandError, SceneFile, interrupted, print, print_json, say};
+use crate::cli::Common;
+use cosim::package;
+use experiments::study;
+use results::report::{self, Progress, Show};
+use results::{OutputDirectory, ResultsError};
+use simulation::{FmuSource, Mode, prepare};
+use system::run::Watch;
+
+/// Runs a scene and writes its results.
+///
+/// # Errors
+/// See [`CommandError`].
+pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError> {
+    let file = SceneFile::read(path, common)?;
+    let directory = file.output(common);
+    let interrupted = interrupted(common);
+    let say = say(common);
+    file.notes.iter().for_each(|note| say(note));
+    let logging = common.verbose > 1;
+    let default = Path::new("results").join(&file.name);
+    let standing = [&directory, &default]
+        .into_iter()
+        .find_map(|folder| study::standing(folder, &file.scene, &file.base, mode));
+    let prepared = prepare(file.scene, &file.name, &file.base, logging);
+    let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
+    let show = if common.quiet { Show::Never } else { Show::OnTerminal };
+    let progress = Progress::simulated(&file.name, prepared.scene.run.duration, show);
+    let watch = Watch::new(interrupted, &progress);
+    let source = FmuSource {
+        folder: package::folder(&file.name),
+        logging,
+    };
+
+    let mut output = None;
+    let finished = prepared.run(mode, &source, &watch, |scene| {
+        let opened = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
+        let mut scene = scene.clone();
+        if let Some(unpacked) = &file.unpacked {
+            keep_fmus(&mut scene, unpacked.path(), &directory).map_err(CommandError::Results)?;
+        }
+        let text = relative_to(&scene, &directory).to_toml();
+        opened.begin(&text).map_err(CommandError::Directory)?;
+        output = Some((opened, text));
+        Ok::<(), CommandError>(())
+    });
+    let mut finished = finished.map_err(|error| error.in_scene(path))?;
+    finished.info.notes.extend(standing);
+    progress.finish();
+    let (output, text) = output.expect("a run that ended has begun");
+    let reason = finished.info.incomplete_reason.clone();
+    let bundle = output
+        .finish(&finished.info, finished.record, &text)
+        .map_err(CommandError::Results)?;
+    let page = report::render(std::slice::from_ref(&bundle));
+    output.write_report(&page).map_err(CommandError::Results)?;
+    if common.json {
+        print_json(&bundle.summary)?;
+    } else if !common.quiet {
+        print(&format!(
+            "{}results in {}\n",
+            report::table(&bundle.summary),
+            directory.display()
+        ))?;
+    }
+    match finished.failure {
+        None => Ok(()),
+        Some(_) => Err(CommandError::Incomplete { directory, reason }),
+    }
+}
+
+/// Copies the FMUs of an unpacked archive into the folder `fmu` of `directory`, so that its `scene.toml` can be run again
+/// without the archive, and makes the scene refer to them.
+fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(), ResultsError> {
+    let unpacked = real(unpacked);
+    for side in scene.supplied_sides_mut() {
+        let from = real(Path::new(&side.fmu));
+        let Ok(inside) = from.strip_prefix(&unpacked) else {
+            continue;
+        };
+        // The same tree as in the archive: no two files have one name.
+        let to = directory
+            .join("fmu")
+            .join(inside.strip_prefix("resources").unwrap_or(inside));
+        let failed = |action: &'static str, path: &Path| {
+            let path = path.to_owned();
+            move |source| ResultsError::Io { path, action, source }
+        };
+        if let Some(folder) = to.parent() {
+            std::fs::create_dir_all(folder).map_err(failed("create", folder))?;
+        }
+        std::fs::copy(&from, &to).map_err(failed("write", &to))?;
+        side.fmu = to.display().to_string();
+    }
+    Ok(())
+}
+
+/// The scene with the paths of its FMUs relative to `directory`.
+fn relative_to(scene: &Scene, directory: &Path) -> Scene {
+    let mut scene = scene.clone();
+    for side in scene.supplied_sides_mut() {
+        side.fmu = relative(Path::new(&side.fmu), directory).display().to_string();
+    }
+    scene
+}
+
+/// `path` seen from `folder`; as it is where the two have no common root.
+fn relative(path: &Path, folder: &Path) -> PathBuf {
+    let (path, folder) = (real(path), real(folder));
+    let (to, from): (Vec<Component<'_>>, Vec<Component<'_>>) =
+        (path.components().collect(), folder.components().collect());
+    let shared = to.iter().zip(&from).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return path;
+    }
+    let up = std::iter::repeat_n(Component::ParentDir, from.len() - shared);
+    up.chain(to[shared..].iter().copied()).collect()
+}
+
+/// `path` without links and `..`, as far as it exists: the way up from a folder leads where the system says.
+fn real(path: &Path) -> PathBuf {
+    let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let found = absolute
+        .ancestors()
+        .find_map(|there| Some((there, there.canonicalize().ok()?)));
+    match found {
+        Some((there, real)) => match absolute.strip_prefix(there) {
+            Ok(rest) if !rest.as_os_str().is_empty() => real.join(rest),
+            _ => real,
+        },
+        None => absolute,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_through_another_folder_is_not_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |path: &str| folder.path().join(path);
+        std::fs::create_dir_all(at("results/first")).unwrap();
+        std::fs::write(at("x.fmu"), "").unwrap();
+        let seen = relative(&at("results/first/../../x.fmu"), &at("results/second"));
+        assert_eq!(seen, Path::new("../../x.fmu"));
+    }
+
+    #[test]
+    fn paths_are_seen_from_the_output_directory() {
+        let seen = |path: &str, folder: &str| relative(Path::new(path), Path::new(folder));
+        assert_eq!(seen("/a/vendor/x.fmu", "/a/results/s"), Path::new("../../vendor/x.fmu"));
+        assert_eq!(seen("/a/results/s/x.fmu", "/a/results/s"), Path::new("x.fmu"));
+    }
+}

@@ -1,0 +1,5 @@
+//! The program `master`: arguments in, a table out.
+#![forbid(unsafe_code)]
+
+pub mod cli;
+pub mod command;

@@ -1,0 +1,79 @@
+//! The table on the terminal.
+
+use super::Comparison;
+use crate::table_of_runs::{Row, Status, milliseconds, short, wrapped};
+use results::report::aligned;
+
+fn cells(row: &Row) -> Vec<String> {
+    vec![
+        row.algorithm.clone(),
+        milliseconds(row.macro_step),
+        milliseconds(row.micro_step),
+        row.status.map_or("not run", Status::name).to_owned(),
+        short(row.filtered_error),
+        row.order.map_or_else(String::new, |order| format!("{order:.1}")),
+        short(row.raw_error),
+        short(row.std_error),
+        row.loss.map_or_else(|| "–".to_owned(), |loss| format!("{loss:.2}")),
+        short(row.energy_residual),
+        row.wall.map_or_else(|| "–".to_owned(), |wall| format!("{wall:.2}")),
+        row.rollbacks.map_or_else(|| "–".to_owned(), |count| count.to_string()),
+    ]
+}
+
+/// The table of a comparison, no wider than 120 columns.
+#[must_use]
+pub fn text(comparison: &Comparison) -> String {
+    let mut text = comparison.scene.clone();
+    if !comparison.title.is_empty() {
+        text.push_str(&format!(": {}", comparison.title));
+    }
+    text.push('\n');
+    if !comparison.complete {
+        let made = comparison.made();
+        text.push_str(&format!("INCOMPLETE: {made} of {} runs\n", comparison.rows.len()));
+    }
+    let head = [
+        "", "macro", "micro", "", "filtered", "", "raw", "σ", "loss", "energy", "wall", "roll-",
+    ];
+    let units = [
+        "", "ms", "ms", "status", "rms % σ", "order", "rms % σ", "%", "%", "J", "s", "backs",
+    ];
+    let mut rows: Vec<Vec<String>> = [head, units]
+        .iter()
+        .map(|cells| cells.iter().map(|cell| (*cell).to_owned()).collect())
+        .collect();
+    let mut mode = "";
+    for row in &comparison.rows {
+        if row.mode != mode {
+            mode = &row.mode;
+            rows.push(vec![format!("{mode}:")]);
+        }
+        let mut cells = cells(row);
+        cells[0] = format!("  {}", cells[0]);
+        rows.push(cells);
+    }
+    text.push('\n');
+    text.push_str(&aligned(&rows));
+    text.push_str(
+        "\n  Errors: rms of force against position over the evaluation range, in percent of the reference's σ (filtered); the\n  \
+         reference is the monolithic run at the same micro step. Order: between a macro step and the next smaller one.\n  \
+         Energy: what the coupling added.\n",
+    );
+    for note in &comparison.notes {
+        text.push_str(&format!("  {note}\n"));
+    }
+    for row in &comparison.rows {
+        let said = matches!(row.status, Some(Status::Limit | Status::Diverged | Status::Refused));
+        if said {
+            let step = row.macro_step.map(|step| format!(" {} ms", milliseconds(Some(step))));
+            let step = step.unwrap_or_default();
+            let algorithm = if row.algorithm.is_empty() { "" } else { " " };
+            text.push_str(&wrapped(&format!(
+                "{}{algorithm}{}{step}: {}",
+                row.mode, row.algorithm, row.reason
+            )));
+        }
+    }
+    text
+}

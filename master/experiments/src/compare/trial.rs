@@ -1,0 +1,293 @@
+//! The coupling test problem instead of a scene: every case at every macro step.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use serde::Serialize;
+
+use crate::table_of_runs::{Column, Row, Status, milliseconds, short};
+use cosim::test_problem::{self, Case};
+use results::report::{Page, Progress, aligned, escape};
+use results::statistics::ForceStatistics;
+use simulation::Mode;
+
+/// Macro steps when nothing is said, s: those that other masters have been measured at.
+pub const TRIAL_STEPS: [f64; 4] = [2e-4, 1e-3, 2e-3, 5e-3];
+
+/// What other masters reach on the same problem: rms error of the raw force at [`TRIAL_STEPS`], N; infinite where they lose a
+/// contact that is never lost, NaN where it has not been measured.
+const OTHERS: [(&str, [f64; 4]); 6] = [
+    (
+        "held inputs, side by side (FMPy, libcosim, ecos, PyFMI)",
+        [0.43, f64::INFINITY, f64::INFINITY, f64::INFINITY],
+    ),
+    ("held inputs, Gauss-Seidel", [0.40, 2.1, 4.8, f64::INFINITY]),
+    ("OMSimulator ma", [0.34, 1.8, f64::INFINITY, f64::INFINITY]),
+    (
+        "PyFMI, extrapolation 1, linear correction",
+        [0.0003, 0.0049, 0.020, 0.124],
+    ),
+    (
+        "OMSimulator ma, input extrapolation (2 passes, rollback)",
+        [0.0001, 0.0024, 0.0097, 0.060],
+    ),
+    ("MasterSim, Gauss-Seidel iterated", [f64::NAN, 2.0, 4.4, 15.0]),
+];
+
+/// A case at a macro step.
+#[derive(Clone, Debug, Serialize)]
+pub struct Run {
+    /// Case, for people.
+    pub case: String,
+    /// rms error of the raw force at the communication points, N; `null` where the run has diverged.
+    #[serde(rename = "rms_error_N")]
+    pub rms_error: Option<f64>,
+    /// Steps of the pantograph per macro step, –.
+    pub passes_per_step: f64,
+    /// The columns of all tables.
+    #[serde(flatten)]
+    pub row: Row,
+}
+
+/// The test problem's table, complete or not.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Trial {
+    /// Whether every run was made.
+    pub complete: bool,
+    /// One per case and macro step.
+    pub runs: Vec<Run>,
+}
+
+impl Trial {
+    /// The rows.
+    #[must_use]
+    pub fn rows(&self) -> Vec<Row> {
+        self.runs.iter().map(|run| run.row.clone()).collect()
+    }
+
+    /// The columns before and behind the common ones.
+    #[must_use]
+    pub fn columns(&self) -> (Vec<Column>, Vec<Column>) {
+        let cells = |cell: &dyn Fn(&Run) -> String| self.runs.iter().map(cell).collect();
+        let error = |run: &Run| run.rms_error.map_or_else(String::new, |error| format!("{error:?}"));
+        (
+            vec![("case", cells(&|run| run.case.clone()))],
+            vec![
+                ("rms_error_N", cells(&error)),
+                ("passes_per_step", cells(&|run| format!("{:?}", run.passes_per_step))),
+            ],
+        )
+    }
+}
+
+/// Runs every case at every macro step (s), one at a time; `keep` is given the table after each.
+///
+/// # Errors
+/// What `keep` returns.
+pub fn trial<E>(
+    macro_steps: &[f64],
+    repeats: usize,
+    interrupted: &AtomicBool,
+    progress: &Progress,
+    keep: &mut dyn FnMut(&Trial) -> Result<(), E>,
+) -> Result<Trial, E> {
+    let cases = test_problem::cases();
+    let mut trial = Trial::default();
+    let count = cases.len() * macro_steps.len();
+    for case in &cases {
+        progress.message(&case.name);
+        for &macro_step in macro_steps {
+            if interrupted.load(Ordering::Relaxed) {
+                return Ok(trial);
+            }
+            trial.runs.push(run(case, macro_step, repeats));
+            progress.set(trial.runs.len() as f64 / count as f64);
+            keep(&trial)?;
+        }
+    }
+    trial.complete = true;
+    Ok(trial)
+}
+
+fn run(case: &Case, macro_step: f64, repeats: usize) -> Run {
+    let sigma = ForceStatistics::of(test_problem::truth(&case.parameters).forces()).map(|force| force.std);
+    let mut walls = Vec::new();
+    let mut outcome = None;
+    for _ in 0..repeats.max(1) {
+        let begin = Instant::now();
+        outcome = Some(test_problem::run(case, macro_step));
+        walls.push(begin.elapsed().as_secs_f64());
+    }
+    let outcome = outcome.expect("at least one run");
+    walls.sort_by(f64::total_cmp);
+    let rms_error = Some(outcome.rms_error).filter(|error| error.is_finite());
+    let status = match (outcome.stable, &outcome.failure) {
+        (_, Some(_)) => Status::Diverged,
+        (false, None) => Status::Limit,
+        (true, None) => Status::Stable,
+    };
+    let (status, energy) = status.with_energy(outcome.energy_share);
+    let wall = walls[(walls.len() - 1) / 2];
+    let mut reason = outcome.failure.unwrap_or_default();
+    if status == Status::Limit && !outcome.stable {
+        reason = "contact is lost, which the truth never does".to_owned();
+    }
+    let mut row = Row {
+        scene: "test-problem".to_owned(),
+        mode: Mode::Inprocess.name().to_owned(),
+        algorithm: case.coupling.algorithm.name().to_owned(),
+        extrapolation: Some(case.coupling.extrapolation as u64),
+        macro_step: Some(macro_step),
+        reduction: "none".to_owned(),
+        status: Some(status),
+        reference: "one system, Runge-Kutta, 10 µs".to_owned(),
+        raw_error: rms_error.zip(sigma).map(|(error, sigma)| 100.0 * error / sigma),
+        energy_residual: Some(outcome.energy_residual),
+        wall: Some(wall),
+        repeats: Some(walls.len() as u64),
+        real_time_factor: Some(wall / test_problem::DURATION),
+        macro_steps: Some((test_problem::DURATION / macro_step).round() as u64),
+        reason,
+        ..Row::default()
+    };
+    row.remark(&energy);
+    row.remark(&outcome.report.unwrap_or_default());
+    Run {
+        case: case.name.clone(),
+        rms_error,
+        passes_per_step: outcome.passes_per_step,
+        row,
+    }
+}
+
+/// What the figures of other masters say.
+fn other(error: f64) -> String {
+    if error.is_nan() {
+        "–".to_owned()
+    } else if error.is_infinite() {
+        "lost".to_owned()
+    } else {
+        format!("{error}")
+    }
+}
+
+/// The table on the terminal.
+#[must_use]
+pub fn trial_text(trial: &Trial) -> String {
+    let mut text = String::from("coupling test problem: rms error of the raw contact force over 10 s\n");
+    if !trial.complete {
+        text.push_str("INCOMPLETE\n");
+    }
+    let cells = |cells: &[&str]| cells.iter().map(|cell| (*cell).to_owned()).collect::<Vec<_>>();
+    let mut rows = vec![
+        cells(&["", "macro", "rms", "passes", "energy", "", "wall"]),
+        cells(&["", "ms", "N", "per step", "J", "status", "s"]),
+    ];
+    let mut case = "";
+    for run in &trial.runs {
+        let name = if run.case == case { "" } else { run.case.as_str() };
+        case = &run.case;
+        rows.push(vec![
+            name.to_owned(),
+            milliseconds(run.row.macro_step),
+            short(run.rms_error),
+            format!("{:.2}", run.passes_per_step),
+            short(run.row.energy_residual),
+            run.row.status.map_or("", Status::name).to_owned(),
+            short(run.row.wall),
+        ]);
+    }
+    text.push('\n');
+    text.push_str(&aligned(&rows));
+    let mut rows = vec![cells(&[
+        "other masters, rms N (lost: contact is)",
+        "0.2 ms",
+        "1 ms",
+        "2 ms",
+        "5 ms",
+    ])];
+    for (name, errors) in OTHERS {
+        let errors = errors.into_iter().map(other);
+        rows.push(std::iter::once(name.to_owned()).chain(errors).collect());
+    }
+    text.push('\n');
+    text.push_str(&aligned(&rows));
+    text
+}
+
+/// The page.
+#[must_use]
+pub fn trial_page(trial: &Trial) -> String {
+    let mut steps: Vec<f64> = trial.runs.iter().filter_map(|run| run.row.macro_step).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.dedup();
+    let mut names: Vec<&str> = trial.runs.iter().map(|run| run.case.as_str()).collect();
+    names.dedup();
+    let matrix = |heading: &str, cell: &dyn Fn(&Run) -> String| {
+        let head: String = steps
+            .iter()
+            .map(|step| format!("<th class=\"n\">{} ms</th>", milliseconds(Some(*step))))
+            .collect();
+        let mut body = String::new();
+        for name in &names {
+            body.push_str(&format!("<tr><td>{}</td>", escape(name)));
+            for step in &steps {
+                let found = trial
+                    .runs
+                    .iter()
+                    .find(|run| run.case == *name && run.row.macro_step == Some(*step));
+                let text = found.map_or_else(String::new, |run| match run.row.status {
+                    Some(Status::Stable) => cell(run),
+                    Some(status) => format!("<span class=\"bad\">{}</span>", status.name()),
+                    None => String::new(),
+                });
+                body.push_str(&format!("<td class=\"n\">{text}</td>"));
+            }
+            body.push_str("</tr>\n");
+        }
+        format!(
+            "<div class=\"scroll\"><table><thead><tr><th>{heading}</th>{head}</tr></thead><tbody>{body}</tbody></table></div>\n"
+        )
+    };
+    let mut page = Page::new("Coupling test problem");
+    let state = if trial.complete {
+        ""
+    } else {
+        "<p class=\"warning\">Incomplete.</p>\n"
+    };
+    page.lead(&format!(
+        "<p>Two masses of a pantograph under one mode of a wire whose stiffness changes in time, penalty contact, 10 s. The \
+         truth is the same as one system. Limit: contact is lost, which the truth never does.</p>\n{state}"
+    ));
+    page.section(
+        "Error",
+        &matrix("rms error of the raw force, N", &|run| short(run.rms_error)),
+    );
+    let others: String = OTHERS
+        .iter()
+        .map(|(name, errors)| {
+            let cells: String = errors
+                .iter()
+                .map(|error| format!("<td class=\"n\">{}</td>", other(*error)))
+                .collect();
+            format!("<tr><td>{}</td>{cells}</tr>\n", escape(name))
+        })
+        .collect();
+    page.section(
+        "Other masters",
+        &format!(
+            "<div class=\"scroll\"><table><thead><tr><th>rms error of the raw force, N</th><th class=\"n\">0.2 ms</th>\
+             <th class=\"n\">1 ms</th><th class=\"n\">2 ms</th><th class=\"n\">5 ms</th></tr></thead><tbody>{others}</tbody>\
+             </table></div>\n"
+        ),
+    );
+    page.section(
+        "Cost",
+        &matrix("passes per macro step", &|run| format!("{:.2}", run.passes_per_step)),
+    );
+    page.section(
+        "Energy",
+        &matrix("energy added by the coupling, J", &|run| short(run.row.energy_residual)),
+    );
+    page.finish()
+}

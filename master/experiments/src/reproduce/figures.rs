@@ -1,0 +1,144 @@
+//! The figures of the thesis that show computed forces, ours on its mesh and, beside it, on the finest mesh that was computed.
+
+use plotly::Scatter;
+use plotly::common::{Line as Stroke, Mode as Draw};
+use plotly::layout::Axis;
+
+use super::execute::{Line, Reproduction};
+use super::page::{Trace, published};
+use super::plan::Mesh;
+use super::published::CASES;
+use results::report::escape;
+use results::report::plots::{COLOURS, axis, finished, layout, rounded};
+
+/// What a figure of the thesis shows.
+enum Shown {
+    /// Contact forces of these cases.
+    Contact(&'static [usize]),
+    /// Drag of the wind on the pan-head, with wind on the pantograph.
+    Drag,
+    /// Its lift.
+    Lift,
+}
+
+use Shown::{Contact, Drag, Lift};
+
+/// Figures of the thesis that show computed forces: heading, what of which cases, time range in s.
+const FIGURES: &[(&str, Shown, [f64; 2])] = &[
+    ("Fig. 6: contact force without wind", Contact(&[0]), [0.0, 10.0]),
+    ("Fig. 7: the same, 7 to 10 s", Contact(&[0]), [7.0, 10.0]),
+    ("Fig. 8: penalty force and sliding joint", Contact(&[0, 1]), [0.0, 10.0]),
+    ("Fig. 9: the same, 7 to 10 s", Contact(&[0, 1]), [7.0, 10.0]),
+    ("Fig. 10: wind on the pantograph", Contact(&[2]), [0.0, 10.0]),
+    ("Fig. 11: drag on the pan-head", Drag, [0.0, 10.0]),
+    ("Fig. 12: lift on the pan-head", Lift, [0.0, 10.0]),
+    (
+        "Fig. 13: with wind on the pantograph and without",
+        Contact(&[0, 2]),
+        [0.0, 10.0],
+    ),
+    ("Fig. 14: the same, 7 to 10 s", Contact(&[0, 2]), [7.0, 10.0]),
+    ("Fig. 15: wind on pantograph and wires", Contact(&[3]), [0.0, 10.0]),
+    (
+        "Fig. 16: with wind on pantograph and wires and without",
+        Contact(&[0, 3]),
+        [0.0, 10.0],
+    ),
+    ("Fig. 17: the same, 7 to 10 s", Contact(&[0, 3]), [7.0, 10.0]),
+];
+
+/// Heading and body of each figure; a body is empty where nothing was computed.
+pub(super) fn figures(reproduction: &Reproduction) -> Vec<(&'static str, String)> {
+    let figure = |(heading, shown, times): &(&'static str, Shown, [f64; 2])| {
+        let (cases, part) = match shown {
+            Contact(cases) => (*cases, None),
+            Drag => (&[2][..], Some(0)),
+            Lift => (&[2][..], Some(1)),
+        };
+        let drawn = |mesh: Mesh| {
+            let id = format!(
+                "{}-{}",
+                figure_id(heading),
+                if mesh == Mesh::ALL[0] { "thesis" } else { "refined" }
+            );
+            let plot = match part {
+                None => contact(reproduction, cases, mesh, *times, &id),
+                Some(part) => wind(reproduction, cases[0], mesh, part, &id),
+            };
+            plot.map_or_else(String::new, |plot| format!("<p>{}</p>\n{plot}", escape(&mesh.name())))
+        };
+        let refined = finest(reproduction, cases).map_or_else(String::new, drawn);
+        (*heading, drawn(Mesh::ALL[0]) + &refined)
+    };
+    FIGURES.iter().map(figure).collect()
+}
+
+/// The finest mesh, other than that of the thesis, on which all these cases have a curve.
+fn finest(reproduction: &Reproduction, cases: &[usize]) -> Option<Mesh> {
+    let drawable = |mesh: &Mesh| {
+        let has = |case: &usize| run(reproduction, *case, *mesh).is_some_and(|line| line.curve.is_some());
+        cases.iter().all(has)
+    };
+    Mesh::ALL[1..].iter().copied().rfind(drawable)
+}
+
+/// The run of a case on a mesh, in one system.
+fn run(reproduction: &Reproduction, case: usize, mesh: Mesh) -> Option<&Line> {
+    Line::of(&reproduction.lines, &CASES[case], mesh)
+}
+
+/// Name of a figure in the page.
+fn figure_id(heading: &str) -> String {
+    let number: String = heading
+        .chars()
+        .skip_while(|c| !c.is_ascii_digit())
+        .take_while(char::is_ascii_digit)
+        .collect();
+    format!("figure-{number}")
+}
+
+/// Drag (`part` = 0) or lift (1) of the wind on the pan-head; that of even travel as a line.
+fn wind(reproduction: &Reproduction, case: usize, mesh: Mesh, part: usize, id: &str) -> Option<String> {
+    let line = run(reproduction, case, mesh)?;
+    let wind = line.wind.as_ref()?;
+    let (name, force) = [("drag", &wind.drag), ("lift", &wind.lift)][part];
+    let time: Vec<f64> = (0..force.len()).map(|index| index as f64 * line.output_step).collect();
+    let end = time.last().copied().unwrap_or_default();
+    let computed = Scatter::new(rounded(&time, 1e3), rounded(force, 1e2))
+        .mode(Draw::Lines)
+        .name(name)
+        .line(Stroke::new().color(COLOURS[0]).width(1.1));
+    let mut traces: Vec<Trace> = vec![computed];
+    if let Some(even) = line.even_head.map(|even| even[part]) {
+        traces.push(published(vec![0.0, end], vec![even; 2], "Eq. (18), even travel"));
+    }
+    let y = axis(&format!("{name} on the pan-head [N]"));
+    Some(finished(traces, layout(axis("time [s]"), y), id, 320))
+}
+
+/// Contact forces of some cases, as the time integration gives them; the published mean as a line. Its curves are printed as
+/// pictures only.
+fn contact(reproduction: &Reproduction, shown: &[usize], mesh: Mesh, [from, to]: [f64; 2], id: &str) -> Option<String> {
+    let mut traces: Vec<Trace> = Vec::new();
+    for (&index, colour) in shown.iter().zip(COLOURS) {
+        let run = run(reproduction, index, mesh);
+        let Some((line, curve)) = run.and_then(|line| Some((line, line.curve.as_ref()?))) else {
+            continue;
+        };
+        let samples = curve.raw.iter().enumerate();
+        let samples = samples.map(|(index, force)| (index as f64 * line.output_step, *force));
+        let (time, force): (Vec<f64>, Vec<f64>) = samples.filter(|(time, _)| (from..=to).contains(time)).unzip();
+        traces.push(
+            Scatter::new(rounded(&time, 1e3), rounded(&force, 1e1))
+                .mode(Draw::Lines)
+                .name(CASES[index].title)
+                .line(Stroke::new().color(colour).width(1.1)),
+        );
+    }
+    let last = shown.last().filter(|_| !traces.is_empty())?;
+    let case = &CASES[*last];
+    let name = format!("published mean, {}", case.title);
+    traces.push(published(vec![from, to], vec![case.mean.value; 2], &name));
+    let time: Axis = axis("time [s]").range(vec![from, to]);
+    Some(finished(traces, layout(time, axis("contact force [N]")), id, 320))
+}

@@ -1,0 +1,172 @@
+//! The runs of a reproduction.
+
+use serde::Serialize;
+
+use super::published::{CASES, Case};
+use super::quantities::OPEN;
+use super::wind::readings;
+use crate::table_of_runs::Variant;
+use simulation::Mode;
+
+/// What a run is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Group {
+    /// A published case, as its scene has it.
+    Published,
+    /// A published case on another mesh.
+    Mesh,
+    /// A reading of the published wind.
+    Reading,
+    /// A quantity that the publication leaves open.
+    Open,
+}
+
+impl Group {
+    /// Whether its runs are published cases with nothing changed but the mesh.
+    #[must_use]
+    pub fn is_case(self) -> bool {
+        matches!(self, Self::Published | Self::Mesh)
+    }
+
+    /// As the table names it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Published => "published",
+            Self::Mesh => "mesh",
+            Self::Reading => "reading",
+            Self::Open => "open",
+        }
+    }
+}
+
+/// A mesh of the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Mesh {
+    /// Plain elements, so many per dropper interval: nine intervals make a span, so that 1 is the thesis' mesh.
+    Plain(usize),
+    /// Eight elements per interval with all corrections, at half the thesis' step: converged to one percent of the standard deviation.
+    Corrected,
+}
+
+impl Mesh {
+    /// From the thesis' mesh to a converged one.
+    pub const ALL: [Self; 5] = [
+        Self::Plain(1),
+        Self::Plain(2),
+        Self::Plain(4),
+        Self::Plain(8),
+        Self::Corrected,
+    ];
+
+    /// What it is called.
+    #[must_use]
+    pub fn name(self) -> String {
+        match self {
+            Self::Plain(count) => format!("{} elements per span", 9 * count),
+            Self::Corrected => "72 corrected elements per span".to_owned(),
+        }
+    }
+
+    /// The keys that make it.
+    pub(super) fn keys(self) -> Vec<String> {
+        let key = |name: &str, value: &str| format!("{name}={value}");
+        match self {
+            Self::Plain(count) => vec![
+                key("catenary.mesh.elements_per_interval", &count.to_string()),
+                key("catenary.mesh.corrections", "\"none\""),
+            ],
+            Self::Corrected => vec![
+                key("catenary.mesh.elements_per_interval", "8"),
+                key("catenary.mesh.corrections", "\"auto\""),
+                key("solver.micro_step", "0.0005"),
+            ],
+        }
+    }
+}
+
+/// A run to be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planned {
+    /// What for.
+    pub group: Group,
+    /// The published case that it is a variant of.
+    pub case: &'static Case,
+    /// Mesh of the line.
+    pub mesh: Mesh,
+    /// What was changed besides the mesh; empty for a published case.
+    pub quantity: &'static str,
+    /// To what, with its unit.
+    pub value: String,
+    /// How it is run.
+    pub variant: Variant,
+}
+
+/// All runs: the published cases in both ways of running them, all of them on finer meshes, the readings of the wind, and, on the thesis' mesh and on the
+/// converged one, each open quantity over its range. `quick` leaves out the finer plain meshes but one, and the open quantities on
+/// the converged mesh. `overrides` hold for all runs, and give way to what a run is about.
+#[must_use]
+pub fn plan(quick: bool, overrides: &[String]) -> Vec<Planned> {
+    let [thesis, ..] = Mesh::ALL;
+    let mut runs = Vec::new();
+    for case in &CASES {
+        runs.push(planned(Group::Published, case, thesis, Mode::Monolithic));
+    }
+    runs.push(planned(Group::Published, &CASES[0], thesis, Mode::Cosimulation));
+    for mesh in Mesh::ALL {
+        if mesh == thesis || (quick && mesh != Mesh::Plain(2)) {
+            continue;
+        }
+        for case in &CASES {
+            runs.push(planned(Group::Mesh, case, mesh, Mode::Monolithic));
+        }
+    }
+    for reading in readings() {
+        let mut run = planned(Group::Reading, &CASES[2], thesis, Mode::Monolithic);
+        run.variant.overrides = reading.keys;
+        run.quantity = "wind";
+        run.value = reading.name.to_owned();
+        runs.push(run);
+    }
+    for mesh in [thesis, Mesh::Corrected] {
+        if quick && mesh == Mesh::Corrected {
+            continue;
+        }
+        let own = mesh.keys();
+        for open in OPEN.iter().filter(|open| open.is_on(mesh)) {
+            for value in open.values() {
+                // The mesh's own value is the case itself.
+                if value.keys.iter().all(|key| own.contains(key)) {
+                    continue;
+                }
+                let mut run = planned(Group::Open, &CASES[open.case], mesh, Mode::Monolithic);
+                // Behind the mesh, whose step it may change.
+                run.variant.overrides.extend(value.keys);
+                run.quantity = open.quantity;
+                run.value = value.name;
+                runs.push(run);
+            }
+        }
+    }
+    for run in &mut runs {
+        run.variant.overrides.splice(0..0, overrides.iter().cloned());
+    }
+    runs
+}
+
+fn planned(group: Group, case: &'static Case, mesh: Mesh, mode: Mode) -> Planned {
+    let own = group == Group::Published;
+    Planned {
+        group,
+        case,
+        mesh,
+        quantity: "",
+        value: String::new(),
+        variant: Variant {
+            mode,
+            algorithm: if mode == Mode::Monolithic { "" } else { "auto" }.to_owned(),
+            overrides: if own { Vec::new() } else { mesh.keys() },
+        },
+    }
+}

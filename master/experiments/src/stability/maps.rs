@@ -1,0 +1,460 @@
+//! Where runs stop being stable: boundaries by bisection over the step, and what theory says of them.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use scene::Coupling;
+use serde::Serialize;
+
+use super::cases::Case;
+use super::execute::ALGORITHMS;
+use super::trial::{Made, Way, make, refined};
+use crate::table_of_runs::{ENERGY, RAW_ERROR};
+use cosim::algorithm::stability::spectral_radius;
+use cosim::test_problem::{self, Parameters, Switches, Truth};
+use results::statistics::ForceStatistics;
+use simulation::Mode;
+
+/// Simulated time of a run of the test problem, s: fifty periods of its contact.
+const DURATION: f64 = 3.0;
+
+/// Bounds of the steps that are tried, s.
+const STEPS: (f64, f64) = (5e-5, 2e-2);
+
+/// Bisections of the factor of two that the boundary is found in.
+const BISECTIONS: u32 = 3;
+
+/// Unit of the macro steps on the line, s: its micro step, so that one reference serves all.
+const UNIT: f64 = 5e-4;
+
+/// Largest macro step on the line in these units.
+const MOST_UNITS: u32 = 40;
+
+/// Resolution and end of the table of growth over `ωh`, –.
+const NUMBERS: (f64, usize) = (0.02, 200);
+
+/// Growth per step that counts as none, –.
+const NEUTRAL: f64 = 1e-5;
+
+/// What a curve is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Bisection with runs of the test problem.
+    TestProblem,
+    /// Bisection with runs of the short line.
+    ShortLine,
+    /// The spectral radius of the algorithm against the contact's damping.
+    Theory,
+}
+
+/// Points (x, y) of a boundary in a map.
+pub type Boundary = Vec<(f64, f64)>;
+
+/// The boundary of one algorithm.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Curve {
+    /// Algorithm; `monolithic` where nothing is coupled.
+    pub algorithm: &'static str,
+    /// What it was found with.
+    pub kind: Kind,
+    /// The quantity of the map's axis, and the longest stable step there, s; 0 where none was found.
+    pub points: Boundary,
+}
+
+/// Longest stable steps over one quantity.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Map {
+    /// Heading.
+    pub title: &'static str,
+    /// Title of the axis, with the unit.
+    pub x: &'static str,
+    /// Whether the axis is logarithmic.
+    pub logarithmic: bool,
+    /// Title of the other axis.
+    pub y: &'static str,
+    /// What there is to say of it.
+    pub caption: &'static str,
+    /// Curves.
+    pub curves: Vec<Curve>,
+}
+
+/// The quantity of a map's axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Axis {
+    Stiffness,
+    HeadMass,
+    SpeedRatio,
+    MicroStep,
+}
+
+/// Titles of a map.
+struct Titles {
+    axis: Axis,
+    title: &'static str,
+    x: &'static str,
+    logarithmic: bool,
+    y: &'static str,
+    caption: &'static str,
+}
+
+const MAPS: [Titles; 4] = [
+    Titles {
+        axis: Axis::Stiffness,
+        title: "Macro step against contact stiffness",
+        x: "contact stiffness [N/m]",
+        logarithmic: true,
+        y: "longest stable macro step [ms]",
+        caption: "Lines: the test problem (head of 7.2 kg under a wire mode of 10 kg); dotted: spectral radius of the algorithm \
+                  on the contact's oscillation against that oscillation's own damping; crosses: the short line at a micro step \
+                  of 0.5 ms.",
+    },
+    Titles {
+        axis: Axis::HeadMass,
+        title: "Macro step against head mass",
+        x: "mass of the collector head [kg]",
+        logarithmic: true,
+        y: "longest stable macro step [ms]",
+        caption: "As above, at a contact stiffness of 50 kN/m.",
+    },
+    Titles {
+        axis: Axis::SpeedRatio,
+        title: "Macro step against speed",
+        x: "speed over wave speed of the contact wire [–]",
+        logarithmic: false,
+        y: "longest stable macro step [ms]",
+        caption: "The short line, contact stiffness 50 kN/m, micro step 0.5 ms; steps up to 20 ms were tried.",
+    },
+    Titles {
+        axis: Axis::MicroStep,
+        title: "Micro step of one system against contact stiffness",
+        x: "contact stiffness [N/m]",
+        logarithmic: true,
+        y: "longest micro step that resolves the raw force [ms]",
+        caption: "The short line as one system against itself at half the step: the raw force is right to its filtered \
+                  standard deviation.",
+    },
+];
+
+/// One curve to be found.
+#[derive(Clone, Debug)]
+pub struct Task {
+    map: usize,
+    algorithm: &'static str,
+    kind: Kind,
+    x: Vec<f64>,
+}
+
+/// `count` values from `from` to `to` in equal ratios.
+fn ratios(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let last = (count.max(2) - 1) as f64;
+    (0..count.max(2))
+        .map(|k| from * (to / from).powf(k as f64 / last))
+        .collect()
+}
+
+/// The curves of all maps, `resolution` points each.
+#[must_use]
+pub fn tasks(resolution: usize) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    for (map, titles) in MAPS.iter().enumerate() {
+        let stiffness = || ratios(1e4, 1e8, resolution);
+        let few = resolution.div_ceil(2);
+        let ranges: Vec<(Kind, Vec<f64>)> = match titles.axis {
+            Axis::Stiffness => vec![
+                (Kind::Theory, stiffness()),
+                (Kind::TestProblem, stiffness()),
+                (Kind::ShortLine, ratios(1e4, 1e6, few.min(3))),
+            ],
+            Axis::HeadMass => vec![
+                (Kind::Theory, ratios(0.5, 15.0, resolution)),
+                (Kind::TestProblem, ratios(0.5, 15.0, resolution)),
+                (Kind::ShortLine, ratios(0.5, 15.0, few.min(3))),
+            ],
+            Axis::SpeedRatio => {
+                let last = (few.max(2) - 1) as f64;
+                let ratio = |k: usize| 0.15 + 0.8 * k as f64 / last;
+                vec![(Kind::ShortLine, (0..few.max(2)).map(ratio).collect())]
+            }
+            Axis::MicroStep => vec![(Kind::ShortLine, ratios(1e4, 1e7, few + 2))],
+        };
+        for (kind, x) in ranges {
+            let algorithms: &[&str] = if titles.axis == Axis::MicroStep {
+                &["monolithic"]
+            } else {
+                &ALGORITHMS
+            };
+            tasks.extend(algorithms.iter().map(|&algorithm| Task {
+                map,
+                algorithm,
+                kind,
+                x: x.clone(),
+            }));
+        }
+    }
+    tasks
+}
+
+/// The maps with the curves that have been found.
+#[must_use]
+pub fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
+    let mut maps: Vec<Map> = MAPS
+        .iter()
+        .map(|titles| Map {
+            title: titles.title,
+            x: titles.x,
+            logarithmic: titles.logarithmic,
+            y: titles.y,
+            caption: titles.caption,
+            curves: Vec::new(),
+        })
+        .collect();
+    for (task, points) in tasks.iter().zip(points) {
+        if let Some(points) = points {
+            maps[task.map].curves.push(Curve {
+                algorithm: task.algorithm,
+                kind: task.kind,
+                points,
+            });
+        }
+    }
+    maps.retain(|map| !map.curves.is_empty());
+    maps
+}
+
+/// The longest stable step between [`STEPS`]: doubled from the shortest one until a run is not stable, then bisected; 0 where the
+/// shortest one is not.
+fn longest(stable: &mut dyn FnMut(f64) -> bool) -> f64 {
+    let (mut good, mut bad) = (0.0, None);
+    let mut step = STEPS.0;
+    loop {
+        if !stable(step) {
+            bad = Some(step);
+            break;
+        }
+        good = step;
+        if step >= STEPS.1 {
+            break;
+        }
+        step = (2.0 * step).min(STEPS.1);
+    }
+    let Some(mut bad) = bad.filter(|_| good > 0.0) else {
+        return good;
+    };
+    for _ in 0..BISECTIONS {
+        let middle = (good * bad).sqrt();
+        if stable(middle) {
+            good = middle;
+        } else {
+            bad = middle;
+        }
+    }
+    good
+}
+
+/// The same in whole units of [`UNIT`].
+fn longest_units(stable: &mut dyn FnMut(u32) -> bool) -> u32 {
+    let (mut good, mut bad) = (0, None);
+    let mut units = 1;
+    loop {
+        if !stable(units) {
+            bad = Some(units);
+            break;
+        }
+        good = units;
+        if units == MOST_UNITS {
+            break;
+        }
+        units = (2 * units).min(MOST_UNITS);
+    }
+    let Some(mut bad) = bad.filter(|_| good > 0) else {
+        return good;
+    };
+    while bad - good > 1 + good / 8 {
+        let middle = good.midpoint(bad);
+        if stable(middle) {
+            good = middle;
+        } else {
+            bad = middle;
+        }
+    }
+    good
+}
+
+/// `[coupling]` of an algorithm with its own defaults.
+pub(super) fn coupling(algorithm: &str) -> Option<Coupling> {
+    let case = Case::plain();
+    let keys = [format!("coupling.algorithm=\"{algorithm}\"")];
+    super::trial::scene(&case, &Way::ONE, &keys)
+        .ok()
+        .map(|scene| scene.coupling)
+}
+
+impl Task {
+    /// Finds the points; `None` where somebody asked for an end.
+    pub(super) fn points(&self, stop: &AtomicBool, interrupted: &AtomicBool) -> Option<Boundary> {
+        let ended = || stop.load(Ordering::Relaxed) || interrupted.load(Ordering::Relaxed);
+        let growth = match self.kind {
+            Kind::Theory => growth(&coupling(self.algorithm)?),
+            _ => Vec::new(),
+        };
+        let mut points = Vec::new();
+        for &x in &self.x {
+            if ended() {
+                return None;
+            }
+            let step = match (self.kind, MAPS[self.map].axis) {
+                (Kind::Theory, _) => self.by_theory(&growth, x),
+                (Kind::TestProblem, _) => self.by_test_problem(x),
+                (Kind::ShortLine, Axis::MicroStep) => micro_step(x, stop),
+                (Kind::ShortLine, _) => self.on_the_line(x, stop),
+            };
+            points.push((x, step));
+        }
+        (!ended()).then_some(points)
+    }
+
+    fn parameters(&self, x: f64) -> Parameters {
+        let mut parameters = Parameters::CLOSED;
+        match MAPS[self.map].axis {
+            Axis::Stiffness => parameters.contact_stiffness = x,
+            Axis::HeadMass => parameters.masses[0] = x,
+            Axis::SpeedRatio | Axis::MicroStep => {}
+        }
+        parameters
+    }
+
+    /// Where the growth per step of the contact's oscillation exceeds the decay by its damping, s.
+    fn by_theory(&self, growth: &[f64], x: f64) -> f64 {
+        let parameters = self.parameters(x);
+        let omega = parameters.contact_frequency();
+        let decay = contact_decay(&parameters);
+        let number = |k: usize| NUMBERS.0 * (k + 1) as f64;
+        let grows = |k: usize| growth[k].ln() > decay * number(k) / omega + NEUTRAL;
+        let first = (0..growth.len()).find(|&k| grows(k)).unwrap_or(growth.len());
+        if first == 0 { 0.0 } else { number(first - 1) / omega }
+    }
+
+    fn by_test_problem(&self, x: f64) -> f64 {
+        let parameters = self.parameters(x);
+        let Some(coupling) = coupling(self.algorithm) else {
+            return 0.0;
+        };
+        let truth = Truth::solve(&parameters, DURATION);
+        let sigma = ForceStatistics::of(truth.forces()).map_or(0.0, |force| force.std);
+        let case = test_problem::Case {
+            name: self.algorithm.to_owned(),
+            coupling,
+            line: Switches::ALL,
+            pantograph: Switches::ALL,
+            parameters,
+        };
+        longest(&mut |step| {
+            let outcome = test_problem::run_against(&truth, &case, step);
+            outcome.stable
+                && outcome.rms_error <= RAW_ERROR / 100.0 * sigma
+                && 100.0 * outcome.energy_share.abs() <= ENERGY
+        })
+    }
+
+    fn on_the_line(&self, x: f64, stop: &AtomicBool) -> f64 {
+        let mut case = Case::plain();
+        case.disturbance.audited = false;
+        match MAPS[self.map].axis {
+            Axis::Stiffness => case.overrides.push(format!("contact.stiffness={x:?}")),
+            Axis::HeadMass => case.overrides.push(format!("pantograph.0.masses=[{x:?},15.0]")),
+            Axis::SpeedRatio => case.overrides.extend(at_speed(x)),
+            Axis::MicroStep => {}
+        }
+        let keys = |units: u32| {
+            vec![
+                format!("solver.micro_step={UNIT:?}"),
+                format!("coupling.macro_step={:?}", f64::from(units) * UNIT),
+            ]
+        };
+        let one = make(&case, &Way::ONE, &keys(1), None, stop);
+        let way = Way {
+            mode: Mode::Inprocess,
+            algorithm: self.algorithm,
+        };
+        let units = longest_units(&mut |units| make(&case, &way, &keys(units), Some(("", &one)), stop).is_stable());
+        f64::from(units) * UNIT
+    }
+}
+
+/// Longest micro step at which one system resolves the raw force, s: halved from 4 ms.
+fn micro_step(stiffness: f64, stop: &AtomicBool) -> f64 {
+    let mut case = Case::plain();
+    case.disturbance.audited = false;
+    case.overrides.push(format!("contact.stiffness={stiffness:?}"));
+    let one = |keys: &[String], judge: Option<(&str, &Made)>| make(&case, &Way::ONE, keys, judge, stop);
+    let mut step = 4e-3;
+    while step >= 1e-4 {
+        let finer = one(&refined(step), None);
+        let keys = [
+            format!("coupling.macro_step={step:?}"),
+            format!("solver.micro_step={step:?}"),
+        ];
+        if one(&keys, Some(("", &finer))).is_stable() {
+            return step;
+        }
+        step *= std::f64::consts::FRAC_1_SQRT_2;
+    }
+    0.0
+}
+
+/// The short line at a share `x` of its wave speed, within its length.
+fn at_speed(x: f64) -> Vec<String> {
+    let speed = x * (20_000.0_f64 / 1.35).sqrt();
+    let duration = (125.0 / speed).min(2.0);
+    vec![
+        format!("run.speed_kmh={:?}", 3.6 * speed),
+        format!("run.duration={duration:?}"),
+        format!("run.evaluate={{time=[{:?},{:?}]}}", 0.25 * duration, 0.75 * duration),
+    ]
+}
+
+/// Growth per step of an undamped oscillation over `ωh`, –.
+fn growth(coupling: &Coupling) -> Vec<f64> {
+    (0..NUMBERS.1)
+        .map(|k| spectral_radius(coupling, NUMBERS.0 * (k + 1) as f64).unwrap_or(f64::INFINITY))
+        .collect()
+}
+
+/// Rate at which the oscillation of head and wire on the contact decays, 1/s: the dampers of both on its mode, which moves them
+/// in the inverse ratio of their masses.
+fn contact_decay(parameters: &Parameters) -> f64 {
+    let [head, wire] = [1.0 / parameters.masses[0], 1.0 / parameters.wire_mass];
+    let damping = parameters.dampings[0] * head * head + parameters.wire_damping * wire * wire;
+    0.5 * damping / (head + wire)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_stable_step_is_found_to_a_tenth_of_a_factor_of_two() {
+        for limit in [7.3e-5, 1e-3, 0.0123] {
+            let found = longest(&mut |step| step <= limit);
+            assert!(found <= limit && found > limit / 2.0_f64.powf(0.13), "{limit}: {found}");
+        }
+        assert_eq!(longest(&mut |_| false), 0.0);
+        assert_eq!(longest(&mut |_| true), STEPS.1);
+        assert_eq!(longest_units(&mut |units| units <= 5), 5);
+        let coarse = longest_units(&mut |units| units <= 23);
+        assert!((21..=23).contains(&coarse), "{coarse}");
+        assert_eq!(longest_units(&mut |_| true), MOST_UNITS);
+        assert_eq!(longest_units(&mut |_| false), 0);
+    }
+
+    #[test]
+    fn the_contact_decays_as_its_mode_does() {
+        // Equal masses and dampers: the mode's damping is that of one of them, c/(2 m).
+        let parameters = Parameters {
+            masses: [10.0, 15.0],
+            dampings: [100.0, 90.0],
+            ..Parameters::CLOSED
+        };
+        assert!((contact_decay(&parameters) - 5.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,289 @@
+//! `stability.html`.
+
+use plotly::Scatter;
+use plotly::common::{DashType, HoverInfo, Line as Stroke, Marker, MarkerSymbol, Mode as Draw};
+use plotly::layout::{AxisType, HoverMode};
+
+use super::execute::{ALGORITHMS, Line, StabilityTable};
+use super::maps::{Kind, Map};
+use super::text::{by_case, heading, ways};
+use crate::table_of_runs::{STATUS_RULE, Status};
+use crate::table_of_runs::{milliseconds, significant};
+use results::report::plots::{COLOURS, axis, finished, layout};
+use results::report::{Page, escape, head_cells};
+
+/// The page of the hard cases.
+#[must_use]
+pub fn page(table: &StabilityTable) -> String {
+    let mut page = Page::new("Hard cases");
+    page.lead(&lead(table));
+    page.section("Status", &overview(table));
+    page.section("What is not stable, and why", &reasons(table));
+    for (index, map) in table.maps.iter().enumerate() {
+        page.section(map.title, &drawn(map, index));
+    }
+    page.section("Figures", &table_of_figures(table));
+    page.section("How to read this", &legend());
+    page.finish()
+}
+
+fn number(value: Option<f64>) -> String {
+    significant(value).unwrap_or_default()
+}
+
+fn lead(table: &StabilityTable) -> String {
+    let counts: Vec<String> = [Status::Stable, Status::Limit, Status::Diverged, Status::Refused]
+        .iter()
+        .map(|status| format!("{} {}", table.count(*status), status.name()))
+        .collect();
+    let cases = by_case(table).len();
+    let runs = table.lines.len();
+    let mut html = format!("<p><b>{cases} cases</b> · {runs} runs: {}</p>\n", counts.join(", "));
+    if !table.complete {
+        let made = table.lines.iter().filter(|line| line.row.status.is_some()).count();
+        html.push_str(&format!(
+            "<p class=\"warning\">Incomplete: {made} of {runs} runs were made.</p>\n"
+        ));
+    }
+    html
+}
+
+/// A line of cells per case, coloured by status.
+fn overview(table: &StabilityTable) -> String {
+    let ways = ways(table);
+    let head: String = ways
+        .iter()
+        .map(|way| format!("<th>{}</th>", escape(&heading(way))))
+        .collect();
+    let mut body = String::new();
+    for lines in by_case(table) {
+        let first = &lines[0];
+        body.push_str(&format!(
+            "<tr><td class=\"name\"><b>{}</b><br><span class=\"soft\">{}</span></td>",
+            escape(&first.case),
+            escape(&first.about)
+        ));
+        for way in &ways {
+            let line = lines
+                .iter()
+                .find(|line| (&line.row.mode, &line.row.algorithm) == (&way.0, &way.1));
+            body.push_str(&line.map_or_else(|| "<td></td>".to_owned(), cell));
+        }
+        body.push_str("</tr>\n");
+    }
+    format!(
+        "<div class=\"scroll\"><table><thead><tr><th>case</th>{head}</tr></thead>\n<tbody>{body}</tbody></table></div>\n\
+         <p class=\"caption\">In the cells: rms error of the filtered force in percent of the reference's standard deviation. \
+         Under the pointer: what ran and why.</p>\n"
+    )
+}
+
+fn cell(line: &Line) -> String {
+    let status = line.row.status.map_or("not run", Status::name);
+    let error = line.row.filtered_error.and_then(|error| significant(Some(error)));
+    let error = error.map_or_else(String::new, |error| format!("<br>{error} %"));
+    format!(
+        "<td class=\"c {status}\" title=\"{}\">{status}{error}</td>",
+        escape(&line.row.reason)
+    )
+}
+
+/// One line per case and reason.
+fn reasons(table: &StabilityTable) -> String {
+    let mut body = String::new();
+    for lines in by_case(table) {
+        let mut found: Vec<(String, String, Vec<String>)> = Vec::new();
+        for line in lines {
+            let Some(status @ (Status::Limit | Status::Diverged | Status::Refused)) = line.row.status else {
+                continue;
+            };
+            let mut reason = line.row.reason.clone();
+            if !line.figures.boundary.is_empty() {
+                reason.push_str(&format!(" – {}", line.figures.boundary));
+            }
+            let way = heading(&(line.row.mode.clone(), line.row.algorithm.clone()));
+            match found
+                .iter_mut()
+                .find(|(name, known, _)| name == status.name() && *known == reason)
+            {
+                Some((_, _, ways)) => ways.push(way),
+                None => found.push((status.name().to_owned(), reason, vec![way])),
+            }
+        }
+        for (status, reason, ways) in found {
+            body.push_str(&format!(
+                "<tr><td class=\"s\">{}</td><td class=\"c {status}\">{status}</td><td>{}</td><td class=\"remark\">{}</td></tr>\n",
+                escape(&lines[0].case),
+                escape(&ways.join(", ")),
+                escape(&reason)
+            ));
+        }
+    }
+    if body.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<div class=\"scroll\"><table><thead><tr><th>case</th><th>status</th><th>run</th><th>reason – boundary</th></tr></thead>\n\
+         <tbody>{body}</tbody></table></div>\n"
+    )
+}
+
+fn drawn(map: &Map, index: usize) -> String {
+    let mut traces = Vec::new();
+    for curve in &map.curves {
+        let place = ALGORITHMS.iter().position(|name| *name == curve.algorithm).unwrap_or(0);
+        let colour = COLOURS[place % COLOURS.len()];
+        // A logarithmic axis has no place for zero: a step that was not found is left out.
+        let found = || curve.points.iter().filter(|(_, step)| *step > 0.0);
+        let x: Vec<f64> = found().map(|(x, _)| *x).collect();
+        let y: Vec<f64> = found().map(|(_, step)| 1e3 * step).collect();
+        if x.is_empty() {
+            continue;
+        }
+        let (what, stroke, mode) = match curve.kind {
+            Kind::TestProblem => ("", Stroke::new().color(colour).width(2.0), Draw::LinesMarkers),
+            Kind::Theory => (
+                ", theory",
+                Stroke::new().color(colour).width(1.2).dash(DashType::Dot),
+                Draw::Lines,
+            ),
+            Kind::ShortLine if map.curves.iter().any(|other| other.kind != Kind::ShortLine) => {
+                (", line", Stroke::new().color(colour).width(0.0), Draw::Markers)
+            }
+            Kind::ShortLine => ("", Stroke::new().color(colour).width(2.0), Draw::LinesMarkers),
+        };
+        let name = format!("{}{what}", curve.algorithm);
+        let said: Vec<String> = found()
+            .map(|(x, step)| format!("{name}: {} → {} ms", number(Some(*x)), number(Some(1e3 * step))))
+            .collect();
+        let symbol = if matches!(mode, Draw::Markers) {
+            MarkerSymbol::X
+        } else {
+            MarkerSymbol::Circle
+        };
+        traces.push(
+            Scatter::new(x, y)
+                .mode(mode)
+                .name(name)
+                .legend_group(curve.algorithm)
+                .show_legend(curve.kind != Kind::Theory)
+                .hover_text_array(said)
+                .hover_info(HoverInfo::Text)
+                .line(stroke)
+                .marker(Marker::new().color(colour).size(7).symbol(symbol)),
+        );
+    }
+    if traces.is_empty() {
+        return String::new();
+    }
+    let mut x = axis(map.x).zero_line(false);
+    if map.logarithmic {
+        x = x.type_(AxisType::Log);
+    }
+    let y = axis(map.y).type_(AxisType::Log).zero_line(false);
+    format!(
+        "{}<p class=\"caption\">{}</p>\n",
+        finished(
+            traces,
+            layout(x, y).hover_mode(HoverMode::Closest),
+            &format!("plot-map-{index}"),
+            440
+        ),
+        escape(map.caption)
+    )
+}
+
+fn table_of_figures(table: &StabilityTable) -> String {
+    const HEAD: [(&str, &str); 17] = [
+        ("run", ""),
+        ("status", ""),
+        ("macro step", "ms"),
+        ("micro step", "ms"),
+        ("ω h", ""),
+        ("growth", "per step"),
+        ("energy made", "W"),
+        ("share", "%"),
+        ("filtered error", "% of σ"),
+        ("raw error", "% of σ"),
+        ("mean", "N"),
+        ("σ", "N"),
+        ("loss", "%"),
+        ("largest", "N"),
+        ("Newton", "most"),
+        ("drift", "m"),
+        ("slack", "most"),
+    ];
+    let columns = HEAD.iter().enumerate();
+    let head = head_cells(columns.map(|(column, &(name, unit))| (name, unit, column >= 2)));
+    let mut body = String::new();
+    for lines in by_case(table) {
+        body.push_str(&format!(
+            "<tr><th colspan=\"{}\">{}: {}</th></tr>\n",
+            HEAD.len(),
+            escape(&lines[0].case),
+            escape(&lines[0].about)
+        ));
+        for line in lines {
+            body.push_str(&figures(line));
+        }
+    }
+    format!(
+        "<details><summary>All runs</summary><div class=\"scroll\"><table><thead><tr>{head}</tr></thead>\n<tbody>{body}</tbody>\
+         </table></div></details>\n<p class=\"caption\">All columns are in stability.csv.</p>\n"
+    )
+}
+
+fn figures(line: &Line) -> String {
+    let Line { row, figures, .. } = line;
+    let status = row.status.map_or("not run", Status::name);
+    let step = |step: Option<f64>| step.map_or_else(String::new, |step| milliseconds(Some(step)));
+    let fixed = |value: Option<f64>, digits: usize| value.map_or_else(String::new, |value| format!("{value:.digits$}"));
+    let count = |value: Option<u64>| value.map_or_else(String::new, |value| value.to_string());
+    let cells = [
+        step(row.macro_step),
+        step(row.micro_step),
+        fixed(figures.omega_h, 2),
+        fixed(figures.amplification, 4),
+        number(figures.energy_growth),
+        number(figures.energy_share),
+        number(row.filtered_error),
+        number(row.raw_error),
+        fixed(row.mean, 1),
+        fixed(row.std, 2),
+        fixed(row.loss, 2),
+        fixed(figures.largest_force, 0),
+        count(figures.most_iterations),
+        number(figures.drift),
+        count(figures.slack_droppers),
+    ];
+    let cells: String = cells
+        .iter()
+        .map(|cell| format!("<td class=\"n\">{cell}</td>"))
+        .collect();
+    format!(
+        "<tr title=\"{}\"><td class=\"s\">{}</td><td class=\"c {status}\">{status}</td>{cells}</tr>\n",
+        escape(&row.reason),
+        escape(&heading(&(row.mode.clone(), row.algorithm.clone())))
+    )
+}
+
+fn legend() -> String {
+    format!(
+        "<p>{}.</p>\n\
+         <p>A coupled run is compared with the monolithic one at the same micro step, so that only the coupling differs; the \
+         monolithic one with itself at half the micro step. The monolithic one is also <b>limit</b> where the time \
+         integration made more than 1 % of the energy that was exchanged; a coupled one is at most <b>limit</b> where the \
+         monolithic one is. A run that is limit or diverged is repeated with shorter steps: its boundary.</p>\n\
+         <p>Energy made: by the coupling, or in one system by the time integration, per second; there kinetic and potential energy \
+         are followed from step to step, together with the work of prescribed motion and the heat of all dampers and friction, and \
+         numerical damping shows as a loss. Share: of the work that crossed the contact, or of work and heat. ω h: circular frequency of \
+         the collector head on the contact's spring times the macro step (one system: the micro step). Growth: spectral radius of \
+         the coupling on that oscillation without damping. Newton: most iterations of one internal step. Drift: largest violation \
+         of a joint. Slack: most droppers without tension at one time.</p>\n",
+        escape(STATUS_RULE)
+            .replace("limit:", "<b>limit</b>:")
+            .replace("diverged:", "<b>diverged</b>:")
+            .replace("refused:", "<b>refused</b>:")
+            .replace("stable:", "<b>stable</b>:")
+    )
+}

@@ -1,0 +1,433 @@
+//! `study.html`.
+
+use super::front::{TARGETS, speed};
+use super::outcome::{Entry, Study};
+use super::plan::Sweep;
+use super::recipe::Class;
+use super::text::known;
+use super::{CSV, plots};
+use crate::table_of_runs::{Row, SETTLE, STATUS_RULE, Status, milliseconds, significant};
+use results::report::{Page, escape, head_cells, remarks};
+
+/// The page of a study.
+#[must_use]
+pub fn page(study: &Study) -> String {
+    let title = if study.title.is_empty() {
+        &study.scene
+    } else {
+        &study.title
+    };
+    let mut page = Page::new(&format!("Speed against error: {title}"));
+    page.lead(&lead(study));
+    page.section("What to take", &recommended(study));
+    page.section("Error against cost", &plots::precision(study));
+    page.section("References", &references(study));
+    page.section("Mesh", &plots::mesh(study));
+    page.section("Micro step", &plots::micro_step(study));
+    page.section("Observed orders", &orders(study));
+    page.section("Coupling", &plots::coupling(study));
+    page.section("Reductions", &part(study, Sweep::Reductions));
+    page.section("What the pantograph stands on", &vehicles(study));
+    page.section("Spectral radius", &part(study, Sweep::RhoInf));
+    page.section("Length of the line", &growth(study));
+    page.section("All runs", &all(study));
+    page.section("How to read this", &legend(study));
+    page.finish()
+}
+
+/// Three significant digits, or nothing.
+fn number(value: Option<f64>) -> String {
+    significant(value).unwrap_or_default()
+}
+
+fn lead(study: &Study) -> String {
+    let mut html = format!("<p><b>{}</b> · {} runs", escape(&study.scene), study.rows.len());
+    let counts = [Status::Stable, Status::Limit, Status::Diverged, Status::Refused].map(|status| {
+        let count = study
+            .rows
+            .iter()
+            .filter(|entry| entry.row.status == Some(status))
+            .count();
+        (count > 0).then(|| format!("{count} {}", status.name()))
+    });
+    let counts: Vec<String> = counts.into_iter().flatten().collect();
+    html.push_str(&format!(": {}</p>\n", counts.join(", ")));
+    html.push_str(&format!("<p>Machine: {}</p>\n", escape(&study.machine.name())));
+    if !study.source.is_empty() {
+        html.push_str(&format!("<p class=\"soft\">{}</p>\n", escape(&study.source)));
+    }
+    if !study.complete {
+        html.push_str(&format!(
+            "<p class=\"warning\">Incomplete: {} of {} runs were made. The same command goes on from here.</p>\n",
+            study.made(),
+            study.rows.len()
+        ));
+    }
+    html.push_str(&remarks(&study.notes));
+    html
+}
+
+/// Text whose long names may be broken at their joints.
+fn breakable(text: &str) -> String {
+    escape(text).replace('+', "+<wbr>").replace('_', "_<wbr>")
+}
+
+/// One line per class, one column per target.
+fn recommended(study: &Study) -> String {
+    if study.recommendations.is_empty() {
+        return String::new();
+    }
+    let head: String = TARGETS
+        .iter()
+        .map(|target| format!("<th>for {target} %</th>"))
+        .collect();
+    let mut classes: Vec<&str> = study.recommendations.iter().map(|found| found.class.as_str()).collect();
+    classes.dedup();
+    let mut body = String::new();
+    for class in classes {
+        body.push_str(&format!("<tr><td class=\"s\">{}</td>", escape(class)));
+        for target in TARGETS {
+            let found = study
+                .recommendations
+                .iter()
+                .find(|found| found.class == class && found.target_percent == target);
+            let cell = match found.and_then(|found| Some((found, found.row?))) {
+                Some((found, index)) => {
+                    let entry = &study.rows[index];
+                    let row = &entry.row;
+                    let factor = row.real_time_factor.unwrap_or(f64::NAN);
+                    let caveat = if found.caveat.is_empty() {
+                        String::new()
+                    } else {
+                        format!("<br><span class=\"bad\">{}</span>", escape(&found.caveat))
+                    };
+                    format!(
+                        "<b>{}</b><br>{}<br><span class=\"soft\">{} % of σ</span>{caveat}",
+                        speed(factor),
+                        breakable(&study.advice(entry)),
+                        number(row.filtered_error)
+                    )
+                }
+                None => "<span class=\"soft\">not reached</span>".to_owned(),
+            };
+            body.push_str(&format!("<td class=\"remark\">{cell}</td>"));
+        }
+        body.push_str("</tr>\n");
+    }
+    format!(
+        "<div class=\"scroll\"><table><thead><tr><th></th>{head}</tr></thead><tbody>{body}</tbody></table></div>\n\
+         <p class=\"caption\">The cheapest stable run whose filtered contact force is right to the percentage of its standard \
+         deviation σ, rms over the evaluation range, against the reference of its own model; what is known of that is said where it is \
+         less than the percentage.</p>\n"
+    )
+}
+
+fn references(study: &Study) -> String {
+    let mut html = String::new();
+    for reference in &study.references {
+        if reference.row.is_some() {
+            html.push_str(&format!(
+                "<h3>{}</h3><p>σ {} N, {}.</p>\n",
+                breakable(&reference.name),
+                number(reference.std),
+                escape(&known(reference))
+            ));
+        }
+        let mut body = String::new();
+        for found in &reference.refinements {
+            for (level, micro_step) in found.micro_step_s.iter().enumerate() {
+                let elements = found.elements_per_span[level].map_or_else(String::new, |count| count.to_string());
+                body.push_str(&format!(
+                    "<tr><td>{}</td><td class=\"n\">{elements}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
+                     <td class=\"n\">{}</td></tr>\n",
+                    found.discretisation.name(),
+                    milliseconds(Some(*micro_step)),
+                    found.std[level].map_or_else(String::new, |std| format!("{std:.3}")),
+                    number(found.difference_percent[level]),
+                ));
+            }
+            if !found.ended.is_empty() {
+                body.push_str(&format!(
+                    "<tr><td>{}</td><td colspan=\"4\" class=\"soft\">ended: {}</td></tr>\n",
+                    found.discretisation.name(),
+                    escape(&found.ended)
+                ));
+            }
+        }
+        html.push_str(&format!(
+            "<div class=\"scroll\"><table><thead><tr><th>{} line, mesh</th><th class=\"n\">elements<br>per span</th>\
+             <th class=\"n\">micro step<br>ms</th><th class=\"n\">σ<br>N</th><th class=\"n\">from the level before<br>% of σ</th>\
+             </tr></thead><tbody>{body}</tbody></table></div>\n",
+            reference.family.name()
+        ));
+    }
+    html
+}
+
+fn orders(study: &Study) -> String {
+    if study.orders.is_empty() {
+        return String::new();
+    }
+    let mut body = String::new();
+    for found in &study.orders {
+        let size = |size: f64| {
+            if found.sweep == "mesh" {
+                format!("{size}")
+            } else {
+                milliseconds(Some(size))
+            }
+        };
+        let sizes: Vec<String> = found.sizes.iter().map(|value| size(*value)).collect();
+        body.push_str(&format!(
+            "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
+             <td class=\"n\">{}</td></tr>\n",
+            found.sweep.replace('_', " "),
+            escape(&found.of),
+            sizes.join(" → "),
+            number(Some(found.differences[0])),
+            number(Some(found.differences[1])),
+            found
+                .order
+                .map_or_else(|| "none".to_owned(), |order| format!("{order:.1}")),
+        ));
+    }
+    format!(
+        "<div class=\"scroll\"><table><thead><tr><th>refined</th><th>the same</th><th class=\"n\">elements per span or ms</th>\
+         <th class=\"n\">first difference<br>% of σ</th><th class=\"n\">second<br>% of σ</th><th class=\"n\">order</th></tr></thead>\
+         <tbody>{body}</tbody></table></div>\n<p class=\"caption\">From the differences of three successive runs; no reference \
+         takes part, so that neither the other discretisation nor the reference's own error spoils it. None: the differences do \
+         not fall.</p>\n"
+    )
+}
+
+/// Columns of a table of runs: heading, unit, whether it is text, cell.
+type Cells = [(&'static str, &'static str, bool, fn(&Study, &Entry) -> String)];
+
+fn fixed(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(String::new, |value| format!("{value:.digits$}"))
+}
+
+const COLUMNS: &Cells = &[
+    ("", "", true, |_, entry| {
+        if entry.pareto { "★".to_owned() } else { String::new() }
+    }),
+    ("elements", "per span", false, |_, entry| {
+        count(entry.row.elements_per_span)
+    }),
+    ("mesh", "", true, |_, entry| breakable(&entry.row.mesh)),
+    ("micro", "ms", false, |_, entry| step(entry.row.micro_step)),
+    ("coupling", "macro step ms", true, |_, entry| exchange(&entry.row)),
+    ("ρ∞", "", false, |_, entry| format!("{}", entry.rho_inf)),
+    ("Newton", "N", false, |_, entry| format!("{}", entry.newton_tolerance)),
+    ("reductions", "", true, |_, entry| breakable(&entry.row.reduction)),
+    ("status", "", true, |_, entry| status(&entry.row)),
+    ("error", "% of σ", false, |_, entry| number(entry.row.filtered_error)),
+    ("raw error", "% of σ", false, |_, entry| number(entry.row.raw_error)),
+    ("σ error", "%", false, |_, entry| number(entry.row.std_error)),
+    ("from nonlinear", "% of σ", false, |_, entry| {
+        number(entry.distance_from_nonlinear_percent)
+    }),
+    ("σ", "N", false, |_, entry| fixed(entry.row.std, 3)),
+    ("real-time factor", "", false, |_, entry| {
+        number(entry.row.real_time_factor)
+    }),
+    ("wall", "s", false, |_, entry| number(entry.row.wall)),
+    ("coordinates", "", false, |_, entry| count(entry.row.coordinates)),
+];
+
+fn count(value: Option<u64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+fn step(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| milliseconds(Some(value)))
+}
+
+fn exchange(row: &Row) -> String {
+    match row.macro_step {
+        None => "one system".to_owned(),
+        Some(step) => {
+            let degree = row
+                .extrapolation
+                .map_or_else(String::new, |degree| format!(" ({degree})"));
+            format!("{}{degree} {}", escape(&row.algorithm), milliseconds(Some(step)))
+        }
+    }
+}
+
+fn status(row: &Row) -> String {
+    match row.status {
+        Some(Status::Stable) => "<span class=\"good\">stable</span>".to_owned(),
+        Some(status) => format!("<span class=\"bad\">{}</span>", status.name()),
+        None => "not run".to_owned(),
+    }
+}
+
+fn table<'a>(study: &Study, rows: impl Iterator<Item = &'a Entry>, columns: &Cells) -> String {
+    let head = head_cells(columns.iter().map(|&(name, unit, text, _)| (name, unit, !text)));
+    let mut body = String::new();
+    for entry in rows {
+        body.push_str(&format!("<tr title=\"{}\">", escape(&entry.row.reason)));
+        for (_, _, text, cell) in columns {
+            let class = if *text { "" } else { " class=\"n\"" };
+            body.push_str(&format!("<td{class}>{}</td>", cell(study, entry)));
+        }
+        body.push_str("</tr>\n");
+    }
+    if body.is_empty() {
+        return String::new();
+    }
+    format!("<div class=\"scroll\"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>\n")
+}
+
+/// The rows of a sweep, and why those that did not run did not.
+fn part(study: &Study, sweep: Sweep) -> String {
+    let html = table(study, study.of(sweep), COLUMNS);
+    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
+    for entry in study.of(sweep) {
+        let row = &entry.row;
+        if !matches!(row.status, Some(Status::Limit | Status::Diverged | Status::Refused)) {
+            continue;
+        }
+        let name = if sweep == Sweep::Reductions {
+            row.reduction.clone()
+        } else {
+            study.label(row)
+        };
+        match reasons.iter_mut().find(|(reason, _)| *reason == row.reason) {
+            Some((_, names)) => names.push(name),
+            None => reasons.push((row.reason.clone(), vec![name])),
+        }
+    }
+    let said: String = reasons
+        .iter()
+        .map(|(reason, names)| format!("<li>{}: {}</li>", escape(&names.join("; ")), escape(reason)))
+        .collect();
+    if said.is_empty() {
+        html
+    } else {
+        format!("{html}<ul class=\"soft\">{said}</ul>\n")
+    }
+}
+
+/// What each model of the vehicle changes and costs.
+fn vehicles(study: &Study) -> String {
+    const VEHICLES: &Cells = &[
+        ("track", "", true, |_, entry| {
+            breakable(entry.standing.map_or("", |name| name.track))
+        }),
+        ("vehicle", "", true, |_, entry| {
+            breakable(entry.standing.map_or("", |name| name.vehicle))
+        }),
+        ("status", "", true, |_, entry| status(&entry.row)),
+        ("difference", "% of σ", false, |_, entry| {
+            number(vehicle_error(entry, entry.row.filtered_error))
+        }),
+        ("of σ", "%", false, |_, entry| {
+            number(vehicle_error(entry, entry.row.std_error))
+        }),
+        ("mean", "N", false, |_, entry| fixed(entry.row.mean, 3)),
+        ("σ", "N", false, |_, entry| fixed(entry.row.std, 3)),
+        ("real-time factor", "", false, |_, entry| {
+            number(entry.row.real_time_factor)
+        }),
+        ("wall", "s", false, |_, entry| number(entry.row.wall)),
+        ("coordinates", "", false, |_, entry| count(entry.row.coordinates)),
+        ("reductions", "", true, |_, entry| breakable(&entry.row.reduction)),
+        ("why", "", true, |_, entry| match entry.row.status {
+            Some(Status::Stable) | None => String::new(),
+            Some(_) => escape(&entry.row.reason),
+        }),
+    ];
+    let table = table(study, study.of(Sweep::Vehicle), VEHICLES);
+    if table.is_empty() {
+        return table;
+    }
+    format!(
+        "{table}<p class=\"caption\">One mesh and one micro step, with those reductions that change nothing. Differences are rms of the \
+         filtered force, in percent of the standard deviation on the most detailed model of the same track, which is the first. \
+         none: the base moves on a straight line. rigid_motion: it moves as on that model under a constant contact force, and feels \
+         nothing of the pantograph. A curve is felt on full alone: on rigid_motion and none the pantograph feels no centrifugal force \
+         there, nor the lean of its weight, and vertical has no curves. Track ore_b176_low: irregularities of the lower level of ORE B176.</p>\n"
+    )
+}
+
+/// An error of a row, where it is one against another vehicle.
+pub(super) fn vehicle_error(entry: &Entry, error: Option<f64>) -> Option<f64> {
+    error.filter(|_| entry.sweep == Sweep::Vehicle.name())
+}
+
+fn growth(study: &Study) -> String {
+    const GROWTH: &Cells = &[
+        ("spans", "", false, |_, entry| count(entry.spans)),
+        ("line", "", true, |_, entry| Class::of(&entry.row.reduction).name()),
+        ("status", "", true, |_, entry| status(&entry.row)),
+        ("coordinates", "", false, |_, entry| count(entry.row.coordinates)),
+        ("time loop", "s per simulated s", false, |_, entry| {
+            number(entry.row.real_time_factor)
+        }),
+        ("memory of the time loop", "MB", false, |_, entry| {
+            number(entry.working_memory_bytes.map(|bytes| bytes as f64 / 1e6))
+        }),
+        ("statics and loading", "s", false, |_, entry| number(entry.setup_s)),
+        ("why", "", true, |_, entry| match entry.row.status {
+            Some(Status::Stable) | None => String::new(),
+            Some(_) => escape(&entry.row.reason),
+        }),
+    ];
+    let table = table(study, study.of(Sweep::Spans), GROWTH);
+    if table.is_empty() {
+        table
+    } else {
+        format!("{}{table}", plots::growth(study))
+    }
+}
+
+fn all(study: &Study) -> String {
+    let mut html = table(study, study.rows.iter(), COLUMNS);
+    let mut reasons: Vec<(&str, usize)> = Vec::new();
+    for entry in study.rows.iter().filter(|entry| !entry.row.reason.is_empty()) {
+        match reasons.iter_mut().find(|(reason, _)| *reason == entry.row.reason) {
+            Some((_, count)) => *count += 1,
+            None => reasons.push((&entry.row.reason, 1)),
+        }
+    }
+    if !reasons.is_empty() {
+        let said: String = reasons
+            .iter()
+            .map(|(reason, count)| {
+                format!(
+                    "<tr><td class=\"n\">{count}</td><td class=\"remark\">{}</td></tr>\n",
+                    escape(reason)
+                )
+            })
+            .collect();
+        html.push_str(&format!(
+            "<details><summary>What is to be said of runs</summary><div class=\"scroll\"><table><thead><tr><th class=\"n\">runs</th>\
+             <th>reason</th></tr></thead><tbody>{said}</tbody></table></div></details>\n"
+        ));
+    }
+    html.push_str(&format!(
+        "<p class=\"caption\">★ on the front of its class. All columns, the work of the solvers among them, are in {CSV}.</p>\n"
+    ));
+    html
+}
+
+fn legend(study: &Study) -> String {
+    format!(
+        "<p>Errors are pointwise: rms of the difference of the filtered forces at equal positions over the evaluation range, in \
+         percent of the standard deviation σ of the reference's filtered force. A reference is refined, elements doubled and \
+         micro step halved, until two successive levels agree; their difference is what is not known of it. The nonlinear line \
+         is refined with two meshes, which confirm each other; the one whose last levels are closer is the reference. Linearised \
+         and flat lines are judged by their own references, and their distance from the nonlinear line is stated.</p>\n\
+         <p>Runs end {SETTLE} periods of the low-pass filter's cut-off behind the evaluation range: {:.2} s. Errors were computed \
+         on all cores at once, wall times one run at a time afterwards: time loop only, median of the repeats. Runs of references \
+         that are too fine to be anybody's choice are not timed again.</p>\n<p>{}.</p>\n",
+        study.simulated_s,
+        escape(STATUS_RULE)
+            .replace("limit:", "<b>limit</b>:")
+            .replace("diverged:", "<b>diverged</b>:")
+            .replace("refused:", "<b>refused</b>:")
+            .replace("stable:", "<b>stable</b>:")
+    )
+}

@@ -1,0 +1,519 @@
+//! What a run of a study is made of.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use scene::{Catenary, Division, Scene};
+
+use super::vehicle::{Standing, StandingName, own_name, standings};
+use crate::table_of_runs::{AUTO, Keys, Variant};
+use simulation::{Mode, Prepared};
+use system::one_system::OneSystem;
+
+/// Corrections of the mesh that a scene may name, best set first; the first one that the scene takes is called corrected here.
+/// Those without the contact's compliance are for strips that are held on the wire or as fast as its waves.
+const CURES: [&[&str]; 7] = [
+    &["contact_compliance", "bending_layers", "mass_correction"],
+    &["contact_compliance", "mass_correction"],
+    &["contact_compliance", "bending_layers"],
+    &["contact_compliance"],
+    &["bending_layers", "mass_correction"],
+    &["mass_correction"],
+    &["bending_layers"],
+];
+
+/// Reductions that change the model: they are judged, and no reference has them.
+const APPROXIMATE: [&str; 3] = ["linearised", "flat", "window"];
+
+/// The model that a run is an approximation of, which says what its error is taken against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Family {
+    /// The line as it is.
+    Nonlinear,
+    /// Linearised about its static state.
+    Linearised,
+    /// Straight wires with small slopes.
+    Flat,
+}
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Nonlinear, Self::Linearised, Self::Flat];
+
+    /// The word of tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nonlinear => "nonlinear",
+            Self::Linearised => "linearised",
+            Self::Flat => "flat",
+        }
+    }
+
+    /// That of a set of reductions, joined by `+`.
+    #[must_use]
+    pub fn of(reductions: &str) -> Self {
+        let has = |name: Self| reductions.split('+').any(|reduction| reduction == name.name());
+        Self::ALL[1..]
+            .iter()
+            .copied()
+            .find(|name| has(*name))
+            .unwrap_or(Self::Nonlinear)
+    }
+}
+
+/// Rows that compete with each other: the same model, the whole line or a window of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Class {
+    /// Model.
+    pub family: Family,
+    /// Whether only the spans around the pantographs are there.
+    pub window: bool,
+}
+
+impl Class {
+    /// That of a set of reductions, joined by `+`.
+    #[must_use]
+    pub fn of(reductions: &str) -> Self {
+        Self {
+            family: Family::of(reductions),
+            window: reductions.split('+').any(|reduction| reduction == "window"),
+        }
+    }
+
+    /// Its name for reading.
+    #[must_use]
+    pub fn name(self) -> String {
+        let window = if self.window { ", window" } else { ", whole line" };
+        format!("{}{window}", self.family.name())
+    }
+}
+
+/// How the sides of a coupled run exchange values.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Exchange {
+    /// One system: nothing is exchanged.
+    None,
+    /// As the scene says.
+    Scene,
+    /// Coupled in process.
+    Of {
+        /// Algorithm.
+        algorithm: String,
+        /// Degree of the extrapolation; the algorithm's own where nothing is said.
+        extrapolation: Option<usize>,
+        /// Communication step, s.
+        macro_step: f64,
+    },
+}
+
+/// Elements and what helps them.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mesh {
+    /// As the scene says; also where the line is somebody else's.
+    Scene,
+    /// Given.
+    Of {
+        /// Elements between neighbouring droppers or supports.
+        division: Division,
+        /// Corrections by name; none is the plain mesh.
+        corrections: Vec<String>,
+    },
+}
+
+/// A run of a study: everything that a sweep may change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recipe {
+    /// Mesh.
+    pub mesh: Mesh,
+    /// Step of the time integration, s.
+    pub micro_step: f64,
+    /// Spectral radius at infinite frequency, –.
+    pub rho_inf: f64,
+    /// Residual that ends Newton's method, N.
+    pub newton_tolerance: f64,
+    /// Reductions by name.
+    pub reductions: Vec<String>,
+    /// Coupling.
+    pub exchange: Exchange,
+    /// Spans of a line that is longer or shorter than the scene's.
+    pub spans: Option<usize>,
+    /// A vehicle or a track other than the scene's.
+    pub standing: Option<Standing>,
+}
+
+/// Simulated time of runs on lines of other lengths, s.
+pub const GROWTH_DURATION: f64 = 1.0;
+
+/// What all runs of a study have in common, and what the scene allows.
+#[derive(Clone, Debug)]
+pub struct Ground {
+    /// Name of the scene.
+    pub name: String,
+    /// The scene as read, shortened to what is evaluated.
+    pub scene: Scene,
+    /// The same as text.
+    pub text: String,
+    /// Whether there is a mesh to be refined: the line is modelled here.
+    pub meshed: bool,
+    /// Whether line and pantographs can be one system.
+    pub one_system: bool,
+    /// Corrections that the scene takes, all together; `None` where it knows no such key.
+    pub corrections: Option<Vec<String>>,
+    /// Reductions that the scene has and that belong to every run: those that do not change the model.
+    pub reductions: Vec<String>,
+    /// The scene's own coupling.
+    pub keys: Keys,
+    /// Elements per dropper interval that resolve the waves ahead of the pantograph.
+    pub elements: usize,
+    /// Intervals between droppers and supports in a span.
+    pub intervals: usize,
+    /// Step that resolves the low-pass filter's band, s.
+    pub micro_step: f64,
+    /// What else the pantograph may stand on.
+    pub standings: Vec<Standing>,
+    /// What it does not stand on, and why.
+    pub left_out: Vec<String>,
+}
+
+impl Ground {
+    /// That of a scene which `master check` accepts, as read with these overrides and as prepared; with what else the pantograph may
+    /// stand on, which takes runs of the vehicle, where `vehicles` is true.
+    #[must_use]
+    pub fn of(scene: Scene, prepared: &Prepared, overrides: &[String], vehicles: bool) -> Self {
+        let text = scene.to_toml();
+        let line = scene.modelled_line().map(|(line, _)| line);
+        let reductions = scene
+            .model
+            .reductions
+            .iter()
+            .map(|reduction| reduction.name().to_owned());
+        let mut ground = Self {
+            name: prepared.name.clone(),
+            meshed: line.is_some(),
+            one_system: OneSystem::can(&scene),
+            corrections: None,
+            reductions: reductions
+                .filter(|name| !APPROXIMATE.contains(&name.as_str()))
+                .collect(),
+            keys: Keys::of(&scene, overrides),
+            elements: line.map_or(1, |_| resolving_elements(&scene)),
+            intervals: line.map_or(1, Catenary::intervals_per_span),
+            micro_step: 0.02 / scene.run.low_pass_hz,
+            standings: Vec::new(),
+            left_out: Vec::new(),
+            scene,
+            text,
+        };
+        if vehicles {
+            let found = standings(&ground.scene, ground.micro_step);
+            (ground.standings, ground.left_out) = (found.all, found.left_out);
+        }
+        ground.corrections = ground.accepted_corrections();
+        ground
+    }
+
+    /// The scene that the keys of a recipe change, as text.
+    #[must_use]
+    pub fn text_of<'a>(&'a self, recipe: &'a Recipe) -> &'a str {
+        recipe.standing.as_ref().map_or(&self.text, |standing| &standing.text)
+    }
+
+    /// What the pantograph of a recipe stands on.
+    #[must_use]
+    pub fn standing_of(&self, recipe: &Recipe) -> StandingName {
+        let other = recipe.standing.as_ref().map(|standing| standing.name);
+        other.unwrap_or_else(|| own_name(&self.scene))
+    }
+
+    fn accepted_corrections(&self) -> Option<Vec<String>> {
+        if !self.meshed {
+            return None;
+        }
+        let found = self
+            .correction_sets()
+            .into_iter()
+            .find(|corrections| self.takes(&self.at_base(corrections_key(corrections))));
+        found.or_else(|| self.takes(&self.at_base(corrections_key(&[]))).then(Vec::new))
+    }
+
+    /// A key beside the mesh and the step of the base case, which the scene's own may not go with.
+    fn at_base(&self, key: String) -> Vec<String> {
+        let mesh = division_key(Division::PerInterval(self.elements));
+        vec![mesh, format!("solver.micro_step={:?}", self.micro_step), key]
+    }
+
+    /// Sets of corrections that go together, best first.
+    #[must_use]
+    pub fn correction_sets(&self) -> Vec<Vec<String>> {
+        let names = |corrections: &&[&str]| corrections.iter().map(|correction| (*correction).to_owned()).collect();
+        CURES.iter().map(names).collect()
+    }
+
+    /// Whether the scene can be read with these keys too.
+    #[must_use]
+    pub fn takes(&self, overrides: &[String]) -> bool {
+        Scene::from_toml(&self.text, &self.name, overrides).is_ok()
+    }
+
+    /// Whether the scene takes a set of reductions.
+    #[must_use]
+    pub fn takes_reductions(&self, reductions: &[String]) -> bool {
+        self.meshed && self.takes(&[reduce_key(reductions)])
+    }
+
+    /// The scene's reductions and one more.
+    #[must_use]
+    pub fn with(&self, names: &[&str]) -> Vec<String> {
+        let mut all = self.reductions.clone();
+        for name in names {
+            if !all.iter().any(|had| had == name) {
+                all.push((*name).to_owned());
+            }
+        }
+        all
+    }
+
+    /// Those reductions that change nothing at all.
+    #[must_use]
+    pub fn exact(&self) -> Vec<String> {
+        let planar = self.meshed && self.scene.pushed_sideways().is_none();
+        if planar { vec!["planar".to_owned()] } else { Vec::new() }
+    }
+
+    /// The mesh with all corrections that the scene takes.
+    #[must_use]
+    pub fn corrected(&self, elements: usize) -> Mesh {
+        self.mesh(elements, self.corrections.clone().unwrap_or_default())
+    }
+
+    /// A mesh with as many elements in each dropper interval, and some corrections.
+    #[must_use]
+    pub fn mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
+        if self.meshed {
+            let division = Division::PerInterval(elements);
+            Mesh::Of { division, corrections }
+        } else {
+            Mesh::Scene
+        }
+    }
+
+    /// A mesh with the fewest elements that are as short as those of so many in the longest dropper interval, and some corrections.
+    #[must_use]
+    pub fn even_mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
+        self.scene.modelled_line().map_or(Mesh::Scene, |(line, _)| Mesh::Of {
+            division: line.evenly_divided(elements),
+            corrections,
+        })
+    }
+
+    /// Coupling of runs that are one system where that can be.
+    #[must_use]
+    pub fn plain_exchange(&self, micro_step: f64) -> Exchange {
+        if self.one_system {
+            return Exchange::None;
+        }
+        Exchange::Of {
+            algorithm: AUTO.to_owned(),
+            extrapolation: None,
+            macro_step: micro_step,
+        }
+    }
+
+    /// What a recipe is as a variant of the scene.
+    #[must_use]
+    pub fn variant(&self, recipe: &Recipe) -> Variant {
+        let mut keys = Vec::new();
+        if let (Mesh::Of { division, corrections }, true) = (&recipe.mesh, self.meshed) {
+            keys.push(division_key(*division));
+            if self.corrections.is_some() || !corrections.is_empty() {
+                keys.push(corrections_key(corrections));
+            }
+        }
+        if self.meshed {
+            keys.push(reduce_key(&recipe.reductions));
+        }
+        let algorithm = match &recipe.exchange {
+            Exchange::None => {
+                keys.extend(self.keys.overrides("", recipe.micro_step, recipe.micro_step));
+                String::new()
+            }
+            Exchange::Scene => {
+                keys.push(format!("solver.micro_step={:?}", recipe.micro_step));
+                self.keys.named.clone()
+            }
+            Exchange::Of {
+                algorithm,
+                extrapolation,
+                macro_step,
+            } => {
+                keys.extend(self.keys.overrides(algorithm, *macro_step, recipe.micro_step));
+                if let Some(degree) = extrapolation {
+                    keys.push(format!("coupling.extrapolation={degree}"));
+                }
+                algorithm.clone()
+            }
+        };
+        keys.push(format!("solver.rho_inf={:?}", recipe.rho_inf));
+        keys.push(format!("solver.newton_tolerance={:?}", recipe.newton_tolerance));
+        if let Some(spans) = recipe.spans {
+            keys.push(format!("catenary.spans={spans}"));
+            keys.push(format!("run.duration={GROWTH_DURATION:?}"));
+            let from = 0.5 * GROWTH_DURATION;
+            keys.push(format!("run.evaluate={{ time = [{from:?}, {GROWTH_DURATION:?}] }}"));
+        }
+        Variant {
+            mode: match recipe.exchange {
+                Exchange::None => Mode::Monolithic,
+                _ => Mode::Inprocess,
+            },
+            algorithm,
+            overrides: keys,
+        }
+    }
+
+    /// Work of a recipe: coordinates times micro steps, roughly; repeated steps and constant matrices taken into profile.
+    #[must_use]
+    pub fn work(&self, recipe: &Recipe) -> f64 {
+        let has = |name: &str| recipe.reductions.iter().any(|reduction| reduction == name);
+        let line = self.scene.modelled_line().map(|(line, _)| line);
+        let elements = line.map_or(1, |line| {
+            line.elements_per_span(match recipe.mesh {
+                Mesh::Of { division, .. } => division,
+                Mesh::Scene => line.mesh.division,
+            })
+        });
+        let spans = recipe.spans.or(line.map(scene::Catenary::spans)).unwrap_or(1);
+        /// Spans of a window, roughly.
+        const WINDOW: usize = 10;
+        let spans = if has("window") { spans.min(WINDOW) } else { spans };
+        let per_node = if has("planar") { 4 } else { 6 };
+        let coordinates = (2 * per_node * elements * spans) as f64;
+        let duration = if recipe.spans.is_some() {
+            GROWTH_DURATION
+        } else {
+            self.scene.run.duration
+        };
+        let linear = if has("linearised") || has("flat") { 0.3 } else { 1.0 };
+        let repeated = match &recipe.exchange {
+            // Repeated steps cost about three passes, measured with the standard's line.
+            Exchange::Of { algorithm, .. } if algorithm == "iterated" => 3.0,
+            _ => 1.0,
+        };
+        linear * repeated * coordinates * duration / recipe.micro_step
+    }
+}
+
+/// Element length per wave ahead of the pantograph at which a plain mesh comes down to a few percent: 0.8 m for 1.9 m, from
+/// convergence studies of tensioned beams with cubic elements. It is where a study begins, not what its results are worth: that is
+/// measured, and the rule of [`Scene::expected_mesh_error`] is not asked.
+const FINE: f64 = 0.42;
+
+/// Elements per dropper interval, a power of two, that are short enough for the waves ahead of the pantograph.
+fn resolving_elements(scene: &Scene) -> usize {
+    let Some((line, _)) = scene.modelled_line() else {
+        return 1;
+    };
+    let wave = (line.contact_wire.wave_speed() - scene.run.speed) / scene.run.low_pass_hz;
+    let wanted = line.longest_interval() / (FINE * wave);
+    if !(wanted.is_finite() && wanted > 0.0) {
+        return 8;
+    }
+    // A tenth of an octave too long is no reason for twice as many.
+    2_usize.pow((wanted.log2() - 0.1).ceil().clamp(0.0, 6.0) as u32)
+}
+
+fn list(names: &[String]) -> String {
+    let mut text = String::from("[");
+    for (index, name) in names.iter().enumerate() {
+        let comma = if index > 0 { ", " } else { "" };
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{comma}\"{name}\"");
+    }
+    text.push(']');
+    text
+}
+
+fn division_key(division: Division) -> String {
+    match division {
+        Division::PerInterval(count) => format!("catenary.mesh.elements_per_interval={count}"),
+        Division::UpTo(length) => format!("catenary.mesh.element_length={length:?}"),
+    }
+}
+
+fn corrections_key(corrections: &[String]) -> String {
+    if corrections.is_empty() {
+        "catenary.mesh.corrections=none".to_owned()
+    } else {
+        format!("catenary.mesh.corrections={}", list(corrections))
+    }
+}
+
+fn reduce_key(reductions: &[String]) -> String {
+    match reductions {
+        [] => "model.reduce=none".to_owned(),
+        [auto] if auto == AUTO => format!("model.reduce={AUTO}"),
+        reductions => format!("model.reduce={}", list(reductions)),
+    }
+}
+
+/// Lines of a scene as text that say something, each with the header of its table, which is empty above the first, and its key.
+fn entries(text: &str) -> impl Iterator<Item = (&str, &str, &str)> {
+    let lines = text.lines().filter(|line| !line.is_empty());
+    lines.scan("", |table, line| {
+        if line.starts_with('[') {
+            *table = line;
+        }
+        let key = line.split('=').next().unwrap_or("").trim();
+        Some((*table, key, line))
+    })
+}
+
+/// Short hash of some bytes.
+fn hash(bytes: &[u8]) -> String {
+    super::store::digest(&[bytes])[..12].to_owned()
+}
+
+/// Hash of a scene without what a recipe changes or [`settings`] holds, without its texts, and without what it leaves to be found:
+/// start, duration. Files that it names, FMUs of somebody else and tables, count by their bytes, wherever they are; paths are relative
+/// to `base`.
+/// Runs of scenes with the same hash can be compared.
+#[must_use]
+pub fn identity(scene: &Scene, base: &Path) -> String {
+    const TABLES: [&str; 4] = ["[catenary.mesh]", "[coupling]", "[solver]", "[model]"];
+    const KEYS: [(&str, &str); 5] = [
+        ("", "title"),
+        ("", "source"),
+        ("[run]", "duration"),
+        ("[run]", "output_step"),
+        ("[[pantograph]]", "start"),
+    ];
+    let mut scene = scene.clone();
+    // A file that cannot be read stops the run that it is for, with a message.
+    let hashed = |path: &mut String| *path = hash(&std::fs::read(base.join(&*path)).unwrap_or_default());
+    scene.supplied_sides_mut().for_each(|side| hashed(&mut side.fmu));
+    scene.unread_files_mut().into_iter().for_each(|(_, path)| hashed(path));
+    let text = scene.to_toml();
+    let kept: Vec<&str> = entries(&text)
+        .filter(|&(table, key, _)| !TABLES.contains(&table) && !KEYS.contains(&(table, key)))
+        .map(|(_, _, line)| line)
+        .collect();
+    hash(kept.join("\n").as_bytes())
+}
+
+/// Hash of those keys of mesh and solver, and of the coupling where the sides are coupled, that change the result and that no recipe
+/// says; of a scene as text with every default written out. Runs of one recipe have the same error where it is the same.
+#[must_use]
+pub fn settings(text: &str, coupled: bool) -> String {
+    let held = |&(table, key, line): &(&str, &str, &str)| match table {
+        "[catenary.mesh]" => !["elements_per_interval", "element_length", "corrections"].contains(&key),
+        "[solver]" => !["micro_step", "rho_inf", "newton_tolerance"].contains(&key),
+        // A step that is controlled is none of a recipe's.
+        "[coupling]" if key == "macro_step" => coupled && line.contains('{'),
+        "[coupling]" => coupled && !["algorithm", "extrapolation", "parallel"].contains(&key),
+        _ => false,
+    };
+    let kept: Vec<&str> = entries(text).filter(held).map(|(_, _, line)| line).collect();
+    hash(kept.join("\n").as_bytes())
+}

@@ -1,0 +1,175 @@
+//! The table on the terminal.
+
+use super::front::speed;
+use super::outcome::{Reference, Study};
+use super::page::vehicle_error;
+use super::plan::Sweep;
+use crate::table_of_runs::{Status, milliseconds, short, wrapped};
+use results::report::aligned;
+
+/// How well a reference is known, in words: from its last two levels, and from another discretisation, both %.
+pub(super) fn known_to(uncertainty: Option<f64>, confirmed: Option<f64>) -> String {
+    let own = match uncertainty {
+        Some(percent) => format!("known to {percent:.2} % (its last two levels)"),
+        None => "its own error is not known".to_owned(),
+    };
+    match confirmed {
+        Some(percent) => format!("{own}, confirmed to {percent:.2} % by another discretisation"),
+        None => format!("{own}, not confirmed by another discretisation"),
+    }
+}
+
+/// What is known of a reference, in a sentence.
+pub(super) fn known(reference: &Reference) -> String {
+    let mut text = known_to(reference.uncertainty_percent, reference.confirmed_to_percent);
+    if let Some(percent) = reference.distance_from_nonlinear_percent {
+        text.push_str(&format!("; {percent:.2} % from the nonlinear one"));
+    }
+    text
+}
+
+/// References, front and recommendations, no wider than 120 columns.
+#[must_use]
+pub fn text(study: &Study) -> String {
+    let mut text = study.scene.clone();
+    if !study.title.is_empty() {
+        text.push_str(&format!(": {}", study.title));
+    }
+    text.push('\n');
+    if !study.complete {
+        text.push_str(&format!("INCOMPLETE: {} of {} runs\n", study.made(), study.rows.len()));
+    }
+    for reference in study.references.iter().filter(|reference| reference.row.is_some()) {
+        text.push('\n');
+        text.push_str(&wrapped(&format!("reference {}", reference.name)));
+        text.push_str(&wrapped(&format!("σ {} N, {}", short(reference.std), known(reference))));
+    }
+    let cells = |cells: &[&str]| cells.iter().map(|cell| (*cell).to_owned()).collect::<Vec<_>>();
+    let mut rows = vec![
+        cells(&[
+            "front",
+            "elements",
+            "micro",
+            "macro",
+            "filtered",
+            "σ",
+            "real-time",
+            "wall",
+            "",
+        ]),
+        cells(&[
+            "",
+            "per span",
+            "ms",
+            "ms",
+            "rms % σ",
+            "error %",
+            "factor",
+            "s",
+            "mesh, reduced",
+        ]),
+    ];
+    let mut front: Vec<_> = study.rows.iter().filter(|entry| entry.pareto).collect();
+    front.sort_by(|a, b| {
+        let class = |entry: &super::Entry| super::Class::of(&entry.row.reduction);
+        let cost = |entry: &super::Entry| entry.row.real_time_factor.unwrap_or(f64::INFINITY);
+        class(a).cmp(&class(b)).then(cost(a).total_cmp(&cost(b)))
+    });
+    let mut last = String::new();
+    for entry in front {
+        let row = &entry.row;
+        let class = super::Class::of(&row.reduction).name();
+        if class != last {
+            rows.push(vec![format!("{class}:")]);
+            last = class;
+        }
+        rows.push(vec![
+            format!(
+                "  {}",
+                if row.algorithm.is_empty() {
+                    "one system"
+                } else {
+                    &row.algorithm
+                }
+            ),
+            row.elements_per_span
+                .map_or_else(|| "–".to_owned(), |count| count.to_string()),
+            milliseconds(row.micro_step),
+            milliseconds(row.macro_step),
+            short(row.filtered_error),
+            short(row.std_error),
+            short(row.real_time_factor),
+            short(row.wall),
+            format!(
+                "{}, {}",
+                shortened(&row.mesh),
+                row.reduction.replace("linearised", "linear")
+            ),
+        ]);
+    }
+    text.push('\n');
+    text.push_str(&aligned(&rows));
+    text.push('\n');
+    for found in &study.recommendations {
+        text.push_str(&wrapped(&format!("{}: {}", found.class, found.text)));
+    }
+    if let Some(cheapest) = study
+        .rows
+        .iter()
+        .filter(|entry| entry.pareto)
+        .filter_map(|entry| entry.row.real_time_factor)
+        .reduce(f64::min)
+    {
+        text.push_str(&format!("  the cheapest run on a front is {}\n", speed(cheapest)));
+    }
+    text.push_str(&vehicles(study));
+    text.push_str(&format!("  machine: {}\n", study.machine.name()));
+    for note in &study.notes {
+        text.push_str(&wrapped(note));
+    }
+    let mut reasons: Vec<(String, usize)> = Vec::new();
+    for entry in &study.rows {
+        let row = &entry.row;
+        if matches!(row.status, Some(Status::Limit | Status::Diverged | Status::Refused)) {
+            let reason = format!("{}: {}", row.status.map_or("", Status::name), row.reason);
+            match reasons.iter_mut().find(|(had, _)| *had == reason) {
+                Some((_, count)) => *count += 1,
+                None => reasons.push((reason, 1)),
+            }
+        }
+    }
+    for (reason, count) in reasons {
+        text.push_str(&wrapped(&format!("{count} × {reason}")));
+    }
+    text
+}
+
+/// What each model of the vehicle changes and costs.
+fn vehicles(study: &Study) -> String {
+    let head = ["track", "vehicle", "from the first, rms % σ", "σ N", "real-time factor"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for entry in study.of(Sweep::Vehicle) {
+        let name = entry.standing.map_or(["", ""], |name| [name.track, name.vehicle]);
+        let mut row = name.map(str::to_owned).to_vec();
+        row.extend([vehicle_error(entry, entry.row.filtered_error), entry.row.std].map(short));
+        row.push(short(entry.row.real_time_factor));
+        rows.push(row);
+    }
+    if rows.len() == 1 {
+        return String::new();
+    }
+    format!("\n{}\n", aligned(&rows))
+}
+
+/// Names of corrections by their initials, for narrow tables: `contact_compliance+bending_layers` is `cc+bl`.
+pub(super) fn shortened(mesh: &str) -> String {
+    let initials = |name: &str| -> String { name.split('_').filter_map(|word| word.chars().next()).collect() };
+    let parts = mesh.split('+').map(|name| {
+        if name.contains('_') {
+            initials(name)
+        } else {
+            name.to_owned()
+        }
+    });
+    parts.collect::<Vec<_>>().join("+")
+}

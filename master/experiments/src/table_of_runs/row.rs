@@ -1,0 +1,335 @@
+//! The columns.
+
+use std::io::Write;
+use std::path::Path;
+
+use scene::{Catenary, Division, Scene};
+use serde::{Deserialize, Serialize, Serializer};
+
+use super::{Errors, Status};
+use results::{ResultsError, RunInfo, Summary};
+use simulation::Mode;
+
+/// A value as a cell: empty where it has no meaning for the row.
+pub(crate) trait Cell {
+    fn cell(&self) -> String;
+}
+
+impl Cell for String {
+    fn cell(&self) -> String {
+        self.clone()
+    }
+}
+
+impl Cell for Option<f64> {
+    fn cell(&self) -> String {
+        // The shortest text that reads back.
+        self.filter(|value| value.is_finite())
+            .map_or_else(String::new, |value| format!("{value:?}"))
+    }
+}
+
+impl Cell for Option<u64> {
+    fn cell(&self) -> String {
+        self.map_or_else(String::new, |value| value.to_string())
+    }
+}
+
+impl Cell for Option<Status> {
+    fn cell(&self) -> String {
+        self.map_or_else(String::new, |status| status.name().to_owned())
+    }
+}
+
+/// JSON has no infinity and no NaN: they become `null`, as they become an empty cell.
+fn finite<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    value.filter(|value| value.is_finite()).serialize(serializer)
+}
+
+macro_rules! columns {
+    ($($(#[$meta:meta])* $field:ident: $type:ty = $name:literal),+ $(,)?) => {
+        /// One run. What has no meaning for it is `None` or empty.
+        ///
+        /// Forces are those of the first pantograph after the low-pass filter, over the evaluation range; losses of contact
+        /// are those of the raw force. Errors are the largest of all pantographs.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        pub struct Row {
+            $($(#[$meta])* #[serde(rename = $name)] pub $field: $type,)+
+        }
+
+        impl Row {
+            /// Names of the columns, in order.
+            pub const COLUMNS: &[&str] = &[$($name),+];
+
+            /// The cells, in the order of [`Row::COLUMNS`].
+            #[must_use]
+            pub fn cells(&self) -> Vec<String> {
+                vec![$(self.$field.cell()),+]
+            }
+        }
+    };
+}
+
+columns! {
+    /// Name of the scene.
+    scene: String = "scene",
+    /// `monolithic`, `inprocess` or `cosimulation`.
+    mode: String = "mode",
+    /// Algorithm as asked for; empty where nothing is coupled.
+    algorithm: String = "algorithm",
+    /// Degree of the extrapolation, –.
+    extrapolation: Option<u64> = "extrapolation",
+    /// Communication step, s.
+    #[serde(serialize_with = "finite")]
+    macro_step: Option<f64> = "macro_step_s",
+    /// Step of the time integration, as it divides the macro step, s.
+    #[serde(serialize_with = "finite")]
+    micro_step: Option<f64> = "micro_step_s",
+    /// Elements of the contact wire in the span that has most, –.
+    elements_per_span: Option<u64> = "elements_per_span",
+    /// What helps the elements, joined by `+`, or `plain`.
+    mesh: String = "mesh",
+    /// Reductions joined by `+`, or `none`.
+    reduction: String = "reduction",
+    /// How it ended; nothing for a run that has not been made yet.
+    status: Option<Status> = "status",
+    /// Mean, N.
+    #[serde(serialize_with = "finite")]
+    mean: Option<f64> = "mean_N",
+    /// Standard deviation, N.
+    #[serde(serialize_with = "finite")]
+    std: Option<f64> = "std_N",
+    /// Maximum, N.
+    #[serde(serialize_with = "finite")]
+    max: Option<f64> = "max_N",
+    /// Minimum, N.
+    #[serde(serialize_with = "finite")]
+    min: Option<f64> = "min_N",
+    /// Share of the evaluation time without contact, %.
+    #[serde(serialize_with = "finite")]
+    loss: Option<f64> = "loss_percent",
+    /// Largest uplift at a support that bounds the evaluated spans, m.
+    #[serde(serialize_with = "finite")]
+    uplift: Option<f64> = "uplift_m",
+    /// Which run the errors are against.
+    reference: String = "reference",
+    /// rms difference of the filtered force at equal positions, % of the reference's standard deviation.
+    #[serde(serialize_with = "finite")]
+    filtered_error: Option<f64> = "rms_error_filtered_percent_of_std",
+    /// rms difference of the raw force at equal positions, % of the reference's standard deviation (filtered).
+    #[serde(serialize_with = "finite")]
+    raw_error: Option<f64> = "rms_error_raw_percent_of_std",
+    /// Difference of the standard deviations, % of the reference's; positive where it is too large.
+    #[serde(serialize_with = "finite")]
+    std_error: Option<f64> = "std_error_percent",
+    /// Energy that the coupling added, J.
+    #[serde(serialize_with = "finite")]
+    energy_residual: Option<f64> = "energy_residual_J",
+    /// Wall time of the time loop, median of the repeats, s.
+    #[serde(serialize_with = "finite")]
+    wall: Option<f64> = "wall_s",
+    /// Runs that were timed, one at a time.
+    repeats: Option<u64> = "repeats",
+    /// Wall time over simulated time, –.
+    #[serde(serialize_with = "finite")]
+    real_time_factor: Option<f64> = "real_time_factor",
+    /// Generalised coordinates.
+    coordinates: Option<u64> = "coordinates",
+    /// Macro steps.
+    macro_steps: Option<u64> = "macro_steps",
+    /// Micro steps of all sides, repeated ones included.
+    micro_steps: Option<u64> = "micro_steps",
+    /// Newton iterations.
+    newton_iterations: Option<u64> = "newton_iterations",
+    /// Factorisations of an iteration matrix.
+    factorizations: Option<u64> = "factorizations",
+    /// Times that the sides were taken back.
+    rollbacks: Option<u64> = "rollbacks",
+    /// Observed order of the filtered error from the next smaller macro step to this one, –.
+    #[serde(serialize_with = "finite")]
+    order: Option<f64> = "observed_order",
+    /// `catenary.mesh.element_length`, m; nothing where the mesh has `elements_per_interval`.
+    #[serde(serialize_with = "finite")]
+    element_length: Option<f64> = "element_length_m",
+    /// What an automatic choice came to, why a run ended, what else is to be said.
+    reason: String = "reason",
+}
+
+impl Row {
+    /// What is known of a run before it is made.
+    #[must_use]
+    pub fn planned(name: &str, scene: &Scene, mode: Mode, algorithm: &str) -> Self {
+        let coupled = mode != Mode::Monolithic;
+        let macro_step = scene.coupling.macro_step;
+        let micro = scene.internal_step();
+        let line = scene.modelled_line().map(|(line, _)| line);
+        let reductions: Vec<&str> = scene
+            .model
+            .reductions
+            .iter()
+            .map(|reduction| reduction.name())
+            .collect();
+        let mut row = Self {
+            scene: name.to_owned(),
+            mode: mode.name().to_owned(),
+            algorithm: if coupled { algorithm.to_owned() } else { String::new() },
+            extrapolation: coupled.then_some(scene.coupling.extrapolation as u64),
+            macro_step: coupled.then_some(macro_step),
+            micro_step: Some(micro),
+            mesh: line.map_or_else(String::new, |line| line.mesh.name()),
+            reduction: if reductions.is_empty() {
+                "none".to_owned()
+            } else {
+                reductions.join("+")
+            },
+            ..Self::default()
+        };
+        if let Some(line) = line {
+            row.divide(line, line.mesh.division);
+        }
+        row
+    }
+
+    /// Takes in the elements of a line that is so divided.
+    pub fn divide(&mut self, line: &Catenary, division: Division) {
+        self.elements_per_span = Some(line.elements_per_span(division) as u64);
+        self.element_length = match division {
+            Division::PerInterval(_) => None,
+            Division::UpTo(length) => Some(length),
+        };
+    }
+
+    /// Takes in the figures and the cost of a run that has ended.
+    pub fn take(&mut self, info: &RunInfo, summary: &Summary, wall: f64, repeats: usize) {
+        // Figures of a part of the evaluation range would be taken for those of the run.
+        let complete = info.complete;
+        let force = summary
+            .pantographs
+            .first()
+            .map(|first| &first.contact_force)
+            .filter(|_| complete);
+        let filtered = force.and_then(|force| force.filtered);
+        self.mean = filtered.map(|force| force.mean);
+        self.std = filtered.map(|force| force.std);
+        self.max = filtered.map(|force| force.max);
+        self.min = filtered.map(|force| force.min);
+        self.loss = force.and_then(|force| force.loss_of_contact_percent);
+        self.uplift = summary.uplift.max_at_support.filter(|_| complete);
+        if self.mode != Mode::Monolithic.name() {
+            self.energy_residual = info.coupling.energy_residual;
+            self.macro_steps = Some(info.cost.macro_steps);
+            self.rollbacks = Some(info.cost.rollbacks);
+        }
+        self.wall = Some(wall);
+        self.repeats = Some(repeats as u64);
+        self.real_time_factor = (info.cost.simulated_s > 0.0).then(|| wall / info.cost.simulated_s);
+        self.coordinates = Some(info.model.coordinates as u64);
+        self.micro_steps = Some(info.cost.micro_steps);
+        self.newton_iterations = Some(info.cost.newton_iterations);
+        self.factorizations = Some(info.cost.factorizations);
+    }
+
+    /// Takes in the wall times of all runs that were timed, s; there is at least one.
+    pub fn timed(&mut self, walls: &mut [f64]) {
+        let was = self.wall;
+        let wall = super::median(walls);
+        // Wall time over simulated time: both grow alike.
+        self.real_time_factor = match (self.real_time_factor, was) {
+            (Some(factor), Some(was)) if was > 0.0 => Some(factor / was * wall),
+            (factor, _) => factor,
+        };
+        self.wall = Some(wall);
+        self.repeats = Some(walls.len() as u64);
+    }
+
+    /// Takes in the errors against the run that is called `reference`.
+    pub fn take_errors(&mut self, errors: &Errors, reference: &str) {
+        self.reference = reference.to_owned();
+        self.filtered_error = errors.filtered;
+        self.raw_error = errors.raw;
+        self.std_error = errors.std;
+    }
+
+    /// Adds to what is to be said of the run.
+    pub fn remark(&mut self, text: &str) {
+        if text.is_empty() || self.reason.contains(text) {
+            return;
+        }
+        if !self.reason.is_empty() {
+            self.reason.push_str("; ");
+        }
+        self.reason.push_str(text);
+    }
+
+    /// Mode and algorithm: what belongs to one curve over the macro step.
+    #[must_use]
+    pub fn method(&self) -> (&str, &str) {
+        (&self.mode, &self.algorithm)
+    }
+}
+
+/// Writes into each row the order of convergence that it shows together with the next smaller macro step of the same mode and
+/// algorithm: `p = ln(e₂/e₁) / ln(h₂/h₁)`. Both must be stable and have errors above zero.
+pub fn observed_orders(rows: &mut [Row]) {
+    let point = |row: &Row| match (row.status, row.macro_step, row.filtered_error) {
+        (Some(Status::Stable), Some(step), Some(error)) if error > 0.0 && error.is_finite() => Some((step, error)),
+        _ => None,
+    };
+    let orders: Vec<Option<f64>> = rows
+        .iter()
+        .map(|row| {
+            let (step, error) = point(row)?;
+            let smaller = rows
+                .iter()
+                .filter(|other| other.method() == row.method() && other.macro_step.is_some_and(|other| other < step));
+            // The neighbour must itself be stable: no order across a step that is not.
+            let neighbour =
+                smaller.max_by(|a, b| a.macro_step.unwrap_or(0.0).total_cmp(&b.macro_step.unwrap_or(0.0)))?;
+            let (before, was) = point(neighbour)?;
+            Some((error / was).ln() / (step / before).ln())
+        })
+        .collect();
+    for (row, order) in rows.iter_mut().zip(orders) {
+        row.order = order;
+    }
+}
+
+/// A column that only one kind of table has: its name, and one cell per row.
+pub type Column = (&'static str, Vec<String>);
+
+/// Writes the table as CSV to `out`, with columns of its own before and behind the common ones; `path` is named in errors.
+///
+/// # Errors
+/// What `out` reports.
+pub fn write(
+    out: impl Write,
+    path: &Path,
+    rows: &[Row],
+    leading: &[Column],
+    trailing: &[Column],
+) -> Result<(), ResultsError> {
+    let failed = |source| ResultsError::Csv {
+        path: path.to_owned(),
+        source,
+    };
+    let mut writer = csv::Writer::from_writer(out);
+    let names = |columns: &[Column]| -> Vec<&'static str> { columns.iter().map(|(name, _)| *name).collect() };
+    let head = names(leading)
+        .into_iter()
+        .chain(Row::COLUMNS.iter().copied())
+        .chain(names(trailing));
+    writer.write_record(head).map_err(failed)?;
+    for (index, row) in rows.iter().enumerate() {
+        let cells = |columns: &[Column]| -> Vec<String> {
+            let cell = |(_, cells): &Column| cells.get(index).cloned().unwrap_or_default();
+            columns.iter().map(cell).collect()
+        };
+        let record = cells(leading).into_iter().chain(row.cells()).chain(cells(trailing));
+        writer.write_record(record).map_err(failed)?;
+    }
+    writer.flush().map_err(|source| ResultsError::Io {
+        path: path.to_owned(),
+        action: "write",
+        source,
+    })
+}

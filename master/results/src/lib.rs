@@ -1,0 +1,35 @@
+//! Results of a run: record, statistics, limits of standards, the files of an output directory, and the report.
+//!
+//! | file | content |
+//! | --- | --- |
+//! | `scene.toml` | the resolved scene, as it was run |
+//! | `timeseries.csv` | the record, one row per output step, SI |
+//! | `summary.json` | figures of the evaluation range, limits, model, cost |
+//! | `animation.json` | coarse pictures of line and pantograph |
+//! | `report.html` | one page for reading, made from the files above |
+
+#![forbid(unsafe_code)]
+
+mod animation;
+mod directory;
+mod error;
+mod record;
+pub mod recorder;
+pub mod report;
+mod series;
+pub mod standards;
+pub mod statistics;
+mod summary;
+#[cfg(test)]
+pub(crate) mod tests;
+
+pub use animation::Animation;
+pub use directory::io;
+pub use directory::{OutputDirectory, RunBundle, SUMMARY};
+pub use error::ResultsError;
+pub use record::{LineGeometry, Record, StripRecord, SupportRecord, WindRecord};
+pub use series::{read_timeseries, write_timeseries};
+pub use summary::{
+    ContactForceSummary, Cost, Coupling, Evaluation, Model, PantographSummary, Part, RunInfo, StripSummary, Summary,
+    Uplift,
+};

@@ -1,0 +1,36 @@
+//! What a person reads: the page of a run, the table at its end, the progress bar.
+
+mod animation;
+mod html;
+pub mod plots;
+mod progress;
+mod sections;
+mod table;
+#[cfg(test)]
+mod tests;
+
+pub use html::{Page, escape, head_cells, plot_html, remarks};
+pub use progress::{Progress, Show};
+pub use table::aligned;
+pub use table::table;
+
+use crate::RunBundle;
+
+/// Renders the runs as one self-contained page; several runs are overlaid.
+///
+/// The page loads nothing: plotly.js, style and data are inside.
+#[must_use]
+pub fn render(runs: &[RunBundle]) -> String {
+    let mut page = Page::new(&sections::title(runs));
+    page.lead(&sections::lead(runs));
+    page.section("", &sections::key_figures(runs));
+    page.section("Animation", &animation::section(runs));
+    for (heading, body) in plots::sections(runs) {
+        page.section(heading, &body);
+    }
+    page.section("Limits", &sections::limits(runs));
+    page.section("What was modelled", &sections::model(runs));
+    page.section("Cost", &sections::cost(runs));
+    page.section("Scene", &sections::scene(runs));
+    page.finish()
+}

@@ -1,0 +1,164 @@
+//! Contact force against position, uplift against time.
+
+use plotly::Scatter;
+use plotly::common::{DashType, Line, Mode, Visible};
+use plotly::layout::RangeMode;
+
+use super::{COLOURS, Curve, MARK, PALE, axis, band, curve, finished, layout, mark, name, rounded, vertical};
+use crate::report::escape;
+use crate::{LineGeometry, RunBundle};
+
+/// The first line geometry that is known.
+fn geometry<'a>(curves: &[Curve<'a>]) -> Option<&'a LineGeometry> {
+    curves
+        .iter()
+        .map(|c| &c.run.record.line)
+        .find(|line| !line.support_x.is_empty())
+}
+
+pub(super) fn force(curves: &[Curve]) -> String {
+    let finite = |c: &&Curve| !c.strip.force.is_empty();
+    if !curves.iter().any(|c| finite(&c)) {
+        return String::new();
+    }
+    let mut raw = Vec::new();
+    let mut filtered = Vec::new();
+    let mut shapes = Vec::new();
+    let mut notes = Vec::new();
+    let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut bands: Vec<(f64, f64)> = Vec::new();
+    for (i, c) in curves.iter().enumerate().filter(|(_, c)| finite(c)) {
+        let x = rounded(&c.strip.contact_x, 1e3);
+        for v in x.iter().filter(|v| v.is_finite()) {
+            from = from.min(*v);
+            to = to.max(*v);
+        }
+        // One raw curve is helpful, several hide each other: they can be switched on.
+        let visible = if curves.len() > 1 {
+            Visible::LegendOnly
+        } else {
+            Visible::True
+        };
+        raw.push(
+            curve(
+                x.clone(),
+                rounded(&c.strip.force, 1e2),
+                &name("raw", &c.label),
+                PALE[i % PALE.len()],
+                1.0,
+            )
+            .visible(visible),
+        );
+        let evaluation = &c.run.summary.evaluation;
+        if let Ok(force) = evaluation.filtered(&c.strip.force) {
+            let what = format!("filtered {} Hz", evaluation.low_pass_hz);
+            filtered.push(curve(
+                x.clone(),
+                rounded(&force, 1e2),
+                &name(&what, &c.label),
+                COLOURS[i % COLOURS.len()],
+                1.8,
+            ));
+        }
+        let range = evaluation.samples(&c.run.record.time, c.pantograph);
+        if let Some(part) = x.get(range).filter(|part| !part.is_empty()) {
+            let ends = (part[0], part[part.len() - 1]);
+            // Pantographs of one run are evaluated over the same spans: one band for all of them.
+            if !bands
+                .iter()
+                .any(|b| (b.0 - ends.0).abs() < 1.0 && (b.1 - ends.1).abs() < 1.0)
+            {
+                bands.push(ends);
+            }
+        }
+    }
+    shapes.extend(bands.iter().map(|(a, b)| band(*a, *b)));
+    if let Some(line) = geometry(curves) {
+        let inside = |x: &f64| (from..=to).contains(x);
+        for (k, x) in line.support_x.iter().enumerate().filter(|(_, x)| inside(x)) {
+            shapes.push(vertical(*x, 1.0, MARK, DashType::Dot));
+            notes.push(mark(*x, &(k + 1).to_string()));
+        }
+        for x in line.dropper_x.iter().filter(|x| inside(x)) {
+            shapes.push(vertical(*x, 0.035, MARK, DashType::Solid));
+        }
+    }
+    raw.extend(filtered);
+    // Grid lines would hide the supports.
+    let x_axis = axis("position of the contact along the track [m]")
+        .zero_line(false)
+        .show_grid(false);
+    let y_axis = axis("contact force [N]").range_mode(RangeMode::ToZero);
+    let layout = layout(x_axis, y_axis).shapes(shapes).annotations(notes);
+    format!(
+        "{}<p class=\"caption\">Dotted lines: supports with their numbers. Ticks along the axis: \
+         droppers. Shaded: evaluation range. In all \
+         plots: drag to zoom, double-click to go back, click in the legend to switch a curve.</p>\n",
+        finished(raw, layout, "plot-force", 420)
+    )
+}
+
+pub(super) fn uplift(runs: &[RunBundle]) -> String {
+    let mut traces = Vec::new();
+    const DASHES: [DashType; 4] = [DashType::Solid, DashType::Dash, DashType::Dot, DashType::DashDot];
+    for (r, run) in runs.iter().enumerate() {
+        for (k, support) in run.record.supports.iter().enumerate() {
+            if support.uplift.is_empty() {
+                continue;
+            }
+            // One run: colours tell the supports apart. Several: colours are runs, dashes supports.
+            let (colour, dash) = if runs.len() > 1 { (r, k % DASHES.len()) } else { (k, 0) };
+            let line = Line::new()
+                .color(COLOURS[colour % COLOURS.len()])
+                .width(1.6)
+                .dash(DASHES[dash].clone());
+            let label = if runs.len() > 1 {
+                escape(&run.summary.label())
+            } else {
+                String::new()
+            };
+            let millimetres: Vec<f64> = support.uplift.iter().map(|u| 1e3 * u).collect();
+            let trace = Scatter::new(rounded(&run.record.time, 1e4), rounded(&millimetres, 1e3))
+                .mode(Mode::Lines)
+                .name(name(&format!("support {}", support.number), &label))
+                .line(line);
+            traces.push(trace);
+        }
+    }
+    if traces.is_empty() {
+        return String::new();
+    }
+    finished(
+        traces,
+        layout(axis("time [s]").zero_line(false), axis("uplift [mm]")),
+        "plot-uplift",
+        320,
+    )
+}
+
+/// Drag and lift of the wind on the bodies that carry the strips; empty where there is none.
+pub(super) fn wind(curves: &[Curve]) -> String {
+    let mut traces = Vec::new();
+    for (i, c) in curves.iter().enumerate() {
+        let Some(wind) = &c.strip.wind else { continue };
+        let time = rounded(&c.run.record.time, 1e4);
+        for (what, force, colour) in [("drag", &wind.drag, 2 * i), ("lift", &wind.lift, 2 * i + 1)] {
+            let colour = COLOURS[colour % COLOURS.len()];
+            let name = name(what, &c.label);
+            traces.push(curve(time.clone(), rounded(force, 1e2), &name, colour, 1.4));
+        }
+    }
+    if traces.is_empty() {
+        return String::new();
+    }
+    let drawn = finished(
+        traces,
+        layout(axis("time [s]").zero_line(false), axis("force of the wind [N]")),
+        "plot-wind",
+        320,
+    );
+    format!(
+        "{drawn}<p class=\"caption\">On the body that carries the strip: drag along the air that meets it, lift across it, positive \
+         upward.</p>\n"
+    )
+}

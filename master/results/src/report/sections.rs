@@ -1,0 +1,313 @@
+//! The sections of the report that are text and tables.
+
+use super::plots::COLOURS;
+use super::table::{MARKS, bounded, number, quantity_name, readable, shares, verdict};
+use super::{escape, remarks};
+use crate::statistics::ForceStatistics;
+use crate::{RunBundle, Summary};
+
+/// Title of the page.
+pub(super) fn title(runs: &[RunBundle]) -> String {
+    match runs {
+        [] => "No run".to_owned(),
+        [run] if run.summary.title.is_empty() => run.summary.scene.clone(),
+        [run] => run.summary.title.clone(),
+        runs => format!("{} runs compared", runs.len()),
+    }
+}
+
+/// What stands below the title: scene, mode, source, state of the run, notes.
+pub(super) fn lead(runs: &[RunBundle]) -> String {
+    let mut html = String::new();
+    for run in runs {
+        let s = &run.summary;
+        let state = if s.complete {
+            "<span class=\"badge good\">complete</span>"
+        } else {
+            "<span class=\"badge bad\">incomplete</span>"
+        };
+        let title = if runs.len() > 1 && !s.title.is_empty() {
+            format!(" · {}", escape(&s.title))
+        } else {
+            String::new()
+        };
+        html.push_str(&format!(
+            "<p><b>{}</b> · {}{title} · {:.0} km/h · {:.2} s simulated {state}</p>\n",
+            escape(&s.scene),
+            escape(&s.mode),
+            3.6 * s.evaluation.speed,
+            s.cost.simulated_s,
+        ));
+        if !s.source.is_empty() {
+            html.push_str(&format!("<p class=\"soft\">{}</p>\n", escape(&s.source)));
+        }
+        if !s.complete {
+            html.push_str(&format!(
+                "<p class=\"warning\">The run did not reach its end: {}</p>\n",
+                escape(&s.incomplete_reason)
+            ));
+        }
+        html.push_str(&remarks(&s.notes));
+    }
+    html
+}
+
+/// Coloured square in front of a run's name, where several runs are shown.
+fn swatch(runs: &[RunBundle], colour: usize) -> String {
+    if runs.len() < 2 {
+        return String::new();
+    }
+    format!(
+        "<span class=\"swatch\" style=\"background:{}\"></span>",
+        COLOURS[colour % COLOURS.len()]
+    )
+}
+
+fn card(value: &str, unit: &str, name: &str) -> String {
+    format!("<div class=\"card\"><b>{value} <small>{unit}</small></b><span>{name}</span></div>\n")
+}
+
+fn cards(s: &Summary) -> String {
+    let [pantograph] = s.pantographs.as_slice() else {
+        return String::new();
+    };
+    let force = pantograph.contact_force.filtered;
+    let uplift = s.uplift.max_at_support.map(|u| 1e3 * u);
+    [
+        card(&number(force.map(|f| f.mean), 1), "N", "mean contact force"),
+        card(&number(force.map(|f| f.std), 1), "N", "standard deviation σ"),
+        card(&number(force.map(|f| f.max), 1), "N", "maximum"),
+        card(&number(force.map(|f| f.min), 1), "N", "minimum"),
+        card(
+            &number(pantograph.contact_force.loss_of_contact_percent, 2),
+            "%",
+            "loss of contact",
+        ),
+        card(&number(uplift, 1), "mm", "uplift at support"),
+        card(&number(s.cost.real_time_factor, 3), "", "real-time factor"),
+    ]
+    .concat()
+}
+
+/// Key figures: cards for one run with one pantograph, and a table for all.
+pub(super) fn key_figures(runs: &[RunBundle]) -> String {
+    let mut html = String::new();
+    if let [run] = runs {
+        let cards = cards(&run.summary);
+        if !cards.is_empty() {
+            html.push_str(&format!("<div class=\"cards\">{cards}</div>\n"));
+        }
+    }
+    html.push_str(
+        "<div class=\"scroll\"><table><thead><tr><th>Contact force [N]</th><th class=\"n\">mean</th>\
+         <th class=\"n\">σ</th><th class=\"n\">max</th><th class=\"n\">min</th>\
+         <th class=\"n\">mean + 3σ</th><th class=\"n\">mean − 3σ</th><th class=\"n\">loss [%]</th>\
+         <th class=\"n\">strip amplitude [mm]</th><th class=\"n\">uplift [mm]</th>\
+         <th class=\"n\">RTF</th></tr></thead><tbody>\n",
+    );
+    let mut colour = 0;
+    for run in runs {
+        let s = &run.summary;
+        for (i, pantograph) in s.pantographs.iter().enumerate() {
+            let force = &pantograph.contact_force;
+            let mut name = String::new();
+            if runs.len() > 1 {
+                name = format!("{}{}, ", swatch(runs, colour), escape(&s.label()));
+            }
+            if s.pantographs.len() > 1 {
+                name.push_str(&format!("pantograph {}, ", i + 1));
+            }
+            colour += 1;
+            let cells = |f: Option<ForceStatistics>| {
+                [
+                    f.map(|f| f.mean),
+                    f.map(|f| f.std),
+                    f.map(|f| f.max),
+                    f.map(|f| f.min),
+                    f.map(|f| f.statistical_max),
+                    f.map(|f| f.statistical_min),
+                ]
+                .map(|v| format!("<td class=\"n\">{}</td>", number(v, 2)))
+                .concat()
+            };
+            let amplitude = pantograph.strip.vertical_amplitude.map(|a| 1e3 * a);
+            html.push_str(&format!(
+                "<tr><td class=\"s\">{name}filtered {} Hz</td>{}<td></td><td class=\"n\">{}</td>\
+                 <td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+                s.evaluation.low_pass_hz,
+                cells(force.filtered),
+                number(amplitude, 1),
+                number(s.uplift.max_at_support.map(|u| 1e3 * u), 1),
+                number(s.cost.real_time_factor, 3),
+            ));
+            html.push_str(&format!(
+                "<tr><td class=\"s\">{name}raw</td>{}<td class=\"n\">{}</td><td></td><td></td><td></td></tr>\n",
+                cells(force.raw),
+                number(force.loss_of_contact_percent, 3),
+            ));
+        }
+    }
+    html.push_str("</tbody></table></div>\n");
+    html.push_str(&ranges(runs));
+    html
+}
+
+/// Sentence that says over which time the figures were taken.
+fn ranges(runs: &[RunBundle]) -> String {
+    let mut texts: Vec<String> = Vec::new();
+    for run in runs {
+        for (from, to) in &run.summary.evaluation.time {
+            let text = format!("{from:.3} s to {to:.3} s");
+            if !texts.contains(&text) {
+                texts.push(text);
+            }
+        }
+    }
+    if texts.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<p class=\"caption\">Evaluated from {}. Uplift: largest rise at the supports of the \
+         evaluated spans over the whole run. RTF: wall time of the time loop divided by simulated \
+         time.</p>\n",
+        texts.join(", ")
+    )
+}
+
+/// Table of the limits: where they are written, whether they apply and why, and their verdicts.
+pub(super) fn limits(runs: &[RunBundle]) -> String {
+    let mut html = String::from(
+        "<div class=\"scroll\"><table><thead><tr><th>Standard</th><th>Quantity</th>\
+         <th class=\"n\">value</th><th class=\"n\">limit</th><th></th><th>verdict</th><th></th>\
+         <th>applies, or not</th><th>remark</th></tr></thead><tbody>\n",
+    );
+    for run in runs {
+        if runs.len() > 1 {
+            html.push_str(&format!(
+                "<tr><th colspan=\"9\">{}</th></tr>\n",
+                escape(&run.summary.label())
+            ));
+        }
+        let one = run.summary.pantographs.len() == 1;
+        for limit in &run.summary.limits {
+            let (value, _, unit) = readable(limit);
+            let class = match limit.pass {
+                Some(true) => "good",
+                Some(false) => "bad",
+                None => "soft",
+            };
+            let mut shown = limit.clone();
+            if one {
+                shown.pantograph = None;
+            }
+            html.push_str(&format!(
+                "<tr><td class=\"name\">{}<br><span class=\"soft\">{}</span></td><td class=\"name\">{}</td>\
+                 <td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td>\
+                 <td class=\"s\"><b class=\"{class}\">{}</b></td><td class=\"soft\">{}</td>\
+                 <td class=\"soft remark\">{}</td><td class=\"soft remark\">{}</td></tr>\n",
+                escape(&limit.standard),
+                escape(&limit.clause),
+                escape(&quantity_name(&shown)),
+                number(value, 2),
+                escape(&bounded(limit)),
+                escape(unit),
+                verdict(limit),
+                limit.certainty.mark(),
+                escape(&limit.reason),
+                escape(&limit.remark),
+            ));
+        }
+    }
+    html.push_str(&format!("</tbody></table></div>\n<p class=\"caption\">{MARKS}.</p>\n"));
+    html
+}
+
+/// What was modelled and left out, and how the sides were coupled.
+pub(super) fn model(runs: &[RunBundle]) -> String {
+    let mut html = String::new();
+    for run in runs {
+        let s = &run.summary;
+        if runs.len() > 1 {
+            html.push_str(&format!("<h3>{}</h3>\n", escape(&s.label())));
+        }
+        let reductions = if s.model.reductions.is_empty() {
+            "none".to_owned()
+        } else {
+            escape(&s.model.reductions.join(", "))
+        };
+        let residual = s
+            .coupling
+            .energy_residual
+            .map_or_else(String::new, |e| format!(", energy residual {e:.3e} J"));
+        html.push_str(&format!(
+            "<p>{} coordinates, {} constraints, {} elements; reductions: {reductions}.</p>\n\
+             <p>Coupling: <b>{}</b>{residual}. <span class=\"soft\">{}</span></p>\n\
+             <div class=\"scroll\"><table><thead><tr><th>part</th><th>modelled</th><th>how, or why not</th>\
+             </tr></thead><tbody>\n",
+            s.model.coordinates,
+            s.model.constraints,
+            s.model.elements,
+            escape(&s.coupling.algorithm),
+            escape(&s.coupling.reason),
+        ));
+        for part in &s.model.parts {
+            let (class, text) = if part.modelled { ("good", "yes") } else { ("soft", "no") };
+            html.push_str(&format!(
+                "<tr><td class=\"s\">{}</td><td class=\"{class}\">{text}</td><td class=\"remark\">{}</td></tr>\n",
+                escape(&part.part.replace('_', " ")),
+                escape(&part.reason)
+            ));
+        }
+        html.push_str("</tbody></table></div>\n");
+    }
+    html
+}
+
+/// What the runs cost.
+pub(super) fn cost(runs: &[RunBundle]) -> String {
+    let mut html = String::from(
+        "<div class=\"scroll\"><table><thead><tr><th>run</th><th class=\"n\">time loop [s]</th>\
+         <th class=\"n\">setup [s]</th><th class=\"n\">simulated [s]</th><th class=\"n\">RTF</th>\
+         <th class=\"n\">macro steps</th><th class=\"n\">micro steps</th>\
+         <th class=\"n\">Newton iterations</th><th class=\"n\">factorizations</th>\
+         <th class=\"n\">rollbacks</th><th>time loop spent on</th></tr></thead><tbody>\n",
+    );
+    for run in runs {
+        let c = &run.summary.cost;
+        let cells: String = [
+            format!("{:.3}", c.wall_s),
+            format!("{:.3}", c.setup_s),
+            format!("{:.3}", c.simulated_s),
+            number(c.real_time_factor, 3),
+            c.macro_steps.to_string(),
+            c.micro_steps.to_string(),
+            c.newton_iterations.to_string(),
+            c.factorizations.to_string(),
+            c.rollbacks.to_string(),
+        ]
+        .iter()
+        .map(|cell| format!("<td class=\"n\">{cell}</td>"))
+        .collect();
+        html.push_str(&format!(
+            "<tr><td>{}</td>{cells}<td>{}</td></tr>\n",
+            escape(&run.summary.label()),
+            escape(&shares(c))
+        ));
+    }
+    html.push_str("</tbody></table></div>\n");
+    html
+}
+
+/// The resolved scenes, folded.
+pub(super) fn scene(runs: &[RunBundle]) -> String {
+    runs.iter()
+        .filter(|run| !run.scene.is_empty())
+        .map(|run| {
+            format!(
+                "<details><summary>scene.toml of {}</summary><pre>{}</pre></details>\n",
+                escape(&run.summary.label()),
+                escape(&run.scene)
+            )
+        })
+        .collect()
+}

@@ -1,0 +1,209 @@
+//! The table at the end of a run.
+
+use crate::standards::Limit;
+use crate::statistics::ForceStatistics;
+use crate::{Cost, Summary};
+use component::Share;
+
+/// Text for a number that may be unknown, with `digits` after the point.
+pub(super) fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
+}
+
+/// What the time loop was spent on, the largest share first.
+pub(super) fn shares(cost: &Cost) -> String {
+    let mut shares: Vec<&Share> = cost.shares.iter().collect();
+    shares.sort_by(|a, b| b.share.total_cmp(&a.share));
+    let shares = shares
+        .iter()
+        .map(|share| format!("{} {:.1} %", share.part, 100.0 * share.share));
+    shares.collect::<Vec<_>>().join(", ")
+}
+
+/// Number of the `limit` in a unit that is easy to read: heights in mm.
+pub(super) fn readable(limit: &Limit) -> (Option<f64>, Option<f64>, &str) {
+    if limit.unit == "m" && limit.quantity != "control_section" {
+        (limit.value.map(|v| 1e3 * v), limit.limit.map(|v| 1e3 * v), "mm")
+    } else {
+        (limit.value, limit.limit, &limit.unit)
+    }
+}
+
+/// Name of a limited quantity, for reading.
+pub(super) fn quantity_name(limit: &Limit) -> String {
+    let name = match limit.quantity.as_str() {
+        "mean" => "mean contact force",
+        "mean_lower" => "mean contact force, lower",
+        "min" => "minimum contact force",
+        "free_uplift" => "space for the uplift",
+        "speed_ratio" => "speed / wave speed",
+        "band" => "band of the force",
+        "sampling_rate" => "samples per second",
+        "control_section" => "evaluated section",
+        "std" => "standard deviation",
+        "max" => "maximum contact force",
+        "uplift" => "uplift at support",
+        "vertical_amplitude" => "vertical amplitude of the strip",
+        "arcing" => "arcing NQ",
+        other => other,
+    };
+    limit
+        .pantograph
+        .map_or_else(|| name.to_owned(), |i| format!("{name}, pantograph {i}"))
+}
+
+/// Verdict of a `limit`, for reading.
+pub(super) fn verdict(limit: &Limit) -> &'static str {
+    match limit.pass {
+        Some(true) => "pass",
+        Some(false) => "FAIL",
+        None if !limit.applicable => "not applicable",
+        None => "not decided",
+    }
+}
+
+/// Number a `limit` is held against, with the sign of the comparison.
+pub(super) fn bounded(limit: &Limit) -> String {
+    let (_, bound, _) = readable(limit);
+    bound.map_or_else(|| "–".to_owned(), |bound| format!("{} {bound:.2}", limit.bound.sign()))
+}
+
+/// What the marks of the limits mean.
+pub(super) const MARKS: &str = "[C] figure read in a text that quotes the standard, [R] remembered and not verified";
+
+/// Lays out `rows` in columns: the first one flush left, all others flush right.
+pub fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |j: usize| {
+        rows.iter()
+            .filter_map(|r| r.get(j))
+            .map(|c| c.chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let mut text = String::new();
+    for row in rows {
+        let mut line = String::new();
+        for (j, cell) in row.iter().enumerate() {
+            let w = widths[j];
+            if j == 0 {
+                line.push_str(&format!("  {cell:<w$}"));
+            } else {
+                line.push_str(&format!("  {cell:>w$}"));
+            }
+        }
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+fn row(cells: &[&str]) -> Vec<String> {
+    cells.iter().map(|c| (*c).to_owned()).collect()
+}
+
+/// The limits, and below them why some do not apply: each reason once.
+fn limits(summary: &Summary) -> String {
+    let mut rows = vec![row(&["limit", "value", "limit", "unit", "", ""])];
+    let mut reasons: Vec<&str> = Vec::new();
+    for limit in &summary.limits {
+        let (value, _, unit) = readable(limit);
+        rows.push(vec![
+            format!("{}, {}", limit.standard, quantity_name(limit)),
+            number(value, 2),
+            bounded(limit),
+            unit.to_owned(),
+            verdict(limit).to_owned(),
+            limit.certainty.mark().to_owned(),
+        ]);
+        if !limit.applicable && !reasons.contains(&limit.reason.as_str()) {
+            reasons.push(&limit.reason);
+        }
+    }
+    let mut text = aligned(&rows);
+    text.push_str(&format!("  {MARKS}\n"));
+    for reason in reasons {
+        text.push_str(&format!("  not applicable: {reason}\n"));
+    }
+    text
+}
+
+/// The table at the end of a run: figures, limits, cost. Plain text, aligned, no colours.
+#[must_use]
+pub fn table(summary: &Summary) -> String {
+    let mut text = format!("{}, {}", summary.scene, summary.mode);
+    if !summary.title.is_empty() {
+        text.push_str(&format!(": {}", summary.title));
+    }
+    text.push('\n');
+    if !summary.complete {
+        text.push_str(&format!("INCOMPLETE: {}\n", summary.incomplete_reason));
+    }
+
+    let mut rows = vec![row(&["contact force [N]", "mean", "std", "max", "min", "loss %"])];
+    for (i, pantograph) in summary.pantographs.iter().enumerate() {
+        let force = &pantograph.contact_force;
+        let mut line = |name: &str, s: Option<ForceStatistics>, loss: Option<f64>| {
+            let mut cells = vec![format!("pantograph {}, {name}", i + 1)];
+            for figure in [s.map(|s| s.mean), s.map(|s| s.std), s.map(|s| s.max), s.map(|s| s.min)] {
+                cells.push(number(figure, 2));
+            }
+            cells.push(loss.map_or_else(String::new, |l| format!("{l:.3}")));
+            rows.push(cells);
+        };
+        let filtered = format!("{} Hz", summary.evaluation.low_pass_hz);
+        line(&filtered, force.filtered, None);
+        line("raw", force.raw, force.loss_of_contact_percent);
+    }
+    text.push('\n');
+    text.push_str(&aligned(&rows));
+
+    text.push('\n');
+    text.push_str(&limits(summary));
+
+    let cost = &summary.cost;
+    text.push_str(&format!(
+        "\n  {:.2} s simulated in {:.2} s (real-time factor {}), {:.2} s for statics and loading\n",
+        cost.simulated_s,
+        cost.wall_s,
+        number(cost.real_time_factor, 3),
+        cost.setup_s,
+    ));
+    text.push_str(&format!(
+        "  {} macro steps, {} micro steps, {} Newton iterations, {} factorizations, {} rollbacks\n",
+        cost.macro_steps, cost.micro_steps, cost.newton_iterations, cost.factorizations, cost.rollbacks,
+    ));
+    if !cost.shares.is_empty() {
+        text.push_str(&format!("  time loop: {}\n", shares(cost)));
+    }
+    if let (Some(smallest), Some(largest), Some(mean)) = (
+        cost.smallest_macro_step_s,
+        cost.largest_macro_step_s,
+        cost.mean_macro_step_s,
+    ) && smallest < largest
+    {
+        text.push_str(&format!(
+            "  macro steps from {:.3} to {:.3} ms, {:.3} ms in the mean, {} refused\n",
+            1e3 * smallest,
+            1e3 * largest,
+            1e3 * mean,
+            cost.refused_steps,
+        ));
+    }
+    let coupling = &summary.coupling;
+    text.push_str(&format!(
+        "  coupling {}, energy residual {} J; {} coordinates, {} constraints, {} elements\n",
+        coupling.algorithm,
+        coupling
+            .energy_residual
+            .map_or_else(|| "–".to_owned(), |e| format!("{e:.2e}")),
+        summary.model.coordinates,
+        summary.model.constraints,
+        summary.model.elements,
+    ));
+    for note in &summary.notes {
+        text.push_str(&format!("  note: {note}\n"));
+    }
+    text
+}

@@ -1,0 +1,318 @@
+//! The summary of a run: what `summary.json` holds.
+
+use component::Share;
+use serde::{Deserialize, Serialize};
+
+use super::Record;
+use crate::standards::{self, Conditions, Figures, Limit, SHORTEST_ARC};
+use crate::statistics::{
+    FilterError, ForceStatistics, LowPass, long_loss_of_contact_percent, loss_of_contact_percent, peak_to_peak,
+    sample_range,
+};
+
+/// What a run knows about itself besides its record.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunInfo {
+    /// Name of the scene.
+    pub scene: String,
+    /// Title of the scene.
+    pub title: String,
+    /// Where the scene comes from.
+    pub source: String,
+    /// `cosimulation`, `monolithic` or `inprocess`.
+    pub mode: String,
+    /// Whether the run reached its end.
+    pub complete: bool,
+    /// Why it did not; empty for a complete run.
+    pub incomplete_reason: String,
+    /// What is evaluated.
+    pub evaluation: Evaluation,
+    /// What decides which limits of standards apply.
+    pub line: standards::Line,
+    /// How the two sides were coupled.
+    pub coupling: Coupling,
+    /// What was modelled.
+    pub model: Model,
+    /// What it cost.
+    pub cost: Cost,
+    /// Free remarks.
+    pub notes: Vec<String>,
+}
+
+/// What is evaluated, and how.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Evaluation {
+    /// First and last time of the evaluation range of each pantograph, s.
+    #[serde(rename = "time_s")]
+    pub time: Vec<(f64, f64)>,
+    /// Cut-off frequency of the low-pass filter, Hz.
+    pub low_pass_hz: f64,
+    /// Time between two samples, s.
+    #[serde(rename = "output_step_s")]
+    pub output_step: f64,
+    /// Running speed, m/s.
+    #[serde(rename = "speed_m_per_s")]
+    pub speed: f64,
+}
+
+/// How the two sides were coupled.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Coupling {
+    /// Name of the algorithm; `none` where the run is one system.
+    pub algorithm: String,
+    /// Why this one.
+    pub reason: String,
+    /// Energy that the coupling added, J.
+    #[serde(rename = "energy_residual_J")]
+    pub energy_residual: Option<f64>,
+    /// The same as a share of the work that crossed the contact, –; not in the file, notes say it where it matters.
+    #[serde(skip)]
+    pub energy_share: f64,
+}
+
+/// What was modelled.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Model {
+    /// Number of generalised coordinates.
+    pub coordinates: usize,
+    /// Number of constraint equations.
+    pub constraints: usize,
+    /// Number of finite elements.
+    pub elements: usize,
+    /// Reductions in use.
+    pub reductions: Vec<String>,
+    /// Parts, modelled or not.
+    pub parts: Vec<Part>,
+}
+
+/// One part of the system.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// `catenary`, `pantograph`, `vehicle`, `wheel_rail`, `track`, `wind_pantograph`, `wind_wires`.
+    pub part: String,
+    /// Whether it is modelled.
+    pub modelled: bool,
+    /// Why, or how.
+    pub reason: String,
+}
+
+/// What a run cost.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Cost {
+    /// Wall time of the time loop, s.
+    pub wall_s: f64,
+    /// Wall time of statics and loading, s.
+    pub setup_s: f64,
+    /// Simulated time, s.
+    pub simulated_s: f64,
+    /// `wall_s / simulated_s`, –; below 1 is faster than real time.
+    pub real_time_factor: Option<f64>,
+    /// Macro steps.
+    pub macro_steps: u64,
+    /// Micro steps.
+    pub micro_steps: u64,
+    /// Newton iterations.
+    pub newton_iterations: u64,
+    /// Factorisations of an iteration matrix.
+    pub factorizations: u64,
+    /// Steps that were taken back.
+    pub rollbacks: u64,
+    /// Macro steps that were refused for their error, and repeated shorter.
+    #[serde(default)]
+    pub refused_steps: u64,
+    /// Shortest, longest and mean macro step, s; the last one, which ends at the duration, is not among the shortest.
+    #[serde(default)]
+    pub smallest_macro_step_s: Option<f64>,
+    /// See above.
+    #[serde(default)]
+    pub largest_macro_step_s: Option<f64>,
+    /// See above.
+    #[serde(default)]
+    pub mean_macro_step_s: Option<f64>,
+    /// What `wall_s` was spent on; empty where nobody has measured it.
+    #[serde(default)]
+    pub shares: Vec<Share>,
+}
+
+/// The summary of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Name of the scene.
+    pub scene: String,
+    /// Title of the scene.
+    #[serde(default)]
+    pub title: String,
+    /// Where the scene comes from.
+    #[serde(default)]
+    pub source: String,
+    /// `cosimulation`, `monolithic` or `inprocess`.
+    pub mode: String,
+    /// Whether the run reached its end.
+    pub complete: bool,
+    /// Why it did not.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub incomplete_reason: String,
+    /// What is evaluated.
+    pub evaluation: Evaluation,
+    /// Figures of each pantograph.
+    pub pantographs: Vec<PantographSummary>,
+    /// Uplift of the line.
+    pub uplift: Uplift,
+    /// How the two sides were coupled.
+    pub coupling: Coupling,
+    /// Limits of standards.
+    pub limits: Vec<Limit>,
+    /// What was modelled.
+    pub model: Model,
+    /// What it cost.
+    pub cost: Cost,
+    /// Free remarks.
+    #[serde(default)]
+    pub notes: Vec<String>,
+}
+
+/// Figures of one pantograph.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PantographSummary {
+    /// Contact force over the evaluation range.
+    pub contact_force: ContactForceSummary,
+    /// Motion of the collector strip.
+    pub strip: StripSummary,
+}
+
+/// Contact force over the evaluation range; `null` where the run ended before it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactForceSummary {
+    /// After the low-pass filter, N.
+    pub filtered: Option<ForceStatistics>,
+    /// As recorded, N.
+    pub raw: Option<ForceStatistics>,
+    /// Share of the evaluation time with zero raw force, %.
+    pub loss_of_contact_percent: Option<f64>,
+}
+
+/// Motion of the collector strip over the evaluation range.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StripSummary {
+    /// Largest minus smallest height, m.
+    #[serde(rename = "vertical_amplitude_m")]
+    pub vertical_amplitude: Option<f64>,
+}
+
+/// Uplift of the line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Uplift {
+    /// Largest rise at the supports that bound the evaluated spans, whole run, m.
+    #[serde(rename = "max_at_support_m")]
+    pub max_at_support: Option<f64>,
+}
+
+impl Summary {
+    /// Evaluates `record`.
+    ///
+    /// A quantity that cannot be given is `None`, and a note says why: the run ended before the
+    /// evaluation range, or a sample is not a number. Limits are decided for complete runs only.
+    #[must_use]
+    pub fn new(info: &RunInfo, record: &Record) -> Self {
+        let mut notes = info.notes.clone();
+        let mut figures = Vec::new();
+        let mut pantographs = Vec::new();
+        for (i, strip) in record.pantographs.iter().enumerate() {
+            let range = info.evaluation.samples(&record.time, i);
+            let raw = strip.force.get(range.clone()).unwrap_or_default();
+            let filtered = match info.evaluation.filtered(&strip.force) {
+                Ok(force) => force.get(range.clone()).and_then(ForceStatistics::of),
+                Err(error) => {
+                    notes.push(format!("pantograph {}: no filtered force: {error}", i + 1));
+                    None
+                }
+            };
+            if range.is_empty() {
+                notes.push(format!("pantograph {}: the evaluation range holds no sample", i + 1));
+            } else if strip.force.iter().any(|f| !f.is_finite()) {
+                // The filter runs over the whole record and carries the defect everywhere.
+                notes.push(format!("pantograph {}: the contact force is not finite", i + 1));
+            }
+            let summary = PantographSummary {
+                contact_force: ContactForceSummary {
+                    filtered,
+                    raw: ForceStatistics::of(raw),
+                    loss_of_contact_percent: loss_of_contact_percent(raw),
+                },
+                strip: StripSummary {
+                    vertical_amplitude: strip.strip_z.get(range.clone()).and_then(peak_to_peak),
+                },
+            };
+            let (from, to) = info.evaluation.time.get(i).copied().unwrap_or_default();
+            figures.push(Figures {
+                force: filtered,
+                vertical_amplitude: summary.strip.vertical_amplitude,
+                loss_of_contact: summary.contact_force.loss_of_contact_percent,
+                arcing: long_loss_of_contact_percent(&strip.force, range, info.evaluation.output_step, SHORTEST_ARC),
+                section: info.evaluation.speed * (to - from),
+            });
+            pantographs.push(summary);
+        }
+        let samples = || record.supports.iter().flat_map(|s| &s.uplift).copied();
+        let max_at_support = if samples().any(|u| !u.is_finite()) {
+            notes.push("the uplift at a support is not finite".to_owned());
+            None
+        } else {
+            samples().reduce(f64::max)
+        };
+        let conditions = Conditions {
+            line: info.line,
+            speed: info.evaluation.speed,
+            low_pass_hz: info.evaluation.low_pass_hz,
+            output_step: info.evaluation.output_step,
+            uplift: max_at_support,
+        };
+        let mut limits = standards::limits(&conditions, &figures);
+        if !info.complete {
+            for limit in &mut limits {
+                limit.pass = None;
+            }
+        }
+        Self {
+            scene: info.scene.clone(),
+            title: info.title.clone(),
+            source: info.source.clone(),
+            mode: info.mode.clone(),
+            complete: info.complete,
+            incomplete_reason: info.incomplete_reason.clone(),
+            evaluation: info.evaluation.clone(),
+            pantographs,
+            uplift: Uplift { max_at_support },
+            coupling: info.coupling.clone(),
+            limits,
+            model: info.model.clone(),
+            cost: info.cost.clone(),
+            notes,
+        }
+    }
+
+    /// Name of the run in legends: scene and mode.
+    #[must_use]
+    pub fn label(&self) -> String {
+        format!("{} ({})", self.scene, self.mode)
+    }
+}
+
+impl Evaluation {
+    /// Indices of the samples of `time` (s) inside the evaluation range of pantograph `i` (from 0).
+    #[must_use]
+    pub fn samples(&self, time: &[f64], i: usize) -> std::ops::Range<usize> {
+        self.time
+            .get(i)
+            .map_or(0..0, |(from, to)| sample_range(time, *from, *to))
+    }
+
+    /// Low-pass filtered `force`, N, whole record.
+    ///
+    /// # Errors
+    ///
+    /// [`FilterError`] where the record is too short or the cut-off frequency not possible.
+    pub fn filtered(&self, force: &[f64]) -> Result<Vec<f64>, FilterError> {
+        LowPass::new(self.low_pass_hz, self.output_step)?.filter(force)
+    }
+}

@@ -1,0 +1,214 @@
+//! What `master check` says about a scene.
+
+use std::fmt::Write as _;
+
+use catenary::StaticsReport;
+use serde::Serialize;
+
+use crate::strip_overrun;
+use crate::{Other, Prepared, SetupError, evaluated_spans};
+use results::Model;
+
+/// Statics, model and waves of a scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// What the statics found, elasticity of the evaluated spans included; nothing of somebody else's line.
+    pub statics: Option<StaticsReport>,
+    /// What is modelled.
+    pub model: Model,
+    /// Waves on the contact wire; nothing of somebody else's line.
+    pub waves: Option<Waves>,
+    /// Start of each pantograph.
+    pub start: Vec<StartReport>,
+    /// FMUs of somebody else.
+    pub others: Vec<Other>,
+    /// Remarks.
+    pub notes: Vec<String>,
+}
+
+/// Waves on the contact wire.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Waves {
+    /// Transverse wave speed, m/s.
+    #[serde(rename = "contact_wire_m_per_s")]
+    pub contact_wire: f64,
+    /// Running speed / wave speed, –.
+    pub speed_ratio: f64,
+}
+
+/// State of a pantograph at t = 0.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct StartReport {
+    /// m.
+    #[serde(rename = "x_m")]
+    pub x: f64,
+    /// m.
+    #[serde(rename = "height_m")]
+    pub height: f64,
+    /// N.
+    #[serde(rename = "force_N")]
+    pub force: f64,
+}
+
+impl Report {
+    /// Collects it.
+    ///
+    /// # Errors
+    /// The elasticity cannot be solved.
+    pub fn of(prepared: &Prepared) -> Result<Self, SetupError> {
+        let scene = &prepared.scene;
+        let (first, last) = evaluated_spans(scene);
+        let statics = match &prepared.statics {
+            None => None,
+            Some(line) => {
+                let mut statics = line.report().clone();
+                let points = line.elasticity_points(first, last);
+                statics.elasticity = line.elasticity(&points).map_err(catenary::CatenaryError::from)?;
+                Some(statics)
+            }
+        };
+        let waves = scene.modelled_line().map(|(catenary, _)| {
+            let contact_wire = catenary.contact_wire.wave_speed();
+            Waves {
+                contact_wire,
+                speed_ratio: scene.run.speed / contact_wire,
+            }
+        });
+        let starts = scene.pantographs.iter().enumerate().filter_map(|(index, pantograph)| {
+            let start = pantograph.start?;
+            Some(StartReport {
+                x: scene.strip_start_x(index),
+                height: start.height,
+                force: start.force,
+            })
+        });
+        Ok(Self {
+            statics,
+            model: prepared.model(),
+            waves,
+            start: starts.collect(),
+            others: prepared.others.clone(),
+            notes: (prepared.notes(prepared.scene.internal_step()).into_iter())
+                .chain(strip_overrun::foreseen(scene))
+                .collect(),
+        })
+    }
+
+    /// The report as text.
+    #[must_use]
+    pub fn text(&self, prepared: &Prepared) -> String {
+        let mut text = String::new();
+        // Writing into a String does not fail.
+        let _ = self.write(prepared, &mut text);
+        text
+    }
+
+    fn write(&self, prepared: &Prepared, out: &mut String) -> std::fmt::Result {
+        let scene = &prepared.scene;
+        writeln!(out, "{}: {}", prepared.name, scene.title)?;
+        match &self.statics {
+            Some(statics) => self.write_statics(statics, evaluated_spans(scene), out)?,
+            None => writeln!(out, "\nstatics: none, the line is somebody else's FMU")?,
+        }
+        writeln!(out, "\nstart")?;
+        for (index, start) in self.start.iter().enumerate() {
+            writeln!(
+                out,
+                "  pantograph {}: x = {:.3} m, height {:.6} m, force {:.3} N",
+                index + 1,
+                start.x,
+                start.height,
+                start.force
+            )?;
+        }
+        let model = &self.model;
+        writeln!(
+            out,
+            "\nmodelled: {} coordinates, {} constraints, {} elements, reductions: {}",
+            model.coordinates,
+            model.constraints,
+            model.elements,
+            if model.reductions.is_empty() {
+                "none".to_owned()
+            } else {
+                model.reductions.join(", ")
+            }
+        )?;
+        for part in &model.parts {
+            writeln!(
+                out,
+                "  {} {:16} {}",
+                if part.modelled { "+" } else { "-" },
+                part.part,
+                part.reason
+            )?;
+        }
+        for other in &self.others {
+            writeln!(out, "\n{}: {}", other.name, other.fmu)?;
+            for wire in &other.wiring {
+                writeln!(out, "  {wire}")?;
+            }
+        }
+        for note in &self.notes {
+            writeln!(out, "note: {note}")?;
+        }
+        Ok(())
+    }
+
+    fn write_statics(
+        &self,
+        statics: &StaticsReport,
+        (first, last): (usize, usize),
+        out: &mut String,
+    ) -> std::fmt::Result {
+        writeln!(
+            out,
+            "\nstatics: {} iterations, residual {:.1e} N",
+            statics.iterations, statics.residual
+        )?;
+        let tension = &statics.tension;
+        writeln!(
+            out,
+            "  tension: contact wire {:.1} N, messenger wire {:.1} N",
+            tension.contact_wire, tension.messenger_wire
+        )?;
+        if let Some(waves) = &self.waves {
+            writeln!(
+                out,
+                "  waves: {:.1} m/s on the contact wire, the train runs at {:.2} of that",
+                waves.contact_wire, waves.speed_ratio
+            )?;
+        }
+        writeln!(
+            out,
+            "\ndroppers of spans {first} to {last}\n  span        x [m]   length [m]    force [N]"
+        )?;
+        for dropper in statics
+            .droppers
+            .iter()
+            .filter(|dropper| (first..=last).contains(&dropper.span))
+        {
+            writeln!(
+                out,
+                "  {:4} {:12.3} {:12.6} {:12.3}",
+                dropper.span, dropper.x, dropper.length, dropper.force
+            )?;
+        }
+        writeln!(
+            out,
+            "\nsupports\n     x [m]   messenger [N]     arm [N]   contact wire z [m]"
+        )?;
+        for support in &statics.supports {
+            writeln!(
+                out,
+                "{:10.3} {:15.3} {:11.3} {:20.6}",
+                support.x, support.messenger_reaction, support.arm_force, support.contact_wire_z
+            )?;
+        }
+        writeln!(out, "\nelasticity under 100 N\n     x [m]   rise [mm/N]")?;
+        for point in &statics.elasticity {
+            writeln!(out, "{:10.3} {:13.4}", point.x, 1e3 * point.elasticity)?;
+        }
+        Ok(())
+    }
+}

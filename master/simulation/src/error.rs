@@ -1,0 +1,115 @@
+//! Why a run cannot begin.
+
+use catenary::CatenaryError;
+use scene::SceneError;
+
+use cosim::algorithm::CouplingError;
+use cosim::fmu_slave::CosimulationError;
+use cosim::package::PackageError;
+use cosim::slave::SlaveError;
+use suppliers::SupplierError;
+use suppliers::settling::SettlingError;
+use system::equilibrium::EquilibriumError;
+use system::one_system::OneSystemError;
+
+/// Why a run cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// The scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The line has no static state.
+    #[error("the line of the scene")]
+    Line(#[from] CatenaryError),
+    /// There is no start.
+    #[error("the state at t = 0")]
+    Equilibrium(#[from] EquilibriumError),
+    /// Statics that find no answer, with the keys of the scene to be looked at.
+    #[error("{statics_hints}")]
+    NoStatics {
+        /// Keys with their values.
+        statics_hints: String,
+        /// What was not found.
+        #[source]
+        source: Box<SetupError>,
+    },
+    /// What the mode cannot do with this scene.
+    #[error("--mode {mode}: {what}")]
+    NotInThisMode {
+        /// Name of the mode.
+        mode: &'static str,
+        /// What the scene asks for.
+        what: String,
+    },
+    /// What no mode can do yet.
+    #[error("{0}")]
+    NotAvailable(String),
+    /// An FMU file cannot be used.
+    #[error(transparent)]
+    FmuFile(fmi2::Error),
+    /// An FMU file that the scene names cannot be used.
+    #[error("{key}")]
+    SceneFmu {
+        /// Key of the scene.
+        key: String,
+        /// Reason.
+        #[source]
+        source: Box<fmi2::Error>,
+    },
+    /// Somebody else's FMU does not fit what the scene says of it.
+    #[error("{key}")]
+    Wiring {
+        /// Key of the scene.
+        key: String,
+        /// Reason.
+        #[source]
+        source: Box<SupplierError>,
+    },
+    /// An FMU cannot be made.
+    #[error(transparent)]
+    Package(#[from] PackageError),
+    /// An FMU does not start.
+    #[error(transparent)]
+    Cosimulation(#[from] CosimulationError),
+    /// A pantograph cannot be built.
+    #[error("pantograph[{pantograph}]")]
+    Pantograph {
+        /// From 1.
+        pantograph: usize,
+        /// Reason.
+        #[source]
+        source: vehicle::VehicleError,
+    },
+    /// One system cannot be built.
+    #[error(transparent)]
+    Monolithic(#[from] OneSystemError),
+    /// The coupling cannot be set up.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// The phase at rest before t = 0.
+    #[error(transparent)]
+    Settling(#[from] SettlingError),
+    /// A slave does not give its outputs at the start.
+    #[error(transparent)]
+    Slave(#[from] SlaveError),
+}
+
+impl SetupError {
+    /// Whether the input is to blame, and not what was made of it.
+    #[must_use]
+    pub fn is_input(&self) -> bool {
+        matches!(
+            self,
+            Self::Scene(_)
+                | Self::Line(_)
+                | Self::Equilibrium(_)
+                | Self::NoStatics { .. }
+                | Self::NotInThisMode { .. }
+                | Self::NotAvailable(_)
+                | Self::FmuFile(_)
+                | Self::SceneFmu { .. }
+        ) || matches!(self, Self::Wiring { source, .. } if source.is_input())
+            || matches!(self, Self::Cosimulation(source) if source.is_input())
+            || matches!(self, Self::Settling(source) if source.is_input())
+    }
+}

@@ -1,0 +1,101 @@
+//! Line and pantographs as slaves of a coupled run.
+
+use super::{FmuSource, Prepared, SetupError};
+use component::exchange;
+use component::of_pantograph;
+use cosim::fmu_slave::{FmuSlave, Role};
+use cosim::inprocess::{self, InProcess};
+use cosim::package::{self, Libraries};
+use cosim::slave::Slave;
+use suppliers::{SuppliedLine, SuppliedPantograph};
+
+/// Slaves of a coupled run.
+type Slaves = (Box<dyn Slave>, Vec<Box<dyn Slave>>);
+
+impl Prepared {
+    /// Line and pantographs of the core.
+    pub(super) fn core_slaves(
+        &self,
+        supports: &[usize],
+        line: Option<SuppliedLine>,
+        supplied: Vec<Option<SuppliedPantograph>>,
+    ) -> Result<Slaves, SetupError> {
+        let line: Box<dyn Slave> = match line {
+            Some(line) => Box::new(line),
+            None => Box::new(InProcess::line(&self.scene, supports)?),
+        };
+        let mut pantographs: Vec<Box<dyn Slave>> = Vec::new();
+        for (index, supplied) in supplied.into_iter().enumerate() {
+            pantographs.push(match supplied {
+                Some(pantograph) => Box::new(pantograph),
+                None => {
+                    let refused = |source| SetupError::Pantograph {
+                        pantograph: index + 1,
+                        source,
+                    };
+                    Box::new(InProcess::pantograph(&self.scene, index).map_err(refused)?)
+                }
+            });
+        }
+        Ok((line, pantographs))
+    }
+
+    /// Line and pantographs from FMUs, packaged where they are missing or stale.
+    pub(super) fn fmu_slaves(
+        &self,
+        supports: &[usize],
+        line: Option<SuppliedLine>,
+        supplied: Vec<Option<SuppliedPantograph>>,
+        source: &FmuSource,
+    ) -> Result<Slaves, SetupError> {
+        let fmus = if line.is_some() && supplied.iter().all(Option::is_some) {
+            Vec::new()
+        } else {
+            let libraries = Libraries::find()?;
+            package::ensure(&self.scene, &libraries, &source.folder)?
+        };
+        let fmu = |file: &str| {
+            let found = fmus.iter().find(|(name, _)| name == file);
+            &found
+                .expect("every side of the scene that is modelled here is packaged")
+                .1
+        };
+        let strips = self.scene.pantographs.len();
+        let role = |name: String, inputs: Vec<String>, outputs: Vec<String>| Role {
+            name,
+            inputs,
+            outputs,
+            parameters: Vec::new(),
+            initial: Vec::new(),
+            duration: self.scene.run.duration,
+            input_derivatives: dynamics::MAX_ORDER,
+            logging: source.logging,
+            isolation: None,
+        };
+        let line: Box<dyn Slave> = match line {
+            Some(line) => Box::new(line),
+            None => {
+                let role = role(
+                    "line".to_owned(),
+                    exchange::line_inputs(strips),
+                    exchange::line_outputs(strips, supports),
+                );
+                let slave = FmuSlave::start(fmu("Catenary.fmu"), role)?;
+                Box::new(slave.drawn_by(self.scene.clone(), inprocess::draw_line))
+            }
+        };
+        let mut pantographs: Vec<Box<dyn Slave>> = Vec::new();
+        for (index, supplied) in supplied.into_iter().enumerate() {
+            pantographs.push(match supplied {
+                Some(pantograph) => Box::new(pantograph),
+                None => {
+                    let name = format!("pantograph {}", index + 1);
+                    let role = role(name, exchange::pantograph_inputs(), exchange::pantograph_outputs());
+                    let slave = FmuSlave::start(fmu(&package::pantograph_file(index)), role)?;
+                    Box::new(slave.drawn_by(of_pantograph(&self.scene, index), inprocess::draw_pantograph))
+                }
+            });
+        }
+        Ok((line, pantographs))
+    }
+}

@@ -1,0 +1,126 @@
+//! Supplied FMUs: pantographs and lines behind the scene's wiring, and system structures in and out.
+//!
+//! ```text
+//! module      subject
+//! guess       which variables are probably meant, where the scene does not say
+//! wiring      linear maps between our values and the FMU's
+//! units       units of variables against ours
+//! quantity    what our names in the wiring stand for
+//! probe       what the FMU can do, tried out
+//! driven      the FMU behind its wires, with the steps it takes
+//! velocity    rates of what is offered without one
+//! pantograph  such an FMU as a pantograph
+//! line        such an FMU as a line
+//! settling    the phase at rest before t = 0
+//! inspect     report on an FMU, with a wiring to paste
+//! ssp         systems in and out
+//! ```
+
+#![forbid(unsafe_code)]
+
+mod driven;
+mod guess;
+pub mod inspect;
+mod isolated;
+mod line;
+mod pantograph;
+mod probe;
+mod quantity;
+pub mod settling;
+pub mod ssp;
+mod units;
+mod velocity;
+mod wiring;
+
+pub use guess::{Guess, guess, side};
+pub use isolated::{isolation_of, time_limit};
+pub use line::{StripAtStart, SuppliedLine, own_heights};
+pub use pantograph::{SuppliedPantograph, aligned};
+pub use probe::{Finding, Probe, Request, isolation, probe};
+pub use quantity::{Side, unit};
+pub use wiring::{Wire, Wiring, WiringError};
+
+use cosim::fmu_slave::CosimulationError;
+
+/// Why somebody else's FMU cannot take part.
+#[derive(Debug, thiserror::Error)]
+pub enum SupplierError {
+    /// Its variables, or what it reports.
+    #[error(transparent)]
+    Fmu(#[from] CosimulationError),
+    /// Its wiring.
+    #[error(transparent)]
+    Wiring(#[from] WiringError),
+    /// A force on its strip moves it the wrong way.
+    #[error(
+        "{variable}: {force} N more push the strip up: the sign is probably the other one; must be factor = {factor}"
+    )]
+    Sign {
+        /// Our name of the input.
+        name: String,
+        /// The FMU's name.
+        variable: String,
+        /// What was tried, N.
+        force: f64,
+        /// Factor that would push down.
+        factor: f64,
+    },
+    /// The macro step is no multiple of the FMU's own.
+    #[error(
+        "coupling.macro_step = {macro_step} s: the FMU takes steps of {unit} s only (stepSize of its default experiment, \
+         canHandleVariableCommunicationStepSize = false): must be a multiple of that, such as {nearest}"
+    )]
+    Step {
+        /// Of the scene, s.
+        macro_step: f64,
+        /// Of the FMU, s.
+        unit: f64,
+        /// A multiple, s.
+        nearest: f64,
+    },
+    /// The strip starts far above the wire.
+    #[error(
+        "the strip starts at a height of {height:.3} m, where it would press with more than {force} N: the wire, at \
+         {wire:.3} m without a strip, would be at {lifted:.3} m then; must be nearer the wire, by the FMU's parameters, a \
+         number of metres as offset, or offset = \"align\""
+    )]
+    Height {
+        /// Of the strip at its start, m.
+        height: f64,
+        /// Of the wire without a strip, m.
+        wire: f64,
+        /// Force that no strip starts with, N.
+        force: f64,
+        /// Height of the wire under it, m.
+        lifted: f64,
+    },
+}
+
+impl SupplierError {
+    /// Whether the scene or the file is to blame, and not what was made of it.
+    #[must_use]
+    pub fn is_input(&self) -> bool {
+        match self {
+            Self::Fmu(error) => error.is_input(),
+            Self::Wiring(_) | Self::Sign { .. } | Self::Step { .. } | Self::Height { .. } => true,
+        }
+    }
+}
+
+/// Simulated time that an FMU is told for a run of `duration` s: the phase at rest before it, and a last step that is no
+/// shorter than the others, included.
+fn told_duration(scene: &scene::Scene) -> f64 {
+    scene.run.duration + crate::settling::LONGEST + 2.0 * scene.coupling.macro_step
+}
+
+/// Refuses a macro step that an FMU cannot be stepped with.
+fn check_step(unit: Option<f64>, macro_step: f64) -> Result<(), SupplierError> {
+    match unit {
+        Some(unit) if driven::pieces(unit, macro_step).is_none() => Err(SupplierError::Step {
+            macro_step,
+            unit,
+            nearest: driven::nearest_multiple(unit, macro_step),
+        }),
+        _ => Ok(()),
+    }
+}
