@@ -1,8 +1,8 @@
 //! What makes up for a coarse mesh, against closed forms and fine meshes.
 use catenary::{
-    AxialLaw, BendingLaw, BendingLayers, ContactPair, ContactTangent, CorrectedWire, Curve, Enrichment, LineOptions,
+    AxialLaw, BendingLaw, BendingLayers, ContactPair, ContactTangent, CorrectedWire, Enrichment, LineOptions,
     LoadCorrection, MassCorrection, NodeMap, PenaltyContact, PrescribedStrip, ResidualCompliance, StaticLine,
-    WireGeometry, WireSection,
+    WireCurve, WireGeometry, WireSection,
 };
 use dynamics::{StaticOptions, solve_static};
 use integration_tests::lines::{EN, scene_line};
@@ -77,7 +77,7 @@ fn a_strip_feels_the_flexibility_of_the_wire_anywhere_on_a_coarse_mesh() {
         };
         let mut worst = [0.0_f64; 2];
         for (corrected, worst) in worst.iter_mut().enumerate() {
-            let curve: Arc<dyn Curve> = if corrected == 1 {
+            let curve: Arc<dyn WireCurve> = if corrected == 1 {
                 Arc::new(compliant(wire.geometry(), 0.0))
             } else {
                 wire.geometry().clone()

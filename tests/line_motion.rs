@@ -145,7 +145,7 @@ where
 }
 
 /// Contact force, N, in every millisecond of half a second under a strip that runs through the second span at 60 m/s.
-fn contact_force<L>(alone: Alone<L>, curve: std::sync::Arc<dyn catenary::Curve>) -> Vec<f64>
+fn contact_force<L>(alone: Alone<L>, curve: std::sync::Arc<dyn catenary::WireCurve>) -> Vec<f64>
 where
     Alone<L>: System,
 {

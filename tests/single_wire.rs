@@ -1,6 +1,6 @@
 //! One wire as a system, for comparisons with closed forms and published examples.
 use catenary::{
-    AxialLaw, BendingLaw, ContactPair, Curve, CurveColumns, CurvePoint, NodeMap, Rayleigh, Wire, WireGeometry,
+    AxialLaw, BendingLaw, ContactPair, CurveColumns, CurvePoint, NodeMap, Rayleigh, Wire, WireCurve, WireGeometry,
     WireSection, mass_matrix,
 };
 use dynamics::{

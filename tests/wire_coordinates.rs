@@ -1,6 +1,6 @@
 //! The choice of a wire's coordinates is its own affair: integrator and contact do not know which they are.
 use catenary::{
-    AxialLaw, BendingLaw, ContactPair, ContactTangent, Curve, Enrichment, NodeMap, PenaltyContact, PrescribedStrip,
+    AxialLaw, BendingLaw, ContactPair, ContactTangent, Enrichment, NodeMap, PenaltyContact, PrescribedStrip, WireCurve,
     WireGeometry, WireSection,
 };
 use dynamics::{NewtonOptions, StaticOptions, solve_static};
@@ -49,7 +49,7 @@ fn wire(per_node: usize, layer: bool) -> SingleWire {
         stiffness: STIFFNESS,
         damping: 0.0,
     };
-    let curve: Arc<dyn Curve> = wire.geometry().clone();
+    let curve: Arc<dyn WireCurve> = wire.geometry().clone();
     let strip = Box::new(PrescribedStrip { first: 0 });
     wire.contact = Some(ContactPair::new(law, curve, strip, 1.2, ContactTangent::RankOne));
     wire

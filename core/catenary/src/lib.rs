@@ -17,66 +17,43 @@
 #![forbid(unsafe_code)]
 
 mod ancf;
-mod anchor;
-mod attachment;
-mod beam_wire;
 mod contact;
-mod curve;
 mod dropper;
-mod exchange;
 mod line;
-mod line_at_rest;
-mod line_end;
-mod linear_force;
-mod linear_line;
-mod model;
-mod overhead_line;
-mod registration_arm;
-mod signals;
+mod simd;
 mod statics;
 mod subsystem;
 mod support;
-mod topology;
-mod transpose;
 mod unilateral;
-mod window;
 mod wire;
-mod wires_in_wind;
 
 pub use ancf::{
     AxialLaw, Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, BendingLaw, Cable,
     CableSection, Coordinates, ShapeFunctions, Tangent, beam_mass_matrix, beam_shape, bending_matrix, mass_matrix,
     nominal_stretch, tension_matrix,
 };
-pub use anchor::Anchor;
-pub use attachment::Attachment;
 pub use contact::{
-    Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, CorrectedWire, LoadCorrection, OnWire,
-    PenaltyContact, PrescribedStrip, ResidualCompliance, STRIP_INPUTS, STRIP_VALUES, Sensitivity, SlidingJoint,
-    StripContact,
+    Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, CorrectedWire, CurveColumn, CurveColumns,
+    CurvePoint, LoadCorrection, OnWire, PenaltyContact, PrescribedStrip, ResidualCompliance, STRIP_INPUTS,
+    STRIP_VALUES, Sensitivity, SlidingJoint, StripContact, WireCurve,
 };
-pub use curve::{Curve, CurveColumn, CurveColumns, CurvePoint};
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
-pub use exchange::SAMPLES;
-pub use line::{DropperSample, Line};
-pub use line_at_rest::LineAtRest;
-pub use line_end::{LineEnd, LineEnds};
-pub use linear_force::LinearForce;
-pub use linear_line::{LinearDropper, LinearDroppers, LinearLine};
-pub use model::{CatenaryError, Model, contact_pair, scene_line, static_line, strip_contact};
-pub use overhead_line::{OverheadLine, adopt_state, follow_strips};
-pub use registration_arm::RegistrationArms;
+pub use line::{
+    BendingLayers, Dimension, DropperPlace, DropperSample, Line, LineOptions, LinearDropper, LinearDroppers,
+    LinearForce, LinearLine, MassCorrection, OverheadLine, Topology, WindowSize, WindowedLine, WireName, adopt_state,
+    follow_strips,
+};
 pub use statics::{
     DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport, SupportReport,
     TensionReport,
 };
-pub use subsystem::{Checkpoint, ContactOutputs, StripStart, Subsystem};
-pub use support::Supports;
-pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, MassCorrection, Topology, WireName};
+pub use subsystem::{
+    CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StripStart, Subsystem, contact_pair,
+    scene_line, static_line, strip_contact,
+};
+pub use support::{Anchor, Attachment, LineEnd, LineEnds, RegistrationArms, Supports};
 pub use unilateral::{UnilateralStart, UnilateralStep};
-pub use window::{WindowSize, WindowedLine};
 pub use wire::{
     DirectorInertia, Directors, Enrichment, NodeMap, Rayleigh, Wire, WireDirectors, WireDrag, WireGeometry, WireNode,
-    WirePoint, WireSection,
+    WirePoint, WireSection, WiresInWind,
 };
-pub use wires_in_wind::WiresInWind;

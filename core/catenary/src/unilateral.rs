@@ -1,5 +1,5 @@
 //! What a time step knows at its beginning of what presses or pulls one way only: a contact, a dropper.
-use crate::ancf::Number;
+use crate::simd::Number;
 use dynamics::Weights;
 
 /// `max(0, k δ + φ d δ̇)`, N: the force of a spring `k` (N/m) and a damper `d` (N·s/m) that act one way only, the damper for the `part`

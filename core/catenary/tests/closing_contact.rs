@@ -1,5 +1,5 @@
 //! A strip that closes on a block of wire: every step has an end, and the bounce is the exact one as the step shrinks.
-use catenary::{Compliance, ContactPair, ContactTangent, Curve, CurveColumns, CurvePoint, PenaltyContact};
+use catenary::{Compliance, ContactPair, ContactTangent, CurveColumns, CurvePoint, PenaltyContact, WireCurve};
 use dynamics::{
     Blocks, Checkpoint, Columns, Constraint, Force, Frame, Jacobian, Layout, Marker, Motion, NewtonOptions, Simulator,
     System,
@@ -22,7 +22,7 @@ struct Block {
     compliance: f64,
 }
 
-impl Curve for Block {
+impl WireCurve for Block {
     fn length(&self) -> f64 {
         2.0
     }

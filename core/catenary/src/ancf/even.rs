@@ -1,5 +1,5 @@
 //! Constant matrices of an element that are the same from either end.
-use super::number::{Number, Space};
+use crate::simd::{Number, Space};
 use nalgebra::Matrix4;
 
 /// A symmetric 4 × 4 matrix `A` on `e = (r₁, r₁,ₓ, r₂, r₂,ₓ)` that an element seen from its other end has as well, as all integrals

@@ -14,16 +14,12 @@
 //! beam       the beam element: the cable's axis and two directors per node, energy, force and tangent in the 24 coordinates
 //! strain     what a beam has beyond the stretch of its axis: shear, torsion, bending, strain of the cross-section
 //! even       constant matrices of an element that are the same from either end, as batches of elements multiply them
-//! number     what laws compute with: the numbers and vectors of one element, or of several side by side
-//! lanes      several elements side by side in vector registers
 //! ```
 mod axial;
 mod beam;
 mod bending;
 mod cable;
 mod even;
-mod lanes;
-mod number;
 mod shape;
 mod slopes;
 mod strain;
@@ -38,7 +34,5 @@ pub use beam::{
 pub use bending::BendingLaw;
 pub use cable::{Cable, CableSection, Coordinates, Tangent};
 pub(crate) use even::EvenMatrix;
-pub(crate) use lanes::{Components, GROUP, Lanes};
-pub(crate) use number::{Number, Space};
 pub use shape::{ShapeFunctions, bending_matrix, mass_matrix, tension_matrix};
 pub(crate) use slopes::{Length, Slopes};

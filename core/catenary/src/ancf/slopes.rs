@@ -1,5 +1,5 @@
 //! What the strain of an element depends on.
-use super::number::{Number, Space};
+use crate::simd::{Number, Space};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Length of an element, m, and what laws divide by it.

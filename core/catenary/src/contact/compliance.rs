@@ -1,6 +1,6 @@
 //! What a mesh lacks of a wire's flexibility under a moving point force.
 use crate::{
-    AxialLaw, BendingLaw, Curve, CurveColumns, Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireSection,
+    AxialLaw, BendingLaw, CurveColumns, Enrichment, NodeMap, Rayleigh, Wire, WireCurve, WireGeometry, WireSection,
 };
 use dynamics::{Blocks, Force, Motion, Weights};
 use nalgebra::{DMatrix, DVector, Vector3};

@@ -1,6 +1,6 @@
 //! A wire with what makes up for the coarseness of its mesh under strips.
 use super::{Compliance, LoadCorrection, ResidualCompliance};
-use crate::{Curve, CurveColumns, CurvePoint, WireGeometry};
+use crate::{CurveColumns, CurvePoint, WireCurve, WireGeometry};
 use std::sync::Arc;
 
 /// A wire with what makes up for the coarseness of its mesh and of the time step under strips.
@@ -14,7 +14,7 @@ pub struct CorrectedWire {
     pub load: Option<LoadCorrection>,
 }
 
-impl Curve for CorrectedWire {
+impl WireCurve for CorrectedWire {
     fn length(&self) -> f64 {
         self.geometry.length()
     }

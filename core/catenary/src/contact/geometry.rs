@@ -1,5 +1,5 @@
 //! Where a wire and a strip are closest.
-use crate::{Curve, CurvePoint};
+use crate::{CurvePoint, WireCurve};
 use dynamics::Frame;
 use nalgebra::Vector3;
 
@@ -46,7 +46,7 @@ impl ContactGeometry {
     /// Finds the contact by Newton on the arc length [Thesis, section 4.2.2] from `start`; where that leaves the wire or does
     /// not settle, by bisection over the whole wire. `None` where the strip is before the beginning or behind the end of the wire.
     #[must_use]
-    pub fn search(curve: &dyn Curve, strip: &Frame, start: f64, q: &[f64], v: &[f64]) -> Option<Self> {
+    pub fn search(curve: &dyn WireCurve, strip: &Frame, start: f64, q: &[f64], v: &[f64]) -> Option<Self> {
         let axis: Vector3<f64> = strip.axes.column(1).into();
         let length = curve.length();
         let mut s = start.clamp(0.0, length);
@@ -69,7 +69,7 @@ impl ContactGeometry {
         Self::bisect(curve, strip, &axis, q, v)
     }
 
-    fn bisect(curve: &dyn Curve, strip: &Frame, axis: &Vector3<f64>, q: &[f64], v: &[f64]) -> Option<Self> {
+    fn bisect(curve: &dyn WireCurve, strip: &Frame, axis: &Vector3<f64>, q: &[f64], v: &[f64]) -> Option<Self> {
         let (mut low, mut high) = (0.0, curve.length());
         let residual = |s: f64| condition(&curve.point(s, q, v), strip, axis).0;
         if residual(low) > 0.0 || residual(high) < 0.0 {

@@ -1,4 +1,20 @@
 //! Contact between the contact wire and collector strips.
+//!
+//! ```text
+//! file            subject
+//! wire_curve      the contact wire as contact sees it
+//! corrected_wire  a wire with the corrections of its mesh and of the time step
+//! compliance      deflection under a strip that the mesh lacks
+//! moving_load     force that a corrected inertia asks for under a moving strip
+//! geometry        contact point of a wire and a strip
+//! law             penalty law
+//! state           gap, force and their derivatives at one instant
+//! sides           columns of wire and strip at their contact
+//! pair            penalty contact as a contribution of forces
+//! sliding_joint   bilateral contact as a constraint
+//! on_wire         a strip under either law
+//! strip           a strip whose motion is prescribed
+//! ```
 mod compliance;
 mod corrected_wire;
 mod geometry;
@@ -10,6 +26,7 @@ mod sides;
 mod sliding_joint;
 mod state;
 mod strip;
+mod wire_curve;
 
 pub use compliance::{Compliance, ResidualCompliance};
 pub use corrected_wire::CorrectedWire;
@@ -21,3 +38,4 @@ pub use pair::{ContactPair, ContactTangent};
 pub use sliding_joint::SlidingJoint;
 pub use state::{ContactState, Sensitivity};
 pub use strip::{PrescribedStrip, STRIP_INPUTS, STRIP_VALUES};
+pub use wire_curve::{CurveColumn, CurveColumns, CurvePoint, WireCurve};

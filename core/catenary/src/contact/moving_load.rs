@@ -1,7 +1,7 @@
 //! A force that moves along a wire whose inertia is corrected for the time step.
 use super::ContactGeometry;
 use super::state::slide;
-use crate::{Curve, CurveColumns};
+use crate::{CurveColumns, WireCurve};
 use dynamics::Frame;
 
 /// What the correction of a wire's inertia for the time step `h` asks of forces that move along the wire.
@@ -99,7 +99,7 @@ impl MovingLoad {
     }
 
     /// Finds what is added in the step that ends at `t` s, as predicted.
-    pub fn begin_step(&mut self, geometry: &ContactGeometry, curve: &dyn Curve, strip: &Frame, t: f64) {
+    pub fn begin_step(&mut self, geometry: &ContactGeometry, curve: &dyn WireCurve, strip: &Frame, t: f64) {
         self.clear_terms();
         let Some(LoadCorrection { step, kappa }) = curve.load_correction() else {
             return;
@@ -163,7 +163,7 @@ impl MovingLoad {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{CorrectedWire, Curve};
+    use crate::{CorrectedWire, WireCurve};
     use crate::{NodeMap, WireGeometry};
     use nalgebra::{Matrix3, Vector3};
     use std::sync::Arc;

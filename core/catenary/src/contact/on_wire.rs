@@ -1,6 +1,6 @@
 //! A strip on a wire, whatever the law between them.
 use super::{ContactPair, ContactState, SlidingJoint};
-use crate::Curve;
+use crate::WireCurve;
 use dynamics::{Constraint, Force, Frame, Marker, Motion};
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ pub trait OnWire {
     fn strip(&self, motion: &Motion<'_>) -> Frame;
 
     /// Goes on with another wire, which continues the one before.
-    fn set_curve(&mut self, curve: Arc<dyn Curve>);
+    fn set_curve(&mut self, curve: Arc<dyn WireCurve>);
 }
 
 /// A strip on a wire under the law of a scene.
@@ -64,7 +64,7 @@ impl OnWire for StripContact {
         }
     }
 
-    fn set_curve(&mut self, curve: Arc<dyn Curve>) {
+    fn set_curve(&mut self, curve: Arc<dyn WireCurve>) {
         match self {
             Self::Penalty(pair) => pair.set_curve(curve),
             Self::SlidingJoint(joint) => joint.set_curve(curve),

@@ -3,7 +3,7 @@ use super::moving_load::MovingLoad;
 use super::sides::Sides;
 use super::state::{ContactState, Sensitivity, Variation, vary};
 use super::{ContactGeometry, OnWire, PenaltyContact};
-use crate::{Curve, CurveColumns, UnilateralStart, UnilateralStep};
+use crate::{CurveColumns, UnilateralStart, UnilateralStep, WireCurve};
 use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ pub struct ContactPair {
     law: PenaltyContact,
     /// Stiffness of the scene, N/m; that of `law` is lower while the line settles.
     stiffness: f64,
-    curve: Arc<dyn Curve>,
+    curve: Arc<dyn WireCurve>,
     strip: Box<dyn Marker>,
     width: f64,
     tangent: ContactTangent,
@@ -52,7 +52,7 @@ impl ContactPair {
     #[must_use]
     pub fn new(
         law: PenaltyContact,
-        curve: Arc<dyn Curve>,
+        curve: Arc<dyn WireCurve>,
         strip: Box<dyn Marker>,
         width: f64,
         tangent: ContactTangent,
@@ -212,7 +212,7 @@ impl OnWire for ContactPair {
         self.strip.frame(motion)
     }
 
-    fn set_curve(&mut self, curve: Arc<dyn Curve>) {
+    fn set_curve(&mut self, curve: Arc<dyn WireCurve>) {
         self.curve = curve;
         self.load.clear_terms();
     }

@@ -1,7 +1,7 @@
 //! What a force along the common normal of a wire and a strip does to the coordinates of both.
 use super::ContactGeometry;
 use super::state::{Variation, vary};
-use crate::{Curve, CurveColumns};
+use crate::{CurveColumns, WireCurve};
 use dynamics::{Columns, Frame, Marker, Motion};
 use nalgebra::Vector3;
 
@@ -15,7 +15,7 @@ pub(super) struct Sides<'a> {
 }
 
 impl<'a> Sides<'a> {
-    pub fn new(geometry: &'a ContactGeometry, curve: &dyn Curve, strip: &dyn Marker, motion: &Motion<'_>) -> Self {
+    pub fn new(geometry: &'a ContactGeometry, curve: &dyn WireCurve, strip: &dyn Marker, motion: &Motion<'_>) -> Self {
         let mut sides = Self {
             geometry,
             wire: CurveColumns::default(),

@@ -1,7 +1,7 @@
 //! A strip that is held on a wire and slides along it.
 use super::sides::Sides;
 use super::{ContactGeometry, ContactState, ContactTangent, OnWire, PrescribedStrip};
-use crate::{Curve, CurveColumns};
+use crate::{CurveColumns, WireCurve};
 use dynamics::{Columns, Constraint, Force, Frame, JacobianRows, Marker, Motion, Updates, Weights};
 use std::sync::Arc;
 
@@ -43,7 +43,7 @@ use std::sync::Arc;
 /// *In time.* The integrator holds `ġ` rather than `g`: slopes are continuous, so that the impulse of a step is right wherever in it a
 /// border is passed. See [`dynamics::GeneralizedAlpha`] for what becomes of `g`, and for the multiplier that is reported.
 pub struct SlidingJoint {
-    curve: Arc<dyn Curve>,
+    curve: Arc<dyn WireCurve>,
     strip: Box<dyn Marker>,
     tangent: ContactTangent,
     /// Number of its multiplier in the system.
@@ -60,7 +60,7 @@ impl SlidingJoint {
     /// A strip, seen through its marker (second axis along the strip), on a wire; its equation has the number `multiplier` in its
     /// system.
     #[must_use]
-    pub fn new(curve: Arc<dyn Curve>, strip: Box<dyn Marker>, multiplier: usize, tangent: ContactTangent) -> Self {
+    pub fn new(curve: Arc<dyn WireCurve>, strip: Box<dyn Marker>, multiplier: usize, tangent: ContactTangent) -> Self {
         Self {
             curve,
             strip,
@@ -110,7 +110,7 @@ impl OnWire for SlidingJoint {
         self.strip.frame(motion)
     }
 
-    fn set_curve(&mut self, curve: Arc<dyn Curve>) {
+    fn set_curve(&mut self, curve: Arc<dyn WireCurve>) {
         self.curve = curve;
     }
 }

@@ -30,7 +30,7 @@ impl Marker for Loose {
 /// A wire that yields by `1 + sin s/2` µm/N beyond its coordinates.
 struct Yielding(WireGeometry);
 
-impl Curve for Yielding {
+impl WireCurve for Yielding {
     fn length(&self) -> f64 {
         self.0.length()
     }
@@ -71,7 +71,7 @@ fn on_curve(
     roll: f64,
     damping: f64,
     tangent: ContactTangent,
-    curve: impl Fn(WireGeometry) -> Arc<dyn Curve>,
+    curve: impl Fn(WireGeometry) -> Arc<dyn WireCurve>,
 ) -> ContactPair {
     let direction = Vector3::new(1.0, 0.03, 0.0).normalize();
     let geometry = WireGeometry::straight(Vector3::zeros(), direction, &[5.0, 5.0], |node| {

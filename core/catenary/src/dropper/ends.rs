@@ -2,7 +2,7 @@
 use super::Dropper;
 use super::lanes::{Array, LANES};
 use crate::Attachment;
-use crate::transpose::Transpose;
+use crate::simd::Transpose;
 use pulp::Simd;
 
 /// Where the coordinates of the upper and the lower ends of some droppers stand among those of the system.

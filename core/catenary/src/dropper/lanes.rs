@@ -1,8 +1,7 @@
 //! Droppers side by side in the lanes of vector registers.
 use super::ends::Ends;
 use super::{Dropper, DropperLaw};
-use crate::ancf::{Components, GROUP, Lanes, Number, Space};
-use crate::transpose::Transpose;
+use crate::simd::{Components, GROUP, Lanes, Number, Space, Transpose};
 use crate::unilateral::unilateral_force;
 use crate::{Attachment, UnilateralStart, UnilateralStep};
 use dynamics::Motion;

@@ -1,8 +1,8 @@
 //! Form finding: the shape and the lengths of a line whose contact wire is held at its heights.
 use super::load::{DeadLoad, LateralPull};
 use super::{StaticsError, options};
+use crate::line::WireCoordinates;
 use crate::line::{Equilibrium, layers, wire};
-use crate::topology::WireCoordinates;
 use crate::{Attachment, Topology, Wire, WireGeometry, WireName, WireNode};
 use dynamics::{Force, Layout, System, solve_static};
 use nalgebra::Vector3;

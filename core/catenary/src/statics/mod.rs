@@ -22,9 +22,9 @@ pub(crate) use repeat::Repeat;
 pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, TensionReport};
 
 use crate::line::Equilibrium;
-use crate::window::{Cells, Source};
+use crate::line::window::{Cells, Source};
 use crate::{
-    Curve, CurveColumns, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName,
+    CurveColumns, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireCurve, WireGeometry, WireName,
     WiresInWind,
 };
 use dynamics::{Force, Layout, NewtonOptions, State, StaticOptions, System, solve_static};
@@ -297,7 +297,7 @@ impl StaticLine {
         force: f64,
         mut state: State,
     ) -> Result<StaticAnswer, StaticsError> {
-        let curve: Arc<dyn Curve> = system.line.contact_curve();
+        let curve: Arc<dyn WireCurve> = system.line.contact_curve();
         let options = StaticOptions::default();
         let mut s = system.line.contact_wire_s(x, &state.q);
         // The wire slides past x by fractions of a millimetre: the second or third pass finds the same point again.

@@ -1,7 +1,7 @@
 //! A long line of equal spans, known from a short one.
 use super::{ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport};
 use crate::LineOptions;
-use crate::window::{SAME, Source};
+use crate::line::window::{SAME, Source};
 use scene::Catenary;
 
 /// Spans at either end of a line that may differ from its periodic middle.

@@ -2,7 +2,7 @@
 use super::enrichment::{End, Enrichment, Layer};
 use super::node::{NodeMap, WireNode};
 use crate::ancf::ShapeFunctions;
-use crate::curve::{Curve, CurveColumns, CurvePoint};
+use crate::{CurveColumns, CurvePoint, WireCurve};
 use nalgebra::{Vector3, Vector4};
 
 /// Reference and coordinates of a wire; immutable and shared by all that touch the wire.
@@ -257,7 +257,7 @@ fn combination(weights: &Vector4<f64>, e: &[Vector3<f64>; 4]) -> Vector3<f64> {
     e[0] * weights[0] + e[1] * weights[1] + e[2] * weights[2] + e[3] * weights[3]
 }
 
-impl Curve for WireGeometry {
+impl WireCurve for WireGeometry {
     fn length(&self) -> f64 {
         self.starts[self.lengths.len()]
     }

@@ -1,8 +1,7 @@
 //! Between the coordinates of a system and the arrays of a batch of elements.
 use super::node::WireNode;
 use super::rows::{Rows, gather, scatter};
-use crate::ancf::GROUP;
-use crate::transpose::Transpose;
+use crate::simd::{GROUP, Transpose};
 use pulp::Simd;
 use std::ops::Range;
 

@@ -1,7 +1,6 @@
 //! The numbers of nodes, as they follow each other among the coordinates and as elements take them.
 use super::places::{NODES, NodeArrays};
-use crate::ancf::GROUP;
-use crate::transpose::{Transpose, change, run};
+use crate::simd::{GROUP, Transpose, change, run};
 use pulp::Simd;
 
 /// The numbers of each node of a block one after the other, in the order of [`Transpose`]: the first four, then those after them.

@@ -1,7 +1,7 @@
 //! A wire between pins and a mass that slides along it.
 use catenary::{
-    AxialLaw, BendingLaw, ContactPair, ContactTangent, Curve, CurveColumns, NodeMap, PenaltyContact, Rayleigh,
-    SlidingJoint, StripContact, Wire, WireGeometry, WireSection,
+    AxialLaw, BendingLaw, ContactPair, ContactTangent, CurveColumns, NodeMap, PenaltyContact, Rayleigh, SlidingJoint,
+    StripContact, Wire, WireCurve, WireGeometry, WireSection,
 };
 use dynamics::{
     Blocks, Columns, Constraint, Force, Frame, Jacobian, Layout, Marker, Motion, NewtonOptions, Simulator, SplitMix64,
@@ -230,7 +230,7 @@ pub fn start(case: &Case, law: Law) -> Simulator<Slide> {
         Jacobian::Full => ContactTangent::Exact,
         Jacobian::Modified => ContactTangent::RankOne,
     };
-    let curve: Arc<dyn Curve> = system.geometry.clone();
+    let curve: Arc<dyn WireCurve> = system.geometry.clone();
     let (contact, at) = match law {
         Law::Joint => {
             let multiplier = system.layout.add_constraints(1);

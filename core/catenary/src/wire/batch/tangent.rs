@@ -1,6 +1,7 @@
 //! The tangent of the elements.
 use super::{BLOCK, Block, Group, GroupLanes, Sweep, TangentGroup, Transpose};
-use crate::ancf::{CableSection, EvenMatrix, GROUP, Lanes};
+use crate::ancf::{CableSection, EvenMatrix};
+use crate::simd::{GROUP, Lanes};
 use dynamics::{Blocks, Motion, Weights};
 use pulp::{Arch, Simd, WithSimd};
 

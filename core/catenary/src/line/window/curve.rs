@@ -1,5 +1,5 @@
 //! The contact wire of a window.
-use crate::{Compliance, Curve, CurveColumns, CurvePoint, LoadCorrection};
+use crate::{Compliance, CurveColumns, CurvePoint, LoadCorrection, WireCurve};
 use std::sync::Arc;
 
 /// The contact wire within the window, which starts at x = 0 in its own numbers, where it stands along the track: at `origin` plus
@@ -8,14 +8,14 @@ use std::sync::Arc;
 /// The parameter is that of the window's own wire, so that it falls back by a span when the window moves on: the search for the
 /// contact finds it again from anywhere.
 pub(super) struct WindowCurve {
-    pub inner: Arc<dyn Curve>,
+    pub inner: Arc<dyn WireCurve>,
     /// Coordinate of the distance that the window has travelled, m.
     pub position: usize,
     /// x of the window's left support at the start, m.
     pub origin: f64,
 }
 
-impl Curve for WindowCurve {
+impl WireCurve for WindowCurve {
     fn length(&self) -> f64 {
         self.inner.length()
     }

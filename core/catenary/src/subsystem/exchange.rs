@@ -46,20 +46,20 @@ impl Rates {
 
 /// Integrates force, impulse and work of each strip over the internal steps by the trapezoidal rule.
 #[derive(Debug, Default)]
-pub(crate) struct Tally {
+pub(crate) struct ContactIntegrals {
     last: Vec<Rates>,
     integral: Vec<Rates>,
-    /// Contact force after each internal step as (τ, N), one list per strip.
-    course: Vec<Vec<(f64, f64)>>,
+    /// Contact force after each internal step as (τ in s, N), one list per strip.
+    history: Vec<Vec<(f64, f64)>>,
     tau: f64,
 }
 
-impl Tally {
+impl ContactIntegrals {
     pub fn new(strips: usize) -> Self {
         Self {
             last: vec![Rates::default(); strips],
             integral: vec![Rates::default(); strips],
-            course: vec![Vec::with_capacity(64); strips],
+            history: vec![Vec::with_capacity(64); strips],
             tau: 0.0,
         }
     }
@@ -70,8 +70,8 @@ impl Tally {
         for (i, pair) in model.contacts.iter().enumerate() {
             self.last[i] = Rates::of(pair, motion);
             self.integral[i] = Rates::default();
-            self.course[i].clear();
-            self.course[i].push((0.0, self.last[i].force));
+            self.history[i].clear();
+            self.history[i].push((0.0, self.last[i].force));
         }
     }
 
@@ -85,28 +85,28 @@ impl Tally {
             integral.on_strip += 0.5 * dt * (last.on_strip + now.on_strip);
             integral.power += 0.5 * dt * (last.power + now.power);
             self.last[i] = now;
-            self.course[i].push((self.tau, now.force));
+            self.history[i].push((self.tau, now.force));
         }
     }
 
     /// Ends the communication step.
     pub fn finish(&self, exchanges: &mut [Exchange]) {
         let h = self.tau;
-        for ((exchange, integral), course) in exchanges.iter_mut().zip(&self.integral).zip(&self.course) {
+        for ((exchange, integral), history) in exchanges.iter_mut().zip(&self.integral).zip(&self.history) {
             exchange.mean_force = integral.force / h;
             exchange.mean_on_strip = integral.on_strip / h;
             exchange.work += integral.power;
             for (j, sample) in exchange.samples.iter_mut().enumerate() {
-                *sample = interpolate(course, h * (j + 1) as f64 / SAMPLES as f64);
+                *sample = interpolate(history, h * (j + 1) as f64 / SAMPLES as f64);
             }
-            exchange.samples[SAMPLES - 1] = course[course.len() - 1].1;
+            exchange.samples[SAMPLES - 1] = history[history.len() - 1].1;
         }
     }
 }
 
-/// Linear interpolation in a course that starts at τ = 0.
-fn interpolate(course: &[(f64, f64)], tau: f64) -> f64 {
-    let next = course.partition_point(|&(at, _)| at < tau).clamp(1, course.len() - 1);
-    let ((a, from), (b, to)) = (course[next - 1], course[next]);
+/// Linear interpolation in a history that starts at τ = 0.
+fn interpolate(history: &[(f64, f64)], tau: f64) -> f64 {
+    let next = history.partition_point(|&(at, _)| at < tau).clamp(1, history.len() - 1);
+    let ((a, from), (b, to)) = (history[next - 1], history[next]);
     from + (to - from) * ((tau - a) / (b - a)).clamp(0.0, 1.0)
 }

@@ -1,8 +1,25 @@
 //! The line as one simulation unit: strips come in, contact forces go out.
+//!
+//! ```text
+//! file      subject
+//! model     the line of a scene together with the strips on it
+//! exchange  forces and work between strips and line over a communication step
+//! signals   names, units and dependencies of inputs and outputs
+//! at_rest   static equilibrium over strips of given heights
+//! ```
+mod at_rest;
+mod exchange;
+mod model;
+mod signals;
+
+pub use at_rest::LineAtRest;
+pub use exchange::SAMPLES;
+use exchange::{ContactIntegrals, Exchange};
+pub use model::{CatenaryError, Model, contact_pair, scene_line, static_line, strip_contact};
+use signals::input_direction;
+
 use crate::contact::{ContactPair, ContactState, STRIP_INPUTS, STRIP_VALUES};
-use crate::exchange::{Exchange, SAMPLES, Tally};
-use crate::signals::input_direction;
-use crate::{CatenaryError, Model, OverheadLine, StaticLine, scene_line};
+use crate::{OverheadLine, StaticLine};
 use dynamics::{Counters, FollowedInput, Layout, Simulator, StaticOptions, StepError, System};
 use nalgebra::Vector3;
 use scene::Scene;
@@ -75,7 +92,7 @@ pub struct Subsystem {
     follow_velocity: bool,
     exchanges: Vec<Exchange>,
     before: Checkpoint,
-    tally: Tally,
+    integrals: ContactIntegrals,
     u: Vec<f64>,
     /// Contact quantities already evaluated since the last change.
     outputs: Vec<Option<ContactOutputs>>,
@@ -115,7 +132,7 @@ impl Subsystem {
             follow_velocity: true,
             exchanges: vec![Exchange::default(); strips],
             before: Checkpoint::default(),
-            tally: Tally::new(strips),
+            integrals: ContactIntegrals::new(strips),
             outputs: vec![None; strips],
             u,
         })
@@ -231,18 +248,18 @@ impl Subsystem {
     }
 
     fn advance(&mut self, t: f64, h: f64) -> Result<(), StepError> {
-        let mut tally = std::mem::take(&mut self.tally);
+        let mut integrals = std::mem::take(&mut self.integrals);
         let (model, motion) = self.simulator.parts();
-        tally.begin(model, &motion);
+        integrals.begin(model, &motion);
         let (inputs, follow) = (&self.inputs, self.follow_velocity);
         let result = self.simulator.advance(
             t,
             h,
             &mut |tau, u| follow_inputs(inputs, follow, tau, u),
-            &mut |model, motion, _, dt| tally.add(model, &motion, dt),
+            &mut |model, motion, _, dt| integrals.add(model, &motion, dt),
         );
         if result.is_ok() {
-            tally.finish(&mut self.exchanges);
+            integrals.finish(&mut self.exchanges);
             follow_inputs(&self.inputs, self.follow_velocity, h, &mut self.u);
             for (inputs, values) in strips_of(&mut self.inputs, &mut self.u) {
                 for (input, value) in inputs.iter_mut().zip(values) {
@@ -250,7 +267,7 @@ impl Subsystem {
                 }
             }
         }
-        self.tally = tally;
+        self.integrals = integrals;
         result
     }
 

@@ -3,7 +3,7 @@ use super::far::Ground;
 use super::plan::Arrangement;
 use super::{Fixed, SPONGE};
 use crate::Dimension;
-use crate::line_end::HOLDING_STIFFNESS;
+use crate::support::HOLDING_STIFFNESS;
 use scene::WireEnds;
 
 impl Fixed {

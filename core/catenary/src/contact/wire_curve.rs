@@ -78,7 +78,7 @@ impl CurveColumns {
 ///
 /// A spatial wire has 12 columns per point, a planar one 8, an enriched one more; contact, droppers and supports do not
 /// know which.
-pub trait Curve: Send + Sync {
+pub trait WireCurve: Send + Sync {
     /// Length of the parameter range `0 ≤ s ≤ length`, m.
     fn length(&self) -> f64;
 

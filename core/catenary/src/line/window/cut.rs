@@ -1,6 +1,6 @@
 //! Pieces of a line in its static state.
+use crate::line::WireCoordinates;
 use crate::line::{Equilibrium, layers};
-use crate::topology::WireCoordinates;
 use crate::{
     BendingLayers, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName, WireNode,
 };

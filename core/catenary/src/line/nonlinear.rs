@@ -1,11 +1,12 @@
 //! The overhead line as a list of contributions.
-use crate::beam_wire::directors;
-use crate::topology::WireCoordinates;
+
+use super::topology::WireCoordinates;
+use crate::wire::contact_wire_directors;
 use crate::{
-    Anchor, Attachment, AxialLaw, BendingLaw, CorrectedWire, Curve, Directors, Dropper, DropperLaw, Droppers,
-    Enrichment, LineEnd, LineEnds, LoadCorrection, MassCorrection, NodeMap, Rayleigh, RegistrationArms,
-    ResidualCompliance, Supports, Topology, Wire, WireDirectors, WireDrag, WireGeometry, WireName, WireNode,
-    WireSection, WiresInWind,
+    Anchor, Attachment, AxialLaw, BendingLaw, CorrectedWire, Directors, Dropper, DropperLaw, Droppers, Enrichment,
+    LineEnd, LineEnds, LoadCorrection, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance,
+    Supports, Topology, Wire, WireCurve, WireDirectors, WireDrag, WireGeometry, WireName, WireNode, WireSection,
+    WiresInWind,
 };
 use dynamics::{Force, Motion};
 use nalgebra::Vector3;
@@ -110,7 +111,7 @@ impl Line {
         let beam = catenary.contact_wire.beam.filter(|_| !equilibrium.directors.is_empty());
         let directors = beam.map(|beam| {
             contact_wire = contact_wire.without_bending();
-            directors(catenary, &beam, contact_wire.geometry(), &equilibrium.directors)
+            contact_wire_directors(catenary, &beam, contact_wire.geometry(), &equilibrium.directors)
         });
         let upper = |node: usize| Attachment::node(&messenger_wire.geometry().nodes()[node]);
         let lower = |node: usize| Attachment::node(&contact_wire.geometry().nodes()[node]);
@@ -236,7 +237,7 @@ impl Line {
 
     /// The contact wire as contact sees it.
     #[must_use]
-    pub fn contact_curve(&self) -> Arc<dyn Curve> {
+    pub fn contact_curve(&self) -> Arc<dyn WireCurve> {
         let geometry = Arc::clone(self.contact_wire.geometry());
         if self.compliance.is_none() && self.load.is_none() {
             return geometry;

@@ -1,5 +1,5 @@
 //! Numbers that follow each other among the coordinates, and one array per number: transposed in registers.
-use crate::ancf::GROUP;
+use super::GROUP;
 use pulp::{Interleave, Simd};
 
 /// Between rows of `K` numbers, 2 or 4, and `K` columns; each row belongs to one owner, a node or a dropper.

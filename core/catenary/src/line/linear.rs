@@ -1,9 +1,9 @@
 //! A line with constant matrices and unilateral droppers.
-use crate::linear_force::LinearForce;
+use super::LinearForce;
 use crate::unilateral::{restore_step, save_step};
 use crate::{
-    Attachment, Curve, DropperLaw, DropperSample, Line, StaticLine, UnilateralStart, UnilateralStep, Wire, WireDrag,
-    WireName,
+    Attachment, DropperLaw, DropperSample, Line, StaticLine, UnilateralStart, UnilateralStep, Wire, WireCurve,
+    WireDrag, WireName,
 };
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
 use std::sync::Arc;
@@ -179,7 +179,7 @@ pub struct LinearLine {
     wires: Vec<Wire>,
     force: LinearForce,
     droppers: LinearDroppers,
-    contact_wire: Arc<dyn Curve>,
+    contact_wire: Arc<dyn WireCurve>,
     /// Of the wires in the wind: not linear, as it is on the line itself.
     drag: Vec<WireDrag>,
     /// The line that this one stands for, where it stands for one: places only, never its forces.
@@ -189,7 +189,7 @@ pub struct LinearLine {
 impl LinearLine {
     /// A line of given matrices.
     #[must_use]
-    pub fn new(force: LinearForce, droppers: LinearDroppers, contact_wire: Arc<dyn Curve>) -> Self {
+    pub fn new(force: LinearForce, droppers: LinearDroppers, contact_wire: Arc<dyn WireCurve>) -> Self {
         Self {
             wires: Vec::new(),
             force,
@@ -341,7 +341,7 @@ impl LinearLine {
 
     /// The contact wire as contact sees it.
     #[must_use]
-    pub fn contact_curve(&self) -> Arc<dyn Curve> {
+    pub fn contact_curve(&self) -> Arc<dyn WireCurve> {
         Arc::clone(&self.contact_wire)
     }
 
@@ -400,7 +400,7 @@ impl Linear {
     }
 
     /// The line with these droppers.
-    fn with(mut self, droppers: LinearDroppers, contact_wire: Arc<dyn Curve>, layout: &Layout) -> LinearLine {
+    fn with(mut self, droppers: LinearDroppers, contact_wire: Arc<dyn WireCurve>, layout: &Layout) -> LinearLine {
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
         let mut of_wires = vec![0.0; self.load.len()];

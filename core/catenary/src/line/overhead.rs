@@ -1,5 +1,5 @@
 //! What contact and coupling need of a line, whatever it is made of.
-use crate::{Curve, DropperSample, Line, LinearLine, OnWire, WireName};
+use crate::{DropperSample, Line, LinearLine, OnWire, WireCurve, WireName};
 use dynamics::{Continuity, Force, Layout, Motion, State};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -12,7 +12,7 @@ pub trait OverheadLine: Send {
     fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force));
 
     /// The contact wire as contact sees it.
-    fn contact_curve(&self) -> Arc<dyn Curve>;
+    fn contact_curve(&self) -> Arc<dyn WireCurve>;
 
     /// Number of droppers that exert no force.
     fn slack_count(&self, motion: &Motion<'_>) -> usize;
@@ -135,7 +135,7 @@ impl OverheadLine for Line {
         self.forces(visit);
     }
 
-    fn contact_curve(&self) -> Arc<dyn Curve> {
+    fn contact_curve(&self) -> Arc<dyn WireCurve> {
         self.contact_curve()
     }
 
@@ -169,7 +169,7 @@ impl OverheadLine for LinearLine {
         self.forces(visit);
     }
 
-    fn contact_curve(&self) -> Arc<dyn Curve> {
+    fn contact_curve(&self) -> Arc<dyn WireCurve> {
         self.contact_curve()
     }
 

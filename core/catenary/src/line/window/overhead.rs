@@ -1,7 +1,7 @@
 //! A windowed line in the place of any other.
 use super::curve::WindowCurve;
 use super::{WindowedLine, span_at};
-use crate::{Curve, DropperSample, Line, OverheadLine, WireName};
+use crate::{DropperSample, Line, OverheadLine, WireCurve, WireName};
 use dynamics::{Continuity, Force, Motion, State};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -13,7 +13,7 @@ impl OverheadLine for WindowedLine {
         visit(&mut self.far);
     }
 
-    fn contact_curve(&self) -> Arc<dyn Curve> {
+    fn contact_curve(&self) -> Arc<dyn WireCurve> {
         Arc::new(WindowCurve {
             inner: self.inner.contact_curve(),
             position: self.fixed.position,

@@ -1,6 +1,6 @@
 //! The line as a component: the names, units and dependencies of what it exchanges.
+use super::SAMPLES;
 use crate::contact::STRIP_INPUTS;
-use crate::exchange::SAMPLES;
 use crate::{CatenaryError, Checkpoint, Sensitivity, StripStart, Subsystem, static_line};
 use component::{Component, Kind, Parameter, Role, Signal, StepFailure};
 use dynamics::StepError;
@@ -536,7 +536,7 @@ fn parameters(scene: &Scene) -> Vec<Parameter> {
 }
 
 /// The unit vectors a strip can be moved along by its inputs: translation, rotation and velocity per unit of input `input`.
-pub(crate) fn input_direction(input: usize) -> [Vector3<f64>; 3] {
+pub(super) fn input_direction(input: usize) -> [Vector3<f64>; 3] {
     let (zero, unit) = (Vector3::zeros(), Vector3::ith(input % 3, 1.0));
     match input {
         0..=2 => [unit, zero, zero],

@@ -1,0 +1,22 @@
+//! Fastenings of the wires: messenger supports, registration arms, tensioned ends.
+//!
+//! ```text
+//! file              subject
+//! attachment        a node of a wire and its displacements, as everything fastened to it sees them
+//! anchor            springs between a node and the ground, with the static reaction as preload
+//! messenger         supports of the messenger wire at the masts
+//! registration_arm  arms that pull the contact wire to its stagger
+//! line_end          ends of the wires under constant tension
+//! ```
+mod anchor;
+mod attachment;
+mod line_end;
+mod messenger;
+mod registration_arm;
+
+pub use anchor::Anchor;
+pub use attachment::Attachment;
+pub(crate) use line_end::HOLDING_STIFFNESS;
+pub use line_end::{LineEnd, LineEnds};
+pub use messenger::Supports;
+pub use registration_arm::RegistrationArms;
