@@ -21,7 +21,7 @@ fn statics(text: &str) -> (Scene, StaticLine) {
     (scene, line)
 }
 
-/// Where the entries of the iteration matrix stand, as an assembly into compressed columns has them.
+/// Places of the entries of the iteration matrix, as an assembly into compressed columns has them.
 fn places(line: &mut Line, motion: &Motion<'_>, weights: Weights) -> (Vec<u32>, usize) {
     let mut entries = Vec::new();
     let mut blocks = Blocks::record(&mut entries);

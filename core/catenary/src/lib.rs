@@ -1,19 +1,33 @@
-//! The overhead line: ANCF wires, droppers, supports, registration arms, statics, and the contact with collector strips.
+//! The overhead line: wires of ANCF elements, droppers, supports, registration arms, statics, contact with strips.
+//!
+//! ```text
+//! folder      subject
+//! ancf        laws and elements of the absolute nodal coordinate formulation
+//! wire        a chain of elements with damping, inertia, bending layers and wind
+//! support     fastenings of the wires: supports, registration arms, tensioned ends
+//! dropper     unilateral ties between the two wires
+//! line        the whole line: in full, linearised, or as a window that follows the strips
+//! statics     the static state and its answers to forces
+//! contact     contact wire against collector strips
+//! unilateral  force law that contacts and droppers share, over a time step
+//! subsystem   the line of a scene under prescribed strips as one simulation unit
+//! simd        several elements side by side in vector registers
+//! ```
 //!
 //! # Sources
-//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
-//!   Chicago, 2016.
+//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois
+//!   at Chicago, 2016.
 //! - `[Gerstmayr & Shabana 2006]` Analysis of thin beams and cables using the absolute nodal co-ordinate formulation,
 //!   Nonlinear Dynamics 45, doi 10.1007/s11071-006-1856-1.
-//! - `[Yakoub & Shabana 2001]` Three dimensional absolute nodal coordinate formulation for beam elements: implementation and
-//!   applications, Journal of Mechanical Design 123, doi 10.1115/1.1410099.
+//! - `[Yakoub & Shabana 2001]` Three dimensional absolute nodal coordinate formulation for beam elements:
+//!   implementation and applications, Journal of Mechanical Design 123, doi 10.1115/1.1410099.
 //! - `[Gerstmayr, Matikainen & Mikkola 2008]` A geometrically exact beam element based on the absolute nodal coordinate
 //!   formulation, Multibody System Dynamics 20, doi 10.1007/s11044-008-9125-3.
-//! - `[Nachbagauer, Gruber & Gerstmayr 2013]` Structural and continuum mechanics approaches for a 3D shear deformable ANCF beam
-//!   finite element: application to static and linearized dynamic examples, Journal of Computational and Nonlinear Dynamics 8,
-//!   doi 10.1115/1.4006787.
-//! - `[Bauchau et al. 2015]` Experimental validation of flexible multibody dynamics beam formulations, Multibody System Dynamics
-//!   34, doi 10.1007/s11044-014-9430-y.
+//! - `[Nachbagauer, Gruber & Gerstmayr 2013]` Structural and continuum mechanics approaches for a 3D shear deformable
+//!   ANCF beam finite element: application to static and linearized dynamic examples, Journal of Computational and
+//!   Nonlinear Dynamics 8, doi 10.1115/1.4006787.
+//! - `[Bauchau et al. 2015]` Experimental validation of flexible multibody dynamics beam formulations, Multibody System
+//!   Dynamics 34, doi 10.1007/s11044-014-9430-y.
 #![forbid(unsafe_code)]
 
 mod ancf;
@@ -29,13 +43,12 @@ mod wire;
 
 pub use ancf::{
     AxialLaw, Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, BendingLaw, Cable,
-    CableSection, Coordinates, ShapeFunctions, Tangent, beam_mass_matrix, beam_shape, bending_matrix, mass_matrix,
-    nominal_stretch, tension_matrix,
+    CableSection, Coordinates, Tangent, beam_mass_matrix, beam_shape, mass_matrix,
 };
 pub use contact::{
     Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, CorrectedWire, CurveColumn, CurveColumns,
-    CurvePoint, LoadCorrection, OnWire, PenaltyContact, PrescribedStrip, ResidualCompliance, STRIP_INPUTS,
-    STRIP_VALUES, Sensitivity, SlidingJoint, StripContact, WireCurve,
+    CurvePoint, LoadCorrection, OnWire, PenaltyContact, PrescribedStrip, ResidualCompliance, STRIP_VALUES, Sensitivity,
+    SlidingJoint, StripContact, WireCurve,
 };
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
 pub use line::{
@@ -51,9 +64,10 @@ pub use subsystem::{
     CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StripStart, Subsystem, contact_pair,
     scene_line, static_line, strip_contact,
 };
-pub use support::{Anchor, Attachment, LineEnd, LineEnds, RegistrationArms, Supports};
+pub use support::{Anchor, Attachment, RegistrationArms, Supports};
+pub(crate) use support::{LineEnd, LineEnds};
 pub use unilateral::{UnilateralStart, UnilateralStep};
+pub(crate) use wire::{DirectorInertia, Directors, WireDirectors};
 pub use wire::{
-    DirectorInertia, Directors, Enrichment, NodeMap, Rayleigh, Wire, WireDirectors, WireDrag, WireGeometry, WireNode,
-    WirePoint, WireSection, WiresInWind,
+    Enrichment, NodeMap, Rayleigh, Wire, WireDrag, WireGeometry, WireNode, WirePoint, WireSection, WiresInWind,
 };

@@ -1,36 +1,37 @@
-//! What a time step knows at its beginning of what presses or pulls one way only: a contact, a dropper.
+//! Unilateral law: a spring and a damper that only push (a contact) or only pull (a dropper), over a time step.
 use crate::simd::Number;
 use dynamics::Weights;
 
-/// `max(0, k δ + φ d δ̇)`, N: the force of a spring `k` (N/m) and a damper `d` (N·s/m) that act one way only, the damper for the `part`
-/// `φ` of the time the force stands for, see [`UnilateralStep`].
+/// `max(0, k δ + φ d δ̇)`, N: force of a unilateral spring `k` (N/m) and damper `d` (N·s/m). `part` is `φ`, the
+/// fraction of the time step in which the damper acts, see [`UnilateralStep`].
 #[inline(always)]
 pub(crate) fn unilateral_force<N: Number>((k, d): (f64, f64), part: N, delta: N, rate: N) -> N {
     (delta * k + part * d * rate).at_least(0.0)
 }
 
-/// What a time step knows at its beginning.
+/// Closure `δ⁺₀` with which a time step begins, see [`UnilateralStep`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum UnilateralStart {
-    /// Nothing: no step has ended yet, or there is no step. The damper acts wherever `δ > 0`.
+    /// No step has ended yet, or there is no step. The damper acts wherever `δ > 0`.
     Unknown,
-    /// `δ⁺₀` in m, see [`UnilateralStep`]; negative for what is open.
-    At(f64),
+    /// `δ⁺₀` in m; negative for an open contact or a slack dropper.
+    Known(f64),
 }
 
 impl UnilateralStart {
-    /// A strip that is beside the wire or beyond its ends: wherever it comes from, the damper leaves out the step in which it comes.
-    pub const APART: Self = Self::At(-f64::MAX);
+    /// A strip beside the wire or beyond its ends. The damper leaves out the step in which the strip arrives, from
+    /// wherever the strip comes.
+    pub const APART: Self = Self::Known(-f64::MAX);
 
-    /// Appends it to what a contribution saves.
+    /// Appends the closure to the values that a contribution saves.
     pub(crate) fn save(self, out: &mut Vec<f64>) {
         match self {
             Self::Unknown => out.extend([0.0, 0.0]),
-            Self::At(start) => out.extend([1.0, start]),
+            Self::Known(start) => out.extend([1.0, start]),
         }
     }
 
-    /// Takes back what [`UnilateralStart::save`] appended.
+    /// Reads the two values that [`UnilateralStart::save`] appended.
     pub(crate) fn restored(values: &mut std::slice::Iter<'_, f64>) -> Self {
         let mut next = || {
             *values
@@ -39,18 +40,19 @@ impl UnilateralStart {
         };
         match (next(), next()) {
             (0.0, _) => Self::Unknown,
-            (_, start) => Self::At(start),
+            (_, start) => Self::Known(start),
         }
     }
 }
 
-/// Appends half of the present step, s, and the `δ⁺₀` that many begin it with, m, to what a contribution saves.
+/// Appends half of the present step, s, and the closures `δ⁺₀` of all members, m, to the values that a contribution
+/// saves.
 pub(crate) fn save_step(half: f64, start_closure: &[f64], out: &mut Vec<f64>) {
     out.push(half);
     out.extend_from_slice(start_closure);
 }
 
-/// Takes back what [`save_step`] appended.
+/// Reads the values that [`save_step`] appended.
 pub(crate) fn restore_step(half: &mut f64, start_closure: &mut [f64], values: &mut std::slice::Iter<'_, f64>) {
     for value in std::iter::once(half).chain(start_closure) {
         *value = *values
@@ -59,16 +61,19 @@ pub(crate) fn restore_step(half: &mut f64, start_closure: &mut [f64], values: &m
     }
 }
 
-/// What a time step of `h` knows of a spring and a damper that act one way only, where `δ > 0`: how long the damper acts.
-/// `δ` is the penetration of a contact or the elongation of a dropper; closed is what is under force.
+/// Unilateral spring and damper over a time step of `h`: the fraction `φ` of the step in which the damper acts.
 ///
-/// A damper that acts wherever `δ > 0` jumps from 0 to `d δ̇` where it closes. An implicit step looks for an end at which
-/// inertia and force agree, `S (δ − δ*) + F(δ) = 0`, with `δ*` where the step would end without the force. With
-/// `0 < S δ* < d δ̇` it finds none: what ends open has to move on to `δ* > 0`, and what ends closed is thrown back.
+/// The closure `δ` is the penetration of a contact or the elongation of a dropper; a member under force is called
+/// closed.
 ///
-/// The trapezoid takes the force at the end of a step for half of that step and half of the next one: it stands for a time `h`
-/// around that end. The damper acts for the part of this time in which it is closed. By straight courses it is closed where
-/// `δ⁺ = δ + ½ h δ̇`, half a step ahead, is above zero, from `δ⁺₀` at the beginning of the step to `δ⁺` at its end (derived here):
+/// A damper that acts wherever `δ > 0` jumps from 0 to `d δ̇` at closing. An implicit step solves `S (δ − δ*) + F(δ) =
+/// 0`, with `δ*` the end of the step without the force. With `0 < S δ* < d δ̇` there is no solution: an open end has to
+/// move on to `δ* > 0`, and a closed end is thrown back.
+///
+/// The trapezoidal rule takes the force at the end of a step for half of that step and half of the next one, a time `h`
+/// around that end. The damper acts for the part of this time in which the member is closed. Along straight lines a
+/// member is closed where `δ⁺ = δ + ½ h δ̇`, half a step ahead, is above zero, from `δ⁺₀` at the beginning of the step
+/// to `δ⁺` at its end (derived here):
 ///
 /// ```text
 /// φ = δ⁺/(δ⁺ − δ⁺₀)     δ⁺ > 0 > δ⁺₀, δ̇ > 0
@@ -76,49 +81,50 @@ pub(crate) fn restore_step(half: &mut f64, start_closure: &mut [f64], values: &m
 /// φ = 1                 otherwise
 /// ```
 ///
-/// So neither the impulse of a closing nor the place where it stops is late or early in the mean, whenever within a step it comes. A
-/// strong damper stops at once what it takes hold of, and `φ` by `δ` in place of `δ⁺` stops it too late, by `|½ − τ| h δ̇` for a
-/// closing at the part `τ` of a step: on the thesis' line, whose droppers then need 50 ms to give that way, it made four fifths of the
-/// time step's error (1.17 % of the force's standard deviation at 1 ms; with `δ⁺` 0.34 %, without dampers 0.30 %). Where a damper is
-/// stronger than `2 μ/h`, `μ` the mass that it stops, the trapezoid throws back what it has stopped.
+/// The impulse of a closing and the place where the closing stops are thus neither late nor early in the mean, whenever
+/// within a step the closing comes. A strong damper stops a mass at once, and `φ` by `δ` in place of `δ⁺` would stop
+/// the mass too late, by `|½ − τ| h δ̇` for a closing at the fraction `τ` of a step: droppers of long relaxation time
+/// keep that distance for many steps, and it would be most of the time step's error. A damper stronger than `2 μ/h`,
+/// `μ` the mass that it stops, makes the trapezoidal rule throw the mass back.
 ///
-/// `F = max(0, k δ + φ d δ̇)` is continuous in `δ` and `δ̇` and never falls with `δ` along a step, where `δ̇ = A + c δ` with `c > 0` and
-/// so `δ⁺` too rise with it: `φ δ̇` does not fall where `δ̇ > 0`, and where it is not `φ = 1`. So there is one end of the step. In a
-/// step that begins closed `k δ + d δ̇` is not cut at `δ⁺ = 0`, where it need not be zero; a force across a gap is then one of
-/// at most `d δ̇`, of what opened and comes back within the step. `φ` is also continuous in `δ⁺₀` while `δ⁺ > 0`: runs that differ by
-/// rounding, or by what a coupling leaves, stay together.
+/// `F = max(0, k δ + φ d δ̇)` is continuous in `δ` and `δ̇` and never falls with `δ` along a step, where `δ̇ = A + c δ`
+/// with `c > 0` and so `δ⁺` too rise with `δ`: `φ δ̇` does not fall where `δ̇ > 0`, and `φ = 1` elsewhere. A step
+/// therefore has exactly one end. In a step that begins closed `k δ + d δ̇` is not cut at `δ⁺ = 0`, where the sum need
+/// not be zero; a member that opens and comes back within the step then carries a force across a gap of at most `d δ̇`.
+/// `φ` is also continuous in `δ⁺₀` while `δ⁺ > 0`: runs that differ by rounding or by a coupling's tolerance stay
+/// together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnilateralStep {
-    /// What it began with.
-    pub start_closure: UnilateralStart,
+    /// Closure at the beginning of the step.
+    pub start: UnilateralStart,
     /// `½ h`, s; zero where there is no step.
     pub half: f64,
 }
 
-/// What a step is by its beginning, and by `δ⁺` and `δ̇` at its end.
+/// Cases of a step by its beginning, and by `δ⁺` and `δ̇` at its end.
 #[derive(Clone, Copy)]
-enum Case {
-    /// It began closed.
+enum UnilateralCase {
+    /// The step began closed.
     Closed,
     /// `δ̇ ≤ 0`
     Parting,
     /// `δ⁺ ≤ 0`
     Apart,
-    /// It closes, or it is not known how it began.
+    /// The member closes, or the beginning of the step is unknown.
     Closing,
 }
 
 impl UnilateralStep {
     /// No step.
     pub const NONE: Self = Self {
-        start_closure: UnilateralStart::Unknown,
+        start: UnilateralStart::Unknown,
         half: 0.0,
     };
 
-    /// One that began `start_closure`, of twice `half` s.
+    /// A step that begins with `start`, of twice `half` s.
     #[must_use]
-    pub fn new(start_closure: UnilateralStart, half: f64) -> Self {
-        Self { start_closure, half }
+    pub fn new(start: UnilateralStart, half: f64) -> Self {
+        Self { start, half }
     }
 
     /// `δ⁺`, m, of `delta` in m that changes with `rate` in m/s.
@@ -130,10 +136,11 @@ impl UnilateralStep {
     /// `φ` (–) and `∂φ/∂δ⁺` (1/m) for `δ⁺` in m and `δ̇` in m/s.
     #[must_use]
     pub fn closed_part(self, ahead: f64, rate: f64) -> (f64, f64) {
-        match (self.case(ahead, rate), self.start_closure) {
-            (Case::Closed | Case::Parting, _) | (Case::Closing, UnilateralStart::Unknown) => (1.0, 0.0),
-            (Case::Apart, _) => (0.0, 0.0),
-            (Case::Closing, UnilateralStart::At(start)) => {
+        match (self.case(ahead, rate), self.start) {
+            (UnilateralCase::Closed | UnilateralCase::Parting, _)
+            | (UnilateralCase::Closing, UnilateralStart::Unknown) => (1.0, 0.0),
+            (UnilateralCase::Apart, _) => (0.0, 0.0),
+            (UnilateralCase::Closing, UnilateralStart::Known(start)) => {
                 let way = ahead - start;
                 let part = ahead / way;
                 (part, (1.0 - part) / way)
@@ -142,33 +149,33 @@ impl UnilateralStep {
     }
 
     /// The case of [`UnilateralStep::closed_part`].
-    fn case(self, ahead: f64, rate: f64) -> Case {
-        match self.start_closure {
-            UnilateralStart::At(start) if start >= 0.0 => Case::Closed,
-            _ if rate <= 0.0 => Case::Parting,
-            _ if ahead <= 0.0 => Case::Apart,
-            _ => Case::Closing,
+    fn case(self, ahead: f64, rate: f64) -> UnilateralCase {
+        match self.start {
+            UnilateralStart::Known(start) if start >= 0.0 => UnilateralCase::Closed,
+            _ if rate <= 0.0 => UnilateralCase::Parting,
+            _ if ahead <= 0.0 => UnilateralCase::Apart,
+            _ => UnilateralCase::Closing,
         }
     }
 
-    /// A number for the case of [`UnilateralStep::closed_part`] and for whether there is a `force` (N): between two motions with the same
-    /// one the force is smooth.
-    pub(crate) fn piece(self, ahead: f64, rate: f64, force: f64) -> u8 {
+    /// Number of the branch of the law: the case of [`UnilateralStep::closed_part`] and whether there is a `force` (N).
+    /// Between two motions on the same branch the force is smooth.
+    pub(crate) fn branch(self, ahead: f64, rate: f64, force: f64) -> u8 {
         2 * self.case(ahead, rate) as u8 + u8::from(force > 0.0)
     }
 
-    /// Whether it is known to have begun open.
+    /// True for a step known to have begun open.
     pub(crate) fn began_open(self) -> bool {
-        matches!(self.start_closure, UnilateralStart::At(start) if start < 0.0)
+        matches!(self.start, UnilateralStart::Known(start) if start < 0.0)
     }
 
-    /// Whether it closes, with `ahead` and `rate` at its end.
+    /// True for a step that began open and ends closed, with `ahead` and `rate` at its end.
     pub(crate) fn closes(self, ahead: f64, rate: f64) -> bool {
         self.began_open() && ahead > 0.0 && rate > 0.0
     }
 
-    /// Slope of `force` in N by the chord to where it closes, weighted as the slopes are, N/m: what a tangent is not below in a step
-    /// that closes, so that no correction opens it again.
+    /// Slope of `force` in N by the chord to the closing, weighted as tangents are, N/m: lower bound of the tangent in
+    /// a step that closes, so that no correction opens the member again.
     pub(crate) fn chord(self, force: f64, ahead: f64, weights: Weights) -> f64 {
         (weights.q + self.half * weights.v) * force / ahead
     }

@@ -16,7 +16,7 @@ const MASS: [f64; 2] = [0.5, 7.0];
 /// N/m.
 const STIFFNESS: f64 = 5e4;
 
-/// A level piece of wire of 2 m that moves up and down as a whole.
+/// A level section of wire of 2 m that moves up and down as a whole.
 struct Block {
     /// Beyond its coordinate, m/N.
     compliance: f64,
@@ -114,7 +114,7 @@ impl System for Rig {
     fn constraints(&mut self, _visit: &mut dyn FnMut(&mut dyn Constraint)) {}
 }
 
-/// What is run.
+/// Run to be made.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     /// N·s/m.
@@ -123,7 +123,7 @@ struct Case {
     speed: f64,
     /// Between them at t = 0, as a part of what a step closes of it.
     gap: f64,
-    /// Of the block beyond its coordinate, m/N.
+    /// Compliance of the block beyond its coordinate, m/N.
     compliance: f64,
     /// N.
     lift: f64,
@@ -194,9 +194,9 @@ impl Case {
         v[WIRE] - v[STRIP]
     }
 
-    /// See [`bounce`](Self::bounce), exactly: a damped oscillation of the reduced mass from `δ = 0` on, until its force is zero. That
-    /// is where the acceleration is, `t = acos(2 ζ² − 1)/ω_d`, and the speed there is `u exp(−ζ ω₀ t)` (Schwager & Pöschel,
-    /// Granular Matter 9 (2007) 465–469).
+    /// Exact result of [`bounce`](Self::bounce): a damped oscillation of the reduced mass from `δ = 0` on, until its
+    /// force is zero. Force and acceleration vanish together at `t = acos(2 ζ² − 1)/ω_d`, and the speed there is `u
+    /// exp(−ζ ω₀ t)` (Schwager & Pöschel, Granular Matter 9 (2007) 465–469).
     fn exact_bounce(&self) -> f64 {
         let zeta = self.damping / (2.0 * (STIFFNESS * reduced_mass()).sqrt());
         self.speed * (-zeta / (1.0 - zeta * zeta).sqrt() * (2.0 * zeta * zeta - 1.0).acos()).exp()
@@ -213,8 +213,9 @@ fn force(simulator: &mut Simulator<Rig>) -> f64 {
     rig.contact.state(&motion).expect("on the wire").force
 }
 
-/// A damper that jumps at `δ = 0` would leave the step that closes without an end where it would get to `0 < δ* < d u/S` without
-/// contact, `S ≈ μ/(β h²)`: with `μ` = 0.47 kg, 1 ms and 100 N·s/m by up to 0.06 of the way `u h`. Gaps are 0.025 of it apart.
+/// A damper that jumps at `δ = 0` would leave the step that closes without an end where it would get to `0 < δ* < d
+/// u/S` without contact, `S ≈ μ/(β h²)`: with `μ` = 0.47 kg, 1 ms and 100 N·s/m by up to 0.06 of the way `u h`. Gaps
+/// are 0.025 of it apart.
 #[test]
 fn every_step_that_closes_the_contact_has_an_end() {
     let mut most = 0;
@@ -246,7 +247,7 @@ fn every_step_that_closes_the_contact_has_an_end() {
         }
     }
     println!("at most {most} corrections in a step");
-    // Two linear pieces take two, the curved one between them some more.
+    // Two linear branches take two, the curved one between them some more.
     assert!(most <= 10, "{most}");
 }
 
@@ -265,7 +266,7 @@ fn the_bounce_converges_to_the_exact_one_wherever_in_a_step_the_contact_closes()
                 };
                 let exact = case.exact_bounce();
                 let error = case.bounce() / exact - 1.0;
-                // That of a step in which the contact opens or closes, a part of (ω₀ h)², and of (h d/μ)².
+                // Error of a step in which the contact opens or closes, a part of (ω₀ h)², and of (h d/μ)².
                 let bound = 0.5 * STIFFNESS * h * h / reduced_mass() + 0.5 * (h * damping / reduced_mass()).powi(2);
                 assert!(error.abs() < bound, "{error:.3e} of {bound:.3e}: {case:?}");
             }
@@ -273,8 +274,8 @@ fn the_bounce_converges_to_the_exact_one_wherever_in_a_step_the_contact_closes()
     }
 }
 
-/// `μ δ̈ + d δ̇ + k δ = 0` from `δ = 0`, `δ̇ = u` on, overdamped. With `δ` in place of `δ⁺` the damper lets it come by up to half a
-/// step further. Beyond `d h = 2 μ` the trapezoid throws back what the damper stops, wherever in a step.
+/// `μ δ̈ + d δ̇ + k δ = 0` from `δ = 0`, `δ̇ = u` on, overdamped. With `δ` in place of `δ⁺` the damper lets it come by
+/// up to half a step further. Beyond `d h = 2 μ` the trapezoid throws back what the damper stops, wherever in a step.
 #[test]
 fn a_strong_damper_stops_where_it_takes_hold_wherever_in_a_step_that_is() {
     const STEPS: usize = 12;
@@ -326,7 +327,7 @@ fn what_the_bounce_loses_is_the_heat_of_the_damper() {
                 assert!(residual.abs() < bound, "{residual:.3e} of {bound:.3e}: {case:?}");
                 if compliance == 0.0 {
                     let exact = (case.exact_bounce() / case.speed).powi(2);
-                    // Of the second order, as the speed above, which heat takes twice.
+                    // Second order, as for the speed above, which enters the heat twice.
                     let bound = 0.5 * (h * damping / reduced_mass()).powi(2) + bound;
                     assert!(
                         (heat - (1.0 - exact)).abs() < bound,
@@ -351,7 +352,7 @@ fn a_state_saved_before_in_and_after_the_step_that_closes_continues_bit_for_bit(
         (0..saved_after).for_each(|n| case.step(&mut simulator, n));
         let mut checkpoint = Checkpoint::default();
         simulator.save(&mut checkpoint);
-        let course = |simulator: &mut Simulator<Rig>| {
+        let history = |simulator: &mut Simulator<Rig>| {
             let mut forces = vec![force(simulator)];
             for n in saved_after..saved_after + 20 {
                 case.step(simulator, n);
@@ -359,13 +360,13 @@ fn a_state_saved_before_in_and_after_the_step_that_closes_continues_bit_for_bit(
             }
             (forces, simulator.state().clone())
         };
-        let first = course(&mut simulator);
+        let first = history(&mut simulator);
         simulator.restore(&checkpoint).expect("a saved state");
-        assert!(first == course(&mut simulator), "saved after {saved_after} steps");
+        assert!(first == history(&mut simulator), "saved after {saved_after} steps");
         let mut other = case.start();
         other.restore(&checkpoint).expect("a saved state");
         assert!(
-            first == course(&mut other),
+            first == history(&mut other),
             "in another instance, saved after {saved_after} steps"
         );
     }

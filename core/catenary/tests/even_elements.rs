@@ -76,13 +76,13 @@ fn statics_are_those_of_more_elements_with_the_same_longest_one() {
         let [even, more, fine, coarse] = [&even, &more, &fine, &coarse].map(of);
         let (difference, error) = (apart(&even, &more), apart(&more, &fine));
         println!("{what}: {difference:.1e} apart, {error:.1e} from a fine mesh");
-        // What they differ by is less than the error that both make; elements twice as long make a larger one.
+        // The difference is smaller than the common error; elements twice as long make a larger one.
         assert!(difference < error, "{what}: {difference:e} {error:e}");
         assert!(apart(&coarse, &more) > error, "{what}");
     }
 }
 
-/// Whether the corrected mass of a line is positive definite for steps of this length, s.
+/// True if the corrected mass of a line is positive definite for steps of this length, s.
 fn mass_is_positive(line: &Catenary, step: f64) -> bool {
     let options = LineOptions {
         dimension: Dimension::Planar,

@@ -1,4 +1,5 @@
-//! What contributions say about their matrices: the same in one pass as apart, and what calls itself linear changes by exactly these.
+//! Matrices of contributions: the same in one pass as apart; a contribution that is declared linear changes by exactly
+//! these.
 use catenary::{scene_line, static_line};
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Weights};
 use scene::Scene;

@@ -1,12 +1,12 @@
 //! Measured times beside what is attainable.
-// Each bench uses a part of it.
+// Each bench uses a part of this module.
 #![allow(dead_code)]
 
 use criterion::Criterion;
 use std::time::{Duration, Instant};
 
-/// Times that prototypes have reached on one core with AVX-512, AVX2 and neither, for the line of the thesis: 360 elements, 2172
-/// coordinates. They go with the number of elements or coordinates.
+/// Floors of the time of prototypes on one core with AVX-512, AVX2 and neither, for the line of the thesis: 360
+/// elements, 2172 coordinates. Floors are proportional to the number of elements or coordinates.
 pub struct Floors {
     /// Internal force of one element, s.
     pub force: f64,
@@ -19,7 +19,7 @@ pub struct Floors {
 }
 
 impl Floors {
-    /// Those of this processor.
+    /// Times of this processor.
     pub fn here() -> Self {
         let elements = 360.0;
         let coordinates = 2172.0;
@@ -61,7 +61,8 @@ pub fn measure(criterion: &mut Criterion, name: &str, floor: Option<f64>, mut ro
     }
 }
 
-/// Prints a time in s beside its floor. `cargo test` runs benches too, without the flag that `cargo bench` gives: then nothing.
+/// Prints a time in s beside its floor. No output under `cargo test`, which runs benches without the flag of `cargo
+/// bench`.
 pub fn print(name: &str, time: f64, floor: Option<f64>) {
     if !std::env::args().any(|argument| argument == "--bench") {
         return;

@@ -14,7 +14,7 @@ pub(crate) const FIVE_POINTS: [(f64, f64); 5] = [
     (0.953_089_922_969_332, 0.118_463_442_528_094_54),
 ];
 
-/// How the axial strain is measured.
+/// Measure of the axial strain.
 ///
 /// ```text
 /// Mean         U = ½ EA (L/λ) ε²,      ε = ½ (λ² (1/L) ∫ |r,ₓ|² dx − 1)
@@ -22,9 +22,10 @@ pub(crate) const FIVE_POINTS: [(f64, f64); 5] = [
 /// Engineering  U = ½ EA ∫ ε² dx/λ,     ε = λ |r,ₓ| − 1
 /// ```
 ///
-/// `ε` is zero in the unstressed wire, whatever the reference is. The mean lets an element of a sagging wire bend without
-/// stretching, which the cubic field of the full strain cannot. It leaves the size of the end slopes to tension and to
-/// [`crate::BendingLaw::Constant`]: a slack wire with the mean strain and exact curvature has a singular tangent.
+/// `ε` is zero in the unstressed wire, whatever the reference is. The mean lets an element of a sagging wire bend
+/// without stretching, which the cubic field of the full strain cannot. The mean leaves the size of the end slopes to
+/// tension and to [`crate::BendingLaw::Constant`]: a slack wire with mean strain and exact curvature has a singular
+/// tangent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxialLaw {
     /// Element mean of the Green–Lagrange strain, closed form.
@@ -72,7 +73,8 @@ pub(crate) struct Axial {
 }
 
 impl Axial {
-    /// `τ`, N, with gradient `τ r,ₓ` of the energy per `x` where `|r,ₓ|²` is `square`: at a point, or the mean of the element.
+    /// `τ`, N, with gradient `τ r,ₓ` of the energy per `x` where `|r,ₓ|²` is `square`: at a point, or the mean of the
+    /// element.
     #[inline(always)]
     fn tau<N: Number>(&self, square: N) -> N {
         let (ea, stretch) = (self.stiffness, self.stretch);
@@ -116,7 +118,7 @@ impl Axial {
             .sum()
     }
 
-    /// The tension `τ` (N) that acts throughout the element, zero where it is not the same in all points: those are left to
+    /// Tension `τ` (N) that acts throughout the element; zero for strains measured in points, see
     /// [`Axial::add_point_forces`].
     #[inline(always)]
     pub fn common_tau<V: Space>(&self, slopes: &Slopes<V>) -> V::Number {

@@ -6,8 +6,8 @@ use super::strain::{STRAINS, Strain, strains};
 use super::{AxialLaw, BendingLaw};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
 
-/// The 24 coordinates as columns `r₁, r₁,ₓ, r₁,ᵧ, r₁,𝓏, r₂, r₂,ₓ, r₂,ᵧ, r₂,𝓏` [Yakoub & Shabana 2001]; also a force on them
-/// (N for positions, N·m for gradients).
+/// The 24 coordinates as columns `r₁, r₁,ₓ, r₁,ᵧ, r₁,𝓏, r₂, r₂,ₓ, r₂,ᵧ, r₂,𝓏` [Yakoub & Shabana 2001]; also a force on
+/// them (N for positions, N·m for gradients).
 pub type BeamCoordinates = SMatrix<f64, 3, 8>;
 
 /// Second derivatives of an energy with respect to the 24 coordinates, symmetric.
@@ -27,8 +27,8 @@ pub struct BeamStiffness {
     pub torsion: f64,
     /// `E ∫ z² dA` and `E ∫ y² dA`: bending about y and about z, N·m².
     pub bending: [f64; 2],
-    /// Against stretching of the cross-section along y and along z, and against shear between them, N. `EA, EA, GA` is the
-    /// material's own without Poisson's ratio.
+    /// Stiffness against stretching of the cross-section along y and along z, and against shear between them, N. `EA,
+    /// EA, GA` is the material's own without Poisson's ratio.
     pub section: [f64; 3],
 }
 
@@ -37,7 +37,7 @@ pub struct BeamStiffness {
 pub struct BeamInertia {
     /// `ρA`, kg/m.
     pub mass: f64,
-    /// `ρ ∫ y² dA` and `ρ ∫ z² dA`, kg·m: what the gradients along y and along z carry.
+    /// `ρ ∫ y² dA` and `ρ ∫ z² dA`, kg·m: inertia of the gradients along y and along z.
     pub section: [f64; 2],
 }
 
@@ -77,15 +77,15 @@ pub fn beam_mass_matrix(inertia: &BeamInertia, length: f64) -> SMatrix<f64, 8, 8
     matrix
 }
 
-/// What an element of the beam has beyond the stretch of its axis: the generalised strains of shear, torsion and bending and those
-/// of the cross-section, each with its stiffness.
+/// Generalised strains of a beam element beyond the stretch of its axis: shear, torsion, bending and those of the
+/// cross-section, each with its stiffness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BeamSection {
     strains: [Strain; STRAINS],
 }
 
 impl BeamSection {
-    /// That of an element of `length` in m.
+    /// Section of an element of `length` in m.
     ///
     /// # Panics
     /// When the length is not positive.
@@ -134,14 +134,14 @@ impl BeamSection {
 
 /// A fully parameterised beam element.
 ///
-/// Forces are those of structural mechanics [Gerstmayr, Matikainen & Mikkola 2008; Nachbagauer, Gruber & Gerstmayr 2013]: the
-/// axis stretches as the cable's, and the generalised strains of shear, torsion and bending and those of the cross-section each
-/// have their stiffness. `x` is the arc length at nominal tension, as in the cable.
+/// Forces are those of structural mechanics [Gerstmayr, Matikainen & Mikkola 2008; Nachbagauer, Gruber & Gerstmayr
+/// 2013]: the axis stretches as the cable's, and the generalised strains of shear, torsion and bending and those of the
+/// cross-section each have their stiffness. `x` is the arc length at nominal tension, as in the cable.
 ///
 /// The volume integral of continuum mechanics is not used: in this element it locks (Poisson's ratio against the linear
-/// transverse field, shear against the cubic axis, thickness against turning directors), and its torsional stiffness is that of
-/// the polar moment of area [Nachbagauer, Gruber & Gerstmayr 2013; Bauchau et al. 2015]. What is done against locking is written
-/// where the strains are.
+/// transverse field, shear against the cubic axis, thickness against turning directors), and its torsional stiffness is
+/// that of the polar moment of area [Nachbagauer, Gruber & Gerstmayr 2013; Bauchau et al. 2015]. For the measures
+/// against locking see the strains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Beam {
     axis: CableSection,

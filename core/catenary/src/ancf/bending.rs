@@ -10,7 +10,7 @@ const POINTS: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
 
-/// How the curvature is measured; `U = ½ EI ∫ κ² dx`.
+/// Measure of the curvature; `U = ½ EI ∫ κ² dx`.
 ///
 /// ```text
 /// Constant  κ² = |r,ₓₓ|²                            a quadratic energy; exact where |r,ₓ| = 1
@@ -32,7 +32,8 @@ pub(crate) struct Bending {
     pub stiffness: f64,
 }
 
-/// `κ² = C/A − B²/A²` and its first derivatives with respect to `A = b·b`, `B = b·c`, `C = c·c`; `b = r,ₓ`, `c = L r,ₓₓ`.
+/// `κ² = C/A − B²/A²` and its first derivatives with respect to `A = b·b`, `B = b·c`, `C = c·c`; `b = r,ₓ`, `c = L
+/// r,ₓₓ`.
 struct Curvature<N = f64> {
     square: N,
     a: N,
@@ -97,8 +98,7 @@ impl Bending {
         }
     }
 
-    /// `EI` where the energy is quadratic; zero where the curvature is measured in points: that is left to
-    /// [`Bending::add_point_forces`].
+    /// `EI` of a quadratic energy; zero for a curvature measured in points, see [`Bending::add_point_forces`].
     #[inline(always)]
     pub fn common_stiffness(&self) -> f64 {
         match self.law {

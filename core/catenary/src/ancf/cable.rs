@@ -1,4 +1,4 @@
-//! One cable element.
+//! Cable element.
 use super::axial::{Axial, AxialLaw, nominal_stretch};
 use super::bending::{Bending, BendingLaw};
 use super::shape::{bending_matrix, tension_matrix};
@@ -19,8 +19,8 @@ pub struct CableSection {
     pub(crate) bending: Bending,
 }
 
-/// The tangent of a tensioned beam: constant matrices on each axis, and the change of its one tension along the gradient of the
-/// mean strain.
+/// The tangent of a tensioned beam: constant matrices on each axis, and the change of its one tension along the
+/// gradient of the mean strain.
 ///
 /// ```text
 /// K = (τ ∫ s,ₓ s,ₓᵀ dx + EI ∫ s,ₓₓ s,ₓₓᵀ dx) ⊗ I + κ g gᵀ
@@ -68,14 +68,15 @@ impl CableSection {
         force
     }
 
-    /// Whether the laws are the mean strain and the constant bending law.
+    /// True for mean strain and the constant bending law.
     #[inline(always)]
     pub(crate) fn is_beam(&self) -> bool {
         (self.axial.law, self.bending.law) == (AxialLaw::Mean, BendingLaw::Constant)
     }
 
-    /// What a small `change` of the slopes from `reference` adds to [`CableSection::slope_force`], to first order: the beam under
-    /// the tension of the reference, and the change of tension along the gradient there. Only where it [`CableSection::is_beam`].
+    /// First-order change of [`CableSection::slope_force`] by a small `change` of the slopes from `reference`: the beam
+    /// under the tension of the reference, and the change of tension along the gradient there. Valid only if
+    /// [`CableSection::is_beam`].
     #[inline(always)]
     pub(crate) fn slope_force_about<V: Space>(
         &self,
@@ -91,7 +92,7 @@ impl CableSection {
         force.and(&gradient.times(gradient.dot(change) * rate))
     }
 
-    /// What is not constant in the tangent of an element where it [`CableSection::is_beam`], else none.
+    /// Variable part of the tangent of an element if [`CableSection::is_beam`], else none.
     #[inline(always)]
     pub(crate) fn beam_tangent<V: Space>(
         &self,

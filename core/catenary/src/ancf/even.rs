@@ -2,8 +2,9 @@
 use crate::simd::{Number, Space};
 use nalgebra::Matrix4;
 
-/// A symmetric 4 × 4 matrix `A` on `e = (r₁, r₁,ₓ, r₂, r₂,ₓ)` that an element seen from its other end has as well, as all integrals
-/// of products of the Hermite polynomials are: sums and differences of the two ends do not mix, six coefficients remain.
+/// A symmetric 4 × 4 matrix `A` on `e = (r₁, r₁,ₓ, r₂, r₂,ₓ)` equal for an element seen from its other end, as all
+/// integrals of products of the Hermite polynomials are: sums and differences of the two ends do not mix, six
+/// coefficients remain.
 ///
 /// ```text
 /// f = A e,   s = r₁ + r₂,  d = r₁ − r₂,  s′ = r₁,ₓ + r₂,ₓ,  d′ = r₁,ₓ − r₂,ₓ

@@ -1,18 +1,19 @@
-//! Elements of the absolute nodal coordinate formulation: the gradient-deficient cable and the fully parameterised beam.
+//! Elements of the absolute nodal coordinate formulation: the gradient-deficient cable and the fully parameterised
+//! beam.
 //!
-//! The cable: position and one gradient at each of two nodes, `e = (r₁, r₁,ₓ, r₂, r₂,ₓ)` [Thesis, Eq. (1)], cubic Hermite polynomials
-//! between them [Thesis, Eq. (2)], a constant mass matrix [Thesis, Eq. (3)]. `x` is the arc length at the nominal tension,
-//! so that `|r,ₓ| = 1` there.
+//! The cable: position and one gradient at each of two nodes, `e = (r₁, r₁,ₓ, r₂, r₂,ₓ)` [Thesis, Eq. (1)], cubic
+//! Hermite polynomials between them [Thesis, Eq. (2)], a constant mass matrix [Thesis, Eq. (3)]. `x` is the arc length
+//! at the nominal tension, so that `|r,ₓ| = 1` there.
 //!
 //! ```text
 //! file       subject
 //! shape      the four polynomials and their constant 4 × 4 matrices
-//! slopes     what strain depends on: chord slope and deviations of the end slopes from it
+//! slopes     variables of the strain: chord slope and deviations of the end slopes from it
 //! axial      axial laws (element mean, Green–Lagrange, engineering strain)
 //! bending    bending laws (|r,ₓₓ|², exact curvature)
 //! cable      one element: its laws together, energy, force and tangent in the twelve coordinates
-//! beam       the beam element: the cable's axis and two directors per node, energy, force and tangent in the 24 coordinates
-//! strain     what a beam has beyond the stretch of its axis: shear, torsion, bending, strain of the cross-section
+//! beam       beam element: the cable's axis, two directors per node, energy, force and tangent in the 24 coordinates
+//! strain     strains of a beam beyond the stretch of its axis: shear, torsion, bending, cross-section
 //! even       constant matrices of an element that are the same from either end, as batches of elements multiply them
 //! ```
 mod axial;

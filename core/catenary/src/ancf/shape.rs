@@ -70,7 +70,8 @@ pub fn tension_matrix(length: f64) -> Matrix4<f64> {
     matrix / (30.0 * l)
 }
 
-/// `∫ s,ₓₓ s,ₓₓᵀ dx` over an element of `length` in m (1/m³, 1/m², 1/m): the transverse stiffness per bending stiffness.
+/// `∫ s,ₓₓ s,ₓₓᵀ dx` over an element of `length` in m (1/m³, 1/m², 1/m): the transverse stiffness per bending
+/// stiffness.
 #[must_use]
 pub fn bending_matrix(length: f64) -> Matrix4<f64> {
     let l = length;

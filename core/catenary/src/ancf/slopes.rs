@@ -1,4 +1,4 @@
-//! What the strain of an element depends on.
+//! Slopes: the variables that the strain of an element depends on.
 use crate::simd::{Number, Space};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -12,7 +12,7 @@ pub struct Length<N = f64> {
 }
 
 impl<N: Number> Length<N> {
-    /// That of an element of `length` in m.
+    /// Length of an element of `length` in m.
     #[inline(always)]
     pub fn new(length: N) -> Self {
         Self {
@@ -30,8 +30,8 @@ impl<N: Number> Length<N> {
 /// r,ₓₓ = ((6ξ − 4) a₁ + (6ξ − 2) a₂)/L
 /// ```
 ///
-/// derived here from the Hermite polynomials; a wire that hardly bends has `a₁, a₂ ≈ 0`, so no digits cancel. The same type
-/// holds gradients with respect to the three vectors.
+/// derived here from the Hermite polynomials; a wire that hardly bends has `a₁, a₂ ≈ 0`, so no digits cancel. The same
+/// type holds gradients with respect to the three vectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slopes<V = Vector3<f64>> {
     /// `p`, slope of the chord.
@@ -88,8 +88,8 @@ impl<V: Space> Slopes<V> {
                 - self.start.dot(self.end) * (1.0 / 15.0))
     }
 
-    /// Gradient of `½ t · mean |r,ₓ|² + ½ b · L ∫ |r,ₓₓ|² dx`, see [`Slopes::mean_square`]; the second is
-    /// `2 b (|a₁|² + a₁·a₂ + |a₂|²)`. With `t` a tension times `L` and `b` a bending stiffness over `L` the transverse force of a
+    /// Gradient of `½ t · mean |r,ₓ|² + ½ b · L ∫ |r,ₓₓ|² dx`, see [`Slopes::mean_square`]; the second is `2 b (|a₁|² +
+    /// a₁·a₂ + |a₂|²)`. With `t` a tension times `L` and `b` a bending stiffness over `L` the transverse force of a
     /// tensioned beam.
     #[inline(always)]
     #[must_use]
@@ -147,7 +147,8 @@ impl<V: Space> Slopes<V> {
         self.end = self.end + f.scaled(weights[1]);
     }
 
-    /// The gradient with respect to the node coordinates `r₁, r₁,ₓ, r₂, r₂,ₓ` (N, N·m, N, N·m for an energy's gradient).
+    /// The gradient with respect to the node coordinates `r₁, r₁,ₓ, r₂, r₂,ₓ` (N, N·m, N, N·m for an energy's
+    /// gradient).
     #[inline(always)]
     #[must_use]
     pub fn on_nodes(&self, length: Length<V::Number>) -> [V; 4] {

@@ -7,24 +7,26 @@
 //! cross-section   E₂ = ½ (|r,ᵧ|² − 1)    E₃ = ½ (|r,𝓏|² − 1)          E₂₃ = r,ᵧ·r,𝓏
 //! ```
 //!
-//! with `c = x − L/2` and `r̄` in the middle of the element. All but the terms in `c` are those of Reissner's rod with the directors
-//! `r,ᵧ/|r,ᵧ|, r,𝓏/|r,𝓏|`, for small shear, written without a frame: scalar products of vectors that are linear in the coordinates,
-//! so a rigid motion leaves them exactly as they are, and their derivatives are exact and short.
+//! with `c = x − L/2` and `r̄` in the middle of the element. All but the terms in `c` are those of Reissner's rod with
+//! the directors `r,ᵧ/|r,ᵧ|, r,𝓏/|r,𝓏|`, for small shear, written without a frame: scalar products of vectors that are
+//! linear in the coordinates, so a rigid motion leaves them exactly as they are, and their derivatives are exact and
+//! short.
 //!
 //! Against locking:
-//! - Directors are linear along the element, slopes of the axis quadratic: in a bend that is not uniform shear cannot vanish
-//!   everywhere. It is taken at the two Gauss points [Nachbagauer, Gruber & Gerstmayr 2013], where the quadratic Legendre polynomial
-//!   is zero. By itself that leaves a part of the slope without stiffness and curvature, the turning of linear directors, constant.
-//!   So the directors are taken to bulge between the nodes as the axis does, which is what the terms in `c` say. Derived here: in a
-//!   thin beam the director turns by the slope `w,ₓ`; linear interpolation misses `½ w,ₓₓₓ (c² − L²/4)` of it. Its rate `c w,ₓₓₓ`
-//!   belongs to the curvature, and in the Gauss points, `c² = L²/12`, it takes `−c² w,ₓₓₓ` off the director and off the shear
-//!   `w,ₓ − θ`. With them a cubic deflection, that of a tip force, is exact, and the small deflections of a thin beam are those of the
-//!   cable element.
-//! - Divided by the lengths, curvature is the rate at which the directions turn: bending neither shortens the axis (by `κ² EI/EA`)
-//!   nor does it feel that linear directors which turn are shorter between the nodes. With the directors of the middle, which stand
-//!   across the chord, a stretch of the axis that varies within the element makes no curvature.
-//! - The cross-section is measured at the nodes only, so that turning is not taken for thickness strain either; no Poisson's ratio
-//!   couples it with the axis.
+//! - Directors are linear along the element, slopes of the axis quadratic: in a bend that is not uniform shear cannot
+//!   vanish everywhere. Shear is taken at the two Gauss points [Nachbagauer, Gruber & Gerstmayr 2013], where the
+//!   quadratic Legendre polynomial is zero. Alone, that would leave a part of the slope without stiffness, and
+//!   curvature, the turning of linear directors, constant. The terms in `c` let the directors bulge between the nodes
+//!   as the axis does. Derived here: in a thin beam the director turns by the slope `w,ₓ`; linear interpolation misses
+//!   `½ w,ₓₓₓ (c² − L²/4)` of it. The rate `c w,ₓₓₓ` of this belongs to the curvature, and in the Gauss points, `c² =
+//!   L²/12`, it takes `−c² w,ₓₓₓ` off the director and off the shear `w,ₓ − θ`. With the terms in `c` a cubic
+//!   deflection, that of a tip force, is exact, and the small deflections of a thin beam are those of the cable
+//!   element.
+//! - Divided by the lengths, curvature is the rate at which the directions turn: bending neither shortens the axis (by
+//!   `κ² EI/EA`) nor does it feel that linear directors which turn are shorter between the nodes. With the directors of
+//!   the middle, which stand across the chord, a stretch of the axis that varies within the element makes no curvature.
+//! - The cross-section is measured at the nodes only, so that turning is not taken for thickness strain either; no
+//!   Poisson's ratio couples it with the axis.
 //!
 //! An arc is then exact to the fourth power of the angle that an element spans, whatever the slenderness.
 use super::beam::{BeamCoordinates, BeamStiffness, BeamTangent};
@@ -40,13 +42,13 @@ const GAUSS: f64 = 0.288_675_134_594_812_9;
 /// Weights of the eight vectors of [`BeamCoordinates`] in another vector.
 type Weights = SVector<f64, 8>;
 
-/// One strain in one point: `(a·b)` summed over two pairs of vectors, divided by the lengths of two more where it has them, less its
+/// Strain in one point: `(a·b)` summed over two pairs of vectors, divided by the lengths of two more if given, less its
 /// value without strain.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Strain {
     pairs: [[Weights; 2]; 2],
     divisors: Option<[Weights; 2]>,
-    /// Of the undeformed beam, –.
+    /// Value of the undeformed beam, –.
     offset: f64,
     /// Stiffness times the length the point stands for: J per squared strain.
     stiffness: f64,
@@ -124,8 +126,8 @@ impl Evaluated<'_> {
         self.gradient * (self.strain.stiffness * self.value)
     }
 
-    /// Adds the second derivative of the energy; the part that is the same for each axis to `weights`. With `n, m` the lengths of
-    /// `w·e` and `u·e`:
+    /// Adds the second derivative of the energy; the part that is the same for each axis to `weights`. With `n, m` the
+    /// lengths of `w·e` and `u·e`:
     ///
     /// ```text
     /// ε = S/(n m),   n m ∇∇ε = ∇∇S − ∇ε ∇(n m)ᵀ − ∇(n m) ∇εᵀ − ε ∇∇(n m),   ∇∇n = (w wᵀ ⊗ I − ∇n ∇nᵀ)/n
@@ -191,7 +193,7 @@ pub(super) fn strains(stiffness: &BeamStiffness, length: f64) -> [Strain; STRAIN
             strain([[slope, -turns[0]], bend_y], Some([slope, y]), stiffness.bending[1]),
         ]
     };
-    // The same in all points: linear directors.
+    // Torsion is the same in all points: linear directors.
     let torsion = {
         let [y, z] = middle;
         Strain {

@@ -1,4 +1,4 @@
-//! What a mesh lacks of a wire's flexibility under a moving point force.
+//! Residual compliance: flexibility of a wire under a moving point force that its mesh lacks.
 use crate::{
     AxialLaw, BendingLaw, CurveColumns, Enrichment, NodeMap, Rayleigh, Wire, WireCurve, WireGeometry, WireSection,
 };
@@ -16,21 +16,21 @@ pub struct Compliance {
     pub slope: f64,
 }
 
-/// Residual compliance of a wire under a transverse point force that moves along it with the speed `v`: the deflection under the
-/// force that the coordinates of the mesh cannot take.
+/// Residual compliance of a wire under a transverse point force that moves along it with the speed `v`: the deflection
+/// under the force that the coordinates of the mesh cannot take.
 ///
-/// In the frame of the force the wire is a beam under the tension `T_v = T − m v²`. With `K_v = ∫ T_v N′ᵀN′ + EI N″ᵀN″` of the wire
-/// alone, held at its ends, and `N` all functions of the mesh, those of bending layers included,
+/// In the frame of the force the wire is a beam under the tension `T_v = T − m v²`. With `K_v = ∫ T_v N′ᵀN′ + EI N″ᵀN″`
+/// of the wire alone, held at its ends, and `N` all functions of the mesh, those of bending layers included,
 ///
 /// ```text
 /// g_v(x) = G_v(x, x) − N(x) K_v⁻¹ N(x)ᵀ
 /// G_v(x, x) = x (L − x) / (T_v L) − (λ_v/T_v) sinh(x/λ_v) sinh((L − x)/λ_v) / sinh(L/λ_v),    λ_v = √(EI/T_v)
 /// ```
 ///
-/// `g_v ≥ 0`, for the mesh is a subspace (Rayleigh–Ritz). `g_v` is local: what is farther away than `NEIGHBOURS` elements
-/// changes no digit that matters. So it is found from a patch of the wire around each element, and elements whose patches are alike
-/// share it: a line of any number of equal spans has the patches of one span and of both ends. Within an element `g_v` is evaluated in
-/// closed form, from the inverse for the element's own coordinates.
+/// `g_v ≥ 0`, for the mesh is a subspace (Rayleigh–Ritz). `g_v` is local: elements farther away than `NEIGHBOURS`
+/// change no digit that matters. A patch of the wire around each element therefore gives `g_v`, and elements with equal
+/// patches share one solution: a line of any number of equal spans has the patches of one span and of both ends. Within
+/// an element `g_v` is evaluated in closed form, from the inverse for the element's own coordinates.
 #[derive(Clone, Debug)]
 pub struct ResidualCompliance {
     /// `s` of each node, m.
@@ -42,20 +42,20 @@ pub struct ResidualCompliance {
     beam: Beam,
 }
 
-/// All that a patch depends on but for the beam: the number of its middle element, lengths in steps of `ALIKE`, and the bits of the
-/// bending length of the vertical layer at each node, those of zero standing for none.
+/// Key of a patch: the number of its middle element, lengths in steps of `ALIKE`, and the bits of the bending length of
+/// the vertical layer at each node, zero for none. The beam is the same for all.
 type Key = (usize, Vec<i64>, Vec<u64>);
 
-/// Elements on either side of one that its residual compliance is found with. The answer of cubic elements to a force at a node
-/// that it does not act on falls by a factor of about eight per element.
+/// Elements in a patch on either side of the middle one. The answer of cubic elements to a force at another node falls
+/// by a factor of about eight per element.
 const NEIGHBOURS: usize = 10;
-/// Elements are alike that differ by less than this share of their length: the sag of equal spans differs by rounding only.
+/// Relative difference of length below which elements count as equal: the sag of equal spans differs by rounding only.
 const ALIKE: f64 = 1e-4;
 
 /// The middle element of a patch.
 #[derive(Clone, Debug)]
 struct Patch {
-    /// That element alone, with its four coordinates and those of its layers numbered from 0.
+    /// Middle element alone, with its four coordinates and those of its layers numbered from 0.
     element: WireGeometry,
     /// Rows and columns of `K_v⁻¹` for these coordinates, m/N.
     inverse: DMatrix<f64>,
@@ -114,8 +114,8 @@ impl Patch {
 }
 
 impl ResidualCompliance {
-    /// For the vertical motion of a wire along `geometry`, nearly straight and level, under a force that moves with `speed` m/s.
-    /// `None` where the speed is not below that of the wire's waves.
+    /// Residual compliance for the vertical motion of a wire along `geometry`, nearly straight and level, under a force
+    /// that moves with `speed` m/s. `None` for a speed not below that of the wire's waves.
     #[must_use]
     pub fn new(geometry: &WireGeometry, section: &WireSection, speed: f64) -> Option<Self> {
         let tension = section.tension - section.mass_per_length * speed * speed;
@@ -136,7 +136,7 @@ impl ResidualCompliance {
         Some(none.along(geometry))
     }
 
-    /// The same along another piece of the wire. Patches that both have serve again, to the last bit.
+    /// Residual compliance along another section of the wire. Common patches are reused, to the last bit.
     #[must_use]
     pub fn along(&self, geometry: &WireGeometry) -> Self {
         let lengths: Vec<i64> = (geometry.lengths().iter())
@@ -148,7 +148,7 @@ impl ResidualCompliance {
                 layers[enrichment.node] = enrichment.bending_length;
             }
         }
-        // Only what this piece needs is kept: memory does not grow on the way along a line.
+        // Other patches are dropped: memory does not grow on the way along a line.
         let (mut known, mut patches) = (BTreeMap::new(), Vec::new());
         let patch = (0..lengths.len()).map(|element| {
             let first = element.saturating_sub(NEIGHBOURS);
@@ -187,15 +187,15 @@ impl ResidualCompliance {
         }
     }
 
-    /// Number of different patches: what the memory grows with.
+    /// Number of different patches, with which memory grows.
     #[must_use]
     pub fn patches(&self) -> usize {
         self.patches.len()
     }
 }
 
-/// A straight wire that moves vertically only, coordinates node after node and then those of its layers; a bending length of zero
-/// is no layer.
+/// A straight wire that moves vertically only, coordinates node after node and then those of its layers; a bending
+/// length of zero is no layer.
 fn straight(lengths: &[f64], layers: &[f64]) -> WireGeometry {
     let nodes = lengths.len() + 1;
     let map = |node| NodeMap::new([None, None, Some(2 * node), None, None, Some(2 * node + 1)]);
@@ -227,7 +227,7 @@ fn solved(middle: usize, lengths: &[f64], layers: &[f64], beam: Beam) -> Patch {
         stiffness[(end, end)] = 1.0;
     }
     let element = straight(&lengths[middle..=middle], &layers[middle..=middle + 1]);
-    // Where the coordinates of the element stand in the patch.
+    // Positions of the coordinates of the element in the patch.
     let mut places: Vec<usize> = (2 * middle..2 * middle + 4).collect();
     let own = |node: usize| geometry.enrichments().iter().filter(move |layer| layer.node == node);
     places.extend(own(middle).chain(own(middle + 1)).map(|layer| layer.index));
@@ -252,7 +252,7 @@ fn solved(middle: usize, lengths: &[f64], layers: &[f64], beam: Beam) -> Patch {
     }
 }
 
-/// `∫ T_v N′ᵀN′ + EI N″ᵀN″`: what Rayleigh damping of `β` = 1 s is made of.
+/// `∫ T_v N′ᵀN′ + EI N″ᵀN″`, assembled as a Rayleigh damping of `β` = 1 s.
 fn transverse_stiffness(geometry: &WireGeometry, beam: Beam, size: usize) -> DMatrix<f64> {
     let section = WireSection {
         axial_stiffness: 1e3 * beam.tension,

@@ -1,16 +1,16 @@
-//! A wire with what makes up for the coarseness of its mesh under strips.
+//! A wire with corrections for its mesh and for the time step under strips.
 use super::{Compliance, LoadCorrection, ResidualCompliance};
 use crate::{CurveColumns, CurvePoint, WireCurve, WireGeometry};
 use std::sync::Arc;
 
-/// A wire with what makes up for the coarseness of its mesh and of the time step under strips.
+/// A wire with corrections for its mesh and for the time step under strips.
 #[derive(Clone, Debug)]
 pub struct CorrectedWire {
     /// The wire.
     pub geometry: Arc<WireGeometry>,
-    /// What its mesh lacks.
+    /// Residual compliance of the mesh.
     pub compliance: Option<Arc<ResidualCompliance>>,
-    /// What its corrected inertia asks of the contact force.
+    /// Correction of the contact force that belongs to the corrected inertia.
     pub load: Option<LoadCorrection>,
 }
 

@@ -1,4 +1,4 @@
-//! Where a wire and a strip are closest.
+//! Closest points of a wire and a strip.
 use crate::{CurvePoint, WireCurve};
 use dynamics::Frame;
 use nalgebra::Vector3;
@@ -13,9 +13,9 @@ use nalgebra::Vector3;
 /// g = w · n,            ġ = n · (ṙ − ṗ − ω × η e)
 /// ```
 ///
-/// `d` is normal to both `r_s` and `e`, so `d = g n`. The thesis takes `p` as one point of the pan-head and holds it to the wire
-/// along both normals; the strip here is a line, so its point follows the wire and `n₁` carries nothing. Where wire and strip are
-/// parallel [Thesis, Eq. (9)] the normal is vertical.
+/// `d` is normal to both `r_s` and `e`, so `d = g n`. The thesis takes `p` as one point of the pan-head and holds that
+/// point to the wire along both normals; the strip here is a line, so its point follows the wire and `n₁` carries no
+/// force. The normal is vertical for parallel wire and strip [Thesis, Eq. (9)].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactGeometry {
     /// Parameter of the point on the wire, m.
@@ -28,7 +28,7 @@ pub struct ContactGeometry {
     pub eta: f64,
     /// Common normal, unit vector from the strip to the wire: upwards.
     pub normal: Vector3<f64>,
-    /// `|r_s × e|`, –; 0 where the fallback is used.
+    /// `|r_s × e|`, –; 0 for parallel wire and strip.
     pub normal_length: f64,
     /// Gap, m, positive when open.
     pub gap: f64,
@@ -38,13 +38,13 @@ pub struct ContactGeometry {
     pub slope: f64,
 }
 
-/// Newton stops when the parameter moves by less, m: the gap's error is of second order in it.
+/// Change of the parameter at which Newton's method stops, m: the gap's error is of second order in it.
 const TOLERANCE: f64 = 1e-11;
 const ITERATIONS: usize = 12;
 
 impl ContactGeometry {
-    /// Finds the contact by Newton on the arc length [Thesis, section 4.2.2] from `start`; where that leaves the wire or does
-    /// not settle, by bisection over the whole wire. `None` where the strip is before the beginning or behind the end of the wire.
+    /// Finds the contact by Newton on the arc length [Thesis, section 4.2.2] from `start`, else by bisection over the
+    /// whole wire. `None` for a strip before the beginning or behind the end of the wire.
     #[must_use]
     pub fn search(curve: &dyn WireCurve, strip: &Frame, start: f64, q: &[f64], v: &[f64]) -> Option<Self> {
         let axis: Vector3<f64> = strip.axes.column(1).into();
@@ -116,8 +116,8 @@ impl ContactGeometry {
         }
     }
 
-    /// `∂s/∂p`: what the contact's parameter on the wire gains per metre of a translation of the strip; the direction of the wire
-    /// across the strip, –.
+    /// `∂s/∂p`, –: gain of the contact's parameter on the wire per metre of a translation of the strip, as a vector
+    /// along the wire's direction across the strip.
     #[must_use]
     pub fn tangent(&self) -> Vector3<f64> {
         (self.wire.r_s - self.axis * self.axis.dot(&self.wire.r_s)) / self.slope

@@ -4,27 +4,29 @@ use super::state::slide;
 use crate::{CurveColumns, WireCurve};
 use dynamics::Frame;
 
-/// What the correction of a wire's inertia for the time step `h` asks of forces that move along the wire.
+/// Correction of forces that move along a wire whose inertia is corrected for the time step `h`.
 ///
-/// In steps of `h` the integrator has for `d²/dt²` the operator `D² (1 − ε D²)`, `ε = κ h²`, `D` the time derivative, to this order.
-/// The corrected mass `M − ε K` makes of the equation of a wire under the nodal forces `φ`, with what is of the order of `ε²` left out,
+/// In steps of `h` the integrator replaces `d²/dt²` by the operator `D² (1 − ε D²)`, `ε = κ h²`, `D` the time
+/// derivative, to this order. The corrected mass `M − ε K` turns the equation of a wire under the nodal forces `φ`,
+/// without terms of the order of `ε²`, into
 ///
 /// ```text
 /// (M − ε K) D² (1 − ε D²) q + K q = (1 − ε D²) (M D² q + K q) = φ
 /// ```
 ///
-/// which is that of the wire where `φ` too is what `1 − ε D²` makes of the true nodal forces, as in the method of Numerov. At a node
-/// that the strip runs past, the force changes fast, however slowly that of the contact does: a contact force of 20 Hz that moves at
-/// two thirds of the speed of the waves sends out waves of 60 Hz. So the nodal forces of a contact force `F` at `s` are
+/// The result is the equation of the wire if `φ` too is `1 − ε D²` of the true nodal forces, as in the method of
+/// Numerov. At a node that the strip runs past, the force changes fast, however slowly the contact force does: a
+/// contact force of 20 Hz that moves at two thirds of the speed of the waves sends out waves of 60 Hz. The nodal forces
+/// of a contact force `F` at `s` are therefore
 ///
 /// ```text
 /// N(s) F − κ (N(s + ṡh) (F + Ḟh) − 2 N(s) F + N(s − ṡh) (F − Ḟh)) = N F − ε (N,ₛₛ ṡ² F + 2 N,ₛ ṡ Ḟ)
 /// ```
 ///
-/// whose second part has no resultant. It is found once per step, with `F` continued in a straight line through the ends of the
-/// last two, so that the tangent stays as it is. `N F̈` is left out, and with it an error of `ε F̈`: that of a force at rest. Of a wave
-/// ahead of a strip at two thirds of the wave speed it is a ninth of what was there, behind the strip more than was there. (Derived
-/// here; tested by `a_moving_force_is_corrected_with_the_mass`.)
+/// The second part has no resultant. The correction is found once per step, with `F` continued in a straight line
+/// through the ends of the last two, so that the tangent stays unchanged. `N F̈` is left out: its error `ε F̈` is that
+/// of a force at rest, small ahead of a moving strip and of the size of the uncorrected error behind it. Derived here;
+/// tested by `a_moving_force_is_corrected_with_the_mass`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadCorrection {
     /// `h`, s.
@@ -33,16 +35,15 @@ pub struct LoadCorrection {
     pub kappa: f64,
 }
 
-/// Parts of the time step of the correction: two forces that are closer than this tell their rate no better than the rounding of their
-/// difference allows.
+/// Fraction of the time step of the correction: the rate between two forces closer than this is lost in rounding.
 const APART: f64 = 1e-3;
 
 /// The force at the end of a time step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Reached {
-    /// s; before all times where no step has ended.
+    /// Time, s; minus infinity before the first step has ended.
     t: f64,
-    /// N.
+    /// Contact force, N.
     force: f64,
 }
 
@@ -53,14 +54,15 @@ impl Reached {
     };
 }
 
-/// What a contact adds to the forces on its wire.
+/// Correction that a contact adds to the forces on its wire.
 #[derive(Clone, Debug)]
 pub(super) struct MovingLoad {
-    /// At the ends of the last two steps, the later one first; of two that are closer than [`APART`], the first one is not kept.
+    /// Forces at the ends of the last two steps, the later one first; of two closer than [`APART`] the first one is
+    /// dropped.
     reached: [Reached; 2],
     /// `h` of the correction, s.
     step: f64,
-    /// In the present step: coordinate and N.
+    /// Terms of the present step: coordinate and N.
     terms: Vec<(usize, f64)>,
 }
 
@@ -71,20 +73,20 @@ impl MovingLoad {
         terms: Vec::new(),
     };
 
-    /// Forgets what was.
+    /// Forgets the forces of earlier steps.
     pub fn forget(&mut self) {
         self.reached = [Reached::NOTHING; 2];
         self.clear_terms();
     }
 
-    /// Force (N) and rate (N/s) at the time `t` s by those of the last steps.
+    /// Force (N) and rate (N/s) at the time `t` s, continued from the last steps.
     fn continued(&self, t: f64) -> (f64, f64) {
         let [last, before] = self.reached;
         if last.force == 0.0 {
             return (0.0, 0.0);
         }
         let between = last.t - before.t;
-        // A straight line through a closing foretells nothing.
+        // No rate across a closing, where a straight line predicts nothing.
         let rate = if before.force > 0.0 && between > 0.0 {
             (last.force - before.force) / between
         } else {
@@ -93,12 +95,12 @@ impl MovingLoad {
         (last.force + rate * (t - last.t), rate)
     }
 
-    /// Nothing is added in the present step.
+    /// Clears the terms of the present step.
     pub fn clear_terms(&mut self) {
         self.terms.clear();
     }
 
-    /// Finds what is added in the step that ends at `t` s, as predicted.
+    /// Finds the terms of the step that ends at `t` s, as predicted.
     pub fn begin_step(&mut self, geometry: &ContactGeometry, curve: &dyn WireCurve, strip: &Frame, t: f64) {
         self.clear_terms();
         let Some(LoadCorrection { step, kappa }) = curve.load_correction() else {
@@ -123,19 +125,19 @@ impl MovingLoad {
         }
     }
 
-    /// Adds it.
+    /// Adds the terms of the present step.
     pub fn add_to(&self, force: &mut [f64]) {
         for &(index, term) in &self.terms {
             force[index] += term;
         }
     }
 
-    /// Its power in the motion with the velocities `v`, W.
+    /// Power of the terms in the motion with the velocities `v`, W.
     pub fn power(&self, v: &[f64]) -> f64 {
         self.terms.iter().map(|&(index, term)| term * v[index]).sum()
     }
 
-    /// Takes note of the `force` (N) at the end of a step, `t` s.
+    /// Records the `force` (N) at the end of a step, `t` s.
     pub fn end_step(&mut self, t: f64, force: f64) {
         let [last, before] = self.reached;
         let close = t - last.t < APART * self.step && last.t - before.t < 2.0 * self.step;
@@ -189,7 +191,7 @@ mod tests {
         }
     }
 
-    /// What is added for a strip at `x` m.
+    /// Correction for a strip at `x` m.
     fn added(load: &mut MovingLoad, x: f64, t: f64) -> Vec<f64> {
         let (q, curve) = ([0.0; 16], wire());
         let strip = Frame {
@@ -293,7 +295,7 @@ mod tests {
         let mut load = after([100.0, 100.0]);
         load.forget();
         assert_eq!(added(&mut load, 3.0, t), nothing);
-        // In the step after one that closed the force is taken as steady.
+        // In the step after a closing the force is taken as steady.
         assert_eq!(
             added(&mut after([0.0, 50.0]), 3.0, t),
             added(&mut after([50.0, 50.0]), 3.0, t)

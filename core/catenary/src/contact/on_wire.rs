@@ -1,28 +1,28 @@
-//! A strip on a wire, whatever the law between them.
+//! A strip on a wire under any contact law.
 use super::{ContactPair, ContactState, SlidingJoint};
 use crate::WireCurve;
 use dynamics::{Constraint, Force, Frame, Marker, Motion};
 use std::sync::Arc;
 
-/// What a line that follows its strips needs of them.
+/// Interface of a strip to a line that follows its strips.
 pub trait OnWire {
-    /// The strip's marker.
+    /// Frame of the strip's marker.
     fn strip(&self, motion: &Motion<'_>) -> Frame;
 
-    /// Goes on with another wire, which continues the one before.
+    /// Replaces the wire by another one that continues it.
     fn set_curve(&mut self, curve: Arc<dyn WireCurve>);
 }
 
 /// A strip on a wire under the law of a scene.
 pub enum StripContact {
-    /// It is pressed on by a spring and may leave.
+    /// Unilateral contact: a spring presses, and the strip may leave.
     Penalty(ContactPair),
-    /// It is held on.
+    /// Bilateral contact: the strip is held on the wire.
     SlidingJoint(SlidingJoint),
 }
 
 impl StripContact {
-    /// The contact for a motion and the multipliers `lambda` of its system; `None` where the strip is beyond the ends of the wire.
+    /// Contact for a motion and the multipliers `lambda` of its system; `None` for a strip beyond the ends of the wire.
     #[must_use]
     pub fn state(&self, motion: &Motion<'_>, lambda: &[f64]) -> Option<ContactState> {
         match self {
@@ -31,7 +31,7 @@ impl StripContact {
         }
     }
 
-    /// Its force; a joint has none but its multiplier, and follows the steps here.
+    /// Force of the contact; that of a joint is zero besides its multiplier, and follows the steps.
     pub fn force(&mut self) -> &mut dyn Force {
         match self {
             Self::Penalty(pair) => pair,
@@ -39,7 +39,7 @@ impl StripContact {
         }
     }
 
-    /// Its constraint, where it has one.
+    /// Constraint of the contact; none under the penalty law.
     pub fn constraint(&mut self) -> Option<&mut dyn Constraint> {
         match self {
             Self::Penalty(_) => None,
@@ -47,7 +47,7 @@ impl StripContact {
         }
     }
 
-    /// Puts another marker in place of the strip's, made of it.
+    /// Replaces the strip's marker by another one made from it.
     pub fn replace_strip(&mut self, other: impl FnOnce(Box<dyn Marker>) -> Box<dyn Marker>) {
         match self {
             Self::Penalty(pair) => pair.replace_strip(other),

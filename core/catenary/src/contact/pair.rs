@@ -8,8 +8,8 @@ use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// Which tangent the contact hands to Newton's method. In a step that closes it both are not below the chord to where it closes, so
-/// that no correction opens it again.
+/// Tangent that the contact hands to Newton's method. In a step that closes the contact, the chord to the closing is
+/// the lower bound of both, so that no correction opens the contact again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactTangent {
     /// `k g_q g_qᵀ` with the direction predicted for the step: one solution per step, exact up to the curvature terms.
@@ -21,13 +21,13 @@ pub enum ContactTangent {
 /// One strip on one wire.
 pub struct ContactPair {
     law: PenaltyContact,
-    /// Stiffness of the scene, N/m; that of `law` is lower while the line settles.
+    /// Stiffness of the scene, N/m; `law` has a lower one while the line settles.
     stiffness: f64,
     curve: Arc<dyn WireCurve>,
     strip: Box<dyn Marker>,
     width: f64,
     tangent: ContactTangent,
-    /// Parameter found last: the next search starts here.
+    /// Last parameter on the wire, from which the next search starts.
     s: f64,
     /// Share of the penetration that the contact spring has at the step's prediction, see [`ContactState`].
     share: f64,
@@ -35,13 +35,14 @@ pub struct ContactPair {
     version: u64,
     direction: Vec<(usize, f64)>,
     active: Option<f64>,
-    /// Piece of its law that the force found last comes from, see [`UnilateralStep::piece`].
-    piece: Option<u8>,
-    /// The present step, or the one that has just ended: by it the force at its end is found.
+    /// Branch of the law at the last evaluation of the force, see [`UnilateralStep::branch`].
+    branch: Option<u8>,
+    /// The present step, or the one that has just ended, to which the force at its end belongs.
     step: UnilateralStep,
-    /// What the next step begins with.
+    /// Closure with which the next step begins.
     reached: UnilateralStart,
-    /// Within a step: what one would begin with that begins where the force was found last.
+    /// Within a step, the closure at the last evaluation of the force: the next step begins with it if the present one
+    /// ends there.
     found: Option<UnilateralStart>,
     in_step: bool,
     load: MovingLoad,
@@ -69,7 +70,7 @@ impl ContactPair {
             version: 0,
             direction: Vec::new(),
             active: None,
-            piece: None,
+            branch: None,
             step: UnilateralStep::NONE,
             reached: UnilateralStart::Unknown,
             found: None,
@@ -78,8 +79,8 @@ impl ContactPair {
         }
     }
 
-    /// Lowers the stiffness to `limit` (N/m) where it is above; returns whether it was. For statics: what a step began with is
-    /// forgotten.
+    /// Limits the stiffness to `limit` (N/m) for statics; true if the limit lowers it. Forgets the beginning of the
+    /// step.
     pub fn limit_stiffness(&mut self, limit: f64) -> bool {
         self.reached = UnilateralStart::Unknown;
         self.load.forget();
@@ -87,19 +88,19 @@ impl ContactPair {
         self.stiffness > limit
     }
 
-    /// Whether it has a damper.
+    /// True if the contact has a damper.
     #[must_use]
     pub fn is_damped(&self) -> bool {
         self.law.damping > 0.0
     }
 
-    /// Puts another marker in place of the strip's, made of it.
+    /// Replaces the strip's marker by another one made from it.
     pub fn replace_strip(&mut self, other: impl FnOnce(Box<dyn Marker>) -> Box<dyn Marker>) {
         let nowhere: Box<dyn Marker> = Box::new(super::PrescribedStrip { first: 0 });
         self.strip = other(std::mem::replace(&mut self.strip, nowhere));
     }
 
-    /// Finds the contact for a motion; `None` where the strip is beyond the ends of the wire.
+    /// Finds the contact for a motion; `None` for a strip beyond the ends of the wire.
     ///
     /// A contact beside the strip (further than half its width from its middle) has a gap but no force.
     #[must_use]
@@ -107,7 +108,7 @@ impl ContactPair {
         self.state_under(&self.strip.frame(motion), motion)
     }
 
-    /// The same for a strip that is known to be at `frame`.
+    /// [`ContactPair::state`] for a strip known to be at `frame`.
     fn state_under(&self, frame: &Frame, motion: &Motion<'_>) -> Option<ContactState> {
         let geometry = ContactGeometry::search(&*self.curve, frame, self.s, motion.q, motion.v)?;
         let beside = self.is_beside(&geometry);
@@ -121,21 +122,21 @@ impl ContactPair {
         ))
     }
 
-    /// What a step that begins with this contact knows of it.
+    /// Closure of a step that begins with this contact.
     fn start_with(&self, contact: &ContactState) -> UnilateralStart {
         if self.is_beside(&contact.geometry) {
             UnilateralStart::APART
         } else {
-            UnilateralStart::At(self.step.ahead(-contact.geometry.gap, -contact.geometry.gap_rate))
+            UnilateralStart::Known(self.step.ahead(-contact.geometry.gap, -contact.geometry.gap_rate))
         }
     }
 
-    /// Finds the contact, and takes note of what the rest of the step asks of it.
+    /// Finds the contact, and records the values that the rest of the step needs.
     fn find(&mut self, motion: &Motion<'_>) -> Option<ContactState> {
         let contact = self.state(motion);
         self.s = contact.as_ref().map_or(self.s, |contact| contact.geometry.s);
         self.active = contact.as_ref().map(|contact| contact.force);
-        self.piece = contact.as_ref().map(|contact| contact.piece);
+        self.branch = contact.as_ref().map(|contact| contact.branch);
         self.found = self.in_step.then(|| match &contact {
             Some(contact) => self.start_with(contact),
             None => UnilateralStart::APART,
@@ -143,13 +144,13 @@ impl ContactPair {
         contact
     }
 
-    /// Whether the wire passes the strip further than half its width from its middle.
+    /// True if the wire passes the strip further than half its width from its middle.
     fn is_beside(&self, geometry: &ContactGeometry) -> bool {
         geometry.eta.abs() > 0.5 * self.width
     }
 
-    /// Derivative of force, normal and position of the contact with respect to a unit motion of the strip with the wire held:
-    /// translation `translation`, rotation `rotation`, velocity `velocity` (m/s per unit).
+    /// Derivative of force, normal and position of the contact with respect to a unit motion of the strip with the wire
+    /// held: translation `translation`, rotation `rotation`, velocity `velocity` (m/s per unit).
     #[must_use]
     pub fn sensitivity(
         &self,
@@ -164,9 +165,9 @@ impl ContactPair {
         contact.change(&variation, (slide, self.bend(contact)), [Vector3::zeros(); 2])
     }
 
-    /// `g_ss` where the strip is, 1/(m N).
+    /// `g_ss` at the contact, 1/(m N).
     fn bend(&self, contact: &ContactState) -> f64 {
-        /// Half the distance of the two points that give it, m: far below the bending length, far above rounding.
+        /// Half the distance of the two points of the difference, m: far below the bending length, far above rounding.
         const APART: f64 = 1e-4;
         if contact.compliance.slope == 0.0 {
             return 0.0;
@@ -176,7 +177,7 @@ impl ContactPair {
         (slope(s + APART) - slope(s - APART)) / (2.0 * APART)
     }
 
-    /// Rates of the contact along the present motion; that of a damping force leaves out the accelerations.
+    /// Rates of the contact along the present motion; the rate of a damping force leaves out the accelerations.
     #[must_use]
     pub fn rates(&self, contact: &ContactState, motion: &Motion<'_>) -> Sensitivity {
         let frame = self.strip.frame(motion);
@@ -292,8 +293,8 @@ impl Force for ContactPair {
         }
     }
 
-    /// The strip's prescribed motion, along the track for one, presses on the wire's slope, and its movement along the wire drives
-    /// what corrects the force; the damper heats.
+    /// Power of the contact: the strip's prescribed motion, mostly along the track, presses on the wire's slope and
+    /// drives the correction of the moving force; the damper heats.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
         let Some(contact) = self.state(motion) else {
             return Some(Power::default());
@@ -307,9 +308,9 @@ impl Force for ContactPair {
     }
 
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
-        let before = self.piece;
+        let before = self.branch;
         self.find(motion);
-        self.piece == before
+        self.branch == before
     }
 
     fn end_step(&mut self, motion: &Motion<'_>) {
@@ -331,7 +332,7 @@ impl Force for ContactPair {
     fn save(&self, out: &mut Vec<f64>) {
         out.push(self.s);
         out.push(self.step.half);
-        self.step.start_closure.save(out);
+        self.step.start.save(out);
         self.reached.save(out);
         self.load.save(out);
     }

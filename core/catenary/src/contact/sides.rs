@@ -1,4 +1,4 @@
-//! What a force along the common normal of a wire and a strip does to the coordinates of both.
+//! Generalised forces on wire and strip of a force along their common normal.
 use super::ContactGeometry;
 use super::state::{Variation, vary};
 use crate::{CurveColumns, WireCurve};
@@ -38,7 +38,7 @@ impl<'a> Sides<'a> {
         of_wire.chain(of_strip)
     }
 
-    /// The part of the velocity of the strip's point that is prescribed, m/s.
+    /// Prescribed part of the velocity of the strip's point, m/s.
     pub fn prescribed(&self, frame: &Frame, motion: &Motion<'_>) -> Vector3<f64> {
         let total = frame.velocity + frame.angular_velocity.cross(&self.lever);
         let free = |c: &dynamics::Column| motion.v[c.index] * (c.translation + c.rotation.cross(&self.lever));
@@ -56,11 +56,12 @@ impl<'a> Sides<'a> {
         of_wire.chain(of_strip)
     }
 
-    /// `−∂Q/∂q`, dense on the coordinates of wire and strip, of a `force` (N) along the normal that presses wire and strip apart.
-    /// `change` gives the weighted change of the force itself from the variation of the contact and the change of `n·(ṙ − ṗ)` per
-    /// unit of velocity (–); `weight` is that of the turn of the direction.
+    /// `−∂Q/∂q`, dense on the coordinates of wire and strip, of a `force` (N) along the normal that presses wire and
+    /// strip apart. `change` gives the weighted change of the force itself from the variation of the contact and the
+    /// change of `n·(ṙ − ṗ)` per unit of velocity (–); `weight` is that of the turn of the direction.
     ///
-    /// Columns of the strip are taken as constant: exact for masses; for rigid bodies the turn of the lever arms is left out.
+    /// Columns of the strip are taken as constant: exact for masses; for rigid bodies the turn of the lever arms is
+    /// left out.
     pub fn tangent(
         &self,
         frame: &Frame,

@@ -1,4 +1,4 @@
-//! The contact at one instant, and how it changes.
+//! The contact at one instant and its derivatives.
 use super::{Compliance, ContactGeometry, PenaltyContact};
 use crate::UnilateralStep;
 use dynamics::{Frame, Weights};
@@ -6,25 +6,26 @@ use nalgebra::Vector3;
 
 /// The contact at one instant.
 ///
-/// Where the curve has a residual compliance `g(s)`, see [`super::ResidualCompliance`], it is in series with the contact: of the
-/// penetration `δ` of the curve that the coordinates describe the contact has the share `p = c δ`, and the wire yields by `g F`,
+/// A residual compliance `g(s)` of the curve, see [`super::ResidualCompliance`], is in series with the contact: of the
+/// penetration `δ` of the curve described by the coordinates the contact has the share `p = c δ`, and the wire yields
+/// by `g F`,
 ///
 /// ```text
 /// c = 1/(1 + k g),    F = k p + c φ d ṗ,    ṗ = c δ̇ + c_s ṡ δ,    never negative
 /// ```
 ///
-/// `ṗ` is the rate along the path of the strip, `ṡ` its rate on the wire, `φ` the part of the step in which the contact is closed, see
-/// [`UnilateralStep`]. The series of spring and damper with `g` is exact but for
-/// terms `(k g) (d ṗ/(k p))²` of `F`: at 20 Hz, with `d/k` = 2 ms and `k g` = 0.05, 0.3 %. The contact moves along a wire that yields
-/// more at one place than at another; so the strip is pushed to where it yields more, by `½ g_s F²`, and the force is the gradient of
-/// the energy `½ k c δ²`.
+/// `ṗ` is the rate along the path of the strip, `ṡ` its rate on the wire, `φ` the part of the step in which the contact
+/// is closed, see [`UnilateralStep`]. The series of spring and damper with `g` is exact but for terms `(k g) (d ṗ/(k
+/// p))²` of `F`, which are negligible at the frequencies of contact forces. The contact moves along a wire that yields
+/// more at one place than at another; the strip is therefore pushed towards larger compliance by `½ g_s F²`, and the
+/// force is the gradient of the energy `½ k c δ²`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactState {
-    /// Closest points of the strip and the curve that the coordinates describe.
+    /// Closest points of the strip and the curve described by the coordinates.
     pub geometry: ContactGeometry,
     /// Residual compliance of the curve there.
     pub compliance: Compliance,
-    /// Contact force, N, positive in compression; never negative but at a [`super::SlidingJoint`].
+    /// Contact force, N, positive in compression; negative only at a [`super::SlidingJoint`].
     pub force: f64,
     /// `∂F/∂δ`, N/m.
     pub stiffness: f64,
@@ -48,24 +49,24 @@ pub struct ContactState {
     elastic: f64,
     /// The step that ends here.
     step: UnilateralStep,
-    /// What `∂φ/∂δ⁺` adds to `∂F/∂δ⁺`, N/m.
+    /// Share of `∂φ/∂δ⁺` in `∂F/∂δ⁺`, N/m.
     closing: f64,
-    /// Piece of the law, see [`UnilateralStep::piece`].
-    pub(super) piece: u8,
+    /// Branch of the law, see [`UnilateralStep::branch`].
+    pub(super) branch: u8,
 }
 
-/// What [`super::ContactPair::sensitivity`] returns, each per unit of the strip's motion.
+/// Derivatives returned by [`super::ContactPair::sensitivity`], each per unit of the strip's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensitivity {
-    /// Of the contact force, N.
+    /// Change of the contact force, N.
     pub force: f64,
-    /// Of the force on the strip, N.
+    /// Change of the force on the strip, N.
     pub force_on_strip: Vector3<f64>,
-    /// Of the gap, m.
+    /// Change of the gap, m.
     pub gap: f64,
-    /// Of the contact's position on the wire, m.
+    /// Change of the contact's position on the wire, m.
     pub position: Vector3<f64>,
-    /// Of the velocity of the wire there, m/s.
+    /// Change of the velocity of the wire at the contact, m/s.
     pub velocity: Vector3<f64>,
 }
 
@@ -81,7 +82,7 @@ pub(super) struct Variation {
 }
 
 impl ContactState {
-    /// The contact under `law` at the end of a `step`; one `beside` the strip carries nothing.
+    /// The contact under `law` at the end of a `step`; a contact `beside` the strip carries no force.
     pub(super) fn new(
         (law, step): (&PenaltyContact, UnilateralStep),
         geometry: ContactGeometry,
@@ -122,7 +123,7 @@ impl ContactState {
             elastic: if beside { 0.0 } else { (k * p).max(0.0) },
             step,
             closing: 0.0,
-            piece: 0,
+            branch: 0,
         };
         let force = series.normal_force(closed_part, p, p_rate);
         if force > 0.0 && !beside {
@@ -130,13 +131,13 @@ impl ContactState {
             state.closing = by_ahead * law.damping * share * p_rate;
             state.stiffness = k * share + share * d * share_s * slide + state.closing;
             state.damping = share * share * d + step.half * state.closing;
-            // The second derivative of the share is left out: it belongs to a term with the damping and is as small as that.
+            // The second derivative of the share is left out: its term contains the damping and is equally small.
             state.by_place = k * share_s * delta + d * (share_s * p_rate + share * share_s * delta_rate);
             state.by_slide = share * d * share_s * delta;
             state.spring_rate = k * p_rate;
             state.spring = k;
         }
-        state.piece = step.piece(ahead, p_rate, state.force);
+        state.branch = step.branch(ahead, p_rate, state.force);
         state
     }
 
@@ -158,7 +159,7 @@ impl ContactState {
             elastic: 0.0,
             step: UnilateralStep::NONE,
             closing: 0.0,
-            piece: 0,
+            branch: 0,
         }
     }
 
@@ -177,16 +178,18 @@ impl ContactState {
         0.5 * self.compliance.slope * self.force * self.force
     }
 
-    /// Power that the damper turns into heat, W: what the contact takes up beyond what its spring stores, in the normal direction and
-    /// along the wire. A spring that relaxes faster than the damper lets it press gives all of its energy to the damper.
+    /// Power that the damper turns into heat, W: power into the contact that its spring does not store, in the normal
+    /// direction and along the wire. A spring that relaxes faster than the damper lets it press gives all of its energy
+    /// to the damper.
     #[must_use]
     pub fn dissipation(&self) -> f64 {
         let along = 0.5 * self.compliance.slope * (self.force * self.force - self.elastic * self.elastic);
         (self.elastic - self.force) * self.geometry.gap_rate - along * self.slide
     }
 
-    /// With slopes that keep corrections of a step that closes on the closed side: together not below that of the chord to where the
-    /// contact closes. The force bends upwards from there but in a step that began moving apart.
+    /// Raises the slopes in a step that closes: the chord to the closing is the lower bound of their weighted sum, so
+    /// that corrections stay on the closed side. The force bends upwards from the closing, except in a step that began
+    /// moving apart.
     pub(super) fn with_chord(self, weights: Weights) -> Self {
         let rate = -self.geometry.gap_rate;
         let ahead = self.step.ahead(-self.geometry.gap, rate);
@@ -200,7 +203,7 @@ impl ContactState {
         }
     }
 
-    /// Without the slope of `φ`: steps to come do not close the contact again.
+    /// Removes the slope of `φ`: steps to come do not close the contact again.
     pub(super) fn lasting(self) -> Self {
         Self {
             stiffness: self.stiffness - self.closing,
@@ -209,7 +212,7 @@ impl ContactState {
         }
     }
 
-    /// Whether wire and strip press on each other.
+    /// True if wire and strip press on each other.
     #[must_use]
     pub fn closed(&self) -> bool {
         self.force > 0.0
@@ -221,7 +224,7 @@ impl ContactState {
         self.share
     }
 
-    /// Position of the contact on the wire, m: that of the coordinates and what the wire yields beyond them.
+    /// Position of the contact on the wire, m: that of the coordinates plus the wire's yielding.
     #[must_use]
     pub fn position(&self) -> Vector3<f64> {
         self.geometry.wire.r + self.yielded() * self.geometry.normal
@@ -240,8 +243,8 @@ impl ContactState {
 
     /// Velocity of the wire's material at the contact, m/s.
     ///
-    /// What the force moves at `x` is `g(x, x_c) F`; at the contact its rate at a fixed point of the wire is
-    /// `g Ḟ + ½ g_s ṡ F`, for `g(x, y)` is symmetric. `Ḟ` is that of the contact spring.
+    /// The force moves a point `x` by `g(x, x_c) F`; at the contact the rate of this at a fixed point of the wire is `g
+    /// Ḟ + ½ g_s ṡ F`, for `g(x, y)` is symmetric. `Ḟ` is that of the contact spring.
     #[must_use]
     pub fn wire_velocity(&self) -> Vector3<f64> {
         let Compliance { value, slope } = self.compliance;
@@ -256,8 +259,8 @@ impl ContactState {
             + self.by_slide * slide
     }
 
-    /// Change of everything; `slide` is the change of `ṡ` (m/s), `bend` is `g_ss` (1/(m N)), `wire` the change of the place and the
-    /// velocity of the wire's material (m, m/s).
+    /// Change of all outputs; `slide` is the change of `ṡ` (m/s), `bend` is `g_ss` (1/(m N)), `wire` the change of the
+    /// place and the velocity of the wire's material (m, m/s).
     pub(super) fn change(
         &self,
         variation: &Variation,
@@ -290,15 +293,15 @@ impl ContactState {
     }
 }
 
-/// `ṡ`: how fast the contact moves along the wire, m/s.
+/// `ṡ`: speed of the contact along the wire, m/s.
 pub(super) fn slide(geometry: &ContactGeometry, strip: &Frame) -> f64 {
     let wire = (geometry.wire.velocity, geometry.wire.velocity_s);
     let moved = (strip.velocity, strip.angular_velocity);
     vary(geometry, strip, Some(wire), Some(moved)).s
 }
 
-/// First variation of the contact [Thesis, Eq. (11)–(16), for the normal of this module]: `wire` is the change of `r` and `r_s`
-/// at fixed `s`, `strip` the translation and rotation of the strip.
+/// First variation of the contact [Thesis, Eq. (11)–(16), for the normal of this module]: `wire` is the change of `r`
+/// and `r_s` at fixed `s`, `strip` the translation and rotation of the strip.
 pub(super) fn vary(
     g: &ContactGeometry,
     strip: &Frame,

@@ -5,12 +5,13 @@ use nalgebra::{Rotation3, Vector3};
 /// Inputs per strip: x, y, z (m), vx, vy, vz (m/s), roll (rad).
 pub const STRIP_INPUTS: usize = 7;
 
-/// Values that a strip's motion follows from: its inputs, and the roll rate (rad/s), which is that of the roll input's course.
+/// Number of values that define a strip's motion: its inputs, and the roll rate (rad/s), the derivative of the roll
+/// input in time.
 pub const STRIP_VALUES: usize = STRIP_INPUTS + 1;
 
 /// A strip that follows the values `u[first..first + 8]` among the inputs of the system.
 ///
-/// Its second axis is the strip: lateral, turned by the roll angle about x.
+/// The second axis of its frame is along the strip: lateral, turned by the roll angle about x.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PrescribedStrip {
     /// Index of the strip's first value.

@@ -56,14 +56,14 @@ fn pair(roll: f64, damping: f64, tangent: ContactTangent) -> ContactPair {
     on_curve(roll, damping, tangent, |geometry| Arc::new(geometry))
 }
 
-/// The same with a residual compliance.
+/// Pair with a residual compliance.
 fn yielding(roll: f64, damping: f64, tangent: ContactTangent) -> ContactPair {
     on_curve(roll, damping, tangent, |geometry| Arc::new(Yielding(geometry)))
 }
 
-/// The same in a step that begins with a gap of 1 mm.
+/// Pair in a step that begins with a gap of 1 mm.
 fn closing(mut pair: ContactPair) -> ContactPair {
-    pair.step = UnilateralStep::new(UnilateralStart::At(-1e-3), 1e-4);
+    pair.step = UnilateralStep::new(UnilateralStart::Known(-1e-3), 1e-4);
     pair
 }
 
@@ -118,7 +118,8 @@ fn force(pair: &mut ContactPair, q: &[f64], v: &[f64]) -> Vec<f64> {
 #[test]
 fn the_generalised_force_is_the_negative_gradient_of_the_energy() {
     let (q, v) = bent();
-    // The force that drives the strip to where the wire yields more acts at the wire; its lever arm of the penetration is left out.
+    // The force that drives the strip towards larger compliance acts at the wire; its lever arm, the penetration, is
+    // left out.
     for (mut pair, tolerance) in [
         (pair(0.04, 0.0, ContactTangent::Exact), 1e-6),
         (yielding(0.04, 0.0, ContactTangent::Exact), 4e-6),
@@ -153,7 +154,7 @@ fn a_wire_that_yields_is_in_series_with_the_contact() {
     let g = soft.compliance.value;
     assert!((soft.force * (1.0 / 5e4 + g) + soft.geometry.gap).abs() < 1e-12);
     assert!(soft.force < 0.9 * stiff.force);
-    // What is left of the gap is the contact's own.
+    // The remaining gap is the contact's own.
     assert!((soft.force + 5e4 * soft.gap()).abs() < 1e-9 * soft.force);
     let raised = (soft.position() - soft.geometry.wire.r).dot(&soft.geometry.normal);
     assert!((raised - g * soft.force).abs() < 1e-15);
@@ -161,7 +162,8 @@ fn a_wire_that_yields_is_in_series_with_the_contact() {
     assert_eq!(stiff.wire_velocity(), stiff.geometry.wire.velocity);
 }
 
-/// Force of a strip that oscillates with 20 Hz on a spring and damper in series with a spring, by its complex stiffness.
+/// Force of a strip that oscillates with 20 Hz on a spring and damper in series with a spring, by its complex
+/// stiffness.
 #[test]
 fn the_damper_of_the_contact_works_on_its_own_share_of_the_penetration() {
     let (k, d, g, omega) = (5e4, 100.0, 1e-6, 40.0 * std::f64::consts::PI);
@@ -176,7 +178,7 @@ fn the_damper_of_the_contact_works_on_its_own_share_of_the_penetration() {
     let ours = nalgebra::Complex::new(stiffness, omega * damping);
     let error = (ours - exact).norm() / exact.norm();
     assert!(error < 3.5e-3, "{error}");
-    // And by the square of the damping.
+    // The square of the damping adds to it.
     let z = nalgebra::Complex::new(k, 0.1 * omega * d);
     let exact = z / (z * g + 1.0);
     let ours = nalgebra::Complex::new(stiffness, 0.1 * omega * damping);
@@ -186,8 +188,8 @@ fn the_damper_of_the_contact_works_on_its_own_share_of_the_penetration() {
 #[test]
 fn the_exact_tangent_is_the_jacobian_of_the_force() {
     let (q, v) = bent();
-    // The tangent leaves out what the force that drives the strip along a yielding wire changes by, and with damping the second
-    // derivative of the compliance.
+    // The tangent leaves out the change of the force that drives the strip along a yielding wire, and with damping the
+    // second derivative of the compliance.
     for (mut pair, tolerance) in [
         (pair(0.04, 0.0, ContactTangent::Exact), 1e-6),
         (pair(0.04, 300.0, ContactTangent::Exact), 1e-6),
@@ -364,7 +366,7 @@ fn the_contact_that_closes_in_a_step_is_damped_from_its_end_on() {
     q[WIRE + 2] = closed - 0.01;
     pair.end_step(&motion(&q, &v));
     let gap = pair.state(&motion(&q, &v)).expect("on the wire").gap();
-    // No step had begun: the present place is where the first one starts.
+    // Before the first step the present place is its start.
     q[WIRE + 2] = closed;
     pair.begin_step(&motion(&q, &v), 2.0 * HALF);
     let in_step = pair.state(&motion(&q, &v)).expect("on the wire");
@@ -378,7 +380,7 @@ fn the_contact_that_closes_in_a_step_is_damped_from_its_end_on() {
         "rounding of 100 N: {} {force}",
         in_step.force
     );
-    // What is left of the instant's force is heat that is not made; the spring has its energy.
+    // The rest of the instant's force makes no heat; the spring has its energy.
     let heat = in_step.dissipation();
     assert!(
         (heat - part * 100.0 * rate * rate).abs() < 1e-10,

@@ -1,8 +1,8 @@
-//! A wire as the contact sees it.
+//! A wire as contact sees it.
 use crate::{Compliance, LoadCorrection};
 use nalgebra::Vector3;
 
-/// One point of a curve and how it moves.
+/// Point of a curve with its derivatives and velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePoint {
     /// Position `r(s)`, m.
@@ -13,7 +13,7 @@ pub struct CurvePoint {
     pub r_ss: Vector3<f64>,
     /// Velocity of the material point, m/s.
     pub velocity: Vector3<f64>,
-    /// Its derivative along the wire, 1/s.
+    /// Derivative of the velocity along the wire, 1/s.
     pub velocity_s: Vector3<f64>,
 }
 
@@ -76,8 +76,8 @@ impl CurveColumns {
 
 /// A curve in space, linear in the generalised coordinates: `r(s) = r₀(s) + Σ nᵢ(s) qᵢ`.
 ///
-/// A spatial wire has 12 columns per point, a planar one 8, an enriched one more; contact, droppers and supports do not
-/// know which.
+/// The number of columns per point depends on the wire: 12 for a spatial one, 8 for a planar one, more with
+/// enrichments.
 pub trait WireCurve: Send + Sync {
     /// Length of the parameter range `0 ≤ s ≤ length`, m.
     fn length(&self) -> f64;
@@ -88,12 +88,12 @@ pub trait WireCurve: Send + Sync {
     /// Appends the columns at `s`.
     fn columns(&self, s: f64, columns: &mut CurveColumns);
 
-    /// What a strip's force at `s` moves the curve by beyond its coordinates; nothing of a curve that knows no more than they do.
+    /// Residual compliance at `s`: deflection per strip force beyond the coordinates; zero by default.
     fn compliance(&self, _s: f64) -> Compliance {
         Compliance::default()
     }
 
-    /// What the time step asks of a force that moves along the curve; nothing where the inertia is not corrected for it.
+    /// Correction of forces that move along the curve; none without corrected inertia.
     fn load_correction(&self) -> Option<LoadCorrection> {
         None
     }

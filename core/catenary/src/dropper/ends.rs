@@ -5,17 +5,17 @@ use crate::Attachment;
 use crate::simd::Transpose;
 use pulp::Simd;
 
-/// Where the coordinates of the upper and the lower ends of some droppers stand among those of the system.
+/// Positions of the coordinates of the upper and lower ends of some droppers among those of the system.
 #[derive(Clone, Debug)]
 pub(super) enum Ends {
-    /// Those of each end follow each other; the first of each. A lane without a dropper has twice the same end.
+    /// First coordinate of each end, whose coordinates are consecutive. A lane without a dropper repeats one end.
     Runs([[u32; LANES]; 2]),
-    /// By axis; `usize::MAX` stands for one that does not exist: no vector is as long.
+    /// Coordinates by axis; `usize::MAX` marks a missing one, because no vector is as long.
     Anywhere(Box<[[[usize; LANES]; 3]; 2]>),
 }
 
 impl Ends {
-    /// Of up to [`LANES`] droppers; no end moves along other axes than `axes`.
+    /// Ends of up to [`LANES`] droppers; no end moves along other axes than `axes`.
     pub fn new(droppers: &[Dropper], axes: &[usize]) -> Self {
         let run = |end: &Attachment| {
             let first = u32::try_from(end.coordinate(axes[0])?).ok()?;
@@ -43,7 +43,7 @@ impl Ends {
         ]))
     }
 
-    /// By how much the entries of `values` at the upper ends are above those at the lower ones.
+    /// Differences of the entries of `values` at the upper ends from those at the lower ends.
     #[inline(always)]
     pub fn differences<S: Simd, const D: usize>(
         &self,
@@ -68,7 +68,7 @@ impl Ends {
         }
     }
 
-    /// Takes what is in the lanes off the entries of `values` at the upper ends, and adds it to those at the lower ones.
+    /// Subtracts the lanes from the entries of `values` at the upper ends and adds them to those at the lower ends.
     #[inline(always)]
     pub fn transfer<S: Simd, const D: usize>(
         &self,

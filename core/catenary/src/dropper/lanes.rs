@@ -9,28 +9,28 @@ use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
-/// Droppers of a group.
+/// Number of droppers in a group.
 pub(super) const LANES: usize = GROUP;
 
-/// A number of each dropper of a group.
+/// One number per dropper of a group.
 pub(super) type Array = [f64; LANES];
 
-/// What the forces of some droppers follow from.
+/// Constants of a group of droppers, from which its forces follow.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(super) struct Group {
+pub(super) struct DropperGroup {
     ends: Ends,
     /// From the lower to the upper reference position, m.
     between: [Array; 3],
     /// m.
     unstressed_length: Array,
-    /// All its coordinates lie in here.
+    /// Range that contains all coordinates of the group.
     range: Range<usize>,
-    /// Whether no end moves sideways; the difference along y is constant then.
+    /// True if no end moves sideways; the difference along y is then constant.
     planar: bool,
 }
 
-impl Group {
+impl DropperGroup {
     /// The groups of droppers in their order.
     pub fn all(droppers: &[Dropper]) -> Vec<Self> {
         droppers.chunks(LANES).map(Self::new).collect()
@@ -43,7 +43,7 @@ impl Group {
         let planar = columns().all(|(_, axis)| axis != 1);
         let mut group = Self {
             ends: Ends::new(droppers, if planar { &[0, 2] } else { &[0, 1, 2] }),
-            // A lane without a dropper has no force, whatever its ends: they are where its length is the unstressed one.
+            // A lane without a dropper has no force: its ends are at the unstressed length.
             between: [[0.0; LANES], [0.0; LANES], [1.0; LANES]],
             unstressed_length: [1.0; LANES],
             range: indices().min().unwrap_or(0)..indices().max().map_or(0, |last| last + 1),
@@ -59,13 +59,13 @@ impl Group {
         group
     }
 
-    /// Whether it may have to do with a range of coordinates.
+    /// True if the group may touch a range of coordinates.
     fn meets(&self, range: &Range<usize>) -> bool {
         self.range.start < range.end && range.start < self.range.end
     }
 
-    /// Finds elongations and their rates, and where the upper ends are as seen from the lower ones; no end moves along other axes
-    /// than `axes`.
+    /// Finds elongations and their rates, and the vectors from the lower to the upper ends; no end moves along other
+    /// axes than `axes`.
     #[inline(always)]
     fn extend<S: Simd, const D: usize>(
         &self,
@@ -83,7 +83,7 @@ impl Group {
         for part in 0..Lanes::<S>::PARTS {
             let load = |values: &[f64]| Lanes::load(transpose.simd, values, part);
             let unstressed_length = load(&self.unstressed_length);
-            // (Not by `array::map`: what is not inlined here knows no vector registers.)
+            // `array::map` is avoided: a closure that is not inlined cannot use vector registers.
             let (mut between, mut moving) = (Components([unstressed_length; D]), Components([unstressed_length; D]));
             for (k, &axis) in axes.iter().enumerate() {
                 between.0[k] = load(&self.between[axis]) + load(&displacement[k]);
@@ -130,9 +130,9 @@ impl Group {
     }
 }
 
-/// Where the upper ends of a group are as seen from the lower ones.
+/// Vectors from the lower to the upper ends of a group.
 struct Seen<const D: usize> {
-    /// By axis, m.
+    /// Components by axis, m.
     between: [Array; D],
     /// 1/m
     inverse_length: Array,
@@ -149,7 +149,7 @@ pub(super) struct Step<'a> {
 }
 
 impl Step<'_> {
-    /// That of each group.
+    /// Steps of the groups one after the other.
     #[inline(always)]
     fn of_groups(self) -> impl Iterator<Item = Self> {
         self.start_closure
@@ -158,10 +158,10 @@ impl Step<'_> {
     }
 
     fn of(self, lane: usize) -> UnilateralStep {
-        UnilateralStep::new(UnilateralStart::At(self.start_closure[lane]), self.half)
+        UnilateralStep::new(UnilateralStart::Known(self.start_closure[lane]), self.half)
     }
 
-    /// Whether all began taut.
+    /// True if all droppers began the step taut.
     #[inline(always)]
     fn began_taut(self) -> bool {
         every(self.start_closure, |start| start >= 0.0)
@@ -186,38 +186,39 @@ impl Step<'_> {
         tensions
     }
 
-    /// Whether the forces of two motions, given as for [`Step::tensions`], come from the same pieces of the law.
+    /// True if the forces of two motions, given as for [`Step::tensions`], come from the same branches of the law.
     #[inline(always)]
     fn is_smooth_between<S: Simd>(self, simd: S, before: (&[f64], &[f64]), now: (&[f64], &[f64])) -> bool {
         if self.began_taut() {
             let pull = |motion: (&[f64], &[f64])| self.tensions(simd, motion).map(|tension| tension > 0.0);
             return pull(before) == pull(now);
         }
-        let piece =
-            |lane: usize, motion: (&[f64], &[f64])| self.law.piece(self.of(lane), motion.0[lane], motion.1[lane]);
-        (0..LANES).all(|lane| piece(lane, before) == piece(lane, now))
+        let branch =
+            |lane: usize, motion: (&[f64], &[f64])| self.law.branch(self.of(lane), motion.0[lane], motion.1[lane]);
+        (0..LANES).all(|lane| branch(lane, before) == branch(lane, now))
     }
 }
 
-/// Whether `holds` is true of all values; each is asked, in the lanes of a register.
+/// True if `holds` is true of all values. Every value is tested, without an early exit, so that the lanes of a register
+/// serve.
 #[inline(always)]
 fn every(values: &[f64], holds: impl Fn(f64) -> bool) -> bool {
     values.iter().fold(true, |all, &value| all & holds(value))
 }
 
-/// Where droppers stand: entries of the last lanes are without a dropper.
+/// Elongations and rates of all droppers; the last lanes may have no dropper.
 #[derive(Clone, Debug)]
 pub(super) struct Extensions {
     /// `δ`, m.
     pub elongation: Vec<f64>,
     /// `δ̇`, m/s.
     pub rate: Vec<f64>,
-    /// Of each whole group, whether all began the step taut and pull.
+    /// For each whole group, true if all droppers began the step taut and pull.
     pub taut: Vec<bool>,
 }
 
 impl Extensions {
-    /// Room for those of all groups.
+    /// Room for the droppers of all groups.
     pub fn new(groups: usize) -> Self {
         Self {
             elongation: vec![0.0; groups * LANES],
@@ -227,10 +228,10 @@ impl Extensions {
     }
 }
 
-/// Finds the extensions of all groups that meet `range`, and adds their springs' and dampers' forces.
+/// Finds the extensions of all groups that meet `range`, and adds the forces of their springs and dampers.
 pub(super) struct Evaluate<'a> {
     pub step: Step<'a>,
-    pub groups: &'a [Group],
+    pub groups: &'a [DropperGroup],
     pub range: Range<usize>,
     pub motion: &'a Motion<'a>,
     pub extensions: &'a mut Extensions,
@@ -262,10 +263,10 @@ impl WithSimd for Evaluate<'_> {
     }
 }
 
-/// Finds the extensions of all groups, and whether each dropper's force comes from the same piece of its law as with those before.
+/// Finds the extensions of all groups; true if every dropper's force comes from the same branch of its law as before.
 pub(super) struct Move<'a> {
     pub step: Step<'a>,
-    pub groups: &'a [Group],
+    pub groups: &'a [DropperGroup],
     pub motion: &'a Motion<'a>,
     pub extensions: &'a mut Extensions,
 }
@@ -298,21 +299,21 @@ impl WithSimd for Move<'_> {
 
 /// One end of a dropper with its share of the mass.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Mass {
+pub(super) struct EndMass {
     end: Attachment,
     /// kg
     value: f64,
 }
 
-impl Mass {
-    /// Those of the droppers that have one.
+impl EndMass {
+    /// Ends of all droppers with mass.
     pub fn all(droppers: &[Dropper]) -> Vec<Self> {
         let heavy = droppers.iter().filter(|dropper| dropper.mass > 0.0);
         let ends = heavy.flat_map(|dropper| [dropper.upper, dropper.lower].map(|end| (end, 0.5 * dropper.mass)));
         ends.map(|(end, value)| Self { end, value }).collect()
     }
 
-    /// Adds weight and inertia, `−m (v̇ + g)`, where it has to do with a range of coordinates.
+    /// Adds weight and inertia, `−m (v̇ + g)`, if the end touches a range of coordinates.
     pub fn add_force(&self, range: &Range<usize>, (gravity, v_dot): (f64, Option<&[f64]>), force: &mut [f64]) {
         if self.end.columns().any(|(index, _)| range.contains(&index)) {
             let acceleration = v_dot.map_or_else(Vector3::zeros, |v_dot| self.end.gather(v_dot));

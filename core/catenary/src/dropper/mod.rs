@@ -2,7 +2,7 @@
 use crate::unilateral::{restore_step, save_step, unilateral_force};
 use crate::{Attachment, UnilateralStart, UnilateralStep};
 use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
-use lanes::{Evaluate, Extensions, Group, LANES, Mass, Move, Step};
+use lanes::{DropperGroup, EndMass, Evaluate, Extensions, LANES, Move, Step};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
 use std::ops::Range;
@@ -19,8 +19,8 @@ pub use slackening::Slackening;
 /// F = max(0, k δ + φ c δ̇)        δ = length − unstressed length
 /// ```
 ///
-/// `φ` is the part of a time step in which the dropper is taut, see [`UnilateralStep`]: 1 in a step that begins taut, 0 in one that begins
-/// and ends slack: a slack dropper exerts no force at all [Thesis, section 3.2].
+/// `φ` is the part of a time step in which the dropper is taut, see [`UnilateralStep`]: 1 in a step that begins taut, 0
+/// in one that begins and ends slack: a slack dropper exerts no force at all [Thesis, section 3.2].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DropperLaw {
     /// `k`, N/m.
@@ -49,9 +49,9 @@ impl DropperLaw {
         (self.stiffness + closing, part * self.damping + step.half * closing)
     }
 
-    /// Piece of the law, see [`UnilateralStep::piece`].
-    pub(crate) fn piece(&self, step: UnilateralStep, elongation: f64, rate: f64) -> u8 {
-        step.piece(step.ahead(elongation, rate), rate, self.force(step, elongation, rate))
+    /// Branch of the law, see [`UnilateralStep::branch`].
+    pub(crate) fn branch(&self, step: UnilateralStep, elongation: f64, rate: f64) -> u8 {
+        step.branch(step.ahead(elongation, rate), rate, self.force(step, elongation, rate))
     }
 
     /// Elastic energy at an `elongation` in m, J.
@@ -60,8 +60,8 @@ impl DropperLaw {
         0.5 * self.stiffness * elongation.max(0.0).powi(2)
     }
 
-    /// Slope of the force in the weighted tangent, N/m. In a step that closes it is not below that of the chord to where the dropper
-    /// closes, so that no correction opens it again.
+    /// Slope of the force in the weighted tangent, N/m. In a step that closes, the chord to the closing is the lower
+    /// bound, so that no correction opens the dropper again.
     #[must_use]
     pub fn slope(&self, step: UnilateralStep, elongation: f64, rate: f64, weights: Weights) -> f64 {
         let (by_elongation, by_rate) = self.derivatives(step, elongation, rate);
@@ -82,13 +82,13 @@ pub struct Dropper {
     pub upper: Attachment,
     /// Node of the contact wire.
     pub lower: Attachment,
-    /// Length at which it begins to pull, m.
+    /// Unstressed length: a longer dropper pulls, m.
     pub unstressed_length: f64,
-    /// kg, half of it at each end.
+    /// Mass, kg; half at each end.
     pub mass: f64,
 }
 
-/// Where a dropper stands: what its force follows from.
+/// Position and motion of a dropper, from which its force follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Pose {
     /// From the lower to the upper node, unit vector.
@@ -137,10 +137,10 @@ impl Dropper {
     }
 }
 
-/// What the last assembled tangent contains, one entry per dropper.
+/// Last assembled tangent, one entry per dropper.
 #[derive(Clone, Debug)]
 struct Assembled {
-    /// `w_q k + w_v c`; zero when it was slack. N/m.
+    /// `w_q k + w_v c`, N/m; zero for a dropper that was slack.
     slopes: Vec<f64>,
     /// Unit vectors.
     directions: Vec<[f64; 3]>,
@@ -148,30 +148,31 @@ struct Assembled {
 
 /// All droppers of a line as one contribution.
 ///
-/// The force acts along the line between the two nodes, in three dimensions. A dropper that was taut when the matrix was
-/// factored and is slack now (or the other way round) is a rank-one correction `∓ κ u uᵀ` with the direction `u` of that
-/// factorisation; the transverse part `F/length`, smaller by five orders of magnitude, stays as it was assembled.
+/// The force acts along the line between the two nodes, in three dimensions. A dropper that was taut when the matrix
+/// was factored and is slack now (or the other way round) is a rank-one correction `∓ κ u uᵀ` with the direction `u` of
+/// that factorisation; the transverse part `F/length`, smaller by five orders of magnitude, keeps its assembled value.
 #[derive(Clone, Debug)]
 pub struct Droppers {
     law: DropperLaw,
     gravity: f64,
     droppers: Vec<Dropper>,
-    groups: Vec<Group>,
-    masses: Vec<Mass>,
+    groups: Vec<DropperGroup>,
+    masses: Vec<EndMass>,
     assembled: Assembled,
-    /// Of each whole group the slope (N/m) that the last assembled tangent contains of all of them, where it is the same.
+    /// Slope (N/m) that the last assembled tangent contains of every dropper of a whole group, if all are equal.
     common_slopes: Vec<Option<f64>>,
-    /// `δ⁺₀` of each dropper in the present step, m; filled up to whole groups.
+    /// `δ⁺₀` of each dropper in the present step, m; padded to whole groups.
     start_closure: Vec<f64>,
-    /// The same of the step that has just ended: with it the force at its end was found.
-    during: Vec<f64>,
+    /// `δ⁺₀` of each dropper in the step that has just ended, m: the force at its end belongs to these.
+    ended_closure: Vec<f64>,
     /// Half of the present step, or of the one that has just ended, s.
     half: f64,
-    /// Where they stood when their forces were found last.
+    /// Elongations and rates at the last evaluation of the forces.
     extensions: Extensions,
-    /// Whether that is where they stand: within a time step the solver asks for forces first, then for all that follows from them.
+    /// True while `extensions` belong to the present motion: within a time step the solver asks for forces first, then
+    /// for everything that follows from them.
     evaluated: bool,
-    /// Increases with every assembled tangent.
+    /// Version of the assembled tangent, increased with every assembly.
     version: u64,
     arch: Arch,
 }
@@ -180,7 +181,7 @@ impl Droppers {
     /// A batch of droppers with one law; `gravity` in m/s².
     #[must_use]
     pub fn new(law: DropperLaw, droppers: Vec<Dropper>, gravity: f64) -> Self {
-        let groups = Group::all(&droppers);
+        let groups = DropperGroup::all(&droppers);
         Self {
             law,
             gravity,
@@ -190,12 +191,12 @@ impl Droppers {
             },
             common_slopes: vec![None; groups.len()],
             start_closure: vec![0.0; groups.len() * LANES],
-            during: vec![0.0; groups.len() * LANES],
+            ended_closure: vec![0.0; groups.len() * LANES],
             half: 0.0,
             extensions: Extensions::new(groups.len()),
             evaluated: false,
             groups,
-            masses: Mass::all(&droppers),
+            masses: EndMass::all(&droppers),
             droppers,
             version: 0,
             arch: Arch::new(),
@@ -208,13 +209,13 @@ impl Droppers {
         &self.droppers
     }
 
-    /// Their common law.
+    /// Common law of all droppers.
     #[must_use]
     pub fn law(&self) -> DropperLaw {
         self.law
     }
 
-    /// Tension of dropper `index`, N; after a step what the next one begins with.
+    /// Tension of dropper `index`, N; after a step the one that the next step begins with.
     #[must_use]
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {
         let pose = self.droppers[index].pose(motion);
@@ -224,16 +225,16 @@ impl Droppers {
 
     /// The present step of a dropper that began with `start` m.
     fn step_of(&self, start: f64) -> UnilateralStep {
-        UnilateralStep::new(UnilateralStart::At(start), self.half)
+        UnilateralStep::new(UnilateralStart::Known(start), self.half)
     }
 
-    /// Their elongations `δ` at the end of the last step, m.
+    /// Elongations `δ` of all droppers at the end of the last step, m.
     #[must_use]
     pub fn elongations(&self) -> &[f64] {
         &self.extensions.elongation[..self.droppers.len()]
     }
 
-    /// For each dropper `∂δ/∂q` (–), as (coordinate, value).
+    /// Gradient `∂δ/∂q` (–) of each dropper, as (coordinate, value).
     pub fn gradients(&self, motion: &Motion<'_>) -> impl Iterator<Item = Vec<(usize, f64)>> {
         let gradient = |dropper: &Dropper| dropper.gradient(dropper.pose(motion).direction).collect();
         self.droppers.iter().map(gradient)
@@ -261,7 +262,7 @@ impl Droppers {
         (pose.elongation, pose.rate)
     }
 
-    /// Adds the forces of springs and dampers that have to do with a range of coordinates.
+    /// Adds the forces of the springs and dampers that touch a range of coordinates.
     fn pull(&mut self, range: Range<usize>, motion: &Motion<'_>, force: &mut [f64]) {
         self.arch.dispatch(Evaluate {
             step: Step {
@@ -284,7 +285,7 @@ impl Droppers {
         }
     }
 
-    /// Adds weights, and inertia where accelerations are given.
+    /// Adds weights, and inertia if accelerations are given.
     fn weigh(&self, range: &Range<usize>, v_dot: Option<&[f64]>, force: &mut [f64]) {
         for mass in &self.masses {
             mass.add_force(range, (self.gravity, v_dot), force);
@@ -390,12 +391,12 @@ impl Force for Droppers {
             .sum()
     }
 
-    /// The part of the force that is not the spring's, as it was in the step that has just ended.
+    /// Power of the force without the spring's share, in the step that has just ended.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
-        let heat = self.droppers.iter().zip(&self.during).map(|(dropper, &during)| {
+        let heat = self.droppers.iter().zip(&self.ended_closure).map(|(dropper, &start)| {
             let pose = dropper.pose(motion);
             let elastic = self.law.stiffness * pose.elongation.max(0.0);
-            (self.law.force(self.step_of(during), pose.elongation, pose.rate) - elastic) * pose.rate
+            (self.law.force(self.step_of(start), pose.elongation, pose.rate) - elastic) * pose.rate
         });
         Some(Power {
             driven: 0.0,
@@ -428,10 +429,10 @@ impl Force for Droppers {
         self.evaluated = false;
         let step = UnilateralStep::new(UnilateralStart::Unknown, self.half);
         let Extensions { elongation, rate, .. } = &self.extensions;
-        for (start, (&elongation, &rate)) in self.during.iter_mut().zip(elongation.iter().zip(rate)) {
+        for (start, (&elongation, &rate)) in self.ended_closure.iter_mut().zip(elongation.iter().zip(rate)) {
             *start = step.ahead(elongation, rate);
         }
-        std::mem::swap(&mut self.during, &mut self.start_closure);
+        std::mem::swap(&mut self.ended_closure, &mut self.start_closure);
     }
 
     fn save(&self, out: &mut Vec<f64>) {

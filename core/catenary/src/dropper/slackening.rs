@@ -1,27 +1,28 @@
-//! Energy that time steps make where droppers go slack and taut.
+//! Numerical energy error of time steps in which droppers go slack or taut.
 
-/// Follows the elongations of a line's droppers from step to step.
+/// Sum of the energy that time steps make or lose when droppers of a line go slack or taut.
 ///
-/// Derived here. An integrator with the trapezoid's displacement lets a spring work with the mean of its two end forces,
-/// `½ (F₀ + F₁)(δ₁ − δ₀)`, which is the change of its energy `½ k δ²` exactly. Where the dropper is slack at one end of the step,
-/// one of the forces is zero, and what the energy changes by besides that work is
+/// Derived here. An integrator with the trapezoidal rule's displacement lets a spring work with the mean of its two end
+/// forces, `½ (F₀ + F₁)(δ₁ − δ₀)`, which is exactly the change of its energy `½ k δ²`. If the dropper is slack at one
+/// end of the step, one of the forces is zero, and the energy changes besides that work by
 ///
 /// ```text
-/// ΔU − ½ (F₀ + F₁)(δ₁ − δ₀) = ½ k δ₀ δ₁   in a step that ends taut,   −½ k δ₀ δ₁   in one that ends slack     (δ₀ δ₁ < 0)
+/// ΔU − ½ (F₀ + F₁)(δ₁ − δ₀) = ½ k δ₀ δ₁ in a step that ends taut, −½ k δ₀ δ₁ in one that ends slack     (δ₀ δ₁ < 0)
 /// ```
 ///
-/// A step that closes loses energy, one that opens makes as much as it overshoots. The two cancel in the mean where a step is short
-/// against the dropper's own oscillation, and do not where it is long. Numerical damping takes part of it back.
+/// A step that closes loses energy, a step that opens makes as much as it overshoots. The two cancel in the mean for
+/// steps short against the dropper's own oscillation, and not for long ones. Numerical damping takes part of the energy
+/// back.
 #[derive(Clone, Debug, Default)]
 pub struct Slackening {
     stiffness: f64,
-    /// Those that the next step begins with, m; none where they are not known.
+    /// Elongations at the beginning of the next step, m; empty if unknown.
     elongations: Vec<f64>,
     made: f64,
 }
 
 impl Slackening {
-    /// For droppers of `stiffness` N/m.
+    /// Counter for droppers of `stiffness` N/m.
     #[must_use]
     pub fn new(stiffness: f64) -> Self {
         Self {
@@ -38,25 +39,25 @@ impl Slackening {
 
     /// Takes in the elongations at the end of a step, m.
     pub fn step(&mut self, elongations: &[f64]) {
-        let course = self.elongations.iter().zip(elongations);
-        let made = course.map(|(&start, &end)| energy_made(self.stiffness, start, end));
+        let steps = self.elongations.iter().zip(elongations);
+        let made = steps.map(|(&start, &end)| energy_made(self.stiffness, start, end));
         self.made += made.sum::<f64>();
         self.restart(elongations);
     }
 
-    /// The next step is that of other droppers, which begin it with these elongations, m.
+    /// Restarts with other droppers, which begin the next step with these elongations, m.
     pub fn restart(&mut self, elongations: &[f64]) {
         self.elongations.clear();
         self.elongations.extend_from_slice(elongations);
     }
 
-    /// The next step is that of other droppers, and nobody knows how they begin it: it is not counted.
+    /// Restarts with other droppers of unknown elongations: the next step is not counted.
     pub fn forget(&mut self) {
         self.elongations.clear();
     }
 }
 
-/// See [`Slackening`]; J.
+/// Energy made in one step of one dropper, J; see [`Slackening`].
 fn energy_made(stiffness: f64, start: f64, end: f64) -> f64 {
     let product = 0.5 * stiffness * start * end;
     match (start > 0.0, end > 0.0) {

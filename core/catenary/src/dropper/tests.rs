@@ -101,7 +101,7 @@ fn a_slack_dropper_exerts_no_force_whatever_its_rate() {
 
 #[test]
 fn a_taut_dropper_never_pushes() {
-    let began = |start: f64| UnilateralStep::new(UnilateralStart::At(start), 5e-4);
+    let began = |start: f64| UnilateralStep::new(UnilateralStart::Known(start), 5e-4);
     assert_eq!(LAW.force(began(1e-3), 1e-4, -10.0), 0.0);
     assert_eq!(LAW.force(began(-1e-3), -5e-3, 10.0), 0.0);
     assert_eq!(LAW.force(began(1e-3), 1e-3, 0.1), 130.0);
@@ -368,7 +368,7 @@ fn droppers_pull_the_same_in_registers_of_any_width() {
         for (k, dropper) in droppers.iter().enumerate() {
             let pose = dropper.pose(&motion);
             let start = if k == 2 { -1e-3 } else { 0.0 };
-            let step = UnilateralStep::new(UnilateralStart::At(start), 5e-4);
+            let step = UnilateralStep::new(UnilateralStart::Known(start), 5e-4);
             let pull = LAW.force(step, pose.elongation, pose.rate) * pose.direction;
             dropper.upper.add_force(&-pull, &mut each);
             dropper.lower.add_force(&pull, &mut each);

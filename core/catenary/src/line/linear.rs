@@ -39,8 +39,8 @@ pub struct LinearDroppers {
     start_closure: Vec<f64>,
     /// Half of the present step, or of the one that has just ended, s.
     half: f64,
-    /// Pieces of the law that the forces found last come from.
-    pieces: Vec<u8>,
+    /// Branches of the law at the last evaluation of the forces, one per dropper.
+    branches: Vec<u8>,
     /// `δ` at the end of the last step, m.
     elongations: Vec<f64>,
 }
@@ -54,7 +54,7 @@ impl LinearDroppers {
             assembled: vec![0.0; droppers.len()],
             start_closure: vec![0.0; droppers.len()],
             half: 0.0,
-            pieces: vec![0; droppers.len()],
+            branches: vec![0; droppers.len()],
             elongations: vec![0.0; droppers.len()],
             droppers,
         }
@@ -69,7 +69,7 @@ impl LinearDroppers {
 
     /// The present step of dropper `index`.
     fn step(&self, index: usize) -> UnilateralStep {
-        UnilateralStep::new(UnilateralStart::At(self.start_closure[index]), self.half)
+        UnilateralStep::new(UnilateralStart::Known(self.start_closure[index]), self.half)
     }
 
     fn slope(&self, index: usize, motion: &Motion<'_>, weights: Weights) -> f64 {
@@ -77,7 +77,7 @@ impl LinearDroppers {
         self.law.slope(self.step(index), elongation, rate, weights)
     }
 
-    /// Their elongations `δ` at the end of the last step, m.
+    /// Elongations `δ` of all droppers at the end of the last step, m.
     #[must_use]
     pub fn elongations(&self) -> &[f64] {
         &self.elongations
@@ -105,7 +105,7 @@ impl Force for LinearDroppers {
         for (index, dropper) in self.droppers.iter().enumerate() {
             let ((elongation, rate), step) = (dropper.extension(motion), self.step(index));
             let tension = self.law.force(step, elongation, rate);
-            self.pieces[index] = step.piece(step.ahead(elongation, rate), rate, tension);
+            self.branches[index] = step.branch(step.ahead(elongation, rate), rate, tension);
             for &(coordinate, g) in &dropper.gradient {
                 force[coordinate] -= tension * g;
             }
@@ -131,7 +131,7 @@ impl Force for LinearDroppers {
             if coefficient == 0.0 {
                 continue;
             }
-            // The direction never changes, so one version serves for ever.
+            // The direction never changes, so one version is enough.
             updates.rank_one(index as u32, 0, coefficient, dropper.gradient.iter().copied());
         }
     }
@@ -147,7 +147,7 @@ impl Force for LinearDroppers {
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
         self.droppers.iter().enumerate().all(|(index, dropper)| {
             let (elongation, rate) = dropper.extension(motion);
-            self.law.piece(self.step(index), elongation, rate) == self.pieces[index]
+            self.law.branch(self.step(index), elongation, rate) == self.branches[index]
         })
     }
 
@@ -170,19 +170,19 @@ impl Force for LinearDroppers {
 
 /// A line with constant matrices, unilateral droppers of fixed direction, and a contact wire linear in its coordinates.
 ///
-/// It stands in the same places as a [`Line`]: integrator, contact and coupling do not know the difference. A line in operation
-/// moves by centimetres about its static state, so that [`LinearLine::about`] is a good approximation of it; matrices of other
+/// Drop-in replacement for [`Line`]: integrator, contact and coupling cannot tell them apart. [`LinearLine::about`] is
+/// a good approximation, because a line in operation moves by centimetres about its static state; matrices of other
 /// origin make other linear lines.
 #[derive(Clone)]
 pub struct LinearLine {
-    /// Linear by themselves; all else is in `force`.
+    /// Wires that are linear by themselves; all else is in `force`.
     wires: Vec<Wire>,
     force: LinearForce,
     droppers: LinearDroppers,
     contact_wire: Arc<dyn WireCurve>,
-    /// Of the wires in the wind: not linear, as it is on the line itself.
+    /// Drag of the wires in the wind, nonlinear as on [`Line`].
     drag: Vec<WireDrag>,
-    /// The line that this one stands for, where it stands for one: places only, never its forces.
+    /// Line whose positions of wires, supports and droppers are drawn; its forces are not used.
     shape: Option<Line>,
 }
 
@@ -200,18 +200,18 @@ impl LinearLine {
         }
     }
 
-    /// The same with the places of wires, supports and droppers taken from `shape`, a line in the same coordinates.
+    /// Adds positions of wires, supports and droppers, taken from `shape`, a line in the same coordinates.
     #[must_use]
     pub fn with_shape(mut self, shape: Line) -> Self {
         self.shape = Some(shape);
         self
     }
 
-    /// The linearisation of `line` about its static state, sag and longitudinal coordinates included, in the same coordinates of
-    /// `layout`.
+    /// The linearisation of `line` about its static state, sag and longitudinal coordinates included, in the same
+    /// coordinates of `layout`.
     ///
-    /// The spring of a dropper stays unilateral along its static direction; the transverse stiffness `F/length` of a taut
-    /// dropper is part of `K`. Wind on the wires acts as on the line itself.
+    /// The spring of a dropper stays unilateral along its static direction; the transverse stiffness `F/length` of a
+    /// taut dropper is part of `K`. Wind on the wires acts as on the line itself.
     #[must_use]
     pub fn about(line: &mut Line, layout: &Layout) -> Self {
         let drag = line.take_drag();
@@ -219,7 +219,7 @@ impl LinearLine {
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
 
-        // Spring and damper of the taut droppers are taken out again: they are unilateral.
+        // Spring and damper of the taut droppers leave the matrices, because they are unilateral.
         let law = line.droppers().law();
         let mut droppers = Vec::new();
         for (index, dropper) in line.droppers().as_slice().iter().enumerate() {
@@ -256,15 +256,16 @@ impl LinearLine {
         Self { drag, ..linear }
     }
 
-    /// The line of a static state as two-dimensional programs take it: straight wires of constant tension with small slopes, that
-    /// move up and down only. Its coordinates are added to `layout`; those along the track are held.
+    /// Flat model of two-dimensional programs: straight wires of constant tension with small slopes that move only
+    /// vertically, on the static state of a line. Adds coordinates to `layout` and holds those along the track.
     ///
     /// ```text
-    /// Q = −K q − D v,    K = Σ ∫ T s,ₓ s,ₓᵀ + EI s,ₓₓ s,ₓₓᵀ dx  + springs of supports and arms,    q = 0 in the static state
+    /// Q = −K q − D v,   K = Σ ∫ T s,ₓ s,ₓᵀ + EI s,ₓₓ s,ₓₓᵀ dx + springs of supports and arms,   q = 0 at rest
     /// ```
     ///
-    /// Droppers are vertical and carry their static forces at `q = 0`; contact sees the static heights of the contact wire. The sag
-    /// of the messenger wire, which couples lift and tension, is left out: this is not the linearisation of the line.
+    /// Droppers are vertical and carry their static forces at `q = 0`; contact sees the static heights of the contact
+    /// wire. The sag of the messenger wire, which couples lift and tension, is left out, so the flat model is not the
+    /// linearisation of the line.
     #[must_use]
     pub fn flat(statics: &StaticLine, layout: &mut Layout) -> Self {
         let first = layout.coordinates();
@@ -280,7 +281,7 @@ impl LinearLine {
             }
         }
         let mut linear = Linear::at_rest(&mut statics.straight_line(first), layout);
-        // The static state is at rest whatever the forces of straight wires are there.
+        // The static state is at rest by definition, whatever the forces of straight wires.
         linear.load.fill(0.0);
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
@@ -304,7 +305,7 @@ impl LinearLine {
             .with_shape(line)
     }
 
-    /// The line that this one stands for, see [`LinearLine::with_shape`].
+    /// Line whose positions of wires, supports and droppers are drawn; its forces are not used.
     #[must_use]
     pub fn shape(&self) -> Option<&Line> {
         self.shape.as_ref()
@@ -315,7 +316,7 @@ impl LinearLine {
         self.shape.as_mut()
     }
 
-    /// Both ends and the tension of every dropper; none without a shape.
+    /// Ends and tension of every dropper; none without a shape.
     #[must_use]
     pub fn dropper_samples(&self, motion: &Motion<'_>) -> Vec<DropperSample> {
         let ends = self.shape.iter().flat_map(|shape| shape.dropper_samples(motion));
@@ -359,8 +360,8 @@ impl LinearLine {
     }
 }
 
-/// What a line is to first order but for its droppers' springs: its wires, where they can be linear by themselves, and matrices
-/// of all else as entries (row, column, value) that may repeat.
+/// A line to first order without its droppers' springs: its wires, as far as they can be linear by themselves, and the
+/// matrices of all else as entries (row, column, value) that may repeat.
 struct Linear {
     wires: Vec<Wire>,
     /// Force of the whole line at rest, N.

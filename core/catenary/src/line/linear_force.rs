@@ -13,21 +13,21 @@ pub struct LinearForce {
     stiffness: SparseMatrix,
     damping: SparseMatrix,
     mass: SparseMatrix,
-    /// The rows of the three matrices that have entries.
-    rows: Vec<Row>,
-    entries: Vec<Entry>,
+    /// Rows of the three matrices that have entries.
+    rows: Vec<MatrixRow>,
+    entries: Vec<MatrixEntry>,
 }
 
 /// A row with its entries up to `end`.
 #[derive(Clone, Copy, Debug)]
-struct Row {
+struct MatrixRow {
     row: usize,
     end: usize,
 }
 
 /// Entries of `K`, `D` and `M` in one place.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
+struct MatrixEntry {
     column: usize,
     weights: [f64; 3],
 }
@@ -36,7 +36,7 @@ impl LinearForce {
     /// A force of given `Q₀` (N), `K` (N/m), `D` (N·s/m) and `M` (kg).
     #[must_use]
     pub fn new(load: Vec<f64>, stiffness: SparseMatrix, damping: SparseMatrix, mass: SparseMatrix) -> Self {
-        let (mut rows, mut entries) = (Vec::new(), Vec::<Entry>::new());
+        let (mut rows, mut entries) = (Vec::new(), Vec::<MatrixEntry>::new());
         for row in 0..load.len() {
             let first = entries.len();
             for (kind, matrix) in [&stiffness, &damping, &mass].into_iter().enumerate() {
@@ -45,14 +45,14 @@ impl LinearForce {
                     let at = known.map_or(entries.len(), |known| first + known);
                     if at == entries.len() {
                         let weights = [0.0; 3];
-                        entries.push(Entry { column, weights });
+                        entries.push(MatrixEntry { column, weights });
                     }
                     entries[at].weights[kind] = value;
                 }
             }
             if entries.len() > first {
                 let end = entries.len();
-                rows.push(Row { row, end });
+                rows.push(MatrixRow { row, end });
             }
         }
         Self {
@@ -89,9 +89,9 @@ impl LinearForce {
         &self.mass
     }
 
-    /// Adds `Q₀ − K q − D v − M a` to the rows in `range`, `a` being left out where there is none.
+    /// Adds `Q₀ − K q − D v − M a` to the rows in `range`; without `M a` if `a` is none.
     fn add(&self, range: Range<usize>, motion: &Motion<'_>, a: Option<&[f64]>, force: &mut [f64]) {
-        // Others may have coordinates behind these.
+        // Other contributions may have coordinates behind these.
         let end = range.end.min(self.load.len());
         let range = range.start.min(end)..end;
         for (force, load) in force[range.clone()].iter_mut().zip(&self.load[range.clone()]) {
@@ -105,7 +105,7 @@ impl LinearForce {
             let sum = entries.iter().fold(
                 0.0,
                 |sum,
-                 Entry {
+                 MatrixEntry {
                      column,
                      weights: [k, d, m],
                  }| {
@@ -119,7 +119,7 @@ impl LinearForce {
 
     /// Adds a matrix with a weight.
     fn add_to(&self, matrix: &SparseMatrix, weight: f64, blocks: &mut Blocks<'_>) {
-        for &Row { row, .. } in &self.rows {
+        for &MatrixRow { row, .. } in &self.rows {
             for (column, value) in matrix.row(row) {
                 blocks.add(&[row], &[column], &[weight * value]);
             }

@@ -1,4 +1,4 @@
-//! The overhead line as a list of contributions.
+//! The nonlinear overhead line as a list of contributions.
 
 use super::topology::WireCoordinates;
 use crate::wire::contact_wire_directors;
@@ -13,12 +13,12 @@ use nalgebra::Vector3;
 use scene::{AxialStrain, Catenary, WireEnds};
 use std::sync::Arc;
 
-/// The static state of a line: everything that the scene leaves to statics.
+/// Static state of a line: all values that follow from statics and not from the scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Equilibrium {
     pub contact_wire: WireGeometry,
     pub messenger_wire: WireGeometry,
-    /// Of the contact wire where it is a beam, else none.
+    /// Directors of a contact wire of beam elements, else empty.
     pub directors: Vec<Directors>,
     /// Unstressed length of each dropper, m.
     pub dropper_lengths: Vec<f64>,
@@ -29,7 +29,7 @@ pub(crate) struct Equilibrium {
 }
 
 impl Equilibrium {
-    /// The same state with all coordinates numbered from `first` on.
+    /// Renumbers all coordinates from `first` on.
     fn shifted(&self, first: usize) -> Self {
         Self {
             contact_wire: shifted(&self.contact_wire, first),
@@ -75,15 +75,15 @@ pub struct DropperSample {
     pub force: f64,
 }
 
-/// Both wires, droppers, supports, registration arms and sliding ends: an overhead line whose reference (all coordinates zero)
-/// is its static state.
+/// Both wires, droppers, supports, registration arms and sliding ends: an overhead line whose reference (all
+/// coordinates zero) is its static state.
 ///
 /// The messenger wire hangs vertically above the contact wire, with the same stagger.
 #[derive(Clone, Debug)]
 pub struct Line {
     topology: Arc<Topology>,
     contact_wire: Wire,
-    /// What makes beams of the contact wire's elements.
+    /// Directors of a contact wire of beam elements.
     directors: Option<WireDirectors>,
     messenger_wire: Wire,
     droppers: Droppers,
@@ -93,9 +93,9 @@ pub struct Line {
     /// Height of the contact wire at each support that uplift is counted from, m above the static height.
     uplift_reference: Vec<f64>,
     compliance: Option<Arc<ResidualCompliance>>,
-    /// What the corrected inertia of the contact wire asks of the forces of strips.
+    /// Correction of the forces of strips that belongs to the corrected inertia of the contact wire.
     load: Option<LoadCorrection>,
-    /// Of both wires, where there is wind.
+    /// Drag of both wires; empty without wind.
     drag: Vec<WireDrag>,
 }
 
@@ -175,9 +175,10 @@ impl Line {
     /// Uses the mass matrix that cancels the leading dispersion error of the integrator's steps, see
     /// [`Wire::with_mass_correction`].
     ///
-    /// Generalised-α of step `h` turns `ω` into `ω (1 − (ωh)² (1/12 + 3/8 r²))`, `r = (1 − ρ)/(1 + ρ)`, `ρ` its spectral radius at
-    /// infinite frequency; the trapezoidal rule is `r = 0`. So the correction is that of the trapezoidal rule with the step
-    /// `h √(1 + 9/2 r²)`. The forces of strips that move along the contact wire are corrected with it, see [`LoadCorrection`].
+    /// Generalised-α of step `h` turns `ω` into `ω (1 − (ωh)² (1/12 + 3/8 r²))`, `r = (1 − ρ)/(1 + ρ)`, `ρ` its
+    /// spectral radius at infinite frequency; the trapezoidal rule is `r = 0`. The correction is therefore that of the
+    /// trapezoidal rule with the step `h √(1 + 9/2 r²)`. The forces of strips that move along the contact wire are
+    /// corrected accordingly, see [`LoadCorrection`].
     #[must_use]
     pub fn with_mass_correction(mut self, MassCorrection { step, rho_inf }: MassCorrection) -> Self {
         let r = (1.0 - rho_inf) / (1.0 + rho_inf);
@@ -249,7 +250,7 @@ impl Line {
         })
     }
 
-    /// What the contact wire's mesh lacks under strips.
+    /// Residual compliance of the contact wire under strips, see [`ResidualCompliance`].
     #[must_use]
     pub fn compliance(&self) -> Option<&Arc<ResidualCompliance>> {
         self.compliance.as_ref()
@@ -348,7 +349,7 @@ impl Line {
         self.wire(name).geometry().nodes().iter().map(move |node| node.at(q).0)
     }
 
-    /// Both ends and the tension of every dropper.
+    /// Ends and tension of every dropper.
     pub fn dropper_samples<'a>(&'a self, motion: &'a Motion<'a>) -> impl Iterator<Item = DropperSample> + 'a {
         self.droppers
             .as_slice()
@@ -361,8 +362,8 @@ impl Line {
             })
     }
 
-    /// Parameter `s` of the contact wire at the position `x` along the track, m, for coordinates `q`; at the ends of the wire
-    /// where `x` is beyond them.
+    /// Parameter `s` of the contact wire at the position `x` along the track, m, for coordinates `q`; at the ends of
+    /// the wire where `x` is beyond them.
     #[must_use]
     pub fn contact_wire_s(&self, x: f64, q: &[f64]) -> f64 {
         let geometry = self.contact_wire.geometry();
@@ -394,7 +395,7 @@ impl Line {
     }
 }
 
-/// One wire of the scene along `geometry`.
+/// Wire of the scene along `geometry`.
 pub(crate) fn wire(catenary: &Catenary, name: WireName, geometry: Arc<WireGeometry>) -> Wire {
     let parameters = name.parameters(catenary);
     let section = WireSection {

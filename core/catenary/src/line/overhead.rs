@@ -1,12 +1,12 @@
-//! What contact and coupling need of a line, whatever it is made of.
+//! Interface of any line for contact and coupling.
 use crate::{DropperSample, Line, LinearLine, OnWire, WireCurve, WireName};
 use dynamics::{Continuity, Force, Layout, Motion, State};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A line as the strips' side sees it: the nonlinear [`Line`] in any of its dimensions, or a [`LinearLine`]. The line of
-/// a scene is made by [`crate::scene_line`].
+/// A line as contact and coupling see it: the nonlinear [`Line`] in any of its dimensions, a [`LinearLine`] or a
+/// [`crate::WindowedLine`]. [`crate::scene_line`] makes the line of a scene.
 pub trait OverheadLine: Send {
     /// Visits every contribution, always in the same order.
     fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force));
@@ -17,17 +17,17 @@ pub trait OverheadLine: Send {
     /// Number of droppers that exert no force.
     fn slack_count(&self, motion: &Motion<'_>) -> usize;
 
-    /// Elongations of all droppers that can go slack, m, always in the same order: at the end of the last step, or where
-    /// [`OverheadLine::follow`] has put the state since.
+    /// Elongations of all droppers that can go slack, m, always in the same order: at the end of the last step, or
+    /// after a later [`OverheadLine::follow`].
     fn elongations(&self) -> &[f64];
 
     /// Potential energy, J.
     fn energy(&self, motion: &Motion<'_>) -> f64;
 
-    /// Both ends and the tension of every dropper, for pictures.
+    /// Positions of both ends and tension of every dropper, for pictures.
     fn dropper_samples(&self, motion: &Motion<'_>) -> Vec<DropperSample>;
 
-    /// The wires, supports and droppers behind, where the line has them: for uplift and pictures.
+    /// Wires, supports and droppers of the line, for uplift and pictures; none for a line given by matrices alone.
     fn shape(&self) -> Option<&Line>;
 
     /// See [`OverheadLine::shape`].
@@ -55,7 +55,7 @@ pub trait OverheadLine: Send {
         self.shape().map_or(0.0, |shape| shape.uplift_rate(support, v))
     }
 
-    /// Points along a wire, m, not many more than `most`: what a picture shows.
+    /// Points along a wire for pictures, m, not many more than `most`.
     fn polyline(&self, name: WireName, q: &[f64], most: usize) -> Vec<Vector3<f64>> {
         let Some(shape) = self.shape() else {
             return Vec::new();
@@ -69,8 +69,8 @@ pub trait OverheadLine: Send {
             .collect()
     }
 
-    /// Follows strips between the positions `strips` (m along the track) with what is modelled around them, at the end of a
-    /// step; see [`dynamics::System::follow`].
+    /// Moves the detailed part of the model along with strips between the positions `strips` (m along the track), at
+    /// the end of a step; see [`dynamics::System::follow`].
     fn follow(&mut self, strips: (f64, f64), state: &mut State) -> Continuity {
         let _ = (strips, state);
         Continuity::Kept
@@ -82,13 +82,13 @@ pub trait OverheadLine: Send {
         Continuity::Kept
     }
 
-    /// The line's own coordinates and those of them that are held, where that changes from time to time.
+    /// Coordinates of the line, and which of them are held; none for a line that never changes these.
     fn held(&self) -> Option<(Range<usize>, &[usize])> {
         None
     }
 }
 
-/// What [`dynamics::System::follow`] has to do for a system with a line and strips on it.
+/// [`dynamics::System::follow`] for a system of a line and strips on it.
 pub fn follow_strips<C: OnWire>(
     line: &mut dyn OverheadLine,
     contacts: &mut [C],
@@ -106,7 +106,7 @@ pub fn follow_strips<C: OnWire>(
     continuity
 }
 
-/// What [`dynamics::System::adopt`] has to do for a system with a line and strips on it.
+/// [`dynamics::System::adopt`] for a system of a line and strips on it.
 pub fn adopt_state<C: OnWire>(
     line: &mut dyn OverheadLine,
     contacts: &mut [C],

@@ -1,29 +1,30 @@
-//! Which nodes a line has, where they stand, and what is attached to them.
+//! Nodes of a line: positions, coordinates and attached parts.
 use crate::NodeMap;
 use dynamics::Layout;
 use nalgebra::Vector3;
 use scene::{Catenary, Element, WireEnds};
 
-/// Which coordinates the nodes of a line have.
+/// Coordinates of the nodes of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Dimension {
-    /// Six per node.
+    /// Six coordinates per node.
     #[default]
     Spatial,
-    /// No lateral ones, four per node: the same line where nothing moves sideways.
+    /// Four coordinates per node, none of them lateral: for lines in which nothing moves sideways.
     Planar,
 }
 
-/// Whether the wires have an unknown for the bending layer at each attachment, see [`crate::Enrichment`].
+/// Unknowns for the bending layers at the attachments of the wires, see [`crate::Enrichment`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BendingLayers {
     /// Cubic elements only.
     #[default]
     Absent,
-    /// One vertical layer per attachment and wire, and a lateral one at the supports of a line with lateral coordinates.
+    /// One vertical layer per attachment and wire, and a lateral one at the supports of a line with lateral
+    /// coordinates.
     AtAttachments,
-    /// The same, and at the ends: of a piece whose wires go on, which has half of the layer there. `ψ` and its slope vanish at the
-    /// node, so that each half is a layer of its own.
+    /// [`BendingLayers::AtAttachments`] and a layer at each end: the end of a section whose wires go on has half of the
+    /// layer there. `ψ` and its slope vanish at the node, so that each half is a layer of its own.
     AtAttachmentsAndEnds,
 }
 
@@ -32,38 +33,38 @@ pub enum BendingLayers {
 pub struct MassCorrection {
     /// Internal step of the integrator, s.
     pub step: f64,
-    /// Its spectral radius at infinite frequency, –.
+    /// Spectral radius of the integrator at infinite frequency, –.
     pub rho_inf: f64,
 }
 
-/// How a line is discretised, beyond the mesh of the scene.
+/// Discretisation of a line beyond the mesh of the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LineOptions {
     /// Coordinates per node.
     pub dimension: Dimension,
     /// Extra unknowns at attachments.
     pub layers: BendingLayers,
-    /// Speed of the strips for which the contact wire has its residual compliance, m/s, see [`crate::ResidualCompliance`];
-    /// statics other than those of the start have that of a strip at rest.
+    /// Speed of the strips for which the contact wire has its residual compliance, m/s, see
+    /// [`crate::ResidualCompliance`]. Statics use the compliance of a strip at rest, except for the start of a run.
     pub contact_compliance: Option<f64>,
-    /// Corrected inertia of the wires; no part of statics.
+    /// Corrected inertia of the wires; without effect on statics.
     pub mass_correction: Option<MassCorrection>,
 }
 
 /// One of the two wires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WireName {
-    /// The lower wire, that collector strips touch.
+    /// The lower wire, which collector strips touch.
     ContactWire,
-    /// The upper wire, that carries it.
+    /// The upper wire, which carries the contact wire.
     MessengerWire,
 }
 
 impl WireName {
-    /// Both, in the order in which coordinates are numbered.
+    /// Both wires, in the order in which coordinates are numbered.
     pub const BOTH: [Self; 2] = [Self::ContactWire, Self::MessengerWire];
 
-    /// The word for it in messages.
+    /// Name of the wire in messages.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -72,7 +73,7 @@ impl WireName {
         }
     }
 
-    /// Its values in a scene.
+    /// Parameters of the wire in a scene.
     #[must_use]
     pub fn parameters(self, catenary: &Catenary) -> &scene::Wire {
         match self {
@@ -82,7 +83,7 @@ impl WireName {
     }
 }
 
-/// Where a dropper hangs.
+/// Place of a dropper in the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DropperPlace {
     /// Span, counted from 1.
@@ -101,7 +102,7 @@ pub struct Topology {
     supports: Vec<usize>,
     droppers: Vec<DropperPlace>,
     options: LineOptions,
-    /// Whether each wire has bending stiffness; a string has no layers.
+    /// For each wire, true with bending stiffness; a string has no layers.
     bends: [bool; 2],
     element: Element,
 }
@@ -146,7 +147,7 @@ impl Topology {
             let (left, right) = (catenary.support_x(number - 1), catenary.support_x(number));
             let attachments = catenary.droppers.positions.iter().map(|position| left + position);
             let mut start = left;
-            // Lengths within the span: those of equal spans are equal, as differences of x are not.
+            // Lengths within the span: equal spans have equal ones, while differences of x are rounded.
             let lengths = catenary.intervals_of(number - 1);
             for (position, (end, length)) in attachments.chain([right]).zip(lengths).enumerate() {
                 let elements = catenary.mesh.division.elements(length);
@@ -177,7 +178,7 @@ impl Topology {
         }
     }
 
-    /// How the line is discretised.
+    /// Discretisation of the line.
     #[must_use]
     pub fn options(&self) -> &LineOptions {
         &self.options
@@ -268,14 +269,15 @@ impl Topology {
         directions
     }
 
-    /// Holds the directors, as long as the wires are taken for cables.
+    /// Holds the directors while the wires are treated as cables.
     pub(crate) fn hold_directors(wires: &[WireCoordinates; 2], layout: &mut Layout) {
         for &first in wires.iter().flat_map(|wire| &wire.directors) {
             (first..first + 6).for_each(|index| layout.fix(index));
         }
     }
 
-    /// Holds the ends of both wires: y and z always, x where the ends are fixed; a beam may not spin about its axis there either.
+    /// Holds the ends of both wires: y and z always, x for fixed ends; a beam is also held against spinning about its
+    /// axis.
     pub(crate) fn fix_ends(&self, wires: &[WireCoordinates; 2], ends: WireEnds, layout: &mut Layout) {
         for wire in wires {
             for directors in wire.directors.first().into_iter().chain(wire.directors.last()) {

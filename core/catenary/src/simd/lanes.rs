@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Elements per group in memory; a vector register holds 1, 4 or 8 of their numbers.
 pub(crate) const GROUP: usize = 8;
 
-/// One number of each element in a register.
+/// Number of each element of a group in a register.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lanes<S: Simd> {
     simd: S,
@@ -128,7 +128,8 @@ impl<S: Simd> Number for Lanes<S> {
 pub(crate) struct Components<N, const D: usize>(pub [N; D]);
 
 impl<N: Number, const D: usize> Components<N, D> {
-    /// Applies `operation` to every component. (Not by an iterator: what is not inlined here knows no vector registers.)
+    /// Applies `operation` to every component. Iterators are avoided: code that is not inlined cannot use vector
+    /// registers.
     #[inline(always)]
     fn each(mut self, other: Self, operation: impl Fn(N, N) -> N) -> Self {
         for axis in 0..D {

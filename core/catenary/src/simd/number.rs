@@ -1,8 +1,8 @@
-//! What a law computes with: one number or one vector of an element, or those of several elements side by side.
+//! Numbers and vectors for laws: those of one element, or of several elements side by side.
 use nalgebra::Vector3;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// One number per element.
+/// Number per element.
 pub(crate) trait Number:
     Copy
     + Neg<Output = Self>
@@ -26,11 +26,11 @@ pub(crate) trait Number:
     fn constant(self, value: f64) -> Self;
 }
 
-/// One vector per element.
+/// Vector per element.
 pub(crate) trait Space:
     Copy + Neg<Output = Self> + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Number, Output = Self>
 {
-    /// What a vector is multiplied with.
+    /// Number that multiplies a vector.
     type Number: Number;
 
     /// The scalar product.

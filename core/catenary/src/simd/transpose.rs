@@ -1,11 +1,12 @@
-//! Numbers that follow each other among the coordinates, and one array per number: transposed in registers.
+//! Transposition in registers between consecutive numbers among the coordinates and one array per number.
 use super::GROUP;
 use pulp::{Interleave, Simd};
 
-/// Between rows of `K` numbers, 2 or 4, and `K` columns; each row belongs to one owner, a node or a dropper.
+/// Transposition between rows of `K` numbers, 2 or 4, and `K` columns; each row belongs to one owner, a node or a
+/// dropper.
 ///
-/// What turns rows into columns with the fewest instructions changes the order of as many rows as a register has lanes: rows are
-/// put in such an order that columns come out in that of the owners.
+/// The fewest instructions that turn rows into columns permute as many rows as a register has lanes: rows are put in
+/// such an order that columns come out in that of the owners.
 #[derive(Clone, Copy)]
 pub(crate) struct Transpose<S: Simd> {
     pub simd: S,
@@ -87,8 +88,8 @@ impl<S: Simd> Transpose<S> {
         }
     }
 
-    /// What the `D` numbers of `values` that begin at each place of `upper` have more than those of `lower`, one array per number;
-    /// rows have `K` numbers, at least `D`.
+    /// Differences of the `D` numbers of `values` that begin at each place of `upper` from those of `lower`, one array
+    /// per number; rows have `K` numbers, at least `D`.
     #[inline(always)]
     pub fn differences<const D: usize, const K: usize>(
         self,
@@ -115,7 +116,8 @@ impl<S: Simd> Transpose<S> {
         columns.0
     }
 
-    /// Takes one number of each array off those of `values` that begin at each place of `upper`, and adds it to those of `lower`.
+    /// Subtracts one number of each array from those of `values` that begin at each place of `upper`, and adds it to
+    /// those of `lower`.
     #[inline(always)]
     pub fn transfer<const D: usize, const K: usize>(
         self,

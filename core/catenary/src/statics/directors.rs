@@ -7,8 +7,8 @@ use dynamics::{Layout, solve_static};
 use scene::Catenary;
 use std::sync::Arc;
 
-/// Gives the contact wire its directors, across the cable, and lets the line settle: the lengths of wires and droppers stay, and
-/// shear moves the nodes by what it adds to bending. Returns the number of Newton iterations.
+/// Gives the contact wire its directors, across the cable, and lets the line settle: the lengths of wires and droppers
+/// stay, and shear adds to the deflection by bending. Returns the number of Newton iterations.
 pub(super) fn turn_into_beam(
     catenary: &Catenary,
     topology: &Arc<Topology>,

@@ -1,7 +1,7 @@
-//! Why a line has no static state.
+//! Errors of statics.
 use dynamics::StepError;
 
-/// Why a line has no static state.
+/// Errors of statics.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StaticsError {
     /// The equations of equilibrium could not be solved.
@@ -9,20 +9,21 @@ pub enum StaticsError {
     NoEquilibrium(#[from] StepError),
     /// Element lengths did not settle.
     #[error(
-        "form finding: after {iterations} rounds nodes are still {distance:.3e} m from their nominal x, tolerance {tolerance:.1e} m"
+        "form finding: after {iterations} rounds nodes are still {distance:.3e} m from their nominal x, \
+         tolerance {tolerance:.1e} m"
     )]
     FormNotFound {
         /// Rounds used.
         iterations: usize,
         /// Largest distance left, m.
         distance: f64,
-        /// What was asked for, m.
+        /// Tolerance, m.
         tolerance: f64,
     },
     /// The prescribed heights make the contact wire press a dropper upwards.
     #[error(
-        "dropper {dropper} of span {span} at x = {x} m would have to push with {force:.3} N to hold the contact wire at its \
-         height: droppers only pull; less presag, or other dropper positions"
+        "dropper {dropper} of span {span} at x = {x} m would have to push with {force:.3} N to hold the contact \
+         wire at its height: droppers only pull; less presag, or other dropper positions"
     )]
     DropperPushes {
         /// Span, from 1.
@@ -31,7 +32,7 @@ pub enum StaticsError {
         dropper: usize,
         /// Position along the track, m.
         x: f64,
-        /// Force it would push with, N.
+        /// Force that the dropper would push with, N.
         force: f64,
     },
     /// A span cannot stand between its supports.
@@ -44,8 +45,8 @@ pub enum StaticsError {
     },
     /// The messenger wire sags to the contact wire or below it.
     #[error(
-        "dropper {dropper} of span {span} at x = {x} m would be {length:.4} m long: the messenger wire sags too low; more \
-         encumbrance or messenger tension"
+        "dropper {dropper} of span {span} at x = {x} m would be {length:.4} m long: the messenger wire sags \
+         too low; more encumbrance or messenger tension"
     )]
     NoRoomForDropper {
         /// Span, from 1.
@@ -54,7 +55,7 @@ pub enum StaticsError {
         dropper: usize,
         /// Position along the track, m.
         x: f64,
-        /// Length that is left for it, m.
+        /// Length left for the dropper, m.
         length: f64,
     },
     /// A wire would break under its static tension.
@@ -64,7 +65,7 @@ pub enum StaticsError {
         wire: &'static str,
         /// Largest static tension, N.
         tension: f64,
-        /// Where, m.
+        /// Position along the track, m.
         x: f64,
         /// `breaking_force` of the scene, N.
         limit: f64,

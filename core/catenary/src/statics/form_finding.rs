@@ -11,10 +11,10 @@ use std::sync::Arc;
 
 /// Largest distance of a node from its nominal x, m.
 const TOLERANCE: f64 = 1e-10;
-/// Rounds before form finding is given up; it takes five to eight.
+/// Most rounds of form finding; convergent lines need fewer than ten.
 const MOST_ROUNDS: usize = 60;
 
-/// Both wires, each held where the line holds it, with the droppers replaced by their forces.
+/// Both wires, each held at its prescribed places, with the droppers replaced by their forces.
 struct Wires {
     layout: Layout,
     wires: [Wire; 2],
@@ -38,9 +38,9 @@ impl System for Wires {
 
 /// Finds the form of a line:
 ///
-/// - the contact wire is held at its prescribed heights at droppers and supports (laterally at supports), the messenger wire at
-///   its supports; each wire has one end fixed and the nominal tension as horizontal force at the other;
-/// - what holds the contact wire at a dropper is the dropper's force, and hangs on the messenger wire;
+/// - the contact wire is held at its prescribed heights at droppers and supports (laterally at supports), the messenger
+///   wire at its supports; each wire has one end fixed and the nominal tension as horizontal force at the other;
+/// - the force that holds the contact wire at a dropper is the dropper's, and hangs on the messenger wire;
 /// - element lengths are corrected by nominal/found `Δx` until every node stands at its nominal x;
 /// - a dropper's unstressed length is its length less `F/k`; the forces at supports and arms become their preloads.
 ///
@@ -81,7 +81,8 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
         wires.loads.entries = tension_load.to_vec();
         wires.lateral.ties.clear();
         for (place, pull) in topology.droppers().iter().zip(&pulls) {
-            // Along the track the pull is zero once both ends are at the same x; before, it would only slow things down.
+            // The pull along the track ends at zero, with both ends at the same x; in earlier rounds it would only slow
+            // the search down.
             let hanging = position(messenger, place.node, 2);
             wires.loads.entries.push((hanging, -pull.z - half_weight));
             let [lower, upper] = [0, 1].map(|wire| Attachment::node(&wires.wires[wire].geometry().nodes()[place.node]));
@@ -93,7 +94,7 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
         let mut force = vec![0.0; state.q.len()];
         wires.forces(&mut |part| part.add_force(&state.motion(&[]), &mut force));
 
-        // The force that a dropper must bring for the height of its node, along the line to its upper end.
+        // Force of a dropper that gives its node the prescribed height, along the line to its upper end.
         let mut change = 0.0_f64;
         for (place, pull) in topology.droppers().iter().zip(&mut pulls) {
             let ends =

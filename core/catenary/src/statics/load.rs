@@ -26,7 +26,8 @@ impl Force for DeadLoad {
     }
 }
 
-/// Lateral forces of droppers that hang between two wires and pull with known vertical force: those of springs of `F/height`.
+/// Lateral forces of droppers that hang between two wires and pull with known vertical force: those of springs of
+/// `F/height`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LateralPull {
     /// Upper and lower node, and the stiffness between them, N/m.

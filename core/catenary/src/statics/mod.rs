@@ -4,10 +4,10 @@
 //! file                subject
 //! form_finding        contact wire held at its heights; lengths follow
 //! nodal_displacement  lengths given; shape follows
-//! directors           a contact wire of beams, known from one of cables
-//! repeat              long lines, known from short ones
-//! report              what was found, with the names of the result files
-//! error               why a line has no static state
+//! directors           a contact wire of beams, from one of cables
+//! repeat              long lines, from short ones
+//! report              figures of the static state, with the names of the result files
+//! error               errors of statics
 //! ```
 mod directors;
 mod error;
@@ -36,7 +36,7 @@ use std::sync::{Arc, OnceLock};
 /// Force under which elasticity is measured, N.
 const ELASTICITY_FORCE: f64 = 100.0;
 
-/// How a shape is solved for, with at most so many iterations.
+/// Options of a static solution with at most so many iterations.
 fn options(max_iterations: usize) -> StaticOptions {
     StaticOptions {
         newton: NewtonOptions {
@@ -68,26 +68,26 @@ impl System for Standalone {
     }
 }
 
-/// A line whose static state is known.
+/// A line with known static state.
 #[derive(Clone, Debug)]
 pub struct StaticLine {
     catenary: Catenary,
     topology: Arc<Topology>,
     equilibrium: Equilibrium,
-    /// The line itself, where a shorter one was solved in its place.
+    /// The whole line, if a shorter one was solved in its place.
     whole: Catenary,
     repeat: Repeat,
-    /// Spans reduced to modes, once they were asked for.
+    /// Spans reduced to modes, made on the first request.
     cells: OnceLock<Cells>,
     system: Standalone,
     /// Residual compliance of the contact wire under strips at rest.
     at_rest: Option<Arc<ResidualCompliance>>,
-    /// What blows on the wires; the static state itself is that without wind.
+    /// Wind on the wires; the static state itself is without wind.
     wind: Option<WiresInWind>,
     report: StaticsReport,
 }
 
-/// The line's answer to a force.
+/// Answer of the line to a force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StaticAnswer {
     /// Height of the contact wire where the force acts, m.
@@ -145,15 +145,16 @@ impl StaticLine {
         Ok(line)
     }
 
-    /// Lets the wind act on the wires of the lines made from this static state, and on the answers to forces at t = 0. The static
-    /// state itself, its report and the elasticity stay those without wind: all coordinates zero is the line at rest in still air.
+    /// Lets the wind act on the wires of the lines made from this static state, and on the answers to forces at t = 0.
+    /// The static state itself, its report and the elasticity stay those without wind: all coordinates zero is the line
+    /// at rest in still air.
     #[must_use]
     pub fn in_wind(mut self, wind: Option<WiresInWind>) -> Self {
         self.wind = wind;
         self
     }
 
-    /// What was found; without elasticity, see [`StaticLine::elasticity`].
+    /// Report of the static state; for elasticity see [`StaticLine::elasticity`].
     #[must_use]
     pub fn report(&self) -> &StaticsReport {
         &self.report
@@ -165,7 +166,7 @@ impl StaticLine {
         &self.system.line
     }
 
-    /// What was solved, to be cut into pieces.
+    /// Solved line, to be cut into sections.
     pub(crate) fn source(&self) -> Source<'_> {
         Source {
             catenary: &self.catenary,
@@ -174,7 +175,7 @@ impl StaticLine {
         }
     }
 
-    /// The line itself, and which of its spans were solved.
+    /// The whole line, and the spans that were solved in place of all.
     pub(crate) fn whole(&self) -> (&Catenary, Repeat) {
         (&self.whole, self.repeat)
     }
@@ -183,7 +184,7 @@ impl StaticLine {
         (&self.topology, &self.equilibrium)
     }
 
-    /// Where reduced spans are kept between lines made from this static state.
+    /// Store of reduced spans, shared by the lines made from this static state.
     pub(crate) fn cells(&self) -> &OnceLock<Cells> {
         &self.cells
     }
@@ -204,7 +205,7 @@ impl StaticLine {
             .in_wind(self.wind.as_ref())
     }
 
-    /// With the residual compliance and the corrected mass that the line is to move with.
+    /// Adds the residual compliance and the corrected mass of the options to a line.
     fn corrected(&self, line: Line) -> Line {
         let line = line.with_contact_compliance(self.system.line.compliance().cloned());
         match self.topology.options().mass_correction {
@@ -261,7 +262,8 @@ impl StaticLine {
         Ok(reports)
     }
 
-    /// Where elasticity is asked for in spans `first` to `last` (from 1): supports, quarter points, mid-spans, droppers; m.
+    /// Default points of elasticity in spans `first` to `last` (from 1): supports, quarter points, mid-spans, droppers;
+    /// m.
     #[must_use]
     pub fn elasticity_points(&self, first: usize, last: usize) -> Vec<f64> {
         let mut points = Vec::new();
@@ -300,7 +302,7 @@ impl StaticLine {
         let curve: Arc<dyn WireCurve> = system.line.contact_curve();
         let options = StaticOptions::default();
         let mut s = system.line.contact_wire_s(x, &state.q);
-        // The wire slides past x by fractions of a millimetre: the second or third pass finds the same point again.
+        // The wire slides past x by fractions of a millimetre, so a few passes find the point.
         for _ in 0..10 {
             let mut columns = CurveColumns::default();
             curve.columns(s, &mut columns);
@@ -386,7 +388,7 @@ impl StaticLine {
         }
     }
 
-    /// Refuses a line one of whose wires breaks under its own weight and tension.
+    /// Refuses a line with a wire that breaks under its own weight and tension.
     fn check_strength(&self) -> Result<(), StaticsError> {
         let rest = self.system.layout.state_at_rest();
         for name in WireName::BOTH {

@@ -1,4 +1,4 @@
-//! Tension by nodal displacement [Thesis, 3.2]: straight wires, stretched, and what gravity makes of them.
+//! Tension by nodal displacement [Thesis, 3.2]: straight wires, stretched, then sagging under gravity.
 use super::form_finding::guess;
 use super::{Standalone, StaticsError, options};
 use crate::line::Equilibrium;
@@ -10,9 +10,9 @@ use std::sync::Arc;
 
 /// Stretches straight wires and lets them sag.
 ///
-/// Element lengths are such that the straight wire between its fixed ends has its nominal tension: its ends have been moved
-/// apart from the natural length. Supports and arms stand at the straight wires, unloaded but for the arms' own weight; droppers
-/// have their given unstressed lengths, else the distance of the straight wires. Then gravity is turned on.
+/// Element lengths give the straight wire between its fixed ends the nominal tension: the ends have been moved apart
+/// from the natural length. Supports and arms stand at the straight wires, unloaded but for the arms' own weight;
+/// droppers have their given unstressed lengths, else the distance of the straight wires. Then gravity is turned on.
 ///
 /// Returns the static state and the number of Newton iterations.
 pub(super) fn displace_ends(
@@ -74,8 +74,8 @@ pub(super) fn displace_ends(
     }
     let mut equilibrium = start;
     let mut iterations = 0;
-    // The first round finds the state; as the reference of the next ones it loses the small forces that the springs at sliding
-    // ends had in it.
+    // The first round finds the state; further rounds, with the found state as the reference, remove the small forces
+    // of the springs at sliding ends.
     for _ in 0..MOST_ROUNDS {
         iterations += solve_static(&mut system, &mut state, &[], &options)?.iterations;
         let moved = state.q.iter().fold(0.0_f64, |max, q| max.max(q.abs()));
@@ -89,9 +89,10 @@ pub(super) fn displace_ends(
     Ok((equilibrium, iterations))
 }
 
-/// Rounds after which the springs at sliding ends are taken as unloaded; each leaves a thousandth of their force.
+/// Rounds after which the springs at sliding ends are taken as unloaded; each round reduces their force to about a
+/// thousandth.
 const MOST_ROUNDS: usize = 8;
-/// Motion between two rounds that ends them, m.
+/// Smallest motion between two rounds that asks for another round, m.
 const SETTLED: f64 = 1e-9;
 
 /// The state of a line as its reference.

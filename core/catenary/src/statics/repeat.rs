@@ -1,4 +1,4 @@
-//! A long line of equal spans, known from a short one.
+//! Long lines of equal spans, solved as short ones.
 use super::{ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport};
 use crate::LineOptions;
 use crate::line::window::{SAME, Source};
@@ -6,24 +6,24 @@ use scene::Catenary;
 
 /// Spans at either end of a line that may differ from its periodic middle.
 const MARGIN: usize = 2;
-/// Longest period that is looked for, spans.
+/// Longest period that is tried, spans.
 const LONGEST_PERIOD: usize = 8;
 /// Spans of the short line, at least.
 const KNOWN: usize = 16;
 
-/// Which spans of a line stand for which: its middle repeats itself.
+/// Map of the spans of a line to the solved ones that stand for them: the middle of a long line repeats itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Repeat {
     /// Spans of the line.
     pub spans: usize,
     /// Spans that were solved.
     pub known: usize,
-    /// Spans after which the middle repeats itself; none where it does not.
+    /// Period of the middle, spans; none without repetition.
     pub period: Option<usize>,
 }
 
 impl Repeat {
-    /// Of a line all of whose spans were solved.
+    /// Map of a line with all spans solved.
     pub fn of_solved(source: &Source<'_>) -> Self {
         let spans = source.catenary.spans();
         let middle = MARGIN..spans.saturating_sub(MARGIN);
@@ -45,7 +45,7 @@ impl Repeat {
         match self.period {
             Some(_) if from + count + MARGIN >= self.spans && from > MARGIN => self.known - (self.spans - from),
             Some(period) if from > MARGIN => {
-                // About the middle of what was solved, in step with the period.
+                // Spans about the middle of the solved ones, in step with the period.
                 let middle = MARGIN + (self.known / 2).saturating_sub(MARGIN + count / 2) / period * period;
                 let last = self.known.saturating_sub(MARGIN + count + period - 1);
                 let middle = middle.min(MARGIN + last.saturating_sub(MARGIN) / period * period);
@@ -57,11 +57,11 @@ impl Repeat {
 }
 
 impl StaticLine {
-    /// The static state of a line of which at most `together` consecutive spans are looked at at a time.
+    /// Solves the static state of a line of which at most `together` consecutive spans are used at a time.
     ///
-    /// Where it is long and its spans are equally long, a line of a few dozen spans is solved in its place if the middle of that one
-    /// repeats itself to `SAME` with the period of the stagger: so does then that of the long line, whose end effects end in the
-    /// same spans. Memory and time do not grow with the number of spans.
+    /// In place of a long line with equal spans a line of a few dozen spans is solved, provided that its middle repeats
+    /// itself to `SAME` with the period of the stagger: the long line then repeats itself likewise, because its end
+    /// effects end within the same spans. Memory and time do not grow with the number of spans.
     ///
     /// # Errors
     /// See [`StaticsError`].
@@ -72,7 +72,7 @@ impl StaticLine {
             .iter()
             .all(|length| *length == catenary.span_lengths[0]);
         let mut known = KNOWN.max(2 * MARGIN + 2 * cycle + together);
-        // The last support stands where it does in the long line: the stagger there is the same.
+        // The last support keeps its phase of the stagger.
         known += spans.saturating_sub(known) % cycle;
         while uniform && cycle <= LONGEST_PERIOD && 2 * known <= spans {
             let short = Catenary {
@@ -104,7 +104,7 @@ impl StaticLine {
         self.topology.elements() / self.repeat.known * self.repeat.spans
     }
 
-    /// The place among the solved spans that stands for `x` (m).
+    /// Place among the solved spans that stands for `x` (m).
     fn solved_place(&self, x: f64) -> f64 {
         if self.repeat.spans == self.repeat.known {
             return x;
@@ -116,9 +116,9 @@ impl StaticLine {
 
     /// Static state with an upward force (N) on the contact wire at `x` (m).
     ///
-    /// The force is held at the place along the track, not on a point of the wire. Where the contact wire has a residual
-    /// compliance it is that of the moving strips, which the run begins with: the height and the force are those of a strip at the
-    /// start. Of a long line known from a short one the coordinates are those of the short one.
+    /// The force is held at the place along the track, not on a point of the wire. The residual compliance of the
+    /// contact wire, if any, is that of the moving strips, with which a run begins: height and force are those of a
+    /// strip at the start. A long line solved as a short one returns the coordinates of the short one.
     ///
     /// # Errors
     /// See [`StaticsError`].
@@ -130,8 +130,8 @@ impl StaticLine {
         self.solved_height_under(self.solved_place(x), force)
     }
 
-    /// Elasticity of the contact wire at each `x` (m): its rise under an upward force of 100 N at rest, per newton, the residual
-    /// compliance included where the line has it. Slack droppers are followed.
+    /// Elasticity of the contact wire at each `x` (m): its rise under an upward force of 100 N at rest, per newton,
+    /// residual compliance included. Slack droppers are followed.
     ///
     /// # Errors
     /// See [`StaticsError`].
@@ -152,7 +152,7 @@ impl StaticLine {
         Ok(reports.collect())
     }
 
-    /// What was found on a short line, for all spans.
+    /// Report on all spans from that on a short line.
     fn repeated(&self, found: &StaticsReport) -> StaticsReport {
         let repeat = &self.repeat;
         let per_span = self.catenary.droppers.positions.len();

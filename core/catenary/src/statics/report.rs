@@ -1,7 +1,7 @@
-//! What statics found, for people, tests and tools.
+//! Report of statics for people, tests and tools.
 use serde::{Deserialize, Serialize};
 
-/// What statics found.
+/// Report of the static state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StaticsReport {
     /// Newton iterations.
@@ -9,11 +9,11 @@ pub struct StaticsReport {
     /// Largest generalised force left on a free coordinate of the whole line, N.
     #[serde(rename = "residual_N")]
     pub residual: f64,
-    /// Span after span.
+    /// Droppers, span after span.
     pub droppers: Vec<DropperReport>,
-    /// From the first support to the last; the first and the last are the ends of the wires.
+    /// Supports from first to last; the first and the last are the ends of the wires.
     pub supports: Vec<SupportReport>,
-    /// Ordered by x.
+    /// Elasticity, ordered by x.
     pub elasticity: Vec<ElasticityReport>,
     /// Horizontal tension at the last end.
     pub tension: TensionReport,
@@ -22,11 +22,11 @@ pub struct StaticsReport {
 /// One dropper in the static state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DropperReport {
-    /// Counted from 1.
+    /// Span, counted from 1.
     pub span: usize,
     /// Position along the track, m.
     pub x: f64,
-    /// Unstressed length, m: what `droppers.lengths` of a scene means.
+    /// Unstressed length, m, as `droppers.lengths` of a scene.
     #[serde(rename = "length_m")]
     pub length: f64,
     /// Tension, N.

@@ -73,10 +73,7 @@ impl LineAtRest {
         }))))
     }
 
-    /// Puts the strips at these places, where they stand, and lets the line come to rest over them.
-    ///
-    /// # Errors
-    /// When there is no static equilibrium.
+    /// Puts the strips at rest at these places, and lets the line settle over them.
     pub fn start(&mut self, strips: &[StripStart]) -> Result<(), CatenaryError> {
         match &mut self.0 {
             Law::Penalty(line) => {

@@ -1,4 +1,4 @@
-//! What strips and line exchange over a communication step.
+//! Exchange between strips and line over a communication step.
 use crate::{ContactPair, Model, OnWire};
 use dynamics::Motion;
 use nalgebra::Vector3;
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Number of force samples within a communication step.
 pub const SAMPLES: usize = 10;
 
-/// What a strip has done to the line over the last communication step and since the start.
+/// Action of a strip on the line over the last communication step and since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Exchange {
     /// Mean contact force, N.
@@ -44,7 +44,7 @@ impl Rates {
     }
 }
 
-/// Integrates force, impulse and work of each strip over the internal steps by the trapezoidal rule.
+/// Integrals of force and power of each strip over the internal steps, by the trapezoidal rule.
 #[derive(Debug, Default)]
 pub(crate) struct ContactIntegrals {
     last: Vec<Rates>,
@@ -104,7 +104,7 @@ impl ContactIntegrals {
     }
 }
 
-/// Linear interpolation in a history that starts at τ = 0.
+/// Interpolates linearly in a history that starts at τ = 0.
 fn interpolate(history: &[(f64, f64)], tau: f64) -> f64 {
     let next = history.partition_point(|&(at, _)| at < tau).clamp(1, history.len() - 1);
     let ((a, from), (b, to)) = (history[next - 1], history[next]);

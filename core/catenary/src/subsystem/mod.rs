@@ -25,7 +25,7 @@ use nalgebra::Vector3;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
-/// Where a strip is at the start.
+/// Position and speed of a strip at the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StripStart {
     /// Position along the track, m.
@@ -72,11 +72,11 @@ pub struct ContactOutputs {
     pub wire_vz: f64,
     /// Gap, m, positive when open.
     pub gap: f64,
-    /// Whether they touch.
+    /// True if wire and strip touch.
     pub closed: bool,
 }
 
-/// Everything a [`Subsystem`] must keep to continue bit for bit.
+/// Complete state of a [`Subsystem`], to continue bit for bit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     simulator: dynamics::Checkpoint,
@@ -94,7 +94,7 @@ pub struct Subsystem {
     before: Checkpoint,
     integrals: ContactIntegrals,
     u: Vec<f64>,
-    /// Contact quantities already evaluated since the last change.
+    /// Contact quantities evaluated since the last change.
     outputs: Vec<Option<ContactOutputs>>,
     static_energy: f64,
 }
@@ -110,7 +110,7 @@ impl Subsystem {
         Self::with_line(scene, layout, line)
     }
 
-    /// The same with a line of any kind in its own layout, at rest where all coordinates are zero.
+    /// Subsystem with a line of any kind in its own layout, at rest at zero coordinates.
     ///
     /// # Errors
     /// See [`CatenaryError`].
@@ -150,8 +150,8 @@ impl Subsystem {
         self.simulator.system.layout().coordinates()
     }
 
-    /// Starts at rest in equilibrium with strips that stand at these places. From then on they have their speed, and with it the
-    /// contacts' dampers act: on a slope of the wire their force comes at once.
+    /// Starts at rest in equilibrium with strips that stand at these places. The strips then move with their speed,
+    /// with which the contacts' dampers act: on a slope of the wire the damper's force comes at once.
     ///
     /// # Errors
     /// When there is no static equilibrium.
@@ -163,8 +163,8 @@ impl Subsystem {
             }
         }
         self.refresh_inputs();
-        // A stiff strip that is put under the line at rest presses with many times its final force; so the contact stiffens by and
-        // by.
+        // A stiff strip put under the line at rest presses with many times its final force, so the contact stiffens
+        // step by step.
         let mut limit = SETTLING_STIFFNESS;
         loop {
             let mut limited = false;
@@ -219,7 +219,7 @@ impl Subsystem {
         self.inputs[strip * STRIP_INPUTS + input].set_derivative(order, value);
     }
 
-    /// Whether a strip without input derivatives moves on with its velocity inside a step.
+    /// Lets strips without input derivatives move on with their velocity inside a step.
     pub fn set_follow_velocity(&mut self, follow: bool) {
         self.follow_velocity = follow;
     }
@@ -321,7 +321,7 @@ impl Subsystem {
 
     fn refresh_inputs(&mut self) {
         for (inputs, values) in strips_of(&mut self.inputs, &mut self.u) {
-            // The roll rate stays what it was at the end of the last step.
+            // The roll rate keeps its value at the end of the last step.
             for (value, input) in values.iter_mut().zip(inputs) {
                 *value = input.value();
             }
@@ -330,8 +330,8 @@ impl Subsystem {
         self.simulator.set_inputs(&self.u);
     }
 
-    /// Rise of the contact wire at support `k` (from 0) above its height at the start, m; 0 for a line without supports of its
-    /// own.
+    /// Rise of the contact wire at support `k` (from 0) above its height at the start, m; 0 for a line without supports
+    /// of its own.
     pub fn support_uplift(&mut self, k: usize) -> f64 {
         let (model, motion) = self.simulator.parts();
         model.line.uplift(k, motion.q)
@@ -374,7 +374,7 @@ impl Subsystem {
         self.simulator.counters()
     }
 
-    /// Stores everything into `checkpoint`, reusing its memory.
+    /// Stores the complete state into `checkpoint`, reusing its memory.
     pub fn save_to(&mut self, checkpoint: &mut Checkpoint) {
         self.simulator.save(&mut checkpoint.simulator);
         checkpoint.inputs.clone_from(&self.inputs);
@@ -396,10 +396,10 @@ impl Subsystem {
     }
 }
 
-/// Contact stiffness that a line of any tension in use settles under at once, N/m: that of EN 50318.
+/// Contact stiffness under which a line of any usual tension settles at once, N/m: that of EN 50318.
 const SETTLING_STIFFNESS: f64 = 5e4;
 
-/// The inputs of each strip with the values that its motion follows from.
+/// Inputs of each strip with the values that define its motion.
 fn strips_of<'a>(
     inputs: &'a mut [FollowedInput],
     u: &'a mut [f64],
@@ -409,8 +409,8 @@ fn strips_of<'a>(
         .zip(u.chunks_exact_mut(STRIP_VALUES))
 }
 
-/// What the motion of all strips follows from `tau` s after the start of the step: a position with derivatives follows them, else its
-/// velocity if `follow`, else it is held.
+/// Sets the values of all strips' motion at `tau` s after the start of the step: a position with derivatives follows
+/// them, else its velocity if `follow`, else it is held.
 fn follow_inputs(inputs: &[FollowedInput], follow: bool, tau: f64, u: &mut [f64]) {
     for (inputs, u) in inputs.chunks_exact(STRIP_INPUTS).zip(u.chunks_exact_mut(STRIP_VALUES)) {
         for (k, (input, value)) in inputs.iter().zip(&mut *u).enumerate() {

@@ -8,7 +8,7 @@ use crate::{
 use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
 use scene::{ContactLaw, Correction, Reduction, Scene};
 
-/// Why a line could not be modelled or started.
+/// Errors of modelling or starting a line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CatenaryError {
     /// The scene names a supplied line.
@@ -16,16 +16,17 @@ pub enum CatenaryError {
     SuppliedLine,
     /// The scene's strips are held on the wire.
     #[error(
-        "contact.law = \"sliding_joint\": line and pantograph are one system under it, for its contact force is the multiplier of an \
-         equation with the coordinates of both: neither can be advanced without the other; must be \"penalty\""
+        "contact.law = \"sliding_joint\": line and pantograph are one system under it, for its contact force is the \
+         multiplier of an equation with the coordinates of both: neither can be advanced without the other; \
+         must be \"penalty\""
     )]
     SlidingJoint,
     /// Values set since the scene was read contradict its mesh.
     #[error("catenary.mesh.corrections = \"{correction}\": must be left out: {obstacle}")]
     Correction {
-        /// Which.
+        /// Correction that contradicts.
         correction: Correction,
-        /// Why it cannot be.
+        /// Reason.
         obstacle: String,
     },
     /// The static state was not found.
@@ -119,9 +120,10 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
     Ok(StaticLine::solve(catenary, options)?.in_wind(WiresInWind::of_scene(scene)))
 }
 
-/// The line that a scene runs with, of a solved static state, its coordinates added to `layout`: all zero is the static state.
+/// Line that a scene runs with, from a solved static state, its coordinates added to `layout`: all zero is the static
+/// state.
 ///
-/// Every mode takes its line from here, so that `model.reduce` means the same in each.
+/// Every mode uses this function, so that `model.reduce` means the same in each.
 ///
 /// # Errors
 /// See [`WindowedLine::new`].
@@ -161,7 +163,7 @@ pub fn contact_pair(
         stiffness: contact.stiffness,
         damping: contact.damping,
     };
-    // A supplied strip tells no width: it is taken as wide enough.
+    // The width of a supplied strip is unknown and taken as infinite.
     let width = scene.pantographs[index].strip_width().unwrap_or(f64::INFINITY);
     Ok(ContactPair::new(
         law,
@@ -172,8 +174,8 @@ pub fn contact_pair(
     ))
 }
 
-/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's law; a joint adds its equation to
-/// `layout`, and its constraint is to be visited after those that are there.
+/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's law; a joint adds its
+/// equation to `layout`, and its constraint is to be visited after those that are there.
 ///
 /// # Errors
 /// See [`CatenaryError::SuppliedLine`].

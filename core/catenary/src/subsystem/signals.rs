@@ -42,9 +42,9 @@ impl ContactSignal {
     }
 }
 
-/// What a position in the table stands for.
+/// Meaning of a position in the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum LineSignal {
     Input { strip: usize, input: usize },
     Contact { strip: usize, signal: ContactSignal },
     Uplift(usize),
@@ -57,19 +57,19 @@ enum Place {
 const PER_CONTACT: usize = CONTACT_SIGNALS + 2;
 
 impl Subsystem {
-    fn place(&self, signal: usize) -> Place {
+    fn place(&self, signal: usize) -> LineSignal {
         let strips = self.strips();
         let outputs = strips * STRIP_INPUTS;
         let supports = outputs + strips * PER_CONTACT;
         let rest = supports + self.supports();
         if signal < outputs {
-            Place::Input {
+            LineSignal::Input {
                 strip: signal / STRIP_INPUTS,
                 input: signal % STRIP_INPUTS,
             }
         } else if signal < supports {
             let offset = (signal - outputs) % PER_CONTACT;
-            Place::Contact {
+            LineSignal::Contact {
                 strip: (signal - outputs) / PER_CONTACT,
                 signal: match offset {
                     CONTACT_SIGNALS => ContactSignal::Gap,
@@ -78,12 +78,12 @@ impl Subsystem {
                 },
             }
         } else if signal < rest {
-            Place::Uplift(signal - supports)
+            LineSignal::Uplift(signal - supports)
         } else {
             match signal - rest {
-                0 => Place::Slack,
-                1 => Place::Energy,
-                _ => Place::FollowVelocity,
+                0 => LineSignal::Slack,
+                1 => LineSignal::Energy,
+                _ => LineSignal::FollowVelocity,
             }
         }
     }
@@ -160,29 +160,29 @@ impl Component for Subsystem {
 
     fn set_input(&mut self, signal: usize, value: f64) {
         match self.place(signal) {
-            Place::Input { strip, input } => self.set_strip_input(strip, input, value),
-            Place::FollowVelocity => self.set_follow_velocity(value != 0.0),
+            LineSignal::Input { strip, input } => self.set_strip_input(strip, input, value),
+            LineSignal::FollowVelocity => self.set_follow_velocity(value != 0.0),
             place => unreachable!("{place:?} is not an input"),
         }
     }
 
     fn input(&self, signal: usize) -> f64 {
         match self.place(signal) {
-            Place::Input { strip, input } => self.strip_input(strip, input),
+            LineSignal::Input { strip, input } => self.strip_input(strip, input),
             place => unreachable!("{place:?} is not an input"),
         }
     }
 
     fn set_input_derivative(&mut self, signal: usize, order: usize, value: f64) {
         match self.place(signal) {
-            Place::Input { strip, input } => self.set_strip_input_derivative(strip, input, order, value),
+            LineSignal::Input { strip, input } => self.set_strip_input_derivative(strip, input, order, value),
             place => unreachable!("{place:?} is not an input"),
         }
     }
 
     fn output(&mut self, signal: usize) -> f64 {
         match self.place(signal) {
-            Place::Contact { strip, signal } => {
+            LineSignal::Contact { strip, signal } => {
                 let contact = self.contact(strip);
                 match signal {
                     ContactSignal::Force => contact.force,
@@ -198,27 +198,30 @@ impl Component for Subsystem {
                     ContactSignal::Closed => f64::from(u8::from(contact.closed)),
                 }
             }
-            Place::Uplift(k) => self.support_uplift(k),
-            Place::Slack => self.slack_droppers() as f64,
-            Place::Energy => self.energy(),
-            Place::FollowVelocity => f64::from(u8::from(self.follows_velocity())),
-            Place::Input { strip, input } => self.strip_input(strip, input),
+            LineSignal::Uplift(k) => self.support_uplift(k),
+            LineSignal::Slack => self.slack_droppers() as f64,
+            LineSignal::Energy => self.energy(),
+            LineSignal::FollowVelocity => f64::from(u8::from(self.follows_velocity())),
+            LineSignal::Input { strip, input } => self.strip_input(strip, input),
         }
     }
 
     fn output_rate(&mut self, signal: usize) -> f64 {
         match self.place(signal) {
-            Place::Contact { strip, signal } => self.contact_rates(strip).map_or(0.0, |rates| pick(signal, &rates)),
-            Place::Uplift(k) => self.support_uplift_rate(k),
+            LineSignal::Contact { strip, signal } => {
+                self.contact_rates(strip).map_or(0.0, |rates| pick(signal, &rates))
+            }
+            LineSignal::Uplift(k) => self.support_uplift_rate(k),
             _ => 0.0,
         }
     }
 
     fn sensitivity(&mut self, output: usize, input: usize) -> f64 {
         match (self.place(output), self.place(input)) {
-            (Place::Contact { strip, signal }, Place::Input { strip: other, input }) if strip == other => self
-                .contact_sensitivity(strip, input)
-                .map_or(0.0, |change| pick(signal, &change)),
+            (LineSignal::Contact { strip, signal }, LineSignal::Input { strip: other, input }) if strip == other => {
+                self.contact_sensitivity(strip, input)
+                    .map_or(0.0, |change| pick(signal, &change))
+            }
             _ => 0.0,
         }
     }
@@ -477,7 +480,7 @@ const LINE_VALUES: [LineValue; 21] = [
     ),
 ];
 
-/// The same for a value of the contact.
+/// Value of the contact with its signal.
 type ContactValue = (
     &'static str,
     &'static str,
@@ -535,7 +538,8 @@ fn parameters(scene: &Scene) -> Vec<Parameter> {
     parameters
 }
 
-/// The unit vectors a strip can be moved along by its inputs: translation, rotation and velocity per unit of input `input`.
+/// The unit vectors a strip can be moved along by its inputs: translation, rotation and velocity per unit of input
+/// `input`.
 pub(super) fn input_direction(input: usize) -> [Vector3<f64>; 3] {
     let (zero, unit) = (Vector3::zeros(), Vector3::ith(input % 3, 1.0));
     match input {

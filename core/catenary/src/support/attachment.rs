@@ -1,15 +1,15 @@
-//! The nodes of a wire to which something is attached.
+//! Nodes of a wire to which other parts are attached.
 use crate::{NodeMap, WireNode};
 use dynamics::{Blocks, Motion};
 use nalgebra::{Matrix3, Vector3};
 
 /// A node of a wire as droppers, supports and registration arms see it: a point and its displacements (m), which are
-/// coordinates of the system. In a planar line the lateral one is missing and stays zero.
+/// coordinates of the system. In a planar line the lateral coordinate is missing and its displacement zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Attachment {
     /// Position for zero displacement, m.
     pub reference: Vector3<f64>,
-    /// `usize::MAX` stands for one that does not exist: no vector is as long.
+    /// Coordinates; `usize::MAX` marks a missing one, because no vector is as long.
     coordinates: [usize; 3],
 }
 
@@ -85,7 +85,7 @@ impl Attachment {
         add_block([(self, 1.0)], matrix, blocks);
     }
 
-    /// Adds what a 3 × 3 matrix on the displacement of `self` relative to `other` gives on those of both.
+    /// Adds a 3 × 3 matrix on the displacement of `self` relative to `other` to the coordinates of both.
     pub fn add_relative_block(&self, other: &Self, matrix: &Matrix3<f64>, blocks: &mut Blocks<'_>) {
         add_block([(self, 1.0), (other, -1.0)], matrix, blocks);
     }

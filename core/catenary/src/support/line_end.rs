@@ -1,7 +1,7 @@
-//! Ends of the wires that tensioning weights hold.
+//! Ends of the wires under tensioning weights.
 use dynamics::{Blocks, Force, Motion, Weights};
 
-/// One end of a wire that slides along the track under a constant force.
+/// End of a wire that slides along the track under a constant force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineEnd {
     /// Coordinate of the displacement along x.
@@ -16,9 +16,9 @@ pub struct LineEnd {
 /// F = F₀ − k u,    k = 10 N/m
 /// ```
 ///
-/// Between two tensioning weights, with supports that are free along the track, a line would have no position along the track
-/// at all. The spring `k` gives it one, as the friction of real tensioning devices does: a displacement of 1 cm changes a
-/// tension of 20 kN by 0.1 N.
+/// Between two tensioning weights, with supports that are free along the track, a line would have no position along the
+/// track at all. The spring `k` fixes the position, as the friction of real tensioning devices does: a displacement of
+/// 1 cm changes a tension of 20 kN by 0.1 N.
 #[derive(Clone, Debug, Default)]
 pub struct LineEnds {
     ends: Vec<LineEnd>,

@@ -1,4 +1,4 @@
-//! Messenger supports: what carries the messenger wire at the masts.
+//! Supports of the messenger wire at the masts.
 use crate::Anchor;
 use dynamics::{Blocks, Force, Motion, Weights};
 

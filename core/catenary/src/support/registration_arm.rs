@@ -5,8 +5,8 @@ use nalgebra::Matrix3;
 
 /// The registration arms of a line as one contribution.
 ///
-/// An arm carries its static reaction on (vertical, and with stagger lateral), has a stiffness about the static position, and
-/// a mass lumped on the contact wire whose weight is part of the static balance:
+/// An arm carries its static reaction on (vertical, and with stagger lateral), has a stiffness about the static
+/// position, and a mass lumped on the contact wire whose weight is part of the static balance:
 ///
 /// ```text
 /// F = R − k ∘ u − m g e_z

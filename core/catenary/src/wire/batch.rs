@@ -4,8 +4,8 @@ mod tangent;
 use super::enrichment::Products;
 use super::force::{Constants, element_matrix};
 use super::geometry::WireGeometry;
-use super::places::{BLOCK, NODES, NodeArrays, Places};
-use super::rows::Rows;
+use super::places::{BLOCK, NODES, NodeArrays, NodePlaces};
+use super::rows::NodeRows;
 use crate::ancf::{CableSection, EvenMatrix, Length, Slopes};
 use crate::simd::{Components, GROUP, Lanes, Space, Transpose};
 use dynamics::{Blocks, Motion, Weights};
@@ -34,7 +34,7 @@ impl Batch {
         }
     }
 
-    /// Whether the coordinates ascend from node to node, so that a range of them is a part of the wire.
+    /// True if the coordinates ascend from node to node, so that a range of them is a part of the wire.
     pub fn ascends(&self) -> bool {
         match self {
             Self::Planar(sweep) => sweep.places.ascend(),
@@ -50,14 +50,14 @@ impl Batch {
         }
     }
 
-    /// Adds the force of all elements, with that of inertia where accelerations are given. Only the entries `within` need be
+    /// Adds the force of all elements, with inertia if accelerations are given. Only the entries `within` need be
     /// right.
     pub fn add_force(&mut self, within: Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
         self.add_force_on(Arch::new(), within, motion, v_dot, force);
     }
 
-    /// Adds the tangent of all elements, with their mass by the last weight, where it is that of tensioned beams with their
-    /// coordinates in order: whether it is, which never changes.
+    /// Adds the tangent of all elements, with their mass weighted by the last weight, and returns true: for tensioned
+    /// beams with coordinates in order. Returns false otherwise; the answer never changes.
     pub fn add_tangent(&mut self, motion: &Motion<'_>, weights: (Weights, f64), blocks: &mut Blocks<'_>) -> bool {
         match self {
             Self::Planar(sweep) => sweep.add_tangent::<8>(motion, weights, blocks),
@@ -65,7 +65,7 @@ impl Batch {
         }
     }
 
-    /// The same with the registers of `arch`.
+    /// [`Batch::add_force`] with the registers of `arch`.
     fn add_force_on(
         &mut self,
         arch: Arch,
@@ -84,18 +84,18 @@ impl Batch {
 /// Constants of a group of elements, at the boundary of a cache line: a vector loaded across two lines costs twice.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct Group<const D: usize> {
+struct ElementGroup<const D: usize> {
     length: Length<[f64; GROUP]>,
     reference: Slopes<[[f64; GROUP]; D]>,
     damping: EvenMatrix<[f64; GROUP]>,
     mass: EvenMatrix<[f64; GROUP]>,
 }
 
-/// What else the tangents of a group need.
+/// Further constants that the tangents of a group need.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct TangentGroup {
-    /// Per tension.
+    /// Matrix per unit tension.
     tension: EvenMatrix<[f64; GROUP]>,
     bending: EvenMatrix<[f64; GROUP]>,
 }
@@ -109,24 +109,24 @@ struct Block<const D: usize> {
     v_dot: NodeArrays<D>,
     /// Forces of the elements on their first nodes.
     start: NodeArrays<D>,
-    /// Forces of the elements on their second nodes, one place on: that of the node.
+    /// Forces of the elements on their second nodes, shifted by one to the place of the node.
     end: NodeArrays<D>,
-    rows: Rows,
+    rows: NodeRows,
 }
 
 /// Elements in `D` components.
 #[derive(Clone, Debug)]
 pub(super) struct Sweep<const D: usize> {
     cable: CableSection,
-    /// Whether the strain is that of first order, see [`Batch::linearise`].
+    /// True for strain of first order, see [`Batch::linearise`].
     linear: bool,
-    /// Whether velocities matter.
+    /// True if velocities matter.
     damped: bool,
     weight: f64,
     elements: usize,
-    groups: Vec<Group<D>>,
+    groups: Vec<ElementGroup<D>>,
     tangents: Vec<TangentGroup>,
-    places: Places<D>,
+    places: NodePlaces<D>,
     block: Block<D>,
 }
 
@@ -134,7 +134,7 @@ impl<const D: usize> Sweep<D> {
     fn new(geometry: &WireGeometry, axes: [usize; D], constants: &Constants) -> Self {
         let lengths = geometry.lengths();
         let elements = lengths.len();
-        // The last group repeats the last element; what it gives is not used.
+        // The last group repeats the last element; the results of the repetition are not used.
         let element = |group: usize, lane: usize| (GROUP * group + lane).min(elements - 1);
         let matrix = |group: usize, weights: &Products<f64>| {
             let matrices: [EvenMatrix; GROUP] = std::array::from_fn(|lane| {
@@ -151,7 +151,7 @@ impl<const D: usize> Sweep<D> {
             });
             let vector =
                 |of: fn(&Slopes) -> Vector3<f64>| axes.map(|axis| slopes.each_ref().map(|slopes| of(slopes)[axis]));
-            Group {
+            ElementGroup {
                 length: Length {
                     value: std::array::from_fn(length),
                     inverse: std::array::from_fn(|lane| 1.0 / length(lane)),
@@ -191,19 +191,19 @@ impl<const D: usize> Sweep<D> {
             elements,
             groups: (0..groups).map(group).collect(),
             tangents: (0..groups).map(tangent).collect(),
-            places: Places::new(geometry.nodes(), axes),
+            places: NodePlaces::new(geometry.nodes(), axes),
             block: Block {
                 q: zeros,
                 v: zeros,
                 v_dot: zeros,
                 start: zeros,
                 end: zeros,
-                rows: Rows::ZERO,
+                rows: NodeRows::ZERO,
             },
         }
     }
 
-    /// The groups that have to do with a range of coordinates.
+    /// Groups that touch a range of coordinates.
     fn groups_of(&self, within: &Range<usize>) -> Range<usize> {
         let nodes = self.places.nodes_of(within);
         if nodes.is_empty() {
@@ -252,7 +252,7 @@ impl<const D: usize> Sweep<D> {
 struct AddForce<'a, const D: usize, const DYNAMIC: bool, const DAMPED: bool> {
     sweep: &'a mut Sweep<D>,
     groups: Range<usize>,
-    /// `q`, `v`, and `v̇` where `DYNAMIC`; velocities matter where `DAMPED`.
+    /// `q`, `v`, and `v̇` if `DYNAMIC`; velocities matter if `DAMPED`.
     values: [&'a [f64]; 3],
     force: &'a mut [f64],
 }
@@ -324,7 +324,7 @@ impl<S: Simd> GroupLanes<S> {
         Lanes::load(self.simd, values, self.part)
     }
 
-    /// (Not by `array::map`: what is not inlined here knows no vector registers.)
+    /// `array::map` is avoided: a closure that is not inlined cannot use vector registers.
     #[inline(always)]
     fn constants<const N: usize>(self, values: &[[f64; GROUP]; N]) -> [Lanes<S>; N] {
         let mut lanes = [self.constant(&values[0]); N];
@@ -344,7 +344,7 @@ impl<S: Simd> GroupLanes<S> {
         EvenMatrix(self.constants(&values.0))
     }
 
-    /// The values of the nodes `offset` places on from the first ones of the elements.
+    /// Values of the nodes `offset` places after the first ones of the elements.
     #[inline(always)]
     fn nodes<const D: usize>(self, values: &[[f64; NODES]; D], offset: usize) -> Components<Lanes<S>, D> {
         let first = self.place * GROUP + offset;
@@ -374,9 +374,13 @@ impl<S: Simd> GroupLanes<S> {
         }
     }
 
-    /// Length of the elements, their slopes in the reference, and the change of these.
+    /// Length of the elements, slopes in the reference, and change of the slopes.
     #[inline(always)]
-    fn slopes<const D: usize>(self, group: &Group<D>, block: &Block<D>) -> (Length<Lanes<S>>, [LaneSlopes<S, D>; 2]) {
+    fn slopes<const D: usize>(
+        self,
+        group: &ElementGroup<D>,
+        block: &Block<D>,
+    ) -> (Length<Lanes<S>>, [LaneSlopes<S, D>; 2]) {
         let length = Length {
             value: self.constant(&group.length.value),
             inverse: self.constant(&group.length.inverse),
@@ -395,7 +399,7 @@ impl<S: Simd> GroupLanes<S> {
         self,
         (cable, linear): (&CableSection, bool),
         weight: f64,
-        group: &Group<D>,
+        group: &ElementGroup<D>,
         block: &mut Block<D>,
     ) {
         let (length, [reference, change]) = self.slopes(group, block);

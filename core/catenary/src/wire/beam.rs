@@ -2,8 +2,8 @@
 use crate::{BeamSection, BeamStiffness, DirectorInertia, Directors, WireDirectors, WireGeometry};
 use scene::Catenary;
 
-/// The directors of the contact wire: round, so that it bends alike in all directions, with the material's own stiffness of the
-/// cross-section.
+/// The directors of the contact wire: round, so that it bends alike in all directions, with the material's own
+/// stiffness of the cross-section.
 pub(crate) fn contact_wire_directors(
     catenary: &Catenary,
     beam: &scene::Beam,

@@ -1,4 +1,4 @@
-//! What turns a wire of cable elements into one of beam elements: two directors per node.
+//! Directors: two per node turn a wire of cable elements into one of beam elements.
 use super::geometry::WireGeometry;
 use crate::ancf::{BeamCoordinates, BeamInertia, BeamSection, BeamTangent, beam_mass_matrix};
 use dynamics::{Blocks, Force, Motion, Weights};
@@ -7,14 +7,14 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 /// The directors of a node: the gradients `r,ᵧ` and `r,𝓏` of the fully parameterised beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Directors {
-    /// Their references, –.
+    /// References of the two gradients, –.
     pub reference: [Vector3<f64>; 2],
     /// First of six consecutive coordinates: `x, y, z` of the change of `r,ᵧ`, then of `r,𝓏`.
     pub first: usize,
 }
 
 impl Directors {
-    /// Unit directors across the direction `along` of the wire, `r,𝓏` as upright as can be.
+    /// Unit directors across the direction `along` of the wire, `r,𝓏` as upright as possible.
     #[must_use]
     pub fn across(along: &Vector3<f64>, first: usize) -> Self {
         let along = along.normalize();
@@ -25,7 +25,7 @@ impl Directors {
         }
     }
 
-    /// The same with their present values as the reference.
+    /// Directors with their present values as the reference.
     #[must_use]
     pub fn with_reference(&self, q: &[f64]) -> Self {
         let [y, z] = self.reference;
@@ -48,9 +48,9 @@ pub struct DirectorInertia {
     pub beta: f64,
 }
 
-/// Shear, torsion, bending and strain of the cross-section of a wire of beam elements, with the inertia of its directors, as a
-/// contribution beside a [`crate::Wire`] without bending stiffness: the axis is that wire, so contact, droppers and supports see
-/// what they see of a cable.
+/// Shear, torsion, bending and strain of the cross-section of a wire of beam elements, with the inertia of its
+/// directors, as a contribution beside a [`crate::Wire`] without bending stiffness: the axis is that wire, so contact,
+/// droppers and supports see the same as of a cable.
 #[derive(Clone, Debug)]
 pub struct WireDirectors {
     /// `α`, 1/s.
@@ -61,13 +61,13 @@ pub struct WireDirectors {
 #[derive(Clone, Debug)]
 struct Element {
     section: BeamSection,
-    /// Where the 24 coordinates stand.
+    /// Positions of the 24 coordinates in the system.
     index: [usize; 24],
     /// Coordinates of the reference, positions relative to the first node.
     reference: BeamCoordinates,
     /// `β` times the tangent of the straight unstrained element.
     damping: BeamTangent,
-    /// Between a component of a director and itself, and the same one at the other node, kg·m².
+    /// Mass between a component of a director and itself, and between it and the same one at the other node, kg·m².
     mass: [f64; 2],
 }
 

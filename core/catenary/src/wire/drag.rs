@@ -1,8 +1,8 @@
 //! The force of the air on a wire, distributed along its elements.
 use super::force::add_selected;
 use super::geometry::WireGeometry;
-use super::places::{BLOCK, NODES, NodeArrays, Places};
-use super::rows::Rows;
+use super::places::{BLOCK, NODES, NodeArrays, NodePlaces};
+use super::rows::NodeRows;
 use crate::ancf::ShapeFunctions;
 use crate::simd::{GROUP, Transpose};
 use dynamics::{Blocks, CrossFlow, Force, Motion, Power, Weights, Wind};
@@ -14,29 +14,29 @@ use std::sync::Arc;
 /// Drag across a wire in the wind.
 ///
 /// ```text
-/// Q_i = ∫ s_i(x) f(W − ṙ, r,ₓ) dx       by three Gauss points per element, exact for polynomials of degree 5; f: [CrossFlow]
+/// Q_i = ∫ s_i(x) f(W − ṙ, r,ₓ) dx    by three Gauss points per element, exact up to degree 5; f: [CrossFlow]
 /// ```
 ///
-/// The wind is taken where the wire is at rest, at the nodes, and between them on a straight line. It is evaluated once per instant
-/// and kept, so that the iterations of a step do not ask for it again. Bending layers, centimetres long, carry no drag of their own.
+/// The wind is evaluated at the rest positions of the nodes and interpolated linearly between them, once per instant:
+/// the iterations of a step reuse it. Bending layers, centimetres long, carry no drag of their own.
 #[derive(Clone, Debug)]
 pub struct WireDrag {
     geometry: Arc<WireGeometry>,
     law: CrossFlow,
     wind: Arc<Wind>,
     everywhere: bool,
-    /// The wind at the nodes at `time` (s), m/s, component by component, with room behind for the last group.
+    /// Wind at the nodes at `time` (s), m/s, component by component, padded for the last group.
     at_nodes: [Vec<f64>; 3],
     time: f64,
-    places: Places<3>,
+    places: NodePlaces<3>,
     points: Vec<[Point; POINTS]>,
-    groups: Vec<Group>,
+    groups: Vec<DragGroup>,
     block: Box<Block>,
 }
 
 const POINTS: usize = 3;
 
-/// Places and weights of Gauss's rule between 0 and 1: `(1 ∓ √0.6)/2`.
+/// Points and weights of Gauss's rule between 0 and 1: `(1 ∓ √0.6)/2`.
 const GAUSS: [(f64, f64); POINTS] = [
     (0.112_701_665_379_258_31, 5.0 / 18.0),
     (0.5, 8.0 / 18.0),
@@ -54,7 +54,7 @@ struct Point {
 
 /// Constants of a group of elements side by side.
 #[derive(Clone, Debug)]
-struct Group {
+struct DragGroup {
     /// Shape functions, and their derivatives, of each point.
     s: [[[f64; GROUP]; 4]; POINTS],
     s_x: [[[f64; GROUP]; 4]; POINTS],
@@ -68,16 +68,16 @@ struct Group {
 struct Block {
     q: NodeArrays<3>,
     v: NodeArrays<3>,
-    /// Forces of the elements on their first nodes, taken off.
+    /// Forces of the elements on their first nodes, with negative sign.
     start: NodeArrays<3>,
-    /// Forces of the elements on their second nodes, one place on: that of the node.
+    /// Forces of the elements on their second nodes, shifted by one to the place of the node.
     end: NodeArrays<3>,
-    rows: Rows,
+    rows: NodeRows,
 }
 
 /// The air about a point of the wire.
 struct Local {
-    /// Relative to the wire, m/s.
+    /// Velocity of the air relative to the wire, m/s.
     v_r: Vector3<f64>,
     /// Velocity of the wire, m/s.
     velocity: Vector3<f64>,
@@ -86,7 +86,7 @@ struct Local {
 }
 
 impl WireDrag {
-    /// The drag of `wind` on the wire along `geometry`.
+    /// Drag of `wind` on the wire along `geometry`.
     #[must_use]
     pub fn new(geometry: Arc<WireGeometry>, law: CrossFlow, wind: Arc<Wind>) -> Self {
         let points = geometry.lengths().iter().map(|&length| {
@@ -98,7 +98,7 @@ impl WireDrag {
         });
         let points: Vec<[Point; POINTS]> = points.collect();
         let count = points.len();
-        // The last group repeats the last element; what it gives is not used.
+        // The last group repeats the last element; the results of the repetition are not used.
         let group = |group: usize| {
             let element = |lane: usize| (GROUP * group + lane).min(count - 1);
             let of =
@@ -110,7 +110,7 @@ impl WireDrag {
                     (0..4).map(|i| e[i][axis] * s_x[i]).sum()
                 })
             };
-            Group {
+            DragGroup {
                 s: std::array::from_fn(|k| std::array::from_fn(|i| of(&|point| point.shape.s[i], k))),
                 s_x: std::array::from_fn(|k| std::array::from_fn(|i| of(&|point| point.shape.s_x[i], k))),
                 r_x: std::array::from_fn(|k| std::array::from_fn(|axis| reference(k, axis))),
@@ -125,13 +125,13 @@ impl WireDrag {
             at_nodes: std::array::from_fn(|_| vec![0.0; geometry.nodes().len() + GROUP]),
             time: f64::NAN,
             everywhere: wind.is_the_same_everywhere(),
-            places: Places::new(geometry.nodes(), [0, 1, 2]),
+            places: NodePlaces::new(geometry.nodes(), [0, 1, 2]),
             block: Box::new(Block {
                 q: zeros,
                 v: zeros,
                 start: zeros,
                 end: zeros,
-                rows: Rows::ZERO,
+                rows: NodeRows::ZERO,
             }),
             geometry,
             law,
@@ -139,7 +139,7 @@ impl WireDrag {
         }
     }
 
-    /// Takes the wind of the instant `t`, s.
+    /// Evaluates the wind at the instant `t`, s.
     fn blow(&mut self, t: f64) {
         if self.time == t {
             return;
@@ -159,7 +159,7 @@ impl WireDrag {
         [element, element + 1].map(|node| Vector3::from(std::array::from_fn(|axis| self.at_nodes[axis][node])))
     }
 
-    /// Groups that have to do with a range of coordinates.
+    /// Groups that touch a range of coordinates.
     fn groups_of(&self, range: &Range<usize>) -> Range<usize> {
         let nodes = self.places.nodes_of(range);
         if nodes.is_empty() {
@@ -170,7 +170,7 @@ impl WireDrag {
         first / GROUP..end.div_ceil(GROUP)
     }
 
-    /// Calls `visit` with the air about each quadrature point of an element; `wind` is that at both nodes.
+    /// Calls `visit` with the air about each quadrature point of an element; `wind` holds that at both nodes.
     #[inline(always)]
     fn at_points(
         &self,
@@ -267,7 +267,7 @@ fn lanes(values: &[f64], first: usize) -> [f64; GROUP] {
 
 /// Writes the drag on the elements of a group, whose first node is at the place `first` of the block.
 #[inline(always)]
-fn add_group(law: &CrossFlow, group: &Group, first: usize, wind: [&[f64]; 3], block: &mut Block) {
+fn add_group(law: &CrossFlow, group: &DragGroup, first: usize, wind: [&[f64]; 3], block: &mut Block) {
     let mut sums = [[[0.0; GROUP]; 3]; 4];
     for (k, (at, _)) in GAUSS.iter().enumerate() {
         let (s, s_x) = (&group.s[k], &group.s_x[k]);
@@ -305,7 +305,7 @@ fn add_group(law: &CrossFlow, group: &Group, first: usize, wind: [&[f64]; 3], bl
             (&mut block.end, first + 1)
         };
         for (array, sum) in arrays[part % 2].iter_mut().zip(sums) {
-            // What is scattered is taken off.
+            // Scattering subtracts.
             for (value, sum) in array[place..place + GROUP].iter_mut().zip(sum) {
                 *value = -sum;
             }
@@ -322,7 +322,7 @@ impl Force for WireDrag {
         self.add(0..usize::MAX, motion, force);
     }
 
-    /// It has no mass.
+    /// True, because the drag has no mass.
     fn multiplies_mass(&self) -> bool {
         true
     }
@@ -341,8 +341,8 @@ impl Force for WireDrag {
         self.add(range, motion, force);
     }
 
-    /// That of the velocities. The force also turns with the wire's slope, by the drag itself per radian: beside the tension, some
-    /// ten thousand times that, it is left out.
+    /// Tangent with respect to the velocities. The force also turns with the wire's slope, by the drag itself per
+    /// radian: left out, because the tension is some ten thousand times larger.
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         self.blow(motion.t);
         let nodes = self.geometry.nodes();
@@ -368,7 +368,7 @@ impl Force for WireDrag {
         }
     }
 
-    /// What the wind does to wires that stand still counts as brought in, the rest as lost to the air.
+    /// Power of the wind: its work on wires that stand still counts as driven, the rest as dissipated in the air.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
         let mut power = Power::default();
         let wind = |node: usize| self.wind.velocity(motion.t, self.geometry.nodes()[node].position.x);

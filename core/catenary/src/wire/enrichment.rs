@@ -1,20 +1,20 @@
-//! One more unknown at a point of attachment, for the bending layer that cubic elements of metres cannot follow.
+//! Unknown at a point of attachment for the bending layer that cubic elements of metres cannot follow.
 use super::geometry::Location;
 use crate::ancf::ShapeFunctions;
 use nalgebra::{Vector3, Vector4};
 
-/// An unknown `a` (–) at a node where something pulls at the wire:
+/// An unknown `a` (–) at a node at which a part pulls at the wire:
 ///
 /// ```text
 /// r(x) = S(x) e + a ψ(x) d,    ψ(x) = λ exp(−|x − xⱼ|/λ) − (its cubic Hermite interpolant),    λ = √(EI/T)
 /// ```
 ///
-/// `ψ` lives on the two neighbouring elements; it and its slope vanish at the nodes, so that nodal coordinates keep their
-/// meaning. A tensioned beam under a point force bends within `λ` (decimetres): the exponential is that layer, derived from
-/// `EI w⁗ = T w″`.
+/// `ψ` lives on the two neighbouring elements; `ψ` and its slope vanish at the nodes, so that nodal coordinates keep
+/// their meaning. A tensioned beam under a point force bends within `λ` (decimetres): the exponential is that layer,
+/// derived from `EI w⁗ = T w″`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enrichment {
-    /// The node the layer is centred at.
+    /// Node at the centre of the layer.
     pub node: usize,
     /// Index of `a` among the coordinates of the system, a change from `reference`.
     pub index: usize,
@@ -26,7 +26,7 @@ pub struct Enrichment {
     pub reference: f64,
 }
 
-/// Which end of an element a layer is centred at.
+/// End of an element at which a layer is centred.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
     Start,
@@ -42,7 +42,7 @@ pub(super) struct Layer {
 }
 
 impl Layer {
-    /// `ψ` at a location within an element of `length` in m; the layer is centred at `end`. It continues as zero outside.
+    /// `ψ` at a location within an element of `length` in m; the layer is centred at `end`. `ψ` is zero outside.
     pub fn at(location: &Location, end: End, bending_length: f64, length: f64) -> Self {
         if !(0.0..=length).contains(&location.x) {
             return Self {
@@ -100,9 +100,9 @@ impl Products<Vector4<f64>> {
 /// Integrals of one layer on one element, with the four polynomials and with itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LayerIntegrals {
-    /// With the four polynomials.
+    /// Integrals with the four polynomials.
     pub shape: Products<Vector4<f64>>,
-    /// With itself.
+    /// Integrals of the layer with itself.
     pub own: Products<f64>,
     /// `∫ ψ dx`, m².
     pub area: f64,
@@ -139,8 +139,8 @@ pub(super) fn pair_integrals(ends: (End, End), bending_lengths: (f64, f64), leng
     sum
 }
 
-/// Five Gauss points per panel; panels of half a bending length within forty of them from either end (beyond, the exponential
-/// is below the last digit), and one panel between, where only cubics are left.
+/// Integrates with five Gauss points per panel: panels of half a bending length within forty bending lengths from
+/// either end (beyond, the exponential is below the last digit), and one panel between, where only cubics are left.
 fn quadrature(bending_length: f64, length: f64, mut add: impl FnMut(&Location, f64)) {
     let panel = 0.5 * bending_length;
     let layer = (80.0 * panel).min(0.5 * length);

@@ -50,14 +50,14 @@ pub struct Wire {
     /// `h²/6 · T`, N·s²: see [`Wire::with_mass_correction`].
     correction: f64,
     pub(super) constants: Constants,
-    /// Whether the strain is that of first order, see [`Wire::linearised`].
+    /// True for strain of first order, see [`Wire::linearised`].
     linear: bool,
     elements: Vec<Element>,
     pub(super) batch: Batch,
     pub(super) layers: Layers,
 }
 
-/// What all elements of a wire have in common.
+/// Constants of all elements of a wire.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Constants {
     pub cable: CableSection,
@@ -159,7 +159,7 @@ impl Wire {
         }
     }
 
-    /// The same wire on another geometry: other element lengths, or another configuration as the reference.
+    /// Wire of the same section on another geometry: other element lengths, or another configuration as the reference.
     #[must_use]
     pub fn with_geometry(&self, geometry: Arc<WireGeometry>) -> Self {
         let Self {
@@ -173,15 +173,16 @@ impl Wire {
         Self::assembled(section, damping, laws, gravity, correction, geometry)
     }
 
-    /// The same wire with its inertia corrected for the time step `h` (s):
+    /// Corrects the inertia for the time step `h` (s):
     ///
     /// ```text
     /// M′ = M − (h²/6) ∫ T s,ₓ s,ₓᵀ dx
     /// ```
     ///
-    /// which cancels the leading dispersion error of the trapezoidal rule for transverse waves. (The rule makes `ω` too low
-    /// by `(ω h)²/12`, and `ω² M = K`.) Weight and damping keep `M`. `M′` is positive definite for `h` below 0.378 element
-    /// lengths per wave speed along a wire that is held at its ends, below 0.2565 along one whose ends move freely.
+    /// `M′` cancels the leading dispersion error of the trapezoidal rule for transverse waves, which makes `ω` too low
+    /// by `(ω h)²/12` with `ω² M = K`. Weight and damping keep `M`. `M′` is positive definite for `h` below 0.378
+    /// element lengths per wave speed along a wire held at its ends, and below 0.2565 along one with freely moving
+    /// ends.
     #[must_use]
     pub fn with_mass_correction(self, h: f64) -> Self {
         let correction = h * h / 6.0 * self.section.tension;
@@ -195,7 +196,7 @@ impl Wire {
         Self::assembled(section, damping, laws, gravity, correction, self.geometry)
     }
 
-    /// The same wire as a string, for what bends by other contributions.
+    /// Wire without bending stiffness, for bending by other contributions.
     #[must_use]
     pub(crate) fn without_bending(&self) -> Self {
         let section = WireSection {
@@ -213,8 +214,8 @@ impl Wire {
         )
     }
 
-    /// The wire whose strain is linear in the displacements from the reference, and whose force there is its weight alone; none
-    /// where the laws are not in closed form.
+    /// Linearised wire: strain linear in the displacements from the reference, no strain force there; none if the laws
+    /// are not in closed form.
     #[must_use]
     pub(crate) fn linearised(&self) -> Option<Self> {
         self.constants.cable.is_beam().then(|| {
@@ -237,7 +238,7 @@ impl Wire {
         &self.section
     }
 
-    /// Axial force of an element, N; its mean over the element.
+    /// Axial force of an element, N, the mean over the element.
     #[must_use]
     pub fn tension(&self, element: usize, q: &[f64]) -> f64 {
         self.constants.cable.axial.tension(&self.slopes(element, q))
@@ -272,7 +273,7 @@ impl Wire {
         Slopes::new([r1, r1_x, r2, r2_x], Length::new(self.elements[element].length))
     }
 
-    /// Adds one component-wise matrix (the same for x, y, z) per element, and its layers.
+    /// Adds one component-wise matrix (equal for x, y, z) per element, and its layers.
     pub(super) fn add_constant(&self, weights: &Products<f64>, blocks: &mut Blocks<'_>) {
         let nodes = self.geometry.nodes();
         for (i, element) in self.elements.iter().enumerate() {
@@ -286,7 +287,8 @@ impl Wire {
         self.layers.add_blocks(&self.geometry, weights, blocks);
     }
 
-    /// Adds the tangent of the strain with `weight` and constant matrices with the weights `rates`, for any laws and coordinates.
+    /// Adds the tangent of the strain with `weight` and constant matrices with the weights `rates`, for any laws and
+    /// coordinates.
     pub(super) fn add_tangents_of_elements(
         &self,
         motion: &Motion<'_>,

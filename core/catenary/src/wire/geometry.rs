@@ -1,4 +1,4 @@
-//! Where a wire is: nodes, element lengths, and the curve they make.
+//! Geometry of a wire: nodes, element lengths, and the curve between them.
 use super::enrichment::{End, Enrichment, Layer};
 use super::node::{NodeMap, WireNode};
 use crate::ancf::ShapeFunctions;
@@ -8,8 +8,8 @@ use nalgebra::{Vector3, Vector4};
 /// Reference and coordinates of a wire; immutable and shared by all that touch the wire.
 ///
 /// The parameter `s` accumulates the element parameters: the arc length from the first node at nominal tension, m. The
-/// coordinates of the system are displacements `u` from the reference, `r = S (e₀ + u)`, so that digits are kept far from the
-/// origin and close to equilibrium.
+/// coordinates of the system are displacements `u` from the reference, `r = S (e₀ + u)`, so that digits are kept far
+/// from the origin and close to equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WireGeometry {
     nodes: Vec<WireNode>,
@@ -22,7 +22,7 @@ pub struct WireGeometry {
     first_enrichment: Vec<usize>,
 }
 
-/// A point of a wire, found once.
+/// A point of a wire, with its element.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Location {
     pub element: usize,
@@ -32,8 +32,8 @@ pub(super) struct Location {
 }
 
 impl WireGeometry {
-    /// A wire through `nodes` with elements of `lengths` (m, at nominal tension), one fewer than nodes. The enrichments are
-    /// ordered by node.
+    /// A wire through `nodes` with elements of `lengths` (m, at nominal tension), one fewer than nodes. The enrichments
+    /// are ordered by node.
     ///
     /// # Panics
     /// When the numbers do not fit, a length is not positive, or an enrichment has no node.
@@ -106,19 +106,19 @@ impl WireGeometry {
         Self::new(nodes, lengths.to_vec(), Vec::new())
     }
 
-    /// The same wire with other `enrichments`.
+    /// Wire with other `enrichments`.
     #[must_use]
     pub fn with_enrichments(&self, enrichments: Vec<Enrichment>) -> Self {
         Self::new(self.nodes.clone(), self.lengths.clone(), enrichments)
     }
 
-    /// The same wire with other element `lengths`, m.
+    /// Wire with other element `lengths`, m.
     #[must_use]
     pub fn with_lengths(&self, lengths: Vec<f64>) -> Self {
         Self::new(self.nodes.clone(), lengths, self.enrichments.clone())
     }
 
-    /// The same wire with its present configuration as the reference: what was at `q` is then at zero.
+    /// Wire with its present configuration as the reference: zero coordinates then stand for `q`.
     #[must_use]
     pub fn with_reference(&self, q: &[f64]) -> Self {
         let mut moved = self.clone();
@@ -155,8 +155,8 @@ impl WireGeometry {
         self.starts[node]
     }
 
-    /// The element at `s` and `x` from its first node, m. A border belongs to the element that starts there; outside the
-    /// wire it is the element at that end.
+    /// Element at `s` and `x` from its first node, m. A border belongs to the element that starts there; beyond the
+    /// wire the element at that end is taken.
     #[must_use]
     pub fn element_at(&self, s: f64) -> (usize, f64) {
         let last = self.lengths.len() - 1;
@@ -170,7 +170,7 @@ impl WireGeometry {
         [Vector3::zeros(), a.slope, b.position - a.position, b.slope]
     }
 
-    /// The layers of element `element`: which enrichment, and at which end it is centred.
+    /// Layers of element `element`: each enrichment, and the end at which it is centred.
     pub(super) fn layers(&self, element: usize) -> impl Iterator<Item = (&Enrichment, End)> {
         let of = |node: usize| &self.enrichments[self.first_enrichment[node]..self.first_enrichment[node + 1]];
         let start = of(element).iter().map(|enrichment| (enrichment, End::Start));
@@ -181,7 +181,7 @@ impl WireGeometry {
     pub(super) fn locate(&self, s: f64) -> Location {
         let (element, x) = self.element_at(s);
         let length = self.lengths[element];
-        // The last node ends the last element: there x/length must be exactly one.
+        // At the last node x/length must be exactly one.
         let xi = if s == self.starts[element + 1] { 1.0 } else { x / length };
         Location {
             element,

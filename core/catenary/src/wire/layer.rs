@@ -6,18 +6,18 @@ use dynamics::{Blocks, Motion};
 use nalgebra::{Vector3, Vector4};
 use std::ops::Range;
 
-/// What all enrichments of a wire contribute, linearised at the nominal tension:
+/// Contribution of all enrichments of a wire, linearised at the nominal tension:
 ///
 /// ```text
 /// U = Σ a kᵀ (d·e) + ½ a² K,   k = ∫ T ψ,ₓ s,ₓ + EI ψ,ₓₓ s,ₓₓ dx,   K = ∫ T ψ,ₓ² + EI ψ,ₓₓ² dx
 /// ```
 ///
-/// with products of two layers where they share an element; mass and damping likewise.
+/// with products of two layers that share an element; mass and damping likewise.
 #[derive(Clone, Debug)]
 pub(super) struct Layers {
     layers: Vec<ElementLayer>,
     pairs: Vec<LayerPair>,
-    rows: Vec<Row>,
+    rows: Vec<LayerRow>,
     entries: Vec<Entry>,
 }
 
@@ -25,16 +25,16 @@ pub(super) struct Layers {
 #[derive(Clone, Copy, Debug, Default)]
 struct Entry {
     index: usize,
-    /// N/m-like, N·s/m-like, kg-like: the units of the two coordinates.
+    /// Stiffness, damping and mass: N/m, N·s/m and kg for two coordinates in m.
     weights: [f64; 3],
 }
 
-/// Everything that one enrichment does, with its entries up to `end`.
+/// Row of one enrichment, with its entries up to `end`.
 #[derive(Clone, Copy, Debug)]
-struct Row {
+struct LayerRow {
     /// Reference value of the enrichment, –.
     reference: f64,
-    /// Generalised force on the enrichment where all coordinates are zero, its own part `K a` not included, N·m.
+    /// Generalised force on the enrichment at zero coordinates, without its own part `K a`, N·m.
     load: f64,
     own: Entry,
     end: usize,
@@ -59,7 +59,7 @@ struct ElementLayer {
 struct LayerPair {
     indices: [usize; 2],
     references: [f64; 2],
-    /// With the scalar product of the directions.
+    /// Integrals times the scalar product of the directions.
     products: Products<f64>,
 }
 
@@ -73,8 +73,8 @@ impl ElementLayer {
         Vector4::new(d.dot(&r1), d.dot(&r1_x), d.dot(&r2), d.dot(&r2_x))
     }
 
-    /// The coordinates of the element that the layer knows: number of the polynomial, axis, index. One in whose direction the
-    /// layer does not point is none of them: an exact zero stays in no pattern.
+    /// Coordinates of the element that the layer couples to: number of the polynomial, axis, index. Axes across the
+    /// layer's direction are left out, because an exact zero belongs to no pattern.
     fn coordinates(&self, geometry: &WireGeometry) -> impl Iterator<Item = (usize, usize, usize)> + use<'_> {
         let nodes = geometry.nodes();
         let (a, b) = (nodes[self.element].map, nodes[self.element + 1].map);
@@ -143,7 +143,7 @@ impl Layers {
         all
     }
 
-    /// Collects what the layers of one enrichment do.
+    /// Collects the entries of one enrichment.
     fn add_row(&mut self, geometry: &WireGeometry, enrichment: &Enrichment, constants: &Constants) {
         let index = enrichment.index;
         let all = [&constants.stiffness, &constants.damping, &constants.mass];
@@ -164,14 +164,14 @@ impl Layers {
                 add_entry(&mut self.entries, first, Entry { index, weights });
             }
         }
-        // Each pair once, with the enrichment that comes first.
+        // Pairs count once, with the enrichment that comes first.
         for pair in self.pairs.iter().filter(|pair| pair.indices[0] == index) {
             let weights = all.map(|weights| pair.products.weighted(weights));
             load += weights[0] * pair.references[1];
             let index = pair.indices[1];
             add_entry(&mut self.entries, first, Entry { index, weights });
         }
-        self.rows.push(Row {
+        self.rows.push(LayerRow {
             reference: enrichment.reference,
             load,
             own,
@@ -206,14 +206,14 @@ impl Layers {
         layers + pairs
     }
 
-    /// `∫ Δz dx` of the layers alone, m²: what their weight has gained, per weight per length.
+    /// `∫ Δz dx` of the layers alone, m²: their rise in weight potential per weight per length.
     pub fn weight_lift(&self, q: &[f64]) -> f64 {
         (self.layers.iter())
             .map(|layer| layer.direction.z * layer.integrals.area * q[layer.index])
             .sum()
     }
 
-    /// Adds the forces of all layers, with those of inertia where accelerations are given. Only the entries `within` need be right.
+    /// Adds the forces of all layers, with inertia if accelerations are given. Only the entries `within` need be right.
     pub fn add_force(&self, within: Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
         let mut end = 0;
         for row in &self.rows {
@@ -231,7 +231,7 @@ impl Layers {
             let mut sum = row.load + product(&row.own.weights, own);
             for entry in &self.entries[first..row.end] {
                 sum += product(&entry.weights, at(entry.index));
-                // What the references of the others do is part of `load`; the own one counts here.
+                // The references of other coordinates are part of `load`; the layer's own one counts here.
                 force[entry.index] -= product(&entry.weights, own);
             }
             force[row.own.index] -= sum;

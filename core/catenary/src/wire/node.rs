@@ -1,12 +1,13 @@
-//! Nodes of a wire and where their coordinates stand in the system.
+//! Nodes of a wire and the positions of their coordinates in the system.
 use nalgebra::Vector3;
 
-/// Stands for a coordinate that does not exist.
+/// Index that marks a missing coordinate.
 const MISSING: usize = usize::MAX;
 
-/// Where the six coordinates of a node stand among those of the system: `x, y, z` of the position, then `x, y, z` of the slope.
+/// Positions of the six coordinates of a node among those of the system: `x, y, z` of the position, then `x, y, z` of
+/// the slope.
 ///
-/// A coordinate that is missing keeps its reference value: a planar wire has no `y` entries.
+/// A missing coordinate keeps its reference value: a planar wire has no `y` entries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NodeMap {
     index: [usize; 6],
@@ -49,7 +50,7 @@ impl NodeMap {
         self.component(3 + axis)
     }
 
-    /// The indices that exist, in order.
+    /// Indices of the existing coordinates, in order.
     pub fn indices(&self) -> impl Iterator<Item = usize> {
         self.index.into_iter().filter(|&index| index != MISSING)
     }
@@ -58,10 +59,10 @@ impl NodeMap {
         Some(self.index[component]).filter(|&index| index != MISSING)
     }
 
-    /// The node's part of `values`: position and slope; zero where a coordinate is missing.
+    /// Part of `values` that belongs to the node: position and slope; zero for a missing coordinate.
     #[inline(always)]
     pub(super) fn gather(&self, values: &[f64]) -> (Vector3<f64>, Vector3<f64>) {
-        // One bounds check serves both purposes: no vector is as long as MISSING.
+        // A single bounds check serves both purposes: no vector is as long as MISSING.
         let [x, y, z, x_s, y_s, z_s] = self.index.map(|index| {
             debug_assert!(index == MISSING || index < values.len());
             values.get(index).copied().unwrap_or(0.0)
@@ -77,7 +78,7 @@ pub struct WireNode {
     pub position: Vector3<f64>,
     /// Reference of `∂r/∂s`, –.
     pub slope: Vector3<f64>,
-    /// Where the coordinates stand.
+    /// Positions of the coordinates in the system.
     pub map: NodeMap,
 }
 

@@ -1,6 +1,6 @@
-//! Between the coordinates of a system and the arrays of a batch of elements.
+//! Transfer between the coordinates of a system and the arrays of a batch of elements.
 use super::node::WireNode;
-use super::rows::{Rows, gather, scatter};
+use super::rows::{NodeRows, gather, scatter};
 use crate::simd::{GROUP, Transpose};
 use pulp::Simd;
 use std::ops::Range;
@@ -14,17 +14,17 @@ pub(super) const NODES: usize = BLOCK + GROUP;
 /// Position and slope of the nodes of a block, `D` components each, one array per component.
 pub(super) type NodeArrays<const D: usize> = [[[f64; NODES]; D]; 2];
 
-/// Where the coordinates of the nodes stand among those of the system.
+/// Positions of the coordinates of the nodes among those of the system.
 #[derive(Clone, Debug)]
-pub(super) enum Places<const D: usize> {
-    /// The `2 D` coordinates of each node follow each other, and those of the node before; the first of each.
+pub(super) enum NodePlaces<const D: usize> {
+    /// First coordinate of each node; its `2 D` coordinates and those of the next node are consecutive.
     Runs(Vec<u32>),
-    /// Anywhere; `u32::MAX` stands for one that does not exist.
+    /// Coordinates anywhere; `u32::MAX` marks a missing one.
     Anywhere(Vec<[[u32; D]; 2]>),
 }
 
-impl<const D: usize> Places<D> {
-    /// `axes` are those of the components.
+impl<const D: usize> NodePlaces<D> {
+    /// Positions for `nodes`, with the `axes` of the components.
     pub fn new(nodes: &[WireNode], axes: [usize; D]) -> Self {
         let places = nodes.iter().map(|node| {
             let place = |index: Option<usize>| index.map_or(u32::MAX, |index| index as u32);
@@ -46,7 +46,7 @@ impl<const D: usize> Places<D> {
         }
     }
 
-    /// The first coordinate of each node, where the others follow it.
+    /// First coordinate of each node, if the others follow it.
     pub fn runs(&self) -> Option<&[u32]> {
         match self {
             Self::Runs(starts) => Some(starts),
@@ -54,7 +54,7 @@ impl<const D: usize> Places<D> {
         }
     }
 
-    /// Whether each node's coordinates follow those of the node before.
+    /// True if each node's coordinates follow those of the node before.
     pub fn ascend(&self) -> bool {
         match self {
             Self::Runs(_) => true,
@@ -73,14 +73,14 @@ impl<const D: usize> Places<D> {
         }
     }
 
-    /// Copies the values of the nodes from `first` to `last` to arrays; what does not exist is zero.
+    /// Copies the values of the nodes from `first` to `last` to arrays; missing coordinates are zero.
     #[inline(always)]
     pub fn gather<S: Simd>(
         &self,
         transpose: Transpose<S>,
         (first, last): (usize, usize),
         values: &[f64],
-        (rows, arrays): (&mut Rows, &mut NodeArrays<D>),
+        (rows, arrays): (&mut NodeRows, &mut NodeArrays<D>),
     ) {
         match self {
             Self::Runs(starts) => gather(transpose, &starts[first..=last], values, (rows, arrays)),
@@ -94,13 +94,13 @@ impl<const D: usize> Places<D> {
         }
     }
 
-    /// Takes the forces in both arrays off those of the system.
+    /// Subtracts the forces in both arrays from those of the system.
     #[inline(always)]
     pub fn scatter<S: Simd>(
         &self,
         transpose: Transpose<S>,
         (first, last): (usize, usize),
-        ([a, b], rows): ([&NodeArrays<D>; 2], &mut Rows),
+        ([a, b], rows): ([&NodeArrays<D>; 2], &mut NodeRows),
         force: &mut [f64],
     ) {
         match self {

@@ -4,7 +4,7 @@ use dynamics::{Columns, Frame, Marker, Motion};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// A material point of a wire, where a dropper, a support or an arm is clamped. It has no orientation.
+/// A material point of a wire without orientation, to which a dropper, a support or an arm is clamped.
 #[derive(Clone, Debug)]
 pub struct WirePoint {
     geometry: Arc<WireGeometry>,
@@ -20,7 +20,7 @@ impl WirePoint {
         let at = geometry.locate(s);
         let mut columns = Vec::with_capacity(Columns::CAPACITY);
         geometry.columns_at(&at, |index, n, _| {
-            // At a node all but its own position functions are exactly zero.
+            // Functions of other nodes are exactly zero at a node.
             if n != Vector3::zeros() {
                 columns.push((index, n));
             }
@@ -40,13 +40,13 @@ impl WirePoint {
         Self::new(geometry, s)
     }
 
-    /// Its parameter, m.
+    /// Parameter `s` of the point, m.
     #[must_use]
     pub fn s(&self) -> f64 {
         self.s
     }
 
-    /// The wire it belongs to.
+    /// Wire of the point.
     #[must_use]
     pub fn geometry(&self) -> &Arc<WireGeometry> {
         &self.geometry

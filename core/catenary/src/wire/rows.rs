@@ -1,24 +1,24 @@
-//! The numbers of nodes, as they follow each other among the coordinates and as elements take them.
+//! Numbers of nodes, consecutive among the coordinates, as the rows that elements take.
 use super::places::{NODES, NodeArrays};
 use crate::simd::{GROUP, Transpose, change, run};
 use pulp::Simd;
 
-/// The numbers of each node of a block one after the other, in the order of [`Transpose`]: the first four, then those after them.
+/// Numbers of each node of a block, in the order of [`crate::simd::Transpose`]: the first four, then the rest.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
-pub(super) struct Rows {
+pub(super) struct NodeRows {
     fours: [f64; 4 * NODES],
     twos: [f64; 2 * NODES],
 }
 
-impl Rows {
+impl NodeRows {
     pub const ZERO: Self = Self {
         fours: [0.0; 4 * NODES],
         twos: [0.0; 2 * NODES],
     };
 }
 
-/// Copies `K` numbers of each node to its row, from the place `offset` on of those that begin at its start.
+/// Copies `K` numbers of each node to its row, from `offset` after the node's first number on.
 #[inline(always)]
 fn fill<S: Simd, const K: usize>(
     rows: &mut [f64],
@@ -34,7 +34,7 @@ fn fill<S: Simd, const K: usize>(
     }
 }
 
-/// Takes the row of each node off its `K` numbers.
+/// Subtracts the row of each node from its `K` numbers.
 #[inline(always)]
 fn subtract<S: Simd, const K: usize>(
     rows: &[f64],
@@ -56,7 +56,7 @@ pub(super) fn gather<S: Simd, const D: usize>(
     transpose: Transpose<S>,
     starts: &[u32],
     values: &[f64],
-    (rows, arrays): (&mut Rows, &mut NodeArrays<D>),
+    (rows, arrays): (&mut NodeRows, &mut NodeArrays<D>),
 ) {
     let nodes = starts.len();
     let (fours, twos) = arrays.as_flattened_mut().split_at_mut(4);
@@ -68,12 +68,12 @@ pub(super) fn gather<S: Simd, const D: usize>(
     }
 }
 
-/// Takes the sums of both arrays off the numbers that begin at each of `starts`.
+/// Subtracts the sums of both arrays from the numbers that begin at each of `starts`.
 #[inline(always)]
 pub(super) fn scatter<S: Simd, const D: usize>(
     transpose: Transpose<S>,
     starts: &[u32],
-    ([a, b], rows): ([&NodeArrays<D>; 2], &mut Rows),
+    ([a, b], rows): ([&NodeArrays<D>; 2], &mut NodeRows),
     values: &mut [f64],
 ) {
     let nodes = starts.len();

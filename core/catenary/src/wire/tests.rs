@@ -25,7 +25,7 @@ fn motion<'a>(q: &'a [f64], v: &'a [f64]) -> Motion<'a> {
     }
 }
 
-/// The dense matrix of what `add` puts into blocks.
+/// Dense matrix of the blocks that `add` writes.
 fn dense(n: usize, add: &mut dyn FnMut(&mut Blocks<'_>)) -> DMatrix<f64> {
     let mut places = Vec::new();
     add(&mut Blocks::record(&mut places));
@@ -59,7 +59,7 @@ fn spatial() -> (Wire, usize) {
     (Wire::new(SECTION, DAMPING, LAWS, 9.81, Arc::new(geometry)), 27)
 }
 
-/// The same in the plane: four coordinates per node and one layer.
+/// The wire of `spatial` in the plane: four coordinates per node and one layer.
 fn planar() -> (Wire, usize) {
     let geometry = WireGeometry::straight(Vector3::z() * 5.3, Vector3::x(), &[2.0, 3.0, 2.5], |node| {
         NodeMap::planar(4 * node)
@@ -187,7 +187,7 @@ fn the_correction_takes_the_tension_matrix_off_the_inertia_only() {
     assert_eq!(a, b);
 }
 
-/// Its ends are those of a wire under tensioning weights. The bound of scenes, 0.25, lies below it.
+/// Ends as of a wire under tensioning weights. The bound of scenes, 0.25, lies below it.
 #[test]
 fn the_corrected_mass_of_a_wire_with_free_ends_is_positive_up_to_a_quarter_of_a_waves_travelling_time() {
     let (length, elements) = (0.625, 40);

@@ -1,4 +1,4 @@
-//! What of a scene's wind acts on the wires.
+//! The wind of a scene on the wires.
 use crate::{Wire, WireDrag, WireName};
 use dynamics::{CrossFlow, Wind};
 use scene::Scene;
@@ -13,7 +13,7 @@ pub struct WiresInWind {
 }
 
 impl WiresInWind {
-    /// A wind on wires of these laws.
+    /// Wind on wires with these drag laws.
     #[must_use]
     pub fn new(wind: Arc<Wind>, contact_wire: CrossFlow, messenger_wire: CrossFlow) -> Self {
         Self {
@@ -23,7 +23,7 @@ impl WiresInWind {
         }
     }
 
-    /// That of a scene, where it has one.
+    /// Wind of a scene on its wires; none for a scene without wind.
     #[must_use]
     pub fn of_scene(scene: &Scene) -> Option<Self> {
         let table = scene.wind.as_ref()?;
@@ -36,7 +36,7 @@ impl WiresInWind {
         ))
     }
 
-    /// On one of the wires.
+    /// Drag on one of the wires.
     pub(crate) fn on(&self, name: WireName, wire: &Wire) -> WireDrag {
         let law = match name {
             WireName::ContactWire => self.contact_wire,

@@ -1,5 +1,5 @@
-//! A chain of equal beam elements along x as a system, clamped at its start: position and directors are held there; a clamp
-//! leaves the axis its shear angle.
+//! A chain of equal beam elements along x as a system, clamped at its start: position and directors are held there; a
+//! clamp leaves the axis its shear angle.
 use catenary::{AxialLaw, Beam, BeamCoordinates, BeamInertia, BeamStiffness, beam_mass_matrix};
 use dynamics::{Blocks, Force, Layout, Motion, State, StaticOptions, System, Weights, solve_static};
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 /// Coordinates per node.
 const NODE: usize = 12;
 
-/// What acts on the last node.
+/// Load on the last node.
 #[derive(Clone, Copy, Debug)]
 pub enum Load {
     /// A force of constant direction on the axis, N.

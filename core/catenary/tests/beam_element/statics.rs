@@ -136,8 +136,9 @@ fn the_error_of_a_rolled_up_beam_falls_with_the_fourth_power_of_the_element_leng
     assert!(coarse / fine > 14.0, "{coarse} m and {fine} m");
 }
 
-/// Displacements of the tip (m) in the Princeton beam experiment by converged beam elements of ANSYS, for a force (N) at an angle
-/// (°) from the stiff direction: down along y, and sideways along z [Obrezkov, Mikkola & Matikainen, Nonlinear Dynamics 109 (2022), as quoted in the examples of Exudyn].
+/// Displacements of the tip (m) in the Princeton beam experiment by converged beam elements of ANSYS, for a force (N)
+/// at an angle (°) from the stiff direction: down along y, and sideways along z [Obrezkov, Mikkola & Matikainen,
+/// Nonlinear Dynamics 109 (2022), as quoted in the examples of Exudyn].
 const PRINCETON: [(f64, f64, f64, f64); 14] = [
     (8.896, 0.0, 1.071_417_630e-2, 0.0),
     (8.896, 15.0, 1.061_328_706e-2, 4.208_232_124e-2),
@@ -155,10 +156,11 @@ const PRINCETON: [(f64, f64, f64, f64); 14] = [
     (13.345, 90.0, 0.0, 0.200_677_707),
 ];
 
-/// Tip displacement (m) of a geometrically exact rod under a dead force at its tip, by the initial value problem from the clamp:
+/// Tip displacement (m) of a geometrically exact rod under a dead force at its tip, by the initial value problem from
+/// the clamp:
 ///
 /// ```text
-/// n = F,   m' = −r' × n,   r' = R (e₁ + C_n⁻¹ Rᵀ n),   R' = R (C_m⁻¹ Rᵀ m)^,   r(0) = 0, R(0) = 1, m(L) = 0    [Simo 1985]
+/// n = F,  m' = −r' × n,  r' = R (e₁ + C_n⁻¹ Rᵀ n),  R' = R (C_m⁻¹ Rᵀ m)^,  r(0) = 0, R(0) = 1, m(L) = 0  [Simo 1985]
 /// ```
 ///
 /// `m(0)` is found by Newton's method, the rod by the midpoint rule on 2000 pieces, which errs by 1e-6.
@@ -250,9 +252,9 @@ fn the_princeton_beam_bends_and_twists_as_the_exact_rod() {
     assert!(worst[1] < worst[0] / 6.0, "third order and more: {worst:?}");
 }
 
-/// The published beams twist less than the exact torsion constant of the rectangle, 113e-12 m⁴, lets them, by which the small
-/// component differs. With the 118e-12 m⁴ that a finite-element program makes of the section with ten elements over its height (and
-/// 113e-12 m⁴ with a hundred) they are met.
+/// The published beams twist less than the exact torsion constant of the rectangle, 113e-12 m⁴, lets them, by which the
+/// small component differs. With the 118e-12 m⁴ that a finite-element program makes of the section with ten elements
+/// over its height (and 113e-12 m⁴ with a hundred) they are met.
 #[test]
 fn the_princeton_beam_bends_and_twists_as_published() {
     assert!((PRINCETON_SECTION.torsion_constant() / 113e-12 - 1.0).abs() < 5e-3); // digits printed

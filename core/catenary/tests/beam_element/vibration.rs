@@ -63,7 +63,7 @@ fn tensioned_beams_vibrate_as_in_closed_form() {
         let mut pinned = Chain::clamped(&STIFFNESS, &INERTIA, (law, tension), length, elements);
         (6..12).for_each(|coordinate| pinned.release(coordinate));
         (0..3).for_each(|coordinate| pinned.hold(elements, coordinate));
-        // It may not spin about its axis.
+        // The beam may not spin about its axis.
         pinned.hold(0, 8);
         let frequency = |n: f64| {
             let wave = n * PI / length;

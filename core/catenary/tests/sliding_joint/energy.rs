@@ -1,4 +1,4 @@
-//! What a mass on a hanging wire keeps.
+//! Energy of a mass on a hanging wire.
 use crate::slide::{Case, HANGING, Law, seen, start, step};
 
 #[test]
@@ -21,15 +21,17 @@ fn a_mass_that_slides_over_20_borders_of_a_hanging_wire_keeps_its_energy_to_a_mi
         }
         let [gap, rate] = balance.drift();
         println!(
-            "h = {h} s, rho_inf = {}, {n} steps, 20 borders: energy off by {worst:.2e} J, {:.2e} of the {kinetic} J of the mass, {:.2e} of the \
-             {exchanged:.2} J that it exchanged; work of the joint {:.1e} J; constraint {gap:.1e} m, its rate {rate:.1e} m/s",
+            "h = {h} s, rho_inf = {}, {n} steps, 20 borders: energy off by {worst:.2e} J, {:.2e} of the {kinetic} J \
+             of the mass, {:.2e} of the {exchanged:.2} J that it exchanged; work of the joint {:.1e} J; \
+             constraint {gap:.1e} m, its rate {rate:.1e} m/s",
             case.rho_inf,
             worst / kinetic,
             worst / exchanged,
             balance.driven(),
         );
         assert!(exchanged > 0.05 * kinetic, "{exchanged} J: the wire moves");
-        // What is left of the constraint is of the order of the error of the positions, h², and what it does of the order of λ g.
+        // The drift of the constraint is of the order of the error of the positions, h², and its work of the order of λ
+        // g.
         assert!(gap < 1e-8 * (h / 1e-4).powi(2), "{gap} m");
         assert!(balance.driven().abs() < 1e-7 * exchanged, "{} J", balance.driven());
         worst / exchanged

@@ -1,4 +1,4 @@
-//! What the joint is the limit of, and what it goes over into with the step.
+//! Limits of the joint: stiff penalty contact, and small steps.
 use crate::slide::{Case, HANGING, Law, seen, start, step};
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
@@ -13,7 +13,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 #[test]
 fn the_penalty_law_goes_over_into_the_joint_with_its_stiffness() {
     let case = Case { lift: 100.0, ..HANGING };
-    let course = |law: Law| {
+    let history = |law: Law| {
         let mut simulator = start(&case, law);
         let first = simulator.system.mass.first;
         let heights = (0..10_000).map(|n| {
@@ -22,9 +22,9 @@ fn the_penalty_law_goes_over_into_the_joint_with_its_stiffness() {
         });
         heights.collect::<Vec<f64>>()
     };
-    let joint = course(Law::Joint);
+    let joint = history(Law::Joint);
     let errors = [1e5, 1e6, 1e7].map(|stiffness| {
-        let spring = course(Law::Spring(stiffness));
+        let spring = history(Law::Spring(stiffness));
         rms(spring.iter().zip(&joint).map(|(a, b)| a - b))
     });
     let orders: Vec<f64> = errors.windows(2).map(|pair| (pair[0] / pair[1]).log10()).collect();
@@ -38,7 +38,7 @@ fn position_and_multiplier_are_of_second_order_in_the_step() {
     const EVERY: f64 = 4e-3;
     for rho_inf in [1.0, 0.8] {
         // Height of the mass and multiplier at the same times, and whether the mass is away from borders for all steps.
-        let course = |h: f64| {
+        let history = |h: f64| {
             let case = Case {
                 h,
                 rho_inf,
@@ -59,9 +59,9 @@ fn position_and_multiplier_are_of_second_order_in_the_step() {
             });
             samples.collect::<Vec<_>>()
         };
-        let finest = course(6.25e-6);
+        let finest = history(6.25e-6);
         let errors = [2e-4, 1e-4, 5e-5].map(|h| {
-            let found = course(h);
+            let found = history(h);
             let pairs = || found.iter().zip(&finest);
             // The means before and after a border belong to other curvatures: 3 steps of 3 mm.
             let within = |at: f64| at < 0.94;
@@ -74,7 +74,8 @@ fn position_and_multiplier_are_of_second_order_in_the_step() {
             errors.windows(2).map(order).collect::<Vec<f64>>()
         });
         println!(
-            "rho_inf = {rho_inf}, h = 0.2, 0.1, 0.05 ms: rms errors of height (m) and multiplier (N) of {size:.1} N {errors:?}; orders {orders:.2?}"
+            "rho_inf = {rho_inf}, h = 0.2, 0.1, 0.05 ms: rms errors of height (m) and multiplier (N) of {size:.1} N \
+             {errors:?}; orders {orders:.2?}"
         );
         for order in orders.iter().flatten() {
             assert!((order - 2.0).abs() < 0.4, "{orders:?}");

@@ -25,13 +25,14 @@ struct Border {
     expected: [f64; 2],
 }
 
-/// How the multiplier steps at borders in a row, up to 0.5 m before the end of the wire. Left out are the step in which the border is passed, and the one after it, whose
-/// reported value is the straight line through the means of both.
+/// Steps of the multiplier at consecutive borders, up to 0.5 m before the end of the wire. The step in which the border
+/// is passed and the one after it are left out: the latter's reported value is the straight line through the means of
+/// both.
 fn borders(case: &Case, window: usize) -> Vec<Border> {
     let mut simulator = start(case, Law::Joint);
     let inverse = inverse_mass(&mut simulator.system);
     let element = case.length / case.elements as f64;
-    let mut course = vec![seen(&mut simulator).1];
+    let mut history = vec![seen(&mut simulator).1];
     let mut before = simulator.state().clone();
     // Number of the step, steps at the border itself, what is expected.
     let mut passed: Vec<(usize, f64, [f64; 2])> = Vec::new();
@@ -42,7 +43,7 @@ fn borders(case: &Case, window: usize) -> Vec<Border> {
         step(&mut simulator, n, case.h);
         n += 1;
         let (s, force) = seen(&mut simulator);
-        course.push(force);
+        history.push(force);
         let now = (s / element) as usize;
         if now != here {
             here = now;
@@ -57,19 +58,19 @@ fn borders(case: &Case, window: usize) -> Vec<Border> {
     }
     let border = |&(n, at, expected): &(usize, f64, [f64; 2])| {
         let (from, to) = (n + 2, n);
-        let before = extrapolated(&course[to - window..to], at - (to - window) as f64);
-        let after = extrapolated(&course[from..from + window], at - from as f64);
+        let before = extrapolated(&history[to - window..to], at - (to - window) as f64);
+        let after = extrapolated(&history[from..from + window], at - from as f64);
         Border {
             found: before - after,
             expected,
         }
     };
-    let whole = passed.iter().filter(|(n, ..)| n + 2 + window <= course.len());
+    let whole = passed.iter().filter(|(n, ..)| n + 2 + window <= history.len());
     whole.map(border).collect()
 }
 
-/// Largest step, how many are at least a tenth of it, and for both formulas the largest deviation of these by the step itself and of
-/// the others by the largest step.
+/// Largest step, how many are at least a tenth of it, and for both formulas the largest deviation of these by the step
+/// itself and of the others by the largest step.
 fn judge(case: &Case, borders: &[Border]) -> (f64, usize, [f64; 2]) {
     let size = borders.iter().fold(0.0_f64, |max, border| max.max(border.found.abs()));
     let (large, small): (Vec<&Border>, Vec<&Border>) =
@@ -84,8 +85,8 @@ fn judge(case: &Case, borders: &[Border]) -> (f64, usize, [f64; 2]) {
         by_itself.chain(by_largest).fold(0.0, f64::max)
     });
     println!(
-        "{} kg on elements of {} m, {} + {} borders, h = {} s, rho_inf = {}: steps of up to {:.4} mN; each off by up to {:.2} % from \
-         v²Δκ/(1/m + Y), {:.2} % from m v²Δκ",
+        "{} kg on elements of {} m, {} + {} borders, h = {} s, rho_inf = {}: steps of up to {:.4} mN; \
+         each off by up to {:.2} % from v²Δκ/(1/m + Y), {:.2} % from m v²Δκ",
         case.mass,
         case.length / case.elements as f64,
         large.len(),
@@ -136,7 +137,7 @@ fn the_multiplier_steps_at_20_borders_by_m_v2_dk_to_a_hundredth_and_less_with_sh
 #[test]
 fn under_a_heavy_mass_the_wire_answers_and_the_multiplier_steps_by_as_much_less() {
     let case = Case { h: 1e-5, ..HANGING };
-    // Waves of up to 3000 rad/s run off along elements of 1 m: the course is a parabola for 0.1 ms only.
+    // Waves of up to 3000 rad/s run off along elements of 1 m: the history is a parabola for 0.1 ms only.
     let borders = borders(&case, 10);
     let (_, count, worst) = judge(&case, &borders);
     assert!(count >= 15 && worst[0] < 0.01, "{count} borders: {worst:?}");

@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// A mass in the plane of x and z on two coordinates, under a dead vertical force; the strip is across the plane.
 #[derive(Clone, Copy)]
 pub struct Mass {
-    /// Its first coordinate.
+    /// First coordinate.
     pub first: usize,
     /// kg.
     pub mass: f64,
@@ -70,7 +70,7 @@ impl Force for Loads {
     }
 }
 
-/// What a case is made of.
+/// Parameters of a case.
 #[derive(Clone, Copy)]
 pub struct Case {
     pub section: WireSection,
@@ -82,12 +82,12 @@ pub struct Case {
     pub lift: f64,
     /// m/s.
     pub speed: f64,
-    /// Of the mass at t = 0, m.
+    /// Position of the mass at t = 0, m.
     pub start: f64,
     pub h: f64,
     pub rho_inf: f64,
     pub jacobian: Jacobian,
-    /// Of Newton's method, N.
+    /// Tolerance of Newton's method, N.
     pub tolerance: f64,
 }
 
@@ -159,8 +159,8 @@ impl Slide {
         }
     }
 
-    /// `v²Δκ/(1/m + Y)`: what the multiplier must fall by at the border between elements `node − 1` and `node` when the curvature
-    /// grows there, and the same for a wire that does not answer, N.
+    /// `v²Δκ/(1/m + Y)`: what the multiplier must fall by at the border between elements `node − 1` and `node` when the
+    /// curvature grows there, and the same for a wire that does not answer, N.
     pub fn expected_step(&self, node: usize, state: &State, inverse_mass: &DMatrix<f64>) -> [f64; 2] {
         let border = self.geometry.node_s(node);
         let at = |s: f64| self.geometry.point(s, &state.q, &state.v);

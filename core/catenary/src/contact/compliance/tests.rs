@@ -20,7 +20,7 @@ fn wire(spans: usize, n: usize, layered: bool) -> WireGeometry {
     straight(&lengths, &layers)
 }
 
-/// The same from the whole wire at once.
+/// Residual compliance from the whole wire at once.
 fn of_the_whole_wire(geometry: &WireGeometry, beam: Beam, s: f64) -> f64 {
     let size = 2 * geometry.nodes().len() + geometry.enrichments().len();
     let mut stiffness = transverse_stiffness(geometry, beam, size);
@@ -112,7 +112,8 @@ fn the_slope_is_the_derivative_and_there_is_no_jump_between_elements() {
         let s = geometry.node_s(node);
         let (before, after) = (compliance.at(s - 1e-9), compliance.at(s));
         assert!((before.value - after.value).abs() < 1e-4 * largest, "node {node}");
-        // The elements bend at a node, the wire does not: the slope is continuous too, but for the likeness of elements.
+        // Elements bend at a node, the wire does not: the slope is continuous too, but for the tolerance of equal
+        // elements.
         assert!((before.slope - after.slope).abs() < 2e-3 * largest, "node {node}");
     }
 }
@@ -134,11 +135,12 @@ fn finer_elements_and_layers_leave_less() {
         let compliance = ResidualCompliance::new(&wire(3, n, layered), &SECTION, 83.0).expect("below the wave speed");
         places(60.0, 600).map(|s| compliance.at(s).value).fold(0.0, f64::max)
     };
-    // What the elements lack of a string's kink is in proportion to their length; the bend that rounds it off is not.
+    // The deficit of a string's kink is in proportion to the elements' length; that of the bend that rounds it off is
+    // not.
     let order = ((largest(1, false) - largest(2, false)) / (largest(2, false) - largest(4, false))).log2();
     assert!((order - 1.0).abs() < 0.1, "{order}");
     assert!(largest(64, false) < 0.02 * largest(8, false));
-    // At a node with a layer nothing is left of a static force.
+    // Nothing is left of a static force at a node with a layer.
     let compliance = ResidualCompliance::new(&wire(3, 4, true), &SECTION, 0.0).expect("at rest");
     assert!(
         compliance.at(24.0).value < 1e-3 * largest(4, true),

@@ -7,7 +7,8 @@ const WIRE: usize = 18;
 /// Speed at which the strip's travel along the track is prescribed, m/s.
 const TRAVEL: f64 = 55.0;
 
-/// A strip on three free coordinates behind those of the wire, which also travels along the track, turned by a fixed roll angle.
+/// A strip on three free coordinates behind those of the wire, which also travels along the track, turned by a fixed
+/// roll angle.
 struct Loose;
 
 impl Marker for Loose {
@@ -28,7 +29,7 @@ impl Marker for Loose {
     }
 }
 
-/// On two elements of 5 m along x, staggered sideways.
+/// Joint on two elements of 5 m along x, staggered sideways.
 fn joint() -> SlidingJoint {
     let direction = Vector3::new(1.0, 0.03, 0.0).normalize();
     let geometry = WireGeometry::straight(Vector3::zeros(), direction, &[5.0, 5.0], |node| {
@@ -97,7 +98,7 @@ fn the_jacobian_is_the_derivative_of_the_residual_also_off_the_constraint() {
             exact[i]
         );
     }
-    // The strip's travel meets the slope of the wire: this is what makes it rise.
+    // The strip's travel meets the slope of the wire, which makes the strip rise.
     assert!(exact[WIRE].abs() > 1e-4, "{exact:?}");
 }
 
@@ -210,7 +211,7 @@ fn the_multiplier_is_the_force_of_either_sign_and_beyond_the_wire_there_is_none(
         let state = joint.state(&motion(0.0, &q, &v), &[lambda]).expect("on the wire");
         assert_eq!(state.force, lambda);
         assert_eq!(state.closed(), lambda > 0.0);
-        // What presses pushes the strip down.
+        // Compression pushes the strip down.
         assert!((state.force_on_strip() + lambda * state.geometry.normal).norm() < 1e-12);
     }
     q[WIRE] = 20.0;

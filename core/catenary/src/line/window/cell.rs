@@ -1,26 +1,27 @@
 //! A span far from the strips, reduced to its supports, to the elongations of its droppers and to its lowest modes.
-use super::Places;
+use super::SpanPlaces;
 use super::elongations::Elongations;
 use super::end_layers::EndLayers;
 use super::modes::{Envelope, lowest_modes, product};
 use dynamics::SparseMatrix;
 use nalgebra::{DMatrix, DVector};
 
-/// Modes that are evaluated side by side, and rows of a span's interface, which is filled up with zeros to whole groups.
+/// Number of modes that are evaluated side by side; the rows of a span's interface are padded with zeros to whole
+/// groups.
 pub(super) const GROUP: usize = 8;
 
 /// Stiffness, damping and mass of one span between its supports, linear about the static state.
 pub(super) struct SpanMatrices {
-    /// Where its coordinates stand.
-    pub places: Places,
+    /// Positions of the coordinates of the span.
+    pub places: SpanPlaces,
     pub stiffness: SparseMatrix,
     pub damping: SparseMatrix,
     pub mass: SparseMatrix,
-    /// What belongs to the interface beside the supports.
+    /// Elongations of droppers, which belong to the interface beside the supports.
     pub elongations: Elongations,
-    /// What follows the rest of the span at its supports.
+    /// Bending layers at the supports, which follow the rest of the span.
     pub layers: EndLayers,
-    /// For each coordinate whether it is along the track.
+    /// For each coordinate, true if it is along the track.
     pub longitudinal: Vec<bool>,
 }
 
@@ -30,19 +31,20 @@ pub(super) struct SpanMatrices {
 /// q_f = Φₛ s + Φₘ η,    Φₛ = −K_ff⁻¹ K_fs,    K_ff Φₘ = M_ff Φₘ Ω²,    Φₘᵀ M_ff Φₘ = 1
 /// ```
 ///
-/// The interface `s` are the supports, left one first, and the elongations of droppers with dampers. Static answers to its motions are
-/// exact, tension and sag included; waves are carried up to the frequency of the last mode. The droppers are taut. Their dampers act
-/// on the interface alone, as exactly as their springs: on modes that stretch them they would couple all of these, and be the
-/// strongest of the couplings where `ω c` is above `k`, as on the thesis' line. What damps the modes is the damping of the wires; that
-/// it couples them too, weakly, is left out.
+/// The interface `s` are the supports, left one first, and the elongations of droppers with dampers. Static answers to
+/// motions of the interface are exact, tension and sag included; waves are carried up to the frequency of the last
+/// mode. The droppers are taut. Dampers of droppers act on the interface alone, as exactly as the springs: on modes
+/// that stretch droppers the dampers would couple all modes, and more strongly than any other coupling where `ω c` is
+/// above `k`, as on the thesis' line. The modes have the damping of the wires, whose weak coupling between modes is
+/// left out.
 #[derive(Debug)]
 pub(super) struct Cell {
     /// All coordinates of the span.
     size: usize,
     elongations: Elongations,
     layers: EndLayers,
-    places: Places,
-    /// The interface among the coordinates of the span, and what of the span between its supports is not on it, `f`.
+    places: SpanPlaces,
+    /// Interface among the coordinates of the span, and the remaining coordinates between the supports, `f`.
     interface: Vec<usize>,
     inner: Vec<usize>,
     /// `Φₛ`.
@@ -51,7 +53,7 @@ pub(super) struct Cell {
     modes: DMatrix<f64>,
     /// `M_ff Φₘ`.
     weighted_modes: DMatrix<f64>,
-    /// On the interface.
+    /// Stiffness on the interface.
     pub stiffness: DMatrix<f64>,
     pub damping: DMatrix<f64>,
     pub mass: DMatrix<f64>,
@@ -59,29 +61,29 @@ pub(super) struct Cell {
     pub squares: Vec<f64>,
     /// Damping of each mode, 1/s.
     pub mode_damping: Vec<f64>,
-    /// Between interface (rows) and modes.
+    /// Damping between interface (rows) and modes.
     pub damping_coupling: DMatrix<f64>,
     pub mass_coupling: DMatrix<f64>,
-    /// Stiffness, damping and mass again, group by group of rows and in these column by column.
+    /// Stiffness, damping and mass in groups of rows, each group column by column.
     pub dense: Vec<Grouped<3>>,
-    /// The couplings again, damping, then mass, group by group of modes and in these row by row, filled up with zeros.
+    /// Couplings, damping, then mass, in groups of modes, each group row by row, padded with zeros.
     pub couplings: Vec<Grouped<2>>,
 }
 
-/// What moves between the supports of a span.
+/// Motion between the supports of a span.
 pub(super) struct Between {
-    /// Of the left and of the right support.
+    /// Bending layers of the left and of the right support.
     pub end_layers: Vec<Vec<f64>>,
     pub inner: Vec<f64>,
 }
 
-/// Some numbers for each member of a group, at the boundary of a cache line: a vector loaded across two lines costs twice.
+/// Numbers for each member of a group, at the boundary of a cache line: a vector loaded across two lines costs twice.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Grouped<const COUNT: usize>(pub [[f64; GROUP]; COUNT]);
 
 impl<const COUNT: usize> Grouped<COUNT> {
-    /// Numbers `of(kind, member)` of the group that begins with member `first`.
+    /// Numbers `of(row, member)` of the group that begins with member `first`.
     pub fn new(first: usize, of: impl Fn(usize, usize) -> f64) -> Self {
         Self(std::array::from_fn(|kind| {
             std::array::from_fn(|lane| of(kind, first + lane))
@@ -222,11 +224,12 @@ impl Cell {
 /// Longitudinal modes of a span that come before all others: the first two of each wire.
 pub(super) const LONGITUDINAL: usize = 4;
 
-/// Which `count` modes are kept, in their order: of all modes by ascending frequency the `shares` of their mass that move along the
-/// track.
+/// Numbers of the `count` modes that are kept, in their order: of all modes by ascending frequency the `shares` of
+/// their mass that move along the track.
 ///
-/// Tension changes run along the line at kilometres per second, as waves that are longer than the spans far beyond the frequencies of
-/// the contact force. With the quasi-static shape alone the mass of a span would stand at its supports, and they would be too fast.
+/// Tension changes run along the line at kilometres per second, as waves longer than the spans far beyond the
+/// frequencies of the contact force. With the quasi-static shape alone the mass of a span would stand at its supports,
+/// and these waves would be too fast.
 fn longitudinal_first(shares: &DVector<f64>, count: usize) -> Vec<usize> {
     let along: Vec<usize> = (0..shares.len())
         .filter(|&mode| shares[mode] > 0.5)

@@ -2,11 +2,11 @@
 use crate::{Compliance, CurveColumns, CurvePoint, LoadCorrection, WireCurve};
 use std::sync::Arc;
 
-/// The contact wire within the window, which starts at x = 0 in its own numbers, where it stands along the track: at `origin` plus
-/// one coordinate of the system.
+/// The contact wire within the window at its place along the track: the wire starts at x = 0 in its own numbers and is
+/// shifted by `origin` and one coordinate of the system.
 ///
-/// The parameter is that of the window's own wire, so that it falls back by a span when the window moves on: the search for the
-/// contact finds it again from anywhere.
+/// The parameter is that of the window's own wire and falls back by a span when the window moves on: the search for the
+/// contact finds its point again from anywhere.
 pub(super) struct WindowCurve {
     pub inner: Arc<dyn WireCurve>,
     /// Coordinate of the distance that the window has travelled, m.

@@ -1,4 +1,4 @@
-//! Pieces of a line in its static state.
+//! Sections of a line cut out of its static state.
 use crate::line::WireCoordinates;
 use crate::line::{Equilibrium, layers};
 use crate::{
@@ -10,7 +10,7 @@ use scene::{Catenary, WireEnds};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A line whose static state is known, to be cut at its supports.
+/// A line with known static state, to be cut at its supports.
 pub(crate) struct Source<'a> {
     pub catenary: &'a Catenary,
     pub topology: &'a Topology,
@@ -18,13 +18,14 @@ pub(crate) struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Spans `spans` (from 0) as a line of their own that starts at x = 0, with coordinates numbered from `first`, and the number of
-    /// these. What the rest of the line did to it is missing: its ends are neither held nor pulled, and have no bending layers.
+    /// Spans `spans` (from 0) as a line of their own that starts at x = 0, with coordinates numbered from `first`, and
+    /// the number of these coordinates. The action of the rest of the line is missing: the ends are neither held nor
+    /// pulled, and have no bending layers.
     pub fn cut(&self, spans: Range<usize>, first: usize) -> (Line, usize) {
         self.cut_with(self.topology.options().layers, spans, first)
     }
 
-    /// The same with coordinates from 0, each end with its half of the bending layers there.
+    /// [`Source::cut`] with coordinates from 0, each end with its half of the bending layers there.
     pub fn cut_with_end_layers(&self, spans: Range<usize>) -> (Line, usize) {
         let layers = match self.topology.options().layers {
             BendingLayers::Absent => BendingLayers::Absent,
@@ -56,8 +57,8 @@ impl Source<'_> {
         (line, layout.coordinates())
     }
 
-    /// The same with the residual compliance of the contact wire, which nothing but contact asks for. What is `known` of another
-    /// piece of the line is not found again.
+    /// [`Source::cut`] with the residual compliance of the contact wire, which only contact needs. Patches `known` from
+    /// another section of the line are reused.
     pub fn cut_for_contact(
         &self,
         spans: Range<usize>,
@@ -99,7 +100,7 @@ impl Source<'_> {
                     let same = |other: &&Enrichment| {
                         other.node == nodes.start + layer.node && other.direction == layer.direction
                     };
-                    // None at a true end, where the whole line has no layer.
+                    // True ends have none, because the whole line has no layer there.
                     let known = geometry.enrichments().iter().find(same);
                     Enrichment {
                         reference: known.map_or(0.0, |known| known.reference),
@@ -115,7 +116,7 @@ impl Source<'_> {
                 &self.equilibrium.messenger_wire,
                 &coordinates[1],
             ),
-            // Windows are cut from lines of cables only.
+            // Empty: windows are cut from lines of cables only.
             directors: Vec::new(),
             dropper_lengths: droppers.map(|(_, &length)| length).collect(),
             support_reactions: inner(&self.equilibrium.support_reactions),

@@ -1,4 +1,4 @@
-//! Elongations of a span's droppers as its coordinates, in the place of displacements.
+//! Elongations of a span's droppers as coordinates in place of displacements.
 use dynamics::SparseMatrix;
 
 /// Replaces one displacement per dropper, at a node that no other dropper hangs from:
@@ -7,7 +7,8 @@ use dynamics::SparseMatrix;
 /// δ = Σ bᵢ qᵢ,    q_p = (δ − Σ_{i≠p} bᵢ qᵢ)/b_p
 /// ```
 ///
-/// `δ` takes the number of `q_p`. In the new coordinates the spring and the damper of a dropper are one diagonal entry each.
+/// `δ` takes the number of `q_p`. In the new coordinates the spring and the damper of a dropper are one diagonal entry
+/// each.
 #[derive(Debug)]
 pub(super) struct Elongations(Vec<Elongation>);
 
@@ -22,7 +23,8 @@ struct Elongation {
 }
 
 impl Elongations {
-    /// Of droppers with these `∂δ/∂q`, each as (coordinate, value); the largest entry, and of equal ones the last, is replaced.
+    /// Replacement for droppers with these `∂δ/∂q`, each as (coordinate, value); the largest entry, and of equal ones
+    /// the last, is replaced.
     pub fn new(gradients: impl Iterator<Item = Vec<(usize, f64)>>) -> Self {
         let elongation = |mut entries: Vec<(usize, f64)>| {
             let largest = (0..entries.len()).max_by(|&i, &j| entries[i].1.abs().total_cmp(&entries[j].1.abs()))?;
@@ -36,12 +38,12 @@ impl Elongations {
         Self(gradients.filter_map(elongation).collect())
     }
 
-    /// The numbers of the elongations, in the order of the droppers.
+    /// Coordinates of the elongations, in the order of the droppers.
     pub fn places(&self) -> impl Iterator<Item = usize> + '_ {
         self.0.iter().map(|elongation| elongation.place)
     }
 
-    /// A symmetric matrix on the new coordinates.
+    /// Transforms a symmetric matrix to the new coordinates.
     pub fn transform(&self, matrix: &SparseMatrix) -> SparseMatrix {
         let rows: Vec<(usize, Vec<(usize, f64)>)> = (self.0.iter())
             .map(|Elongation { place, own, others }| {
@@ -52,7 +54,7 @@ impl Elongations {
         matrix.congruent(&rows)
     }
 
-    /// From displacements to elongations.
+    /// Converts displacements to elongations, in place.
     pub fn measure(&self, values: &mut [f64]) {
         for elongation in &self.0 {
             let value = elongation.own * values[elongation.place] + elongation.of_others(values);
@@ -60,7 +62,7 @@ impl Elongations {
         }
     }
 
-    /// From elongations to displacements.
+    /// Converts elongations to displacements, in place.
     pub fn displace(&self, values: &mut [f64]) {
         for elongation in &self.0 {
             let value = (values[elongation.place] - elongation.of_others(values)) / elongation.own;

@@ -1,21 +1,23 @@
 //! Bending layers at the ends of a reduced span.
 use dynamics::SparseMatrix;
 
-/// Unknowns that follow the others without inertia: of a layer at a support each of two reduced spans has a half.
+/// Bending layers that follow the other coordinates without inertia: of a layer at a support each of two reduced spans
+/// has a half.
 ///
 /// ```text
 /// a = −Σ K_ai q_i / K_aa
 /// ```
 ///
-/// As coordinates of their own two halves could move against each other: a kink at the support, of so little mass that the inertia
+/// Two independent halves could move against each other: a kink at the support, of so little mass that the inertia
 /// corrected for the time step would not be positive at steps that the whole layer allows.
 ///
-/// Of each `a` and the weights `−K_ai/K_aa` of the others `i`, as [`SparseMatrix::congruent`] takes them.
+/// Each entry holds `a` and the weights `−K_ai/K_aa` of the others `i`, in the form of [`SparseMatrix::congruent`].
 #[derive(Debug)]
 pub(super) struct EndLayers(Vec<(usize, Vec<(usize, f64)>)>);
 
 impl EndLayers {
-    /// Takes the layers with these numbers out of stiffness, damping and mass of a span, in which nothing is left in their places.
+    /// Eliminates the layers with these numbers from stiffness, damping and mass of a span; their rows and columns
+    /// become zero.
     pub fn eliminate(places: &[usize], [stiffness, damping, mass]: [&mut SparseMatrix; 3]) -> Self {
         let mut followers = Vec::with_capacity(places.len());
         for &place in places {
@@ -30,9 +32,9 @@ impl EndLayers {
         Self(followers)
     }
 
-    /// Lets them follow the other coordinates of the span.
+    /// Sets the layers from the other coordinates of the span.
     pub fn follow(&self, values: &mut [f64]) {
-        // One that was taken out early may follow one that was taken out later.
+        // Reverse order: a layer eliminated early may follow one eliminated later.
         for (place, weights) in self.0.iter().rev() {
             values[*place] = weights.iter().map(|&(i, weight)| weight * values[i]).sum();
         }

@@ -1,4 +1,4 @@
-//! What holds the spans beyond the window: supports, true ends, and the end of what is modelled.
+//! Supports, true ends and absorbing ends of the spans beyond the window.
 use super::far::Ground;
 use super::plan::Arrangement;
 use super::{Fixed, SPONGE};
@@ -16,7 +16,7 @@ impl Fixed {
         }
     }
 
-    /// Damping added to the modes of a reduced span, 1/s: only where the line goes on unmodelled beyond it.
+    /// Damping added to the modes of a reduced span, 1/s: only on a side where the line goes on unmodelled.
     pub(super) fn sponge(&self, arrangement: &Arrangement, span: usize) -> f64 {
         let (plan, modelled) = (&self.plan, &arrangement.modelled);
         let goes_on = if span < arrangement.window.start {
@@ -32,7 +32,7 @@ impl Fixed {
         }
     }
 
-    /// Holds a support: its springs, or an end of what is modelled.
+    /// Holds a support by its springs, or an end of the modelled line.
     pub(super) fn hold(
         &self,
         arrangement: &Arrangement,

@@ -10,11 +10,11 @@ pub(super) struct Member {
     pub cell: Arc<Cell>,
     /// Coordinates of its interface, see [`Cell`].
     pub interface: Vec<usize>,
-    /// Coordinates of its first modes, as many as are kept.
+    /// Coordinates of the modes that are kept.
     pub modes: Range<usize>,
-    /// Stiffness (1/s²) and damping (1/s) of the modes, that of the sponge included.
+    /// Stiffness (1/s²) and damping (1/s) of the modes, the sponge included.
     own: Vec<Grouped<2>>,
-    /// `q`, `v` and `v̇` of the interface, row by row, filled up with zeros, and the force there.
+    /// `q`, `v` and `v̇` of the interface, row by row, padded with zeros, and the force there.
     at_interface: Vec<[f64; 4]>,
 }
 
@@ -30,12 +30,12 @@ pub(super) struct Ground {
     pub mass: f64,
 }
 
-/// Reduced spans, the supports between them, the ends of what is modelled, and the static forces at the cuts.
+/// Reduced spans, the supports between them, the ends of the modelled line, and the static forces at the cuts.
 #[derive(Default)]
 pub(super) struct FarField {
     pub members: Vec<Member>,
     pub grounds: Vec<Ground>,
-    /// Static forces of what was cut off, N, of the first coordinates.
+    /// Static forces of the cut-off parts on the first coordinates, N.
     pub load: Vec<f64>,
 }
 
@@ -89,9 +89,9 @@ impl Member {
         }
     }
 
-    /// Adds `−K q − D v`, and `−M v̇` where `v_dot` is given.
+    /// Adds `−K q − D v`, and `−M v̇` if `v_dot` is given.
     fn add_force(&mut self, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
-        // As many rows at a time as there are registers for.
+        // Rows in batches that fit the registers.
         let rows = self.at_interface.len();
         match rows {
             _ if rows.is_multiple_of(24) => self.add_force_of::<24>(motion, v_dot, force),
@@ -100,7 +100,7 @@ impl Member {
         }
     }
 
-    /// Whether a coordinate of the span is within `range`.
+    /// True if a coordinate of the span is within `range`.
     fn is_within(&self, range: &Range<usize>) -> bool {
         let modes = self.modes.start < range.end && range.start < self.modes.end;
         modes || self.interface.iter().any(|index| range.contains(index))
@@ -148,7 +148,7 @@ struct AddForce<'a, const N: usize> {
     range: Range<usize>,
     own: &'a [Grouped<2>],
     at_interface: &'a mut [[f64; 4]],
-    /// `q`, `v` and `v̇` of everything; no `v̇` stands for zeros.
+    /// `q`, `v` and `v̇` of the whole system; no `v̇` stands for zeros.
     modes: [&'a [f64]; 3],
     force: &'a mut [f64],
 }
@@ -182,11 +182,13 @@ impl<const N: usize> WithSimd for AddForce<'_, N> {
     }
 }
 
-/// Groups of modes that are evaluated together: each sum waits for its last addition, several sums do not wait for each other.
+/// Number of groups of modes that are evaluated together: each sum waits for its last addition, several sums do not
+/// wait for each other.
 const ABREAST: usize = 3;
 
 impl<const N: usize> AddForce<'_, N> {
-    /// Sets the force at as many rows of the interface as a register holds, from `first` on, to what the interface does there.
+    /// Sets the force at as many rows of the interface as a register holds, from `first` on, to the interface's own
+    /// force there.
     #[inline(always)]
     fn set_dense<S: Simd>(&mut self, simd: S, first: usize) {
         let rows = self.at_interface.len();
@@ -209,8 +211,9 @@ impl<const N: usize> AddForce<'_, N> {
         }
     }
 
-    /// Adds the forces of `W` groups of modes, from group `group` on, of each the register `part`: with the first rows all that act on
-    /// modes alone, and with each those between modes and the rows from `first` on; `on_interface` takes in what they do at these.
+    /// Adds the forces of `W` groups of modes from group `group` on, one register `part` of each: with the first rows
+    /// all forces on modes alone, and with each row those between modes and the rows from `first` on; `on_interface`
+    /// collects the forces on these rows.
     #[inline(always)]
     fn add_modes<S: Simd, const W: usize>(
         &mut self,
@@ -279,7 +282,7 @@ impl FarField {
 }
 
 impl FarField {
-    /// What is within `range`, and more.
+    /// Adds at least the forces within `range`.
     fn add_within(&mut self, range: &Range<usize>, motion: &Motion<'_>, v_dot: Option<&[f64]>, force: &mut [f64]) {
         for member in self.members.iter_mut().filter(|member| member.is_within(range)) {
             member.add_force(motion, v_dot, force);

@@ -6,31 +6,31 @@
 //!                                  full spans, strips inside
 //! ```
 //!
-//! The window is a line of a few spans cut out of the static state. What lies beyond its ends does not stop there: the spans next
-//! to it are linear and reduced to their supports, the elongations of droppers with dampers, and modes ([`cell`]): the lowest ones and
-//! the first longitudinal ones. That costs a tenth of a full span, carries waves of the frequencies of interest without any reflection,
-//! and keeps the line's longitudinal elasticity and mass, which the contact force depends on by several percent. Each has its
-//! halves of the bending layers at its supports. On short lines these cells reach the true ends. On long ones there are a fixed number
-//! of them, with damping that grows with the distance and, at the last support, dashpots `√(EA m)` matched to longitudinal waves
-//! [after Lysmer & Kuhlemeyer 1969].
+//! The window is a line of a few spans cut out of the static state. The spans beyond its ends are linear and reduced to
+//! their supports, the elongations of droppers with dampers, and modes ([`cell`]): the lowest ones and the first
+//! longitudinal ones. A reduced span is far cheaper than a full one, carries waves of the frequencies of interest
+//! without reflection, and keeps the line's longitudinal elasticity and mass, which the contact force depends on. Each
+//! reduced span has its halves of the bending layers at its supports. On short lines these cells reach the true ends.
+//! Long lines have a fixed number of cells, with damping that grows with the distance and, at the last support,
+//! dashpots `√(EA m)` matched to longitudinal waves [after Lysmer & Kuhlemeyer 1969].
 //!
-//! When the last strip comes to the next span, the window moves on by one: the entering span takes its motion from its modes, and
-//! the leaving one hands its own over to modes, so that neither starts or stops abruptly. In the middle of a line of equal spans the
-//! matrices stay the same ones, and moving is a copy.
+//! When the last strip comes to the next span, the window moves on by one: the entering span takes its motion from its
+//! modes, and the leaving one hands its own over to modes, so that neither starts or stops abruptly. In the middle of a
+//! line of equal spans the matrices stay the same ones, and moving is a copy.
 //!
 //! ```text
-//! file     subject
-//! plan         which span is modelled how, for each position
-//! cut          pieces of the static state
+//! file         subject
+//! plan         modelled spans and their reduction, for each position
+//! cut          sections of the static state
 //! modes        lowest modes of a span
 //! elongations  coordinates for the dampers of droppers
 //! end_layers   bending layers at the ends of a span
 //! cell         a reduced span
 //! far          all reduced spans as one contribution
-//! ends         what holds them
-//! overhead     the whole in the place of any other line
-//! curve        the contact wire, with the window where it is
-//! transfer     the state, taken along
+//! ends         supports, true ends and absorbing ends
+//! overhead     the windowed line as an overhead line
+//! curve        the contact wire of the window at its place
+//! transfer     the state, moved with the window
 //! ```
 mod cell;
 mod curve;
@@ -60,50 +60,51 @@ use scene::{Catenary, Reduction, Scene};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Full spans behind that of the last strip: its droppers still go slack there.
+/// Full spans behind the span of the last strip, whose droppers still go slack.
 const BEHIND: usize = 2;
-/// Full spans ahead of that of the first strip.
+/// Full spans ahead of the span of the first strip.
 const AHEAD: usize = 1;
-/// Reduced spans on either side of the window, at most: those of a tension length of 20 to 30 spans, so that its true ends are there.
+/// Reduced spans on either side of the window, at most: a tension length has 20 to 30 spans, so that its true ends are
+/// reached.
 const REACH: usize = 30;
-/// Those of them, nearest to the window, that carry all waves of interest.
+/// Reduced spans nearest to the window that carry all waves of interest.
 const NEAR: usize = 6;
-/// Highest mode of a near span in units of the highest frequency that matters there: a force of the filter's frequency `f` that
-/// moves with `v` sends waves of frequency `f/(1 − v/c)` ahead, and meets such waves that come from behind. (Modes that move along the
-/// track are counted apart.)
+/// Highest mode of a near span in units of the highest frequency that matters there: a force of the filter's frequency
+/// `f` that moves with `v` sends waves of frequency `f/(1 − v/c)` ahead, and meets such waves from behind. Modes that
+/// move along the track are counted apart.
 const BAND: f64 = 1.0;
-/// Highest mode of a span further away in units of the filter's frequency `f`: what comes back from there is met at `f/(1 + v/c)` or
-/// below, and a mode is carried right only well below the highest one. On 32 spans of EN 50318 at 300 km/h, linearised, the force is
-/// 1.35 % of its standard deviation from that of the whole line with up to 1.0, 0.26 % with 1.2, 0.21 % with 1.4 and 2.
+/// Highest mode of a span further away in units of the filter's frequency `f`: waves that come back from there are met
+/// at `f/(1 + v/c)` or below, and a mode is carried right only well below the highest one. Larger values change the
+/// contact force hardly more.
 const FAR_BAND: f64 = 1.4;
-/// Damping of modes in a span `REACH` beyond the near ones, 1/s.
+/// Damping of the modes of a span `REACH` beyond the near ones, 1/s.
 const SPONGE: f64 = 5.0;
-/// Spans that differ by less in the static state are the same, m.
+/// Largest difference in the static state between spans that are taken as equal, m.
 pub(crate) const SAME: f64 = 1e-7;
 
-/// Where the coordinates of a piece of the line stand; those of the window the same at every position.
+/// Positions of the coordinates of some spans; those of the window are the same at every position of the window.
 #[derive(Debug)]
-struct Places {
-    /// For each support the coordinates of the contact wire's node, then those of the messenger wire's.
+struct SpanPlaces {
+    /// For each support, the coordinates of the contact wire's node, then those of the messenger wire's.
     supports: Vec<Vec<usize>>,
-    /// For each support its bending layers.
+    /// For each support, its bending layers.
     layers: Vec<Vec<usize>>,
-    /// Between the supports of each span.
+    /// Coordinates between the supports of each span.
     inner: Vec<Range<usize>>,
 }
 
 /// The spans of a static state, reduced.
 #[derive(Clone, Debug)]
 pub(crate) struct Cells {
-    /// Modes of each cell.
+    /// Number of modes of each cell.
     modes: usize,
-    /// For each span its class.
+    /// Class of each span; spans of one class are equal.
     classes: Vec<usize>,
     /// The reduced span of each class.
     cells: Vec<Arc<Cell>>,
 }
 
-/// What a window models of a line.
+/// Size of a windowed line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WindowSize {
     /// Spans modelled in full.
@@ -112,11 +113,11 @@ pub struct WindowSize {
     pub reduced: usize,
     /// Elements of both wires in the window.
     pub elements: usize,
-    /// Coordinates, those included that are held.
+    /// Coordinates, held ones included.
     pub coordinates: usize,
 }
 
-/// What does not change while the window moves.
+/// Constants of the line, unchanged while the window moves.
 struct Fixed {
     catenary: Catenary,
     topology: Arc<Topology>,
@@ -127,26 +128,26 @@ struct Fixed {
     cells: Cells,
     /// x of all supports, m.
     supports_x: Vec<f64>,
-    /// Coordinate of the distance travelled, m; those of the window follow.
+    /// Coordinate of the distance travelled, m; the coordinates of the window follow.
     position: usize,
-    places: Places,
+    places: SpanPlaces,
     /// All coordinates of the line.
     coordinates: Range<usize>,
 }
 
-/// A line of which a window around the strips is modelled in full.
+/// A line with a window around the strips modelled in full.
 pub struct WindowedLine {
     fixed: Fixed,
     /// x of the window's left support at the start, m.
     origin: f64,
     arrangement: Arrangement,
     inner: Box<dyn OverheadLine>,
-    /// Potential energy of `inner` in its static state, J: windows elsewhere have another one.
+    /// Potential energy of `inner` in its static state, J; different for each place of the window.
     energy_at_rest: f64,
     far: FarField,
     held: Vec<usize>,
     uplift_reference: Vec<f64>,
-    /// Of the window's contact wire, with what was found for earlier windows.
+    /// Residual compliance of the window's contact wire, with the patches of earlier windows.
     compliance: Option<Arc<ResidualCompliance>>,
 }
 
@@ -167,7 +168,7 @@ impl Fixed {
         &self.cells.cells[self.cells.classes[self.source_of(span, 1)]]
     }
 
-    /// Everything that the matrices depend on.
+    /// Key of everything that the matrices depend on.
     fn kind(&self, arrangement: &Arrangement) -> (usize, Vec<usize>, bool, bool, usize) {
         let source = self.source_of(arrangement.at, self.plan.window);
         let classes = arrangement
@@ -200,11 +201,11 @@ impl Fixed {
 }
 
 impl WindowedLine {
-    /// The line of a scene, of a solved static state, with its coordinates added to `layout`: all zero is the static state with
-    /// the window where the strips start.
+    /// Windowed line of a scene from a solved static state, with its coordinates added to `layout`: all zero is the
+    /// static state with the window where the strips start.
     ///
     /// # Errors
-    /// [`StaticsError::Unstable`] where a span between its supports has no stable static state.
+    /// [`StaticsError::Unstable`] for a span without stable static state between its supports.
     pub fn new(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Result<Self, StaticsError> {
         let first = layout.coordinates();
         let (plan, line) = plan_of(scene, statics, first);
@@ -253,7 +254,7 @@ impl WindowedLine {
         Ok(line)
     }
 
-    /// What the window of a scene models, without making it.
+    /// Size of the windowed line of a scene, without making the line.
     #[must_use]
     pub fn size(scene: &Scene, statics: &StaticLine) -> WindowSize {
         let (plan, line) = plan_of(scene, statics, 0);
@@ -265,7 +266,7 @@ impl WindowedLine {
         }
     }
 
-    /// Full spans that a window over the strips of a scene has, at most.
+    /// Largest number of full spans in a window over the strips of a scene.
     #[must_use]
     pub fn most_spans(scene: &Scene, catenary: &Catenary) -> usize {
         let starts = || (0..scene.pantographs.len()).map(|i| scene.strip_start_x(i));
@@ -274,7 +275,7 @@ impl WindowedLine {
         BEHIND + AHEAD + 1 + (apart / shortest).ceil() as usize + catenary.stagger.len() - 1
     }
 
-    /// Makes all contributions for the present arrangement.
+    /// Builds all contributions for the present arrangement.
     fn build(&mut self) {
         let fixed = &self.fixed;
         let (plan, arrangement) = (&fixed.plan, &self.arrangement);
@@ -291,7 +292,7 @@ impl WindowedLine {
             Box::new(line)
         };
 
-        // At rest nothing moves: what is missing at the cuts is what the pieces leave over.
+        // Nothing moves at rest: the forces missing at the cuts are the negative of those of the cut parts.
         let mut rest = vec![0.0; first + count];
         let zeros = vec![0.0; first + count];
         let motion = Motion {
@@ -339,7 +340,7 @@ impl WindowedLine {
         self.far = far;
     }
 
-    /// Goes to another arrangement without its state.
+    /// Goes to another arrangement, without moving the state.
     fn go_to(&mut self, next: Arrangement) -> Continuity {
         let same = self.fixed.kind(&next) == self.fixed.kind(&self.arrangement);
         self.arrangement = next;
@@ -365,7 +366,7 @@ impl WindowedLine {
         self.fixed.supports_x[self.arrangement.at]
     }
 
-    /// Spans that a picture shows: all of a short line, the modelled ones of a long one.
+    /// Spans in a picture: all of a short line, the modelled ones of a long line.
     fn drawn(&self) -> Range<usize> {
         let most = 2 * REACH + self.fixed.plan.window;
         if self.fixed.plan.spans <= 2 * most {
@@ -376,13 +377,13 @@ impl WindowedLine {
     }
 }
 
-/// The span at `x`, from 0; the first or last one beyond the line.
+/// Span at `x`, from 0; the first or last one beyond the line.
 fn span_at(supports_x: &[f64], x: f64) -> usize {
     let right = supports_x.partition_point(|&support| support <= x);
     right.saturating_sub(1).min(supports_x.len() - 2)
 }
 
-/// The plan of a scene's window with coordinates from `first` on, and a window's line with coordinates from 0 on.
+/// Plan of a scene's window with coordinates from `first` on, and a window's line with coordinates from 0 on.
 fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     let source = statics.source();
     let (catenary, repeat) = statics.whole();
@@ -429,8 +430,8 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     (plan, line)
 }
 
-/// Coordinates of a line whose coordinates are numbered from 0, moved on by `first`.
-fn places(line: &Line, first: usize) -> Places {
+/// Positions of the coordinates of a line numbered from 0, shifted by `first`.
+fn places(line: &Line, first: usize) -> SpanPlaces {
     let wires = WireName::BOTH.map(|name| line.wire(name).geometry());
     let nodes = line.topology().supports();
     let at = |node: usize| {
@@ -447,14 +448,14 @@ fn places(line: &Line, first: usize) -> Places {
         let begin = at(ends[0] + 1).min().unwrap_or(0);
         begin..at(ends[1]).min().unwrap_or(begin)
     });
-    Places {
+    SpanPlaces {
         supports: nodes.iter().map(|&node| at(node).collect()).collect(),
         layers: nodes.iter().map(|&node| layers(node)).collect(),
         inner: inner.collect(),
     }
 }
 
-/// How many of a span's droppers are so: those without dampers stretch with the modes.
+/// Number of a span's droppers whose elongations are on the interface; droppers without dampers stretch with the modes.
 fn droppers_on_the_interface(catenary: &Catenary) -> usize {
     let droppers = &catenary.droppers;
     if droppers.damping > 0.0 {
@@ -464,7 +465,7 @@ fn droppers_on_the_interface(catenary: &Catenary) -> usize {
     }
 }
 
-/// The reduced spans of a static state; made once for all lines from it.
+/// Reduced spans of a static state; made once for all lines from it.
 fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
     let modes = plan.modes.near;
     if let Some(known) = statics.cells().get().filter(|known| known.modes == modes) {
@@ -486,7 +487,7 @@ fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
         classes.push(known.unwrap_or(examples.len() - 1));
     }
     let made = Cells { modes, classes, cells };
-    // A later one with other modes is not kept.
+    // Cells with other modes that are made later are not kept.
     let _ = statics.cells().set(made.clone());
     Ok(made)
 }

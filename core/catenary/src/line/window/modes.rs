@@ -2,12 +2,12 @@
 use dynamics::SparseMatrix;
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// `A = L Lᵀ` of a symmetric positive definite matrix, each row stored from its first entry on: a span numbered along the track
-/// has a narrow band.
+/// Factor `A = L Lᵀ` of a symmetric positive definite matrix, each row stored from its first entry on: a span numbered
+/// along the track has a narrow band.
 pub(super) struct Envelope {
     /// First column of each row.
     first: Vec<usize>,
-    /// Where each row begins in `values`.
+    /// Index in `values` at which each row begins.
     start: Vec<usize>,
     values: Vec<f64>,
 }
@@ -72,14 +72,14 @@ impl Envelope {
     }
 }
 
-/// Vectors beyond those asked for, which make the iteration converge.
+/// Additional vectors, which make the iteration converge.
 const GUARD: usize = 16;
 const ITERATIONS: usize = 8;
 
-/// The lowest `count` modes of `K φ = ω² M φ` by subspace iteration [Bathe & Wilson 1973]: columns `φ` with `φᵀ M φ = 1`, and `ω²`
-/// (1/s²), ascending.
+/// The lowest `count` modes of `K φ = ω² M φ` by subspace iteration [Bathe & Wilson 1973]: columns `φ` with `φᵀ M φ =
+/// 1`, and `ω²` (1/s²), ascending.
 ///
-/// They serve as shapes to which a motion is restricted, so that they need not be exact: the restricted stiffness and mass are
+/// The modes are shapes to which a motion is restricted and need not be exact: the restricted stiffness and mass are
 /// diagonal whatever the iteration has reached.
 pub(super) fn lowest_modes(
     (stiffness, factor): (&SparseMatrix, &Envelope),
@@ -90,7 +90,7 @@ pub(super) fn lowest_modes(
     let count = count.min(n);
     let size = count + GUARD;
     if 2 * size >= n {
-        // Random vectors that nearly fill the space would become too much alike.
+        // Unit vectors for small spaces: random vectors that nearly fill a space become too much alike.
         let unit = DMatrix::identity(n, n);
         let (modes, mut squares) = diagonalise(&product(stiffness, &unit), &product(mass, &unit));
         squares.truncate(count);
@@ -109,7 +109,8 @@ pub(super) fn lowest_modes(
         for column in 0..size {
             factor.solve(next.column_mut(column).as_mut_slice());
         }
-        // Products of matrices are several times faster than `tr_mul`, which is not blocked, and than solutions of many right sides.
+        // Products of matrices are several times faster than `tr_mul`, which is not blocked, and than solutions of many
+        // right sides.
         let inertia = next.transpose() * product(mass, &next);
         let (lower, scale) = scaled_root(&inertia);
         for (mut column, scale) in next.column_iter_mut().zip(&scale) {
@@ -142,7 +143,8 @@ pub(super) fn product(matrix: &SparseMatrix, x: &DMatrix<f64>) -> DMatrix<f64> {
     y
 }
 
-/// `L` with `S M S = L Lᵀ` and the diagonal of `S`, which makes that of the product one: vectors may be of very different size.
+/// `L` with `S M S = L Lᵀ`, and the diagonal of `S`, which makes the diagonal of the product one: vectors may be of
+/// very different size.
 fn scaled_root(inertia: &DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
     let scale: Vec<f64> = inertia.diagonal().iter().map(|value| 1.0 / value.sqrt()).collect();
     let lower = scaled(inertia, &scale)

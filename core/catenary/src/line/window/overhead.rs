@@ -1,4 +1,4 @@
-//! A windowed line in the place of any other.
+//! A windowed line as an overhead line.
 use super::curve::WindowCurve;
 use super::{WindowedLine, span_at};
 use crate::{DropperSample, Line, OverheadLine, WireCurve, WireName};
@@ -21,7 +21,7 @@ impl OverheadLine for WindowedLine {
         })
     }
 
-    /// Reduced spans count none: theirs are taut.
+    /// Slack droppers of the window; those of reduced spans are always taut.
     fn slack_count(&self, motion: &Motion<'_>) -> usize {
         self.inner.slack_count(motion)
     }
@@ -137,7 +137,7 @@ impl OverheadLine for WindowedLine {
         self.inner.forces(&mut |part| part.save(&mut history));
         let continuity = self.go_to(next);
         if continuity == Continuity::Replaced {
-            // With the step that has just ended droppers tell where the next one begins.
+            // Droppers know from the step that has just ended how the next one begins.
             let mut values = history.iter();
             self.inner.forces(&mut |part| part.restore(&mut values));
         }

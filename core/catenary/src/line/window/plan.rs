@@ -1,4 +1,4 @@
-//! Which spans are modelled, and how, for each position of the window.
+//! Modelled spans and their reduction for each position of the window.
 use std::ops::Range;
 
 /// Spans of the line at one position of the window; spans and supports are numbered from 0.
@@ -10,26 +10,26 @@ pub(super) struct Arrangement {
     pub window: Range<usize>,
     /// All spans modelled.
     pub modelled: Range<usize>,
-    /// For each reduced span its modes; empty for those of the window. Spans are counted from the first modelled one.
+    /// For each reduced span, its modes; empty for spans of the window. Spans are counted from the first modelled one.
     pub modes: Vec<Range<usize>>,
-    /// For each reduced span the elongations of its droppers that are coordinates; likewise.
+    /// For each reduced span, the elongations of its droppers that are coordinates; counted as `modes`.
     pub elongations: Vec<Range<usize>>,
-    /// For each support that is an end of reduced spans only its first coordinate.
+    /// First coordinate of each support between reduced spans; none for other supports.
     pub supports: Vec<Option<usize>>,
 }
 
-/// Modes that are kept of a reduced span.
+/// Numbers of modes kept of a reduced span.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ModeCounts {
-    /// Of a near span.
+    /// Modes of a near span.
     pub near: usize,
-    /// Of a span further away.
+    /// Modes of a span further away.
     pub far: usize,
-    /// Lowest ones among which the longitudinal modes are found.
+    /// Lowest modes among which the longitudinal ones are found.
     pub searched: usize,
 }
 
-/// The rules for a line.
+/// Rules for the arrangements of a line.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
     /// Spans of the line.
@@ -38,11 +38,11 @@ pub(super) struct Plan {
     pub window: usize,
     /// Spans of the window behind that of the last strip.
     pub behind: usize,
-    /// The window moves by as many spans at a time.
+    /// Spans by which the window moves at a time.
     pub stride: usize,
     /// Reduced spans on either side, at most.
     pub reach: usize,
-    /// Those of them, nearest to the window, that carry all waves of interest.
+    /// Reduced spans nearest to the window that carry all waves of interest.
     pub near: usize,
     /// Modes of reduced spans.
     pub modes: ModeCounts,
@@ -52,7 +52,7 @@ pub(super) struct Plan {
     pub elongations: usize,
     /// Coordinates of the window.
     pub inner: usize,
-    /// The first coordinate of all.
+    /// First coordinate of the line.
     pub first: usize,
 }
 
@@ -71,13 +71,13 @@ impl Plan {
         self.reach.min(self.spans - self.window)
     }
 
-    /// Coordinates of a reduced span and one of its supports, but for the modes.
+    /// Number of coordinates of a reduced span and one of its supports, without the modes.
     fn interface(&self) -> usize {
         self.at_support + self.elongations
     }
 
-    /// First coordinate of the window. All interfaces and the window follow one another along the track, so that only neighbours are
-    /// coupled there; modes come last.
+    /// First coordinate of the window. All interfaces and the window follow one another along the track, so that only
+    /// neighbours are coupled; modes come last.
     pub fn window_first(&self) -> usize {
         self.first + self.most() * self.interface()
     }
@@ -86,7 +86,7 @@ impl Plan {
         self.window_first() + self.inner + self.most() * self.interface()
     }
 
-    /// All coordinates at any position.
+    /// Number of coordinates at any position.
     pub fn coordinates(&self) -> usize {
         self.modes_first() - self.first + self.most_modes()
     }
@@ -111,7 +111,7 @@ impl Plan {
         at.min(self.spans - self.window)
     }
 
-    /// What is where with the window at `at`.
+    /// Arrangement with the window at `at`.
     pub fn arrangement(&self, at: usize) -> Arrangement {
         let (left, right) = self.reduced(at);
         let window = at..at + self.window;
@@ -161,7 +161,7 @@ impl Arrangement {
             .chain(supports)
     }
 
-    /// Elongations and modes of a span; none where it is not modelled, and no coordinates in the window.
+    /// Elongations and modes of a span; none for a span that is not modelled, empty in the window.
     pub fn own(&self, span: usize) -> Option<(Range<usize>, Range<usize>)> {
         let place = span.checked_sub(self.modelled.start)?;
         Some((self.elongations.get(place)?.clone(), self.modes[place].clone()))

@@ -1,4 +1,4 @@
-//! The state of a line, taken along when the window moves on.
+//! Transfer of the state when the window moves on.
 use super::Fixed;
 use super::plan::Arrangement;
 use dynamics::State;
@@ -33,7 +33,7 @@ impl Fixed {
                 .window
                 .contains(&span)
                 .then(|| self.places.inner[span - from.at].clone().map(old));
-            // Beyond what was modelled nothing stretched and no mode moved.
+            // Beyond the modelled spans nothing stretched and no mode moved.
             let (elongations, modes) = from.own(span).unwrap_or_default();
             if to.window.contains(&span) {
                 let within = span - to.at;
@@ -67,7 +67,8 @@ impl Fixed {
                 }
             }
         }
-        // Layers at supports that both windows have inside; those at the ends of windows belong to the reduced spans there.
+        // Layers at supports that both windows have inside; those at the ends of windows belong to the reduced spans
+        // there.
         let inside = |arrangement: &Arrangement| arrangement.window.start + 1..arrangement.window.end;
         for support in inside(to).filter(|support| inside(from).contains(support)) {
             let [own, before] = [to, from].map(|arrangement| &self.places.layers[support - arrangement.at]);
@@ -77,7 +78,7 @@ impl Fixed {
         }
     }
 
-    /// Motion of a support; beyond what was modelled, the longitudinal one of the nearest support that was.
+    /// Motion of a support; beyond the modelled spans the longitudinal motion of the nearest modelled support.
     fn support_motion(&self, from: &Arrangement, support: usize, old: &dyn Fn(usize) -> f64) -> Vec<f64> {
         let nearest = support.clamp(from.modelled.start, from.modelled.end);
         let places = self.support(from, nearest).into_iter().flatten();

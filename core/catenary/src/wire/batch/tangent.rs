@@ -1,5 +1,5 @@
 //! The tangent of the elements.
-use super::{BLOCK, Block, Group, GroupLanes, Sweep, TangentGroup, Transpose};
+use super::{BLOCK, Block, ElementGroup, GroupLanes, Sweep, TangentGroup, Transpose};
 use crate::ancf::{CableSection, EvenMatrix};
 use crate::simd::{GROUP, Lanes};
 use dynamics::{Blocks, Motion, Weights};
@@ -31,7 +31,7 @@ impl<const D: usize> Sweep<D> {
 struct AddTangent<'a, 'b, const D: usize, const N: usize> {
     sweep: &'a mut Sweep<D>,
     q: &'a [f64],
-    /// The last one is that of the mass.
+    /// Weights of the tangent, and that of the mass.
     weights: (Weights, f64),
     blocks: &'a mut Blocks<'b>,
 }
@@ -106,7 +106,7 @@ impl<S: Simd> GroupLanes<S> {
         self,
         cable: &CableSection,
         (weights, mass_weight): (Weights, f64),
-        (group, constant): (&Group<D>, &TangentGroup),
+        (group, constant): (&ElementGroup<D>, &TangentGroup),
         block: &Block<D>,
         parts: &mut Parts<D>,
     ) {

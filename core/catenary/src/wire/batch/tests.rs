@@ -285,7 +285,7 @@ fn a_range_of_coordinates_has_the_force_of_the_whole_evaluation() {
     }
 }
 
-/// Rows, columns and values of what `add` puts into blocks, summed.
+/// Rows, columns and values of the blocks that `add` writes, summed.
 fn entries(add: &dyn Fn(&mut Blocks<'_>)) -> BTreeMap<(u32, u32), f64> {
     let mut sums = BTreeMap::new();
     for (row, column, value) in Blocks::collect(add) {
