@@ -1,7 +1,7 @@
 //! The C interface of FMI 2.0 for co-simulation: types, status codes and function pointers.
 //!
-//! Everything that crosses the boundary is a plain C type. Enumerations arrive as `int` and are converted with
-//! `TryFrom`, because an unknown value in a Rust `enum` would be undefined behaviour.
+//! All types that cross the boundary are plain C types. Enumerations arrive as `int` and are converted with `TryFrom`,
+//! because an unknown value in a Rust `enum` would be undefined behaviour.
 #![allow(non_camel_case_types)] // the names of the standard's headers
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
@@ -24,7 +24,7 @@ pub type fmi2Boolean = c_int;
 pub type fmi2Char = c_char;
 /// NUL-terminated UTF-8.
 pub type fmi2String = *const c_char;
-/// One byte of a serialised state.
+/// Byte of a serialised state.
 pub type fmi2Byte = c_char;
 /// A [`Status`] as `int`.
 pub type fmi2Status = c_int;
@@ -44,7 +44,7 @@ pub const FALSE: fmi2Boolean = 0;
 pub struct UnknownValue {
     /// Name of the C enumeration.
     pub enumeration: &'static str,
-    /// What was passed.
+    /// Passed value.
     pub value: c_int,
 }
 
@@ -93,7 +93,7 @@ impl std::fmt::Display for Status {
 }
 
 c_enum! {
-    /// What an instance is for.
+    /// Purpose of an instance.
     InstanceKind as "fmi2Type" {
         /// Right-hand side only, integrated by the importer.
         ModelExchange = 0,
@@ -103,7 +103,7 @@ c_enum! {
 }
 
 c_enum! {
-    /// What the status functions ask for.
+    /// Subject of the status functions.
     StatusKind as "fmi2StatusKind" {
         /// Status of an asynchronous step.
         DoStepStatus = 0,
@@ -111,7 +111,7 @@ c_enum! {
         PendingStatus = 1,
         /// End of the last completed step, s.
         LastSuccessfulTime = 2,
-        /// Whether the instance wants to end the simulation.
+        /// Wish of the instance to end the simulation.
         Terminated = 3,
     }
 }
@@ -126,11 +126,11 @@ pub type fmi2CallbackFreeMemory = unsafe extern "C" fn(*mut c_void);
 /// `void stepFinished(environment, status)`.
 pub type fmi2StepFinished = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2Status);
 
-/// What the importer offers; every function may be null.
+/// Functions that the importer offers; each may be null.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct fmi2CallbackFunctions {
-    /// Takes messages.
+    /// Receiver of messages.
     pub logger: Option<fmi2CallbackLogger>,
     /// `calloc`.
     pub allocate_memory: Option<fmi2CallbackAllocateMemory>,

@@ -1,11 +1,11 @@
-//! What can go wrong on the importing side.
+//! Errors of the importer.
 
 use crate::abi::Status;
 use crate::archive::ArchiveError;
 use crate::model_description::DescriptionError;
 use std::path::PathBuf;
 
-/// Why an FMU cannot be read, loaded, written or called.
+/// Errors of reading, loading, writing or calling an FMU.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The archive is refused.
@@ -13,7 +13,7 @@ pub enum Error {
     Archive {
         /// The FMU.
         path: PathBuf,
-        /// What is wrong.
+        /// Problem.
         problem: ArchiveError,
     },
     /// The model description is refused.
@@ -21,7 +21,7 @@ pub enum Error {
     Description {
         /// The FMU.
         path: PathBuf,
-        /// What is wrong.
+        /// Problem.
         problem: DescriptionError,
     },
     /// There is no binary for this platform.
@@ -33,7 +33,7 @@ pub enum Error {
     NoBinary {
         /// The FMU.
         path: PathBuf,
-        /// Where the binary should be in the archive.
+        /// Expected path of the binary in the archive.
         expected: String,
         /// Platforms that have a binary.
         present: Vec<String>,
@@ -43,9 +43,9 @@ pub enum Error {
     Load {
         /// The FMU.
         path: PathBuf,
-        /// What the loader says.
+        /// Message of the loader.
         problem: String,
-        /// What may help, or nothing.
+        /// Advice, or empty.
         hint: &'static str,
     },
     /// The shared library lacks a function that every co-simulation FMU must have.
@@ -61,7 +61,7 @@ pub enum Error {
     WrongVersion {
         /// The FMU.
         path: PathBuf,
-        /// What `fmi2GetVersion` returned.
+        /// Text returned by `fmi2GetVersion`.
         found: String,
     },
     /// The FMU allows one instance and has one.
@@ -89,7 +89,7 @@ pub enum Error {
         instance: String,
         /// Name of the function.
         function: &'static str,
-        /// What it returned; an integer that is no status counts as fatal.
+        /// Returned status; an integer that is no status counts as fatal.
         status: Status,
         /// Messages during the call.
         log: Log,
@@ -117,7 +117,7 @@ pub enum Error {
     /// A text with a NUL character, or a name that is blank.
     #[error("{what} \"{text}\" cannot be passed to an FMU")]
     BadText {
-        /// What the text is.
+        /// Meaning of the text.
         what: &'static str,
         /// The text.
         text: String,

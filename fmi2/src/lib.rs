@@ -1,14 +1,14 @@
 //! FMI 2.0 for co-simulation, both sides of the C interface.
 //!
-//! - [`slave`]: export. A [`slave::Model`] knows variables, steps and states and nothing of C; [`export_fmu!`] makes
-//!   the shared library of it.
+//! - [`slave`]: export. A [`slave::Model`] has variables, steps and states and is free of C; [`export_fmu!`] turns the
+//!   model into a shared library.
 //! - [`model_description`]: `modelDescription.xml`, read and written.
 //! - [`archive`]: the `.fmu` archive, written reproducibly and extracted with bounds.
 //! - [`import`]: any FMU, loaded through its C interface.
 //! - [`instance`]: an instance of an FMU, in this process or in another; [`isolation`]: FMUs in processes of their own.
 //! - [`abi`]: the C types.
 //!
-//! This is the only crate of the workspace with hand-written `unsafe`; every block says why it is sound.
+//! No other crate of the workspace has hand-written `unsafe`; every block says why it is sound.
 //!
 //! # Sources
 //! - `[FMI 2.0, n]`: section n of Functional Mock-up Interface for Model Exchange and Co-Simulation, version 2.0.5,

@@ -3,7 +3,7 @@
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, percent_decode_str, utf8_percent_encode};
 use std::path::{Path, PathBuf};
 
-/// Everything but the characters a path of a URI may hold [RFC 3986, 3.3].
+/// All characters except those that a path of a URI may hold [RFC 3986, 3.3].
 const ENCODED: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'/')
     .remove(b'-')

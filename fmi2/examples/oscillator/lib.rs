@@ -12,7 +12,7 @@ use fmi2::slave::{Model, ModelError, ModelResult};
 use std::path::Path;
 use variables::at;
 
-/// What a test wants to go wrong, the value of `trouble`.
+/// Failure that a test asks for, the value of `trouble`.
 mod trouble {
     pub const PANIC: i32 = 1;
     pub const NO_CONVERGENCE_ABOVE_1_MS: i32 = 2;

@@ -10,7 +10,7 @@ use zip::CompressionMethod;
 use zip::read::ZipArchive;
 use zip::result::ZipError;
 
-/// What an archive may hold.
+/// Limits of an archive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Most entries.
@@ -34,13 +34,13 @@ impl Default for Limits {
 /// Entries below this size, bytes, may have any ratio.
 const RATIO_FREE: u64 = 1 << 20;
 
-/// Unpacks the archive into a new private folder, which is removed when the result is dropped. All names are
-/// checked before the first byte is written; sizes are counted while inflating, because headers may lie. `root` is the
-/// file that every archive of its kind has at its root, such as [`DESCRIPTION_FILE`](super::DESCRIPTION_FILE).
+/// Unpacks the archive into a new private folder, which is removed when the result is dropped. All names are checked
+/// before the first byte is written; sizes are counted while inflating, because headers may lie. `root` is the file
+/// that every archive of its kind has at its root, such as [`DESCRIPTION_FILE`](super::DESCRIPTION_FILE).
 ///
 /// # Errors
 ///
-/// Whatever is wrong with the archive, naming the entry and the limit.
+/// A refused archive; the error names the entry and the limit.
 pub fn extract(path: &Path, root: &'static str, limits: &Limits) -> Result<TempDir, ArchiveError> {
     let unreadable = |problem| ArchiveError::Unreadable { problem };
     let file = File::open(path).map_err(unreadable)?;
@@ -57,7 +57,7 @@ pub fn extract(path: &Path, root: &'static str, limits: &Limits) -> Result<TempD
         problem: problem.to_string(),
     };
     let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|problem| match problem {
-        // What the reader calls it says nothing to whoever named the wrong file.
+        // The reader's own wording does not help somebody who named the wrong file.
         ZipError::InvalidArchive(_) => ArchiveError::NotZip {
             problem: format!("it is a file of another kind, or damaged or cut off ({problem})"),
         },

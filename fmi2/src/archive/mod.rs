@@ -40,19 +40,19 @@ pub const LIBRARY_EXTENSION: &str = if cfg!(target_os = "windows") {
     "so"
 };
 
-/// Where the archive has the binary of a model for this platform.
+/// Path of the binary of a model for this platform in the archive.
 #[must_use]
 pub fn binary_entry(model_identifier: &str) -> String {
     format!("binaries/{PLATFORM}/{model_identifier}.{LIBRARY_EXTENSION}")
 }
 
-/// Why an archive is refused or cannot be written.
+/// Errors of archives.
 #[derive(Debug, thiserror::Error)]
 pub enum ArchiveError {
     /// The file cannot be read.
     #[error("cannot be read: {problem}")]
     Unreadable {
-        /// What the system says.
+        /// Message of the system.
         problem: std::io::Error,
     },
     /// No bytes.
@@ -61,7 +61,7 @@ pub enum ArchiveError {
     /// Not a zip archive, or a damaged one.
     #[error("is no intact zip archive: {problem}")]
     NotZip {
-        /// What the reader says.
+        /// Message of the reader.
         problem: String,
     },
     /// More entries than are unpacked.
@@ -87,7 +87,7 @@ pub enum ArchiveError {
         entry: String,
         /// Bytes in the archive.
         compressed: u64,
-        /// Times.
+        /// Ratio.
         limit: u64,
     },
     /// A name that leads out of the folder or means different things on different systems.
@@ -95,7 +95,7 @@ pub enum ArchiveError {
     Name {
         /// The entry.
         entry: String,
-        /// What is wrong.
+        /// Reason.
         reason: &'static str,
     },
     /// Two entries with one name.
@@ -124,7 +124,7 @@ pub enum ArchiveError {
     Method {
         /// The entry.
         entry: String,
-        /// Its name.
+        /// Name of the method.
         method: String,
     },
     /// The content is damaged.
@@ -132,7 +132,7 @@ pub enum ArchiveError {
     Damaged {
         /// The entry.
         entry: String,
-        /// What the reader says.
+        /// Message of the reader.
         problem: String,
     },
     /// The file that makes it an archive of its kind is missing.
@@ -146,13 +146,13 @@ pub enum ArchiveError {
     Unwritable {
         /// The file.
         target: PathBuf,
-        /// What the system says.
+        /// Message of the system.
         problem: std::io::Error,
     },
     /// The model description of a package has no GUID to fill in.
     #[error("the model description does not hold the GUID placeholder {placeholder}")]
     NoPlaceholder {
-        /// What is looked for.
+        /// Placeholder that is searched.
         placeholder: &'static str,
     },
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// What goes into an FMU.
+/// Content of an FMU.
 #[derive(Clone, Debug, Default)]
 pub struct Package {
     /// The model description with [`GUID_PLACEHOLDER`] as GUID.
@@ -150,7 +150,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ArchiveError> {
 ///
 /// # Errors
 ///
-/// What the zip writer reports.
+/// Errors of the zip writer.
 pub fn zipped(entries: &BTreeMap<String, Vec<u8>>) -> Result<Vec<u8>, ArchiveError> {
     deflated(entries).map_err(|error| ArchiveError::NotZip {
         problem: error.to_string(),

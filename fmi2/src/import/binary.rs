@@ -84,7 +84,7 @@ functions! {
 /// A loaded library.
 pub(super) struct Binary {
     pub functions: Functions,
-    /// What differs from the standard but does not matter.
+    /// Harmless deviations from the standard.
     pub warnings: Vec<String>,
     /// Set after `fmi2Fatal`: nothing may be called any more.
     fatal: AtomicBool,
@@ -154,7 +154,7 @@ impl Drop for Binary {
     }
 }
 
-/// All names at once and for nobody else: all FMUs export the same names.
+/// Resolves all names at once and privately, because all FMUs export the same names.
 #[cfg(unix)]
 fn opened(file: &Path) -> Result<Library, libloading::Error> {
     use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
@@ -162,7 +162,7 @@ fn opened(file: &Path) -> Result<Library, libloading::Error> {
     unsafe { Library::open(Some(file), RTLD_NOW | RTLD_LOCAL) }.map(Into::into)
 }
 
-/// Libraries beside the binary are found.
+/// Loads with a search path that includes libraries beside the binary.
 #[cfg(windows)]
 fn opened(file: &Path) -> Result<Library, libloading::Error> {
     use libloading::os::windows::{LOAD_WITH_ALTERED_SEARCH_PATH, Library};
@@ -181,7 +181,7 @@ fn platforms(folder: &Path) -> Vec<String> {
     names
 }
 
-/// What may help against a message of the loader.
+/// Advice on a message of the loader.
 fn hint(problem: &str) -> &'static str {
     if problem.contains("undefined symbol: _Py") || problem.contains("undefined symbol: Py") {
         " (the FMU embeds Python and finds no interpreter in this process: run it in one of its own that has \

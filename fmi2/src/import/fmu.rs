@@ -13,43 +13,42 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use tempfile::TempDir;
 
-/// How an FMU is opened.
+/// Options for opening an FMU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Options {
-    /// What the archive may hold.
+    /// Limits of the archive.
     pub limits: Limits,
-    /// Whether the folder of the unpacked FMU is kept at the end.
+    /// Treatment of the folder of the unpacked FMU at the end.
     pub keep: Keep,
-    /// Longest that a call may take, in wall time; after it the process ends, see [`guard`](super::guard). `None` is for
-    /// ever.
+    /// Longest wall time of a call, after which the process ends, see [`guard`](super::guard). `None` for no limit.
     pub time_limit: Option<Duration>,
 }
 
-/// What happens to the folder of the unpacked FMU at the end.
+/// Treatment of the folder of the unpacked FMU at the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Keep {
-    /// It is removed.
+    /// Remove the folder.
     #[default]
     Nothing,
-    /// It stays, for somebody to look into.
+    /// Keep the folder for inspection.
     Folder,
 }
 
-/// What the instances of an FMU share; dropped in the order of the members.
+/// State shared by the instances of an FMU; dropped in the order of the members.
 pub(super) struct Shared {
     pub path: PathBuf,
     pub description: ModelDescription,
-    /// Loaded with the first instance.
+    /// Library, loaded with the first instance.
     binary: Mutex<Option<Arc<Binary>>>,
     pub time_limit: Option<Duration>,
     folder: Folder,
 }
 
-/// Where an archive is unpacked.
+/// Folder of an unpacked archive.
 enum Folder {
-    /// Here, and removed at the end.
+    /// Own folder, removed at the end.
     Own(TempDir),
-    /// By somebody else, who removes it.
+    /// Folder of the caller, who removes it.
     Lent(PathBuf),
 }
 
@@ -62,7 +61,7 @@ impl Shared {
     }
 }
 
-/// An FMU: its description and its folder, which lives as long as this and the last instance.
+/// An FMU: its description and its folder, which lives as long as the FMU and its last instance.
 #[derive(Clone)]
 pub struct Fmu {
     shared: Arc<Shared>,
@@ -111,8 +110,8 @@ impl Fmu {
         Ok(Self::of(path, description, folder, options.time_limit))
     }
 
-    /// An FMU that somebody else has unpacked into `folder` and removes after this and the last instance are gone; `path` is
-    /// the archive, for messages.
+    /// An FMU that the caller has unpacked into `folder` and removes after the FMU and its last instance are gone;
+    /// `path` is the archive, for messages.
     ///
     /// # Errors
     ///
@@ -146,7 +145,7 @@ impl Fmu {
         &self.shared.path
     }
 
-    /// The folder it was unpacked into.
+    /// Folder of the unpacked archive.
     #[must_use]
     pub fn folder(&self) -> &Path {
         self.shared.folder()
@@ -167,7 +166,7 @@ impl Fmu {
         self.instantiate_heard(name, visible, logging, None)
     }
 
-    /// [`instantiate`](Self::instantiate) with somebody who is given each message of the FMU at once.
+    /// [`instantiate`](Self::instantiate) with a listener that receives each message of the FMU at once.
     ///
     /// # Errors
     ///
@@ -197,7 +196,7 @@ impl Fmu {
         )
     }
 
-    /// What an instance is called in reports.
+    /// Name of an instance in reports.
     fn label(&self, name: &str) -> String {
         let file = self.shared.path.file_name().unwrap_or_default().to_string_lossy();
         format!("{name} ({}, {file})", self.shared.description.model_name)

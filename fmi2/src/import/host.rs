@@ -1,4 +1,4 @@
-//! What an FMU may change of this process and must not.
+//! State of the process that an FMU may change and must not.
 
 use std::ffi::{CStr, CString};
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// Restores the working directory, the locale and the floating-point mode when dropped.
 pub(super) struct HostState {
     directory: Option<PathBuf>,
-    /// Rust needs none, but what other FMUs read and print depends on it.
+    /// Locale; Rust needs none, but other FMUs format and parse by it.
     locale: Option<CString>,
     #[cfg(target_arch = "x86_64")]
     mxcsr: u32,

@@ -1,4 +1,4 @@
-//! One instance of an FMU.
+//! Instance of an FMU.
 
 use super::binary::{Binary, Functions};
 use super::fmu::Shared;
@@ -35,11 +35,11 @@ unsafe extern "C" {
 static ONLY_ONCE: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 static NUMBER: AtomicU64 = AtomicU64::new(1);
 
-/// What may still be called.
+/// Calls that are still allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Condition {
     Usable,
-    /// Initialised, so that it wants to be terminated.
+    /// Initialised, to be terminated at the end.
     Running,
     /// After `fmi2Error`.
     Failed,
@@ -53,7 +53,7 @@ pub struct Instance {
     name: String,
     condition: Condition,
     pub(super) states: Vec<fmi2FMUstate>,
-    /// Distinguishes instances in this process.
+    /// Number of the instance in this process.
     pub(super) number: u64,
     only_once: bool,
     /// The FMU keeps pointers to both, so neither moves; leaked if the instance may not be freed.
@@ -61,11 +61,11 @@ pub struct Instance {
     environment: Arc<Environment>,
     binary: Arc<Binary>,
     shared: Arc<Shared>,
-    /// What it is doing, for those who watch.
+    /// Note of the call under way, for observers.
     note: Noted,
 }
 
-/// Gives a note back when it is dropped, after everything that it is needed for.
+/// Returns a note when dropped, after all its users.
 struct Noted(&'static Note);
 
 impl Drop for Noted {
@@ -224,7 +224,7 @@ impl Instance {
         self.binary.set_fatal();
     }
 
-    /// A state that was saved while running runs again.
+    /// A restored state that was saved while running runs again.
     pub(super) fn mark_restored(&mut self) {
         if matches!(self.condition, Condition::Failed | Condition::Terminated) {
             self.condition = Condition::Running;
@@ -247,7 +247,7 @@ impl Instance {
     }
 
     /// Calls the FMU: `Ok` and `Warning` are fine, `Discard` and `Pending` are returned, all else is an error. An
-    /// integer that is no status is fatal: nobody knows what it means.
+    /// integer that is no status is fatal, because its meaning is unknown.
     pub(super) fn status_of(
         &mut self,
         function: &'static str,
@@ -297,7 +297,7 @@ impl Instance {
         }
     }
 
-    /// Chooses what is logged; no categories are all.
+    /// Chooses the logged categories; an empty list means all.
     ///
     /// # Errors
     ///
@@ -381,7 +381,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Back to the state after instantiation, also after an error.
+    /// Returns to the state after instantiation, also after an error.
     ///
     /// # Errors
     ///

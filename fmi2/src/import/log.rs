@@ -11,21 +11,21 @@ use std::sync::{Mutex, PoisonError};
 /// Most messages that are kept until they are fetched.
 const KEPT: usize = 1000;
 
-/// One message of an instance.
+/// Message of an instance.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogMessage {
-    /// What the FMU says about it; an unknown integer counts as an error.
+    /// Status given by the FMU; an unknown integer counts as an error.
     pub status: Status,
     /// Category of the FMU's own list; may be empty.
     pub category: String,
-    /// One line; references to variables are replaced by their names.
+    /// Text in one line; references to variables are replaced by their names.
     pub text: String,
 }
 
-/// Is given each message at once, on the thread that it comes from.
+/// Receiver of each message at once, on the thread of its origin.
 pub type Listener = Box<dyn Fn(&LogMessage) + Send + Sync>;
 
-/// What `componentEnvironment` points to. The first member is what the C logger calls.
+/// Target of `componentEnvironment`. The C logger calls the first member.
 #[repr(C)]
 pub(super) struct Environment {
     line: unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String),

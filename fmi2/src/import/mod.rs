@@ -1,12 +1,12 @@
 //! Import: any FMI 2.0 co-simulation FMU, through its C interface.
 //!
-//! [`Fmu::open`] unpacks and reads it, [`Fmu::instantiate`] loads the binary and gives an [`Instance`]. Everything is
-//! undone in reverse order when the last of them is dropped: states, terminate, free, unload, remove the folder.
-//! After `fmi2Fatal` nothing of the FMU is called any more and it stays loaded [FMI 2.0, 2.1.3].
+//! [`Fmu::open`] unpacks and reads an FMU, [`Fmu::instantiate`] loads the binary and gives an [`Instance`]. All steps
+//! are undone in reverse order when the last instance is dropped: states, terminate, free, unload, remove the folder.
+//! After `fmi2Fatal` the FMU is not called any more and stays loaded [FMI 2.0, 2.1.3].
 //!
-//! An FMU is native code with the rights of the user: it can do to this process whatever it likes. The directory, the
-//! locale and the floating-point mode are put back after it was instantiated and initialised; [`guard`] says what is done about crashes,
-//! endless loops and `exit()`. What is left is a process of its own, which [`process`] helps to make.
+//! An FMU is native code with the rights of the user and can do anything to this process. The directory, the locale and
+//! the floating-point mode are restored after instantiation and initialisation; [`guard`] reports crashes, endless
+//! loops and `exit()`. Full protection takes a process of its own, see [`process`].
 
 mod binary;
 mod fmu;

@@ -1,12 +1,12 @@
-//! What a process that runs FMUs needs of the system.
+//! System services for a process that runs FMUs.
 
 use std::io;
 use std::os::fd::{AsFd as _, AsRawFd as _, OwnedFd, RawFd};
 use std::os::unix::net::UnixStream;
 use std::time::Duration;
 
-/// The socket that this process was given as its standard input. What the FMU prints goes to the standard error stream from
-/// now on, and what it reads from the standard input is nothing.
+/// Takes the socket that this process was given as its standard input. Output of the FMU then goes to the standard
+/// error stream, and its standard input is empty.
 ///
 /// # Errors
 /// The standard input is no socket, or the system refuses.
@@ -19,7 +19,7 @@ pub fn detached_stdin() -> io::Result<UnixStream> {
     Ok(channel)
 }
 
-/// The standard output of this process for its own use. What an FMU prints goes to the standard error stream from now on.
+/// Takes the standard output of this process for its own use. Output of the FMU then goes to the standard error stream.
 ///
 /// # Errors
 /// The system has no descriptor left.
@@ -31,7 +31,8 @@ pub fn own_stdout() -> io::Result<std::fs::File> {
 
 /// Makes the descriptor `number` that of `by`.
 fn replace(by: RawFd, number: RawFd) -> io::Result<()> {
-    // SAFETY: plain numbers of open descriptors, of which `number` is a standard stream that is not used as what it was.
+    // SAFETY: plain numbers of open descriptors, of which `number` is a standard stream that is not used as what it
+    // was.
     if unsafe { libc::dup2(by, number) } < 0 {
         return Err(io::Error::last_os_error());
     }
@@ -67,7 +68,7 @@ pub fn end_when_closed(channel: &UnixStream, grace: Duration) -> io::Result<()> 
     Ok(())
 }
 
-/// Kills a process group that was made with the child `leader`, with all that the child has started itself.
+/// Kills the process group of the child `leader`, with all processes that the child has started.
 pub fn kill_group(leader: u32) {
     if let Ok(leader) = libc::pid_t::try_from(leader)
         && leader > 1

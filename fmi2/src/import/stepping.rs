@@ -6,10 +6,10 @@ use crate::abi::{FALSE, Status, StatusKind, fmi2Status};
 use std::ffi::c_int;
 use std::time::{Duration, Instant};
 
-/// How long a step may stay pending, although nobody asked for an asynchronous one.
+/// Longest wall time for a step that is pending although asynchronous steps were not requested.
 const PENDING_LIMIT: Duration = Duration::from_secs(60);
 
-/// What became of a step.
+/// Outcome of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepOutcome {
     /// The instance is at the end of the step.
@@ -45,7 +45,7 @@ impl Instance {
         }
     }
 
-    /// Status of a step that the FMU runs asynchronously although it was not asked to.
+    /// Waits for a step that the FMU runs asynchronously although this was not requested.
     fn awaited(&mut self) -> Result<Status, Error> {
         let name = "fmi2GetStatus";
         let function = self.optional(name, self.functions().status)?;
@@ -65,7 +65,7 @@ impl Instance {
         }
     }
 
-    /// Time up to which the last step was computed, s; `None` where the FMU cannot say.
+    /// Time up to which the last step was computed, s; `None` if the FMU cannot tell.
     ///
     /// # Errors
     ///
@@ -82,7 +82,7 @@ impl Instance {
         Ok(matches!(status, Status::Ok | Status::Warning).then_some(value))
     }
 
-    /// Whether the FMU wants to end the simulation; `false` where it cannot say.
+    /// True if the FMU wants to end the simulation; `false` if the FMU cannot tell.
     ///
     /// # Errors
     ///

@@ -19,22 +19,22 @@ use std::collections::BTreeSet;
 /// The GUID of a description that has not been packaged.
 pub const GUID_PLACEHOLDER: &str = "{00000000-0000-0000-0000-000000000000}";
 
-/// Everything `modelDescription.xml` says about a co-simulation FMU.
+/// Content of the `modelDescription.xml` of a co-simulation FMU.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelDescription {
     /// Free text.
     pub model_name: String,
     /// Compared as a string between file and binary.
     pub guid: String,
-    /// One line for people.
+    /// Description for people, one line.
     pub description: Option<String>,
-    /// Who made the model.
+    /// Author of the model.
     pub author: Option<String>,
     /// Version of the model.
     pub version: Option<String>,
-    /// What wrote the file.
+    /// Tool that wrote the file.
     pub generation_tool: Option<String>,
-    /// Whether names follow the structured convention (`strip[1].z`).
+    /// True for names in the structured convention (`strip[1].z`).
     pub structured_names: bool,
     /// The co-simulation interface.
     pub co_simulation: CoSimulation,
@@ -42,20 +42,20 @@ pub struct ModelDescription {
     pub units: Vec<Unit>,
     /// Types the variables refer to.
     pub types: Vec<TypeDefinition>,
-    /// What the logger may be asked for.
+    /// Categories that the logger may be asked for.
     pub log_categories: Vec<LogCategory>,
-    /// What to run if nothing else is said.
+    /// Default experiment.
     pub default_experiment: Option<DefaultExperiment>,
     /// All variables; the position is the identity.
     pub variables: Vec<Variable>,
 }
 
-/// Attributes of `<CoSimulation>`; all capabilities are false or 0 where the file is silent.
+/// Attributes of `<CoSimulation>`; missing capabilities are false or 0.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CoSimulation {
     /// File name of the binary without its extension.
     pub model_identifier: String,
-    /// Needs another program at run time.
+    /// The FMU needs another program at run time.
     pub needs_execution_tool: bool,
     /// Any step length is taken.
     pub can_handle_variable_communication_step_size: bool,
@@ -67,7 +67,7 @@ pub struct CoSimulation {
     pub can_run_asynchronously: bool,
     /// Only one instance per process.
     pub can_be_instantiated_only_once_per_process: bool,
-    /// Does not use the memory functions of the importer.
+    /// The FMU does not use the memory functions of the importer.
     pub can_not_use_memory_management_functions: bool,
     /// State can be saved and restored.
     pub can_get_and_set_fmu_state: bool,
@@ -82,13 +82,13 @@ pub struct CoSimulation {
 pub struct TypeDefinition {
     /// Name.
     pub name: String,
-    /// For people.
+    /// Description for people.
     pub description: Option<String>,
-    /// What is shared by the variables of this type.
+    /// Attributes shared by the variables of this type.
     pub shape: TypeShape,
 }
 
-/// What a type definition fixes.
+/// Attributes that a type definition fixes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TypeShape {
     /// Unit and bounds.
@@ -100,9 +100,9 @@ pub enum TypeShape {
         /// Largest value.
         max: Option<i32>,
     },
-    /// Nothing.
+    /// Boolean and text types have no attributes.
     Boolean,
-    /// Nothing.
+    /// Boolean and text types have no attributes.
     String,
     /// Names of values.
     Enumeration(Vec<EnumerationItem>),
@@ -113,7 +113,7 @@ pub enum TypeShape {
 pub struct EnumerationItem {
     /// Name.
     pub name: String,
-    /// What goes through the integer functions.
+    /// Value that goes through the integer functions.
     pub value: i32,
 }
 
@@ -122,18 +122,18 @@ pub struct EnumerationItem {
 pub struct LogCategory {
     /// Name.
     pub name: String,
-    /// For people.
+    /// Description for people.
     pub description: Option<String>,
 }
 
-/// Suggested experiment; all in seconds but the tolerance.
+/// Suggested experiment; times in s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DefaultExperiment {
-    /// s.
+    /// Time, s.
     pub start_time: Option<f64>,
-    /// s.
+    /// Time, s.
     pub stop_time: Option<f64>,
-    /// Relative, –.
+    /// Relative tolerance, –.
     pub tolerance: Option<f64>,
     /// Preferred communication step, s.
     pub step_size: Option<f64>,
@@ -192,7 +192,7 @@ impl ModelDescription {
     ///
     /// # Errors
     ///
-    /// Whatever makes the file unusable, with element, variable and line.
+    /// A file that cannot be used; the error names element, variable and line.
     pub fn from_xml(bytes: &[u8]) -> Result<Self, DescriptionError> {
         read::read(bytes)
     }
@@ -241,7 +241,7 @@ impl ModelDescription {
         })
     }
 
-    /// Definition of the unit of a real variable, inherited or own; `None` where it has none.
+    /// Definition of the unit of a real variable, inherited or own; `None` for a variable without unit.
     #[must_use]
     pub fn unit_of(&self, variable: &Variable) -> Option<&Unit> {
         let name = self.real_attributes(variable)?.unit?;
@@ -249,7 +249,7 @@ impl ModelDescription {
     }
 }
 
-/// Why a model description cannot be used.
+/// Errors of model descriptions.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DescriptionError {
     /// More bytes than are read.
@@ -260,7 +260,7 @@ pub enum DescriptionError {
         /// Bytes.
         limit: usize,
     },
-    /// No text at all.
+    /// An empty file.
     #[error("is empty")]
     Empty,
     /// Bytes that are no text of the declared encoding.
@@ -271,12 +271,12 @@ pub enum DescriptionError {
         /// Byte offset.
         offset: usize,
     },
-    /// No well-formed XML.
+    /// A document that is not well-formed XML.
     #[error("line {line}: not well-formed XML: {problem}")]
     Syntax {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
-        /// What the parser says.
+        /// Message of the parser.
         problem: String,
     },
     /// The document defines or uses entities of its own.
@@ -284,15 +284,15 @@ pub enum DescriptionError {
         "line {line}: entity {entity} is refused; only &amp; &lt; &gt; &quot; &apos; and character references are read"
     )]
     Entity {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
-        /// As written.
+        /// Text as written.
         entity: String,
     },
     /// Elements nested too deeply.
     #[error("line {line}: elements are nested more than {limit} deep")]
     TooDeep {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
         /// Levels.
         limit: usize,
@@ -300,7 +300,7 @@ pub enum DescriptionError {
     /// More variables than are read.
     #[error("line {line}: more than {limit} elements")]
     TooMany {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
         /// Elements.
         limit: usize,
@@ -308,7 +308,7 @@ pub enum DescriptionError {
     /// A text that is too long to be a name.
     #[error("line {line}: {attribute} of <{element}> has {length} bytes, the limit is {limit}")]
     TooLong {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
         /// Name of the element.
         element: String,
@@ -322,7 +322,7 @@ pub enum DescriptionError {
     /// Another document.
     #[error("line {line}: the root element is <{found}>, expected <fmiModelDescription>")]
     WrongRoot {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
         /// Name of the root.
         found: String,
@@ -330,13 +330,13 @@ pub enum DescriptionError {
     /// Another version of the standard.
     #[error("fmiVersion is \"{found}\", expected \"2.0\"")]
     WrongVersion {
-        /// As written.
+        /// Text as written.
         found: String,
     },
     /// An attribute that must be there.
     #[error("line {line}: <{element}> lacks the attribute {attribute}")]
     MissingAttribute {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
         /// Name of the element.
         element: String,
@@ -346,31 +346,31 @@ pub enum DescriptionError {
     /// An element that must be there.
     #[error("line {line}: <{element}> lacks {child}")]
     MissingElement {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
         /// Name of the element.
         element: String,
-        /// What is expected inside.
+        /// Name of the missing child.
         child: &'static str,
     },
     /// A value of the wrong form.
     #[error("line {line}: {attribute} of {owner} is \"{value}\", expected {expected}")]
     BadValue {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
         /// Element or variable.
         owner: String,
         /// Name of the attribute.
         attribute: String,
-        /// As written.
+        /// Text as written.
         value: String,
-        /// What would be right.
+        /// Expected form.
         expected: &'static str,
     },
     /// A name used twice.
     #[error("line {line}: the {what} name \"{name}\" is used twice, first at line {first}")]
     Duplicate {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
         /// Variable, unit or type.
         what: &'static str,
@@ -382,7 +382,7 @@ pub enum DescriptionError {
     /// A reference to something that is not defined.
     #[error("line {line}: {owner} refers to the {what} \"{name}\", which is not defined")]
     Undefined {
-        /// From 1.
+        /// Line, from 1.
         line: usize,
         /// Variable or type.
         owner: String,

@@ -267,7 +267,7 @@ fn defined(attributes: &RealAttributes, units: &[Unit], owner: &str, line: usize
     }
 }
 
-/// The one child that says the type.
+/// The one child that gives the type.
 fn typed(element: &Element) -> Result<&Element> {
     let known = ["Real", "Integer", "Boolean", "String", "Enumeration"];
     element

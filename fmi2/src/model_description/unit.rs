@@ -5,9 +5,9 @@
 pub struct BaseUnit {
     /// Exponents in the order kg, m, s, A, K, mol, cd, rad.
     pub exponents: [i32; 8],
-    /// –
+    /// Factor, –.
     pub factor: f64,
-    /// In the SI unit.
+    /// Offset in the SI unit.
     pub offset: f64,
 }
 
@@ -29,9 +29,9 @@ pub const BASE_UNITS: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"]
 pub struct DisplayUnit {
     /// Name.
     pub name: String,
-    /// –
+    /// Factor, –.
     pub factor: f64,
-    /// In the display unit.
+    /// Offset in the display unit.
     pub offset: f64,
 }
 
@@ -40,7 +40,7 @@ pub struct DisplayUnit {
 pub struct Unit {
     /// Name, as variables refer to it.
     pub name: String,
-    /// Meaning in SI; `None` where the file does not say.
+    /// Meaning in SI; `None` if the file gives none.
     pub base: Option<BaseUnit>,
     /// Alternatives for people.
     pub display_units: Vec<DisplayUnit>,
@@ -67,8 +67,8 @@ const SYMBOLS: [(&str, [i32; 8]); 15] = [
 
 impl Unit {
     /// The coherent SI unit of that name, such as `N.s/m`, `kg.m2` or `1/s`: factors joined by `.`, `*` or `·`, each
-    /// with an optional whole exponent; every factor after a `/` up to the end counts inversely. `None` where a
-    /// symbol is unknown.
+    /// with an optional whole exponent; every factor after a `/` up to the end counts inversely. `None` for an unknown
+    /// symbol.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         let mut exponents = [0; 8];
@@ -93,8 +93,8 @@ impl Unit {
         })
     }
 
-    /// Factor and offset that turn a value in `self` into `other`: `other = factor · value + offset`; `None` where
-    /// the dimensions differ or one of them is unknown. Names are not compared.
+    /// Factor and offset that turn a value in `self` into `other`: `other = factor · value + offset`; `None` for
+    /// different or unknown dimensions. Names are not compared.
     #[must_use]
     pub fn conversion_to(&self, other: &Self) -> Option<(f64, f64)> {
         let (from, to) = (self.base?, other.base?);

@@ -1,4 +1,4 @@
-//! Scalar variables: what they are, when they may be set, and on what they depend.
+//! Scalar variables: meaning, phases in which they may be set, dependencies.
 
 /// Role of a variable [FMI 2.0, 2.2.7].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,14 +11,14 @@ pub enum Causality {
     Input,
     /// Read by the importer between steps.
     Output,
-    /// Everything else that can be read.
+    /// Any other variable that can be read.
     #[default]
     Local,
     /// Time.
     Independent,
 }
 
-/// When a variable may change [FMI 2.0, 2.2.7].
+/// Times at which a variable may change [FMI 2.0, 2.2.7].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Variability {
     /// Never.
@@ -34,7 +34,7 @@ pub enum Variability {
     Continuous,
 }
 
-/// What the start value is good for [FMI 2.0, 2.2.7].
+/// Meaning of the start value [FMI 2.0, 2.2.7].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Initial {
     /// The variable begins with its start value.
@@ -61,7 +61,7 @@ pub enum BaseType {
 /// Attributes of a real quantity, shared by variables and type definitions.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RealAttributes {
-    /// What is measured, such as "Force".
+    /// Physical quantity, such as "Force".
     pub quantity: Option<String>,
     /// Unit of the value at the interface.
     pub unit: Option<String>,
@@ -75,12 +75,12 @@ pub struct RealAttributes {
     pub nominal: Option<f64>,
 }
 
-/// Type of a variable with what only that type has.
+/// Type of a variable with the attributes of that type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// A real number.
     Real {
-        /// Unit and bounds; those not given here come from the declared type.
+        /// Unit and bounds; missing ones come from the declared type.
         attributes: RealAttributes,
         /// Start value, in the unit.
         start: Option<f64>,
@@ -106,38 +106,38 @@ pub enum Kind {
         /// Start value.
         start: Option<String>,
     },
-    /// One of the items of the declared type, as an integer.
+    /// Item of the declared type, as an integer.
     Enumeration {
         /// Start value.
         start: Option<i32>,
     },
 }
 
-/// One scalar variable. In a model description its position in the list is its identity; `value_reference` is what
-/// goes through the C interface and is unique per base type only.
+/// Scalar variable. Its position in the list is its identity in a model description; `value_reference` goes through the
+/// C interface and is unique per base type only.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
     /// Unique name.
     pub name: String,
     /// Handle at the C interface.
     pub value_reference: u32,
-    /// What it is, for people.
+    /// Description for people.
     pub description: Option<String>,
     /// Role.
     pub causality: Causality,
-    /// When it may change.
+    /// Times at which the variable may change.
     pub variability: Variability,
     /// Meaning of the start value; `None` for inputs and for the time.
     pub initial: Option<Initial>,
-    /// Name of the type definition it inherits from.
+    /// Name of the type definition that the variable inherits from.
     pub declared_type: Option<String>,
     /// Type and start value.
     pub kind: Kind,
-    /// Of an output: positions of the inputs it depends on at a communication point with the states held; `None` is
+    /// Positions of the inputs that an output depends on at a communication point with the states held; `None` is
     /// "perhaps on all".
     pub dependencies: Option<Vec<usize>>,
-    /// Of a value found during initialisation: positions of the inputs and parameters it depends on; `None` is
-    /// "perhaps on all".
+    /// Positions of the inputs and parameters that a value found during initialisation depends on; `None` is "perhaps
+    /// on all".
     pub initial_dependencies: Option<Vec<usize>>,
 }
 
@@ -253,14 +253,14 @@ impl Variable {
         Self::new(name, description, Causality::Output, Kind::Boolean { start: None })
     }
 
-    /// The same parameter, changeable between steps.
+    /// Makes a parameter changeable between steps.
     #[must_use]
     pub fn tunable(mut self) -> Self {
         self.variability = Variability::Tunable;
         self
     }
 
-    /// The same real variable with a usual magnitude in its unit.
+    /// Sets the usual magnitude of a real variable, in its unit.
     #[must_use]
     pub fn nominal(mut self, value: f64) -> Self {
         if let Kind::Real { attributes, .. } = &mut self.kind {
@@ -269,14 +269,15 @@ impl Variable {
         self
     }
 
-    /// The same output, depending on exactly these inputs at a communication point (positions in the table).
+    /// Declares that an output depends on exactly these inputs at a communication point (positions in the table).
     #[must_use]
     pub fn depends_on(mut self, inputs: &[usize]) -> Self {
         self.dependencies = Some(sorted(inputs));
         self
     }
 
-    /// The same output, depending on exactly these inputs and parameters at initialisation (positions in the table).
+    /// Declares that an output depends on exactly these inputs and parameters at initialisation (positions in the
+    /// table).
     #[must_use]
     pub fn initially_depends_on(mut self, knowns: &[usize]) -> Self {
         self.initial_dependencies = Some(sorted(knowns));
@@ -312,7 +313,7 @@ impl Variable {
         }
     }
 
-    /// Whether the variable is listed under `InitialUnknowns` [FMI 2.0, 2.2.8].
+    /// True if the variable is listed under `InitialUnknowns` [FMI 2.0, 2.2.8].
     #[must_use]
     pub fn is_initial_unknown(&self) -> bool {
         match self.causality {
@@ -324,7 +325,7 @@ impl Variable {
         }
     }
 
-    /// `initial` where it is not written [FMI 2.0, 2.2.7].
+    /// Default of `initial` [FMI 2.0, 2.2.7].
     #[must_use]
     pub fn default_initial(causality: Causality, variability: Variability) -> Option<Initial> {
         match (causality, variability) {

@@ -6,7 +6,7 @@ use super::{
 };
 use std::fmt::Write as _;
 
-/// One start tag under construction.
+/// Start tag under construction.
 struct Tag {
     text: String,
 }
@@ -39,7 +39,7 @@ impl Tag {
         self.optional(name, value.map(|value| value.to_string()).as_deref())
     }
 
-    /// Written only where it is not the default of the schema.
+    /// Writes the flag only if it differs from the default of the schema.
     fn flag(self, name: &str, value: bool) -> Self {
         if value { self.attribute(name, "true") } else { self }
     }

@@ -1,5 +1,4 @@
-//! A bounded element tree: names, attributes and lines of a document; text is dropped, foreign content where it is not asked
-//! for.
+//! A bounded element tree: names, attributes and lines of a document. Text is dropped, and foreign content on request.
 
 use super::DescriptionError;
 use quick_xml::XmlVersion;
@@ -15,10 +14,10 @@ const MAX_ELEMENTS: usize = 4_000_000;
 /// Longest name, bytes; other attributes (lists of dependencies, start texts) may be as long as the document.
 const MAX_NAME: usize = 4096;
 
-/// Whether annotations are kept.
+/// Treatment of annotations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Annotations {
-    /// With everything in them.
+    /// Annotations are kept with all content.
     Kept,
     /// The elements `Annotations` and `VendorAnnotations` stay empty.
     Dropped,
@@ -27,13 +26,13 @@ pub enum Annotations {
 /// An element with its attributes and children.
 #[derive(Debug, Default)]
 pub struct Element {
-    /// As it is written, prefix included.
+    /// Name as written, prefix included.
     pub name: String,
-    /// Names as they are written, prefixes included, and values; declarations of namespaces are among them.
+    /// Names as written, prefixes included, and values; declarations of namespaces are among them.
     pub attributes: Vec<(String, String)>,
-    /// In the order of the document.
+    /// Children in the order of the document.
     pub children: Vec<Element>,
-    /// From 1.
+    /// Line, from 1.
     pub line: usize,
 }
 
@@ -172,7 +171,7 @@ pub fn parse(bytes: &[u8], annotations: Annotations) -> Result<Element, Descript
     })
 }
 
-/// UTF-8 with or without byte order mark; Latin-1 where the declaration says so.
+/// Decodes UTF-8 with or without byte order mark, or Latin-1 if declared.
 fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, DescriptionError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(200)]).to_ascii_lowercase();

@@ -1,7 +1,7 @@
 //! The one macro a shell needs.
 
-/// Exports the 34 functions of FMI 2.0 for co-simulation for one [`Model`](crate::slave::Model). Call it once, in a
-/// `cdylib` crate: every library has the same names.
+/// Exports the 34 functions of FMI 2.0 for co-simulation for one [`Model`](crate::slave::Model). Call the macro once,
+/// in a `cdylib` crate: every library has the same names.
 #[macro_export]
 macro_rules! export_fmu {
     ($model:ty) => {
@@ -75,7 +75,7 @@ macro_rules! export_fmu {
     };
 }
 
-/// One C function per line of [`export_fmu!`].
+/// C function for each line of [`export_fmu!`].
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __fmi2_entry_points {

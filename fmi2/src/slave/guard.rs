@@ -1,4 +1,4 @@
-//! Panics stop here: a panic that crosses `extern "C"` would end the host.
+//! Guard against panics: a panic that crosses `extern "C"` would end the host.
 
 use super::library;
 use std::cell::Cell;
@@ -11,7 +11,7 @@ thread_local! {
 }
 
 static HOOK: Once = Once::new();
-/// Where guarded panics happened and on which thread, until their guard fetches the place.
+/// Places of guarded panics by thread, until their guard fetches them.
 static PLACES: Mutex<Vec<(usize, String)>> = Mutex::new(Vec::new());
 
 /// Runs `body`; a panic becomes the text of its message with its place, and nothing is printed.

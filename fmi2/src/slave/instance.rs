@@ -1,4 +1,4 @@
-//! One instance behind an `fmi2Component`, and the door every call goes through.
+//! An instance behind an `fmi2Component`, and the entry of every call.
 
 use super::guard::guarded;
 use super::logger::{Category, Logger};
@@ -8,12 +8,12 @@ use crate::abi::{Status, fmi2Component, fmi2Status};
 use crate::model_description::{BaseType, Variable};
 use std::ffi::CString;
 
-/// Why a call did not succeed.
+/// Failures of a call.
 #[derive(Debug)]
 pub(super) enum Failure {
     /// The arguments are wrong; nothing was changed.
     Refused(String),
-    /// The model says so.
+    /// The model reports an error.
     Model(ModelError),
 }
 
@@ -28,14 +28,14 @@ pub(super) fn refuse<T>(message: impl Into<String>) -> Result<T, Failure> {
     Err(Failure::Refused(message.into()))
 }
 
-/// Where the instance is in its life and in time; part of a saved state.
+/// Phase and time of the instance; part of a saved state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Progress {
     pub phase: Phase,
     pub experiment: Experiment,
     /// End of the last completed step, s.
     pub time: f64,
-    /// Of the last step.
+    /// Status of the last step.
     pub step_status: Status,
 }
 
@@ -50,7 +50,7 @@ impl Progress {
     }
 }
 
-/// Unusual calls that are accepted; each is mentioned once.
+/// Unusual calls that are accepted; each is reported once.
 #[derive(Clone, Copy, Debug)]
 #[repr(u8)]
 pub(super) enum Oddity {
@@ -66,7 +66,7 @@ pub(super) struct Instance<M: Model> {
     pub guid: String,
     pub logger: Logger,
     pub progress: Progress,
-    /// Whether the importer told its plan since the last reset.
+    /// True if the importer has given its plan since the last reset.
     pub experiment_set: bool,
     /// Texts handed out by the last call that returned any.
     pub strings: Vec<CString>,
@@ -107,7 +107,7 @@ impl<M: Model> Instance<M> {
         }
     }
 
-    /// Mentions an accepted oddity the first time it happens.
+    /// Reports an accepted oddity at its first occurrence.
     pub(super) fn mention(&mut self, oddity: Oddity) {
         if self.mentioned & oddity as u8 != 0 {
             return;
@@ -175,7 +175,7 @@ pub(super) unsafe fn enter<M: Model>(
     status as fmi2Status
 }
 
-/// The instance is unusable from now on, unless nothing of it changed and nothing was lost by the refusal.
+/// Makes the instance unusable, unless the refused call changed nothing.
 fn fail<M: Model>(instance: &mut Instance<M>, call: Call, model_failed: bool) -> Status {
     if (model_failed || !call.is_query()) && instance.progress.phase != Phase::Poisoned {
         instance.progress.phase = Phase::Error;
@@ -199,7 +199,7 @@ pub(super) unsafe fn elements<'a, T>(pointer: *const T, count: usize, what: &str
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
-/// Like [`elements`], to write to.
+/// Mutable [`elements`].
 ///
 /// # Safety
 ///

@@ -1,8 +1,8 @@
-//! The shared library this code is part of.
+//! The shared library that contains this code.
 
 use std::path::PathBuf;
 
-/// Path of the library, as it was loaded; of the program where it is linked into one.
+/// Path of the library as loaded; that of the program if statically linked.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
 pub(super) fn path() -> Option<PathBuf> {
     use std::ffi::{CStr, OsStr, c_char, c_int, c_void};
@@ -40,8 +40,8 @@ pub(super) fn path() -> Option<PathBuf> {
     None
 }
 
-/// Keeps the library in memory until the process ends, whatever the importer does. Without this a thread of the
-/// importer that outlives `dlclose` may crash at its end: the standard library registers a destructor per thread
+/// Keeps the library in memory until the process ends, whatever the importer does. Otherwise a thread of the importer
+/// that outlives `dlclose` may crash at its end: the standard library registers a destructor per thread
 /// (`pthread_key_create`) that lies in this library.
 pub(super) fn pin() {
     #[cfg(any(target_os = "linux", target_os = "macos"))]

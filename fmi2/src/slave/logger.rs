@@ -7,7 +7,7 @@ use std::ffi::{CStr, CString};
 /// Longest message, bytes: importers have buffers of 1024 bytes and more.
 const MAX_MESSAGE: usize = 1000;
 
-/// What a message is about.
+/// Category of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Category {
     /// The importer did something unusual that is accepted.
@@ -20,7 +20,7 @@ pub(super) enum Category {
     Error,
 }
 
-/// Name in the model description, and what it holds.
+/// Category with its name and description in the model description.
 const CATEGORIES: [(Category, &CStr, &str); 4] = [
     (Category::Event, c"logEvents", "Unusual calls that are accepted"),
     (Category::Warning, c"logStatusWarning", "Warnings"),
@@ -69,15 +69,15 @@ impl Category {
     }
 }
 
-/// The importer's logger with what it wants to hear.
+/// The importer's logger with its requested categories.
 #[derive(Debug)]
 pub(super) struct Logger {
     function: Option<fmi2CallbackLogger>,
     environment: fmi2ComponentEnvironment,
     instance_name: CString,
-    /// Whether anything but errors is passed on.
+    /// True if messages other than errors are passed on.
     on: bool,
-    /// Empty is all.
+    /// Requested categories; empty for all.
     categories: Vec<Category>,
 }
 
@@ -102,7 +102,7 @@ impl Logger {
         category == Category::Error || self.on && selected
     }
 
-    /// Passes `text` on if it is wanted.
+    /// Passes `text` on if its category is requested.
     pub(super) fn log(&self, category: Category, text: &str) {
         let Some(function) = self.function.filter(|_| self.wants(category)) else {
             return;
@@ -123,7 +123,7 @@ impl Logger {
     }
 }
 
-/// One line of at most [`MAX_MESSAGE`] bytes in which `#` is doubled, because `#r12#` names a variable.
+/// Line of at most [`MAX_MESSAGE`] bytes in which `#` is doubled, because `#r12#` names a variable.
 fn escaped(text: &str) -> CString {
     let mut line = String::with_capacity(text.len().min(MAX_MESSAGE));
     for c in text.trim_end().chars() {

@@ -1,12 +1,12 @@
 //! Export: the runtime that makes an FMU of a [`Model`].
 //!
-//! A shell crate of type `cdylib` implements [`Model`] and calls [`export_fmu!`](crate::export_fmu). The runtime
-//! keeps the order of calls [FMI 2.0, 4.2.4], checks every argument before the model sees it, catches panics, saves
-//! and restores states and talks to the importer's logger. It has no state outside the instances but the silent
-//! panic hook of its own copy of the standard library, and it stays in memory once it has made an instance.
+//! A shell crate of type `cdylib` implements [`Model`] and calls [`export_fmu!`](crate::export_fmu). The runtime keeps
+//! the order of calls [FMI 2.0, 4.2.4], checks every argument before the model sees it, catches panics, saves and
+//! restores states and talks to the importer's logger. The runtime has no state outside the instances but the silent
+//! panic hook of its own copy of the standard library, and stays in memory after the first instance.
 //!
-//! A call that is refused leaves values as they were; if it was to change something the instance is unusable until
-//! it is restored, reset or freed [FMI 2.0, 2.1.3], while a refused read has no consequence.
+//! A refused call leaves values unchanged. After a refused change the instance is unusable until restored, reset or
+//! freed [FMI 2.0, 2.1.3]; a refused read has no consequence.
 
 #[doc(hidden)]
 pub mod entry;

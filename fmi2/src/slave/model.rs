@@ -1,10 +1,10 @@
-//! What a model offers to the runtime; no word of C.
+//! Interface of a model to the runtime, free of C.
 
 use crate::model_description::Variable;
 use std::fmt::Display;
 use std::path::Path;
 
-/// Why a model could not do what it was asked for.
+/// Errors of a model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ModelError {
     /// The step did not converge and the model is as before it: a smaller step may succeed (`fmi2Discard`).
@@ -16,12 +16,12 @@ pub enum ModelError {
 }
 
 impl ModelError {
-    /// The step may be tried again with a smaller one; `cause` is what the log says.
+    /// Error for a step that may be tried again with a smaller one; `cause` goes to the log.
     pub fn retryable(cause: impl Display) -> Self {
         Self::Retryable(cause.to_string())
     }
 
-    /// The model cannot go on; `cause` is what the log says.
+    /// Error for a model that cannot go on; `cause` goes to the log.
     pub fn unusable(cause: impl Display) -> Self {
         Self::Unusable(cause.to_string())
     }
@@ -30,36 +30,36 @@ impl ModelError {
 /// Result of a request to a model.
 pub type ModelResult<T> = Result<T, ModelError>;
 
-/// What the importer plans.
+/// Plan of the importer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Experiment {
-    /// s.
+    /// Start time, s.
     pub start_time: f64,
-    /// s; `None` where the importer did not say. Never size anything by it.
+    /// Stop time, s; `None` if the importer gives none. Sizes must not depend on it.
     pub stop_time: Option<f64>,
-    /// Relative, –; a wish.
+    /// Relative tolerance, –; a wish.
     pub tolerance: Option<f64>,
 }
 
 /// A co-simulation model. Variables are addressed by their position in [`Model::variables`].
 ///
-/// The runtime has checked, before it calls: the position exists and has the type of the method; a variable that is
-/// set may be set in the present phase; reals are finite; steps are positive, begin where the last one ended and do
-/// not pass the stop time; only outputs are asked for derivatives with respect to inputs only.
+/// The runtime has checked, before it calls: the position exists and has the type of the method; a variable that is set
+/// may be set in the present phase; reals are finite; steps are positive, begin where the last one ended and do not
+/// pass the stop time; only outputs are asked for derivatives with respect to inputs only.
 ///
 /// The order of calls differs between importers: parameters may be set several times before
-/// [`exit_initialization`](Model::exit_initialization), and outputs read in between. So setting is cheap and only
-/// marks, and whatever depends on it is brought up to date by the next reader; a repeated read costs nothing. After
-/// an input was set between two steps the outputs are those at the present time with the new input.
+/// [`exit_initialization`](Model::exit_initialization), and outputs read in between. Setting should therefore only
+/// mark, and the next reader bring dependent values up to date; a repeated read costs nothing. After an input was set
+/// between two steps the outputs are those at the present time with the new input.
 pub trait Model: Sized + Send + 'static {
-    /// Everything that decides how the model goes on: states, inputs with derivatives, parameters, solver history.
+    /// Complete state: states, inputs with derivatives, parameters, solver history.
     type State: Clone + Send + 'static;
 
     /// A model with the parameters of its resources. Cheap; nothing else of the host is touched.
     ///
     /// # Errors
     ///
-    /// What is wrong with the resources, naming the file.
+    /// Wrong resources; the error names the file.
     fn instantiate(resources: Option<&Path>) -> ModelResult<Self>;
 
     /// The GUID in the model description this model was packaged with; by default the content of the resource
@@ -67,7 +67,7 @@ pub trait Model: Sized + Send + 'static {
     ///
     /// # Errors
     ///
-    /// That it cannot be read, with the path.
+    /// An unreadable file; the error names the path.
     fn guid(resources: Option<&Path>) -> ModelResult<String> {
         super::resources::resource_guid(resources)
     }
@@ -75,14 +75,14 @@ pub trait Model: Sized + Send + 'static {
     /// The table of variables of this model; fixed from now on.
     fn variables(&self) -> Vec<Variable>;
 
-    /// Back to what `instantiate` returned, from any state, without reading files.
+    /// Returns to the state after `instantiate`, from any state, without reading files.
     ///
     /// # Errors
     ///
-    /// Whatever prevents it.
+    /// A model that cannot be reset.
     fn reset(&mut self) -> ModelResult<()>;
 
-    /// Takes the plan.
+    /// Receives the plan of the importer.
     ///
     /// # Errors
     ///
@@ -95,7 +95,7 @@ pub trait Model: Sized + Send + 'static {
     ///
     /// # Errors
     ///
-    /// Wrong parameters; they may also be reported by the next reader.
+    /// Wrong parameters, unless the next reader reports them.
     fn enter_initialization(&mut self) -> ModelResult<()> {
         Ok(())
     }
@@ -145,7 +145,7 @@ pub trait Model: Sized + Send + 'static {
     ///
     /// # Errors
     ///
-    /// A value without physical meaning, with its unit and what would be right.
+    /// A value without physical meaning; the error gives unit and valid range.
     fn set_real(&mut self, position: usize, value: f64) -> ModelResult<()>;
 
     /// Sets a whole-number variable.
@@ -180,7 +180,7 @@ pub trait Model: Sized + Send + 'static {
     ///
     /// # Errors
     ///
-    /// Whatever prevents it.
+    /// A derivative that the model cannot take.
     fn set_input_derivative(&mut self, position: usize, order: u32, value: f64) -> ModelResult<()>;
 
     /// Derivative of order ≥ 1 of a real output with respect to time, now; 0 above the order that is known.
@@ -201,13 +201,13 @@ pub trait Model: Sized + Send + 'static {
     ///
     /// # Errors
     ///
-    /// [`ModelError::Retryable`] where a smaller step may succeed; the model is then as before the step.
+    /// [`ModelError::Retryable`] if a smaller step may succeed; the model is then as before the step.
     fn do_step(&mut self, time: f64, step: f64) -> ModelResult<()>;
 
     /// End of the simulation; values stay readable.
     fn terminate(&mut self) {}
 
-    /// A copy of everything that decides how the model goes on, in any phase.
+    /// Copy of the complete state, in any phase.
     fn save(&mut self) -> Self::State;
 
     /// Like [`save`](Model::save) into an old copy, so that its memory is used again.
@@ -226,10 +226,10 @@ pub trait Model: Sized + Send + 'static {
     ///
     /// # Errors
     ///
-    /// Whatever prevents it.
+    /// A state that cannot be serialised.
     fn serialize(state: &Self::State) -> ModelResult<Vec<u8>>;
 
-    /// A state from bytes; the runtime has checked where they come from and that they are intact.
+    /// State from bytes; the runtime has checked their origin and integrity.
     ///
     /// # Errors
     ///

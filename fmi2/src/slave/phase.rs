@@ -1,8 +1,8 @@
-//! Which call is legal when [FMI 2.0, 4.2.4].
+//! Legal calls by phase [FMI 2.0, 4.2.4].
 
 use crate::model_description::{Causality, Initial, Variability, Variable};
 
-/// Where an instance is in its life.
+/// Phase of an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Phase {
@@ -38,7 +38,7 @@ impl Phase {
         .find(|phase| *phase as u8 == number)
     }
 
-    /// For messages.
+    /// Name in messages.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Instantiated => "before initialisation",
@@ -76,7 +76,8 @@ impl Phase {
         }
     }
 
-    /// Whether `variable` may be set [FMI 2.0, 4.2.4]; inputs also before initialisation mode, as importers do.
+    /// True if `variable` may be set [FMI 2.0, 4.2.4]; inputs also before initialisation mode, because importers set
+    /// them there.
     pub(super) fn allows_setting(self, variable: &Variable) -> bool {
         if variable.variability == Variability::Constant || variable.causality == Causality::Independent {
             return false;
@@ -109,7 +110,7 @@ pub(super) enum Call {
     CancelStep,
     GetFmuState,
     SetFmuState,
-    /// Free, serialise, deserialise: they do not touch the model.
+    /// Free, serialise, deserialise: calls that do not touch the model.
     OtherState,
     Terminate,
     GetStatus,
@@ -118,7 +119,7 @@ pub(super) enum Call {
 }
 
 impl Call {
-    /// A call that changes nothing: if its arguments are refused the instance stays as it is.
+    /// True for a call that changes nothing: refused arguments leave the instance unchanged.
     pub(super) fn is_query(self) -> bool {
         matches!(
             self,

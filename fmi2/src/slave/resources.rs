@@ -1,11 +1,11 @@
-//! Where the resources of an instance are.
+//! Location of the resources of an instance.
 
 use super::library;
 use super::model::{ModelError, ModelResult};
 use crate::location;
 use std::path::{Path, PathBuf};
 
-/// The resource that holds the GUID of the model description it was packaged with.
+/// Resource with the GUID of the model description that the library was packaged with.
 pub const GUID_FILE: &str = "guid.txt";
 
 /// Content of `guid.txt` in the resources.

@@ -5,7 +5,7 @@ use super::model::{Experiment, Model};
 use super::phase::Phase;
 use crate::abi::Status;
 
-/// What an `fmi2FMUstate` points to.
+/// Target of an `fmi2FMUstate`.
 pub(super) struct Saved<M: Model> {
     pub progress: Progress,
     pub experiment_set: bool,
@@ -55,7 +55,7 @@ pub(super) fn serialize<M: Model>(saved: &Saved<M>, guid: &str) -> Result<Vec<u8
     Ok(bytes)
 }
 
-/// The model's own part of a serialised state, as its `serialize` wrote it; `None` where the bytes are no intact state.
+/// Model's part of a serialised state, as its `serialize` wrote it; `None` for bytes that are no intact state.
 #[must_use]
 pub fn model_part(bytes: &[u8]) -> Option<&[u8]> {
     let (content, checksum) = bytes.split_last_chunk::<4>()?;
@@ -70,7 +70,7 @@ pub fn model_part(bytes: &[u8]) -> Option<&[u8]> {
     (intact && cursor.0.len() as u64 == length).then_some(cursor.0)
 }
 
-/// Takes fixed-size pieces off the front.
+/// Takes fixed-size parts off the front.
 struct Cursor<'a>(&'a [u8]);
 
 impl<'a> Cursor<'a> {

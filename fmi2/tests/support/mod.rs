@@ -30,7 +30,7 @@ pub fn description() -> ModelDescription {
     description
 }
 
-/// When the newest file below `folder` was changed.
+/// Time at which the newest file below `folder` was changed.
 fn newest(folder: &Path) -> SystemTime {
     let changed = |entry: std::io::Result<std::fs::DirEntry>| {
         let entry = entry.unwrap();
@@ -82,7 +82,7 @@ pub fn library() -> PathBuf {
     path
 }
 
-/// What goes into the FMU of the oscillator.
+/// Content of the FMU of the oscillator.
 pub fn package() -> Package {
     Package {
         description: description().to_xml(),

@@ -27,8 +27,8 @@ mod strain;
 #[cfg(test)]
 mod tests;
 
+pub use axial::AxialLaw;
 pub(crate) use axial::FIVE_POINTS;
-pub use axial::{AxialLaw, nominal_stretch};
 pub use beam::{
     Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, beam_mass_matrix, beam_shape,
 };

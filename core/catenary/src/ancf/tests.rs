@@ -1,3 +1,4 @@
+use super::axial::nominal_stretch;
 use super::shape::{bending_matrix, mass_matrix, tension_matrix};
 use super::*;
 use nalgebra::{Matrix4, Rotation3, Vector3, Vector4};

@@ -9,11 +9,12 @@ use std::sync::{Once, OnceLock};
 /// Signals of a crash.
 const SIGNALS: [c_int; 5] = [libc::SIGSEGV, libc::SIGBUS, libc::SIGILL, libc::SIGFPE, libc::SIGABRT];
 
-/// What was done about the signals before.
+/// Previous handlers of the signals.
 static BEFORE: OnceLock<[libc::sigaction; SIGNALS.len()]> = OnceLock::new();
 
-/// Takes over the signals of a crash and the end of the process while calls into FMUs are under way; `report` says where
-/// last words go. For programs, not for libraries: it changes the process. Later calls only change where the words go.
+/// Takes over the signals of a crash and the end of the process while calls into FMUs are under way; `report` gives the
+/// receiver of last words. For programs, not for libraries, because the handlers are those of the whole process. Later
+/// calls only change the receiver.
 pub fn install(report: Report) {
     static INSTALLED: Once = Once::new();
     report::direct(report);
@@ -26,8 +27,8 @@ pub fn install(report: Report) {
         }
         let _ = BEFORE.set(before);
         for signal in SIGNALS {
-            // SAFETY: as above; the handler has the signature that SA_SIGINFO asks for and calls only what a handler may.
-            // SA_ONSTACK: a stack that has overflowed cannot be used; threads of Rust's have another one for this.
+            // SAFETY: as above; the handler has the signature that SA_SIGINFO asks for and calls only what a handler
+            // may. SA_ONSTACK: a stack that has overflowed cannot be used; threads of Rust's have another one for this.
             unsafe {
                 let mut action = MaybeUninit::<libc::sigaction>::zeroed().assume_init();
                 action.sa_sigaction = on_signal as extern "C" fn(_, _, _) as usize;
@@ -44,10 +45,12 @@ extern "C" fn on_signal(signal: c_int, info: *mut libc::siginfo_t, _context: *mu
     if let Some(call) = note::of_this_thread().or_else(note::of_any_thread) {
         report::end(&call, Ending::Signal(signal));
     }
-    // Not in an FMU: as it was before. A fault comes again when the handler returns; what was sent is sent again.
+    // Faults outside an FMU go to the previous handler: a fault occurs again when the handler returns, a sent signal is
+    // sent again.
     let before = SIGNALS.iter().position(|known| *known == signal);
     let before = before.and_then(|place| BEFORE.get()?.get(place));
-    // SAFETY: the kernel passes a valid siginfo; the action was read from the system; both functions may be called here.
+    // SAFETY: the kernel passes a valid siginfo; the action was read from the system; both functions may be called
+    // here.
     unsafe {
         match before {
             Some(before) => libc::sigaction(signal, before, std::ptr::null_mut()),

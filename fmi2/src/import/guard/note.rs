@@ -1,4 +1,4 @@
-//! What an instance is doing, readable at any time by any thread and by signal handlers.
+//! Notes of the activity of instances, readable at any time by any thread and by signal handlers.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU8, AtomicU64, AtomicUsize, Ordering, fence};
@@ -15,18 +15,18 @@ thread_local! {
     static CURRENT: Cell<*const Note> = const { Cell::new(std::ptr::null()) };
 }
 
-/// What one instance is doing.
+/// Activity of one instance.
 ///
-/// `turn` is odd while a call is under way; the other members of a call change only while it is even, so that whoever
-/// finds the same odd number before and after has read what belongs together.
+/// `turn` is odd while a call is under way; the other members of a call change only while `turn` is even, so that a
+/// reader that finds the same odd number before and after has read a consistent call.
 pub(in crate::import) struct Note {
     taken: AtomicBool,
     turn: AtomicU64,
     function: AtomicPtr<u8>,
     function_length: AtomicUsize,
-    /// Bits of the time of the instance, s; not a number where it has none yet.
+    /// Bits of the time of the instance, s; NaN before it has one.
     time: AtomicU64,
-    /// Longest that a call may take, ms; 0 is for ever.
+    /// Longest wall time of a call, ms; 0 for no limit.
     limit: AtomicU64,
     label: [AtomicU8; LABEL],
     label_length: AtomicUsize,
@@ -37,7 +37,7 @@ pub(in crate::import) struct Note {
 #[derive(Clone, Copy)]
 pub(super) struct Call {
     pub function: &'static str,
-    /// Time of the instance, s; not a number where it has none yet.
+    /// Time of the instance, s; NaN before it has one.
     pub time: f64,
     pub limit: Duration,
     pub turn: u64,
@@ -45,7 +45,7 @@ pub(super) struct Call {
 }
 
 impl Note {
-    /// A note for a new instance; `label` is what reports call it.
+    /// Note for a new instance; `label` is its name in reports.
     pub(in crate::import) fn taken(label: &str, limit: Option<Duration>) -> &'static Self {
         let free = all().find(|note| {
             let claim = note
@@ -94,12 +94,12 @@ impl Note {
         }
     }
 
-    /// Gives it to the next instance.
+    /// Releases the note for the next instance.
     pub(in crate::import) fn release(&self) {
         self.taken.store(false, Ordering::Release);
     }
 
-    /// The instance is at `time` s now.
+    /// Records the time of the instance, s.
     pub(in crate::import) fn at(&self, time: f64) {
         self.time.store(time.to_bits(), Ordering::Relaxed);
     }
@@ -170,14 +170,14 @@ pub(super) fn all() -> impl Iterator<Item = &'static Note> {
     std::iter::successors(first, move |previous| note(previous.next.load(Ordering::Acquire)))
 }
 
-/// The call that this thread is in.
+/// Call that this thread is in.
 #[cfg(unix)]
 pub(super) fn of_this_thread() -> Option<Call> {
     // SAFETY: null or a note, which are never freed.
     unsafe { CURRENT.get().as_ref::<'static>() }.and_then(Note::call)
 }
 
-/// Some call that is under way in any thread.
+/// Any call under way in any thread.
 #[cfg(unix)]
 pub(super) fn of_any_thread() -> Option<Call> {
     all().find_map(Note::call)

@@ -1,13 +1,13 @@
-//! The last words of a process that an FMU brings down. Nothing here allocates, locks or panics: it runs in handlers
-//! of signals.
+//! The last words of a process that an FMU brings down. Code here runs in signal handlers and therefore neither
+//! allocates, locks nor panics.
 
 use super::note::Call;
 use std::sync::atomic::{AtomicI32, Ordering};
 
-/// Where last words go: a descriptor, or −1 for a sentence on the standard error stream.
+/// Receiver of last words: a descriptor, or −1 for a sentence on the standard error stream.
 static TO: AtomicI32 = AtomicI32::new(-1);
 
-/// How last words are put.
+/// Form of last words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Report {
     /// As a sentence on the standard error stream.
@@ -16,18 +16,18 @@ pub enum Report {
     Obituary(i32),
 }
 
-/// What ended a process.
+/// Cause of the end of a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
     /// A signal in the call, by its number.
     Signal(i32),
     /// The call took longer than allowed.
     TimeLimit,
-    /// The call ended the process by `exit()` with this status; −1 where the system does not tell it.
+    /// The call ended the process by `exit()` with this status; −1 if the system does not tell it.
     Exit(i32),
 }
 
-/// What ended a process, in which call.
+/// Cause of the end of a process, and the call.
 ///
 /// ```text
 /// bytes      little-endian
@@ -35,12 +35,12 @@ pub enum Ending {
 /// 1          MARK
 /// 1          1 signal, 2 time limit, 3 exit
 /// 4          number of the signal, or exit status
-/// 8          time of the instance, s; not a number where it has none
+/// 8          time of the instance, s; NaN before it has one
 /// the rest   name of the function, UTF-8
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Obituary {
-    /// What ended it.
+    /// Cause of the end.
     pub ending: Ending,
     /// Time of the instance, s; `None` before it has one.
     pub time: Option<f64>,
@@ -52,7 +52,7 @@ impl Obituary {
     /// First byte after the length.
     pub const MARK: u8 = 0xDE;
 
-    /// From the bytes after the length; `None` if they are none.
+    /// Reads the bytes after the length; `None` for other bytes.
     #[must_use]
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (head, function) = bytes.split_at_checked(14)?;
@@ -96,7 +96,7 @@ impl Ending {
     }
 }
 
-/// Chooses how last words are put.
+/// Chooses the form of last words.
 pub(super) fn direct(to: Report) {
     let descriptor = match to {
         Report::Sentence => -1,
@@ -105,7 +105,7 @@ pub(super) fn direct(to: Report) {
     TO.store(descriptor, Ordering::Relaxed);
 }
 
-/// A text in a fixed place; what does not fit is left out.
+/// A text in a fixed place; excess characters are left out.
 pub(super) struct Text {
     bytes: [u8; 1024],
     length: usize,
@@ -158,10 +158,10 @@ impl Text {
     }
 }
 
-/// Called when what was computed is written.
+/// Functions called after the results are written.
 const ENDING: [&str; 2] = ["fmi2Terminate", "fmi2FreeInstance"];
 
-/// What a person is told.
+/// Last words for a person.
 pub(super) fn sentence(call: &Call, ending: Ending) -> Text {
     let mut text = Text::new();
     text.push(b"error: ");
@@ -207,7 +207,7 @@ pub(super) fn sentence(call: &Call, ending: Ending) -> Text {
     text
 }
 
-/// What another program is told.
+/// Last words for another program.
 pub(super) fn obituary(call: &Call, ending: Ending) -> Text {
     let (code, detail) = match ending {
         Ending::Signal(number) => (1, number),
@@ -223,7 +223,7 @@ pub(super) fn obituary(call: &Call, ending: Ending) -> Text {
     text
 }
 
-/// Says the last words and ends the process with status 1.
+/// Writes the last words and ends the process with status 1.
 pub(super) fn end(call: &Call, ending: Ending) -> ! {
     let descriptor = TO.load(Ordering::Relaxed);
     let (text, descriptor) = if descriptor < 0 {

@@ -23,7 +23,7 @@ pub(super) fn start() {
     });
 }
 
-/// Looks at all notes again and again.
+/// Checks all notes repeatedly.
 fn watch() {
     let mut seen = BTreeMap::new();
     let mut period = SHORTEST;

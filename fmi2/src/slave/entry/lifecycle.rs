@@ -29,7 +29,7 @@ unsafe fn text<'a>(pointer: fmi2String) -> Option<std::borrow::Cow<'a, str>> {
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) }.to_string_lossy())
 }
 
-/// `fmi2Instantiate`; null where something is wrong, with a message to the logger.
+/// `fmi2Instantiate`; null on failure, with a message to the logger.
 pub unsafe fn instantiate<M: Model>(
     instance_name: fmi2String,
     fmu_type: fmi2Type,
@@ -210,7 +210,7 @@ pub unsafe fn terminate<M: Model>(component: fmi2Component) -> fmi2Status {
     unsafe { enter::<M>(component, Call::Terminate, "fmi2Terminate", body) }
 }
 
-/// `fmi2Reset`: as after instantiation; what is logged stays as it was chosen.
+/// `fmi2Reset`: as after instantiation; the choice of log categories stays.
 pub unsafe fn reset<M: Model>(component: fmi2Component) -> fmi2Status {
     let body = |instance: &mut Instance<M>| -> Result<Status, Failure> {
         instance.model.reset()?;

@@ -1,9 +1,8 @@
-//! The functions of the C interface, generic over the model; [`export_fmu!`](crate::export_fmu) gives them their
-//! names.
+//! The functions of the C interface, generic over the model; [`export_fmu!`](crate::export_fmu) gives them their names.
 //!
-//! All of them have the same safety condition: they are called as FMI 2.0 says, that is with a component of
-//! `fmi2Instantiate` of the same model that has not been freed (or null), with pointers to as many elements as the
-//! count argument says (or null), and never twice at the same time for one component.
+//! One safety condition holds for all: callers follow FMI 2.0, that is, call with a component of `fmi2Instantiate` of
+//! the same model that has not been freed (or null), with pointers to as many elements as the count argument says (or
+//! null), and never twice at the same time for one component.
 #![allow(clippy::missing_safety_doc)] // one condition for all, above
 
 mod lifecycle;

@@ -13,7 +13,7 @@ use crate::slave::phase::Call;
 /// Tolerance of times of the importer, which adds up step sizes: relative, and absolute below 1 s.
 const TIME_TOLERANCE: f64 = 1e-9;
 
-/// `fmi2DoStep`. Whether the importer will come back to this point does not matter: it always may.
+/// `fmi2DoStep`. The promise not to come back to this point is ignored: a state may always be restored.
 pub unsafe fn do_step<M: Model>(
     component: fmi2Component,
     time: fmi2Real,
