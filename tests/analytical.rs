@@ -193,8 +193,8 @@ fn a_hanging_cable_takes_the_catenary_shape() {
         })
         .collect();
     let geometry = WireGeometry::new(nodes, vec![length / elements as f64; elements], Vec::new());
-    // A Hookean wire that stretches by 0.7 %, to the accuracy of its elements; and the law of lines, which is Hookean for the
-    // small strains of a stiff wire.
+    // A Hookean wire that stretches by thousandths, to the accuracy of its elements; and the law of lines, which is
+    // Hookean for the small strains of a stiff wire.
     for (law, ea, tolerance) in [(AxialLaw::Engineering, 1e5, 1e-6), (AxialLaw::Mean, 1e7, 1e-4)] {
         let x = |h: f64, s: f64| h * s / ea + h / w * (w * s / h).asinh();
         let z = |h: f64, s: f64| w * s * s / (2.0 * ea) + h / w * ((1.0 + (w * s / h).powi(2)).sqrt() - 1.0);
@@ -327,7 +327,7 @@ fn a_steady_force_keeps_its_trough_on_an_elastic_foundation() {
     }
 }
 
-/// How the energy test starts: 50 mm at mid-span, as a displacement or as the velocity that leads there.
+/// Start of the energy test: 50 mm at mid-span, as a displacement or as the velocity that leads to the same.
 #[derive(Clone, Copy)]
 enum Start {
     Displaced,

@@ -37,8 +37,8 @@ fn a_contact_wire_of_beams_hangs_where_one_of_cables_hangs() {
         assert!(beam.report().residual < 2e-5, "{} N", beam.report().residual);
         let height = |line: &catenary::StaticLine, x: f64| line.wire_height_under(x, 0.0).unwrap().height;
         for x in [30.0, 60.0, 77.0, 91.0] {
-            // Both kinds of elements bend alike: what is left is shear, 2 EI/(kGA l²) = 3e-5 of the bend, of the millimetres that a
-            // wire sags between droppers.
+            // The two kinds of elements bend alike: the difference is shear, 2 EI/(kGA l²) = 3e-5 of the bend, of the
+            // millimetres that a wire sags between droppers.
             let difference = height(&beam, x) - height(&cable, x);
             assert!(difference.abs() < 1e-6, "{statics}, {x} m: {difference:e} m");
         }

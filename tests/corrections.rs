@@ -1,4 +1,4 @@
-//! What makes up for a coarse mesh, against closed forms and fine meshes.
+//! Corrections of a coarse mesh, against closed forms and fine meshes.
 use catenary::{
     AxialLaw, BendingLaw, BendingLayers, ContactPair, ContactTangent, CorrectedWire, Enrichment, LineOptions,
     LoadCorrection, MassCorrection, NodeMap, PenaltyContact, PrescribedStrip, ResidualCompliance, StaticLine,
@@ -106,8 +106,8 @@ fn a_strip_feels_the_flexibility_of_the_wire_anywhere_on_a_coarse_mesh() {
     }
 }
 
-/// Deviation of the height under a moving force of 1 N from that of an infinite beam under tension,
-/// `F t/(2 m c) − F λ_v/(2 T_v)`, as it runs over elements of `length` m: (of the mesh alone, with its residual compliance), m.
+/// Deviation of the height under a moving force of 1 N from that of an infinite beam under tension, `F t/(2 m c) − F
+/// λ_v/(2 T_v)`, as it runs over elements of `length` m: (of the mesh alone, with its residual compliance), m.
 fn under_a_moving_force(length: f64, speed: f64) -> (f64, f64) {
     const WIRE: f64 = 200.0;
     const START: f64 = 70.0;
@@ -154,7 +154,7 @@ fn the_residual_compliance_is_what_a_mesh_lacks_under_a_moving_force() {
     let bend = bending_length(SECTION.tension - SECTION.mass_per_length * speed * speed);
     let (plain, corrected) = under_a_moving_force(1.25, speed);
     println!("elements of 1.25 m, bend {bend:.3} m: plain {plain:.2e} m, corrected {corrected:.2e} m");
-    // What is left are the short waves of the start, which such elements hold back.
+    // The rest are the short waves of the start, which such elements hold back.
     assert!(corrected < 0.35 * plain, "plain {plain}, corrected {corrected}");
 }
 
@@ -220,11 +220,11 @@ fn the_mass_correction_takes_the_leading_error_off_the_time_step() {
     }
 }
 
-/// Largest error of the waves that a strip at two thirds of their speed, whose force changes with 20 Hz, sends ahead of itself along a
-/// string, as a share of their amplitude; the step is `h` s.
+/// Largest error of the waves that a strip at two thirds of their speed, whose force changes with 20 Hz, sends ahead of
+/// itself along a string, as a share of their amplitude; the step is `h` s.
 ///
-/// A string that a force moves along with the speed `v` from x = x₀ has at a place `x` ahead of it the height
-/// `∫₀^τ F dt / (2 m c)`, `τ = (c t − (x − x₀))/(c − v)` [d'Alembert]. `F` is what the contact was found to have.
+/// A string that a force moves along with the speed `v` from x = x₀ has at a place `x` ahead of it the height `∫₀^τ F
+/// dt / (2 m c)`, `τ = (c t − (x − x₀))/(c − v)` [d'Alembert]. `F` is what the contact was found to have.
 fn error_ahead_of_a_strip(h: f64, corrected_load: bool) -> f64 {
     const LENGTH: f64 = 60.0;
     const ELEMENTS: usize = 240;
@@ -257,7 +257,7 @@ fn error_ahead_of_a_strip(h: f64, corrected_load: bool) -> f64 {
     });
     let strip = Box::new(PrescribedStrip { first: 0 });
     wire.contact = Some(ContactPair::new(law, curve, strip, 1.2, ContactTangent::RankOne));
-    // What gives a force that starts smoothly and then is 0.5 to 1.5 N, so that the tension stays what it is.
+    // Height that gives a force which starts smoothly and then is 0.5 to 1.5 N, so that the tension stays constant.
     let omega = 40.0 * std::f64::consts::PI;
     let rise = 1.0 / (2.0 * m * c);
     const SETTLED: f64 = 0.02;
@@ -299,13 +299,13 @@ fn error_ahead_of_a_strip(h: f64, corrected_load: bool) -> f64 {
 fn a_moving_force_is_corrected_with_the_mass() {
     let h = 5e-4;
     let [plain, corrected] = [false, true].map(|load| error_ahead_of_a_strip(h, load));
-    // Forces that change with `Ω` at the nodes, three times as fast as that of the contact, send out waves that are by `(Ω h)²/6` too
-    // small.
+    // Forces that change with `Ω` at the nodes, three times as fast as that of the contact, send out waves that are by
+    // `(Ω h)²/6` too small.
     let omega = 3.0 * 40.0 * std::f64::consts::PI;
     let expected = (omega * h).powi(2) / 6.0;
     println!("plain {plain:.3e}, corrected {corrected:.3e}; closed form {expected:.3e}");
     assert!((plain / expected - 1.0).abs() < 0.15, "{plain} against {expected}");
-    // What is left is a ninth, for the contact force itself changes, and the mesh: 8 elements per wave.
+    // A ninth remains, because the contact force itself changes, and the error of the mesh: 8 elements per wave.
     assert!(corrected < 0.25 * plain, "{corrected} of {plain}");
 }
 
@@ -391,9 +391,9 @@ fn a_corrected_mesh_is_several_times_closer_to_the_converged_force_than_a_plain_
         error(&run)
     });
     println!("76 even elements, 1 ms: {even:.2} %; 66, 1.6 ms: {coarser:.2} % of σ");
-    // The same longest element, and some of 0.71 m in the place of 0.63 m.
+    // Equal longest element, and some of 0.71 m in place of 0.63 m.
     assert!(even < 1.25 * corrected, "{even} %, corrected {corrected} %");
-    // Elements that are 1.14 times as long make 1.7 times the error, and steps 1.6 times as long 2.6 times theirs.
+    // Bound from fourth-order elements that are 1.14 times as long and second-order steps that are 1.6 times as long.
     assert!(coarser < 2.6 * corrected, "{coarser} %, corrected {corrected} %");
 }
 

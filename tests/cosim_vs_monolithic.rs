@@ -2,8 +2,8 @@
 use integration_tests::runs::{EN_250, EN_300, Run, prepared, rms, run, scene_with};
 use simulation::Mode;
 
-/// Four spans of the reference model on a coarse mesh, which does not enter the error of the coupling. At this speed contact is
-/// never lost, so that the orders are those of smooth motion but for droppers that go slack.
+/// Four spans of the reference model on a coarse mesh, which does not enter the error of the coupling. At this speed
+/// contact is never lost, so that the orders are those of smooth motion but for droppers that go slack.
 const SHORT: [&str; 5] = [
     "catenary.spans=4",
     "catenary.mesh.elements_per_interval=2",
@@ -40,7 +40,7 @@ fn order(errors: &[f64]) -> f64 {
 struct Convergence {
     /// rms of the filtered force, % of σ, smallest step first.
     filtered: Vec<f64>,
-    /// The same of the raw force at the communication points of the longest step.
+    /// rms of the raw force at the communication points of the longest step, % of σ.
     raw: Vec<f64>,
 }
 
@@ -72,8 +72,8 @@ impl Convergence {
             errors.join(", ")
         };
         println!(
-            "{algorithm}, {force}, extrapolation {extrapolation}, {smallest} s and 2, 4, 8 times that, % of σ: filtered {} \
-             (order {:.2}); raw {} (order {:.2})",
+            "{algorithm}, {force}, extrapolation {extrapolation}, {smallest} s and 2, 4, 8 times that, % of σ: \
+             filtered {} (order {:.2}); raw {} (order {:.2})",
             shown(&filtered),
             order(&filtered),
             shown(&raw),
@@ -103,7 +103,7 @@ impl Convergence {
 
 #[test]
 fn a_strip_that_rolls_is_the_same_strip_on_either_side() {
-    // A damper feels the roll rate, which is no input of the line: it is that of the roll's course.
+    // A damper feels the roll rate, which is no input of the line but the derivative of the roll input in time.
     const LINKAGE: &str = include_str!("../scenes/thesis-pantograph.toml");
     let of = |mode, step: &str| {
         let overrides = [
@@ -125,7 +125,7 @@ fn a_strip_that_rolls_is_the_same_strip_on_either_side() {
         println!("rolling, {step} s: {apart:.4} % of σ, {energy:e} J");
         [apart, energy.abs()]
     });
-    // Without the rate 31 % and 0.25 J at any step.
+    // Without the rate the error would not fall with the step.
     let [long, short] = errors;
     assert!(long[0] < 1.0 && long[1] < 0.03, "{errors:?}");
     assert!((0..2).all(|k| short[k] < 0.8 * long[k]), "{errors:?}");
@@ -133,8 +133,8 @@ fn a_strip_that_rolls_is_the_same_strip_on_either_side() {
 
 #[test]
 fn under_a_standing_strip_no_damper_acts_and_with_its_speed_it_does_on_either_side() {
-    // Slopes of the wire of 1e-3 make a damper of 1e4 N s/m press or pull with several times the contact force, at which no line
-    // rests under a strip that moves along.
+    // Slopes of the wire of 1e-3 make a damper of 1e4 N s/m press or pull with several times the contact force, at
+    // which no line rests under a strip that moves along.
     for start_x in ["20", "23", "40"] {
         let at = |damping: &str, mode| {
             let overrides = [
@@ -165,8 +165,8 @@ fn under_a_standing_strip_no_damper_acts_and_with_its_speed_it_does_on_either_si
     }
 }
 
-// The orders are those of the raw force: what a low-pass leaves of an error changes sign with the step. Droppers that go slack
-// and the vibrations of the coarse mesh, which the steps hardly resolve, spread them by about ±0.3.
+// The orders are those of the raw force: the low-pass filtered error changes sign with the step. Slack droppers and the
+// vibrations of the coarse mesh, which the steps hardly resolve, spread the orders by about ±0.3.
 
 #[test]
 fn gauss_seidel_with_the_mean_force_is_of_second_order_in_the_macro_step() {
@@ -191,14 +191,14 @@ fn jacobi_with_linear_prediction_is_of_second_order() {
 
 #[test]
 fn held_strips_are_of_first_order() {
-    // Asymptotic at shorter steps only: held values feed the contact's vibration, at 1 ms already by 12 % of σ.
+    // Asymptotic at shorter steps only: held values feed the contact's vibration.
     let convergence = Convergence::of("gauss_seidel", "mean", 0, 1.25e-4);
     convergence.has_order(1.0, 0.35);
 }
 
 #[test]
 fn a_held_force_acts_from_the_beginning_of_its_step() {
-    // Otherwise held forces come half an internal step late, which makes the coupling above one of first order.
+    // Otherwise held forces come half an internal step late, which makes the coupling at least of first order.
     let scene = prepared(scene_with(EN_250, &SHORT), "coupling").scene;
     let force = scene.pantographs[0].start.unwrap().force;
     let scene::PantographModel::Lumped(lumped) = &scene.pantographs[0].model else {
@@ -210,7 +210,7 @@ fn a_held_force_acts_from_the_beginning_of_its_step() {
     pantograph.advance_to(0.0, h).unwrap();
     let momentum = lumped.masses[0] * pantograph.strip().velocity.z;
     println!("{momentum} kg m/s of an impulse of {} N s", -more * h);
-    // Springs and dampers take h c/m = 1e-3 of it.
+    // Springs and dampers take a share h c/m = 1e-3.
     assert!((momentum + more * h).abs() < 3e-3 * more * h);
 }
 
@@ -281,7 +281,7 @@ fn fmus_repeat_the_run_of_their_components_bit_for_bit() {
     }
 }
 
-/// What `auto` decides in the run it decides again: the scene as written gives the same force, bit for bit.
+/// Decisions of `auto` repeat: the scene as written gives the same force, bit for bit.
 #[test]
 fn a_scene_with_the_automatic_choice_runs_again_bit_for_bit_from_what_was_written() {
     for more in [

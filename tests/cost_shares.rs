@@ -1,4 +1,4 @@
-//! What the time loop of a scene is spent on: shares of its parts, in all modes.
+//! Shares of the parts of a scene in the time loop, in all modes.
 use component::Share;
 use integration_tests::fmus::DEFAULT;
 use integration_tests::runs::{EN_250, run, scene_with};
@@ -8,7 +8,7 @@ use simulation::Mode;
 /// The full scene with wind on pantograph and wires.
 const WIND: &str = include_str!("../scenes/thesis-wind-both.toml");
 
-/// Two dozen steps of those that are looked at.
+/// A short run with two dozen evaluated steps.
 const SHORT: [&str; 2] = ["run.duration=0.4", "run.evaluate={ time = [0.1, 0.4] }"];
 
 fn summary(text: &str, mode: Mode) -> Summary {
@@ -35,7 +35,7 @@ fn one_system_pays_for_the_parts_that_are_modelled_and_for_no_others() {
         );
         assert!(shares.iter().all(|share| share.share > 0.0), "{scene}: {shares:?}");
         assert_eq!(parts(&summary).last(), Some(&"master"), "{scene}");
-        // Those of the model that have forces under their own name; a track is felt by wheels only.
+        // Parts of the model with forces under their own name; only wheels feel a track.
         for part in ["vehicle", "wheel_rail", "pantograph", "wind_pantograph", "wind_wires"] {
             let modelled = summary
                 .model

@@ -1,4 +1,4 @@
-//! What `modelDescription/README.md` prints, does what it says.
+//! Examples of `modelDescription/README.md` do as printed.
 use integration_tests::fmus::{COARSE, Packaged, tree};
 use integration_tests::python::{environment, run_apart};
 use integration_tests::runs::{EN_300, Run, run, run_beside, scene_with};
@@ -88,14 +88,14 @@ fn the_table_for_another_pantograph_runs_as_printed() {
         "another pantograph that is the same one: {:.2e} of sigma, {sigma} N",
         difference / sigma
     );
-    // What is left comes from the standstill before the start, which ends at 0.1 N/s.
+    // The rest comes from the standstill before the start, which ends at 0.1 N/s.
     assert!(difference < 0.05 * sigma, "{difference} N, sigma {sigma} N");
 }
 
-/// How a head on a contact spring goes on, when both sides are stepped apart.
+/// Scheme for a head on a contact spring when both sides are stepped apart.
 #[derive(Clone, Copy, PartialEq)]
 enum Scheme {
-    /// Both from the last values, held.
+    /// Each side from the last values, held.
     Jacobi,
     /// The force is read after the strip was set, both held.
     Propagated,

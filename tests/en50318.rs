@@ -4,7 +4,7 @@ use scene::Division;
 use simulation::Mode;
 use std::sync::LazyLock;
 
-/// One line of the table of ranges.
+/// Line of the table of ranges.
 struct Range {
     speed: f64,
     quantity: &'static str,
@@ -46,8 +46,8 @@ fn figure(run: &Run, quantity: &str) -> f64 {
 
 const MODES: [Mode; 3] = [Mode::Monolithic, Mode::Inprocess, Mode::Cosimulation];
 
-/// The shipped scene in a mode until 0.5 s after the evaluated spans: what follows has no part in their figures, and the low-pass
-/// filter has forgotten its end by a factor of exp(−24).
+/// Runs the shipped scene in a mode until 0.5 s after the evaluated spans: later motion has no part in their figures,
+/// and the low-pass filter has forgotten its end by a factor of exp(−24).
 fn shipped(text: &str, mode: Mode, more: &[&str], name: &str) -> Run {
     let mut scene = scene_with(text, more);
     let evaluated = scene.evaluation_time(0).1;
@@ -97,7 +97,7 @@ fn agree(runs: &[Run; 3]) {
         );
         // Required of the program. The difference is the coupling's alone: both sides step as in the monolithic run.
         assert!(change.abs() < 0.02);
-        // Gauss-Seidel with the mean force at 1 ms: measured 0.13 %.
+        // Gauss-Seidel with the mean force at 1 ms.
         assert!(apart < 0.005);
     }
 }

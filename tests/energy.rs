@@ -1,4 +1,4 @@
-//! Energy: what a line keeps without damping, and where the energy of a run goes.
+//! Energy: conservation without damping, and the balance of a run.
 use integration_tests::runs::{SECOND_ON_THESIS_LINE, audited, prepared, scene_with};
 use simulation::Finished;
 use system::disturbance::{Deflection, Disturbance};
@@ -66,7 +66,7 @@ fn an_undamped_line_without_contact_keeps_its_energy_for_100_seconds() {
 
 #[test]
 fn energy_is_accounted_for_to_a_thousandth_with_every_damper() {
-    // What is damped, and the micro step: a dropper that closes within a step is taken for damped in a part of it.
+    // Dampers of the case, and the micro step: a dropper that closes within a step is taken for damped in a part of it.
     let cases: [(&[&str], &str); 5] = [
         (&[], "nothing"),
         (
@@ -123,7 +123,7 @@ fn energy_is_accounted_for_on_a_corrected_mesh() {
 fn numerical_damping_shows_as_a_loss() {
     let (_, evidence) = run(&with(&["solver.rho_inf=0.5"]), None);
     let left = evidence.residual / evidence.exchanged;
-    // Four times what the trapezoid leaves over, and of the other sign than energy that is made.
+    // Four times the remainder of the trapezoidal rule, and of the other sign than made energy.
     assert!(left < -1.2e-3, "{left}");
 }
 
@@ -142,8 +142,8 @@ fn the_joints_of_a_linkage_take_and_give_no_energy() {
     assert!(evidence.drift[0] < 1e-9 && evidence.constraints > 20, "{evidence:?}");
 }
 
-/// Stiff droppers without dampers vibrate faster than the step follows: what that makes is what the whole balance lacks, and the run
-/// says so with the figure.
+/// Stiff droppers without dampers vibrate faster than the step follows: the energy made so is the residual of the whole
+/// balance, and the run reports the figure.
 #[test]
 fn energy_made_at_droppers_is_what_the_balance_lacks_and_a_run_says_so() {
     let said = |finished: &Finished| {

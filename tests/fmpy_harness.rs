@@ -1,4 +1,4 @@
-//! Both FMUs in FMPy: packages them, writes down what the core does with the same inputs, and runs `tests/fmpy`.
+//! The two FMUs in FMPy: packages them, writes down the core's results for the same inputs, and runs `tests/fmpy`.
 use component::{Component, Role};
 use cosim::package::{Libraries, archives};
 use integration_tests::fmus::{COARSE, DEFAULT, Packaged, THESIS, tree};
@@ -50,7 +50,7 @@ fn load(name: &str, start: f64, t: f64) -> [f64; 4] {
     [start + value, rates[0], rates[1], rates[2]]
 }
 
-/// How a trajectory is run.
+/// Plan of a trajectory.
 #[derive(Clone, Copy)]
 struct Plan {
     name: &'static str,

@@ -18,7 +18,7 @@ const IDENTIFIERS: [&str; 2] = ["Catenary", "Pantograph"];
 
 static EN: LazyLock<Packaged> = LazyLock::new(|| Packaged::new(EN_250, COARSE));
 static KULKARNI: LazyLock<Packaged> = LazyLock::new(|| Packaged::new(THESIS, &[]));
-/// One Newton iteration is enough for a step of nearly nothing only.
+/// A single Newton iteration is enough for a tiny step only.
 static IMPATIENT: LazyLock<Packaged> = LazyLock::new(|| {
     let short = ["catenary.spans=3", "run.duration=1.0", "run.evaluate={time=[0.0,1.0]}"];
     let impatient = ["solver.max_iterations=1", "solver.newton_tolerance=1e-6"];
@@ -436,7 +436,7 @@ fn states_belong_to_their_instance_and_restore_it_after_an_error() {
         assert_eq!(run(&fmu, &mut one, 10, 10), expected, "{identifier}");
         // The other instance has not noticed.
         assert_eq!(read(&mut two, &reals(&fmu, Causality::Output)), other);
-        // What was saved goes on in the other one, in a handle that is used again.
+        // The saved state goes on in the other instance, in a reused handle.
         let bytes = one.serialize_state(&saved).unwrap();
         let moved = two.deserialize_state(&bytes).unwrap();
         two.restore_state(&moved).unwrap();
@@ -498,7 +498,7 @@ fn two_hundred_instances_come_and_go() {
         (0..200).for_each(life);
         if let (Some(before), Some(after)) = (before, resident()) {
             let grown = after.saturating_sub(before);
-            // One line with its states has some 10 MB; 20 that are lost would be far above.
+            // A line with its states takes some 10 MB; 20 lost ones would be far above.
             assert!(
                 grown < 40_000_000,
                 "{identifier}: 200 instances left {grown} bytes behind"

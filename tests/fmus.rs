@@ -26,7 +26,7 @@ pub fn tree() -> &'static Path {
 
 /// A resolved scene and the folder with its FMUs.
 pub struct Packaged {
-    /// As it is in the FMUs.
+    /// Scene as in the FMUs.
     pub scene: Scene,
     folder: TempDir,
 }
@@ -35,7 +35,7 @@ impl Packaged {
     /// Packages a scene; `overrides` as on the command line.
     ///
     /// # Panics
-    /// When something of it fails.
+    /// When packaging fails.
     #[must_use]
     pub fn new(text: &str, overrides: &[&str]) -> Self {
         static LIBRARIES: OnceLock<Libraries> = OnceLock::new();
@@ -49,7 +49,7 @@ impl Packaged {
         Self { scene, folder }
     }
 
-    /// Where one of the two is.
+    /// Path of one of the two FMUs.
     #[must_use]
     pub fn path(&self, identifier: &str) -> PathBuf {
         self.folder.path().join(format!("{identifier}.fmu"))

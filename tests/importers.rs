@@ -1,4 +1,4 @@
-//! Both FMUs, coupled, in other people's importers: the same trajectory as a run of this program in the same exchange.
+//! The two FMUs, coupled, in independent importers: the same trajectory as a run of this program in the same exchange.
 #[path = "importers/replay.rs"]
 mod replay;
 
@@ -19,7 +19,7 @@ const STEPS: usize = 1000;
 /// rms difference that is allowed, in standard deviations of the force.
 const ALLOWED: f64 = 1e-6;
 
-/// What the runs have in common: half a second of held values on both sides, of the force at the end of a step.
+/// Common settings of the runs: half a second of held values on both sides, of the force at the end of a step.
 const EXCHANGE: &[&str] = &[
     "coupling.algorithm=jacobi",
     "coupling.extrapolation=0",
@@ -31,10 +31,11 @@ const EXCHANGE: &[&str] = &[
     "solver.micro_step=0.0005",
 ];
 
-/// Where the compared run begins; the FMUs are packaged for another place, so that importers have to set all start parameters.
+/// Start of the compared run; the FMUs are packaged for another place, so that importers have to set all start
+/// parameters.
 const START: &str = "run.start_x=60.0";
 
-/// How an importer passes values on.
+/// Order in which an importer passes values on.
 #[derive(Clone, Copy, PartialEq)]
 enum Exchange {
     /// All outputs of a communication point are read before inputs are set: `coupling.algorithm = "jacobi"`.
@@ -159,7 +160,7 @@ fn plan(fmus: &Packaged, scene: &Scene) -> Value {
     })
 }
 
-/// An interpreter that has a module which no pinned requirement installs, where the user has one.
+/// An interpreter with a module that no pinned requirement installs, if the user has one.
 fn having(module: &str) -> Option<String> {
     let chosen = std::env::var("IMPORTERS_PYTHON").unwrap_or_else(|_| python());
     let check = Command::new(&chosen).args(["-c", &format!("import {module}")]).output();

@@ -12,7 +12,7 @@ use tempfile::TempDir;
 /// After this wall time a call counts as hanging: many times what any call in these tests takes on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(180);
 
-/// What cargo has built of one kind, `bin` or `cdylib`.
+/// Artifacts of one kind that cargo has built, `bin` or `cdylib`.
 fn artifacts(arguments: &[&str], kind: &str) -> Vec<PathBuf> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
@@ -48,15 +48,15 @@ pub struct Program {
     folder: TempDir,
 }
 
-/// How a call of the program ended.
+/// Outcome of a call of the program.
 pub struct Ended {
     /// Exit status; `None` after a signal.
     pub code: Option<i32>,
-    /// What it printed.
+    /// Standard output.
     pub stdout: String,
-    /// What it complained about.
+    /// Standard error.
     pub stderr: String,
-    /// Where its results are, if it has any.
+    /// Folder of the results, which need not exist.
     pub results: PathBuf,
 }
 
@@ -67,10 +67,10 @@ impl Default for Program {
 }
 
 impl Program {
-    /// Puts it there.
+    /// Installs the program.
     ///
     /// # Panics
-    /// When it cannot be built.
+    /// When the program cannot be built.
     #[must_use]
     pub fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
@@ -83,13 +83,13 @@ impl Program {
         Self { folder }
     }
 
-    /// Its folder, which is also the current directory of every call.
+    /// Folder of the program, the current directory of every call.
     #[must_use]
     pub fn folder(&self) -> &Path {
         self.folder.path()
     }
 
-    /// Writes a scene beside it.
+    /// Writes a scene beside the program.
     ///
     /// # Panics
     /// When that is not possible.
@@ -100,10 +100,10 @@ impl Program {
         path
     }
 
-    /// Calls it, with a limit to what it may take.
+    /// Calls the program, with a limit of wall time.
     ///
     /// # Panics
-    /// When it does not end.
+    /// When the call does not end.
     #[must_use]
     pub fn call(&self, arguments: &[&str]) -> Ended {
         let name = |stream: &str| self.folder().join(format!("{stream}.txt"));
@@ -137,10 +137,10 @@ impl Program {
         }
     }
 
-    /// Runs a scene, with the results beside it.
+    /// Runs a scene, with the results beside the program.
     ///
     /// # Panics
-    /// When it does not end.
+    /// When the run does not end.
     #[must_use]
     pub fn run(&self, scene: &Path, more: &[&str]) -> Ended {
         let results = scene.with_extension("results");
@@ -159,20 +159,20 @@ impl fmt::Display for Ended {
 }
 
 impl Ended {
-    /// Itself, if it was successful.
+    /// The outcome itself, if successful.
     ///
     /// # Panics
-    /// When it was not.
+    /// When the call failed.
     #[must_use]
     pub fn done(self) -> Self {
         assert_eq!(self.code, Some(0), "{self}");
         self
     }
 
-    /// Itself, if it failed in order: with this exit status and a message that says all of these.
+    /// The outcome itself, if the call failed in order: with this exit status and a message that contains all of these.
     ///
     /// # Panics
-    /// When it did not.
+    /// When the call did not fail so.
     #[must_use]
     pub fn refused(self, code: i32, said: &[&str]) -> Self {
         assert_eq!(self.code, Some(code), "{self}");
@@ -183,10 +183,11 @@ impl Ended {
         self
     }
 
-    /// Itself, if it failed in order, in the run or before it, with a message that says all of these.
+    /// The outcome itself, if the call failed in order, in the run or before, with a message that contains all of
+    /// these.
     ///
     /// # Panics
-    /// When it did not.
+    /// When the call did not fail so.
     #[must_use]
     pub fn failed(self, said: &[&str]) -> Self {
         let code = self.code.filter(|code| (1..=2).contains(code));

@@ -20,7 +20,7 @@ fn cargo(arguments: &[&str]) -> String {
     run_apart(Command::new(cargo).current_dir(tree()).args(arguments), "cargo").0
 }
 
-/// What is linked into the two libraries; macros run at compile time only.
+/// Crates linked into the two libraries; macros run at compile time only.
 fn linked() -> BTreeSet<Crate> {
     let listing = cargo(&[
         "tree",
@@ -62,7 +62,7 @@ fn packages() -> BTreeMap<(String, String), (PathBuf, String)> {
     entries.collect()
 }
 
-/// The licence files of a crate. Where it offers the MIT licence among others, that one is taken.
+/// Licence files of a crate; of several licences on offer the MIT licence is taken.
 fn texts(folder: &Path) -> Vec<String> {
     let named = |file: &PathBuf| {
         let name = file.file_name().unwrap().to_string_lossy().to_uppercase();
@@ -92,8 +92,10 @@ fn texts(folder: &Path) -> Vec<String> {
 fn collected() -> String {
     let (crates, packages) = (linked(), packages());
     let mut text = String::from(
-        "The binaries in this archive contain the standard library of Rust (MIT or Apache-2.0, The Rust Project Contributors,\n\
-         https://github.com/rust-lang/rust) and the crates below. Their licences follow; where a crate leaves the choice, the MIT\n\
+        "The binaries in this archive contain the standard library of Rust (MIT or Apache-2.0, The Rust Project \
+         Contributors,\n\
+         https://github.com/rust-lang/rust) and the crates below. Their licences follow; where a crate leaves the \
+         choice, the MIT\n\
          licence is taken. Sources: https://crates.io/crates/<name>/<version>.\n\n",
     );
     let mut licenses: BTreeMap<String, Vec<String>> = BTreeMap::new();

@@ -227,7 +227,8 @@ fn the_linear_line_has_the_static_residual_and_tangent_of_the_line() {
     assert_eq!(linear.line.droppers().slack_count(&state.motion(&[])), 0);
 }
 
-/// The difference of the forces of a line and its linearisation at `scale` times the displacements under a lifted contact wire, N.
+/// The difference of the forces of a line and its linearisation at `scale` times the displacements under a lifted
+/// contact wire, N.
 fn neglected(scale: f64) -> Vec<f64> {
     let statics = solve(&short_line(3));
     let mut exact = alone(&statics);

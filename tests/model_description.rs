@@ -1,4 +1,4 @@
-//! The committed model descriptions are what the code makes of the thesis scene.
+//! The committed model descriptions equal those that the code makes of the thesis scene.
 use fmi2::model_description::{BaseType, Causality, GUID_PLACEHOLDER, ModelDescription, Variable};
 use integration_tests::fmus::{DEFAULT, tree};
 use integration_tests::runs::{prepared, scene_with};
@@ -176,7 +176,7 @@ fn inputs_and_outputs_are_those_that_users_rely_on() {
     ]) {
         assert!(offered.contains(name), "Pantograph has no output {name}");
     }
-    // Of the vehicle: where the pantograph stands, and each of the eight wheels.
+    // Vehicle outputs: the base of the pantograph, and each of the eight wheels.
     let base = ["x", "y", "z", "roll", "pitch", "yaw"].map(|name| format!("base.{name}"));
     let wheels = (1..=8).flat_map(|i| ["load", "derailment_quotient"].map(|name| format!("wheel[{i}].{name}")));
     for name in base.into_iter().chain(wheels) {

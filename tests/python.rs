@@ -1,4 +1,4 @@
-//! Python for tests with other people's importers: an interpreter, virtual environments, programs.
+//! Python for tests with independent importers: an interpreter, virtual environments, programs.
 use crate::fmus::tree;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -23,17 +23,17 @@ pub fn python() -> String {
         .unwrap_or_else(|| {
             panic!(
                 "the FMUs are tested with other importers, which needs Python 3.10 or later with the modules venv and \
-                 ensurepip: none of {tried:?} is that. Install it (Debian, Ubuntu: apt-get install python3 python3-venv) and \
-                 run the tests again"
+                 ensurepip: none of {tried:?} is that. Install it (Debian, Ubuntu: apt-get install \
+                 python3 python3-venv) and run the tests again"
             )
         })
         .to_owned()
 }
 
-/// Runs a program to its end; what it wrote to its standard output and to its standard error.
+/// Runs a program to its end; returns its standard output and its standard error.
 ///
 /// # Panics
-/// When it cannot be started, or fails.
+/// When the program cannot be started, or fails.
 pub fn run_apart(command: &mut Command, what: &str) -> (String, String) {
     let output = command
         .output()
@@ -47,7 +47,7 @@ pub fn run_apart(command: &mut Command, what: &str) -> (String, String) {
     (out, err)
 }
 
-/// Runs a program to its end; all that it wrote.
+/// Runs a program to its end; returns all its output.
 ///
 /// # Panics
 /// See [`run_apart`].
@@ -56,7 +56,8 @@ pub fn run(command: &mut Command, what: &str) -> String {
     out + &err
 }
 
-/// The interpreter of the virtual environment `target/<name>-venv`, made anew where it does not fit the pinned requirements.
+/// The interpreter of the virtual environment `target/<name>-venv`, made anew where it does not fit the pinned
+/// requirements.
 ///
 /// # Panics
 /// When it cannot be made.

@@ -8,12 +8,12 @@ use std::ptr::{null, null_mut};
 
 /// An unpacked FMU and its library.
 pub struct Raw {
-    /// As the importer has opened it.
+    /// FMU as the importer has opened it.
     pub fmu: Fmu,
     library: Library,
 }
 
-/// What identifies an instance; `None` is a null pointer.
+/// Identification of an instance; `None` is a null pointer.
 #[derive(Clone, Copy, Debug)]
 pub struct Identity<'a> {
     /// `instanceName`.
@@ -41,10 +41,10 @@ pub fn no_callbacks() -> fmi2CallbackFunctions {
 }
 
 impl Raw {
-    /// Loads the library of an FMU that does not belong to somebody else: ours have no initialisers.
+    /// Loads the library of one of our own FMUs, which have no initialisers.
     ///
     /// # Panics
-    /// When it cannot be loaded.
+    /// When the library cannot be loaded.
     #[must_use]
     pub fn new(fmu: Fmu) -> Self {
         let binary = binary_entry(&fmu.description().co_simulation.model_identifier);
@@ -56,7 +56,7 @@ impl Raw {
     /// A function of the library.
     ///
     /// # Panics
-    /// When it is not there.
+    /// When the function is missing.
     ///
     /// # Safety
     /// `T` is the type that FMI 2.0 gives the function.
@@ -78,7 +78,8 @@ impl Raw {
         } = identity;
         let texts = [name, guid, location].map(|text| text.map(|text| CString::new(text).unwrap()));
         let [name, guid, location] = [0, 1, 2].map(|k: usize| texts[k].as_ref().map_or(null(), |text| text.as_ptr()));
-        // SAFETY: the type is that of the standard; texts live during the call, and what they point to is kept by nobody.
+        // SAFETY: the type is that of the standard; texts live during the call, and what they point to is kept by
+        // nobody.
         unsafe { self.function::<InstantiateFn>("fmi2Instantiate")(name, kind, guid, location, callbacks, 0, logging) }
     }
 

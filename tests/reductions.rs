@@ -1,4 +1,4 @@
-//! What `model.reduce` leaves out changes the result by no more than it says.
+//! Accuracy of `model.reduce`: each word changes the result by no more than stated.
 use catenary::{Checkpoint, StripStart, Subsystem};
 use integration_tests::fmus::THESIS;
 use integration_tests::runs::{EN_300, Run, run, scene_with};
@@ -44,7 +44,7 @@ fn a_staggered_line_is_never_planar() {
     assert!(run.summary.model.reductions.is_empty());
 }
 
-/// Both planar, so that only the law of motion differs. Fixed ends make the tension follow the lift.
+/// Planar lines, so that only the law of motion differs. Fixed ends make the tension follow the lift.
 #[test]
 fn a_linearised_line_is_within_two_percent_of_its_line_and_a_flat_one_is_not() {
     for (ends, flat_is_beyond) in [("constant_tension", 0.2), ("fixed", 3.0)] {
@@ -68,7 +68,8 @@ fn a_linearised_line_is_within_two_percent_of_its_line_and_a_flat_one_is_not() {
             distances.1 > flat_is_beyond && distances.1 > distances.0,
             "{distances:?} %"
         );
-        // Each starts in its own equilibrium: the first steps differ from those of the line by less than a newton of more than 100.
+        // Every line starts in its own equilibrium: the first steps differ from those of the whole line by less than a
+        // newton of more than 100.
         for run in [&linearised, &flat] {
             let [own, of_line] = [run, &exact].map(|run| &run.record.pantographs[0].force[..10]);
             for (own, of_line) in own.iter().zip(of_line) {
@@ -148,8 +149,9 @@ fn a_linearised_line_taken_back_repeats_bit_for_bit() {
     assert!(slack > 0, "no dropper went slack");
 }
 
-/// A run with the window against the same one without it, both with `words` as further reductions: rms difference of the filtered
-/// force in percent of its standard deviation, and the largest difference of the raw force in the evaluated time, N.
+/// A run with the window against the same one without it, both with `words` as further reductions: rms difference of
+/// the filtered force in percent of its standard deviation, and the largest difference of the raw force in the
+/// evaluated time, N.
 fn windowed(words: &str, more: &[&str]) -> (f64, f64) {
     windowed_scene(EN_300, words, more)
 }
@@ -194,8 +196,8 @@ fn a_window_travels_from_end_to_end_without_a_trace_on_a_linearised_line() {
     assert!(difference < 0.1 && largest < 0.5, "{difference} %, {largest} N");
 }
 
-/// Reduced spans have their halves of the bending layers at their supports, the window's own line has none at its ends: that is what is
-/// left on a line with layers, and less on a finer mesh.
+/// Reduced spans have their halves of the bending layers at their supports, the window's own line has none at its ends:
+/// the remaining difference of a line with layers, smaller on a finer mesh.
 #[test]
 fn a_window_has_bending_layers_beyond_it() {
     for (elements, most) in [(2, 1.5), (4, 0.4)] {
@@ -212,7 +214,7 @@ fn a_window_has_bending_layers_beyond_it() {
     }
 }
 
-/// What is left beside the modes is that spans beyond the window are linear.
+/// Remaining difference besides the modes: spans beyond the window are linear.
 #[test]
 fn a_window_of_the_nonlinear_line_differs_by_less_than_it_says() {
     let more = [
@@ -225,8 +227,8 @@ fn a_window_of_the_nonlinear_line_differs_by_less_than_it_says() {
     assert!(difference < 0.3 && largest < 1.0, "{difference} %, {largest} N");
 }
 
-/// Droppers whose dampers hold the wires together, `ω c = 60 k` at 20 Hz: without the elongations on the interface of a reduced
-/// span modes would blow up as the window moves.
+/// Droppers whose dampers hold the wires together, `ω c = 60 k` at 20 Hz: without the elongations on the interface of a
+/// reduced span modes would blow up as the window moves.
 #[test]
 fn a_window_takes_droppers_with_strong_dampers() {
     let more = [
@@ -240,8 +242,8 @@ fn a_window_takes_droppers_with_strong_dampers() {
     assert!(difference < 0.45, "{difference} %");
 }
 
-/// Waves of tension run along all of a line between fixed ends: without longitudinal modes in the spans far from the window the
-/// difference is 0.39 %.
+/// Waves of tension run along the whole line between fixed ends: longitudinal modes in the spans far from the window
+/// are needed.
 #[test]
 fn a_window_is_followed_by_waves_along_the_wires() {
     let more = [
@@ -254,8 +256,8 @@ fn a_window_is_followed_by_waves_along_the_wires() {
     assert!(difference < 0.25, "{difference} %");
 }
 
-/// Spans beyond the near ones, first ahead of the window, then behind it: with their modes up to 0.7 times the filter's frequency the
-/// difference is 1.2 %.
+/// Spans beyond the near ones, first ahead of the window, then behind: modes up to less than the filter's frequency
+/// would not do.
 #[test]
 fn a_window_runs_through_a_tension_length_of_32_spans() {
     let more = [
@@ -268,7 +270,7 @@ fn a_window_runs_through_a_tension_length_of_32_spans() {
     assert!(difference < 0.35 && largest < 1.5, "{difference} %, {largest} N");
 }
 
-/// Close to the longest steps for which the corrected inertia of the whole line is positive, 2.55 ms.
+/// Steps close to the longest ones for which the corrected inertia of the whole line is positive.
 #[test]
 fn a_window_takes_the_steps_of_its_line() {
     let more = [
@@ -319,7 +321,7 @@ dampings = [10.0, 90.0]
     assert!(difference < 0.3 && largest < 1.0, "{difference} %, {largest} N");
 }
 
-/// On a line that goes on beyond what is modelled nothing comes back from there.
+/// Waves do not come back from beyond the modelled spans of a longer line.
 #[test]
 fn nothing_comes_back_from_the_end_of_what_is_modelled_on_a_long_line() {
     let more = [
@@ -334,8 +336,8 @@ fn nothing_comes_back_from_the_end_of_what_is_modelled_on_a_long_line() {
     assert!(difference < 0.3 && largest < 3.0, "{difference} %, {largest} N");
 }
 
-/// A window that travels, gone back over one of its moves: on a short line the spans beyond it become other ones, in the middle of a
-/// long one they stay.
+/// A window that travels, gone back over one of its moves: on a short line the spans beyond it become other ones, in
+/// the middle of a long one they stay.
 #[test]
 fn a_window_taken_back_over_a_border_of_spans_repeats_bit_for_bit() {
     for (spans, start) in [("10", "run.start_x=290"), ("80", "run.start_x=2390")] {
@@ -393,8 +395,8 @@ fn a_window_taken_back_over_a_border_of_spans_repeats_bit_for_bit() {
     }
 }
 
-/// Each window of a line of unequal spans is another piece of it, with its own energy at rest: it must not show in the energy of the line
-/// above its static state, nor in the force.
+/// Windows of a line of unequal spans are different sections with different energies at rest: the move of the window
+/// must show neither in the energy of the line above its static state nor in the force.
 #[test]
 fn a_window_over_unequal_spans_moves_without_a_jump_of_energy() {
     let course = |reduce: &str| -> Vec<(f64, f64)> {
@@ -504,8 +506,8 @@ fn a_long_line_known_from_a_short_one_is_the_long_line() {
     }
 }
 
-/// A mechanism that its joints hold in one plane has one motion, whatever pushes its strip: the rest is the step's error, which the
-/// same scheme makes of second order in 36 constrained coordinates and in two free ones.
+/// A mechanism that its joints hold in one plane has one motion, whatever pushes its strip: the rest is the step's
+/// error, which the same scheme makes of second order in 36 constrained coordinates and in two free ones.
 #[test]
 fn a_linkage_is_its_one_motion_where_the_joints_hold_the_strip() {
     for stagger in ["[0.0]", "[0.2,-0.2]"] {

@@ -1,5 +1,5 @@
-//! The line against an independent two-dimensional program, tests/reference2d/line2d.py: statics, and the contact force of the line
-//! linearised about its static state, point by point.
+//! The line against an independent two-dimensional program, tests/reference2d/line2d.py: statics, and the contact force
+//! of the line linearised about its static state, point by point.
 use catenary::{
     BendingLayers, ContactPair, Dimension, LineOptions, LinearLine, OverheadLine, StaticLine, contact_pair,
 };
@@ -37,7 +37,7 @@ const PLANAR: LineOptions = LineOptions {
     mass_correction: None,
 };
 
-/// Which line runs.
+/// Line of a run.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Linear,
@@ -165,14 +165,13 @@ fn apart(name: &str, ours: &Series, theirs: &Series) -> (f64, f64) {
 const MESH: &str = "catenary.mesh.elements_per_interval=16";
 /// The script uses the trapezoidal rule.
 const TRAPEZOID: &str = "solver.rho_inf=1.0";
-/// Its step, s.
+/// Step of the script, s.
 const STEP: f64 = 2.5e-4;
 
 fn linear_line_agrees(text: &str, name: &str, theirs: &str) {
     let ours = contact_force(&mut scene_with(text, &[MESH, TRAPEZOID]), Kind::Linear, STEP);
     let (filtered, raw) = apart(name, &ours, &reference(theirs));
-    // Of the difference the script leaves out the turning of the droppers (1.0 % at 300 km/h); ours projects the strip on the moving
-    // wire. Measured 0.8 and 0.9 % at 300 km/h, 0.5 and 0.6 % at 250 km/h.
+    // The script leaves out the turning of the droppers; the line here projects the strip on the moving wire.
     assert!(filtered < 0.02 && raw < 0.03);
 }
 
@@ -214,7 +213,6 @@ fn the_nonlinear_line_stays_close_to_its_linearisation_and_to_the_independent_pr
         let theirs = reference(theirs);
         let nonlinear = contact_force(&mut scene, Kind::Nonlinear, STEP);
         let linear = at_positions(&contact_force(&mut scene, Kind::Linear, STEP), &theirs);
-        // Measured 1.0 and 0.7 % of σ, and 0.8 and 0.5 %.
         assert!(apart(&format!("nonlinear, {name}, against the script"), &nonlinear, &theirs).0 < 0.02);
         assert!(apart(&format!("nonlinear, {name}, against linear"), &nonlinear, &linear).0 < 0.02);
     }
@@ -254,7 +252,7 @@ fn statics_agree(overrides: &[&str], theirs: &str) {
         "{overrides:?}: dropper forces within {:.2e}, elasticity within {:.2e}",
         largest[0], largest[1]
     );
-    // The script is linear about the static state: 0.3 to 0.5 % of the elasticity under 100 N.
+    // The script is linear about the static state, which shows under 100 N.
     assert!(largest[0] < 0.01 && largest[1] < 0.01);
 }
 

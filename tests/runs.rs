@@ -16,7 +16,7 @@ pub const EN_250: &str = include_str!("../scenes/en50318-250.toml");
 /// The reference model of EN 50318 at 300 km/h.
 pub const EN_300: &str = include_str!("../scenes/en50318-300.toml");
 
-/// One second on a short line of the thesis, without the dampers of its droppers and of the integrator.
+/// A second on a short line of the thesis, without the dampers of its droppers and of the integrator.
 pub const SECOND_ON_THESIS_LINE: [&str; 6] = [
     "catenary.spans=3",
     "run.start_x=20",
@@ -28,11 +28,11 @@ pub const SECOND_ON_THESIS_LINE: [&str; 6] = [
 
 /// A complete run.
 pub struct Run {
-    /// What the program would write.
+    /// Summary as the program would write it.
     pub summary: Summary,
     /// The scene as the program writes it.
     pub written: String,
-    /// Its series.
+    /// Series of the run.
     pub record: Record,
     /// Low-pass filtered contact force of the first pantograph, whole record, N.
     pub filtered: Vec<f64>,
@@ -135,19 +135,19 @@ pub fn run_beside(scene: Scene, mode: Mode, name: &str, base: &Path) -> Run {
     }
 }
 
-/// Runs what is prepared to its end.
+/// Runs a prepared scene to its end.
 ///
 /// # Panics
-/// When it does not come to its end.
+/// When the run does not come to its end.
 #[must_use]
 pub fn finished(prepared: Prepared, mode: Mode, name: &str) -> Finished {
     finished_telling(prepared, mode, name, |_| {})
 }
 
-/// Runs what is prepared as one system with its energy followed.
+/// Runs a prepared scene as one system with its energy followed.
 ///
 /// # Panics
-/// When it does not come to its end.
+/// When the run does not come to its end.
 #[must_use]
 pub fn audited(mut prepared: Prepared, name: &str) -> (Finished, Evidence) {
     prepared.disturbance.audited = true;

@@ -1,4 +1,4 @@
-//! One wire as a system, for comparisons with closed forms and published examples.
+//! A wire as a system, for comparisons with closed forms and published examples.
 use catenary::{
     AxialLaw, BendingLaw, ContactPair, CurveColumns, CurvePoint, NodeMap, Rayleigh, Wire, WireCurve, WireGeometry,
     WireSection, mass_matrix,
@@ -9,7 +9,7 @@ use dynamics::{
 use nalgebra::{DMatrix, DVector, Vector3};
 use std::sync::Arc;
 
-/// A dead force (N) at a point of the wire that moves with `speed` (m/s) from `start` (m); it acts while on the wire.
+/// A dead force (N) at a point of the wire that moves with `speed` (m/s) from `start` (m), while on the wire.
 #[derive(Clone, Debug)]
 pub struct Load {
     /// The wire.
@@ -23,7 +23,7 @@ pub struct Load {
 }
 
 impl Load {
-    /// Where it is at time `t`, m.
+    /// Position at time `t`, m.
     #[must_use]
     pub fn s(&self, t: f64) -> f64 {
         self.start + self.speed * t
@@ -83,7 +83,7 @@ impl Force for Foundation {
     }
 }
 
-/// What a wire is made of.
+/// Data of a wire.
 #[derive(Clone, Copy, Debug)]
 pub struct Material {
     /// Section.
@@ -226,7 +226,7 @@ impl SingleWire {
         self
     }
 
-    /// With a load at rest.
+    /// Adds a load at rest.
     #[must_use]
     pub fn loaded(mut self, s: f64, force: Vector3<f64>) -> Self {
         let geometry = Arc::clone(self.geometry());
@@ -325,7 +325,7 @@ impl SingleWire {
     }
 }
 
-/// The dense matrix of what `add` puts into blocks.
+/// Dense matrix of the blocks that `add` writes.
 pub fn dense(n: usize, add: &mut dyn FnMut(&mut Blocks<'_>)) -> DMatrix<f64> {
     let mut places = Vec::new();
     add(&mut Blocks::record(&mut places));

@@ -1,4 +1,5 @@
-//! Strips joined to the line of the thesis without numerical damping: 10 s at 1 ms on the thesis' mesh and on finer ones.
+//! Strips joined to the line of the thesis without numerical damping: 10 s at 1 ms on the thesis' mesh and on finer
+//! ones.
 use integration_tests::runs::{Run, run, scene_with};
 use simulation::Mode;
 
@@ -9,8 +10,8 @@ fn monolithic(text: &str, overrides: &[&str]) -> Run {
     run(scene_with(text, overrides), Mode::Monolithic, "sliding_joint")
 }
 
-/// What of a force goes to and fro from sample to sample in each fifth of the run: the median of its amounts, N. Droppers that go taut
-/// leave single jolts.
+/// Oscillation of a force from sample to sample in each fifth of the run: the median of its amounts, N. The median
+/// leaves out single jolts of droppers that go taut.
 fn to_and_fro(force: &[f64]) -> Vec<f64> {
     let fifths = force.chunks_exact(force.len() / 5);
     fifths
@@ -52,7 +53,7 @@ fn endures(mesh: &[&str]) -> f64 {
 fn on_the_mesh_of_the_thesis_it_lasts_10_s_and_is_the_limit_of_the_stiff_penalty() {
     let joint = endures(&[]);
     let stiff = monolithic(PENALTY, &["solver.rho_inf=1", "contact.stiffness=5e6"]).sigma();
-    // The penalty at 50 kN/m is 11 % away, at 0.5 MN/m 3 %.
+    // Penalties of usual stiffness are farther away, and approach the joint with the stiffness.
     assert!((joint / stiff - 1.0).abs() < 0.01, "{joint} N, {stiff} N");
 }
 
@@ -69,7 +70,7 @@ fn on_the_corrected_mesh_it_lasts_10_s() {
     ]);
 }
 
-/// Seven seconds fewer than above. A window cuts the line anew under way.
+/// Seven seconds fewer than above. The window cuts the line anew under way.
 #[test]
 fn it_goes_with_a_line_that_is_linear_in_part_or_all_through() {
     let of = |reductions: &str| {
@@ -81,7 +82,7 @@ fn it_goes_with_a_line_that_is_linear_in_part_or_all_through() {
         )
     };
     let whole = of("");
-    // What the window and the linear line are off under the penalty law, 4 elements between droppers.
+    // Differences of the window and the linear line under the penalty law, 4 elements between droppers.
     for (reductions, most) in [(", \"window\"", 0.05), (", \"linearised\"", 0.1)] {
         let run = of(reductions);
         assert!(run.summary.complete);

@@ -104,7 +104,7 @@ fn reactions_carry_the_weight_of_wires_droppers_and_arms() {
     }
 }
 
-/// One array of objects of a reference file, one number per object.
+/// Numbers under `key` of an array of objects of a reference file.
 fn column(file: &serde_json::Value, array: &str, key: &str) -> Vec<f64> {
     let rows = file[array].as_array().unwrap();
     rows.iter().map(|row| row[key].as_f64().unwrap()).collect()
@@ -112,8 +112,9 @@ fn column(file: &serde_json::Value, array: &str, key: &str) -> Vec<f64> {
 
 #[test]
 fn the_reference_model_agrees_with_an_independent_program() {
-    // Another program in another language: linear elements of small slope, statics of the sagging line; see
-    // tests/data/reference2d/README.md. What it leaves out (slopes of the messenger wire, 0.08) is 0.3 to 0.5 % of the elasticity.
+    // Independent program in another language: linear elements of small slope, statics of the sagging line; see
+    // tests/data/reference2d/README.md. The program leaves out the slopes of the messenger wire (0.08), a few
+    // thousandths of the elasticity.
     let text = include_str!("data/reference2d/en50318-250-statics-converged.json");
     let reference: serde_json::Value = serde_json::from_str(text).unwrap();
     let mut catenary = scene_line(EN, &[]);
@@ -159,8 +160,8 @@ fn the_reference_model_agrees_with_an_independent_program() {
     compare("elasticity", elasticity, ("elasticity", "m_per_N"), 1e-2);
 }
 
-/// Reactions of a beam under tension `t` and load `q` on rigid supports at `x`, pinned at both ends: the equations of three
-/// moments for `EI w⁗ − T w″ = −q`, with `T w = M + q x²/2 + C x + D` in each field.
+/// Reactions of a beam under tension `t` and load `q` on rigid supports at `x`, pinned at both ends: the equations of
+/// three moments for `EI w⁗ − T w″ = −q`, with `T w = M + q x²/2 + C x + D` in each field.
 fn reactions_of_continuous_beam(x: &[f64], t: f64, ei: f64, q: f64) -> Vec<f64> {
     let n = x.len() - 1;
     let k = (t / ei).sqrt();
@@ -288,7 +289,7 @@ fn a_wire_above_its_breaking_force_is_refused_with_both_numbers() {
 fn stagger_loads_arms_and_supports_with_tension_times_change_of_direction() {
     let catenary = scene_line(EN, &["catenary.stagger=[0.2, -0.2]"]);
     let line = solve(&catenary);
-    // Half of a bending length at each end of a span carries the change of direction by its moment: 0.3 %.
+    // Half of a bending length at each end of a span carries the change of direction by its moment.
     let kink = 2.0 * 0.4 / 60.0;
     for (number, arm) in line.line().registration_arms().as_slice().iter().enumerate() {
         // The second support stands at y = −0.2 m: the wire pulls to the left (+y), the arm to the right.
@@ -380,7 +381,7 @@ fn elasticity_is_symmetric_about_the_middle_of_the_line() {
         let (a, b) = (found[i].elasticity, found[n - 1 - i].elasticity);
         assert!((a - b).abs() < 1e-6 * a, "{}: {a} {b}", found[i].x);
     }
-    // Within a span of the middle it is nearly so: the neighbours on both sides are alike.
+    // Spans of the middle are nearly so: the neighbours on both sides are alike.
     let value = |x: f64| found.iter().find(|report| report.x == x).unwrap().elasticity;
     assert!((value(255.0) - value(285.0)).abs() < 1e-3 * value(255.0));
     // Softest at mid-span.
@@ -402,7 +403,7 @@ fn a_bare_wire_yields_as_a_pinned_beam_under_tension() {
     let sag = 5.3 - line.wire_height_under(30.0, 0.0).unwrap().height;
     let q = 1.35 * 9.81;
     let expected = q * l * l / (8.0 * t) - q * ei / (t * t) * (1.0 - 1.0 / half.cosh());
-    // Small slopes: the sag is 1 % of the span.
+    // Small slopes: the sag is a hundredth of the span.
     assert!((sag - expected).abs() < 1e-3 * expected, "{sag} {expected}");
 }
 
@@ -525,7 +526,8 @@ fn droppers_as_long_as_found_hold_the_contact_wire_where_it_was_found() {
     let again = solve(&catenary);
     let place = again.line().topology().droppers()[13];
     let node = again.line().wire(WireName::ContactWire).geometry().nodes()[place.node];
-    // Straight element lengths are shorter by the sag than the found ones: the wires move along the track by centimetres.
+    // Straight element lengths are shorter by the sag than the found ones: the wires move along the track by
+    // centimetres.
     assert!((node.position.z - 5.3).abs() < 5e-3, "{}", node.position.z);
     assert!((again.report().tension.messenger_wire - 16_000.0).abs() < 5.0);
 }

@@ -1,8 +1,8 @@
-//! Pantographs that were not made here, swapped in through the command line: one in C, one from PythonFMU, one in FMPy's
+//! Pantographs of suppliers, swapped in through the command line: one in C, one from PythonFMU, one in FMPy's
 //! container. All have the equations of our `lumped` and the same data, so the contact force must be that of our own
-//! pantograph, but for what the integration inside differs: Runge-Kutta of order 4 with steps of 0.1 ms (C, and inside the
-//! container) or 0.5 ms (Python) there, which is exact to 1e-6 N here, and generalised-α with `solver.micro_step` in ours,
-//! which is of order 2. The line integrates in the same way in all runs.
+//! pantograph, but for the difference of the inner integration: Runge-Kutta of order 4 with steps of 0.1 ms (C, and
+//! inside the container) or 0.5 ms (Python) there, which is exact to 1e-6 N here, and generalised-α with
+//! `solver.micro_step` in ours, which is of order 2. The line integrates in the same way in all runs.
 use integration_tests::fmus::tree;
 use integration_tests::installed::{Ended, Program};
 use integration_tests::python::{environment, run};
@@ -11,12 +11,12 @@ use integration_tests::vendor::{LINE, OWN, Pantograph, under_the_line};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Where it starts under [`OWN`] and where the others do, unless they come to rest by themselves: contact closed, not in
-/// balance, so that it moves.
+/// Start height of the pantograph under [`OWN`], and of the supplied ones unless they come to rest by themselves:
+/// contact closed, out of balance, so that the pantograph moves.
 const START: &str = "start = { height = 5.347, force = 115.88 }\n";
 const PARAMETERS: &str = "parameters = { reference_height = 5.28, start_height = 5.347 }\n";
 
-/// The same in the container, which has names of its own.
+/// Start in the container, which has names of its own.
 const CONTAINED: &str = "parameters = { \"pantograph.reference_height\" = 5.28, \"pantograph.start_height\" = 5.347 }
 inputs = { force = { variable = \"pantograph.contact_force\" } }
 outputs = { height = { variable = \"pantograph.height\" }, velocity = { variable = \"pantograph.velocity\" } }
@@ -149,8 +149,8 @@ fn libpython(interpreter: &Path) -> String {
     let path = path.trim();
     assert!(
         path.contains(".so") && Path::new(path).exists(),
-        "FMUs from PythonFMU need a Python with a shared library, and {} has none ({path}): install one (Debian, Ubuntu: apt-get \
-         install libpython3-dev; pyenv: PYTHON_CONFIGURE_OPTS=--enable-shared)",
+        "FMUs from PythonFMU need a Python with a shared library, and {} has none ({path}): install one (Debian, \
+         Ubuntu: apt-get install libpython3-dev; pyenv: PYTHON_CONFIGURE_OPTS=--enable-shared)",
         interpreter.display()
     );
     path.to_owned()

@@ -1,13 +1,13 @@
-//! Pantograph FMUs that are awkward or broken, tried with `master run` and `master inspect`. Each gives a result that is
-//! right, or a message that says which FMU it is, what about it, and what to do; the program itself neither crashes nor hangs.
+//! Pantograph FMUs that are awkward or broken, tried with `master run` and `master inspect`. Each gives a right result,
+//! or a message with the FMU, the problem and the remedy; the program itself neither crashes nor hangs.
 //!
 //! | class | the FMU |
 //! | --- | --- |
 //! | D1 | accepts one communication step only |
 //! | D2 | cannot go back to a saved state |
-//! | D3 | claims abilities that it lacks: states that come back wrong or not at all, wrong derivatives, wrong dependencies |
+//! | D3 | claims abilities that it lacks: states come back wrong or not at all, wrong derivatives or dependencies |
 //! | D4 | says nothing about dependencies, units and start values |
-//! | D5 | uses what the schema allows: flat, quoted and non-ASCII names, annotations, a byte order mark, aliases, enumerations |
+//! | D5 | uses all that the schema allows: odd names, annotations, a byte order mark, aliases, enumerations |
 //! | D6 | starts at a height that does not fit the line |
 //! | D7 | refuses a start time that is negative, or not zero |
 //! | D8 | reads its resources, changes the current directory, or depends on it |
@@ -16,7 +16,7 @@
 //! | D11 | returns values that are not numbers |
 //! | D12 | crashes, aborts, exits or never returns |
 //!
-//! The FMU is `tests/suppliers/pantograph.c`, which behaves as it is built. Its good form gives the reference.
+//! The FMU is `tests/suppliers/pantograph.c`, whose macros choose its behaviour. Its good form gives the reference.
 use integration_tests::installed::{Ended, Program};
 use integration_tests::runs::rms;
 use integration_tests::vendor::{Pantograph, under_the_line};
@@ -24,19 +24,19 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// What messages call it, at least: its file is `two_mass.fmu`.
+/// Name of the FMU in messages, at least: its file is `two_mass.fmu`.
 const NAME: &str = "two_mass";
 
 /// Start of all these pantographs: contact closed, nearly in balance.
 const PARAMETERS: &str = "parameters = { start_height = 5.345 }\n";
 
-/// What the reason of the coupling says where a side cannot be taken back.
+/// Reason of the coupling when a side cannot be taken back.
 const ONE_PASS: &str = "cannot go back to a saved state: one pass per step";
 
 /// Without the FMI layer on our side: faster, and the other side is the same.
 const HERE: [&str; 2] = ["--mode", "inprocess"];
 
-/// One pantograph beside the program.
+/// Pantograph beside the program.
 struct Tried {
     program: Program,
     fmu: PathBuf,
@@ -107,7 +107,7 @@ fn keeps_results(ended: &Ended, t: f64) {
     }
 }
 
-// D1 -----------------------------------------------------------------------------------------------------------------------
+// D1 ------------------------------------------------------------------------------------------------------------------
 
 /// 1 ms, and nothing else.
 fn of_one_step() -> Pantograph {
@@ -126,7 +126,7 @@ fn d1_a_pantograph_of_one_step_runs_with_that_step_to_the_end() {
     // A duration that is no multiple of the step is no reason for another step.
     let longer = tried.run_with(PARAMETERS, &["run.duration=0.3005"]).done();
     assert!(rms(&longer.force()[..300], &good_force(&[])[..300]) < 1e-9);
-    // Nor is the standstill.
+    // The standstill is no reason either.
     let _ = tried.run_with(PARAMETERS, &["run.initialise=\"equilibrium\""]).done();
     let (text, json) = tried.inspect();
     assert!(text.contains("canHandleVariableCommunicationStepSize false"), "{text}");
@@ -138,14 +138,15 @@ fn d1_a_longer_macro_step_is_cut_into_that_step_and_a_shorter_one_is_refused() {
     let tried = Tried::new(&of_one_step());
     let longer = ["coupling.macro_step=0.002"];
     let force = tried.run_with(PARAMETERS, &longer).done().force();
-    // The pieces follow the input where one step holds it: of second order in the macro step, on a force of 200 N.
+    // Short steps follow the input that one long step holds: an error of second order in the macro step, on a force of
+    // 200 N.
     let difference = rms(&force, &good_force(&longer));
     assert!(difference < 2.0, "{difference} N");
     let ended = tried.run_with(PARAMETERS, &["coupling.macro_step=0.0005"]);
     let _ = ended.refused(2, &[NAME, "macro_step", "0.001"]);
 }
 
-// D2 -----------------------------------------------------------------------------------------------------------------------
+// D2 ------------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn d2_a_pantograph_without_rollback_is_never_taken_back() {
@@ -160,7 +161,7 @@ fn d2_a_pantograph_without_rollback_is_never_taken_back() {
         .summary();
     let reason = summary["coupling"]["reason"].as_str().unwrap();
     assert!(!reason.is_empty(), "{summary}");
-    // One that repeats steps makes each of them once, and says so: what is left of it is Gauss-Seidel.
+    // A repeating algorithm makes each step once and says so: the rest is Gauss-Seidel.
     let iterated = tried.run_with(PARAMETERS, &["coupling.algorithm=\"iterated\""]).done();
     let summary = iterated.summary();
     let reason = summary["coupling"]["reason"].as_str().unwrap();
@@ -172,19 +173,19 @@ fn d2_a_pantograph_without_rollback_is_never_taken_back() {
     assert_eq!(json["capabilities"]["canGetAndSetFMUstate"], "false");
 }
 
-// D3 -----------------------------------------------------------------------------------------------------------------------
+// D3 ------------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn d3_states_that_come_back_wrong_or_not_at_all_are_noticed() {
     for rollback in ["ROLLBACK=0", "ROLLBACK=2"] {
         let tried = Tried::new(&Pantograph::new().built_with(&[rollback]));
         let ended = tried.run_with(PARAMETERS, &["coupling.algorithm=\"iterated\""]);
-        // It is not relied on: each step is made once, and the reason says so.
+        // The ability is not used: each step is made once, and the reason says so.
         let summary = ended.done().summary();
         let reason = summary["coupling"]["reason"].as_str().unwrap();
         assert!(reason.contains(ONE_PASS), "{reason}");
         assert_eq!(summary["cost"]["rollbacks"], 0);
-        // What needs no rollback is as good as ever.
+        // Couplings without rollback are as good as ever.
         assert_eq!(tried.run().done().force(), good_force(&[]));
         let _ = tried.run_with(PARAMETERS, &["coupling.algorithm=\"auto\""]).done();
         let (text, _) = tried.inspect();
@@ -216,7 +217,7 @@ fn d3_input_derivatives_that_are_refused_against_the_flag_are_named_or_done_with
     }
 }
 
-// D4 -----------------------------------------------------------------------------------------------------------------------
+// D4 ------------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn d4_a_description_without_dependencies_units_and_start_values_does() {
@@ -246,42 +247,64 @@ fn d4_a_description_without_dependencies_units_and_start_values_does() {
     assert_eq!(json["wiring"]["inputs"]["force"], "F_c");
 }
 
-// D5 -----------------------------------------------------------------------------------------------------------------------
+// D5 ------------------------------------------------------------------------------------------------------------------
 
-/// Everything at once that a tool may write.
+/// A description with all that a tool may write.
 fn ornate() -> Pantograph {
     Pantograph::new()
-        .saying("variableNamingConvention=\"structured\"", "variableNamingConvention=\"flat\"")
-        .saying("name=\"F_c\"", "name=\"Kraft &lt;F&gt; [N], &quot;Schleifleiste&quot;\"")
+        .saying(
+            "variableNamingConvention=\"structured\"",
+            "variableNamingConvention=\"flat\"",
+        )
+        .saying(
+            "name=\"F_c\"",
+            "name=\"Kraft &lt;F&gt; [N], &quot;Schleifleiste&quot;\"",
+        )
         .saying("name=\"z1\"", "name=\"'Höhe 高さ'.z[1]\"")
         .saying("name=\"v1\"", "name=\"der('Höhe 高さ'.z[1])\"")
         .saying("name=\"static.force\"", "name=\"statische Kraft\"")
-        .saying("<BaseUnit m=\"1\"/>", "<BaseUnit m=\"1\"/><DisplayUnit name=\"mm\" factor=\"1000\"/>")
+        .saying(
+            "<BaseUnit m=\"1\"/>",
+            "<BaseUnit m=\"1\"/><DisplayUnit name=\"mm\" factor=\"1000\"/>",
+        )
         .saying(
             "<DefaultExperiment",
             "<TypeDefinitions>
-    <SimpleType name=\"Length\" description=\"a length\"><Real quantity=\"Length\" unit=\"m\" displayUnit=\"mm\" min=\"0\"/></SimpleType>
-    <SimpleType name=\"Kind\"><Enumeration><Item name=\"single\" value=\"1\"/><Item name=\"double\" value=\"2\" description=\"two arms\"/></Enumeration></SimpleType>
+    <SimpleType name=\"Length\" description=\"a length\"><Real quantity=\"Length\" unit=\"m\" displayUnit=\"mm\" \
+              min=\"0\"/></SimpleType>
+    <SimpleType name=\"Kind\"><Enumeration><Item name=\"single\" value=\"1\"/><Item name=\"double\" value=\"2\" \
+              description=\"two arms\"/></Enumeration></SimpleType>
   </TypeDefinitions>
-  <LogCategories><Category name=\"logEvents\"/><Category name=\"logStatusError\" description=\"errors\"/></LogCategories>
+  <LogCategories><Category name=\"logEvents\"/><Category name=\"logStatusError\" \
+              description=\"errors\"/></LogCategories>
   <DefaultExperiment",
         )
         .saying(
             "<ModelVariables>",
-            "<VendorAnnotations><Tool name=\"Vendor\"><v:data xmlns:v=\"urn:vendor\"><![CDATA[<not> & xml]]></v:data></Tool></VendorAnnotations>
+            "<VendorAnnotations><Tool name=\"Vendor\"><v:data xmlns:v=\"urn:vendor\"><![CDATA[<not> & \
+              xml]]></v:data></Tool></VendorAnnotations>
   <!-- a comment -->
   <ModelVariables>",
         )
-        .saying("causality=\"output\" description=\"Height of the strip above rail\"><Real unit=\"m\"/>",
-            "causality=\"output\" description=\"Height of the strip above rail\"><Real declaredType=\"Length\" nominal=\"5\"/><Annotations><Tool name=\"Vendor\"><x/></Tool></Annotations>")
+        .saying(
+            "causality=\"output\" description=\"Height of the strip above rail\"><Real unit=\"m\"/>",
+            "causality=\"output\" description=\"Height of the strip above rail\"><Real declaredType=\"Length\" \
+              nominal=\"5\"/><Annotations><Tool name=\"Vendor\"><x/></Tool></Annotations>",
+        )
         .saying(
             "  </ModelVariables>",
-            "    <ScalarVariable name=\"z1, alias\" valueReference=\"20\" causality=\"local\"><Real declaredType=\"Length\"/></ScalarVariable>
-    <ScalarVariable name=\"raised\" valueReference=\"30\" causality=\"input\" variability=\"discrete\"><Boolean start=\"true\"/></ScalarVariable>
-    <ScalarVariable name=\"kind\" valueReference=\"40\" causality=\"parameter\" variability=\"fixed\"><Enumeration declaredType=\"Kind\" start=\"1\"/></ScalarVariable>
-    <ScalarVariable name=\"serial number\" valueReference=\"50\" causality=\"parameter\" variability=\"fixed\"><String start=\"\"/></ScalarVariable>
-    <ScalarVariable name=\"g\" valueReference=\"1\" causality=\"local\" variability=\"constant\" initial=\"exact\"><Real start=\"9.81\"/></ScalarVariable>
-    <ScalarVariable name=\"time\" valueReference=\"4294967295\" causality=\"independent\" variability=\"continuous\"><Real/></ScalarVariable>
+            "    <ScalarVariable name=\"z1, alias\" valueReference=\"20\" causality=\"local\"><Real \
+              declaredType=\"Length\"/></ScalarVariable>
+    <ScalarVariable name=\"raised\" valueReference=\"30\" causality=\"input\" variability=\"discrete\"><Boolean \
+              start=\"true\"/></ScalarVariable>
+    <ScalarVariable name=\"kind\" valueReference=\"40\" causality=\"parameter\" variability=\"fixed\"><Enumeration \
+              declaredType=\"Kind\" start=\"1\"/></ScalarVariable>
+    <ScalarVariable name=\"serial number\" valueReference=\"50\" causality=\"parameter\" \
+              variability=\"fixed\"><String start=\"\"/></ScalarVariable>
+    <ScalarVariable name=\"g\" valueReference=\"1\" causality=\"local\" variability=\"constant\" \
+              initial=\"exact\"><Real start=\"9.81\"/></ScalarVariable>
+    <ScalarVariable name=\"time\" valueReference=\"4294967295\" causality=\"independent\" \
+              variability=\"continuous\"><Real/></ScalarVariable>
   </ModelVariables>",
         )
         .described(|description| [b"\xef\xbb\xbf".as_slice(), &description].concat())
@@ -296,7 +319,8 @@ outputs = { height = { variable = \"'Höhe 高さ'.z[1]\" }, velocity = { variab
 #[test]
 fn d5_names_types_and_annotations_of_any_kind_are_read() {
     let tried = Tried::new(&ornate());
-    // The wiring is written out here and guessed there, which decides whether the line has lateral coordinates: rounding.
+    // The wiring is written out here and guessed there, which decides whether the line has lateral coordinates:
+    // rounding.
     let difference = |ended: Ended| rms(&ended.done().force(), &good_force(&[]));
     assert!(difference(tried.run_with(ORNATE, &[])) < 1e-6);
     let (text, json) = tried.inspect();
@@ -315,7 +339,7 @@ fn d5_names_types_and_annotations_of_any_kind_are_read() {
     let _ = ended.refused(2, &["kind", "parameters"]);
 }
 
-// D6 -----------------------------------------------------------------------------------------------------------------------
+// D6 ------------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn d6_a_pantograph_that_starts_elsewhere_is_aligned_with_the_wire() {
@@ -351,7 +375,7 @@ fn d6_a_pantograph_that_starts_elsewhere_gives_a_result_or_says_that_its_height_
     let _ = tried.inspect();
 }
 
-// D7 -----------------------------------------------------------------------------------------------------------------------
+// D7 ------------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn d7_a_start_time_that_is_refused_is_not_needed() {
@@ -368,7 +392,7 @@ fn d7_a_start_time_that_is_refused_is_not_needed() {
     }
 }
 
-// D8 -----------------------------------------------------------------------------------------------------------------------
+// D8 ------------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn d8_resources_are_found_and_the_current_directory_is_put_back() {
@@ -409,7 +433,7 @@ fn d8_a_pantograph_that_must_be_in_its_folder_runs_in_a_process_there() {
     assert_eq!(tried.run_with(&isolated, &[]).done().force(), good_force(&[]));
 }
 
-// D9 -----------------------------------------------------------------------------------------------------------------------
+// D9 ------------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn d9_messages_of_any_form_are_taken() {
@@ -459,7 +483,7 @@ fn d9_what_was_logged_is_in_the_message_of_a_failure() {
     }
 }
 
-// D10 ----------------------------------------------------------------------------------------------------------------------
+// D10 -----------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn d10_a_warning_does_not_end_a_run() {
@@ -501,7 +525,7 @@ fn d10_a_discarded_step_is_shortened_where_both_sides_can_go_back() {
     assert_eq!(summary["complete"], false);
 }
 
-// D11 ----------------------------------------------------------------------------------------------------------------------
+// D11 -----------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn d11_a_value_that_is_no_number_is_named_with_variable_and_time() {
@@ -519,7 +543,7 @@ fn d11_a_value_that_is_no_number_is_named_with_variable_and_time() {
     assert!(text.contains("z1 = NaN"), "{text}");
 }
 
-// D12 ----------------------------------------------------------------------------------------------------------------------
+// D12 -----------------------------------------------------------------------------------------------------------------
 
 const FAULTS: [&str; 4] = ["SEGV", "ABORT", "EXIT", "LOOP"];
 const ISOLATED: &str = "parameters = { start_height = 5.345 }\nisolate = true\nstep_timeout = 1\n";
@@ -533,7 +557,7 @@ fn d12_a_crash_or_endless_loop_in_a_step_ends_the_run_with_its_results_kept() {
             .run_with(ISOLATED, &[])
             .refused(1, &["pantograph 1", "fmi2DoStep", "two_mass"]);
         keeps_results(&ended, 0.1);
-        // What is not run is not executed.
+        // `inspect` does not execute the FMU.
         let _ = tried.inspect();
     }
 }

@@ -1,4 +1,4 @@
-//! Somebody else's FMUs on several places of one scene: two pantographs, a line, both, and the way through an `.ssp`.
+//! Supplied FMUs in several places of one scene: two pantographs, a line, both, and the way through an `.ssp`.
 use integration_tests::installed::{Ended, Program};
 use integration_tests::runs::rms;
 use integration_tests::vendor::{LINE, OWN, Pantograph};
@@ -16,7 +16,7 @@ fn own(offset: f64) -> String {
     format!("{OWN}offset_x = {offset:?}\nstart = {{ height = {HEIGHT}, force = 115.88 }}\n")
 }
 
-/// The same one from a supplier, with other masses where `more` says so.
+/// Supplied pantograph of the same data, with other masses in `more`.
 fn theirs(offset: f64, more: &str) -> String {
     format!(
         "\n[[pantograph]]\nfmu = \"two_mass.fmu\"\noffset_x = {offset:?}\n\
@@ -75,7 +75,7 @@ fn two_pantographs_of_a_supplier_have_the_forces_of_two_of_ours() {
         &fine,
     );
     let expected = forces(&ours);
-    // They are not the same pantograph twice: each meets the line elsewhere.
+    // The two pantographs differ: each meets the line elsewhere.
     assert!(rms(&expected[0], &expected[1]) > 10.0);
     for other in [&both, &mixed] {
         for (expected, found) in expected.iter().zip(forces(other)) {
@@ -109,7 +109,7 @@ fn a_line_and_pantographs_of_others_have_the_forces_of_ours() {
             println!("{} pantograph(s), {column}: {difference} N", offsets.len());
             assert!(difference < 0.05, "{column}: {difference} N");
         }
-        // Nobody integrates here, so there is no monolithic run.
+        // A monolithic run is impossible, because no side is modelled here.
         let refused = program.run(&program.folder().join("together.toml"), &["--mode", "monolithic"]);
         let _ = refused.refused(2, &["monolithic", "no equations"]);
     }
@@ -139,7 +139,7 @@ fn a_system_with_fmus_of_others_runs_as_the_scene_it_was_made_of() {
         let again = program.run(&system, &[]).done();
         let read = |folder: &Path| fs::read(folder.join("timeseries.csv")).unwrap();
         assert!(read(&first.results) == read(&again.results), "{name}");
-        // Its resolved scene finds the FMUs that were kept beside it, without the archive.
+        // The resolved scene finds the FMUs kept beside it, without the archive.
         fs::remove_file(&system).unwrap();
         let resolved = program.run(&again.results.join("scene.toml"), &[]).done();
         assert!(read(&first.results) == read(&resolved.results), "{name}");

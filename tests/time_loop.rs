@@ -61,8 +61,8 @@ fn a_line_steps_without_allocating() {
     let height = statics.wire_height_under(scene.run.start_x, 110.0).unwrap().height + 110.0 / 5e4;
     let mut line = Subsystem::new(&scene, &statics).unwrap();
     line.start(&starts(&scene, height)).unwrap();
-    // Rising and falling by 20 mm on the spot, so that the same droppers go slack and come back: the first time each of them
-    // gets the column that is kept for it.
+    // Rising and falling by 20 mm on the spot, so that the same droppers go slack and come back: the first time each of
+    // them gets the column that is kept for it.
     let mut slack = 0;
     let count = allocations(&mut line, 700, 600, &mut |line, n| {
         let t = n as f64 * H;
@@ -151,7 +151,7 @@ fn newton_converges_quadratically_on_a_hard_contact_step() {
     assert!(steep >= 2 && residuals.len() <= 9, "{residuals:?}");
 }
 
-/// Runs a line under a strip that rises by a cosine and returns the course of the contact force.
+/// Runs a line under a strip that rises by a cosine and returns the history of the contact force.
 fn forces(scene: &Scene, layout: Layout, line: Box<dyn OverheadLine>, steps: usize) -> Vec<f64> {
     let mut line = Subsystem::with_line(scene, layout, line).unwrap();
     line.start(&starts(
@@ -197,7 +197,7 @@ fn planar_enriched_and_linear_lines_go_through_the_same_subsystem() {
     let (layout, line) = solved(&scene, planar);
     let coordinates = layout.coordinates();
     let flat = forces(&scene, layout, Box::new(line), steps);
-    // Nothing moves sideways: the same solution to the Newton tolerance of 1e-4 N, which contact and mass amplify little.
+    // No sideways motion: the same solution to the Newton tolerance of 1e-4 N, which contact and mass amplify little.
     assert!(
         distance(&flat, &spatial) < 1e-2,
         "planar: {} N",
@@ -227,8 +227,8 @@ fn planar_enriched_and_linear_lines_go_through_the_same_subsystem() {
     );
 }
 
-/// A correction leaves out what is far below the tolerance; through a closing dropper's term of 2e7 N/m that became more than the
-/// tolerance, and stayed in every further correction of the step at 0.9625 s.
+/// A correction leaves out what is far below the tolerance; through a closing dropper's term of 2e7 N/m that became
+/// more than the tolerance, and stayed in every further correction of the step at 0.9625 s.
 #[test]
 fn steps_that_close_stiffly_damped_droppers_reach_their_tolerance() {
     let overrides = [
@@ -247,7 +247,8 @@ fn steps_that_close_stiffly_damped_droppers_reach_their_tolerance() {
 
 #[test]
 fn a_step_too_short_to_see_changes_nothing_of_what_follows() {
-    // Rates over it are rounding: of the contact force, which the correction of the mass needs, and of the accelerations.
+    // Rates over it are rounding: of the contact force, which the correction of the mass needs, and of the
+    // accelerations.
     let scene = scene(EN, &["catenary.mesh.corrections=[\"mass_correction\"]"]);
     let statics = catenary::static_line(&scene).unwrap();
     let course = |short: Option<f64>| -> Vec<f64> {

@@ -25,12 +25,12 @@ fn coupled_and_as_one_system_the_force_is_the_same() {
 
 #[test]
 fn coupled_and_as_one_system_sigma_is_the_same_and_shorter_macro_steps_come_closer() {
-    // Both sides at the shorter macro step throughout, so that only the coupling differs.
+    // The shorter macro step on either side throughout, so that only the coupling differs.
     let micro = "solver.micro_step=5e-4";
     let more = ["run.duration=2.0", "run.evaluate={time=[0.5,2.0]}", micro];
     let of = |mode, keys: &[&str]| run(scene_with(DEFAULT, &[&more[..], keys].concat()), mode, "vehicle");
     let whole = of(Mode::Monolithic, &[]);
-    // Of second order but for droppers that go slack; and what the scene takes, which leaves a fiftieth of that at 1 ms.
+    // Second order but for droppers that go slack; and the scene's own choice, far below that at 1 ms.
     for (algorithm, closer, most) in [("gauss_seidel", 0.6, 1e-2), ("auto", 0.8, 5e-4)] {
         let [long, shorter] = ["1e-3", "5e-4"].map(|step| {
             let coupling = [
@@ -41,7 +41,7 @@ fn coupled_and_as_one_system_sigma_is_the_same_and_shorter_macro_steps_come_clos
             let (sigma, expected) = (coupled.sigma(), whole.sigma());
             let apart = whole.raw_difference(&coupled);
             println!("{algorithm}, {step} s: σ {sigma:.4} N of {expected:.4} N, raw force {apart:.2e} N apart");
-            // The bound that the project asks for at 1 ms.
+            // The bound of the project at 1 ms.
             assert!((sigma / expected - 1.0).abs() < 0.02, "{sigma} {expected}");
             apart / expected
         });
@@ -89,8 +89,8 @@ fn the_augmented_formulation_of_a_scene_gives_the_force_of_the_default_one() {
 }
 
 /// The run enters it after half a second and is in its arc from 2.4 s on; 7 cm of cant are missing.
-const CURVE: &str = "track.curve={ radius = 1400.0, direction = \"left\", cant = 0.1, start = 75.0, transition = 75.0, length = 300.0, \
-                     rounding = 6.0 }";
+const CURVE: &str = "track.curve={ radius = 1400.0, direction = \"left\", cant = 0.1, start = 75.0, \
+                     transition = 75.0, length = 300.0, rounding = 6.0 }";
 
 #[test]
 fn coupled_and_as_one_system_the_force_is_the_same_in_a_curve() {
@@ -152,8 +152,8 @@ fn the_summary_says_which_curve_is_not_reached_and_where_wheels_do_not_roll_stea
         "{found}"
     );
     // Rails that go to the left where the run starts.
-    let bent = "track.irregularities={ model = \"points\", x = [30.0, 45.0, 55.0, 70.0], y_left = [0.0, 2.5e-3, -2.5e-3, 0.0], \
-                y_right = [0.0, 2.5e-3, -2.5e-3, 0.0] }";
+    let bent = "track.irregularities={ model = \"points\", x = [30.0, 45.0, 55.0, 70.0], \
+                y_left = [0.0, 2.5e-3, -2.5e-3, 0.0], y_right = [0.0, 2.5e-3, -2.5e-3, 0.0] }";
     assert_eq!(reason("wheel_rail", &[]), "wheels roll on rails");
     let found = reason("wheel_rail", &[bent]);
     assert!(found.contains("do not roll steadily where they start"), "{found}");
@@ -174,8 +174,8 @@ fn on_smooth_track_the_vehicle_hardly_changes_the_contact_force() {
 fn on_rough_track_a_given_motion_with_pitch_makes_the_force_of_the_vehicle() {
     const COLUMNS: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
     let rough = [
-        "track.irregularities={ model = \"spectrum\", seed = 1, wavelengths = [3.0, 80.0], vertical_roughness = 4.032e-7, \
-         lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }",
+        "track.irregularities={ model = \"spectrum\", seed = 1, wavelengths = [3.0, 80.0], \
+         vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }",
         "model.reduce=none",
     ];
     let scene = scene_with(DEFAULT, &[&SHORT[..], &rough].concat());
@@ -217,7 +217,7 @@ fn on_rough_track_a_given_motion_with_pitch_makes_the_force_of_the_vehicle() {
     ]
     .map(error);
     println!("without pitch {without} %, with pitch alone {turned} %, all {all} %");
-    // What is left is what the contact force does to the vehicle, which is as large on smooth track: 1.7 MN/m under a few kN/m.
+    // The rest is the effect of the contact force on the vehicle, as large on smooth track: 1.7 MN/m under a few kN/m.
     assert!(all < 0.05 && all < 0.02 * without, "{without} {turned} {all}");
 }
 
@@ -242,13 +242,14 @@ fn a_motion_from_a_file_is_that_of_the_same_lists() {
     assert_eq!(found.time.len(), 101);
     assert_eq!(found.z[100], 0.01 * (1.0 - 6.0_f64.cos()));
     assert!(found.y.iter().all(|y| *y == 0.0));
-    // What is written holds the lists: it needs no file.
+    // The written scene holds the lists and needs no file.
     let again = scene_with(&prepared.scene.to_toml(), &[]);
     assert_eq!(again.vehicle, prepared.scene.vehicle);
 }
 
-/// Rise of a car body over that of the rails where all wheelsets go up and down alike with the angular frequency `omega` (rad/s):
-/// car body and bolsters, frames, equalizers and wheelsets on the vertical springs and dampers of the scene.
+/// Rise of a car body over that of the rails where all wheelsets go up and down alike with the angular frequency
+/// `omega` (rad/s): car body and bolsters, frames, equalizers and wheelsets on the vertical springs and dampers of the
+/// scene.
 fn transfer_to_car_body(omega: f64) -> Complex<f64> {
     let masses = [24_170.0 + 2.0 * 1107.0, 2.0 * 3214.0, 4.0 * 469.0, 4.0 * 2091.0];
     let springs = [8.0 * 215e3, 8.0 * 1.22e6, 8.0 * 2e8, 8.0 * 1.2e9];
@@ -282,7 +283,7 @@ fn harmonic(series: &[f64], omega: f64, start: f64, step: f64) -> [f64; 2] {
 
 const COLUMNS: &str = "x,z_left,z_right\n";
 
-/// Both bogies are in phase where their distance is a wavelength; the wheelsets of each stand 2.5908 m apart, which leaves
+/// The bogies are in phase if their distance is a wavelength; the wheelsets of each stand 2.5908 m apart, which leaves
 /// `cos(π 2.5908 m/λ)` of the wave for its middle.
 #[test]
 fn on_a_measured_sine_the_car_body_heaves_with_v_over_the_wavelength_as_its_springs_let_it() {
@@ -316,7 +317,7 @@ fn on_a_measured_sine_the_car_body_heaves_with_v_over_the_wavelength_as_its_spri
         // The middle of the vehicle is in front of the base.
         let ahead = 11.950_053_78 - 7.5819;
         let middle = side.base().position.x - ahead;
-        // What the start leaves decays with 1.4 1/s and more; then three periods.
+        // The transient of the start decays with 1.4 1/s and more; then three periods.
         let (settle, periods) = ((6.0 / STEP) as usize, (3.0 / hertz / STEP).round() as usize);
         let mut heave = Vec::with_capacity(periods);
         for n in 0..settle + periods {

@@ -1,5 +1,5 @@
-//! Pantographs of other suppliers: one written in C, which the tests build, describe and pack as they need it, and the line
-//! they are tried under: `tests/suppliers`.
+//! Pantographs of other suppliers: one written in C, which the tests build, describe and pack as needed, and the line
+//! they run under: `tests/suppliers`.
 use crate::fmus::tree;
 use std::fs::{self, File};
 use std::io::Write;
@@ -11,7 +11,7 @@ use zip::write::SimpleFileOptions;
 /// A short line without a pantograph, as a scene.
 pub const LINE: &str = include_str!("suppliers/line.toml");
 
-/// The pantograph that they all are, modelled here.
+/// The common pantograph, modelled here.
 pub const OWN: &str = "
 [[pantograph]]
 model = \"lumped\"
@@ -35,7 +35,7 @@ pub fn under_the_line(fmu: &Path, more: &str) -> String {
 /// Name of the binary in the archive, without extension.
 const IDENTIFIER: &str = "two_mass";
 
-/// The pantograph, with a choice of what it does and says.
+/// The pantograph, with a choice of behaviour and description.
 #[derive(Clone)]
 pub struct Pantograph {
     macros: Vec<String>,
@@ -50,10 +50,10 @@ impl Default for Pantograph {
 }
 
 impl Pantograph {
-    /// As a good supplier delivers it.
+    /// The pantograph as a good supplier delivers it.
     ///
     /// # Panics
-    /// When its description is not there.
+    /// When its description is missing.
     #[must_use]
     pub fn new() -> Self {
         Self {
@@ -63,17 +63,17 @@ impl Pantograph {
         }
     }
 
-    /// Built with macros of `pantograph.c`.
+    /// Adds macros of `pantograph.c` to the build.
     #[must_use]
     pub fn built_with(mut self, macros: &[&str]) -> Self {
         self.macros.extend(macros.iter().map(ToString::to_string));
         self
     }
 
-    /// Described in other words, everywhere.
+    /// Replaces words of the description, everywhere.
     ///
     /// # Panics
-    /// When the words to replace are not there.
+    /// When the words to replace are missing.
     #[must_use]
     pub fn saying(mut self, instead: &str, words: &str) -> Self {
         let description = String::from_utf8(self.description).unwrap();
@@ -82,7 +82,7 @@ impl Pantograph {
         self
     }
 
-    /// Without one of the abilities, in word and deed.
+    /// Removes one of the abilities, from behaviour and description.
     #[must_use]
     pub fn unable(self, flag: &str, switch: &str) -> Self {
         let switch = format!("{switch}=0");
@@ -90,24 +90,24 @@ impl Pantograph {
             .built_with(&[&switch])
     }
 
-    /// With a description as these bytes.
+    /// Replaces the description by these bytes.
     #[must_use]
     pub fn described(mut self, change: impl FnOnce(Vec<u8>) -> Vec<u8>) -> Self {
         self.description = change(self.description);
         self
     }
 
-    /// With a file among its resources.
+    /// Adds a file to the resources.
     #[must_use]
     pub fn resource(mut self, name: &str, content: &[u8]) -> Self {
         self.resources.push((name.to_owned(), content.to_vec()));
         self
     }
 
-    /// Builds it and writes the archive into a folder; returns the path.
+    /// Builds the pantograph and writes the archive into a folder; returns the path.
     ///
     /// # Panics
-    /// Where there is no C compiler, or it refuses.
+    /// Without a C compiler, or when the compiler refuses.
     pub fn write(&self, folder: &Path, name: &str) -> PathBuf {
         let library = folder.join(format!("{name}.{}", std::env::consts::DLL_EXTENSION));
         let mut command = Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()));
@@ -127,8 +127,8 @@ impl Pantograph {
             .arg(tree().join("tests/suppliers/pantograph.c"));
         let output = command.args(["-lm", "-lpthread"]).output().unwrap_or_else(|error| {
             panic!(
-                "the pantograph of another supplier is written in C and needs a compiler: {command:?}: {error}. Install one \
-                 (Debian, Ubuntu: apt-get install gcc), or name it in CC, and run the tests again"
+                "the pantograph of another supplier is written in C and needs a compiler: {command:?}: {error}. \
+                 Install one (Debian, Ubuntu: apt-get install gcc), or name it in CC, and run the tests again"
             )
         });
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

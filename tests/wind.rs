@@ -69,7 +69,8 @@ fn blown_out(length: f64, tension: f64, gravity: f64, speed: f64) -> Vector3<f64
     Vector3::from_column_slice(&state.q[middle..middle + 3])
 }
 
-/// Sag of an elastic parabola under a load of `f` N/m: `f L²/8H`, where stretching by `f² L²/24 H²` has raised `T` to `H`.
+/// Sag of an elastic parabola under a load of `f` N/m: `f L²/8H`, where stretching by `f² L²/24 H²` has raised `T` to
+/// `H`.
 fn parabola(f: f64, length: f64, tension: f64) -> f64 {
     let stretch = |h: f64| (f * length / h).powi(2) / 24.0;
     let mut h = tension;
@@ -90,7 +91,7 @@ fn a_wire_in_a_steady_cross_wind_blows_out_as_the_parabola() {
                 let sag = parabola(load, length, tension);
                 let (y, z) = (sag * f / load, -sag * 1.29 * gravity / load);
                 println!("{length} m, {tension} N, {speed} m/s, g {gravity}: {middle:?}, parabola {y} {z}");
-                // 0.5 % asked for; the load per length along the wire and across it differ by a sixth of that.
+                // The loads per length along the wire and across it differ by a sixth of the tolerance.
                 assert!((middle.y - y).abs() < 5e-3 * y.abs(), "{middle:?} {y}");
                 assert!((middle.z - z).abs() < 5e-3 * z.abs() + 1e-9, "{middle:?} {z}");
             }
@@ -114,15 +115,15 @@ fn pantograph(text: &str, overrides: &[&str]) -> (PantographModel, Scene) {
     (model, scene)
 }
 
-/// How much more force the strip presses with in the wind, N.
+/// Additional force of the strip in the wind, N.
 fn change(text: &str, overrides: &[&str]) -> f64 {
     let (model, _) = pantograph(text, overrides);
     let height = model.reference_height();
     model.equilibrium_at_height(height).unwrap().force - model.static_force()
 }
 
-/// What a lift on all surfaces, and a drag from ahead, of one pascal does at the strip: `Σ C_L A dz/dh` and `Σ C_D A dx/dh` in m², by
-/// how far the centres of mass go when the strip rises by `dh` in still air.
+/// Virtual work at the strip of a lift on all surfaces, and of a drag from ahead, of one pascal: `Σ C_L A dz/dh` and `Σ
+/// C_D A dx/dh` in m², from the paths of the centres of mass when the strip rises by `dh` in still air.
 fn virtual_work() -> (f64, f64) {
     const RISE: f64 = 1e-4;
     let scene = scene_with(ALONE, &["model.reduce=\"none\""]);
@@ -153,16 +154,17 @@ fn virtual_work() -> (f64, f64) {
     (lift, drag)
 }
 
-/// kg/m³: a hundredth of air, under which the mechanism hardly gives way. In air of its density drag lowers the arms by 6 mm under a
-/// strip that is held up, and with the shape the work changes by some percent.
+/// kg/m³: a hundredth of air, under which the mechanism hardly gives way. In air of its density drag lowers the arms by
+/// 6 mm under a strip that is held up, and with the shape the work changes by some percent.
 const THIN: f64 = 0.01 * DENSITY;
 const THIN_AIR: &str = "wind.air_density=0.01225";
 
 #[test]
 fn drag_and_lift_reach_the_strip_by_virtual_work() {
     let (lift, drag) = virtual_work();
-    // By hand on the four-bar: the lift of the four bodies. The drag by hand is 0.0244 with a plunger that does not turn; it does, as
-    // its link is no parallelogram with the upper arm, and carries the pan-head with it.
+    // The lift of the four bodies is computed by hand on the four-bar. The drag by hand is 0.0244 with a plunger that
+    // does not turn; the plunger does turn, because its link is no parallelogram with the upper arm, and carries the
+    // pan-head along.
     assert!((lift - 0.0323).abs() < 1e-4, "{lift}");
     println!("lift {lift}, drag {drag} m²");
     let q = 0.5 * THIN * (40.0_f64 + 200.0 / 3.6).powi(2);
@@ -176,7 +178,7 @@ fn drag_and_lift_reach_the_strip_by_virtual_work() {
         let from_behind = change(&alone_in_the_wind(), &[&behind, "wind.yaw_deg=180", THIN_AIR, reduce]);
         let expected = [q * (lift - drag), 0.5 * THIN * 2500.0 * (lift + drag)];
         for (found, expected) in [from_ahead, from_behind].into_iter().zip(expected) {
-            // The square of the rise of the difference, and what the mechanism gives way in thin air.
+            // Square of the rise of the difference, and the yielding of the mechanism in thin air.
             assert!(
                 (found - expected).abs() < 1e-4 * q * lift,
                 "{reduce}: {found} N, {expected} N"
@@ -187,8 +189,8 @@ fn drag_and_lift_reach_the_strip_by_virtual_work() {
 
 #[test]
 fn every_reading_of_the_wind_of_the_thesis_is_known_beside_the_published_change() {
-    // [Thesis, 5.2]: 20 m/s, 15° of yaw; Table 6: +12.43 N. Air relative to the train: along the track (from ahead positive) and
-    // across, m/s.
+    // [Thesis, 5.2]: 20 m/s, 15° of yaw; Table 6: +12.43 N. Air relative to the train: along the track (from ahead
+    // positive) and across, m/s.
     let train = 200.0 / 3.6;
     let (s, c) = 15_f64.to_radians().sin_cos();
     // Yaw of the air that the train meets: 20 sin γ = tan 15° (train + 20 cos γ).
@@ -207,7 +209,8 @@ fn every_reading_of_the_wind_of_the_thesis_is_known_beside_the_published_change(
         ("20 m/s in all past the pantograph, knee leading", -20.0 * c, 20.0 * s),
     ];
     for (reading, along, across) in &readings {
-        // Wind over the ground that gives this: faster than any there is in one case, so it is given as a record.
+        // Wind over the ground for this relative air: faster than real wind in one case, and therefore given as a
+        // record.
         let record = format!("wind.record=[[0, {:?}, {:?}, 0]]", train - along, -across);
         let found = change(&alone_in_the_wind(), &["wind.speed=0", &record]);
         let q = 0.5 * DENSITY * (along * along + across * across);
@@ -279,7 +282,7 @@ fn markers_spread_over_a_body_act_as_one_at_their_middle() {
         area: 0.25,
     };
     let rows: Vec<String> = [-0.6, -0.2, 0.2, 0.6].map(|y| format!("{:?}", row(y).row())).to_vec();
-    // Of the pan-head, the last surface of the scene.
+    // Surface of the pan-head, the last one of the scene.
     let markers = format!("wind.pantograph.surfaces.3.markers=[{}]", rows.join(","));
     let one = change(&alone_in_the_wind(), &[]);
     let four = change(&alone_in_the_wind(), &[&markers]);
@@ -298,10 +301,12 @@ const SHORT: [&str; 8] = [
     "solver.micro_step=5e-4",
 ];
 
-const STRONG: &str = "wind={ speed = 25, yaw_deg = 60, air_density = 1.225, pantograph = { uplift = 0.004 }, gust = { velocity = [0, 5, \
-                      1], start = 0.3, duration = 0.8 }, turbulence = { spectrum = \"von_karman\", intensities = [0.15, 0.12, 0.08], \
-                      length_scales = [120, 60, 20], coherence_decays = [10, 7, 7], seed = 4, steps = 64 }, wires = { drag_coefficient = \
-                      1.2, contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011 } }";
+const STRONG: &str = "wind={ speed = 25, yaw_deg = 60, air_density = 1.225, pantograph = { uplift = 0.004 }, \
+                      gust = { velocity = [0, 5, 1], start = 0.3, duration = 0.8 }, \
+                      turbulence = { spectrum = \"von_karman\", intensities = [0.15, 0.12, 0.08], \
+                      length_scales = [120, 60, 20], coherence_decays = [10, 7, 7], seed = 4, steps = 64 }, \
+                      wires = { drag_coefficient = 1.2, contact_wire_diameter = 0.012, \
+                      messenger_wire_diameter = 0.011 } }";
 
 fn short(mode: Mode, more: &[&str], name: &str) -> Run {
     run(scene_with(EN_300, &[&SHORT[..], more].concat()), mode, name)
@@ -351,7 +356,7 @@ fn a_linearised_line_feels_the_same_wind() {
     let linear = short(Mode::Monolithic, &[STRONG, lateral], "wind-linear");
     let distance = exact.filtered_difference(&linear) / exact.sigma();
     println!("linearised: {distance} of σ");
-    // As without wind: one to two percent on lines of EN 50318.
+    // Same bound as without wind.
     assert!(distance < 0.05, "{distance}");
 }
 
@@ -407,8 +412,8 @@ fn energy_is_accounted_for_with_wind_on_the_bodies_of_the_linkage() {
         let (_, evidence) = audited(prepared(scene_with(&text, &overrides), "wind-linkage"), "wind-linkage");
         let left = evidence.worst_residual / evidence.exchanged;
         println!(
-            "{step} s {more:?}: driven {:.3} J, exchanged {:.3} J, lost to the air {:.4} J, left over {:.2e} J, {left:.1e} of what was \
-             exchanged",
+            "{step} s {more:?}: driven {:.3} J, exchanged {:.3} J, lost to the air {:.4} J, left over {:.2e} J, \
+             {left:.1e} of what was exchanged",
             evidence.driven, evidence.exchanged, evidence.dissipated, evidence.worst_residual
         );
         (evidence, left)

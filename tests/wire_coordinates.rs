@@ -1,4 +1,4 @@
-//! The choice of a wire's coordinates is its own affair: integrator and contact do not know which they are.
+//! Independence of integrator and contact from the choice of a wire's coordinates.
 use catenary::{
     AxialLaw, BendingLaw, ContactPair, ContactTangent, Enrichment, NodeMap, PenaltyContact, PrescribedStrip, WireCurve,
     WireGeometry, WireSection,

@@ -1,4 +1,4 @@
-//! What hosts do to the process that an FMU lives in, and what an archive says of the system it needs.
+//! State of the host process around an FMU, and the system that an archive declares.
 use super::{EN, IDENTIFIERS, KULKARNI, run, started};
 use fmi2::archive::binary_entry;
 use fmi2::model_description::Causality;
@@ -53,7 +53,7 @@ const OF_THE_LOCALE: [&str; 22] = [
     "strcoll",
 ];
 
-/// These would change the host's process.
+/// Functions that would change the host's process.
 const OF_THE_PROCESS: [&str; 8] = [
     "setenv",
     "putenv",

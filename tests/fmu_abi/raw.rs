@@ -66,7 +66,8 @@ fn null_pointers_are_errors_and_leave_the_host_alive() {
         let component = instantiate(&raw, Some("null"), 1, Some(&description.guid), None);
         assert!(!component.is_null());
         let input = [reals(&raw.fmu, Causality::Input)[0]];
-        // SAFETY: the types are those of the standard; null pointers are what is tested, and the instance lives until it is freed.
+        // SAFETY: the types are those of the standard; null pointers are what is tested, and the instance lives until
+        // it is freed.
         unsafe {
             let set = raw.function::<SetFn<f64>>("fmi2SetReal");
             let get = raw.function::<GetFn<f64>>("fmi2GetReal");

@@ -1,5 +1,5 @@
-//! The calls of importers that do not install everywhere, in their order and with their arguments, against the core without
-//! any FMI in between.
+//! The calls of importers that do not install everywhere, in their order and with their arguments, against the core
+//! without any FMI in between.
 use catenary::Subsystem as Line;
 use component::{Component, Role};
 use fmi2::abi::{
@@ -22,7 +22,7 @@ static PAIR: LazyLock<Packaged> = LazyLock::new(|| {
     Packaged::new(THESIS, &short)
 });
 
-/// From which side (0 the line, 1 the pantograph) to which, and the variable of both.
+/// Side of the output (0 the line, 1 the pantograph), side of the input, and the variable of both.
 type Connection = (usize, usize, String);
 
 /// The pantograph's strip first: it depends on no input, the line's force depends on it.
@@ -32,10 +32,10 @@ fn connections() -> Vec<Connection> {
     strip.into_iter().chain(load).collect()
 }
 
-/// What is compared: contact force in N, height of the strip in m.
+/// Compared values: contact force in N, height of the strip in m.
 type Point = [f64; 2];
 
-/// One side without FMI.
+/// Side of the coupling without FMI.
 trait Core {
     fn output(&mut self, name: &str) -> f64;
     fn rate(&mut self, name: &str) -> f64;
@@ -109,7 +109,7 @@ fn cores() -> [Box<dyn Core>; 2] {
     ]
 }
 
-/// One side through C functions; each of them must return `fmi2OK`.
+/// Side of the coupling through C functions; each must return `fmi2OK`.
 struct Peer<'a> {
     raw: &'a Raw,
     component: fmi2Component,
@@ -352,7 +352,7 @@ fn as_omsimulator(peers: &mut [Peer<'_>; 2]) -> Vec<Point> {
     points
 }
 
-/// The same scheme, straight: inputs are straight lines to where they end when the step is taken under their first slopes.
+/// The scheme without FMI: inputs are straight lines to their ends in a step taken under the first slopes.
 fn straight_lines(cores: &mut [Box<dyn Core>; 2]) -> Vec<Point> {
     let connections = connections();
     let update = |cores: &mut [Box<dyn Core>; 2]| -> (Vec<f64>, Vec<f64>) {
@@ -402,8 +402,8 @@ fn calls_in_omsimulators_order_give_the_trajectory_of_its_scheme() {
     assert_eq!(peers.each_ref().map(Peer::micro_steps), [2 * STEPS as i32; 2]);
 }
 
-/// Inputs over a step of PyFMI's master with `extrapolation_order = 2` and `smooth_coupling`: continuous, they reach at the
-/// step's end what the present values and slopes foretell.
+/// Inputs over a step of PyFMI's master with `extrapolation_order = 2` and `smooth_coupling`: continuous, they reach at
+/// the step's end what the present values and slopes foretell.
 struct Smooth {
     value: Vec<f64>,
     slope: Option<Vec<f64>>,
@@ -442,8 +442,8 @@ fn outputs_of(connections: &[Connection], side: usize) -> Vec<&str> {
     own.map(|connection| connection.2.as_str()).collect()
 }
 
-/// PyFMI: outputs, rates and directional derivatives in arrays, inputs with first and second derivatives, differences of times as
-/// step sizes.
+/// PyFMI: outputs, rates and directional derivatives in arrays, inputs with first and second derivatives, differences
+/// of times as step sizes.
 fn as_pyfmi(peers: &mut [Peer<'_>; 2]) -> Vec<Point> {
     let connections = connections();
     let outputs = [outputs_of(&connections, 0), outputs_of(&connections, 1)];
@@ -497,7 +497,7 @@ fn as_pyfmi(peers: &mut [Peer<'_>; 2]) -> Vec<Point> {
     points
 }
 
-/// The same scheme with the same steps all along.
+/// The scheme of PyFMI with the same steps throughout.
 fn smooth_inputs(cores: &mut [Box<dyn Core>; 2]) -> Vec<Point> {
     let connections = connections();
     let outputs = [outputs_of(&connections, 0), outputs_of(&connections, 1)];
