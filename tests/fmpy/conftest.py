@@ -1,4 +1,4 @@
-"""What the checks share: the packaged FMUs and their reference trajectories."""
+"""Fixtures: the packaged FMUs and their reference trajectories."""
 import pytest
 
 from driver import Fmu

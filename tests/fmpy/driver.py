@@ -26,7 +26,7 @@ class Table:
 
 
 class Fmu:
-    """An unpacked FMU with what the core does with the same inputs."""
+    """An unpacked FMU with the trajectory of the core under the same inputs."""
 
     def __init__(self, data, scene, kind, folder):
         self.kind = kind
@@ -48,7 +48,7 @@ class Fmu:
         return Table(self.data / f"{self.kind}.{plan}.{what}.csv")
 
     def other(self):
-        """Parameters that do the same as the scene `other.toml`."""
+        """Parameters equivalent to the scene `other.toml`."""
         return json.loads((self.data / "other.json").read_text(encoding="utf-8"))[self.kind]
 
     def start(self, name):
@@ -66,7 +66,7 @@ class Fmu:
 
 
 class Instance:
-    """One instance; `shift` in m makes its stimulus differ."""
+    """An instance; `shift` in m varies its stimulus."""
 
     def __init__(self, fmu, shift=0.0):
         self.fmu = fmu
@@ -87,7 +87,7 @@ class Instance:
         self.slave.freeInstance()
 
     def begin(self, **parameters):
-        """From the beginning to the first communication point, as FMPy does it: experiment, parameters, initialisation."""
+        """Initialises in the order of FMPy: experiment, parameters, initialisation mode."""
         self.slave.setupExperiment(startTime=0.0, stopTime=10.0)
         self.set(parameters)
         self.slave.enterInitializationMode()

@@ -1,4 +1,4 @@
-"""Both FMUs in a loop of a few lines, as a user would write it."""
+"""The two FMUs in a loop of a few lines, as a user would write it."""
 import numpy
 
 from driver import STEP
@@ -7,7 +7,7 @@ MOTION = [f"strip[1].{name}" for name in ("x", "y", "z", "vx", "vy", "vz", "roll
 
 
 def couple(pair, seconds, **speeds):
-    """Line first, then the pantograph under the mean force of the step; returns contact forces and the works at the end."""
+    """Steps the line, then the pantograph under the mean force; returns contact forces and the final works."""
     line, pantograph = pair
     with line.running(**speeds.get("line", {})) as above, pantograph.running(**speeds.get("pantograph", {})) as below:
         forces = []
@@ -32,5 +32,5 @@ def test_at_speed_the_pair_stays_around_its_equilibrium(pair):
     assert abs(forces.mean() - start) < 0.1 * start
     # One element between droppers is too coarse for the force at this speed: short losses of contact are part of it.
     assert (forces == 0.0).mean() < 0.15 and 20.0 < numpy.std(forces[50:]) < start
-    # What the coupling adds or takes is small against what it transmits.
+    # The energy error of the coupling is small against the transmitted energy.
     assert abs(sum(works)) < 0.03 * (abs(works[0]) + abs(works[1])), works

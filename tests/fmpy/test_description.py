@@ -1,4 +1,4 @@
-"""What FMPy says about the archives."""
+"""Checks of the archives by FMPy."""
 import zipfile
 
 from fmpy.validation import validate_fmu

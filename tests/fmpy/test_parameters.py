@@ -7,7 +7,7 @@ def test_another_contact_stiffness_changes_the_force(line):
     with line.running(**{"contact.stiffness": 2.0 * line.start("contact.stiffness")}) as stiff, line.running() as soft:
         forces = [instance.get("contact[1].force") for instance in (stiff, soft)]
         assert forces[0] > 1.02 * forces[1], forces
-        # The contact is in series with what the mesh lacks of the wire's flexibility, the same in both.
+        # The contact is in series with the residual compliance of the wire, the same in both.
         yields = [
             1.0
             / instance.slave.getDirectionalDerivative(

@@ -40,7 +40,7 @@ def test_a_state_saved_by_serialisation_continues_in_a_new_instance(fmu):
         other.slave.freeFMUState(state)
         other.count = count
         assert other.step(40) == expected
-        # One damaged byte in the middle is found.
+        # A damaged byte in the middle is found.
         damaged = bytearray(stored)
         damaged[len(damaged) // 2] ^= 1
         with pytest.raises(FMICallException):
@@ -86,7 +86,7 @@ def test_directional_derivatives_equal_difference_quotients(fmu):
             worst = int(error.argmax())
             # The change of the sliding speed with the bend of the wire is left out.
             assert error[worst] < 3e-5, f"{fmu.outputs[worst]} by {name}: {found[worst]}, differences give {difference[worst]}"
-            # It is linear in the direction.
+            # The derivative is linear in the direction.
             assert numpy.allclose(slave.getDirectionalDerivative(outputs, known, [-2.5]), -2.5 * found, rtol=1e-14, atol=0.0)
             depends = {fmu.outputs[k] for k in range(len(outputs)) if difference[k] != 0.0}
             for unknown in fmu.description.outputs:
@@ -97,7 +97,7 @@ def test_directional_derivatives_equal_difference_quotients(fmu):
         if fmu.kind == "Catenary":
             force, gap = (fmu.references[f"contact[1].{name}"] for name in ("force", "gap"))
             stiffness, closing = slave.getDirectionalDerivative([force, gap], [fmu.references["strip[1].z"]], [1.0])
-            # The contact has the share of the motion that the wire does not yield by what its mesh lacks.
+            # The contact has the share of the motion that the residual compliance leaves.
             share = stiffness / fmu.start("contact.stiffness")
             assert 0.3 < share < 1.0 + 1e-3 and abs(closing + share) < 1e-3
         else:
@@ -170,7 +170,7 @@ def run_like_libcosim(fmu, values):
 
 
 def run_like_ecos(fmu, values):
-    """Everything in initialisation mode, and outputs read after every set."""
+    """Sets all values in initialisation mode, and reads outputs after every set."""
     with fmu.instance() as instance:
         instance.slave.setupExperiment(startTime=0.0)
         instance.slave.enterInitializationMode()
@@ -207,7 +207,7 @@ def run_like_omsimulator(fmu, values):
 
 
 def run_like_a_master_that_adds_up_steps(fmu, values):
-    """Communication points that are sums, and so differ by rounding from those before."""
+    """Communication points that are sums and therefore differ by rounding from the earlier ones."""
     with fmu.instance() as instance:
         instance.begin(**values)
         time = 0.0

@@ -45,7 +45,7 @@ def test_the_loop_of_fmpy_gives_the_same_force_as_the_master(exported, monkeypat
     instantiate = simulation.instantiate_fmu
 
     def started(component, *arguments):
-        # The loop starts with zeros at all connectors; here they are what the FMUs say after their initialisation.
+        # The loop starts with zeros at all connectors; here with the outputs after initialisation.
         instantiate(component, *arguments)
         for connector in component.connectors:
             connector.value = simulation.get_value(component, connector.name)

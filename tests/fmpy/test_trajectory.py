@@ -2,7 +2,7 @@
 import numpy
 from fmpy import simulate_fmu
 
-TOLERANCE = 1e-12  # rounding of the text of the inputs is none, so this leaves room for a few operations
+TOLERANCE = 1e-12  # inputs are read without rounding: room for a few operations
 
 
 def compare(names, found, expected):
@@ -85,7 +85,7 @@ def test_output_derivatives_are_slopes_of_the_outputs(fmu):
     references = [fmu.references[name] for name in names]
     with fmu.running() as instance:
         instance.step(50)
-        # Inputs that go on without a kink: what is held in a step has a slope inside it only.
+        # Inputs that go on without a kink: held inputs have no slope inside a step.
         slopes = numpy.array(instance.slave.getRealOutputDerivatives(references, [1] * len(names)))
         assert numpy.isfinite(slopes).all()
         beyond = instance.slave.getRealOutputDerivatives(references, [4] * len(names))

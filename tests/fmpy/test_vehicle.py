@@ -30,14 +30,14 @@ def test_it_runs_alone_from_the_equilibrium_under_the_weight_of_the_vehicle(carr
     for name in carried.outputs:
         assert numpy.isfinite(found[name]).all(), name
     loads = numpy.array([found[name] for name in LOADS])
-    # Six bodies of 63.04 kg [Thesis, Table 2]; the uplift is a force from outside that acts upward, the contact force presses down.
+    # Six bodies of 63.04 kg [Thesis, Table 2]; the uplift is an external upward force, the contact force presses down.
     pantograph = 63.04 * 9.81 - found["uplift_force"][0] - found["contact[1].fz"][0]
     print(f"{loads.sum(axis=0)[0]:.2f} N on {loads[:, 0].round(1)}, {loads.sum(axis=0)[-1]:.2f} N in the end")
-    # Residuals of statics of 1e-5 N; what holds the speed against the rolling resistance lifts the front by 1e-4 N.
+    # Residuals of statics of 1e-5 N; the traction against the rolling resistance lifts the front by 1e-4 N.
     assert abs(loads.sum(axis=0) - WEIGHT - pantograph).max() < 0.1
-    # 52.8 kN each but for what the pantograph, behind the middle, lifts.
+    # 52.8 kN each, less the lift of the pantograph behind the middle.
     assert abs(loads / (WEIGHT / 8) - 1).max() < 5e-3
-    # The treads stand 1:40 across the track: each wheel presses its rail outward by that, and the creep force of its spin.
+    # The treads stand 1:40 across the track: each wheel presses its rail outward by the slope and by its spin creep.
     quotients = numpy.array([found[name] for name in QUOTIENTS])
     print(f"Y/Q {quotients[:, 0].round(5)}")
     assert (abs(quotients) < 1 / 20).all() and (abs(quotients) > 1e-3).all()

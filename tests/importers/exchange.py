@@ -1,4 +1,4 @@
-"""What every importer is told: the same two FMUs, the same connections, the same step."""
+"""Settings of every importer: the same two FMUs, the same connections, the same step."""
 import csv
 import json
 import sys
@@ -18,7 +18,7 @@ HEIGHT = "strip[1].z"
 
 
 class Plan:
-    """One comparison, as `tests/importers.rs` writes it."""
+    """A comparison, as `tests/importers.rs` writes it."""
 
     def __init__(self, path):
         with open(path, encoding="utf-8") as file:
@@ -36,7 +36,7 @@ class Plan:
 
 
 class Description:
-    """What an importer needs of `modelDescription.xml` that connects by value references."""
+    """Part of `modelDescription.xml` for importers that connect by value references."""
 
     def __init__(self, path):
         with zipfile.ZipFile(path) as archive:
@@ -58,7 +58,7 @@ class Table:
         self.rows.append((repr(float(force)), repr(float(height))))
 
     def write(self, path, importer, version):
-        """Writes the rows, and prints who made them."""
+        """Writes the rows, and prints the name of the importer."""
         wall = time.perf_counter() - self.begin
         with open(path, "w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)

@@ -17,7 +17,7 @@ def literal(value):
 
 
 class Container:
-    """What goes into the container, and what can be seen from outside."""
+    """Content of the container, and its visible variables."""
 
     def __init__(self, plan):
         self.components = {}
@@ -43,7 +43,7 @@ class Container:
         # The container transfers one group after the other: the force is read before the line gets the new strip.
         for source, sink in dict.fromkeys((source, sink) for source, sink, _ in reversed(CONNECTIONS)):
             names = [name for a, b, name in CONNECTIONS if (a, b) == (source, sink)]
-            # FMPy 0.3.32 writes a connection's type as it is called in FMI 2; its container knows the names of FMI 3 only.
+            # FMPy 0.3.32 writes the FMI 2 name of a connection's type; its container knows the names of FMI 3 only.
             ends = {name: [attrs.evolve(self.variables[name][inner], type="Float64") for inner in names] for name in (source, sink)}
             yield Connection(
                 startElement=self.components[source],

@@ -1,7 +1,7 @@
 """The pair in FMPy, call by call.
 
-With `--propagate` the force that the pantograph is given is read after the line has got the new strip, as tools do that follow
-the dependencies of the model descriptions.
+With `--propagate` the force on the pantograph is read after the line has received the new strip, as in tools that
+follow the dependencies of the model descriptions.
 """
 import sys
 import tempfile
@@ -13,7 +13,7 @@ from exchange import FORCE, HEIGHT, LOAD, STRIP, Plan, Table
 
 
 class Side:
-    """One FMU, its calls by names of variables."""
+    """An FMU, its calls by names of variables."""
 
     def __init__(self, name, path):
         self.description = fmpy.read_model_description(path)

@@ -1,7 +1,7 @@
 """The pair in OMSimulator, with its fixed-step master (`oms_ma`).
 
-OMSimulator updates the inputs in the order of the dependencies: the pantograph's strip first, then the line's force at that
-strip. This is the exchange of `run_fmpy.py --propagate`, not that of `coupling.algorithm = "jacobi"`.
+OMSimulator updates the inputs in the order of the dependencies, as `run_fmpy.py --propagate` and unlike
+`coupling.algorithm = "jacobi"`: the pantograph's strip first, then the line's force at that strip.
 """
 import tempfile
 

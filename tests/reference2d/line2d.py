@@ -1,6 +1,6 @@
 """Two-dimensional reference computation of an overhead line under one lumped pantograph.
 
-An independent check of the simulation code of this repository: it shares nothing with it but the scene file.
+An independent check of the simulation code of this repository, with only the scene file in common.
 
     python line2d.py SCENE.toml --model flat|sagging [--elements-per-interval 16] [--step 0.00025]
                      [--statics-only] [--json statics.json] [--out force.csv] [--reference force_1ms.csv]
@@ -33,12 +33,12 @@ the wire, u_x times u_z').
 dropper forces from the same flat wires. The static shape between droppers is part of the contact height in both.
 
 Both: dropper force max(0, F0 + k delta + c delta_rate); support 1 and the last one hold both wires in z; wire ends
-`constant_tension`: x of both ends free; `fixed`: x held. Damping of wires: alpha M + beta (T K1 + EI K2), K1 = int N'^T N',
-K2 = int N''^T N'', on each component. Pantograph: masses in a chain, head first; the last spring goes to the base and is
-unstretched at the static height of the wire over start_x; static force on the last mass; no weight. Contact: penalty,
+`constant_tension`: x of both ends free; `fixed`: x held. Damping of wires: alpha M + beta (T K1 + EI K2),
+K1 = int N'^T N', K2 = int N''^T N'', on each component. Pantograph: masses in a chain, head first; the last spring
+goes to the base and is unstretched at the static height of the wire over start_x; static force on the last mass; no weight. Contact: penalty,
 unilateral. Time: Newmark trapezoid, or generalized-alpha (Chung and Hulbert) with --rho-inf. Each step solves
-the complementarity of contact and droppers exactly (active set on top of one constant Cholesky factor). Start at rest in balance
-with the pantograph; for that solution only the x of both wires is held at the left end.
+the complementarity of contact and droppers exactly (active set on top of one constant Cholesky factor). Start at
+rest in balance with the pantograph; for that solution only the x of both wires is held at the left end.
 """
 
 import argparse

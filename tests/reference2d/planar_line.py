@@ -1,4 +1,4 @@
-"""Mesh, statics and constant matrices of the overhead line in the vertical plane; line2d.py says what is modelled."""
+"""Mesh, statics and constant matrices of the overhead line in the vertical plane; for the model see line2d.py."""
 
 import numpy as np
 from scipy import linalg, sparse
@@ -332,7 +332,7 @@ class Line:
         return u, row[0] @ u[index[0]], int(slack.sum())
 
     def statics_report(self):
-        """What the statics found, in the layout of `master check --json` where the names agree."""
+        """Results of statics, in the layout of `master check --json` for equal names."""
         positions = self.scene["catenary"]["droppers"]["positions"]
         low, high = self.evaluated()
         points = {round(self.span * s + p, 6) for s in range(low - 1, high)

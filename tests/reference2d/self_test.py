@@ -74,7 +74,7 @@ def hanging_wire_takes_the_elastic_catenary():
     wire, span, n = Wire(table), 60.0, 240
     mesh = SingleWire(span, n)
     lengths, _, cz, _ = mesh.form_finding(wire, np.diff(mesh.x), np.array([0, n]), np.zeros(2), np.zeros(n + 1))
-    # Elastic catenary of the element's law, integrated exactly: stretch mu = |r'| from EA lam (lam^2 mu^2 - 1)/2 mu = N.
+    # Elastic catenary of the element's law, integrated: stretch mu = |r'| from EA lam (lam^2 mu^2 - 1)/2 mu = N.
     h = wire.tension
 
     def shape(total):
@@ -219,7 +219,7 @@ def steps_converge_to_second_order():
 
 
 def moving_force_lifts_a_string_as_in_closed_form():
-    """A force P that enters the contact wire: under it the rise is P v t/(T (1 + v/c)) less the rounding of the kink."""
+    """A force P that enters the contact wire: the rise below is P v t/(T (1 + v/c)) less the rounding of the kink."""
     wire, n, length = Wire({**WIRE, "bending_stiffness": 1.0}), 600, 60.0
     mesh = SingleWire(length, n)
     le = np.diff(mesh.x)

@@ -1,6 +1,6 @@
 """Packs an FMU into FMPy's container FMU: container.py NESTED.fmu CONTAINER.fmu STEP
 
-The container steps the nested FMU in steps of STEP seconds; it has its own binary, names and value references.
+The container steps the nested FMU in steps of STEP seconds and has its own binary, names and value references.
 """
 
 import sys

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The same line, mesh, step, tolerance and contact law in this program and in Exudyn: wall times side by side, and how far the
-contact forces are apart. Needs Python 3.11 or later and, the first time, a way to the Python package index.
+"""Compares this program with Exudyn on the same line, mesh, step, tolerance and contact law: wall times, and the
+difference of the contact forces. Needs Python 3.11 or later and, the first time, a way to the Python package index.
 
     python3 tests/peers/exudyn/compare.py [--repeats 3]
 """
@@ -23,12 +23,12 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 SCENE = HERE / "scene.toml"
 
-# What the comparison is to show.
+# Goals of the comparison.
 FASTER, SIGMA_PERCENT = 20.0, 1.0
 
 
 def environment():
-    """Python of a virtual environment with the pinned packages, made where it is missing."""
+    """Python of a virtual environment with the pinned packages, made if missing."""
     pins = (HERE / "requirements.txt").read_bytes()
     folder = ROOT / "target" / "peers" / f"exudyn-{hashlib.sha256(pins + sys.version.encode()).hexdigest()[:12]}"
     python = folder / "bin" / "python"
@@ -47,7 +47,7 @@ def cpu_of_children():
 
 
 def run_ours(master, folder):
-    """One monolithic run: (series of the contact force, cost)."""
+    """A monolithic run: (series of the contact force, cost)."""
     before = cpu_of_children()
     done = subprocess.run(
         [master, "run", SCENE, "--mode", "monolithic", "--out", folder, "--quiet", "--json"], check=True, stdout=subprocess.PIPE
@@ -67,7 +67,7 @@ def run_ours(master, folder):
 
 
 def run_theirs(statics, folder):
-    """One run in Exudyn, in a process of its own."""
+    """A run in Exudyn, in a process of its own."""
     import numpy
 
     series = folder / "force.npy"

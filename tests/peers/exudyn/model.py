@@ -2,8 +2,8 @@
 
     python model.py STATICS.json FORCE.npy
 
-runs `scene.toml`, whose statics `master check --json` printed, writes the contact force at every step, and prints cost and checks as
-JSON in the last line. Planar: Exudyn's x is along the track, its y is up.
+runs `scene.toml`, whose statics `master check --json` printed, writes the contact force at every step, and prints
+cost and checks as JSON in the last line. Planar: Exudyn's x is along the track, its y is up.
 """
 
 import json
@@ -12,7 +12,7 @@ import sys
 import time
 import tomllib
 
-sys.exudynFast = True  # the build without range checks; it asks for this before the import
+sys.exudynFast = True  # build without range checks, chosen before the import
 
 import exudyn as exu
 import numpy as np
@@ -37,7 +37,7 @@ from exudyn.advancedUtilities import CreateSymbolicUserFunction
 
 esym = exu.symbolic
 
-# N, root mean square of all residuals. Ours are below this in every coordinate, which takes more iterations.
+# N, root mean square of all residuals. This program bounds every coordinate, which takes more iterations.
 TOLERANCE = 1e-3
 
 
@@ -45,9 +45,9 @@ def dropper_force_in(step):
     """The law of droppers in steps of `step` s."""
 
     def dropper_force(mbs, t, item, elongation, rate, stiffness, damping, start):
-        """Pulls and never pushes. While it stretches, the damping acts for the part of a step in which the dropper is taut half a
-        step ahead; `start` is the elongation half a step ahead at the beginning of one that begins slack, else 1, see
-        `Line.before_step`."""
+        """Unilateral force: pulls and never pushes. In stretching the damping acts for the part of a step in which the
+        dropper is taut half a step ahead; `start` is the elongation half a step ahead at the beginning of a step that
+        begins slack, else 1, see `Line.before_step`."""
         taut = esym.max(0.0, elongation + 0.5 * step * rate)
         part = esym.max(esym.max(0.0, start), taut / (taut - esym.min(0.0, start) + 1e-300))
         return esym.max(0.0, stiffness * elongation + damping * (part * esym.max(0.0, rate) + esym.min(0.0, rate)))
@@ -66,8 +66,8 @@ def slopes(length, xi):
 
 
 def hanging(x, section, gravity, held, hung):
-    """A tensioned beam of small slope through the nodes `x` under its weight and the weights `hung` (node: N) on the nodes, at the
-    heights `held` (node: m). Returns heights, slopes, and the reactions at the held nodes (node: N)."""
+    """A tensioned beam of small slope through the nodes `x` under its weight and the weights `hung` (node: N) on the
+    nodes, at the heights `held` (node: m). Returns heights, slopes, and the reactions at the held nodes (node: N)."""
     tension, bending, weight = section["tension"], section["bending_stiffness"], section["mass_per_length"] * gravity
     matrix, load = np.zeros((2 * len(x), 2 * len(x))), np.zeros(2 * len(x))
     for i, h in enumerate(np.diff(x)):
@@ -91,8 +91,8 @@ class Wire:
 
     def __init__(self, mbs, x, height, slope, section, gravity):
         tension, axial, bending, mass = (section[key] for key in ("tension", "axial_stiffness", "bending_stiffness", "mass_per_length"))
-        # Element lengths belong to the tensioned wire. Stretch of it there under the strain ½ (λ² − 1), and the stiffness of the
-        # same law about it: the force EA λ ½ (λ²|r'|² − 1)|r'| has this derivative at |r'| = 1.
+        # Element lengths belong to the tensioned wire. Stretch of the wire under the strain ½ (λ² − 1), and the
+        # stiffness of the same law about that stretch: derivative of EA λ ½ (λ²|r'|² − 1)|r'| at |r'| = 1.
         stretch = 1.0
         for _ in range(50):
             stretch -= (stretch * (stretch**2 - 1) - 2 * tension / axial) / (3 * stretch**2 - 1)
@@ -237,7 +237,7 @@ class Line:
         self.find_form(statics, wire_height, cw, mw)
 
     def place_contact(self, t):
-        """Puts the contact on the wire's point at the strip's x at time `t`, as the wire moves on from the last step."""
+        """Puts the contact on the wire's point at the strip's x at time `t`, the wire continued from the last step."""
         mbs, x = self.mbs, self.start_x + self.speed * t
         q = mbs.systemData.GetODE2Coordinates()
         v = mbs.systemData.GetODE2Coordinates_t()
@@ -246,7 +246,7 @@ class Line:
         if i is None:
             i = int(np.searchsorted(self.x, x, side="right")) - 1
         while True:
-            # x and its derivative in the element's parameter at both ends. Plain numbers: arrays of four would cost more.
+            # x and its derivative in the element's parameter at both ends. Plain numbers are cheaper than small arrays.
             x0, s0, x1, s1 = (float(self.reference[k] + q[k] + h * v[k]) for k in range(4 * i, 4 * i + 8, 2))
             if x <= x1:
                 break
@@ -282,7 +282,7 @@ class Line:
         settings = self.settings()
         settings.staticSolver.newton.absoluteTolerance = 3e-7
         self.mbs.SolveStatic(settings, storeSolver=False)
-        # The solution is the start of what follows.
+        # The solution is the start of the next one.
         q = self.mbs.systemData.GetODE2Coordinates()
         self.mbs.systemData.SetODE2Coordinates(q, exu.ConfigurationType.Initial)
         self.mbs.systemData.SetAECoordinates(self.mbs.systemData.GetAECoordinates(), exu.ConfigurationType.Initial)
@@ -297,15 +297,15 @@ class Line:
         return np.hypot(at[0] - at[2], at[1] - at[3]) - self.unstressed
 
     def elongation_ahead(self, q, v):
-        """Half a step ahead, m."""
+        """Elongations half a step ahead, m."""
         at, v = q[self.places] + self.reference[self.places], v[self.places]
         x, z = at[0] - at[2], at[1] - at[3]
         rate = (x * (v[0] - v[2]) + z * (v[1] - v[3])) / np.hypot(x, z)
         return self.elongation(q) + 0.5 * self.step * rate
 
     def find_form(self, statics, wire_height, cw, mw):
-        """The droppers' unstressed lengths for a contact wire that is level, under the forces of arms and brackets that our statics
-        found; then the equilibrium with the pantograph."""
+        """Finds the droppers' unstressed lengths for a level contact wire under the forces of arms and brackets from
+        the statics of this program; then the equilibrium with the pantograph."""
         mbs = self.mbs
         self.reference = mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
         for node, support in zip(self.arms, statics["supports"][1:-1]):
@@ -343,11 +343,11 @@ class Line:
         return -self.mbs.GetObjectOutput(self.contacts[self.under], exu.OutputVariableType.Force)[1]
 
     def before_step(self, mbs, t):
-        """Once per step, with the time of its end: what a step does not change itself, and the force at its beginning."""
+        """Sets, once per step at the time of its end, the values held during a step and the force at its beginning."""
         begin = time.perf_counter()
         self.force.append(self.contact())
         self.place_contact(t)
-        # What droppers begin the step with.
+        # Elongations with which droppers begin the step.
         data = mbs.systemData
         elongation = self.elongation_ahead(data.GetODE2Coordinates(), data.GetODE2Coordinates_t())
         taut = elongation > 0.0
@@ -358,7 +358,7 @@ class Line:
         return True
 
     def run(self):
-        """The whole scene in time: contact force at every step (N), and what it cost."""
+        """Runs the whole scene in time: contact force at every step (N), and its cost."""
         scene, mbs = self.scene, self.mbs
         duration, step = scene["run"]["duration"], self.step
         settings = self.settings()
