@@ -1,4 +1,4 @@
-/* What FMI 2.0 for co-simulation says a header must hold, as far as a pantograph needs it [FMI 2.0.4, 2.1 and 4.2]. */
+/* Declarations of FMI 2.0 for co-simulation that a pantograph needs [FMI 2.0.4, 2.1 and 4.2]. */
 #ifndef FMI2_H
 #define FMI2_H
 

@@ -1,5 +1,5 @@
 /*
- * A two-mass pantograph as a supplier might deliver it: FMI 2.0 for co-simulation, in C, with nothing but the C library.
+ * Two-mass pantograph as a supplier might deliver: FMI 2.0 for co-simulation, in C, with only the C library.
  *
  * The collector head m1 stands on the frame m2, the frame on the base. u1 and u2 are rises from the state in which both
  * springs are unstretched; the strip is at reference_height then:
@@ -7,20 +7,20 @@
  *     m1 u1'' = -k1 (u1 - u2) - c1 (u1' - u2') - F
  *     m2 u2'' =  k1 (u1 - u2) + c1 (u1' - u2') - k2 u2 - c2 u2' + S
  *
- * F is the contact force, positive in compression, S the static force. It starts at rest with the strip at start_height.
+ * F is the contact force, positive in compression, S the static force. The start is at rest with the strip at start_height.
  * Runge-Kutta of order 4 with steps of at most SUBSTEP; the input follows its derivatives inside a step.
  *
- * What it does well or badly is chosen when it is built. Abilities, each 1 by default:
- *     ROLLBACK       states can be saved and restored; 0: an error says that they cannot; 2: they come back without the speeds
+ * Macros of the build choose abilities and misbehaviour. Abilities, each 1 by default:
+ *     ROLLBACK       states can be saved and restored; 0: refused with an error; 2: restored without the speeds
  *     INTERPOLATE    input derivatives are followed
- *     DERIVATIVES    directional derivatives are given; 2: they are wrong
+ *     DERIVATIVES    directional derivatives are given; 2: wrong ones
  * Misbehaviour, absent by default:
  *     ONLY_STEP=h                 refuses communication steps other than h
  *     REFUSE_NEGATIVE_START       refuses a start time below 0
  *     REFUSE_NONZERO_START        refuses a start time other than 0
  *     NEED_RESOURCES              takes the masses from pantograph.txt in its resources
  *     NEED_DIRECTORY              goes to its resources and stays there; takes the masses from pantograph.txt at each start
- *     NEED_CURRENT_DIRECTORY      opens pantograph.txt in whatever the current directory is
+ *     NEED_CURRENT_DIRECTORY      opens pantograph.txt in the current directory
  *     LOG_ARGUMENTS, LOG_NULL_CATEGORY, LOG_FROM_THREAD, LOG_EVERY_STEP
  *     PRINT                       prints a line at its start
  *     STEP_STATUS=s               returns s from steps that start at STEP_STATUS_AT or later
@@ -75,7 +75,7 @@ enum { M1 = 1, M2, K1, K2, C1, C2, STATIC_FORCE, REFERENCE_HEIGHT, START_HEIGHT,
 #define PARAMETERS 10 /* index 0 is not used */
 #define ORDERS 3
 
-/* All that a state holds: derivatives of the input are those of the coming step. */
+/* Content of a state: derivatives of the input are those of the coming step. */
 typedef struct {
     double parameter[PARAMETERS];
     double force;
@@ -141,7 +141,7 @@ static void *log_elsewhere(void *pantograph) {
 }
 #endif
 
-/* What a pantograph has to say, in the way that was asked for. */
+/* Messages of a pantograph, in the chosen way. */
 static void chatter(Pantograph *p, const char *where) {
     (void)p, (void)where;
 #ifdef LOG_ARGUMENTS
@@ -160,7 +160,7 @@ static void chatter(Pantograph *p, const char *where) {
 #endif
 }
 
-/* The way of a URI with the scheme file. */
+/* Path of a URI with the scheme file. */
 static void path_of(const char *uri, char *path, size_t size) {
     size_t n = 0;
     if (strncmp(uri, "file://", 7) == 0) {
@@ -488,7 +488,7 @@ FMI2_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte b
     return fmi2OK;
 }
 
-/* With the states frozen the height does not depend on the force. */
+/* The height does not depend on the force with the states frozen. */
 FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t unknowns,
                                                     const fmi2ValueReference known[], size_t knowns, const fmi2Real seed[],
                                                     fmi2Real derivative[]) {
@@ -577,7 +577,7 @@ FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2V
     return fmi2OK;
 }
 
-/* What there is no answer to. */
+/* Requests without an answer. */
 #define NO_STATUS(NAME, TYPE)                                                                          \
     FMI2_EXPORT fmi2Status NAME(fmi2Component c, const fmi2StatusKind kind, TYPE *value) {              \
         (void)c;                                                                                       \
