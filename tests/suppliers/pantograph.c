@@ -7,7 +7,7 @@
  *     m1 u1'' = -k1 (u1 - u2) - c1 (u1' - u2') - F
  *     m2 u2'' =  k1 (u1 - u2) + c1 (u1' - u2') - k2 u2 - c2 u2' + S
  *
- * F is the contact force, positive in compression, S the static force. The start is at rest with the strip at start_height.
+ * F is the contact force, positive in compression, S the static force. Start: at rest, strip at start_height.
  * Runge-Kutta of order 4 with steps of at most SUBSTEP; the input follows its derivatives inside a step.
  *
  * Macros of the build choose abilities and misbehaviour. Abilities, each 1 by default:
@@ -19,7 +19,7 @@
  *     REFUSE_NEGATIVE_START       refuses a start time below 0
  *     REFUSE_NONZERO_START        refuses a start time other than 0
  *     NEED_RESOURCES              takes the masses from pantograph.txt in its resources
- *     NEED_DIRECTORY              goes to its resources and stays there; takes the masses from pantograph.txt at each start
+ *     NEED_DIRECTORY              goes to its resources and stays there; reads the masses from pantograph.txt at each start
  *     NEED_CURRENT_DIRECTORY      opens pantograph.txt in the current directory
  *     LOG_ARGUMENTS, LOG_NULL_CATEGORY, LOG_FROM_THREAD, LOG_EVERY_STEP
  *     PRINT                       prints a line at its start

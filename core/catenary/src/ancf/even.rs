@@ -2,8 +2,8 @@
 use crate::simd::{Number, Space};
 use nalgebra::Matrix4;
 
-/// A symmetric 4 × 4 matrix `A` on `e = (r₁, r₁,ₓ, r₂, r₂,ₓ)` equal for an element seen from its other end, as all
-/// integrals of products of the Hermite polynomials are: sums and differences of the two ends do not mix, six
+/// A symmetric 4 × 4 matrix `A` on `e = (r₁, r₁,ₓ, r₂, r₂,ₓ)` that is equal for an element seen from its other end, as
+/// all integrals of products of the Hermite polynomials are: sums and differences of the two ends do not mix, six
 /// coefficients remain.
 ///
 /// ```text

@@ -7,7 +7,7 @@ use nalgebra::{Matrix4, Vector4};
 /// r(x) = Σᵢ sᵢ(x) eᵢ,   e = (r₁, r₁,ₓ, r₂, r₂,ₓ)                                    [Thesis, Eq. (1), (2)]
 /// ```
 ///
-/// The source writes them in `2x/L − 1`; here in `xi = x/L`.
+/// The source writes the polynomials in `2x/L − 1`; here `xi = x/L`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeFunctions {
     /// `s(x)`, 4 entries (–, m, –, m).

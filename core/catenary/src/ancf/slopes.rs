@@ -2,7 +2,7 @@
 use crate::simd::{Number, Space};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-/// Length of an element, m, and what laws divide by it.
+/// Length of an element, m, and its inverse for divisions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Length<N = f64> {
     /// `L`, m.

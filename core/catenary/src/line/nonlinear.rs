@@ -100,7 +100,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// A line in the coordinates of `equilibrium`, moved on by `first`.
+    /// A line in the coordinates of `equilibrium`, shifted by `first`.
     pub(crate) fn new(catenary: &Catenary, topology: &Arc<Topology>, equilibrium: &Equilibrium, first: usize) -> Self {
         let equilibrium = equilibrium.shifted(first);
         let [mut contact_wire, messenger_wire] = [
@@ -193,7 +193,7 @@ impl Line {
         self
     }
 
-    /// Lets the contact wire yield by what its mesh lacks under strips, see [`ResidualCompliance`].
+    /// Gives the contact wire its residual compliance under strips, see [`ResidualCompliance`].
     #[must_use]
     pub fn with_contact_compliance(mut self, compliance: Option<Arc<ResidualCompliance>>) -> Self {
         self.compliance = compliance;
@@ -210,7 +210,7 @@ impl Line {
         self
     }
 
-    /// Takes the wind off the wires.
+    /// Removes the wind from the wires.
     pub(crate) fn take_drag(&mut self) -> Vec<WireDrag> {
         std::mem::take(&mut self.drag)
     }
@@ -228,7 +228,7 @@ impl Line {
         }
     }
 
-    /// Visits all but the wires and the wind on them.
+    /// Visits all contributions except the wires and the wind on them.
     pub(crate) fn attachments(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         visit(&mut self.droppers);
         visit(&mut self.supports);
@@ -344,7 +344,7 @@ impl Line {
         parts.iter().map(|part| part.energy(motion)).sum::<f64>() + directors
     }
 
-    /// Positions of the nodes of a wire, m: the polyline that a picture shows.
+    /// Positions of the nodes of a wire, m, as a polyline for pictures.
     pub fn polyline<'a>(&'a self, name: WireName, q: &'a [f64]) -> impl Iterator<Item = Vector3<f64>> + 'a {
         self.wire(name).geometry().nodes().iter().map(move |node| node.at(q).0)
     }
@@ -362,8 +362,8 @@ impl Line {
             })
     }
 
-    /// Parameter `s` of the contact wire at the position `x` along the track, m, for coordinates `q`; at the ends of
-    /// the wire where `x` is beyond them.
+    /// Parameter `s` of the contact wire at the position `x` along the track, m, for coordinates `q`; clamped to the
+    /// ends of the wire.
     #[must_use]
     pub fn contact_wire_s(&self, x: f64, q: &[f64]) -> f64 {
         let geometry = self.contact_wire.geometry();

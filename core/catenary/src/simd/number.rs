@@ -13,7 +13,7 @@ pub(crate) trait Number:
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// `self · factor + term`; the product is not rounded where the machine can do so at no cost.
+    /// `self · factor + term`; fused if the processor does so at no cost.
     fn mul_add(self, factor: Self, term: Self) -> Self;
 
     /// The square root.

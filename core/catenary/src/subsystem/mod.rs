@@ -66,7 +66,7 @@ pub struct ContactOutputs {
     pub samples: [f64; SAMPLES],
     /// Work done by the strip on the line since the start, J.
     pub work: f64,
-    /// Contact point on the wire, m; the strip's own position where it is beyond the wire.
+    /// Contact point on the wire, m; the strip's own position beyond the wire.
     pub position: Vector3<f64>,
     /// Vertical velocity of the wire there, m/s.
     pub wire_vz: f64,

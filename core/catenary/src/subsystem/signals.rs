@@ -1,4 +1,4 @@
-//! The line as a component: the names, units and dependencies of what it exchanges.
+//! The line as a component: names, units and dependencies of its inputs and outputs.
 use super::SAMPLES;
 use crate::contact::STRIP_INPUTS;
 use crate::{CatenaryError, Checkpoint, Sensitivity, StripStart, Subsystem, static_line};
@@ -89,7 +89,7 @@ impl Subsystem {
     }
 }
 
-/// Picks what a contact output becomes per unit of a change of the contact.
+/// Picks the change of a contact output per unit of a change of the contact.
 fn pick(signal: ContactSignal, change: &Sensitivity) -> f64 {
     match signal {
         ContactSignal::Force => change.force,
@@ -256,7 +256,7 @@ fn failure(error: StepError) -> StepFailure {
     }
 }
 
-/// The start of a strip as the scene has it: on the wire without pressing where nothing is said.
+/// Start of a strip in the scene; by default on the wire without pressing.
 fn strip_start(scene: &Scene, strip: usize) -> StripStart {
     let resting = scene.modelled_line().map_or(0.0, |(line, _)| line.contact_wire_height);
     let height = scene.pantographs[strip].start.map_or(resting, |start| start.height);
@@ -367,7 +367,7 @@ fn contact_outputs(strip: usize, signals: &mut Vec<Signal>) {
     );
 }
 
-/// A value of the modelled line: name, unit, meaning, and where it stands.
+/// Value of the modelled line: name, unit, meaning, and access.
 type LineValue = (
     &'static str,
     &'static str,
@@ -538,8 +538,7 @@ fn parameters(scene: &Scene) -> Vec<Parameter> {
     parameters
 }
 
-/// The unit vectors a strip can be moved along by its inputs: translation, rotation and velocity per unit of input
-/// `input`.
+/// Unit vectors along which the inputs move a strip: translation, rotation and velocity per unit of input `input`.
 pub(super) fn input_direction(input: usize) -> [Vector3<f64>; 3] {
     let (zero, unit) = (Vector3::zeros(), Vector3::ith(input % 3, 1.0));
     match input {

@@ -39,7 +39,7 @@ impl Attachment {
         Some(self.coordinates[axis]).filter(|&index| index != usize::MAX)
     }
 
-    /// The node's three entries of `values`, one per coordinate of the system; zero where a coordinate does not exist.
+    /// The node's three entries of `values`, one per coordinate of the system; zero for a missing coordinate.
     pub(crate) fn gather(&self, values: &[f64]) -> Vector3<f64> {
         Vector3::from(self.coordinates.map(|index| values.get(index).copied().unwrap_or(0.0)))
     }

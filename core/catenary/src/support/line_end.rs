@@ -28,7 +28,7 @@ pub struct LineEnds {
 pub(crate) const HOLDING_STIFFNESS: f64 = 10.0;
 
 impl LineEnds {
-    /// The sliding ends; none where the ends are fixed.
+    /// Sliding ends; empty for fixed ends.
     #[must_use]
     pub fn new(ends: Vec<LineEnd>) -> Self {
         Self { ends }

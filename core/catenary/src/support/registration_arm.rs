@@ -1,4 +1,4 @@
-//! Registration arms: what holds the contact wire at the masts.
+//! Registration arms at the masts, which hold the contact wire laterally.
 use crate::Anchor;
 use dynamics::{Blocks, Force, Motion, Weights};
 use nalgebra::Matrix3;
@@ -21,7 +21,7 @@ pub struct RegistrationArms {
 impl RegistrationArms {
     /// A batch of arms, each of `mass` in kg under `gravity` in m/s².
     ///
-    /// The reaction of an arm includes what carries its own weight.
+    /// The reaction of an arm includes the support of its own weight.
     #[must_use]
     pub fn new(arms: Vec<Anchor>, mass: f64, gravity: f64) -> Self {
         Self { arms, mass, gravity }
