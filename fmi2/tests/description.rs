@@ -126,7 +126,8 @@ fn byte_order_mark_crlf_comments_doctype_and_vendor_annotations_are_tolerated() 
     xml = xml.replacen("?>", "?>\n<!DOCTYPE fmiModelDescription>\n<!-- made by hand -->", 1);
     xml = xml.replacen(
         "  <ModelVariables>",
-        "  <VendorAnnotations><Tool name=\"x\"><a:b xmlns:a=\"urn:x\" a:c=\"1\">text</a:b></Tool></VendorAnnotations>\n  \
+        "  <VendorAnnotations><Tool name=\"x\"><a:b xmlns:a=\"urn:x\" a:c=\"1\">text</a:b></Tool>\
+         </VendorAnnotations>\n  \
          <ModelVariables>",
         1,
     );
