@@ -1,4 +1,5 @@
-//! Examples of `modelDescription/README.md` do as printed.
+//! Commands, scenes and scripts that the documents show, run as printed.
+use integration_tests::documents::{block, text};
 use integration_tests::fmus::{COARSE, Packaged, tree};
 use integration_tests::python::{environment, run_apart};
 use integration_tests::runs::{EN_300, Run, run, run_beside, scene_with};
@@ -9,22 +10,10 @@ use std::process::Command;
 /// Half a second on a coarse line: the point is that the examples run.
 const SHORT: &[&str] = &["run.duration=0.5", "run.evaluate={ time = [0.0, 0.5] }"];
 
-fn readme() -> String {
-    fs::read_to_string(tree().join("modelDescription/README.md")).unwrap()
-}
-
-/// The code block of a language below a headline.
-fn block(headline: &str, language: &str) -> String {
-    let readme = readme();
-    let (_, below) = readme
-        .split_once(&format!("\n## {headline}\n"))
-        .unwrap_or_else(|| panic!("no headline {headline}"));
-    let section = below.split("\n## ").next().unwrap();
-    let (_, code) = section
-        .split_once(&format!("```{language}\n"))
-        .unwrap_or_else(|| panic!("{headline}: no {language}"));
-    code.split_once("```").unwrap().0.to_owned()
-}
+/// Page on the FMUs in other importers.
+const IMPORTERS: &str = "docs/guide/fmpy.md";
+/// Page on supplied FMUs.
+const SUPPLIED: &str = "docs/guide/own-pantograph.md";
 
 fn own_run(more: &[&str]) -> Run {
     run(
@@ -45,7 +34,7 @@ fn the_example_for_fmpy_runs_as_printed_and_does_what_the_program_does() {
         fs::copy(fmus.path(identifier), target).unwrap();
     }
     let script = folder.path().join("couple.py");
-    fs::write(&script, block("The pair in FMPy", "python")).unwrap();
+    fs::write(&script, block(IMPORTERS, "The pair in FMPy", "python")).unwrap();
     let (out, err) = run_apart(
         Command::new(interpreter).current_dir(folder.path()).arg(&script),
         "the example",
@@ -53,7 +42,7 @@ fn the_example_for_fmpy_runs_as_printed_and_does_what_the_program_does() {
     assert_eq!(err, "");
     let mut rows = out.lines().map(|line| line.split(' ').next().unwrap().parse::<f64>());
     let [mean, added, passed] = [(); 3].map(|()| rows.next().unwrap().unwrap());
-    // The example's exchange.
+    // Exchange of the example.
     let force = own_run(&["coupling.algorithm=gauss_seidel"]).record.pantographs[0].force[1..].to_vec();
     let expected = force.iter().sum::<f64>() / force.len() as f64;
     println!("{out}{expected} N in a run of the program");
@@ -70,7 +59,7 @@ fn the_table_for_another_pantograph_runs_as_printed() {
     fs::copy(fmus.path("Pantograph"), folder.path().join("fmus/Pantograph.fmu")).unwrap();
     let own = EN_300.find("[[pantograph]]").unwrap()..EN_300.find("[coupling]").unwrap();
     let mut text = EN_300.to_owned();
-    text.replace_range(own, &format!("{}\n", block("Another pantograph", "toml")));
+    text.replace_range(own, &format!("{}\n", block(SUPPLIED, "Wiring", "toml")));
     let swapped = run_beside(
         scene_with(&text, &overrides),
         Mode::Cosimulation,
@@ -145,7 +134,7 @@ fn mean_force_amplification(omega_h: f64) -> f64 {
 
 #[test]
 fn the_printed_damping_of_each_exchange_is_that_of_an_oscillator() {
-    let section = readme();
+    let section = text(IMPORTERS);
     for (name, scheme) in [
         ("all values held, force read before the strip is set", Scheme::Jacobi),
         ("all values held, force read after the strip is set", Scheme::Propagated),

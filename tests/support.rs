@@ -1,5 +1,6 @@
 //! Support for the integration tests.
 
+pub mod documents;
 pub mod fmus;
 pub mod installed;
 pub mod lines;
