@@ -75,6 +75,7 @@ fn every_command_of_the_readme_runs_as_printed() {
     for written in [
         "results/thesis/report.html",
         "results/my-line/report.html",
+        "results/slower/report.html",
         "results/two-mass/summary.json",
         "results/both/report.html",
         "fmus/Catenary.fmu",
