@@ -77,11 +77,11 @@ fn the_table_for_another_pantograph_runs_as_printed() {
         "another pantograph that is the same one: {:.2e} of sigma, {sigma} N",
         difference / sigma
     );
-    // The standstill before the start leaves a change of 0.1 N/s.
+    // The rest comes from the standstill before the start, which ends at 0.1 N/s.
     assert!(difference < 0.05 * sigma, "{difference} N, sigma {sigma} N");
 }
 
-/// Exchange between a head and its contact spring that are stepped apart.
+/// Scheme for a head on a contact spring when both sides are stepped apart.
 #[derive(Clone, Copy, PartialEq)]
 enum Scheme {
     /// Each side from the last values, held.
