@@ -10,8 +10,8 @@ use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 use std::process::Command;
 
-/// Commands that a test cannot make in its own run, and their stand-ins: `cargo run` has built the program before, `cargo test`
-/// is what runs this file, and `pip` would install into the environment that all tests share.
+/// Stand-ins for commands that a test cannot make: `cargo run` (the program is built already), `cargo test` (the caller of this
+/// file) and `pip` (all tests share one environment).
 fn stand_ins(folder: &Path) {
     let requirements = tree().join("tests/importers/requirements.txt");
     let fmpy = fs::read_to_string(&requirements).unwrap();
