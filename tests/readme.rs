@@ -10,8 +10,8 @@ use std::os::unix::fs::{PermissionsExt, symlink};
 use std::path::Path;
 use std::process::Command;
 
-/// Stand-ins for commands that a test cannot make: `cargo run` (the program is built already), `cargo test` (the caller of this
-/// file) and `pip` (all tests share one environment).
+/// Stand-ins for commands that a test cannot make: `cargo run` (the program is built already), `cargo test` (the
+/// caller of this file) and `pip` (all tests share one environment).
 fn stand_ins(folder: &Path) {
     let requirements = tree().join("tests/importers/requirements.txt");
     let fmpy = fs::read_to_string(&requirements).unwrap();
