@@ -79,7 +79,7 @@ impl GivenMotion {
     pub fn above(&self, height: f64, t: f64) -> ([f64; 3], [f64; 3]) {
         let position = Vector3::new(0.0, 0.0, height);
         let axes = Matrix3::identity();
-        let frame = self.carry(&BaseMarker { position, axes }, t);
+        let frame = self.frame_of(&BaseMarker { position, axes }, t);
         (
             (frame.position - position).into(),
             frame.axes.column(1).into_owned().into(),
@@ -88,7 +88,7 @@ impl GivenMotion {
 
     /// Where a marker that rides on the base is at time `t` (s).
     #[must_use]
-    pub fn carry(&self, marker: &BaseMarker, t: f64) -> Frame {
+    pub fn frame_of(&self, marker: &BaseMarker, t: f64) -> Frame {
         let displacement = self.displacement.each_ref().map(|curve| curve.at(t));
         let angles = self.angles.each_ref().map(|curve| curve.at(t));
         let vector = |of: &[[f64; 3]; 3], order: usize| Vector3::from(of.map(|curve| curve[order]));

@@ -2,13 +2,13 @@
 //!
 //! Coordinates describe a pantograph in the frame of its base. The base moves along the track at constant speed. On straight track
 //! this frame is inertial; in a curve it turns and leans with the track ([`Travel`]), and what bodies feel of that is a force
-//! ([`train::CurveInertia`]). Only the markers that the outside sees ([`Travelling`]) add the travel. Statics are rest in this
+//! ([`rail_vehicle::CurveInertia`]). Only the markers that the outside sees ([`Travelling`]) add the travel. Statics are rest in this
 //! frame, and no digits are lost to the distance covered.
 //!
 //! [`PantographModel`] builds each kind of pantograph from its scene entry into a shared [`dynamics::Layout`]:
 //! [`pantograph::Lumped`], masses one above the other; [`pantograph::Linkage`], rigid bodies and joints;
 //! [`pantograph::ReducedLinkage`], the latter in the two coordinates that its joints leave. What it stands on is the base itself, a
-//! given motion ([`GivenMotion`]), or a vehicle ([`train::Train`]) on a [`track`].
+//! given motion ([`GivenMotion`]), or a vehicle ([`rail_vehicle::Vehicle`]) on a [`track`].
 //!
 //! # Sources
 //! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
@@ -19,7 +19,7 @@
 #![forbid(unsafe_code)]
 
 mod base;
-mod carriage;
+mod base_motion;
 #[cfg(test)]
 mod check;
 mod error;
@@ -27,16 +27,16 @@ mod given_motion;
 mod model;
 pub mod multibody;
 pub mod pantograph;
+pub mod rail_vehicle;
 mod signals;
 mod spline;
 mod subsystem;
 pub mod track;
-pub mod train;
 mod travel;
 pub mod wheel_rail;
 
 pub use base::{Base, Travelling};
-pub use carriage::Carriage;
+pub use base_motion::BaseMotion;
 pub use error::VehicleError;
 pub use given_motion::{Displaced, GivenMotion};
 pub use model::{PantographModel, Placement};

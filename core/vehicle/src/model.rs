@@ -1,8 +1,8 @@
 //! Any kind of pantograph, from its scene entry.
 use crate::multibody::AppliedForce;
-use crate::pantograph::{Equilibrium, Ground, Linkage, Lumped, ReducedLinkage, Target};
-use crate::train::{Load, Train};
-use crate::{Air, Base, Carriage, Displaced, Travelling, VehicleError};
+use crate::pantograph::{BaseMount, Equilibrium, Linkage, Lumped, ReducedLinkage, Target};
+use crate::rail_vehicle::{Load, Vehicle};
+use crate::{Air, Base, BaseMotion, Displaced, Travelling, VehicleError};
 use dynamics::{Constraint, Force, Frame, Layout, Marker, Motion, State};
 use nalgebra::Vector3;
 use scene::PantographModel as Entry;
@@ -37,9 +37,9 @@ const ITERATIONS: usize = 30;
 #[derive(Clone, Debug)]
 pub struct PantographModel {
     kind: Kind,
-    carriage: Carriage,
+    base_motion: BaseMotion,
     /// The vehicle alone in a layout, for statics.
-    alone: Option<Box<(Train, Layout)>>,
+    alone: Option<Box<(Vehicle, Layout)>>,
     placement: Placement,
     base: Base,
 }
@@ -70,26 +70,26 @@ impl PantographModel {
             speed: placement.speed,
         };
         let under = format!("{name}, vehicle");
-        let carriage = Carriage::new(&placement, base, &under, layout)?;
-        let alone = carriage.train().map(|_| -> Result<_, VehicleError> {
+        let base_motion = BaseMotion::new(&placement, base, &under, layout)?;
+        let alone = base_motion.vehicle().map(|_| -> Result<_, VehicleError> {
             let mut alone = Layout::new();
-            match Carriage::new(&placement, base, &under, &mut alone)? {
-                Carriage::Train(train) => Ok(Some(Box::new((*train, alone)))),
-                Carriage::Straight | Carriage::Given(_) => Ok(None),
+            match BaseMotion::new(&placement, base, &under, &mut alone)? {
+                BaseMotion::Vehicle(vehicle) => Ok(Some(Box::new((*vehicle, alone)))),
+                BaseMotion::Straight | BaseMotion::Given(_) => Ok(None),
             }
         });
         let alone = alone.transpose()?.flatten();
-        let ground = carriage.ground();
+        let mount = base_motion.mount();
         let kind = match entry {
             Entry::Lumped(entry) => {
                 let mut lumped = Lumped::new(entry, name, layout)?;
-                lumped.stand_on(&ground, carriage.base_point(lumped.reference_height()));
-                if let Some(train) = carriage.train() {
-                    lumped.carry(train.travel(), placement.gravity);
+                lumped.mount_on(&mount, base_motion.base_point(lumped.reference_height()));
+                if let Some(vehicle) = base_motion.vehicle() {
+                    lumped.follow_curves(vehicle.travel(), placement.gravity);
                 }
                 Kind::Lumped(Box::new(lumped))
             }
-            Entry::Linkage(_) if placement.one_motion && !matches!(ground, Ground::Still) => {
+            Entry::Linkage(_) if placement.one_motion && !matches!(mount, BaseMount::Still) => {
                 return Err(VehicleError::NotReducible {
                     reason: "its base moves".to_owned(),
                 });
@@ -98,9 +98,9 @@ impl PantographModel {
                 Kind::Reduced(Box::new(ReducedLinkage::new(entry, placement.gravity, name, layout)?))
             }
             Entry::Linkage(entry) => {
-                let mut linkage = Linkage::on(ground, entry, placement.gravity, name, layout)?;
-                if let Some(train) = carriage.train() {
-                    linkage.carry(train.travel());
+                let mut linkage = Linkage::on(mount, entry, placement.gravity, name, layout)?;
+                if let Some(vehicle) = base_motion.vehicle() {
+                    linkage.follow_curves(vehicle.travel());
                 }
                 Kind::Linkage(Box::new(linkage))
             }
@@ -110,7 +110,7 @@ impl PantographModel {
         };
         Ok(Self {
             kind,
-            carriage,
+            base_motion,
             alone,
             placement,
             base,
@@ -136,8 +136,8 @@ impl PantographModel {
 
     /// Visits the forces of what carries the pantograph: the first of [`PantographModel::forces`].
     pub fn vehicle_forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        if let Carriage::Train(train) = &mut self.carriage {
-            train.forces(visit);
+        if let BaseMotion::Vehicle(vehicle) = &mut self.base_motion {
+            vehicle.forces(visit);
         }
     }
 
@@ -163,8 +163,8 @@ impl PantographModel {
 
     /// Visits the joints of what carries the pantograph: the first of [`PantographModel::constraints`].
     pub fn vehicle_constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        if let Carriage::Train(train) = &mut self.carriage {
-            train.constraints(visit);
+        if let BaseMotion::Vehicle(vehicle) = &mut self.base_motion {
+            vehicle.constraints(visit);
         }
     }
 
@@ -196,9 +196,9 @@ impl PantographModel {
 
     /// Rest on whatever carries the pantograph.
     fn equilibrium(&self, target: Target) -> Result<Equilibrium, VehicleError> {
-        let reference = self.carriage.base_point(self.base_z());
-        match (&self.carriage, &self.alone) {
-            (Carriage::Given(_), _) => {
+        let reference = self.base_motion.base_point(self.base_z());
+        match (&self.base_motion, &self.alone) {
+            (BaseMotion::Given(_), _) => {
                 let initial = Motion {
                     t: 0.0,
                     q: &[],
@@ -206,24 +206,24 @@ impl PantographModel {
                     rotation: &[],
                     u: &[],
                 };
-                let frame = self.carriage.ground().frame(reference, &initial);
+                let frame = self.base_motion.mount().frame(reference, &initial);
                 self.equilibrium_on(reference, frame, target)
             }
-            (Carriage::Train(_), Some(alone)) => {
-                let (mut train, layout) = (alone.0.clone(), &alone.1);
+            (BaseMotion::Vehicle(_), Some(alone)) => {
+                let (mut vehicle, layout) = (alone.0.clone(), &alone.1);
                 let mut state = layout.state_at_rest();
-                let mut frame = train.base_frame(&state.motion(&[]));
+                let mut frame = vehicle.base_frame(&state.motion(&[]));
                 let mut change = f64::INFINITY;
                 for _ in 0..ITERATIONS {
                     let mut equilibrium = self.equilibrium_on(reference, frame, target)?;
                     let loads = self.loads(&equilibrium, frame)?;
-                    let rest = train.rest(layout, &mut state, &loads)?;
+                    let rest = vehicle.rest(layout, &mut state, &loads)?;
                     change = (rest.base.position - frame.position)
                         .amax()
                         .max((rest.base.axes - frame.axes).amax());
                     frame = rest.base;
                     if change <= STILL {
-                        equilibrium.train = Some(Box::new(rest));
+                        equilibrium.vehicle = Some(Box::new(rest));
                         return Ok(equilibrium);
                     }
                 }
@@ -252,7 +252,7 @@ impl PantographModel {
     ) -> Result<Equilibrium, VehicleError> {
         match &self.kind {
             Kind::Lumped(lumped) => lumped.equilibrium_risen(frame.position.z - reference.z, target),
-            Kind::Linkage(linkage) => linkage.equilibrium(Ground::Displaced { reference, frame }, target),
+            Kind::Linkage(linkage) => linkage.equilibrium(BaseMount::Displaced { reference, frame }, target),
             Kind::Reduced(_) => Err(VehicleError::NotReducible {
                 reason: "its base moves".to_owned(),
             }),
@@ -283,7 +283,7 @@ impl PantographModel {
             }
         };
         equilibrium.write(offsets, state);
-        self.carriage.set_rest(equilibrium.train.as_deref(), state);
+        self.base_motion.set_rest(equilibrium.vehicle.as_deref(), state);
         self.base.start_x = self.placement.start_x - strip_x;
         let base = self.base;
         let air = match &mut self.kind {
@@ -374,14 +374,14 @@ impl PantographModel {
 
     /// What carries it.
     #[must_use]
-    pub fn carriage(&self) -> &Carriage {
-        &self.carriage
+    pub fn base_motion(&self) -> &BaseMotion {
+        &self.base_motion
     }
 
     /// The point of the base in the world: position, velocity, axes.
     #[must_use]
     pub fn base_frame(&self, motion: &Motion<'_>) -> Frame {
-        let (_, frame) = self.base_on_carriage(motion);
+        let (_, frame) = self.base_point_and_frame(motion);
         Frame {
             position: frame.position + self.base.position(motion.t),
             velocity: frame.velocity + self.base.velocity(),
@@ -392,15 +392,15 @@ impl PantographModel {
     /// The motion of the base beside the travel, as one that could be given to it.
     #[must_use]
     pub fn base_displaced(&self, motion: &Motion<'_>) -> Displaced {
-        let (point, frame) = self.base_on_carriage(motion);
+        let (point, frame) = self.base_point_and_frame(motion);
         // A given motion carries a base in the middle of the track.
         Displaced::to(&frame, &Vector3::new(point.x, 0.0, point.z))
     }
 
     /// The point of the base in the reference position (m), and where it is, in the frame of the base.
-    fn base_on_carriage(&self, motion: &Motion<'_>) -> (Vector3<f64>, Frame) {
-        let point = self.carriage.base_point(self.base_z());
-        (point, self.carriage.ground().frame(point, motion))
+    fn base_point_and_frame(&self, motion: &Motion<'_>) -> (Vector3<f64>, Frame) {
+        let point = self.base_motion.base_point(self.base_z());
+        (point, self.base_motion.mount().frame(point, motion))
     }
 
     /// Height of the base above the top of rail in the reference position, m. A lumped chain has no extent: its base is at the reference height.
@@ -462,7 +462,7 @@ impl PantographModel {
             Kind::Linkage(linkage) => linkage.coordinates(),
             Kind::Reduced(_) => 2,
         };
-        own + self.carriage.size()[0]
+        own + self.base_motion.size()[0]
     }
 
     /// Number of constraint equations.
@@ -472,6 +472,6 @@ impl PantographModel {
             Kind::Lumped(_) | Kind::Reduced(_) => 0,
             Kind::Linkage(linkage) => linkage.constraint_count(),
         };
-        own + self.carriage.size()[1]
+        own + self.base_motion.size()[1]
     }
 }

@@ -253,15 +253,15 @@ impl Subsystem {
     /// Vertical force of the rail on a wheel (from 0: left and right wheel of each wheelset in turn), N; 0 where there is none.
     pub fn wheel_load(&mut self, wheel: usize) -> f64 {
         let (pantograph, motion) = self.pantograph();
-        let train = pantograph.carriage().train();
-        train.map_or(0.0, |train| train.wheel_load(wheel, &motion))
+        let vehicle = pantograph.base_motion().vehicle();
+        vehicle.map_or(0.0, |vehicle| vehicle.wheel_load(wheel, &motion))
     }
 
     /// Y/Q of a wheel, counted as in [`Subsystem::wheel_load`]; 0 where no lateral force is modelled.
     pub fn derailment_quotient(&mut self, wheel: usize) -> f64 {
         let (pantograph, motion) = self.pantograph();
-        let train = pantograph.carriage().train();
-        train.map_or(0.0, |train| train.derailment_quotient(wheel, &motion))
+        let vehicle = pantograph.base_motion().vehicle();
+        vehicle.map_or(0.0, |vehicle| vehicle.derailment_quotient(wheel, &motion))
     }
 
     /// Acceleration of the strip's middle from the accelerations of the coordinates, m/s²; what a turning body adds by its

@@ -18,7 +18,7 @@ pub struct Travel {
 
 /// The frame at one instant, as seen from a place of the track, whose axes are those of the world here.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Carrying {
+pub(crate) struct TravellingFrame {
     /// Origin, axes, velocity of the origin, angular velocity.
     frame: Frame,
     /// Whether its axes are others.
@@ -58,9 +58,9 @@ impl Travel {
     }
 
     /// What the frame is at time `t` (s), seen `from` a place of the track (m), see [`Alignment::seen_from`].
-    pub(crate) fn carrying(&self, t: f64, from: f64) -> Carrying {
+    pub(crate) fn travelling(&self, t: f64, from: f64) -> TravellingFrame {
         let Some(alignment) = &self.alignment else {
-            return Carrying {
+            return TravellingFrame {
                 frame: Frame {
                     position: self.base.position(t),
                     axes: Matrix3::identity(),
@@ -71,7 +71,7 @@ impl Travel {
             };
         };
         let track = alignment.seen_from(self.place(t), from);
-        Carrying {
+        TravellingFrame {
             frame: Frame {
                 position: track.position,
                 axes: track.axes,
@@ -122,7 +122,7 @@ impl Apparent {
     }
 }
 
-impl Carrying {
+impl TravellingFrame {
     /// Velocity (m/s) that the frame has at a point (m) of the world, and its angular velocity (rad/s).
     pub fn motion_of(&self, point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let turn = self.frame.angular_velocity;

@@ -38,7 +38,7 @@ impl Prepared {
                 bases.push(model.base().start_x);
                 if let (Some(scene::Vehicle::Full(_)), Some(start)) = (scene.vehicle.as_deref(), pantograph.start) {
                     let rest = model.equilibrium_at_height(start.height);
-                    steady &= rest.is_ok_and(|rest| rest.train.is_none_or(|train| train.steady));
+                    steady &= rest.is_ok_and(|rest| rest.vehicle.is_none_or(|vehicle| vehicle.steady));
                 }
             }
             kinds.push(match &pantograph.model {

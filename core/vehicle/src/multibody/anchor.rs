@@ -38,7 +38,7 @@ pub struct GivenMarker {
 
 impl Marker for GivenMarker {
     fn frame(&self, motion: &Motion<'_>) -> Frame {
-        self.given.carry(&self.marker, motion.t)
+        self.given.frame_of(&self.marker, motion.t)
     }
 
     fn columns(&self, _motion: &Motion<'_>, _columns: &mut Columns) {}

@@ -155,7 +155,7 @@ pub(super) enum PointPath {
     /// With the one motion.
     Follower(Arc<Curve<3>>),
     /// With the one motion and the collector suspension.
-    Carried(Arc<OneMotion>),
+    StripBody(Arc<OneMotion>),
 }
 
 /// Where the body is: centre of mass in the plane and angle, with their derivatives by both coordinates.
@@ -182,7 +182,7 @@ impl ReducedPoint {
                     turning: phi[1],
                 }
             }
-            PointPath::Carried(motion) => {
+            PointPath::StripBody(motion) => {
                 let place = motion.place(sigma, rise);
                 Place {
                     centre: Vector2::new(place.x, place.zeta),

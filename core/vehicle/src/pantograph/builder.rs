@@ -1,5 +1,5 @@
 //! From the scene's mechanism to bodies, joints and forces.
-use super::Ground;
+use super::BaseMount;
 use crate::VehicleError;
 use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, Pair, Pose, RigidBody};
 use dynamics::Layout;
@@ -9,7 +9,7 @@ use scene::{JointKind, Linkage as Entry};
 /// The scene's mechanism on the way to its parts.
 pub(super) struct Builder<'a> {
     entry: &'a Entry,
-    ground: Ground,
+    mount: BaseMount,
     /// Of the frame of the base, in coordinates of the mechanism, m.
     origin: Vector3<f64>,
     pub orientations: Vec<UnitQuaternion<f64>>,
@@ -20,7 +20,7 @@ impl<'a> Builder<'a> {
     /// With the base `lateral` (m) beside the middle of the track.
     pub fn new(
         entry: &'a Entry,
-        (ground, lateral): (Ground, f64),
+        (mount, lateral): (BaseMount, f64),
         gravity: f64,
         name: &str,
         layout: &mut Layout,
@@ -47,7 +47,7 @@ impl<'a> Builder<'a> {
         }
         Self {
             entry,
-            ground,
+            mount,
             origin,
             orientations,
             bodies,
@@ -78,7 +78,7 @@ impl<'a> Builder<'a> {
             JointKind::Revolute { axis } | JointKind::Prismatic { axis } => frame_about(&axis.into()),
         };
         if name == Entry::BASE {
-            return Ok(self.ground.anchor(point, axes));
+            return Ok(self.mount.anchor(point, axes));
         }
         Ok(Anchor::Body(self.marker(self.number(key, name)?, &point, &axes)))
     }
@@ -109,14 +109,14 @@ impl<'a> Builder<'a> {
                 count: found.len(),
             });
         };
-        let carrier = if &joint.second == name {
+        let guide = if &joint.second == name {
             &joint.first
         } else {
             &joint.second
         };
         Ok(AxialSpring {
             pair: Pair {
-                first: self.anchor("joints.first", carrier, joint)?,
+                first: self.anchor("joints.first", guide, joint)?,
                 second: self.anchor("strip.body", name, joint)?,
             },
             stiffness: self.entry.collector_suspension.stiffness,

@@ -1,5 +1,5 @@
 //! A pantograph at rest under a contact force.
-use crate::train::TrainRest;
+use crate::rail_vehicle::VehicleRest;
 use dynamics::State;
 use nalgebra::UnitQuaternion;
 
@@ -25,7 +25,7 @@ pub struct Equilibrium {
     /// The multipliers of its joints, N or N·m.
     pub lambda: Vec<f64>,
     /// The vehicle under it, where there is one.
-    pub train: Option<Box<TrainRest>>,
+    pub vehicle: Option<Box<VehicleRest>>,
 }
 
 impl Equilibrium {

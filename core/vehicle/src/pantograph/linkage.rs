@@ -1,11 +1,11 @@
 //! The linkage: a pantograph of rigid bodies and joints.
-use super::Ground;
+use super::BaseMount;
 use super::air::{Air, AirForce, AirForces, AirMarker, points_of};
 use super::builder::Builder;
 use super::equilibrium::{Equilibrium, Offsets};
 use super::statics::{self, Target};
 use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, RigidBody};
-use crate::train::{CurveInertia, Load};
+use crate::rail_vehicle::{CurveInertia, Load};
 use crate::{Base, Travel, VehicleError};
 #[cfg(test)]
 use dynamics::State;
@@ -46,33 +46,33 @@ impl Linkage {
     /// # Errors
     /// Names that do not fit together; [`VehicleError::NotBalanced`] where the tabulated position cannot be at rest.
     pub fn new(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
-        Self::on(Ground::Still, entry, gravity, name, layout)
+        Self::on(BaseMount::Still, entry, gravity, name, layout)
     }
 
-    /// The same mechanism on another ground; the preload of its suspension is that of the reference position.
+    /// The same mechanism on another mount; the preload of its suspension is that of the reference position.
     ///
     /// # Errors
     /// See [`Linkage::new`].
     pub(crate) fn on(
-        ground: Ground,
+        mount: BaseMount,
         entry: &Entry,
         gravity: f64,
         name: &str,
         layout: &mut Layout,
     ) -> Result<Self, VehicleError> {
-        let lateral = ground.lateral();
-        let mut linkage = Self::without_preload((ground, lateral), entry, gravity, name, layout)?;
-        let mut local = linkage.local(Ground::Still)?;
+        let lateral = mount.lateral();
+        let mut linkage = Self::without_preload((mount, lateral), entry, gravity, name, layout)?;
+        let mut local = linkage.local(BaseMount::Still)?;
         let balance = statics::balance(&mut local.0, &local.1)?;
         linkage.suspension.preload = balance.preload;
         linkage.static_force = balance.force;
         Ok(linkage)
     }
 
-    /// The same mechanism alone in a layout, on this ground.
-    pub(crate) fn local(&self, ground: Ground) -> Result<(Self, Layout), VehicleError> {
+    /// The same mechanism alone in a layout, on this mount.
+    pub(crate) fn local(&self, mount: BaseMount) -> Result<(Self, Layout), VehicleError> {
         let mut layout = Layout::new();
-        let place = (ground, self.lateral);
+        let place = (mount, self.lateral);
         let mut linkage = Self::without_preload(place, &self.entry, self.gravity, "linkage", &mut layout)?;
         linkage.suspension.preload = self.suspension.preload;
         linkage.static_force = self.static_force;
@@ -88,7 +88,7 @@ impl Linkage {
     }
 
     fn without_preload(
-        (ground, lateral): (Ground, f64),
+        (mount, lateral): (BaseMount, f64),
         entry: &Entry,
         gravity: f64,
         name: &str,
@@ -99,7 +99,7 @@ impl Linkage {
             constraint: layout.constraints(),
             orientation: layout.rotations().len(),
         };
-        let builder = Builder::new(entry, (ground, lateral), gravity, name, layout);
+        let builder = Builder::new(entry, (mount, lateral), gravity, name, layout);
         let joints = builder.joints()?;
         layout.add_constraints(joints.iter().map(Constraint::dimension).sum());
         Ok(Self {
@@ -120,7 +120,7 @@ impl Linkage {
     }
 
     /// Lets it feel the curves that its base runs through.
-    pub(crate) fn carry(&mut self, travel: &Travel) {
+    pub(crate) fn follow_curves(&mut self, travel: &Travel) {
         self.inertia = CurveInertia::new(travel, &self.bodies, &[]);
     }
 
@@ -237,7 +237,7 @@ impl Linkage {
 
     /// What acts on the mechanism from outside, at rest: weights, uplift and contact force.
     pub(crate) fn loads(&self, equilibrium: &Equilibrium) -> Result<Vec<Load>, VehicleError> {
-        let (linkage, layout) = self.local(Ground::Still)?;
+        let (linkage, layout) = self.local(BaseMount::Still)?;
         let mut state = layout.state_at_rest();
         equilibrium.write(Offsets::default(), &mut state);
         let motion = state.motion(&[]);
@@ -334,7 +334,7 @@ impl Linkage {
     /// # Errors
     /// [`VehicleError::NotConverged`] where the mechanism cannot bear that force.
     pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Ground::Still, Target::Force(force))
+        self.equilibrium(BaseMount::Still, Target::Force(force))
     }
 
     /// The state of rest with the middle of the strip at `height` (m) above the top of rail.
@@ -342,12 +342,12 @@ impl Linkage {
     /// # Errors
     /// [`VehicleError::NotConverged`] where the mechanism does not reach that height.
     pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Ground::Still, Target::Height(height))
+        self.equilibrium(BaseMount::Still, Target::Height(height))
     }
 
-    /// As [`Linkage::equilibrium_at_height`] or [`Linkage::equilibrium_at_force`], on a ground that rests somewhere else.
-    pub(crate) fn equilibrium(&self, ground: Ground, target: Target) -> Result<Equilibrium, VehicleError> {
-        let (mut linkage, layout) = self.local(ground)?;
+    /// As [`Linkage::equilibrium_at_height`] or [`Linkage::equilibrium_at_force`], on a mount that rests somewhere else.
+    pub(crate) fn equilibrium(&self, mount: BaseMount, target: Target) -> Result<Equilibrium, VehicleError> {
+        let (mut linkage, layout) = self.local(mount)?;
         let start = layout.state_at_rest();
         statics::solve(&mut linkage, start, self.static_force, target)
     }

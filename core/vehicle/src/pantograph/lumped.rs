@@ -3,7 +3,7 @@ use super::air::{Air, AirForce, AirForces, AirMarker};
 use super::chain::Foot;
 use super::equilibrium::{Equilibrium, Offsets};
 use super::statics::Target;
-use super::{ChainElement, ChainInertia, ChainMasses, Ground, HeadMarker};
+use super::{BaseMount, ChainElement, ChainInertia, ChainMasses, HeadMarker};
 use crate::{Base, Travel, VehicleError};
 use dynamics::{AerodynamicLaw, Force, Layout};
 use nalgebra::{Matrix3, Vector3};
@@ -80,7 +80,7 @@ impl Lumped {
     }
 
     /// Lets it feel the curves that its base runs through; `gravity` in m/s².
-    pub(crate) fn carry(&mut self, travel: &Travel, gravity: f64) {
+    pub(crate) fn follow_curves(&mut self, travel: &Travel, gravity: f64) {
         self.inertia = travel.alignment().map(|_| ChainInertia {
             travel: travel.clone(),
             first: self.masses.first,
@@ -118,12 +118,12 @@ impl Lumped {
         force[self.offsets.coordinate]
     }
 
-    /// Puts the chain on a ground that moves; `base` (m) is where it stands in the reference position.
-    pub(crate) fn stand_on(&mut self, ground: &Ground, base: Vector3<f64>) {
+    /// Puts the chain on a mount that moves; `base` (m) is where it stands in the reference position.
+    pub(crate) fn mount_on(&mut self, mount: &BaseMount, base: Vector3<f64>) {
         let lift = self.masses.static_force;
-        self.head.lateral = ground.lateral();
-        if let (Some(last), false) = (self.elements.last_mut(), matches!(ground, Ground::Still)) {
-            last.foot = Some(Foot::new(ground.anchor(base, Matrix3::identity()), base, lift));
+        self.head.lateral = mount.lateral();
+        if let (Some(last), false) = (self.elements.last_mut(), matches!(mount, BaseMount::Still)) {
+            last.foot = Some(Foot::new(mount.anchor(base, Matrix3::identity()), base, lift));
         }
     }
 
@@ -241,7 +241,7 @@ impl Lumped {
             q,
             rotation: Vec::new(),
             lambda: Vec::new(),
-            train: None,
+            vehicle: None,
         }
     }
 

@@ -59,7 +59,7 @@ impl ReducedLinkage {
         let head = full.strip_body();
         let table = Table::new(entry, &full, head, gravity)?;
         // A strip as low as the base lies on the roof.
-        let ends = |q: &DVector<f64>| table.carried_height(q) < entry.base[2];
+        let ends = |q: &DVector<f64>| table.strip_point_height(q) < entry.base[2];
         let path = Path::trace(&table.plane, |tangent| table.rise(tangent), ends)?;
         let nodes: Vec<_> = path.nodes.iter().map(|node| table.jets(node)).collect();
         let curve = Curve::new(path.first, path.step, &nodes);
@@ -124,7 +124,7 @@ impl ReducedLinkage {
                 let orientation = self.full.orientation(number);
                 let point = ReducedPoint {
                     path: if number == head {
-                        PointPath::Carried(Arc::clone(&self.motion))
+                        PointPath::StripBody(Arc::clone(&self.motion))
                     } else {
                         PointPath::Follower(Arc::clone(&self.bodies[number - usize::from(number > head)]))
                     },
@@ -315,7 +315,7 @@ impl ReducedLinkage {
         /// Accepted residual relative to the largest force, and in m.
         const TOLERANCE: f64 = 1e-12;
         const ITERATIONS: usize = 60;
-        /// Longest turn of the suspension's carrier in an iteration, rad.
+        /// Longest turn of the suspension's guide in an iteration, rad.
         const LONGEST_TURN: f64 = 0.1;
         let mut q = [0.0; 2];
         let mut force = match target {
@@ -347,7 +347,7 @@ impl ReducedLinkage {
                     q: q.to_vec(),
                     rotation: Vec::new(),
                     lambda: Vec::new(),
-                    train: None,
+                    vehicle: None,
                 });
             }
             let [k11, k12, _, k22] = self.stiffness(&place);

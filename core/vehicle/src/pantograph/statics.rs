@@ -196,7 +196,7 @@ pub(super) fn solve(
                 q: state.q,
                 rotation: state.rotation,
                 lambda: state.lambda,
-                train: None,
+                vehicle: None,
             });
         }
 

@@ -1,7 +1,7 @@
 //! What scenes with a vehicle exchange besides.
 use crate::Subsystem;
 use component::{Parameter, Signal};
-use scene::{Curve, Scene, Train, Vehicle};
+use scene::{Curve as TrackCurve, Scene, Train as VehicleParts, Vehicle};
 use std::sync::Arc;
 
 /// Outputs of the base before those of the wheels; `base.z` is among those of every pantograph.
@@ -35,8 +35,8 @@ const MORE_BASE_OUTPUTS: [(&str, &str, &str); 2] = [
 
 /// Number of wheels of the scene's vehicle.
 fn wheel_count(scene: &Scene) -> usize {
-    let train = scene.vehicle.as_deref().and_then(scene::Vehicle::train);
-    let wheelsets = train.and_then(|train| train.body(&train.wheels.wheelset));
+    let parts = scene.vehicle.as_deref().and_then(scene::Vehicle::train);
+    let wheelsets = parts.and_then(|parts| parts.body(&parts.wheels.wheelset));
     wheelsets.map_or(0, |body| 2 * body.positions.len())
 }
 
@@ -68,8 +68,8 @@ pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
 impl Subsystem {
     /// Values of the outputs behind `base.roll`: load and derailment quotient of each wheel in turn, then pitch and yaw.
     pub(super) fn vehicle_output(&mut self, output: usize) -> f64 {
-        let train = self.pantograph().0.carriage().train();
-        let wheels = 2 * train.map_or(0, |train| train.wheel_count());
+        let parts = self.pantograph().0.base_motion().vehicle();
+        let wheels = 2 * parts.map_or(0, |parts| parts.wheel_count());
         match output.checked_sub(wheels) {
             Some(angle) => self.base_angles()[1 + angle],
             None if output.is_multiple_of(2) => self.wheel_load(output / 2),
@@ -83,11 +83,11 @@ fn parameter(
     name: String,
     unit: &'static str,
     text: String,
-    field: impl Fn(&mut Train) -> Option<&mut f64> + Clone + Send + Sync + 'static,
+    field: impl Fn(&mut VehicleParts) -> Option<&mut f64> + Clone + Send + Sync + 'static,
 ) -> Parameter {
-    fn train(vehicle: &mut Vehicle) -> Option<&mut Train> {
+    fn parts_of(vehicle: &mut Vehicle) -> Option<&mut VehicleParts> {
         match vehicle {
-            Vehicle::Vertical(train) | Vehicle::Full(train) => Some(train),
+            Vehicle::Vertical(parts) | Vehicle::Full(parts) => Some(parts),
             Vehicle::RigidMotion(_) => None,
         }
     }
@@ -98,12 +98,15 @@ fn parameter(
         text,
         move |scene| {
             let mut vehicle = scene.vehicle.as_deref().cloned();
-            let train = vehicle.as_mut().and_then(train);
-            train.and_then(&read).copied().unwrap_or_default()
+            let parts = vehicle.as_mut().and_then(parts_of);
+            parts.and_then(&read).copied().unwrap_or_default()
         },
         move |scene, value| {
-            let train = scene.vehicle.as_mut().and_then(|vehicle| train(Arc::make_mut(vehicle)));
-            if let Some(place) = train.and_then(&field) {
+            let parts = scene
+                .vehicle
+                .as_mut()
+                .and_then(|vehicle| parts_of(Arc::make_mut(vehicle)));
+            if let Some(place) = parts.and_then(&field) {
                 *place = value;
             }
         },
@@ -114,18 +117,18 @@ fn parameter(
 pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
     const AXES: [&str; 3] = ["x", "y", "z"];
     let mut parameters = Vec::new();
-    let Some(train) = scene.vehicle.as_deref().and_then(Vehicle::train) else {
+    let Some(parts) = scene.vehicle.as_deref().and_then(Vehicle::train) else {
         return parameters;
     };
-    for (i, body) in train.bodies.iter().enumerate() {
+    for (i, body) in parts.bodies.iter().enumerate() {
         parameters.push(parameter(
             format!("vehicle.bodies[{}].mass", i + 1),
             "kg",
             format!("Mass of each {}", body.name),
-            move |train| train.bodies.get_mut(i).map(|body| &mut body.mass),
+            move |parts| parts.bodies.get_mut(i).map(|body| &mut body.mass),
         ));
     }
-    for (i, bushing) in train.bushings.iter().enumerate() {
+    for (i, bushing) in parts.bushings.iter().enumerate() {
         let path = format!("vehicle.bushings[{}]", i + 1);
         for (axis, title) in AXES.into_iter().enumerate() {
             if bushing.stiffness[axis] != 0.0 {
@@ -133,7 +136,7 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
                     format!("{path}.stiffness[{}]", axis + 1),
                     "N/m",
                     format!("Stiffness of each {} along {title}", bushing.name),
-                    move |train| train.bushings.get_mut(i).map(|bushing| &mut bushing.stiffness[axis]),
+                    move |parts| parts.bushings.get_mut(i).map(|bushing| &mut bushing.stiffness[axis]),
                 ));
             }
             if bushing.damping[axis] != 0.0 {
@@ -141,18 +144,18 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
                     format!("{path}.damping[{}]", axis + 1),
                     "N.s/m",
                     format!("Damping of each {} along {title}", bushing.name),
-                    move |train| train.bushings.get_mut(i).map(|bushing| &mut bushing.damping[axis]),
+                    move |parts| parts.bushings.get_mut(i).map(|bushing| &mut bushing.damping[axis]),
                 ));
             }
         }
     }
     parameters.extend(curves(scene));
-    if train.contact.is_some() {
+    if parts.contact.is_some() {
         parameters.push(parameter(
             "vehicle.contact.friction".to_owned(),
             "1",
             "Friction coefficient between wheels and rails".to_owned(),
-            |train| train.contact.as_mut().map(|contact| &mut contact.friction),
+            |parts| parts.contact.as_mut().map(|contact| &mut contact.friction),
         ));
     }
     parameters
@@ -160,7 +163,7 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
 
 /// What the curves of the track are like.
 fn curves(scene: &Scene) -> Vec<Parameter> {
-    type Field = fn(&mut Curve) -> &mut f64;
+    type Field = fn(&mut TrackCurve) -> &mut f64;
     const FIELDS: [(&str, &str, Field); 6] = [
         ("radius", "Radius of the curve", |curve| &mut curve.radius),
         ("cant", "Height of the outer rail above the inner one", |curve| {

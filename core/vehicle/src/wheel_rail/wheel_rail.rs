@@ -4,7 +4,7 @@ use super::overlap::overlaps;
 use super::search::{Found, MAX_CONTACTS, Search};
 use super::wheel_contact::{Change, WheelContact};
 use super::{CreepModel, Hertz, Rail, SurfaceParameters, Wheel};
-use crate::travel::{Carrying, Travel};
+use crate::travel::{Travel, TravellingFrame};
 use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Power, Weights};
 use nalgebra::Vector3;
 
@@ -58,7 +58,7 @@ struct Place {
     /// Arc length of the rail nearby, m.
     s: f64,
     /// What its coordinates travel with.
-    carrying: Carrying,
+    travelling: TravellingFrame,
 }
 
 /// Where the next search begins.
@@ -123,9 +123,9 @@ impl WheelRail {
     fn place(&self, motion: &Motion<'_>) -> Place {
         let origin = self.parts.travel.place(motion.t);
         let from = origin + self.parts.along;
-        let carrying = self.parts.travel.carrying(motion.t, from);
+        let travelling = self.parts.travel.travelling(motion.t, from);
         let inner = self.parts.marker.frame(motion);
-        let frame = carrying.frame_of(&inner);
+        let frame = travelling.frame_of(&inner);
         Place {
             from,
             s: origin + inner.position.x,
@@ -133,14 +133,14 @@ impl WheelRail {
                 angular_velocity: frame.angular_velocity + frame.axes.column(1) * self.parts.spin,
                 ..frame
             },
-            carrying,
+            travelling,
         }
     }
 
     fn columns(&self, motion: &Motion<'_>, place: &Place) -> Columns {
         let mut columns = Columns::default();
         self.parts.marker.columns(motion, &mut columns);
-        place.carrying.columns_of(columns)
+        place.travelling.columns_of(columns)
     }
 
     fn pairing(&self, place: &Place) -> Pairing<'_> {
@@ -245,7 +245,7 @@ impl Force for WheelRail {
         let frame = &place.frame;
         let columns = self.columns(motion, &place);
         // What the frame carries along turns with it, not with the body.
-        let carried = place.carrying.angular_velocity();
+        let carried = place.travelling.angular_velocity();
         let own = frame.angular_velocity - carried;
         let columns = columns.as_slice();
         let n = columns.len();
@@ -299,7 +299,7 @@ impl Force for WheelRail {
         let frame = &place.frame;
         let axle = frame.axes.column(1);
         let mut power = Power::default();
-        let (travel, turn) = place.carrying.motion_of(&frame.position);
+        let (travel, turn) = place.travelling.motion_of(&frame.position);
         for contact in self.evaluate(&place).0.iter().flatten() {
             let (point, sliding) = (&contact.point, &contact.sliding);
             let by_wheel = contact.force.dot(&sliding.velocity)

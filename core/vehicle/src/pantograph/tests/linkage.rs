@@ -98,7 +98,7 @@ fn links_that_may_spin_freely_stay_as_they_are() {
     let (linkage, _) = linkage(&thesis());
     let equilibrium = linkage.equilibrium_at_height(4.6).unwrap();
     let start = linkage
-        .local(crate::pantograph::Ground::Still)
+        .local(crate::pantograph::BaseMount::Still)
         .unwrap()
         .1
         .state_at_rest();

@@ -1,7 +1,7 @@
 //! A free wheelset on straight track.
 use super::support::{Design, Wheelset, cone, round_rail};
 use crate::multibody::RigidBody;
-use crate::train::CurveInertia;
+use crate::rail_vehicle::CurveInertia;
 use crate::wheel_rail::{CreepLaw, WheelContact, WheelRail};
 use dynamics::{Force, Jacobian, Layout, NewtonOptions, Simulator, State, StaticOptions, System};
 

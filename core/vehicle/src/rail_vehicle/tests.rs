@@ -25,7 +25,7 @@ fn scene(overrides: &[&str]) -> Scene {
 /// A vehicle alone.
 struct Alone {
     layout: Layout,
-    train: Train,
+    vehicle: Vehicle,
 }
 
 impl System for Alone {
@@ -34,11 +34,11 @@ impl System for Alone {
     }
 
     fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.train.forces(visit);
+        self.vehicle.forces(visit);
     }
 
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        self.train.constraints(visit);
+        self.vehicle.constraints(visit);
     }
 }
 
@@ -53,7 +53,7 @@ fn free_motions(alone: &Alone, state: &State) -> DMatrix<f64> {
     let m = state.lambda.len();
     let mut held = DMatrix::zeros(m + alone.layout.fixed().len(), n);
     let mut first = 0;
-    for joint in &alone.train.joints {
+    for joint in &alone.vehicle.joints {
         let mut sink = |row: usize, columns: &[usize], values: &[f64]| {
             for (&column, &value) in columns.iter().zip(values) {
                 held[(first + row, column)] += value;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 /// What a pantograph's base is fixed to. Points are those of the base in its reference position, in the frame of the base.
 #[derive(Clone, Debug)]
-pub(crate) enum Ground {
+pub(crate) enum BaseMount {
     /// The frame of the base itself.
     Still,
     /// A given motion.
@@ -23,8 +23,8 @@ pub(crate) enum Ground {
     },
 }
 
-impl Ground {
-    /// The point and axes fixed in the ground.
+impl BaseMount {
+    /// The point and axes fixed in the mount.
     pub fn anchor(&self, position: Vector3<f64>, axes: Matrix3<f64>) -> Anchor {
         match self {
             Self::Still => Anchor::Base(BaseMarker { position, axes }),

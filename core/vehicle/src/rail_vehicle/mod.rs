@@ -21,20 +21,20 @@ use dynamics::{Constraint, Force, Frame, Marker, Motion, State};
 pub use rolling_wheel::RollingWheel;
 pub use spin::{Spin, WheelsetMarker};
 pub(crate) use statics::Load;
-pub use statics::TrainRest;
+pub use statics::VehicleRest;
 pub use wheel_spring::WheelSpring;
 
 /// What is between a wheel and its rail.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "eight per vehicle")]
-pub enum TrainWheel {
+pub enum VehicleWheel {
     /// A linear spring.
     Spring(WheelSpring),
     /// Rolling contact.
     Rolling(RollingWheel),
 }
 
-impl TrainWheel {
+impl VehicleWheel {
     /// Force of the rail on the wheel perpendicular to the plane of the rails, N.
     #[must_use]
     pub fn load(&self, motion: &Motion<'_>) -> f64 {
@@ -54,7 +54,7 @@ impl TrainWheel {
 
 /// A vehicle of rigid bodies on its wheels.
 #[derive(Clone, Debug)]
-pub struct Train {
+pub struct Vehicle {
     offsets: Offsets,
     constraint_count: usize,
     names: Vec<String>,
@@ -64,17 +64,17 @@ pub struct Train {
     bearing_count: usize,
     joints: Vec<Joint>,
     /// Left and right wheel of each wheelset in turn.
-    wheels: Vec<TrainWheel>,
+    wheels: Vec<VehicleWheel>,
     /// Of the wheelsets, where they roll.
     spins: Vec<Spin>,
-    carrier: BodyMarker,
+    pantograph_base: BodyMarker,
     fixed: usize,
     travel: Travel,
     /// On curved track.
     inertia: Option<CurveInertia>,
 }
 
-impl Train {
+impl Vehicle {
     /// How the frame of its coordinates travels.
     #[must_use]
     pub fn travel(&self) -> &Travel {
@@ -83,8 +83,8 @@ impl Train {
 
     /// Where the base of the pantograph stands on its body.
     #[must_use]
-    pub fn carrier(&self) -> BodyMarker {
-        self.carrier
+    pub fn pantograph_base(&self) -> BodyMarker {
+        self.pantograph_base
     }
 
     /// The bodies, in the order of the scene.
@@ -142,7 +142,7 @@ impl Train {
     #[must_use]
     pub fn derailment_quotient(&self, wheel: usize, motion: &Motion<'_>) -> f64 {
         match self.wheels.get(wheel) {
-            Some(TrainWheel::Rolling(wheel)) => wheel.derailment_quotient(motion),
+            Some(VehicleWheel::Rolling(wheel)) => wheel.derailment_quotient(motion),
             _ => 0.0,
         }
     }
@@ -156,7 +156,7 @@ impl Train {
     /// The base of the pantograph, in the frame of the base.
     #[must_use]
     pub fn base_frame(&self, motion: &Motion<'_>) -> Frame {
-        self.carrier.frame(motion)
+        self.pantograph_base.frame(motion)
     }
 
     /// Visits every force in a fixed order.
@@ -186,7 +186,7 @@ impl Train {
     }
 
     /// Writes a state of rest into the vehicle's part of a state.
-    pub(crate) fn set_rest(&self, rest: &TrainRest, state: &mut State) {
+    pub(crate) fn set_rest(&self, rest: &VehicleRest, state: &mut State) {
         rest.equilibrium.write(self.offsets, state);
         for (spin, rate) in self.spins.iter().zip(&rest.spins) {
             state.v[spin.coordinate] = *rate;

@@ -1,5 +1,5 @@
 //! The vehicle at rest in the frame that travels with it, under what stands on it.
-use super::{Train, TrainWheel};
+use super::{Vehicle, VehicleWheel};
 use crate::VehicleError;
 use crate::multibody::{BodyMarker, DeadForce};
 use crate::pantograph::Equilibrium;
@@ -23,7 +23,7 @@ pub(crate) struct Load {
 
 /// A vehicle at rest.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TrainRest {
+pub struct VehicleRest {
     /// Its coordinates; height and force are those of the base of the pantograph.
     pub(crate) equilibrium: Equilibrium,
     /// The base of the pantograph, in the frame of the base.
@@ -36,7 +36,7 @@ pub struct TrainRest {
 
 /// A vehicle alone.
 struct Alone<'a> {
-    train: &'a mut Train,
+    vehicle: &'a mut Vehicle,
     layout: &'a Layout,
     loads: Vec<DeadForce>,
 }
@@ -47,18 +47,18 @@ impl System for Alone<'_> {
     }
 
     fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.train.forces(visit);
+        self.vehicle.forces(visit);
         for load in &mut self.loads {
             visit(load);
         }
     }
 
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        self.train.constraints(visit);
+        self.vehicle.constraints(visit);
     }
 }
 
-impl Train {
+impl Vehicle {
     /// The state of rest of this vehicle, alone in `layout`, under `loads`; Newton's method begins at `state`.
     ///
     /// # Errors
@@ -68,8 +68,8 @@ impl Train {
         layout: &Layout,
         state: &mut State,
         loads: &[Load],
-    ) -> Result<TrainRest, VehicleError> {
-        let pose = self.carrier.pose;
+    ) -> Result<VehicleRest, VehicleError> {
+        let pose = self.pantograph_base.pose;
         let loads: Vec<DeadForce> = loads
             .iter()
             .map(|load| {
@@ -105,14 +105,14 @@ impl Train {
         settled?;
         let (spins, steady) = self.steady_rolling(layout, state, &loads, &options);
         let base = self.base_frame(&state.motion(&[]));
-        Ok(TrainRest {
+        Ok(VehicleRest {
             equilibrium: Equilibrium {
                 height: base.position.z,
                 force: 0.0,
                 q: state.q.clone(),
                 rotation: state.rotation.clone(),
                 lambda: state.lambda.clone(),
-                train: None,
+                vehicle: None,
             },
             base,
             spins,
@@ -129,7 +129,7 @@ impl Train {
         options: &StaticOptions,
     ) -> Result<(), VehicleError> {
         let mut alone = Alone {
-            train: self,
+            vehicle: self,
             layout,
             loads: loads.to_vec(),
         };
@@ -172,7 +172,7 @@ impl Train {
     /// Leaves this `part` of the irregularities, without creep forces.
     fn set_irregularity(&mut self, part: f64) {
         for wheel in &mut self.wheels {
-            if let TrainWheel::Rolling(wheel) = wheel {
+            if let VehicleWheel::Rolling(wheel) = wheel {
                 wheel.set_irregularity(part);
             }
         }
@@ -229,7 +229,7 @@ impl Train {
     /// none.
     fn set_rolling(&mut self, rates: &[f64]) {
         for (i, wheel) in self.wheels.iter_mut().enumerate() {
-            if let TrainWheel::Rolling(wheel) = wheel {
+            if let VehicleWheel::Rolling(wheel) = wheel {
                 wheel.set_rolling(rates.get(i / 2).copied().unwrap_or(0.0));
             }
         }
@@ -237,7 +237,7 @@ impl Train {
 
     fn set_creeping(&mut self, creeping: bool) {
         for wheel in &mut self.wheels {
-            if let TrainWheel::Rolling(wheel) = wheel {
+            if let VehicleWheel::Rolling(wheel) = wheel {
                 wheel.set_creeping(creeping);
             }
         }

@@ -1,7 +1,7 @@
 //! What carries a pantograph.
-use crate::pantograph::Ground;
+use crate::pantograph::BaseMount;
+use crate::rail_vehicle::Vehicle;
 use crate::track::{Reach, TrackShape};
-use crate::train::Train;
 use crate::{Base, GivenMotion, Placement, VehicleError};
 use dynamics::{Layout, State};
 use nalgebra::Vector3;
@@ -9,13 +9,13 @@ use std::sync::Arc;
 
 /// What moves under a pantograph.
 #[derive(Clone, Debug)]
-pub enum Carriage {
+pub enum BaseMotion {
     /// Nothing: the base travels on a straight line.
     Straight,
     /// The base moves as given.
     Given(Arc<GivenMotion>),
     /// A vehicle.
-    Train(Box<Train>),
+    Vehicle(Box<Vehicle>),
 }
 
 fn unread(key: &str, file: &str) -> VehicleError {
@@ -26,7 +26,7 @@ fn unread(key: &str, file: &str) -> VehicleError {
     }
 }
 
-impl Carriage {
+impl BaseMotion {
     /// Builds what carries a pantograph into `layout`; `name` begins the names of its coordinates.
     ///
     /// # Errors
@@ -78,34 +78,34 @@ impl Carriage {
             });
         }
         let gravity = placement.gravity;
-        let train = match (placement.vehicle.as_deref(), placement.track.as_deref()) {
+        let vehicle = match (placement.vehicle.as_deref(), placement.track.as_deref()) {
             (Some(scene::Vehicle::Full(_)), Some(rails)) => {
-                Train::full(entry, (rails, track.as_ref()), base, gravity, name, layout)?
+                Vehicle::full(entry, (rails, track.as_ref()), base, gravity, name, layout)?
             }
             (Some(scene::Vehicle::Full(_)), None) => {
                 return Err(VehicleError::NotAvailable {
                     what: "vehicle.model = \"full\" needs [track]".to_owned(),
                 });
             }
-            _ => Train::vertical(entry, track.as_ref(), base, gravity, name, layout)?,
+            _ => Vehicle::vertical(entry, track.as_ref(), base, gravity, name, layout)?,
         };
-        Ok(Self::Train(Box::new(train)))
+        Ok(Self::Vehicle(Box::new(vehicle)))
     }
 
     /// What the pantograph's base is fixed to.
-    pub(crate) fn ground(&self) -> Ground {
+    pub(crate) fn mount(&self) -> BaseMount {
         match self {
-            Self::Straight => Ground::Still,
-            Self::Given(given) => Ground::Given(Arc::clone(given)),
-            Self::Train(train) => Ground::Body(train.carrier()),
+            Self::Straight => BaseMount::Still,
+            Self::Given(given) => BaseMount::Given(Arc::clone(given)),
+            Self::Vehicle(vehicle) => BaseMount::Body(vehicle.pantograph_base()),
         }
     }
 
     /// The vehicle.
     #[must_use]
-    pub fn train(&self) -> Option<&Train> {
+    pub fn vehicle(&self) -> Option<&Vehicle> {
         match self {
-            Self::Train(train) => Some(train),
+            Self::Vehicle(vehicle) => Some(vehicle),
             Self::Straight | Self::Given(_) => None,
         }
     }
@@ -113,16 +113,16 @@ impl Carriage {
     /// Number of generalised velocities and of constraint equations.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
-        self.train()
-            .map_or([0; 2], |train| [train.coordinates(), train.constraint_count()])
+        self.vehicle()
+            .map_or([0; 2], |vehicle| [vehicle.coordinates(), vehicle.constraint_count()])
     }
 
     /// The point of the pantograph's base in the reference position, in the frame of the base, m; `height` where nothing else says
     /// its z.
     pub(crate) fn base_point(&self, height: f64) -> Vector3<f64> {
         match self {
-            Self::Train(train) => {
-                let marker = train.carrier();
+            Self::Vehicle(vehicle) => {
+                let marker = vehicle.pantograph_base();
                 marker.pose.reference + marker.offset
             }
             Self::Straight | Self::Given(_) => Vector3::new(0.0, 0.0, height),
@@ -130,9 +130,9 @@ impl Carriage {
     }
 
     /// The vehicle's part of an equilibrium goes into `state`.
-    pub(crate) fn set_rest(&self, rest: Option<&crate::train::TrainRest>, state: &mut State) {
-        if let (Self::Train(train), Some(rest)) = (self, rest) {
-            train.set_rest(rest, state);
+    pub(crate) fn set_rest(&self, rest: Option<&crate::rail_vehicle::VehicleRest>, state: &mut State) {
+        if let (Self::Vehicle(vehicle), Some(rest)) = (self, rest) {
+            vehicle.set_rest(rest, state);
         }
     }
 }

@@ -7,8 +7,8 @@ use super::full::{full, rolling};
 use super::*;
 use crate::check::{assert_tangent, awkward};
 use crate::multibody::{Pose, RigidBody};
+use crate::rail_vehicle::CurveInertia;
 use crate::track::Alignment;
-use crate::train::CurveInertia;
 use crate::{Base, Travel};
 use dynamics::{NewtonOptions, Simulator};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -82,7 +82,7 @@ fn flown(step: f64) -> [Vector3<f64>; 3] {
         offset: Vector3::zeros(),
         axes: Matrix3::identity(),
     };
-    let frame = travel.carrying(motion.t, 0.0).frame_of(&marker.frame(&motion));
+    let frame = travel.travelling(motion.t, 0.0).frame_of(&marker.frame(&motion));
     let omega_b = frame.axes.transpose() * frame.angular_velocity;
     [
         frame.position,
@@ -123,7 +123,7 @@ fn the_tangent_of_what_a_curve_adds_is_the_derivative_of_its_force() {
     // On the ramp within the transition, and in its rounding, where everything changes.
     for place in [75.0, 92.0] {
         state.t = (place - BASE.start_x) / scene.run.speed;
-        let inertia = alone.train.inertia.as_mut().unwrap();
+        let inertia = alone.vehicle.inertia.as_mut().unwrap();
         assert_tangent(inertia, &alone.layout, &state, &[]);
     }
 }
@@ -224,7 +224,7 @@ fn at_the_speed_that_the_cant_balances_no_bogie_is_pushed_to_a_side() {
         .sum::<f64>()
         / 4.0;
     let (alone, motion) = simulator.parts();
-    let rolls = alone.train.spins.iter().map(|spin| spin.pose.axes(&motion)[(2, 1)]);
+    let rolls = alone.vehicle.spins.iter().map(|spin| spin.pose.axes(&motion)[(2, 1)]);
     let roll = rolls.sum::<f64>() / 4.0;
     let leaning = -roll * (shift.z - RADIUS);
     let aside = shift.y - beside;
@@ -246,7 +246,7 @@ fn a_curve_without_end_of_its_radius_is_straight_track() {
         .map(|scene| {
             let mut alone = full(scene, None);
             let mut state = rolling(&mut alone);
-            for spin in &alone.train.spins {
+            for spin in &alone.vehicle.spins {
                 state.v[spin.pose.translation + 1] = 1e-2; // something to sway about
             }
             let mut simulator = Simulator::new(alone, state, Vec::new(), 1e-3, 0.9, NewtonOptions::default());
@@ -300,7 +300,7 @@ fn a_twisted_track_unloads_wheels_as_the_springs_between_them_yield() {
     let mut simulator = run(&scene, 7.0);
     let moments = moments_on_axles(&mut simulator);
     let (alone, motion) = simulator.parts();
-    let travel = alone.train.travel();
+    let travel = alone.vehicle.travel();
     let twist = travel.alignment().unwrap().bend(travel.place(motion.t)).cant[1];
     // Between the bogies: bolster springs and anti-roll bars in series with the equalizer springs.
     let bolster = 4.0 * 215e3 + 940e3;
@@ -324,10 +324,10 @@ fn a_twisted_track_unloads_wheels_as_the_springs_between_them_yield() {
 /// force in the axes of the vehicle's frame, which the track under the axle turns.
 fn lateral_and_vertical(simulator: &mut Simulator<Alone>) -> Vec<[f64; 2]> {
     let (alone, motion) = simulator.parts();
-    let travel = alone.train.travel().clone();
+    let travel = alone.vehicle.travel().clone();
     let origin = travel.place(motion.t);
-    let poses: Vec<Pose> = alone.train.spins.iter().map(|spin| spin.pose).collect();
-    (alone.train.wheels.iter_mut().enumerate())
+    let poses: Vec<Pose> = alone.vehicle.spins.iter().map(|spin| spin.pose).collect();
+    (alone.vehicle.wheels.iter_mut().enumerate())
         .map(|(wheel, contact)| {
             let mut generalised = vec![0.0; motion.q.len()];
             contact.contribution().add_force(&motion, &mut generalised);
@@ -354,7 +354,7 @@ fn derailment_quotients_in_an_arc_are_y_over_q_and_their_sum_holds_the_vehicle_i
         let forces = lateral_and_vertical(&mut simulator);
         let (alone, motion) = simulator.parts();
         let quotients: Vec<f64> = (0..8)
-            .map(|wheel| alone.train.derailment_quotient(wheel, &motion))
+            .map(|wheel| alone.vehicle.derailment_quotient(wheel, &motion))
             .collect();
         println!("{speed} m/s, {direction:?}: Y/Q {quotients:.4?}");
         for (quotient, [y, q]) in quotients.iter().zip(&forces) {

@@ -51,7 +51,7 @@ impl Equilibrium {
         // Eight bolster springs hold car body and bolsters in the frames sideways, which roll a little.
         let body = 24_170.0 + 2.0 * 1107.0;
         let (alone, motion) = simulator.parts();
-        let springs = &alone.train.bushings()[..8];
+        let springs = &alone.vehicle.bushings()[..8];
         let mean = |value: &dyn Fn(&Bushing) -> f64| springs.iter().map(value).sum::<f64>() / 8.0;
         let yielded = mean(&|spring| spring.load(&motion).displacement.y);
         let roll = mean(&|spring| spring.pair.first.frame(&motion).axes[(2, 1)]);
@@ -80,10 +80,10 @@ impl Equilibrium {
 /// Forces of the rails on the wheels, N, along the track, to the left, and up; left and right wheel of each axle in turn.
 pub(super) fn wheel_forces(simulator: &mut Simulator<Alone>) -> Vec<Vector3<f64>> {
     let (alone, motion) = simulator.parts();
-    (alone.train.wheels.iter())
+    (alone.vehicle.wheels.iter())
         .map(|wheel| match wheel {
-            TrainWheel::Rolling(wheel) => wheel.force(&motion),
-            TrainWheel::Spring(_) => Vector3::zeros(),
+            VehicleWheel::Rolling(wheel) => wheel.force(&motion),
+            VehicleWheel::Spring(_) => Vector3::zeros(),
         })
         .collect()
 }
@@ -91,8 +91,8 @@ pub(super) fn wheel_forces(simulator: &mut Simulator<Alone>) -> Vec<Vector3<f64>
 /// Mass (kg) and centre of mass (m) of the vehicle in its frame.
 pub(super) fn centre(simulator: &mut Simulator<Alone>) -> (f64, Vector3<f64>) {
     let (alone, motion) = simulator.parts();
-    let mass: f64 = alone.train.bodies.iter().map(|body| body.mass).sum();
-    let moment: Vector3<f64> = (alone.train.bodies.iter())
+    let mass: f64 = alone.vehicle.bodies.iter().map(|body| body.mass).sum();
+    let moment: Vector3<f64> = (alone.vehicle.bodies.iter())
         .map(|body| body.pose.position(&motion) * body.mass)
         .sum();
     (mass, moment / mass)
@@ -101,9 +101,9 @@ pub(super) fn centre(simulator: &mut Simulator<Alone>) -> (f64, Vector3<f64>) {
 /// Where the track is under the vehicle, in its frame, m: the mean of the places of the axles. A vehicle is straight, the track is not.
 pub(super) fn track_under(simulator: &mut Simulator<Alone>) -> Vector3<f64> {
     let (alone, motion) = simulator.parts();
-    let travel = alone.train.travel();
+    let travel = alone.vehicle.travel();
     let origin = travel.place(motion.t);
-    let spins = &alone.train.spins;
+    let spins = &alone.vehicle.spins;
     let place = |spin: &Spin| {
         let along = spin.pose.reference.x;
         let middle = travel.alignment().unwrap().seen_from(origin + along, origin).position;
@@ -116,10 +116,10 @@ pub(super) fn track_under(simulator: &mut Simulator<Alone>) -> Vector3<f64> {
 pub(super) fn moments_on_axles(simulator: &mut Simulator<Alone>) -> Vec<[f64; 2]> {
     let (alone, motion) = simulator.parts();
     let mut force = vec![0.0; motion.q.len()];
-    for wheel in &mut alone.train.wheels {
+    for wheel in &mut alone.vehicle.wheels {
         wheel.contribution().add_force(&motion, &mut force);
     }
-    let spins = alone.train.spins.iter();
+    let spins = alone.vehicle.spins.iter();
     spins
         .map(|spin| [0, 2].map(|axis| force[spin.pose.rotation + axis]))
         .collect()
@@ -141,14 +141,14 @@ pub(super) fn moment_about_the_track(simulator: &mut Simulator<Alone>) -> f64 {
 /// Middles of the axles in the axes of the track under them, m.
 pub(super) fn axles_beside_the_track(simulator: &mut Simulator<Alone>) -> Vec<Vector3<f64>> {
     let (alone, motion) = simulator.parts();
-    let travel = alone.train.travel();
+    let travel = alone.vehicle.travel();
     let origin = travel.place(motion.t);
     let beside = |spin: &Spin| {
         let middle = spin.pose.position(&motion);
         let track = travel.alignment().unwrap().seen_from(origin + middle.x, origin);
         track.axes.transpose() * (middle + Vector3::new(origin, 0.0, 0.0) - track.position)
     };
-    alone.train.spins.iter().map(beside).collect()
+    alone.vehicle.spins.iter().map(beside).collect()
 }
 
 /// Places of the contacts of the left and the right wheel of each axle beside the middle of the track, m to the left: the lever arms
@@ -159,10 +159,10 @@ pub(super) fn contacts_beside_the_track(simulator: &mut Simulator<Alone>) -> Vec
     let (alone, motion) = simulator.parts();
     let mut place = |wheel: usize| {
         let mut generalised = vec![0.0; motion.q.len()];
-        alone.train.wheels[wheel]
+        alone.vehicle.wheels[wheel]
             .contribution()
             .add_force(&motion, &mut generalised);
-        let moment = generalised[alone.train.spins[wheel / 2].pose.rotation];
+        let moment = generalised[alone.vehicle.spins[wheel / 2].pose.rotation];
         axles[wheel / 2].y + (moment - RADIUS * forces[wheel].y) / forces[wheel].z
     };
     (0..axles.len())

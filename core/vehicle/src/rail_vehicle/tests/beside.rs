@@ -21,18 +21,18 @@ fn wheel_loads_shift_by_the_moment_of_what_stands_beside_the_middle() {
     const LOAD: f64 = 5000.0;
     let mut alone = full(&full_scene(&[&base_at(0.3)]), None);
     let mut state = alone.layout.state_at_rest();
-    let point = alone.train.base_frame(&state.motion(&[])).position;
+    let point = alone.vehicle.base_frame(&state.motion(&[])).position;
     assert_eq!(point, Vector3::new(0.0, 0.3, 3.425));
     let load = Load { point, force: -LOAD };
-    let rest = alone.train.rest(&alone.layout, &mut state, &[load]).unwrap();
-    alone.train.set_rest(&rest, &mut state);
+    let rest = alone.vehicle.rest(&alone.layout, &mut state, &[load]).unwrap();
+    alone.vehicle.set_rest(&rest, &mut state);
     let motion = state.motion(&[]);
-    let loads: Vec<f64> = alone.train.wheel_loads(&motion).collect();
+    let loads: Vec<f64> = alone.vehicle.wheel_loads(&motion).collect();
     let [left, right] = [0, 1].map(|side| loads.iter().skip(side).step_by(2).sum::<f64>());
     let weight = 43_052.0 * 9.81 + LOAD;
     // Residuals of statics, 1e-5 N each.
     assert!((left + right - weight).abs() < 1e-2, "{left} {right} {weight}");
-    let swayed: f64 = (alone.train.bodies().iter())
+    let swayed: f64 = (alone.vehicle.bodies().iter())
         .map(|body| body.mass * body.gravity * body.pose.position(&motion).y)
         .sum();
     let (moment, found) = (LOAD * rest.base.position.y + swayed, 0.75 * (left - right));

@@ -15,10 +15,10 @@ struct Course {
 fn course(law: &str) -> Course {
     let mut alone = full(&full_scene(&[&format!("vehicle.contact.creep={law}")]), None);
     let mut state = rolling(&mut alone);
-    for spin in &alone.train.spins {
+    for spin in &alone.vehicle.spins {
         state.v[spin.pose.translation + 1] = 2e-3;
     }
-    let foremost = alone.train.spins[3].pose.translation + 1;
+    let foremost = alone.vehicle.spins[3].pose.translation + 1;
     let mut simulator = Simulator::new(alone, state, Vec::new(), 1e-3, 0.9, NewtonOptions::default());
     let (mut lateral, mut along) = (Vec::new(), 0.0_f64);
     for tenth in 0..10 {

@@ -1,6 +1,6 @@
 //! From the scene's vehicle to bodies, bushings, joints and wheels.
 use super::rolling_wheel::Rolling;
-use super::{CurveInertia, RollingWheel, Spin, Train, TrainWheel, WheelSpring};
+use super::{CurveInertia, RollingWheel, Spin, Vehicle, VehicleWheel, WheelSpring};
 use crate::multibody::{Anchor, BodyMarker, Bushing, Characteristic, Joint, Pair, Pose, Rates, RigidBody};
 use crate::pantograph::Offsets;
 use crate::track::{Alignment, TrackShape};
@@ -158,7 +158,7 @@ impl Builder<'_> {
         Ok(joints)
     }
 
-    fn wheels(&self, base: Base, track: Option<&TrackShape>) -> Result<Vec<TrainWheel>, VehicleError> {
+    fn wheels(&self, base: Base, track: Option<&TrackShape>) -> Result<Vec<VehicleWheel>, VehicleError> {
         let wheels = &self.entry.wheels;
         let wheelsets = self.entry.body(&wheels.wheelset);
         let wheelsets = wheelsets.ok_or_else(|| VehicleError::UnknownBody {
@@ -173,14 +173,14 @@ impl Builder<'_> {
                 let rail = track.map(|track| Arc::clone(&track.rails[side]));
                 let rates = [wheels.stiffness, wheels.damping];
                 let spring = WheelSpring::new(marker, self.point(&point), base, rail, rates);
-                springs.push(TrainWheel::Spring(spring));
+                springs.push(VehicleWheel::Spring(spring));
             }
         }
         Ok(springs)
     }
 }
 
-impl Train {
+impl Vehicle {
     /// Builds a vehicle whose bodies only move in the plane along the track into `layout`, in the frame of `base`; `name` begins the
     /// names of its coordinates. `gravity` in m/s².
     ///
@@ -194,15 +194,15 @@ impl Train {
         name: &str,
         layout: &mut Layout,
     ) -> Result<Self, VehicleError> {
-        let mut train = Self::build(entry, track, base, gravity, name, layout, true)?;
-        for body in &train.bodies {
+        let mut vehicle = Self::build(entry, track, base, gravity, name, layout, true)?;
+        for body in &vehicle.bodies {
             layout.fix(body.pose.translation + 1);
             layout.fix(body.pose.rotation + ROLL);
             layout.fix(body.pose.rotation + YAW);
         }
-        train.fixed += 3 * train.bodies.len();
-        train.hold_axles_and_speed(entry, layout);
-        Ok(train)
+        vehicle.fixed += 3 * vehicle.bodies.len();
+        vehicle.hold_axles_and_speed(entry, layout);
+        Ok(vehicle)
     }
 
     /// Builds a vehicle whose bodies move in space, on wheels that roll on the rails of `track`; `shape` is how far these are from
@@ -218,32 +218,32 @@ impl Train {
         name: &str,
         layout: &mut Layout,
     ) -> Result<Self, VehicleError> {
-        let mut train = Self::build(entry, None, base, gravity, name, layout, false)?;
-        let wheelsets = train.hold_axles_and_speed(entry, layout);
+        let mut vehicle = Self::build(entry, None, base, gravity, name, layout, false)?;
+        let wheelsets = vehicle.hold_axles_and_speed(entry, layout);
         let alignment = Alignment::new(&track.curves, entry.wheels.distance);
-        train.travel = Travel::along(base, alignment.map(Arc::new));
-        let rolling = rolling(entry, track, train.travel.clone())?;
-        train.wheels.clear();
+        vehicle.travel = Travel::along(base, alignment.map(Arc::new));
+        let rolling = rolling(entry, track, vehicle.travel.clone())?;
+        vehicle.wheels.clear();
         for (i, body) in wheelsets.enumerate() {
-            let body = train.bodies[body];
+            let body = vehicle.bodies[body];
             let spin = Spin {
                 pose: body.pose,
                 coordinate: layout.add_coordinates(1, format!("{name}, spin of wheelset {}", i + 1)),
                 rolling: base.speed / entry.wheels.radius,
                 inertia: body.inertia.y,
             };
-            train.spins.push(spin);
+            vehicle.spins.push(spin);
             for (side, number) in [(Side::Left, 0), (Side::Right, 1)] {
                 let shape = shape.map(|shape| Arc::clone(&shape.rails[number]));
                 let wheel = RollingWheel::new(rolling.clone(), spin, side, shape);
-                train.wheels.push(TrainWheel::Rolling(wheel));
+                vehicle.wheels.push(VehicleWheel::Rolling(wheel));
             }
         }
-        train.inertia = CurveInertia::new(&train.travel, &train.bodies, &train.spins);
-        Ok(train)
+        vehicle.inertia = CurveInertia::new(&vehicle.travel, &vehicle.bodies, &vehicle.spins);
+        Ok(vehicle)
     }
 
-    /// Holds the pitch of what stands for the axles, without their spin, and the place of the carrying body along the track;
+    /// Holds the pitch of what stands for the axles, without their spin, and the place of the travelling body along the track;
     /// returns the numbers of the wheelsets.
     fn hold_axles_and_speed(&mut self, entry: &Entry, layout: &mut Layout) -> std::ops::Range<usize> {
         let wheelsets = entry.bodies.iter().find(|body| body.name == entry.wheels.wheelset);
@@ -254,7 +254,7 @@ impl Train {
         for body in &self.bodies[first..first + count] {
             layout.fix(body.pose.rotation + PITCH);
         }
-        layout.fix(self.carrier.pose.translation);
+        layout.fix(self.pantograph_base.pose.translation);
         self.fixed += count + 1;
         first..first + count
     }
@@ -315,7 +315,7 @@ impl Train {
             joints,
             wheels: builder.wheels(base, track)?,
             spins: Vec::new(),
-            carrier: builder.anchor("carrier", &entry.carrier, &entry.pantograph_base, &Matrix3::identity())?,
+            pantograph_base: builder.anchor("carrier", &entry.carrier, &entry.pantograph_base, &Matrix3::identity())?,
             bodies: builder.bodies,
             fixed: 0,
             travel: Travel::along(base, None),
