@@ -1,4 +1,4 @@
-//! Parameters that several components have.
+//! Parameters shared by several components.
 use crate::Parameter;
 use scene::{Scene, Start};
 

@@ -1,4 +1,4 @@
-//! What carries a pantograph.
+//! Motion of the pantograph's base beside the travel: none, given, or that of a vehicle.
 use crate::pantograph::BaseMount;
 use crate::rail_vehicle::Vehicle;
 use crate::track::{Reach, TrackShape};
@@ -7,14 +7,14 @@ use dynamics::{Layout, State};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// What moves under a pantograph.
+/// Motion of the pantograph's base relative to the travel along the track.
 #[derive(Clone, Debug)]
 pub enum BaseMotion {
-    /// Nothing: the base travels on a straight line.
+    /// None: the base travels on a straight line.
     Straight,
-    /// The base moves as given.
+    /// Displacements and angles as functions of time.
     Given(Arc<GivenMotion>),
-    /// A vehicle.
+    /// Motion of the vehicle body under the base.
     Vehicle(Box<Vehicle>),
 }
 
@@ -27,7 +27,7 @@ fn unread(key: &str, file: &str) -> VehicleError {
 }
 
 impl BaseMotion {
-    /// Builds what carries a pantograph into `layout`; `name` begins the names of its coordinates.
+    /// Builds the motion of the base into `layout`; `name` begins the names of the coordinates.
     ///
     /// # Errors
     /// See [`VehicleError`].
@@ -71,8 +71,9 @@ impl BaseMotion {
             let path = rails.curve_key(0);
             return Err(VehicleError::NotAvailable {
                 what: format!(
-                    "{path}: start = {} m must be {least:.3} m or more: a run starts at rest on straight track, the foremost wheel or the \
-                     pantograph's base at {ahead:.3} m, and the cant ramp begins half its rounding = {} m before",
+                    "{path}: start = {} m must be {least:.3} m or more: a run starts at rest on straight track, the \
+                     foremost wheel or the pantograph's base at {ahead:.3} m, and the cant ramp begins half its \
+                     rounding = {} m before",
                     first.start, first.rounding
                 ),
             });
@@ -92,7 +93,7 @@ impl BaseMotion {
         Ok(Self::Vehicle(Box::new(vehicle)))
     }
 
-    /// What the pantograph's base is fixed to.
+    /// Mount of the pantograph's base.
     pub(crate) fn mount(&self) -> BaseMount {
         match self {
             Self::Straight => BaseMount::Still,
@@ -101,7 +102,7 @@ impl BaseMotion {
         }
     }
 
-    /// The vehicle.
+    /// Vehicle under the pantograph, if modelled.
     #[must_use]
     pub fn vehicle(&self) -> Option<&Vehicle> {
         match self {
@@ -117,8 +118,8 @@ impl BaseMotion {
             .map_or([0; 2], |vehicle| [vehicle.coordinates(), vehicle.constraint_count()])
     }
 
-    /// The point of the pantograph's base in the reference position, in the frame of the base, m; `height` where nothing else says
-    /// its z.
+    /// Point of the pantograph's base in the reference position, in the frame of the base, m; z is `height` unless a
+    /// vehicle sets it.
     pub(crate) fn base_point(&self, height: f64) -> Vector3<f64> {
         match self {
             Self::Vehicle(vehicle) => {
@@ -129,7 +130,7 @@ impl BaseMotion {
         }
     }
 
-    /// The vehicle's part of an equilibrium goes into `state`.
+    /// Writes the vehicle's part of an equilibrium into `state`.
     pub(crate) fn set_rest(&self, rest: Option<&crate::rail_vehicle::VehicleRest>, state: &mut State) {
         if let (Self::Vehicle(vehicle), Some(rest)) = (self, rest) {
             vehicle.set_rest(rest, state);

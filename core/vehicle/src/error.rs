@@ -1,25 +1,26 @@
-//! What can be wrong with a pantograph or the vehicle under it.
+//! Errors of a pantograph or the vehicle under the pantograph.
 
-/// Why a pantograph could not be built, or has no equilibrium.
+/// Reason why a pantograph could not be built or has no equilibrium.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VehicleError {
-    /// The scene hands the pantograph to somebody else's model.
+    /// The scene hands the pantograph to a supplied FMU.
     #[error("the pantograph is the FMU {fmu}: it has no equations here")]
     Supplied {
-        /// The FMU's path as written in the scene.
+        /// Path of the FMU as written in the scene.
         fmu: String,
     },
     /// The height at which the grounded spring is unstretched is not known.
     #[error(
-        "pantograph.reference_height is not set: give the height (m) of the strip at which the last spring is unstretched"
+        "pantograph.reference_height is not set: give the height (m) of the strip at which the last spring is \
+         unstretched"
     )]
     NoReferenceHeight,
-    /// A name that no body of the linkage has.
+    /// A name that belongs to no body of the linkage.
     #[error("pantograph.{key} = \"{name}\": the linkage has no body of this name")]
     UnknownBody {
         /// Key in the scene.
         key: &'static str,
-        /// The name found there.
+        /// Name found under the key.
         name: String,
     },
     /// The body that the uplift acts on does not stand on the base.
@@ -40,19 +41,19 @@ pub enum VehicleError {
     },
     /// The suspension's preload and the contact force cannot balance the tabulated position.
     #[error(
-        "the linkage is not in balance in its tabulated position: {residual:.3e} N remain in {coordinate} whatever the contact \
-         force and the preload of the collector suspension"
+        "the linkage is not in balance in its tabulated position: {residual:.3e} N remain in {coordinate} whatever the \
+         contact force and the preload of the collector suspension"
     )]
     NotBalanced {
         /// Largest force left, N or N·m.
         residual: f64,
-        /// Where.
+        /// Name of the coordinate with the largest force.
         coordinate: String,
     },
     /// The mechanism has other motions than one.
     #[error("the linkage cannot be reduced to one motion: {reason}; leave \"linkage\" out of model.reduce")]
     NotReducible {
-        /// Why.
+        /// Reason.
         reason: String,
     },
     /// A chain element that only pushes would have to pull, or nothing carries the difference to the static force.
@@ -67,22 +68,23 @@ pub enum VehicleError {
     },
     /// Newton's method did not find an equilibrium of the linkage.
     #[error(
-        "no equilibrium of the linkage at {target}: it may not reach there ({residual:.3e} N or m remain after {iterations} \
-         iterations, tolerance {tolerance:.1e})"
+        "no equilibrium of the linkage at {target}: it may not reach there ({residual:.3e} N or m remain after \
+         {iterations} iterations, tolerance {tolerance:.1e})"
     )]
     NotConverged {
-        /// What was asked for ("strip height 5.3 m").
+        /// Requested target ("strip height 5.3 m").
         target: String,
         /// Newton iterations done.
         iterations: usize,
         /// Largest residual left, N, N·m or m.
         residual: f64,
-        /// Where it would have been accepted.
+        /// Tolerance of the residual.
         tolerance: f64,
     },
     /// Points that make no force–displacement curve.
     #[error(
-        "vehicle.bushings \"{name}\".stop must have two points or more, its displacements must ascend and its forces must not fall"
+        "vehicle.bushings \"{name}\".stop must have two points or more, its displacements must ascend and its forces \
+         must not fall"
     )]
     NoCharacteristic {
         /// Name of the bushing.
@@ -91,7 +93,7 @@ pub enum VehicleError {
     /// A vehicle that has to be read from files, or that this build does not know.
     #[error("{what}")]
     NotAvailable {
-        /// What, and what would be right.
+        /// The missing data, and the remedy.
         what: String,
     },
     /// The vehicle has no state of rest.
@@ -99,10 +101,11 @@ pub enum VehicleError {
     Unsettled(#[source] dynamics::StepError),
     /// Pantograph and vehicle do not come to rest together.
     #[error(
-        "no common equilibrium of vehicle and pantograph: the base still moves by {change:.1e} m after {iterations} iterations"
+        "no common equilibrium of vehicle and pantograph: the base still moves by {change:.1e} m after \
+         {iterations} iterations"
     )]
     Restless {
-        /// Of the base in the last iteration, m.
+        /// Change of the base in the last iteration, m.
         change: f64,
         /// Iterations done.
         iterations: usize,

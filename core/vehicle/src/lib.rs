@@ -1,21 +1,22 @@
-//! The rigid side: pantographs on a base that travels along the track.
+//! Rail vehicles and pantographs on a base that travels along the track.
 //!
-//! Coordinates describe a pantograph in the frame of its base. The base moves along the track at constant speed. On straight track
-//! this frame is inertial; in a curve it turns and leans with the track ([`Travel`]), and what bodies feel of that is a force
-//! ([`rail_vehicle::CurveInertia`]). Only the markers that the outside sees ([`Travelling`]) add the travel. Statics are rest in this
-//! frame, and no digits are lost to the distance covered.
+//! Coordinates describe pantograph and vehicle in the frame of the base, which moves along the track at constant speed.
+//! On straight track this frame is inertial; in a curve the frame turns and leans with the track ([`Travel`]), and the
+//! inertia of bodies in the turning frame is a force ([`rail_vehicle::CurveInertia`]). Only markers seen from outside
+//! ([`Travelling`]) add the travel. Statics are rest in this frame, and no digits are lost to the distance covered.
 //!
-//! [`PantographModel`] builds each kind of pantograph from its scene entry into a shared [`dynamics::Layout`]:
+//! [`PantographModel`] builds a pantograph from a scene entry into a shared [`dynamics::Layout`]:
 //! [`pantograph::Lumped`], masses one above the other; [`pantograph::Linkage`], rigid bodies and joints;
-//! [`pantograph::ReducedLinkage`], the latter in the two coordinates that its joints leave. What it stands on is the base itself, a
-//! given motion ([`GivenMotion`]), or a vehicle ([`rail_vehicle::Vehicle`]) on a [`track`].
+//! [`pantograph::ReducedLinkage`], a linkage in the two coordinates that joints leave free. All three are a
+//! [`pantograph::Pantograph`]. The base of a pantograph travels alone, follows a given motion ([`GivenMotion`]), or
+//! stands on a vehicle ([`rail_vehicle::Vehicle`]) on a [`track`].
 //!
 //! # Sources
-//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
-//!   Chicago, 2016.
+//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois
+//!   at Chicago, 2016.
 //! - `[Haug 1989]` E. J. Haug, Computer Aided Kinematics and Dynamics of Mechanical Systems, Allyn and Bacon.
-//! - `[Shabana, Zaazaa & Sugiyama 2008]` A. A. Shabana, K. E. Zaazaa & H. Sugiyama, Railroad Vehicle Dynamics: A Computational
-//!   Approach, CRC Press.
+//! - `[Shabana, Zaazaa & Sugiyama 2008]` A. A. Shabana, K. E. Zaazaa & H. Sugiyama, Railroad Vehicle Dynamics: A
+//!   Computational Approach, CRC Press.
 #![forbid(unsafe_code)]
 
 mod base;

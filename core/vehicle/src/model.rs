@@ -259,8 +259,8 @@ impl PantographModel {
         }
     }
 
-    /// What the vehicle bears of a pantograph at rest. A lumped one presses on its base with the contact force alone: its weight is
-    /// taken as part of what it stands on.
+    /// What the vehicle bears of a pantograph at rest. A lumped one presses on its base with the contact force alone:
+    /// its weight is taken as part of what it stands on.
     fn loads(&self, equilibrium: &Equilibrium, base: Frame) -> Result<Vec<Load>, VehicleError> {
         match &self.kind {
             Kind::Linkage(linkage) => linkage.loads(equilibrium),
@@ -271,8 +271,8 @@ impl PantographModel {
         }
     }
 
-    /// Writes `equilibrium` into the pantograph's part of `state`, and puts the base where the strip is at the start x at
-    /// t = 0. Markers taken before this call keep the old base.
+    /// Writes `equilibrium` into the pantograph's part of `state`, and puts the base where the strip is at the start x
+    /// at t = 0. Markers taken before this call keep the old base.
     pub fn set_initial(&mut self, equilibrium: &Equilibrium, state: &mut State) {
         let (offsets, strip_x) = match &mut self.kind {
             Kind::Lumped(lumped) => (lumped.offsets(), 0.0),
@@ -324,7 +324,8 @@ impl PantographModel {
         }
     }
 
-    /// Lines that draw the pantograph in the world, m: the bodies of a linkage, the strip of a lumped one from the side.
+    /// Lines that draw the pantograph in the world, m: the bodies of a linkage, the strip of a lumped one from the
+    /// side.
     #[must_use]
     pub fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
         /// Half the drawn length of a collector head along the track, m.
@@ -403,7 +404,8 @@ impl PantographModel {
         (point, self.base_motion.mount().frame(point, motion))
     }
 
-    /// Height of the base above the top of rail in the reference position, m. A lumped chain has no extent: its base is at the reference height.
+    /// Height of the base above the top of rail in the reference position, m. A lumped chain has no extent: its base is
+    /// at the reference height.
     #[must_use]
     pub fn base_z(&self) -> f64 {
         match &self.kind {
@@ -413,7 +415,8 @@ impl PantographModel {
         }
     }
 
-    /// The force that raises the pantograph, N: the static force of a lumped one, the force on the lower arm of a linkage.
+    /// The force that raises the pantograph, N: the static force of a lumped one, the force on the lower arm of a
+    /// linkage.
     #[must_use]
     pub fn uplift_force(&self) -> f64 {
         match &self.kind {
@@ -443,8 +446,8 @@ impl PantographModel {
         }
     }
 
-    /// Drag and lift of the air on the body that carries the strip, N: along the air that meets it, and across it, positive upward;
-    /// 0 where nothing exposes it.
+    /// Drag and lift of the air on the body that carries the strip, N: along the air that meets it, and across it,
+    /// positive upward; 0 where nothing exposes it.
     #[must_use]
     pub fn wind_on_head(&self, motion: &Motion<'_>) -> [f64; 2] {
         match &self.kind {

@@ -119,7 +119,7 @@ fn the_end_of_a_turning_lever_arm_moves_as_the_closed_form_says() {
             let now = arm * cosine + quarter * sine;
             let found = motion.frame_of(&marker, t);
             let angular = rate + angular_acceleration * t;
-            // A spline is a parabola exactly but for the ends, at which it rests: 0.268 per sample over 150 of them.
+            // A spline is a parabola exactly but for the ends, where it rests: 0.268 per sample over 150 of them.
             assert!((found.position - held - now).amax() < 1e-13, "{axis} {t}");
             assert!(
                 (found.velocity - angular * normal.cross(&now)).amax() < 1e-12,

@@ -1,4 +1,4 @@
-//! Rigid bodies, what joins them and what acts on them, in the frame of the base.
+//! Rigid bodies, joints, springs and loads in the frame of the base.
 mod anchor;
 mod applied_force;
 mod axial_spring;

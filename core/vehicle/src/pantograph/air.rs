@@ -1,5 +1,5 @@
-//! The air on a pantograph: which points of it feel the wind, and what it does to the state of rest.
-use super::curve::Curve;
+//! Air on a pantograph: the points exposed to the wind, and the effect on the state of rest.
+use super::curve::MotionCurve;
 use super::one_motion::OneMotion;
 use super::plane::{Turn, quarter};
 use super::{HeadMarker, ReducedStrip};
@@ -10,10 +10,10 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector2, Vector3};
 use scene::{AerodynamicMarker, Scene, WindSurface};
 use std::sync::Arc;
 
-/// What of a scene's wind acts on one pantograph.
+/// Part of a scene's wind that acts on one pantograph.
 #[derive(Clone, Debug)]
 pub struct Air {
-    /// The air itself.
+    /// Flow of the air.
     pub flow: Flow,
     /// Quasi-steady uplift of the strip, N/(m/s)².
     pub uplift: Option<f64>,
@@ -22,12 +22,12 @@ pub struct Air {
 }
 
 impl Air {
-    /// The air on pantograph `index` (from 0) of a scene, where the scene lets the wind act on pantographs.
+    /// Air on pantograph `index` (from 0) of a scene; `None` if the scene lets no wind act on pantographs.
     #[must_use]
     pub fn of_scene(scene: &Scene, index: usize) -> Option<Self> {
         let table = scene.wind.as_ref()?;
         let acts = table.pantograph.as_ref()?;
-        // One for all, or one for each.
+        // One uplift for all pantographs, or one for each.
         let uplift = acts.uplift.get(index).or(acts.uplift.first()).copied();
         Some(Self {
             flow: Flow {
@@ -57,7 +57,7 @@ pub(crate) type AirForce = AerodynamicForce<Travelling<AirMarker>>;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AirForces {
     forces: Vec<AirForce>,
-    /// Which of them act on the body that carries the strip.
+    /// True for forces on the body of the strip.
     on_head: Vec<bool>,
 }
 
@@ -75,7 +75,7 @@ impl AirForces {
         &mut self.forces
     }
 
-    /// Drag and lift on the body that carries the strip, N: sums over its points.
+    /// Drag and lift on the body of the strip, N: sums over the points.
     pub(crate) fn on_head(&self, motion: &Motion<'_>) -> [f64; 2] {
         let on_head = self.forces.iter().zip(&self.on_head).filter(|(_, on_head)| **on_head);
         on_head.fold([0.0; 2], |[drag, lift], (force, _)| {
@@ -85,7 +85,7 @@ impl AirForces {
     }
 }
 
-/// Points of a surface: offset from the body's centre of mass (m) and axes in those of the body, and area in m².
+/// Points of a surface: offset from the body's centre of mass (m) and axes in body axes, and area in m².
 pub(crate) fn points_of(
     surface: &WindSurface,
     orientation: &UnitQuaternion<f64>,
@@ -135,13 +135,13 @@ impl Marker for AirMarker {
     }
 }
 
-/// A point of a body whose motion in the plane is known by one or two coordinates.
+/// Point of a body whose motion in the plane is known by one or two coordinates.
 #[derive(Clone, Debug)]
 pub struct ReducedPoint {
     pub(super) path: PointPath,
     /// First coordinate of the linkage.
     pub(super) coordinate: usize,
-    /// From the body's centre of mass, reference position, m.
+    /// Arm from the body's centre of mass, reference position, m.
     pub(super) arm: Vector3<f64>,
     /// Lateral position of the centre of mass, m.
     pub(super) y: f64,
@@ -149,17 +149,17 @@ pub struct ReducedPoint {
     pub(super) axes: Matrix3<f64>,
 }
 
-/// How the centre of mass of a body moves.
+/// Path of the centre of mass of a body.
 #[derive(Clone, Debug)]
 pub(super) enum PointPath {
-    /// With the one motion.
-    Follower(Arc<Curve<3>>),
-    /// With the one motion and the collector suspension.
+    /// Function of the one motion.
+    Follower(Arc<MotionCurve<3>>),
+    /// Body of the strip: function of the one motion and the collector suspension.
     StripBody(Arc<OneMotion>),
 }
 
-/// Where the body is: centre of mass in the plane and angle, with their derivatives by both coordinates.
-struct Place {
+/// Position of the body: centre of mass in the plane and angle, with their derivatives by both coordinates.
+struct PointPosition {
     centre: Vector2<f64>,
     by_sigma: Vector2<f64>,
     by_zeta: Vector2<f64>,
@@ -169,12 +169,12 @@ struct Place {
 }
 
 impl ReducedPoint {
-    fn place(&self, motion: &Motion<'_>) -> Place {
+    fn place(&self, motion: &Motion<'_>) -> PointPosition {
         let (sigma, rise) = (motion.q[self.coordinate], motion.q[self.coordinate + 1]);
         match &self.path {
             PointPath::Follower(curve) => {
                 let [x, z, phi] = curve.at(sigma);
-                Place {
+                PointPosition {
                     centre: Vector2::new(x[0], z[0]),
                     by_sigma: Vector2::new(x[1], z[1]),
                     by_zeta: Vector2::zeros(),
@@ -184,7 +184,7 @@ impl ReducedPoint {
             }
             PointPath::StripBody(motion) => {
                 let place = motion.place(sigma, rise);
-                Place {
+                PointPosition {
                     centre: Vector2::new(place.x, place.zeta),
                     by_sigma: Vector2::new(place.x_sigma, 0.0),
                     by_zeta: Vector2::new(place.x_zeta, 1.0),
@@ -196,7 +196,7 @@ impl ReducedPoint {
     }
 
     /// The arm in the plane, turned.
-    fn arm(&self, place: &Place) -> Vector2<f64> {
+    fn arm(&self, place: &PointPosition) -> Vector2<f64> {
         place.turn.of(Vector2::new(self.arm.x, self.arm.z))
     }
 }
@@ -220,13 +220,13 @@ impl Marker for ReducedPoint {
         let along = place.by_sigma + quarter(self.arm(&place)) * place.turning;
         let turn = Vector3::new(0.0, place.turning, 0.0);
         columns.push(self.coordinate, Vector3::new(along.x, 0.0, along.y), turn);
-        // A follower has it too, so that both coordinates stand in one block of the tangent.
+        // A follower gets the second column too, so that both coordinates stand in one block of the tangent.
         let rise = Vector3::new(place.by_zeta.x, 0.0, place.by_zeta.y);
         columns.push(self.coordinate + 1, rise, Vector3::zeros());
     }
 }
 
-/// Adds the generalised forces of the air at rest to `force`, which has one entry per coordinate that the markers know.
+/// Adds the generalised forces of the air at rest to `force`, which has one entry per coordinate known to the markers.
 pub(super) fn add_at_rest(air: &mut [AirForce], q: &[f64], force: &mut [f64]) {
     let v = vec![0.0; q.len()];
     let motion = Motion {

@@ -1,30 +1,31 @@
-//! What a pantograph stands on.
+//! Mount of a pantograph: the object to which the base is fixed.
 use crate::GivenMotion;
 use crate::multibody::{Anchor, BaseMarker, BodyMarker, GivenMarker};
 use dynamics::{Frame, Marker, Motion};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// What a pantograph's base is fixed to. Points are those of the base in its reference position, in the frame of the base.
+/// Object to which a pantograph's base is fixed. Points are points of the base in the reference position, in the frame
+/// of the base.
 #[derive(Clone, Debug)]
 pub(crate) enum BaseMount {
     /// The frame of the base itself.
     Still,
     /// A given motion.
     Given(Arc<GivenMotion>),
-    /// A rigid body; the marker stands at the pantograph's base, its axes are those of the track in the reference position.
+    /// A rigid body; the marker is at the pantograph's base, with the axes of the track in the reference position.
     Body(BodyMarker),
-    /// A base that rests where `frame` is and not at `reference`, for statics.
+    /// A base that rests at `frame` instead of `reference`, for statics.
     Displaced {
-        /// Where the base's marker is in the reference position, m.
+        /// Marker of the base in the reference position, m.
         reference: Vector3<f64>,
-        /// Where it is.
+        /// Marker of the base at rest.
         frame: Frame,
     },
 }
 
 impl BaseMount {
-    /// The point and axes fixed in the mount.
+    /// Anchor at a point and axes fixed in the mount.
     pub fn anchor(&self, position: Vector3<f64>, axes: Matrix3<f64>) -> Anchor {
         match self {
             Self::Still => Anchor::Base(BaseMarker { position, axes }),
@@ -32,7 +33,7 @@ impl BaseMount {
                 marker: BaseMarker { position, axes },
                 given: Arc::clone(given),
             }),
-            // The body's axes are those of the track in its reference position.
+            // Body axes are the axes of the track in the reference position.
             Self::Body(marker) => Anchor::Body(BodyMarker {
                 pose: marker.pose,
                 offset: position - marker.pose.reference,
@@ -45,7 +46,7 @@ impl BaseMount {
         }
     }
 
-    /// How far the pantograph's base stands beside the middle of the track in the reference position, m.
+    /// Lateral position of the pantograph's base in the reference position, m from the middle of the track.
     pub fn lateral(&self) -> f64 {
         match self {
             Self::Still | Self::Given(_) => 0.0,
@@ -54,7 +55,7 @@ impl BaseMount {
         }
     }
 
-    /// Where the point of the base is now, in the frame of the base.
+    /// Frame of a point of the base now, in the frame of the base.
     pub fn frame(&self, point: Vector3<f64>, motion: &Motion<'_>) -> Frame {
         self.anchor(point, Matrix3::identity()).frame(motion)
     }

@@ -10,14 +10,14 @@ use scene::{JointKind, Linkage as Entry};
 pub(super) struct Builder<'a> {
     entry: &'a Entry,
     mount: BaseMount,
-    /// Of the frame of the base, in coordinates of the mechanism, m.
+    /// Origin of the frame of the base, in coordinates of the mechanism, m.
     origin: Vector3<f64>,
     pub orientations: Vec<UnitQuaternion<f64>>,
     pub bodies: Vec<RigidBody>,
 }
 
 impl<'a> Builder<'a> {
-    /// With the base `lateral` (m) beside the middle of the track.
+    /// Builder for a base `lateral` (m) beside the middle of the track.
     pub fn new(
         entry: &'a Entry,
         (mount, lateral): (BaseMount, f64),
@@ -54,7 +54,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// A point of the mechanism's coordinates in the frame of the base.
+    /// Point given in the mechanism's coordinates, in the frame of the base.
     fn point(&self, point: &[f64; 3]) -> Vector3<f64> {
         Vector3::from(*point) - self.origin
     }
@@ -96,7 +96,7 @@ impl<'a> Builder<'a> {
         self.entry.joints.iter().map(build).collect()
     }
 
-    /// The spring acts on the strip's body as the second anchor, so that its preload lifts along the axis.
+    /// The spring acts on the strip's body as the second anchor, so that a positive preload lifts along the axis.
     pub fn suspension(&self) -> Result<AxialSpring, VehicleError> {
         let name = &self.entry.strip.body;
         let guides = |joint: &&scene::Joint| {
@@ -162,7 +162,7 @@ impl<'a> Builder<'a> {
 /// Orthonormal axes (columns) whose third one points along `axis`.
 fn frame_about(axis: &Vector3<f64>) -> Matrix3<f64> {
     let third = axis.normalize();
-    // Of the two upright choices the one farther from the axis.
+    // Reference direction far from the axis, so that the cross product is well conditioned.
     let helper = if third.x.abs() < 0.7 {
         Vector3::x()
     } else {

@@ -3,7 +3,7 @@ use crate::rail_vehicle::VehicleRest;
 use dynamics::State;
 use nalgebra::UnitQuaternion;
 
-/// Where a pantograph's coordinates start in a layout that it may share.
+/// First indices of a pantograph's coordinates in a shared layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Offsets {
     pub coordinate: usize,
@@ -16,15 +16,15 @@ pub(crate) struct Offsets {
 pub struct Equilibrium {
     /// Height of the middle of the strip above the top of rail, m.
     pub height: f64,
-    /// Contact force, N, positive in compression: it presses the strip down.
+    /// Contact force, N, positive in compression (presses the strip down).
     pub force: f64,
     /// The pantograph's own coordinates, in the order of the layout.
     pub q: Vec<f64>,
-    /// The orientations of its bodies, body to world.
+    /// Orientations of the pantograph's bodies, body to world.
     pub rotation: Vec<UnitQuaternion<f64>>,
-    /// The multipliers of its joints, N or N·m.
+    /// Multipliers of the pantograph's joints, N or N·m.
     pub lambda: Vec<f64>,
-    /// The vehicle under it, where there is one.
+    /// Rest of the vehicle under the pantograph, if modelled.
     pub vehicle: Option<Box<VehicleRest>>,
 }
 

@@ -15,10 +15,10 @@ use scene::Linkage as Entry;
 
 /// Any tree or loop of rigid bodies on a base, a collector head on its suspension, and an uplift force.
 ///
-/// In the frame of the base the base's reference point has x = 0, the y at which a vehicle carries it (0 where none does), and its height
-/// above the top of rail. The tabulated
-/// position is the reference position: all displacements zero, and an equilibrium. The preload of the collector suspension
-/// sees to the latter: there it carries the head's weight and the contact force that the rest of the mechanism can bear.
+/// In the frame of the base, the base's reference point has x = 0, the y of the pantograph's base on the vehicle (0
+/// without vehicle), and the height above the top of rail. The tabulated position is the reference position: all
+/// displacements zero, and an equilibrium. The preload of the collector suspension ensures the equilibrium: the preload
+/// balances the head's weight and the contact force that the rest of the mechanism can bear.
 #[derive(Clone, Debug)]
 pub struct Linkage {
     entry: Entry,
@@ -31,25 +31,25 @@ pub struct Linkage {
     suspension: AxialSpring,
     uplift: DeadForce,
     strip: BodyMarker,
-    /// Of the bodies in the reference position.
+    /// Orientations of the bodies in the reference position.
     orientations: Vec<UnitQuaternion<f64>>,
     static_force: f64,
     /// Forces of the air; no part of the balance in the reference position.
     air: AirForces,
-    /// On a base that follows a curve; no part of statics.
+    /// Inertia on a base in a curve; no part of statics.
     inertia: Option<CurveInertia>,
 }
 
 impl Linkage {
-    /// Builds the mechanism into `layout`; `name` begins the names of its coordinates. `gravity` in m/s².
+    /// Builds the mechanism into `layout`; `name` begins the names of the coordinates. `gravity` in m/s².
     ///
     /// # Errors
-    /// Names that do not fit together; [`VehicleError::NotBalanced`] where the tabulated position cannot be at rest.
+    /// Names that do not fit together; [`VehicleError::NotBalanced`] if the tabulated position cannot be at rest.
     pub fn new(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
         Self::on(BaseMount::Still, entry, gravity, name, layout)
     }
 
-    /// The same mechanism on another mount; the preload of its suspension is that of the reference position.
+    /// The same mechanism on another mount; the preload of the suspension is that of the reference position.
     ///
     /// # Errors
     /// See [`Linkage::new`].
@@ -119,12 +119,12 @@ impl Linkage {
         })
     }
 
-    /// Lets it feel the curves that its base runs through.
+    /// Adds the inertia forces of the curves that the base runs through.
     pub(crate) fn follow_curves(&mut self, travel: &Travel) {
         self.inertia = CurveInertia::new(travel, &self.bodies, &[]);
     }
 
-    /// Lets the air act on bodies, or lift the strip.
+    /// Exposes the bodies to the air, or the strip to the uplift.
     pub(crate) fn expose(&mut self, air: &Air, base: Base) {
         let mut forces = AirForces::default();
         if let Some(coefficient) = air.uplift {
@@ -141,7 +141,7 @@ impl Linkage {
         self.air = forces;
     }
 
-    /// The points of a surface and their areas in m²; a body that is not there has none.
+    /// Points of a surface and their areas in m²; none for an unknown body.
     pub(super) fn points_of(&self, surface: &scene::WindSurface) -> Vec<(BodyMarker, f64)> {
         let Some(number) = self.entry.bodies.iter().position(|body| body.name == surface.body) else {
             return Vec::new();
@@ -235,7 +235,7 @@ impl Linkage {
         }
     }
 
-    /// What acts on the mechanism from outside, at rest: weights, uplift and contact force.
+    /// Loads on the mechanism from outside, at rest: weights, uplift and contact force.
     pub(crate) fn loads(&self, equilibrium: &Equilibrium) -> Result<Vec<Load>, VehicleError> {
         let (linkage, layout) = self.local(BaseMount::Still)?;
         let mut state = layout.state_at_rest();
@@ -328,11 +328,11 @@ impl Linkage {
 
     /// The state of rest under a vertical contact force (N) in the middle of the strip.
     ///
-    /// The force that a linkage bears has a maximum over its working range; on both sides of it heights share a force. This
-    /// is the one that Newton's method reaches from the tabulated position.
+    /// The force borne by a linkage has a maximum over the working range; on both sides of the maximum two heights
+    /// share a force. The result is the height that Newton's method reaches from the tabulated position.
     ///
     /// # Errors
-    /// [`VehicleError::NotConverged`] where the mechanism cannot bear that force.
+    /// [`VehicleError::NotConverged`] if the mechanism cannot bear that force.
     pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
         self.equilibrium(BaseMount::Still, Target::Force(force))
     }
@@ -340,12 +340,13 @@ impl Linkage {
     /// The state of rest with the middle of the strip at `height` (m) above the top of rail.
     ///
     /// # Errors
-    /// [`VehicleError::NotConverged`] where the mechanism does not reach that height.
+    /// [`VehicleError::NotConverged`] if the mechanism does not reach that height.
     pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
         self.equilibrium(BaseMount::Still, Target::Height(height))
     }
 
-    /// As [`Linkage::equilibrium_at_height`] or [`Linkage::equilibrium_at_force`], on a mount that rests somewhere else.
+    /// Equilibrium as [`Linkage::equilibrium_at_height`] or [`Linkage::equilibrium_at_force`], on a mount at rest
+    /// somewhere else.
     pub(crate) fn equilibrium(&self, mount: BaseMount, target: Target) -> Result<Equilibrium, VehicleError> {
         let (mut linkage, layout) = self.local(mount)?;
         let start = layout.state_at_rest();

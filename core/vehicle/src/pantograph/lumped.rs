@@ -10,9 +10,9 @@ use nalgebra::{Matrix3, Vector3};
 
 /// A vertical chain of masses, collector head first, each on a spring–damper, the last one on the base.
 ///
-/// All springs of the chain are unstretched where its strip, without any force, is at `reference_height`: that is how EN 50318
-/// counts the grounded spring. The coordinates are the rises of the masses from the state of rest with the strip held at that
-/// height, where the static force `S` on the last mass has shortened the springs above it:
+/// All springs of the chain are unstretched with the strip, without any force, at `reference_height`: EN 50318 counts
+/// the grounded spring this way. The coordinates are the rises of the masses from the state of rest with the strip held
+/// at that height; there the static force `S` on the last mass has shortened the springs above:
 ///
 /// ```text
 /// F₀ = S / (1 + kₙ Σ 1/kᵢ),  i < n                                         derived here: Fₙ = F₀ − S = −kₙ Σ F₀/kᵢ
@@ -27,12 +27,12 @@ pub struct Lumped {
     reference_force: f64,
     /// Uplift of the air on the strip.
     air: AirForces,
-    /// On a base that follows a curve; no part of statics.
+    /// Inertia on a base in a curve; no part of statics.
     inertia: Option<ChainInertia>,
 }
 
 impl Lumped {
-    /// Builds the chain into `layout`; `name` begins the names of its coordinates.
+    /// Builds the chain into `layout`; `name` begins the names of the coordinates.
     ///
     /// # Errors
     /// [`VehicleError::NoReferenceHeight`].
@@ -79,7 +79,7 @@ impl Lumped {
         })
     }
 
-    /// Lets it feel the curves that its base runs through; `gravity` in m/s².
+    /// Adds the inertia forces of the curves that the base runs through; `gravity` in m/s².
     pub(crate) fn follow_curves(&mut self, travel: &Travel, gravity: f64) {
         self.inertia = travel.alignment().map(|_| ChainInertia {
             travel: travel.clone(),
@@ -91,7 +91,7 @@ impl Lumped {
         });
     }
 
-    /// Lets the air lift the strip.
+    /// Exposes the strip to the uplift of the air.
     pub(crate) fn expose(&mut self, air: &Air, base: Base) {
         self.air = AirForces::default();
         if let Some(coefficient) = air.uplift {
@@ -110,7 +110,7 @@ impl Lumped {
         self.air.as_mut_slice()
     }
 
-    /// What the air lifts the strip with at rest at t = 0, N: it carries so much less of the contact force.
+    /// Uplift of the air on the strip at rest at t = 0, N: this part of the contact force needs no spring.
     fn uplift(&self) -> f64 {
         let q = vec![0.0; self.offsets.coordinate + 1];
         let mut force = q.clone();
@@ -118,7 +118,7 @@ impl Lumped {
         force[self.offsets.coordinate]
     }
 
-    /// Puts the chain on a mount that moves; `base` (m) is where it stands in the reference position.
+    /// Puts the chain on a moving mount; `base` (m) is the base in the reference position.
     pub(crate) fn mount_on(&mut self, mount: &BaseMount, base: Vector3<f64>) {
         let lift = self.masses.static_force;
         self.head.lateral = mount.lateral();
@@ -180,8 +180,8 @@ impl Lumped {
     /// Every element carries the difference to the reference state: `s_i = (f − F₀)/k_i`.
     ///
     /// # Errors
-    /// [`VehicleError::OutOfReach`] where an element that pushes only would have to pull, or an element without stiffness
-    /// to carry a force.
+    /// [`VehicleError::OutOfReach`] if an element that pushes only would have to pull, or an element without stiffness
+    /// to bear a force.
     pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
         let excess = force - self.uplift() - self.reference_force;
         let compressions = self.elements.iter().map(|element| {
@@ -198,15 +198,15 @@ impl Lumped {
         Ok(self.state(force, &compressions))
     }
 
-    /// The state of rest with the strip at `height` (m); the force may come out negative: then the strip hangs.
+    /// State of rest with the strip at `height` (m); a negative force means a hanging strip.
     ///
     /// # Errors
-    /// [`VehicleError::OutOfReach`] where an element that pushes only would have to pull.
+    /// [`VehicleError::OutOfReach`] if an element that pushes only would have to pull.
     pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
         let rise = height - self.reference_height();
         let soft = self.elements.iter().rposition(|element| element.stiffness == 0.0);
         if let Some(soft) = soft {
-            // It gives way at no force; the others stay as they are.
+            // An element without stiffness gives way at no force; the others stay unchanged.
             let mut compressions = vec![0.0; self.elements.len()];
             compressions[soft] = -rise;
             return Ok(self.state(self.reference_force + self.uplift(), &compressions));
@@ -217,7 +217,8 @@ impl Lumped {
         Ok(equilibrium)
     }
 
-    /// As [`Lumped::equilibrium_at_force`] or [`Lumped::equilibrium_at_height`], on a base that has risen by `rise` m.
+    /// Equilibrium as [`Lumped::equilibrium_at_force`] or [`Lumped::equilibrium_at_height`], on a base that has risen
+    /// by `rise` m.
     pub(crate) fn equilibrium_risen(&self, rise: f64, target: Target) -> Result<Equilibrium, VehicleError> {
         let mut equilibrium = match target {
             Target::Force(force) => self.equilibrium_at_force(force),
@@ -253,7 +254,7 @@ impl Lumped {
     }
 }
 
-/// See [`Lumped`]; a chain with a spring of no stiffness above the grounded one presses with nothing.
+/// Reference force of [`Lumped`]; a chain with a spring of no stiffness above the grounded one presses with nothing.
 fn reference_force(entry: &scene::Lumped) -> f64 {
     let (grounded, upper) = match entry.stiffnesses.split_last() {
         Some((grounded, upper)) if *grounded > 0.0 => (*grounded, upper),

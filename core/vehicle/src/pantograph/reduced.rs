@@ -1,9 +1,10 @@
-//! The linkage reduced to what its joints leave free: its one motion and the collector suspension.
+//! The linkage reduced to the two motions that joints leave free: the one motion of the mechanism and the collector
+//! suspension.
 use super::air::{Air, AirForce, AirForces, AirMarker, PointPath, ReducedPoint, add_at_rest};
-use super::curve::{Curve, Node, Path};
+use super::curve::{MotionCurve, Node, Path};
 use super::equilibrium::{Equilibrium, Offsets};
 use super::linkage::Linkage;
-use super::one_motion::{OneMotion, Place, ReducedStrip};
+use super::one_motion::{OneMotion, ReducedStrip, StripBodyPosition};
 use super::plane::Turn;
 use super::statics::Target;
 use super::table::Table;
@@ -13,20 +14,21 @@ use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
 use scene::Linkage as Entry;
 use std::sync::Arc;
 
-/// The mechanism of a [`Linkage`] in two coordinates: `σ` of its one motion, and the rise `ζ` of the strip's body.
+/// Mechanism of a [`Linkage`] in two coordinates: `σ` of the one motion, and the rise `ζ` of the strip's body.
 ///
-/// All bodies but the strip's follow `σ`, the arc length of their motion weighed by their inertias, so that their kinetic energy
-/// is `½ σ̇²`. The body that carries the collector suspension is turned by `φ(σ)`, and `(X, Z)(σ)` is the point of it that the
-/// strip's body has its centre of mass on where the suspension is not stretched. With the suspension's axis at `ψ = ψ₀ + φ` from
-/// the vertical the strip's body is at
+/// All bodies but the strip's follow `σ`, the arc length of their motion weighed by their inertias, so that their
+/// kinetic energy is `½ σ̇²`. The body that guides the collector suspension is turned by `φ(σ)`, and `(X, Z)(σ)` is the
+/// point of that body under the centre of mass of the strip's body with an unstretched suspension. With the
+/// suspension's axis at `ψ = ψ₀ + φ` from the vertical the strip's body is at
 ///
 /// ```text
 /// x = X + τ (ζ − Z),   z = ζ,   angle φ,      τ = tan ψ,   s = (ζ − Z)/cos ψ
 /// T = ½ σ̇² + ½ m (ẋ² + ζ̇²),   U = V(σ) + m g ζ + ½ k s² − P s                                        derived here
 /// ```
 ///
-/// `½ σ̇²` includes the turning of the strip's body, `V` weights and uplift of the others. Nothing is left out as long as the
-/// mechanism cannot leave its plane ([`scene::Linkage::motions_beyond_one`]): the joints carry lateral forces and rolling moments.
+/// `½ σ̇²` includes the turning of the strip's body, `V` weights and uplift of the others. The reduction is exact as
+/// long as the mechanism cannot leave the plane ([`scene::Linkage::motions_beyond_one`]): the joints bear lateral
+/// forces and rolling moments.
 #[derive(Clone, Debug)]
 pub struct ReducedLinkage {
     motion: Arc<OneMotion>,
@@ -37,17 +39,18 @@ pub struct ReducedLinkage {
     static_force: f64,
     uplift_force: f64,
     base_z: f64,
-    /// `(σ, ζ)` whose mass matrix stands for all in the iteration matrix.
+    /// `(σ, ζ)` of the mass matrix used in the iteration matrix.
     start: [f64; 2],
-    /// The mechanism alone in a layout, and its bodies on the curve: for drawings.
+    /// Mechanism alone in a layout, and the paths of the bodies: for drawings.
     full: Linkage,
-    bodies: Vec<Arc<Curve<3>>>,
+    bodies: Vec<Arc<MotionCurve<3>>>,
     /// Forces of the air; no part of the balance in the reference position.
     air: AirForces,
 }
 
 impl ReducedLinkage {
-    /// Reduces the mechanism of a scene and builds it into `layout`; `name` begins the names of its coordinates. `gravity` in m/s².
+    /// Reduces the mechanism of a scene and builds it into `layout`; `name` begins the names of the coordinates.
+    /// `gravity` in m/s².
     ///
     /// # Errors
     /// See [`Linkage::new`]; [`VehicleError::NotReducible`].
@@ -62,7 +65,7 @@ impl ReducedLinkage {
         let ends = |q: &DVector<f64>| table.strip_point_height(q) < entry.base[2];
         let path = Path::trace(&table.plane, |tangent| table.rise(tangent), ends)?;
         let nodes: Vec<_> = path.nodes.iter().map(|node| table.jets(node)).collect();
-        let curve = Curve::new(path.first, path.step, &nodes);
+        let curve = MotionCurve::new(path.first, path.step, &nodes);
         let bodies = (0..table.plane.references.len()).map(|body| {
             let jets = |node: &Node| {
                 std::array::from_fn(|axis| {
@@ -71,7 +74,7 @@ impl ReducedLinkage {
                 })
             };
             let nodes: Vec<_> = path.nodes.iter().map(jets).collect();
-            Curve::new(path.first, path.step, &nodes)
+            MotionCurve::new(path.first, path.step, &nodes)
         });
         let body = &full.bodies()[head];
         let orientation = full.orientation(head);
@@ -109,7 +112,7 @@ impl ReducedLinkage {
         Ok(reduced)
     }
 
-    /// Lets the air act on bodies, or lift the strip.
+    /// Exposes the bodies to the air, or the strip to the uplift.
     pub(crate) fn expose(&mut self, air: &Air, base: Base) {
         let mut forces = AirForces::default();
         if let Some(coefficient) = air.uplift {
@@ -119,7 +122,7 @@ impl ReducedLinkage {
         let head = self.full.strip_body();
         for surface in &air.surfaces {
             for (marker, area) in self.full.points_of(surface) {
-                // Alone in its layout the mechanism counts its orientations from 0, as its bodies.
+                // Alone in a layout, the mechanism counts orientations from 0, like bodies.
                 let number = marker.pose.orientation;
                 let orientation = self.full.orientation(number);
                 let point = ReducedPoint {
@@ -236,7 +239,7 @@ impl ReducedLinkage {
         self.offsets
     }
 
-    /// Where the motion starts: its mass matrix is the one that the solver factors.
+    /// Sets the start of the motion: the solver factors the mass matrix of this configuration.
     pub(crate) fn start_at(&mut self, equilibrium: &Equilibrium) {
         self.start = [equilibrium.q[0], equilibrium.q[1]];
     }
@@ -250,7 +253,8 @@ impl ReducedLinkage {
         0.5 * (m11 * v[0] * v[0] + 2.0 * m12 * v[0] * v[1] + m22 * v[1] * v[1])
     }
 
-    /// The same configuration in the coordinates of the full mechanism: displacements (three rotations unused) and orientations.
+    /// Same configuration in the coordinates of the full mechanism: displacements (three rotations unused) and
+    /// orientations.
     #[must_use]
     pub fn configuration(&self, motion: &Motion<'_>) -> (Vec<f64>, Vec<UnitQuaternion<f64>>) {
         let i = self.offsets.coordinate;
@@ -290,10 +294,11 @@ impl ReducedLinkage {
         self.full.outline(&motion)
     }
 
-    /// The state of rest under a vertical contact force (N) in the middle of the strip, see [`Linkage::equilibrium_at_force`].
+    /// State of rest under a vertical contact force (N) in the middle of the strip, see
+    /// [`Linkage::equilibrium_at_force`].
     ///
     /// # Errors
-    /// [`VehicleError::NotConverged`] where the mechanism cannot bear that force.
+    /// [`VehicleError::NotConverged`] if the mechanism cannot bear that force.
     pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
         self.equilibrium(Target::Force(force))
     }
@@ -301,7 +306,7 @@ impl ReducedLinkage {
     /// The state of rest with the middle of the strip at `height` (m) above the top of rail.
     ///
     /// # Errors
-    /// [`VehicleError::NotConverged`] where the mechanism does not reach that height.
+    /// [`VehicleError::NotConverged`] if the mechanism does not reach that height.
     pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
         self.equilibrium(Target::Height(height))
     }
@@ -382,7 +387,7 @@ impl ReducedLinkage {
     }
 
     /// Generalised forces without velocities.
-    fn rest_force(&self, place: &Place) -> [f64; 2] {
+    fn rest_force(&self, place: &StripBodyPosition) -> [f64; 2] {
         let axial = self.preload - self.stiffness * place.s;
         [
             axial * place.s_q[0] - place.potential[1],
@@ -390,8 +395,8 @@ impl ReducedLinkage {
         ]
     }
 
-    /// Minus its derivative, row by row.
-    fn stiffness(&self, place: &Place) -> [f64; 4] {
+    /// Negative derivative of the generalised forces, row by row.
+    fn stiffness(&self, place: &StripBodyPosition) -> [f64; 4] {
         let axial = self.preload - self.stiffness * place.s;
         let [s_1, s_2] = place.s_q;
         let coupling = self.stiffness * s_1 * s_2 - axial * place.s_sigma_zeta;
@@ -448,8 +453,8 @@ impl Force for ReducedLinkage {
             k21 + c * (s_q[1] * rate_q[0] + rate * place.s_sigma_zeta),
             k22 + c * s_q[1] * rate_q[1],
         ];
-        // The derivative of the velocity's own inertia forces with respect to the velocity; that with respect to the position is
-        // of the order of a turn within a step.
+        // Derivative of the velocity's inertia forces with respect to the velocity; the derivative with respect to the
+        // position is of the order of a turn within a step and is left out.
         let carried_v = [
             2.0 * self.motion.mass * (place.x_sigma_sigma * v[0] + place.x_sigma_zeta * v[1]),
             2.0 * self.motion.mass * place.x_sigma_zeta * v[0],
@@ -463,7 +468,7 @@ impl Force for ReducedLinkage {
         blocks.add(&[i, i + 1], &[i, i + 1], &values);
     }
 
-    /// The mass matrix of the start: [`Force::add_dynamic_force`] takes the present one.
+    /// Mass matrix of the start: [`Force::add_dynamic_force`] takes the present one.
     fn add_mass(&self, blocks: &mut Blocks<'_>) {
         let i = self.offsets.coordinate;
         let place = self.motion.place(self.start[0], self.start[1]);

@@ -4,9 +4,9 @@
 //! Q(q) − f ∂z_s/∂q − g_qᵀ λ = 0,    g(q) = 0,    z_s(q) = h  or  f given
 //! ```
 //!
-//! `z_s` is the height of the strip, `f` the contact force that presses it down. The Jacobian includes the geometric
-//! stiffness of the joints: nearly all the stiffness that a linkage has against being lowered comes from there. Bars
-//! between two spherical joints may spin freely; a stiffness far below any other holds them where they are.
+//! `z_s` is the height of the strip, `f` the contact force that presses the strip down. The Jacobian includes the
+//! geometric stiffness of the joints: nearly all the stiffness of a linkage against being lowered comes from the
+//! joints. Bars between two spherical joints may spin freely; a stiffness far below any other holds their spin.
 use super::{Equilibrium, Linkage};
 use crate::VehicleError;
 use crate::multibody::{AxialSpring, Pose};
@@ -27,7 +27,7 @@ const LONGEST_TURN: f64 = 0.1;
 
 const ITERATIONS: usize = 60;
 
-/// What an equilibrium is asked for at.
+/// Target of an equilibrium.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Target {
     /// Contact force, N.
@@ -45,9 +45,9 @@ impl std::fmt::Display for Target {
     }
 }
 
-/// What balances the tabulated position.
+/// Forces that balance the tabulated position.
 pub(super) struct Balance {
-    /// Of the collector suspension, N.
+    /// Preload of the collector suspension, N.
     pub preload: f64,
     /// Contact force, N.
     pub force: f64,
@@ -171,7 +171,7 @@ pub(super) fn solve(
         let scale = force.amax().max(contact_force.abs());
         tolerance = TOLERANCE * scale;
         if iteration == 0 {
-            // Multipliers that carry the forces of the start as well as can be.
+            // Multipliers that bear the forces of the start in the least-squares sense.
             let lambda = g_q
                 .transpose()
                 .svd(true, true)
@@ -234,7 +234,7 @@ pub(super) fn solve(
     })
 }
 
-/// Moves the state along a Newton step (displacements, rotations, multipliers, force), shortened where it turns a body
+/// Moves the state along a Newton step (displacements, rotations, multipliers, force), shortened if a body would turn
 /// too far; returns the change of the contact force.
 fn advance(linkage: &Linkage, state: &mut State, step: &DVector<f64>) -> f64 {
     let (n, m) = (state.q.len(), state.lambda.len());
@@ -254,7 +254,7 @@ fn advance(linkage: &Linkage, state: &mut State, step: &DVector<f64>) -> f64 {
         *orientation *= rotation::exp(&(turn(pose) * fraction));
         orientation.renormalize();
     }
-    // Multipliers and force are those of the full step: they enter linearly.
+    // Multipliers and force take the full step, because both enter linearly.
     for (lambda, change) in state.lambda.iter_mut().zip(step.rows(n, m).iter()) {
         *lambda += change;
     }

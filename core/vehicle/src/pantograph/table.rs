@@ -1,4 +1,4 @@
-//! What is tabulated of a linkage, from its scene entry.
+//! Tabulated quantities of a linkage, from the scene entry.
 use super::curve::{Jet, Node};
 use super::linkage::Linkage;
 use super::plane::{End, Plane, PlaneJoint};
@@ -6,12 +6,12 @@ use crate::VehicleError;
 use nalgebra::{DVector, Vector2};
 use scene::{JointKind, Linkage as Entry};
 
-/// The mechanism without the strip's body, and what is tabulated of it.
+/// Mechanism without the strip's body, and the tabulated quantities.
 pub(super) struct Table {
     pub plane: Plane,
     gravity: f64,
     masses: Vec<f64>,
-    /// Where the centre of mass of the strip's body is on its guide, and the number of the guide.
+    /// Centre of mass of the strip's body as a point of its guide, and the number of the guide.
     strip_point: End,
     guide: usize,
     pub tilt: f64,

@@ -18,7 +18,7 @@ const YAW: usize = 2;
 
 struct Builder<'a> {
     entry: &'a Entry,
-    /// Of the frame of the base, in coordinates of the vehicle, m.
+    /// Origin of the frame of the base, in coordinates of the vehicle, m.
     origin: Vector3<f64>,
     /// First body of each entry, in the order of the scene.
     firsts: Vec<usize>,
@@ -40,7 +40,7 @@ impl Builder<'_> {
         Ok(self.bodies[self.firsts[entry] + self.entry.bodies[entry].nearest(point)])
     }
 
-    /// Where two bodies, named under `keys`, meet at a point.
+    /// Meeting point of two bodies, named under `keys`.
     fn pair(
         &self,
         keys: [&'static str; 2],
@@ -181,8 +181,8 @@ impl Builder<'_> {
 }
 
 impl Vehicle {
-    /// Builds a vehicle whose bodies only move in the plane along the track into `layout`, in the frame of `base`; `name` begins the
-    /// names of its coordinates. `gravity` in m/s².
+    /// Builds a vehicle whose bodies only move in the plane along the track into `layout`, in the frame of `base`;
+    /// `name` begins the names of the coordinates. `gravity` in m/s².
     ///
     /// # Errors
     /// Names that do not fit together.
@@ -205,11 +205,11 @@ impl Vehicle {
         Ok(vehicle)
     }
 
-    /// Builds a vehicle whose bodies move in space, on wheels that roll on the rails of `track`; `shape` is how far these are from
-    /// their ideal lines.
+    /// Builds a vehicle whose bodies move in space, on wheels that roll on the rails of `track`; `shape` holds the
+    /// deviations of the rails from their ideal lines.
     ///
     /// # Errors
-    /// Names that do not fit together; profiles that are none.
+    /// Names that do not fit together; unusable profiles.
     pub fn full(
         entry: &Entry,
         (track, shape): (&scene::Track, Option<&TrackShape>),
@@ -243,8 +243,8 @@ impl Vehicle {
         Ok(vehicle)
     }
 
-    /// Holds the pitch of what stands for the axles, without their spin, and the place of the travelling body along the track;
-    /// returns the numbers of the wheelsets.
+    /// Holds the pitch of the bodies that stand for axles without spin, and the position of the travelling body along
+    /// the track; returns the numbers of the wheelsets.
     fn hold_axles_and_speed(&mut self, entry: &Entry, layout: &mut Layout) -> std::ops::Range<usize> {
         let wheelsets = entry.bodies.iter().find(|body| body.name == entry.wheels.wheelset);
         let count = wheelsets.map_or(0, |body| body.positions.len());
@@ -274,7 +274,8 @@ impl Vehicle {
             constraint: layout.constraints(),
             orientation: layout.rotations().len(),
         };
-        // Along the track under the pantograph's base, but in the middle of the track: there the rails are on both sides.
+        // Along the track the origin is under the pantograph's base, laterally in the middle of the track, so that
+        // there is a rail on each side.
         let mut builder = Builder {
             entry,
             origin: Vector3::new(entry.pantograph_base[0], 0.0, 0.0),
@@ -324,13 +325,13 @@ impl Vehicle {
     }
 }
 
-/// Points closer together than this are one, m: a hundredth of a millimetre is the digit that profiles are measured to.
+/// Spacing below which points count as one, m: a hundredth of a millimetre is the digit to which profiles are measured.
 const SPACING: f64 = 1e-5;
 
 /// Depth below the top of rail at which the gauge is measured, m [EN 13848-1].
 const GAUGE_DEPTH: f64 = 0.014;
 
-/// What all wheels of a full vehicle share.
+/// Data shared by all wheels of a full vehicle.
 fn rolling(entry: &Entry, track: &scene::Track, travel: Travel) -> Result<Rolling, VehicleError> {
     let missing = |key: &str| VehicleError::NotAvailable {
         what: format!("vehicle.model = \"full\" needs {key}"),
@@ -381,7 +382,7 @@ fn rolling(entry: &Entry, track: &scene::Track, travel: Travel) -> Result<Rollin
     })
 }
 
-/// Outward coordinate of the gauge face, m: where the inner side of the rail is [`GAUGE_DEPTH`] below its top.
+/// Outward coordinate of the gauge face, m: the inner side of the rail [`GAUGE_DEPTH`] below the top.
 fn gauge_face(rail: &Profile) -> Option<f64> {
     let [start, end] = rail.range();
     let count = 400;
@@ -404,7 +405,7 @@ fn gauge_face(rail: &Profile) -> Option<f64> {
     Some(rail.at(high).position.x)
 }
 
-/// Name of one of equal bodies.
+/// Name of one of several equal bodies.
 fn numbered(body: &VehicleBody, i: usize) -> String {
     if body.positions.len() == 1 {
         body.name.clone()

@@ -1,9 +1,10 @@
-//! The vehicle under the pantograph: rigid bodies, what joins them, and the wheels.
+//! The vehicle under the pantograph: rigid bodies, joints, bushings and wheels.
 //!
-//! Coordinates are those of the frame of the base, which travels at constant speed: a vehicle that runs undisturbed is at rest. The
-//! centre of mass of the body that carries the pantograph keeps its place along the track there: that is what drives the
-//! vehicle, and it does no work in this frame. [Thesis, section 3.1, Table 1] In a curve the frame follows the track
-//! ([`Travel`]), so that a vehicle in a long arc is at rest, too, under what [`CurveInertia`] adds.
+//! Coordinates are those of the frame of the base, which travels at constant speed: an undisturbed vehicle is at rest.
+//! The centre of mass of the body under the pantograph keeps a fixed position along the track in this frame: this
+//! constraint drives the vehicle and does no work in the frame. [Thesis, section 3.1, Table 1] In a curve the frame
+//! follows the track ([`Travel`]), so that a vehicle in a long arc is at rest, too, under the forces of
+//! [`CurveInertia`].
 mod builder;
 mod curve_inertia;
 mod rolling_wheel;
@@ -24,7 +25,7 @@ pub(crate) use statics::Load;
 pub use statics::VehicleRest;
 pub use wheel_spring::WheelSpring;
 
-/// What is between a wheel and its rail.
+/// Contact model between a wheel and a rail.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "eight per vehicle")]
 pub enum VehicleWheel {
@@ -65,23 +66,23 @@ pub struct Vehicle {
     joints: Vec<Joint>,
     /// Left and right wheel of each wheelset in turn.
     wheels: Vec<VehicleWheel>,
-    /// Of the wheelsets, where they roll.
+    /// Spins of the wheelsets of a rolling vehicle.
     spins: Vec<Spin>,
     pantograph_base: BodyMarker,
     fixed: usize,
     travel: Travel,
-    /// On curved track.
+    /// Inertia on curved track.
     inertia: Option<CurveInertia>,
 }
 
 impl Vehicle {
-    /// How the frame of its coordinates travels.
+    /// Travel of the frame of the coordinates.
     #[must_use]
     pub fn travel(&self) -> &Travel {
         &self.travel
     }
 
-    /// Where the base of the pantograph stands on its body.
+    /// Marker of the pantograph's base on the body under the pantograph.
     #[must_use]
     pub fn pantograph_base(&self) -> BodyMarker {
         self.pantograph_base
@@ -127,18 +128,20 @@ impl Vehicle {
         self.constraint_count
     }
 
-    /// Force of the rail on each wheel perpendicular to the plane of the rails, N: left and right wheel of each wheelset in turn.
+    /// Force of the rail on each wheel perpendicular to the plane of the rails, N: left and right wheel of each
+    /// wheelset in turn.
     pub fn wheel_loads<'a>(&'a self, motion: &'a Motion<'_>) -> impl Iterator<Item = f64> + 'a {
         self.wheels.iter().map(|wheel| wheel.load(motion))
     }
 
-    /// That of one wheel, counted from 0; 0 where there is none.
+    /// Force of the rail on one wheel, counted from 0, perpendicular to the plane of the rails, N; 0 if there is no
+    /// such wheel.
     #[must_use]
     pub fn wheel_load(&self, wheel: usize, motion: &Motion<'_>) -> f64 {
         self.wheels.get(wheel).map_or(0.0, |wheel| wheel.load(motion))
     }
 
-    /// Y/Q of one wheel, counted from 0; 0 where no lateral force is modelled.
+    /// Y/Q of one wheel, counted from 0; 0 if no lateral force is modelled.
     #[must_use]
     pub fn derailment_quotient(&self, wheel: usize, motion: &Motion<'_>) -> f64 {
         match self.wheels.get(wheel) {
@@ -153,7 +156,7 @@ impl Vehicle {
         self.wheels.len()
     }
 
-    /// The base of the pantograph, in the frame of the base.
+    /// Frame of the pantograph's base, in the frame of the base.
     #[must_use]
     pub fn base_frame(&self, motion: &Motion<'_>) -> Frame {
         self.pantograph_base.frame(motion)

@@ -1,10 +1,10 @@
-//! What scenes with a vehicle exchange besides.
+//! Additional signals and parameters of scenes with a vehicle.
 use crate::Subsystem;
 use component::{Parameter, Signal};
 use scene::{Curve as TrackCurve, Scene, Train as VehicleParts, Vehicle};
 use std::sync::Arc;
 
-/// Outputs of the base before those of the wheels; `base.z` is among those of every pantograph.
+/// Outputs of the base before those of the wheels; `base.z` is an output of every pantograph.
 const BASE_OUTPUTS: [(&str, &str, &str); 3] = [
     ("base.x", "m", "Position of the pantograph's base along the track"),
     (
@@ -19,7 +19,7 @@ const BASE_OUTPUTS: [(&str, &str, &str); 3] = [
     ),
 ];
 
-/// Outputs of the base behind those of the wheels, which keep the places that they had before there were these.
+/// Outputs of the base after those of the wheels, so that value references of older models stay.
 const MORE_BASE_OUTPUTS: [(&str, &str, &str); 2] = [
     (
         "base.pitch",
@@ -40,7 +40,7 @@ fn wheel_count(scene: &Scene) -> usize {
     wheelsets.map_or(0, |body| 2 * body.positions.len())
 }
 
-/// What scenes with a vehicle offer besides.
+/// Additional outputs of scenes with a vehicle.
 pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
     if scene.vehicle.is_none() {
         return Vec::new();
@@ -58,7 +58,10 @@ pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
             Signal::output(
                 format!("wheel[{i}].derailment_quotient"),
                 "1",
-                format!("Y/Q of {which}: force outward on the rail in the plane of the rails over the one perpendicular to it"),
+                format!(
+                    "Y/Q of {which}: force outward on the rail in the plane of the rails over the one perpendicular \
+                     to it"
+                ),
             ),
         ]
     });
@@ -66,7 +69,7 @@ pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
 }
 
 impl Subsystem {
-    /// Values of the outputs behind `base.roll`: load and derailment quotient of each wheel in turn, then pitch and yaw.
+    /// Values of the outputs after `base.roll`: load and derailment quotient of each wheel in turn, then pitch and yaw.
     pub(super) fn vehicle_output(&mut self, output: usize) -> f64 {
         let parts = self.pantograph().0.base_motion().vehicle();
         let wheels = 2 * parts.map_or(0, |parts| parts.wheel_count());
@@ -78,7 +81,7 @@ impl Subsystem {
     }
 }
 
-/// A value of the vehicle at the place that `field` finds.
+/// Parameter of the vehicle at the field that `field` returns.
 fn parameter(
     name: String,
     unit: &'static str,
@@ -161,7 +164,7 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
     parameters
 }
 
-/// What the curves of the track are like.
+/// Parameters of the curves of the track.
 fn curves(scene: &Scene) -> Vec<Parameter> {
     type Field = fn(&mut TrackCurve) -> &mut f64;
     const FIELDS: [(&str, &str, Field); 6] = [
@@ -218,7 +221,8 @@ mod tests {
         let base = "vehicle.pantograph_base=[11.95005378, 0.3, 3.425]".to_owned();
         let full = Scene::from_toml(text, "thesis.toml", &[base]).unwrap();
         let text = include_str!("../../../../scenes/thesis-pantograph.toml");
-        let motion = "vehicle={ model = \"rigid_motion\", motion = { time = [0.0], roll = [0.01], pitch = [0.02], yaw = [0.03] } }";
+        let motion = "vehicle={ model = \"rigid_motion\", \
+             motion = { time = [0.0], roll = [0.01], pitch = [0.02], yaw = [0.03] } }";
         let given = Scene::from_toml(text, "x.toml", &[motion.to_owned(), "model.reduce=none".to_owned()]).unwrap();
         for (scene, wheels) in [(full, 8), (given, 0)] {
             let signals = Subsystem::signals(&scene);

@@ -1,25 +1,26 @@
 //! Wheel–rail contact: contact points, normal forces, creep forces. [Thesis, section 4.1, Eq. (4)–(5)]
 //!
-//! [`Profile`]s are smooth curves through point lists; a [`Wheel`] turns one about its axle, a [`Rail`] sweeps one along a
-//! [`RailLine`]. [`WheelRail`] finds the points where they overlap most, all of them, and adds normal force ([`Hertz`]) and creep
-//! forces ([`CreepModel`]) to a wheelset that it sees through a marker.
+//! [`Profile`]s are smooth curves through point lists; a [`Wheel`] turns a profile about the axle, a [`Rail`] sweeps a
+//! profile along a [`RailLine`]. [`WheelRail`] finds all points of largest overlap, and adds normal force ([`Hertz`])
+//! and creep forces ([`CreepModel`]) to a wheelset seen through a marker.
 //!
-//! Neglected: the rotation of the contact ellipse by the yaw of the wheelset (of second order in it), and the change of the
-//! rail's own bending along its length within the tangent.
+//! Neglected: the rotation of the contact ellipse by the yaw of the wheelset (of second order in it), and the change of
+//! the rail's own bending along its length within the tangent.
 //!
 //! # Sources
-//! - `[Carlson 1995]` B. C. Carlson, Numerical computation of real or complex elliptic integrals, Numerical Algorithms 10,
-//!   doi 10.1007/BF02198293.
+//! - `[Carlson 1995]` B. C. Carlson, Numerical computation of real or complex elliptic integrals, Numerical Algorithms
+//!   10, doi 10.1007/BF02198293.
 //! - `[Johnson 1985]` K. L. Johnson, Contact Mechanics, Cambridge University Press.
-//! - `[Kalker 1982]` J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle System Dynamics 11,
-//!   doi 10.1080/00423118208968684.
-//! - `[Kalker 1990]` J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact, Kluwer. Its Table E.3 stands in
+//! - `[Kalker 1982]` J. J. Kalker, A fast algorithm for the simplified theory of rolling contact, Vehicle System
+//!   Dynamics 11, doi 10.1080/00423118208968684.
+//! - `[Kalker 1990]` J. J. Kalker, Three-Dimensional Elastic Bodies in Rolling Contact, Kluwer. Table E.3 stands in
 //!   `kalker_coefficients.csv`.
-//! - `[Polach 1999]` O. Polach, A fast wheel–rail forces calculation computer code, Vehicle System Dynamics 33 (supplement).
-//! - `[Shabana, Zaazaa, Escalona & Sany 2004]` Development of elastic force model for wheel/rail contact problems, Journal of
-//!   Sound and Vibration 269, doi 10.1016/S0022-460X(03)00074-9.
-//! - `[Shen, Hedrick & Elkins 1983]` A comparison of alternative creep force models for rail vehicle dynamic analysis, 8th IAVSD
-//!   Symposium.
+//! - `[Polach 1999]` O. Polach, A fast wheel–rail forces calculation computer code, Vehicle System Dynamics 33
+//!   (supplement).
+//! - `[Shabana, Zaazaa, Escalona & Sany 2004]` Development of elastic force model for wheel/rail contact problems,
+//!   Journal of Sound and Vibration 269, doi 10.1016/S0022-460X(03)00074-9.
+//! - `[Shen, Hedrick & Elkins 1983]` A comparison of alternative creep force models for rail vehicle dynamic analysis,
+//!   8th IAVSD Symposium.
 mod contact_point;
 mod creep_force;
 mod creepage;

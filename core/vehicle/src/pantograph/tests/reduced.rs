@@ -165,7 +165,7 @@ fn forces_have_their_tangent_and_potential() {
     }
 }
 
-/// What accelerates under loads.
+/// Accelerations under loads.
 fn accelerations(model: PantographModel, layout: Layout, mut state: State, lift: f64) -> State {
     let spring = StripSpring {
         marker: model.strip(),
@@ -199,7 +199,7 @@ fn model(entry: &scene::Linkage, one_motion: bool) -> (PantographModel, Layout) 
     (model, layout)
 }
 
-/// Also where it moves fast: the terms with squares of velocities.
+/// Fast motion too: the terms with squares of velocities.
 #[test]
 fn accelerations_are_those_of_the_full_mechanism() {
     for entry in both() {
@@ -265,7 +265,7 @@ fn eigenfrequencies_are_those_of_the_full_mechanism() {
     }
 }
 
-/// A strip that is pushed sideways and pressed down beside its middle: the joints carry it.
+/// Strip pushed sideways and pressed down beside the middle: the joints bear the load.
 #[test]
 fn lateral_forces_and_rolling_moments_move_nothing() {
     let run = |one_motion: bool, u: [f64; 4], h: f64| {
@@ -360,7 +360,7 @@ fn force_and_height_of_an_equilibrium_belong_together() {
     for height in [4.85, 4.945, 5.2] {
         let at_height = reduced.equilibrium_at_height(height).unwrap();
         let at_force = reduced.equilibrium_at_force(at_height.force).unwrap();
-        // Rounding of the forces over the 15 to 25 N/m that the mechanism has there.
+        // Rounding of the forces over the stiffness of 15 to 25 N/m of the mechanism there.
         assert!((at_force.height - height).abs() < 1e-8, "{height}: {}", at_force.height);
     }
 }

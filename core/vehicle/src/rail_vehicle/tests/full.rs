@@ -30,7 +30,8 @@ fn each_rolling_wheel_bears_an_eighth_of_the_weight_at_rest() {
     let mut alone = full(&full_scene(&[]), None);
     let state = rolling(&mut alone);
     for load in alone.vehicle.wheel_loads(&state.motion(&[])) {
-        // Residuals of 1e-5 N; what holds the speed against the rolling resistance of the spin lifts the front by 1e-4 N.
+        // Residuals of 1e-5 N; what holds the speed against the rolling resistance of the spin lifts the front by 1e-4
+        // N.
         assert!((load - 43_052.0 * 9.81 / 8.0).abs() < 1e-3, "{load}");
     }
     // Bearings and contacts give way, no spring does.
@@ -83,7 +84,8 @@ fn a_rolling_vehicle_on_smooth_track_goes_on_rolling() {
         .unwrap();
     let moved = alone_moved(&start, simulator.state());
     println!("{largest} m/s, {moved} m, {change} N");
-    // Residuals of statics and steps, 1e-5 N to 1e-3 N, on springs of 1e6 N/m and 43 t; creep forces that statics leave out would be 30 N.
+    // Residuals of statics and steps, 1e-5 N to 1e-3 N, on springs of 1e6 N/m and 43 t; creep forces that statics leave
+    // out would be 30 N.
     assert!(largest < 1e-7, "{largest} m/s");
     assert!(moved < 1e-8, "{moved} m");
     assert!(change < 2e-3, "{change} N");
@@ -94,7 +96,8 @@ fn alone_moved(a: &State, b: &State) -> f64 {
     (0..78).map(|i| (a.q[i] - b.q[i]).abs()).fold(0.0, f64::max)
 }
 
-/// Largest growth rate (1/s) of an oscillation about rolling at a speed (m/s), from the eigenvalues of the linearised system.
+/// Largest growth rate (1/s) of an oscillation about rolling at a speed (m/s), from the eigenvalues of the linearised
+/// system.
 fn hunting(speed: f64) -> f64 {
     let mut scene = full_scene(&[]);
     scene.run.speed = speed;
@@ -160,7 +163,7 @@ fn simulated_growth(speed: f64) -> f64 {
         .advance(0.0, 8.0, &mut |_, _| (), &mut |_, motion, _, h| {
             time += h;
             let square: f64 = lateral.iter().map(|&index| motion.q[index].powi(2)).sum();
-            // What other motions the push has made has died away in 2 s; then two windows of 3 s.
+            // Other motions excited by the push have died away in 2 s; then two windows of 3 s.
             if time > 2.0 {
                 squares[usize::from(time > 5.0)] += square * h;
             }

@@ -69,6 +69,7 @@ fn a_quarter_of_a_turn_exchanges_two_axes_of_a_bushing() {
     let moved = plain.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
     let (same, different) = (apart(&plain, &exchanged), apart(&plain, &other));
     println!("moved {moved:e} m, turned and exchanged {same:e} m apart, turned alone {different:e} m");
-    // Newton's tolerance, and the cosine of a quarter of a turn of 6e-17; a pedestal that is eight times softer along the track.
+    // Newton's tolerance, and the cosine of a quarter of a turn of 6e-17; a pedestal that is eight times softer along
+    // the track.
     assert!(moved > 1e-4 && same < 1e-8 && different > 1e-2 * moved);
 }

@@ -18,7 +18,7 @@ fn resting(alone: &mut Alone) -> State {
     state
 }
 
-/// Undamped angular frequencies (rad/s, ascending) and modes of what is free, about a state.
+/// Undamped angular frequencies (rad/s, ascending) and modes of the free coordinates, about a state.
 pub(super) fn modes(alone: &mut Alone, state: &State) -> Vec<(f64, DVector<f64>)> {
     let n = state.q.len();
     let motion = state.motion(&[]);
@@ -114,8 +114,8 @@ fn bounce_is_that_of_a_chain_of_masses() {
             .iter()
             .map(|(omega, _)| (omega / expected - 1.0).abs())
             .fold(f64::INFINITY, f64::min);
-        // All bodies rise together, without pitch: nothing is left out of the chain but the longitudinal motion that weights on
-        // preloaded springs couple in.
+        // All bodies rise together, without pitch: nothing is left out of the chain but the longitudinal motion that
+        // weights on preloaded springs couple in.
         assert!(nearest < 2e-3, "{expected} rad/s is missed by {nearest}");
     }
     // The textbook's two masses: rigid below the frames. 1.15 Hz.
@@ -137,8 +137,8 @@ fn pitch_is_that_of_car_body_and_frames_on_their_springs() {
     let car = alone.vehicle.bodies()[0].pose;
     let pitches = |mode: &DVector<f64>| mode[car.rotation + 1].abs() > mode[car.translation + 2].abs();
     let (omega, _) = found.iter().find(|(_, mode)| pitches(mode)).unwrap();
-    // Half of the car body with one bolster over one bogie, turned into a mass at the distance a of the bogies from the middle:
-    // I/a² over springs in series; the frame moves with them.
+    // Half of the car body with one bolster over one bogie, turned into a mass at the distance a of the bogies from the
+    // middle: I/a² over springs in series; the frame moves with them.
     let a = 6.2865_f64;
     let inertia = 687_231.0 + 2.0 * 1107.0 * (a * a + 1.1201_f64.powi(2)) + 2.0 * 20.4;
     let expected = chain([inertia / (a * a), 2.0 * 3214.0], [8.0 * 215e3, 8.0 * 1.22e6])[0];
@@ -187,7 +187,7 @@ fn the_energy_of_a_run_on_rough_track_is_accounted_for() {
         assert!(balance.dissipated() > 0.0);
         balance.worst_residual() / balance.exchanged()
     };
-    // What the trapezoid leaves of the rails' work falls with the square of the step.
+    // The trapezoid's error of the rails' work falls with the square of the step.
     let (coarse, fine) = (residual(1e-3), residual(5e-4));
     assert!(coarse < 1e-2, "{coarse}");
     assert!(fine < 0.4 * coarse, "{fine} {coarse}");
