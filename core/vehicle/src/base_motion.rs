@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// Motion of the pantograph's base relative to the travel along the track.
 #[derive(Clone, Debug)]
-pub enum BaseMotion {
+pub(crate) enum BaseMotion {
     /// None: the base travels on a straight line.
     Straight,
     /// Displacements and angles as functions of time.
@@ -18,11 +18,10 @@ pub enum BaseMotion {
     Vehicle(Box<Vehicle>),
 }
 
-fn unread(key: &str, file: &str) -> VehicleError {
-    VehicleError::NotAvailable {
-        what: format!(
-            "{key} = {file:?}: must be read into the scene first, as `master` does; or give the lists themselves"
-        ),
+fn unread(key: &'static str, file: &str) -> VehicleError {
+    VehicleError::Unread {
+        key,
+        file: file.to_owned(),
     }
 }
 
@@ -69,13 +68,12 @@ impl BaseMotion {
         {
             let least = scene::millimetres_up(ahead + 0.5 * first.rounding);
             let path = rails.curve_key(0);
-            return Err(VehicleError::NotAvailable {
-                what: format!(
-                    "{path}: start = {} m must be {least:.3} m or more: a run starts at rest on straight track, the \
-                     foremost wheel or the pantograph's base at {ahead:.3} m, and the cant ramp begins half its \
-                     rounding = {} m before",
-                    first.start, first.rounding
-                ),
+            return Err(VehicleError::StartsInCurve {
+                path,
+                start: first.start,
+                least,
+                ahead,
+                rounding: first.rounding,
             });
         }
         let gravity = placement.gravity;
@@ -84,9 +82,7 @@ impl BaseMotion {
                 Vehicle::full(entry, (rails, track.as_ref()), base, gravity, name, layout)?
             }
             (Some(scene::Vehicle::Full(_)), None) => {
-                return Err(VehicleError::NotAvailable {
-                    what: "vehicle.model = \"full\" needs [track]".to_owned(),
-                });
+                return Err(VehicleError::Missing { key: "[track]" });
             }
             _ => Vehicle::vertical(entry, track.as_ref(), base, gravity, name, layout)?,
         };
@@ -96,7 +92,7 @@ impl BaseMotion {
     /// Mount of the pantograph's base.
     pub(crate) fn mount(&self) -> BaseMount {
         match self {
-            Self::Straight => BaseMount::Still,
+            Self::Straight => BaseMount::Fixed,
             Self::Given(given) => BaseMount::Given(Arc::clone(given)),
             Self::Vehicle(vehicle) => BaseMount::Body(vehicle.pantograph_base()),
         }

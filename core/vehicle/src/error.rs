@@ -1,5 +1,7 @@
 //! Errors of a pantograph or the vehicle under the pantograph.
 
+use crate::wheel_rail::ProfileError;
+
 /// Reason why a pantograph could not be built or has no equilibrium.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum VehicleError {
@@ -54,7 +56,8 @@ pub enum VehicleError {
     #[error("the linkage cannot be reduced to one motion: {reason}; leave \"linkage\" out of model.reduce")]
     NotReducible {
         /// Reason.
-        reason: String,
+        #[from]
+        reason: Irreducible,
     },
     /// A chain element that only pushes would have to pull, or nothing carries the difference to the static force.
     #[error(
@@ -90,12 +93,48 @@ pub enum VehicleError {
         /// Name of the bushing.
         name: String,
     },
-    /// A vehicle that has to be read from files, or that this build does not know.
-    #[error("{what}")]
-    NotAvailable {
-        /// The missing data, and the remedy.
-        what: String,
+    /// A table that has to be read from a file first.
+    #[error("{key} = {file:?}: must be read into the scene first, as `master` does; or give the lists themselves")]
+    Unread {
+        /// Key in the scene.
+        key: &'static str,
+        /// Path of the file.
+        file: String,
     },
+    /// A start on a cant ramp, where a vehicle is not at rest.
+    #[error(
+        "{path}: start = {start} m must be {least:.3} m or more: a run starts at rest on straight track, the foremost \
+         wheel or the pantograph's base at {ahead:.3} m, and the cant ramp begins half its rounding = {rounding} m before"
+    )]
+    StartsInCurve {
+        /// Key of the curve.
+        path: String,
+        /// Begin of the transition, m.
+        start: f64,
+        /// Smallest begin of the transition, m.
+        least: f64,
+        /// Foremost wheel or base at the start, m.
+        ahead: f64,
+        /// Rounding of the cant ramp, m.
+        rounding: f64,
+    },
+    /// A vehicle in space without data that its wheels need.
+    #[error("vehicle.model = \"full\" needs {key}")]
+    Missing {
+        /// Key or table in the scene.
+        key: &'static str,
+    },
+    /// A point list that makes no profile.
+    #[error("{key}: {source}")]
+    Profile {
+        /// Key in the scene.
+        key: &'static str,
+        /// Reason.
+        source: ProfileError,
+    },
+    /// A rail profile without a gauge face.
+    #[error("track.rail.profile must reach from the gauge face, 14 mm below its top, over the top")]
+    NoGaugeFace,
     /// The vehicle has no state of rest.
     #[error("no equilibrium of the vehicle")]
     Unsettled(#[source] dynamics::StepError),
@@ -113,4 +152,30 @@ pub enum VehicleError {
     /// The accelerations at the start are not determined.
     #[error("the pantograph cannot start: {0}")]
     Start(#[from] dynamics::StepError),
+}
+
+/// Reason why a linkage cannot be reduced to one motion.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Irreducible {
+    /// The base of the linkage moves.
+    #[error("its base moves")]
+    BaseMoves,
+    /// Joints leave other motions free.
+    #[error("{0}")]
+    Motions(String),
+    /// The strip's body has no prismatic joint with a moving body.
+    #[error("{name} is guided by no moving body")]
+    NoGuide {
+        /// The strip's body.
+        name: String,
+    },
+    /// More than one motion of the mechanism without the strip's body.
+    #[error("it has several motions in the tabulated position")]
+    SeveralMotions,
+    /// The motion turns no body.
+    #[error("no body turns")]
+    NoTurn,
+    /// The motion ends at the tabulated position.
+    #[error("its tabulated position is singular")]
+    Singular,
 }

@@ -1,6 +1,6 @@
 //! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
 use crate::given_motion::{Displaced, angles};
-use crate::{Air, AppliedForce, PantographModel, Placement, VehicleError};
+use crate::{AppliedForce, PantographModel, VehicleError};
 use dynamics::{
     Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System,
 };
@@ -34,20 +34,6 @@ impl System for Model {
 
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
         self.pantograph.constraints(visit);
-    }
-}
-
-/// Placement of pantograph `index` of a scene.
-#[must_use]
-pub fn placement(scene: &Scene, index: usize) -> Placement {
-    Placement {
-        start_x: scene.strip_start_x(index),
-        speed: scene.run.speed,
-        gravity: scene.gravity(),
-        one_motion: scene.model.has(scene::Reduction::Linkage),
-        vehicle: scene.vehicle.clone(),
-        track: scene.track.clone(),
-        duration: scene.run.duration,
     }
 }
 
@@ -90,22 +76,13 @@ impl Subsystem {
     /// See [`VehicleError`].
     pub fn new(scene: &Scene, index: usize) -> Result<Self, VehicleError> {
         let mut layout = Layout::new();
-        let entry = &scene.pantographs[index];
-        let name = format!("pantograph {}", index + 1);
-        let mut pantograph = PantographModel::new(&entry.model, placement(scene, index), &name, &mut layout)?;
-        let mut air = Air::of_scene(scene, index);
-        if let Some(air) = &mut air {
-            air.flow.input = Some(AppliedForce::INPUTS);
-        }
-        pantograph.expose_to(air.as_ref());
-        let height = entry
-            .start
-            .map_or_else(|| pantograph.reference_height(), |start| start.height);
-        let equilibrium = pantograph.equilibrium_at_height(height)?;
+        let (mut pantograph, rest) = PantographModel::at_start(scene, index, &mut layout)?;
+        pantograph.add_wind_input(AppliedForce::INPUTS);
         let mut state = layout.state_at_rest();
-        pantograph.set_initial(&equilibrium, &mut state);
+        pantograph.set_initial(&rest, &mut state);
         let contact = pantograph.applied_force(0);
-        let force = entry.start.map_or(equilibrium.force, |start| start.force);
+        let start = scene.pantographs[index].start;
+        let force = start.map_or(rest.force, |start| start.force);
         let solver = &scene.solver;
         let mut inputs = [FollowedInput::default(); INPUTS];
         inputs[2].set(-force);
@@ -124,7 +101,7 @@ impl Subsystem {
             solver.rho_inf,
             solver.newton_options(),
         );
-        if (force - equilibrium.force).abs() > AT_REST {
+        if (force - rest.force).abs() > AT_REST {
             simulator.start_accelerations()?;
         }
         Ok(Self {
@@ -254,14 +231,14 @@ impl Subsystem {
     /// no such wheel.
     pub fn wheel_load(&mut self, wheel: usize) -> f64 {
         let (pantograph, motion) = self.pantograph();
-        let vehicle = pantograph.base_motion().vehicle();
+        let vehicle = pantograph.vehicle();
         vehicle.map_or(0.0, |vehicle| vehicle.wheel_load(wheel, &motion))
     }
 
     /// Y/Q of a wheel, counted as in [`Subsystem::wheel_load`]; 0 if no lateral force is modelled.
     pub fn derailment_quotient(&mut self, wheel: usize) -> f64 {
         let (pantograph, motion) = self.pantograph();
-        let vehicle = pantograph.base_motion().vehicle();
+        let vehicle = pantograph.vehicle();
         vehicle.map_or(0.0, |vehicle| vehicle.derailment_quotient(wheel, &motion))
     }
 

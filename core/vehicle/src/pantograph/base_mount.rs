@@ -10,25 +10,29 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub(crate) enum BaseMount {
     /// The frame of the base itself.
-    Still,
+    Fixed,
     /// A given motion.
     Given(Arc<GivenMotion>),
     /// A rigid body; the marker is at the pantograph's base, with the axes of the track in the reference position.
     Body(BodyMarker),
-    /// A base that rests at `frame` instead of `reference`, for statics.
-    Displaced {
-        /// Marker of the base in the reference position, m.
-        reference: Vector3<f64>,
-        /// Marker of the base at rest.
-        frame: Frame,
-    },
+    /// A base at rest beside the reference position, for statics.
+    Displaced(BaseDisplacement),
+}
+
+/// Displacement of a base at rest.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BaseDisplacement {
+    /// Marker of the base in the reference position, m.
+    pub reference: Vector3<f64>,
+    /// Marker of the base at rest.
+    pub frame: Frame,
 }
 
 impl BaseMount {
     /// Anchor at a point and axes fixed in the mount.
     pub fn anchor(&self, position: Vector3<f64>, axes: Matrix3<f64>) -> Anchor {
         match self {
-            Self::Still => Anchor::Base(BaseMarker { position, axes }),
+            Self::Fixed => Anchor::Base(BaseMarker { position, axes }),
             Self::Given(given) => Anchor::Given(GivenMarker {
                 marker: BaseMarker { position, axes },
                 given: Arc::clone(given),
@@ -39,7 +43,7 @@ impl BaseMount {
                 offset: position - marker.pose.reference,
                 axes,
             }),
-            Self::Displaced { reference, frame } => Anchor::Base(BaseMarker {
+            Self::Displaced(BaseDisplacement { reference, frame }) => Anchor::Base(BaseMarker {
                 position: frame.position + frame.axes * (position - reference),
                 axes: frame.axes * axes,
             }),
@@ -49,9 +53,9 @@ impl BaseMount {
     /// Lateral position of the pantograph's base in the reference position, m from the middle of the track.
     pub fn lateral(&self) -> f64 {
         match self {
-            Self::Still | Self::Given(_) => 0.0,
+            Self::Fixed | Self::Given(_) => 0.0,
             Self::Body(marker) => (marker.pose.reference + marker.offset).y,
-            Self::Displaced { reference, .. } => reference.y,
+            Self::Displaced(displacement) => displacement.reference.y,
         }
     }
 

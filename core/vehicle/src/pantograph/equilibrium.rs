@@ -25,10 +25,35 @@ pub struct Equilibrium {
     /// Multipliers of the pantograph's joints, N or N·m.
     pub lambda: Vec<f64>,
     /// Rest of the vehicle under the pantograph, if modelled.
-    pub vehicle: Option<Box<VehicleRest>>,
+    pub(crate) vehicle: Option<Box<VehicleRest>>,
+}
+
+/// Target of an equilibrium.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Target {
+    /// Contact force, N.
+    Force(f64),
+    /// Height of the strip, m.
+    Height(f64),
+}
+
+impl std::fmt::Display for Target {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Force(force) => write!(formatter, "contact force {force} N"),
+            Self::Height(height) => write!(formatter, "strip height {height} m"),
+        }
+    }
 }
 
 impl Equilibrium {
+    /// False if the wheels of a vehicle under the pantograph cannot roll steadily: the vehicle is then at rest without
+    /// creep forces.
+    #[must_use]
+    pub fn rolls_steadily(&self) -> bool {
+        self.vehicle.as_ref().is_none_or(|vehicle| vehicle.steady)
+    }
+
     /// Writes the pantograph's part of a state at rest.
     pub(crate) fn write(&self, offsets: Offsets, state: &mut State) {
         let range = offsets.coordinate..offsets.coordinate + self.q.len();

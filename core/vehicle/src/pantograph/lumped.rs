@@ -1,11 +1,14 @@
 //! The lumped pantograph: any number of masses one above the other.
-use super::air::{Air, AirForce, AirForces, AirMarker};
-use super::chain::Foot;
-use super::equilibrium::{Equilibrium, Offsets};
-use super::statics::Target;
-use super::{BaseMount, ChainElement, ChainInertia, ChainMasses, HeadMarker};
-use crate::{Base, Travel, VehicleError};
-use dynamics::{AerodynamicLaw, Force, Layout};
+mod chain;
+
+use super::air::{Air, AirForces, AirMarker};
+use super::base_mount::{BaseDisplacement, BaseMount};
+use super::equilibrium::{Equilibrium, Offsets, Target};
+use super::interface::Pantograph;
+use crate::{Base, Travel, Travelling, VehicleError};
+pub(super) use chain::{ChainElement, ChainInertia, HeadMarker};
+use chain::{ChainMasses, Foot};
+use dynamics::{AerodynamicLaw, Force, Layout, Marker, Motion};
 use nalgebra::{Matrix3, Vector3};
 
 /// A vertical chain of masses, collector head first, each on a spring–damper, the last one on the base.
@@ -18,7 +21,7 @@ use nalgebra::{Matrix3, Vector3};
 /// F₀ = S / (1 + kₙ Σ 1/kᵢ),  i < n                                         derived here: Fₙ = F₀ − S = −kₙ Σ F₀/kᵢ
 /// ```
 #[derive(Clone, Debug)]
-pub struct Lumped {
+pub(crate) struct Lumped {
     offsets: Offsets,
     masses: ChainMasses,
     elements: Vec<ChainElement>,
@@ -36,7 +39,7 @@ impl Lumped {
     ///
     /// # Errors
     /// [`VehicleError::NoReferenceHeight`].
-    pub fn new(entry: &scene::Lumped, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
+    pub(crate) fn new(entry: &scene::Lumped, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
         let reference_height = entry.reference_height.ok_or(VehicleError::NoReferenceHeight)?;
         let n = entry.masses.len();
         let offsets = Offsets {
@@ -91,25 +94,6 @@ impl Lumped {
         });
     }
 
-    /// Exposes the strip to the uplift of the air.
-    pub(crate) fn expose(&mut self, air: &Air, base: Base) {
-        self.air = AirForces::default();
-        if let Some(coefficient) = air.uplift {
-            let law = AerodynamicLaw::Uplift { coefficient };
-            self.air.push(air.force(AirMarker::Head(self.head), base, law), true);
-        }
-    }
-
-    /// The forces of the air.
-    pub(crate) fn air(&self) -> &AirForces {
-        &self.air
-    }
-
-    /// The forces of the air, to be moved or visited.
-    pub(crate) fn air_mut(&mut self) -> &mut [AirForce] {
-        self.air.as_mut_slice()
-    }
-
     /// Uplift of the air on the strip at rest at t = 0, N: this part of the contact force needs no spring.
     fn uplift(&self) -> f64 {
         let q = vec![0.0; self.offsets.coordinate + 1];
@@ -122,57 +106,9 @@ impl Lumped {
     pub(crate) fn mount_on(&mut self, mount: &BaseMount, base: Vector3<f64>) {
         let lift = self.masses.static_force;
         self.head.lateral = mount.lateral();
-        if let (Some(last), false) = (self.elements.last_mut(), matches!(mount, BaseMount::Still)) {
+        if let (Some(last), false) = (self.elements.last_mut(), matches!(mount, BaseMount::Fixed)) {
             last.foot = Some(Foot::new(mount.anchor(base, Matrix3::identity()), base, lift));
         }
-    }
-
-    /// The strip in the frame of the base.
-    #[must_use]
-    pub fn strip(&self) -> HeadMarker {
-        self.head
-    }
-
-    /// Upward force on the last mass, N.
-    #[must_use]
-    pub fn static_force(&self) -> f64 {
-        self.masses.static_force
-    }
-
-    /// Contact force at rest with the strip at the reference height, N.
-    #[must_use]
-    pub fn reference_force(&self) -> f64 {
-        self.reference_force
-    }
-
-    /// Height of the strip in the reference state, m.
-    #[must_use]
-    pub fn reference_height(&self) -> f64 {
-        self.head.reference_height
-    }
-
-    /// Visits every force in a fixed order.
-    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        visit(&mut self.masses);
-        for element in &mut self.elements {
-            visit(element);
-        }
-        for air in self.air.as_mut_slice() {
-            visit(air);
-        }
-        if let Some(inertia) = &mut self.inertia {
-            visit(inertia);
-        }
-    }
-
-    pub(crate) fn offsets(&self) -> Offsets {
-        self.offsets
-    }
-
-    /// Number of masses.
-    #[must_use]
-    pub fn coordinates(&self) -> usize {
-        self.masses.masses.len()
     }
 
     /// The state of rest under a contact force (N).
@@ -182,7 +118,7 @@ impl Lumped {
     /// # Errors
     /// [`VehicleError::OutOfReach`] if an element that pushes only would have to pull, or an element without stiffness
     /// to bear a force.
-    pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
+    fn at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
         let excess = force - self.uplift() - self.reference_force;
         let compressions = self.elements.iter().map(|element| {
             let carried = element.preload + excess;
@@ -202,7 +138,7 @@ impl Lumped {
     ///
     /// # Errors
     /// [`VehicleError::OutOfReach`] if an element that pushes only would have to pull.
-    pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
+    fn at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
         let rise = height - self.reference_height();
         let soft = self.elements.iter().rposition(|element| element.stiffness == 0.0);
         if let Some(soft) = soft {
@@ -212,20 +148,8 @@ impl Lumped {
             return Ok(self.state(self.reference_force + self.uplift(), &compressions));
         }
         let compliance: f64 = self.elements.iter().map(|element| 1.0 / element.stiffness).sum();
-        let mut equilibrium = self.equilibrium_at_force(self.reference_force + self.uplift() - rise / compliance)?;
+        let mut equilibrium = self.at_force(self.reference_force + self.uplift() - rise / compliance)?;
         equilibrium.height = height;
-        Ok(equilibrium)
-    }
-
-    /// Equilibrium as [`Lumped::equilibrium_at_force`] or [`Lumped::equilibrium_at_height`], on a base that has risen
-    /// by `rise` m.
-    pub(crate) fn equilibrium_risen(&self, rise: f64, target: Target) -> Result<Equilibrium, VehicleError> {
-        let mut equilibrium = match target {
-            Target::Force(force) => self.equilibrium_at_force(force),
-            Target::Height(height) => self.equilibrium_at_height(height - rise),
-        }?;
-        equilibrium.q.iter_mut().for_each(|q| *q += rise);
-        equilibrium.height += rise;
         Ok(equilibrium)
     }
 
@@ -249,8 +173,100 @@ impl Lumped {
     fn out_of_reach(&self, force: f64) -> VehicleError {
         VehicleError::OutOfReach {
             force,
-            static_force: self.static_force(),
+            static_force: self.uplift_force(),
         }
+    }
+}
+
+impl Pantograph for Lumped {
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        visit(&mut self.masses);
+        for element in &mut self.elements {
+            visit(element);
+        }
+        for air in self.air.as_mut_slice() {
+            visit(air);
+        }
+        if let Some(inertia) = &mut self.inertia {
+            visit(inertia);
+        }
+    }
+
+    fn expose(&mut self, air: &Air, base: Base) {
+        self.air = AirForces::default();
+        if let Some(coefficient) = air.uplift {
+            let law = AerodynamicLaw::Uplift { coefficient };
+            self.air.push(air.force(AirMarker::Head(self.head), base, law), true);
+        }
+    }
+
+    fn air(&self) -> &AirForces {
+        &self.air
+    }
+
+    fn air_mut(&mut self) -> &mut AirForces {
+        &mut self.air
+    }
+
+    fn equilibrium(&self, base: Option<BaseDisplacement>, target: Target) -> Result<Equilibrium, VehicleError> {
+        let Some(BaseDisplacement { reference, frame }) = base else {
+            return match target {
+                Target::Force(force) => self.at_force(force),
+                Target::Height(height) => self.at_height(height),
+            };
+        };
+        let rise = frame.position.z - reference.z;
+        let mut equilibrium = match target {
+            Target::Force(force) => self.at_force(force),
+            Target::Height(height) => self.at_height(height - rise),
+        }?;
+        equilibrium.q.iter_mut().for_each(|q| *q += rise);
+        equilibrium.height += rise;
+        Ok(equilibrium)
+    }
+
+    fn offsets(&self) -> Offsets {
+        self.offsets
+    }
+
+    fn strip_position(&self, equilibrium: &Equilibrium) -> Vector3<f64> {
+        Vector3::new(0.0, self.head.lateral, equilibrium.height)
+    }
+
+    fn strip(&self, base: Base) -> Box<dyn Marker> {
+        let marker = self.head;
+        Box::new(Travelling { marker, base })
+    }
+
+    /// The strip from the side.
+    fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
+        /// Half the drawn length of a collector head along the track, m.
+        const HALF_HEAD: f64 = 0.25;
+        let middle = self.head.frame(motion).position;
+        let ends = [-HALF_HEAD, HALF_HEAD].map(|x| middle + Vector3::new(x, 0.0, 0.0));
+        vec![ends.to_vec()]
+    }
+
+    /// The reference height, because a chain has no extent.
+    fn base_z(&self) -> f64 {
+        self.reference_height()
+    }
+
+    /// The static force on the last mass.
+    fn uplift_force(&self) -> f64 {
+        self.masses.static_force
+    }
+
+    fn static_force(&self) -> f64 {
+        self.reference_force
+    }
+
+    fn reference_height(&self) -> f64 {
+        self.head.reference_height
+    }
+
+    fn coordinates(&self) -> usize {
+        self.masses.masses.len()
     }
 }
 

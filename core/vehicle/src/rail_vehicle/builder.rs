@@ -186,7 +186,7 @@ impl Vehicle {
     ///
     /// # Errors
     /// Names that do not fit together.
-    pub fn vertical(
+    pub(crate) fn vertical(
         entry: &Entry,
         track: Option<&TrackShape>,
         base: Base,
@@ -210,7 +210,7 @@ impl Vehicle {
     ///
     /// # Errors
     /// Names that do not fit together; unusable profiles.
-    pub fn full(
+    pub(crate) fn full(
         entry: &Entry,
         (track, shape): (&scene::Track, Option<&TrackShape>),
         base: Base,
@@ -333,14 +333,12 @@ const GAUGE_DEPTH: f64 = 0.014;
 
 /// Data shared by all wheels of a full vehicle.
 fn rolling(entry: &Entry, track: &scene::Track, travel: Travel) -> Result<Rolling, VehicleError> {
-    let missing = |key: &str| VehicleError::NotAvailable {
-        what: format!("vehicle.model = \"full\" needs {key}"),
-    };
+    let missing = |key| VehicleError::Missing { key };
     let profile = |key: &'static str, points: &[[f64; 2]]| {
         let profile = Profile::new(points, SPACING);
-        profile.map(Arc::new).map_err(|reason| VehicleError::NotAvailable {
-            what: format!("{key}: {reason}"),
-        })
+        profile
+            .map(Arc::new)
+            .map_err(|source| VehicleError::Profile { key, source })
     };
     let contact = entry.contact.as_ref().ok_or_else(|| missing("vehicle.contact"))?;
     let wheel = entry.wheels.profile.as_ref();
@@ -352,9 +350,7 @@ fn rolling(entry: &Entry, track: &scene::Track, travel: Travel) -> Result<Rollin
         .map(|[outward, up]| [outward * cosine - up * sine, outward * sine + up * cosine])
         .collect();
     let rail_profile = profile("track.rail.profile", &leaning)?;
-    let face = gauge_face(&rail_profile).ok_or_else(|| VehicleError::NotAvailable {
-        what: "track.rail.profile must reach from the gauge face, 14 mm below its top, over the top".to_owned(),
-    })?;
+    let face = gauge_face(&rail_profile).ok_or(VehicleError::NoGaugeFace)?;
     let material = Material {
         shear_modulus: contact.shear_modulus,
         poisson: contact.poisson,

@@ -17,18 +17,18 @@ mod wheel_spring;
 use crate::multibody::{BodyMarker, Bushing, Joint, RigidBody};
 use crate::pantograph::Offsets;
 use crate::travel::Travel;
-pub use curve_inertia::CurveInertia;
+pub(crate) use curve_inertia::CurveInertia;
 use dynamics::{Constraint, Force, Frame, Marker, Motion, State};
-pub use rolling_wheel::RollingWheel;
-pub use spin::{Spin, WheelsetMarker};
+pub(crate) use rolling_wheel::RollingWheel;
+pub(crate) use spin::Spin;
 pub(crate) use statics::Load;
-pub use statics::VehicleRest;
-pub use wheel_spring::WheelSpring;
+pub(crate) use statics::VehicleRest;
+pub(crate) use wheel_spring::WheelSpring;
 
 /// Contact model between a wheel and a rail.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "eight per vehicle")]
-pub enum VehicleWheel {
+pub(crate) enum VehicleWheel {
     /// A linear spring.
     Spring(WheelSpring),
     /// Rolling contact.
@@ -78,13 +78,13 @@ pub struct Vehicle {
 impl Vehicle {
     /// Travel of the frame of the coordinates.
     #[must_use]
-    pub fn travel(&self) -> &Travel {
+    pub(crate) fn travel(&self) -> &Travel {
         &self.travel
     }
 
     /// Marker of the pantograph's base on the body under the pantograph.
     #[must_use]
-    pub fn pantograph_base(&self) -> BodyMarker {
+    pub(crate) fn pantograph_base(&self) -> BodyMarker {
         self.pantograph_base
     }
 
@@ -118,13 +118,13 @@ impl Vehicle {
 
     /// Number of generalised velocities that are free.
     #[must_use]
-    pub fn coordinates(&self) -> usize {
+    pub(crate) fn coordinates(&self) -> usize {
         6 * self.bodies.len() + self.spins.len() - self.fixed
     }
 
     /// Number of constraint equations.
     #[must_use]
-    pub fn constraint_count(&self) -> usize {
+    pub(crate) fn constraint_count(&self) -> usize {
         self.constraint_count
     }
 
@@ -163,7 +163,7 @@ impl Vehicle {
     }
 
     /// Visits every force in a fixed order.
-    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+    pub(crate) fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         for body in &mut self.bodies {
             visit(body);
         }
@@ -182,7 +182,7 @@ impl Vehicle {
     }
 
     /// Visits every joint in a fixed order.
-    pub fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+    pub(crate) fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
         for joint in &mut self.joints {
             visit(joint);
         }

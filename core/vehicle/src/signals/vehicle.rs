@@ -71,7 +71,7 @@ pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
 impl Subsystem {
     /// Values of the outputs after `base.roll`: load and derailment quotient of each wheel in turn, then pitch and yaw.
     pub(super) fn vehicle_output(&mut self, output: usize) -> f64 {
-        let parts = self.pantograph().0.base_motion().vehicle();
+        let parts = self.pantograph().0.vehicle();
         let wheels = 2 * parts.map_or(0, |parts| parts.wheel_count());
         match output.checked_sub(wheels) {
             Some(angle) => self.base_angles()[1 + angle],

@@ -2,7 +2,7 @@
 mod alignment;
 mod spectrum;
 
-pub use alignment::{Alignment, TrackBend};
+pub(crate) use alignment::Alignment;
 
 use crate::spline::RestingSpline;
 use scene::{Irregularities, Points};
@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// Deviation of one rail from the ideal line, along the axes of the track.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RailShape {
+pub(crate) struct RailShape {
     z: RestingSpline,
     y: RestingSpline,
 }
@@ -31,14 +31,14 @@ impl RailShape {
 
 /// Both rails.
 #[derive(Clone, Debug)]
-pub struct TrackShape {
+pub(crate) struct TrackShape {
     /// Left and right.
     pub rails: [Arc<RailShape>; 2],
 }
 
 /// Range for which the shape of a track is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reach {
+pub(crate) struct Reach {
     /// Begin of the irregularities, m: the foremost wheel at t = 0.
     pub start: f64,
     /// Last position reached by a wheel, m.

@@ -37,13 +37,16 @@ mod wheel_contact;
 #[expect(clippy::module_inception, reason = "the force has the name of its subject")]
 mod wheel_rail;
 
-pub use contact_point::{ContactPoint, SurfaceParameters};
-pub use creep_force::{CreepForce, CreepLaw, CreepModel, Fastsim, Patch};
-pub use creepage::Creepage;
-pub use hertz::{Ellipse, Hertz, Material};
-pub use kalker::KalkerCoefficients;
-pub use profile::{Profile, ProfileError, ProfilePoint};
-pub use search::MAX_CONTACTS;
-pub use surface::{Rail, RailFrame, RailLine, Side, StraightRail, Wheel};
-pub use wheel_contact::WheelContact;
-pub use wheel_rail::{WheelContacts, WheelRail, WheelRailParts};
+pub(crate) use contact_point::{ContactPoint, SurfaceParameters};
+pub(crate) use creep_force::{CreepForce, CreepLaw, CreepModel, Fastsim, Patch};
+pub(crate) use creepage::Creepage;
+pub(crate) use hertz::{Ellipse, Hertz, Material};
+pub(crate) use kalker::KalkerCoefficients;
+pub use profile::ProfileError;
+pub(crate) use profile::{Profile, ProfilePoint};
+#[cfg(test)]
+pub(crate) use surface::StraightRail;
+pub(crate) use surface::{Rail, RailFrame, RailLine, Side, Wheel};
+#[cfg(test)]
+pub(crate) use wheel_contact::WheelContact;
+pub(crate) use wheel_rail::{WheelRail, WheelRailParts};

@@ -131,6 +131,7 @@ pub trait RailLine: Send + Sync {
 
 /// A straight, level rail along x.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg(test)]
 pub struct StraightRail {
     /// y of the profile's origin, m; signed.
     pub y: f64,
@@ -138,6 +139,7 @@ pub struct StraightRail {
     pub z: f64,
 }
 
+#[cfg(test)]
 impl RailLine for StraightRail {
     fn frame(&self, s: f64, _from: f64) -> RailFrame {
         RailFrame {

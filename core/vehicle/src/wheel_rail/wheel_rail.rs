@@ -89,6 +89,7 @@ impl WheelRail {
 
     /// Parts of the wheel and the rail.
     #[must_use]
+    #[cfg(test)]
     pub fn parts(&self) -> &WheelRailParts {
         &self.parts
     }

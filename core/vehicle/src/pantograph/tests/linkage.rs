@@ -1,9 +1,9 @@
-use super::GRAVITY;
 use super::four_bar::FourBar;
 use super::thesis::thesis;
+use super::{AtRest, GRAVITY};
 use crate::check::dense;
 use crate::multibody::DeadForce;
-use crate::pantograph::Linkage;
+use crate::pantograph::{Linkage, Pantograph};
 use crate::{PantographModel, Placement, VehicleError};
 use dynamics::rotation::log;
 use dynamics::{Blocks, Constraint, Force, JacobianRows, Layout, Marker, Motion, State, Weights};
@@ -98,7 +98,7 @@ fn links_that_may_spin_freely_stay_as_they_are() {
     let (linkage, _) = linkage(&thesis());
     let equilibrium = linkage.equilibrium_at_height(4.6).unwrap();
     let start = linkage
-        .local(crate::pantograph::BaseMount::Still)
+        .local(crate::pantograph::BaseMount::Fixed)
         .unwrap()
         .1
         .state_at_rest();
@@ -325,7 +325,7 @@ pub(super) fn eigenvalues(contact: f64) -> DVector<f64> {
     let (n, m) = (layout.coordinates(), layout.constraints());
     let motion = state.motion(&[]);
     let mut spring = StripSpring {
-        marker: Box::new(linkage.strip()),
+        marker: Box::new(linkage.strip_marker()),
         stiffness: contact,
         height: 4.945,
     };

@@ -1,6 +1,7 @@
 //! The one motion of a mechanism, tabulated.
 use super::plane::Plane;
 use crate::VehicleError;
+use crate::error::Irreducible;
 use nalgebra::DVector;
 
 /// A quantity and its first and second derivative with respect to the coordinate of the motion.
@@ -119,20 +120,15 @@ impl Path {
         rise: impl Fn(&DVector<f64>) -> f64,
         ends: impl Fn(&DVector<f64>) -> bool,
     ) -> Result<Self, VehicleError> {
-        let not_reducible = |reason: &str| VehicleError::NotReducible {
-            reason: reason.to_owned(),
-        };
         // Every joint is one point of the tabulated position, so that the joints are closed there.
         let q = plane.reference();
-        let mut tangent = plane
-            .start(&q)
-            .ok_or_else(|| not_reducible("it has several motions in the tabulated position"))?;
+        let mut tangent = plane.start(&q).ok_or(Irreducible::SeveralMotions)?;
         if rise(&tangent) < 0.0 {
             tangent = -tangent;
         }
         let step = TURN / largest_turn(&tangent);
         if !step.is_finite() {
-            return Err(not_reducible("no body turns"));
+            return Err(Irreducible::NoTurn.into());
         }
         let side = |sign: f64| {
             let mut nodes: Vec<Node> = Vec::new();
@@ -160,7 +156,7 @@ impl Path {
         nodes.extend(reference);
         nodes.extend(side(1.0));
         if before == 0 || nodes.len() < before + 2 {
-            return Err(not_reducible("its tabulated position is singular"));
+            return Err(Irreducible::Singular.into());
         }
         Ok(Self {
             first: -(before as f64) * step,

@@ -1,8 +1,9 @@
 //! Tabulated quantities of a linkage, from the scene entry.
 use super::curve::{Jet, Node};
-use super::linkage::Linkage;
 use super::plane::{End, Plane, PlaneJoint};
 use crate::VehicleError;
+use crate::error::Irreducible;
+use crate::pantograph::Linkage;
 use nalgebra::{DVector, Vector2};
 use scene::{JointKind, Linkage as Entry};
 
@@ -56,9 +57,10 @@ impl Table {
             });
         }
         let Some((guide, axis)) = guide else {
-            return Err(VehicleError::NotReducible {
-                reason: format!("{} is guided by no moving body", entry.strip.body),
-            });
+            return Err(Irreducible::NoGuide {
+                name: entry.strip.body.clone(),
+            }
+            .into());
         };
         let upright = axis[2].signum();
         let inertia = |body: &scene::Body| {

@@ -7,9 +7,10 @@
 //! `z_s` is the height of the strip, `f` the contact force that presses the strip down. The Jacobian includes the
 //! geometric stiffness of the joints: nearly all the stiffness of a linkage against being lowered comes from the
 //! joints. Bars between two spherical joints may spin freely; a stiffness far below any other holds their spin.
-use super::{Equilibrium, Linkage};
+use super::Linkage;
 use crate::VehicleError;
 use crate::multibody::{AxialSpring, Pose};
+use crate::pantograph::{Equilibrium, Pantograph, Target};
 use dynamics::{Blocks, Constraint, Force, JacobianRows, Layout, Marker, State, Weights, rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -26,24 +27,6 @@ const REGULARISATION: f64 = 1e-8;
 const LONGEST_TURN: f64 = 0.1;
 
 const ITERATIONS: usize = 60;
-
-/// Target of an equilibrium.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Target {
-    /// Contact force, N.
-    Force(f64),
-    /// Height of the strip, m.
-    Height(f64),
-}
-
-impl std::fmt::Display for Target {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Force(force) => write!(formatter, "contact force {force} N"),
-            Self::Height(height) => write!(formatter, "strip height {height} m"),
-        }
-    }
-}
 
 /// Forces that balance the tabulated position.
 pub(super) struct Balance {
@@ -182,7 +165,7 @@ pub(super) fn solve(
         }
         let lambda = DVector::from_column_slice(&state.lambda);
         let unbalanced = force - &strip * contact_force - g_q.transpose() * lambda;
-        let height = linkage.strip().frame(&state.motion(&[])).position.z;
+        let height = linkage.strip_marker().frame(&state.motion(&[])).position.z;
         let missing = match target {
             Target::Force(force) => force - contact_force,
             Target::Height(target) => target - height,

@@ -1,7 +1,7 @@
 //! From the scene's mechanism to bodies, joints and forces.
-use super::BaseMount;
 use crate::VehicleError;
 use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, Pair, Pose, RigidBody};
+use crate::pantograph::BaseMount;
 use dynamics::Layout;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use scene::{JointKind, Linkage as Entry};
