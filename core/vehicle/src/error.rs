@@ -56,7 +56,6 @@ pub enum VehicleError {
     #[error("the linkage cannot be reduced to one motion: {reason}; leave \"linkage\" out of model.reduce")]
     NotReducible {
         /// Reason.
-        #[from]
         reason: Irreducible,
     },
     /// A chain element that only pushes would have to pull, or nothing carries the difference to the static force.
@@ -125,12 +124,12 @@ pub enum VehicleError {
         key: &'static str,
     },
     /// A point list that makes no profile.
-    #[error("{key}: {source}")]
+    #[error("{key}: {reason}")]
     Profile {
         /// Key in the scene.
         key: &'static str,
         /// Reason.
-        source: ProfileError,
+        reason: ProfileError,
     },
     /// A rail profile without a gauge face.
     #[error("track.rail.profile must reach from the gauge face, 14 mm below its top, over the top")]
@@ -152,6 +151,12 @@ pub enum VehicleError {
     /// The accelerations at the start are not determined.
     #[error("the pantograph cannot start: {0}")]
     Start(#[from] dynamics::StepError),
+}
+
+impl From<Irreducible> for VehicleError {
+    fn from(reason: Irreducible) -> Self {
+        Self::NotReducible { reason }
+    }
 }
 
 /// Reason why a linkage cannot be reduced to one motion.

@@ -5,11 +5,19 @@
 //! inertia of bodies in the turning frame is a force ([`rail_vehicle::CurveInertia`]). Only markers seen from outside
 //! ([`Travelling`]) add the travel. Statics are rest in this frame, and no digits are lost to the distance covered.
 //!
-//! [`PantographModel`] builds a pantograph from a scene entry into a shared [`dynamics::Layout`]:
-//! [`pantograph::Lumped`], masses one above the other; [`pantograph::Linkage`], rigid bodies and joints;
-//! [`pantograph::ReducedLinkage`], a linkage in the two coordinates that joints leave free. All three are a
-//! [`pantograph::Pantograph`]. The base of a pantograph travels alone, follows a given motion ([`GivenMotion`]), or
-//! stands on a vehicle ([`rail_vehicle::Vehicle`]) on a [`track`].
+//! [`PantographModel`] is a pantograph of a scene in a shared [`dynamics::Layout`]; [`Subsystem`] runs one alone under a
+//! contact force from outside.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `model` | a pantograph on its base: statics with the vehicle, start, forces, strip |
+//! | `pantograph` | lumped, linkage and reduced pantographs behind one trait |
+//! | `base_motion`, `given_motion` | motion of the base: none, given, or that of a vehicle |
+//! | `rail_vehicle` | the vehicle under the pantograph |
+//! | `multibody` | rigid bodies, joints, springs |
+//! | `track`, `travel`, `base` | curves and irregularities; travel of the frame |
+//! | `wheel_rail` | contact points, normal and creep forces |
+//! | `subsystem`, `signals` | one pantograph as a simulation unit, and the signals |
 //!
 //! # Sources
 //! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois

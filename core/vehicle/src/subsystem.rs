@@ -16,7 +16,7 @@ pub const INPUTS: usize = AppliedForce::INPUTS + 3;
 const AT_REST: f64 = 1e-3;
 
 /// A pantograph under a contact force from outside.
-pub struct Model {
+struct Model {
     layout: Layout,
     pantograph: PantographModel,
     contact: AppliedForce,

@@ -338,7 +338,7 @@ fn rolling(entry: &Entry, track: &scene::Track, travel: Travel) -> Result<Rollin
         let profile = Profile::new(points, SPACING);
         profile
             .map(Arc::new)
-            .map_err(|source| VehicleError::Profile { key, source })
+            .map_err(|reason| VehicleError::Profile { key, reason })
     };
     let contact = entry.contact.as_ref().ok_or_else(|| missing("vehicle.contact"))?;
     let wheel = entry.wheels.profile.as_ref();

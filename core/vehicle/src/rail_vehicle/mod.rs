@@ -5,6 +5,14 @@
 //! constraint drives the vehicle and does no work in the frame. [Thesis, section 3.1, Table 1] In a curve the frame
 //! follows the track ([`Travel`]), so that a vehicle in a long arc is at rest, too, under the forces of
 //! [`CurveInertia`].
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `builder` | from a scene's vehicle to bodies, bushings, joints and wheels |
+//! | `statics` | the vehicle at rest under the loads of the pantograph |
+//! | `wheel_spring`, `rolling_wheel` | the two contact models of a wheel |
+//! | `spin` | spin of a wheelset about the axle |
+//! | `curve_inertia` | inertia forces in a curve |
 mod builder;
 mod curve_inertia;
 mod rolling_wheel;
@@ -21,8 +29,7 @@ pub(crate) use curve_inertia::CurveInertia;
 use dynamics::{Constraint, Force, Frame, Marker, Motion, State};
 pub(crate) use rolling_wheel::RollingWheel;
 pub(crate) use spin::Spin;
-pub(crate) use statics::Load;
-pub(crate) use statics::VehicleRest;
+pub(crate) use statics::{Load, VehicleRest};
 pub(crate) use wheel_spring::WheelSpring;
 
 /// Contact model between a wheel and a rail.

@@ -7,6 +7,15 @@
 //! Neglected: the rotation of the contact ellipse by the yaw of the wheelset (of second order in it), and the change of
 //! the rail's own bending along its length within the tangent.
 //!
+//! | file | subject |
+//! | --- | --- |
+//! | `profile`, `spline` | cross-sections as smooth curves |
+//! | `surface` | wheels and rails as surfaces |
+//! | `search`, `contact_point`, `overlap` | candidates, contact points, shared patches |
+//! | `hertz` | elastic contact |
+//! | `creepage`, `creep_force`, `kalker` | sliding, tangential forces, coefficients of the linear theory |
+//! | `wheel_contact`, `wheel_rail` | one contact; all contacts of a wheel as a force |
+//!
 //! # Sources
 //! - `[Carlson 1995]` B. C. Carlson, Numerical computation of real or complex elliptic integrals, Numerical Algorithms
 //!   10, doi 10.1007/BF02198293.
