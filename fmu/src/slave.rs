@@ -206,8 +206,8 @@ fn check(scene: &Scene) -> ModelResult<()> {
     let mut alone = scene.clone();
     if let Some((key, file)) = alone.unread_files_mut().first() {
         return Err(ModelError::unusable(format!(
-            "{key} = {file:?}: an FMU reads no file but its scene: must be left out and its rows be given in the scene, \
-             as in the scene.toml that a run writes"
+            "{key} = {file:?}: an FMU reads no file but its scene: must be left out and its rows be given in the \
+             scene, as in the scene.toml that a run writes"
         )));
     }
     if alone.run.speed == 0.0 {

@@ -103,7 +103,8 @@ pub enum VehicleError {
     /// A start on a cant ramp, where a vehicle is not at rest.
     #[error(
         "{path}: start = {start} m must be {least:.3} m or more: a run starts at rest on straight track, the foremost \
-         wheel or the pantograph's base at {ahead:.3} m, and the cant ramp begins half its rounding = {rounding} m before"
+         wheel or the pantograph's base at {ahead:.3} m, and the cant ramp begins half its rounding = {rounding} m \
+         before"
     )]
     StartsInCurve {
         /// Key of the curve.

@@ -5,8 +5,8 @@
 //! inertia of bodies in the turning frame is a force ([`rail_vehicle::CurveInertia`]). Only markers seen from outside
 //! ([`Travelling`]) add the travel. Statics are rest in this frame, and no digits are lost to the distance covered.
 //!
-//! [`PantographModel`] is a pantograph of a scene in a shared [`dynamics::Layout`]; [`Subsystem`] runs one alone under a
-//! contact force from outside.
+//! [`PantographModel`] is a pantograph of a scene in a shared [`dynamics::Layout`]; [`Subsystem`] runs one alone under
+//! a contact force from outside.
 //!
 //! | file | subject |
 //! | --- | --- |

@@ -104,8 +104,8 @@ impl PantographModel {
     }
 
     /// Pantograph `index` (from 0) of a scene as [`PantographModel::of_scene`], and the state of rest in which a run
-    /// starts: with the strip at the start height of the scene, or at the reference height. Markers taken from the model
-    /// belong to the start.
+    /// starts: with the strip at the start height of the scene, or at the reference height. Markers taken from the
+    /// model belong to the start.
     ///
     /// # Errors
     /// See [`VehicleError`].
@@ -258,7 +258,8 @@ impl PantographModel {
         }
     }
 
-    /// Lines that draw the pantograph in the world, m: the bodies of a linkage, the strip of a lumped one from the side.
+    /// Lines that draw the pantograph in the world, m: the bodies of a linkage, the strip of a lumped one from the
+    /// side.
     #[must_use]
     pub fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
         let travelled = self.base.position(motion.t);
@@ -337,8 +338,8 @@ impl PantographModel {
         self.pantograph.reference_height()
     }
 
-    /// Drag and lift of the air on the body of the strip, N: along the relative air flow, and across, positive upward; 0
-    /// without exposure.
+    /// Drag and lift of the air on the body of the strip, N: along the relative air flow, and across, positive upward;
+    /// 0 without exposure.
     #[must_use]
     pub fn wind_on_head(&self, motion: &Motion<'_>) -> [f64; 2] {
         self.pantograph.air().on_head(motion)

@@ -37,8 +37,8 @@ pub(crate) trait Pantograph: std::fmt::Debug + Send {
     /// [`VehicleError::NotReducible`] for a model whose base cannot be displaced.
     fn equilibrium(&self, base: Option<BaseDisplacement>, target: Target) -> Result<Equilibrium, VehicleError>;
 
-    /// Loads of the pantograph at rest on the vehicle. By default the base, at `base` (m), presses with the contact force
-    /// alone: the weight counts as part of the vehicle.
+    /// Loads of the pantograph at rest on the vehicle. By default the base, at `base` (m), presses with the contact
+    /// force alone: the weight counts as part of the vehicle.
     ///
     /// # Errors
     /// See [`VehicleError`].

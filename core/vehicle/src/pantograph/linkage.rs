@@ -255,8 +255,8 @@ impl Pantograph for Linkage {
         &mut self.air
     }
 
-    /// The force borne by a linkage has a maximum over the working range; on both sides of the maximum two heights share a
-    /// force. The result is the height that Newton's method reaches from the tabulated position.
+    /// The force borne by a linkage has a maximum over the working range; on both sides of the maximum two heights
+    /// share a force. The result is the height that Newton's method reaches from the tabulated position.
     fn equilibrium(&self, base: Option<BaseDisplacement>, target: Target) -> Result<Equilibrium, VehicleError> {
         let (mut linkage, layout) = self.local(base.map_or(BaseMount::Fixed, BaseMount::Displaced))?;
         let start = layout.state_at_rest();

@@ -287,7 +287,7 @@ fn sway_and_roll_are_those_of_a_car_body_on_its_springs() {
         let nearest = (sideways.iter())
             .map(|omega| (omega / expected - 1.0).abs())
             .fold(f64::INFINITY, f64::min);
-        // 8 %: masses of the bogies, and that their springs do not lie in one plane.
+        // Left out: masses of the bogies, and the distance of the planes of their springs.
         assert!(nearest < 0.08, "{expected} rad/s among {sideways:?}");
     }
 }

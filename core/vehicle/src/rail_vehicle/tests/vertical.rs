@@ -142,7 +142,7 @@ fn pitch_is_that_of_car_body_and_frames_on_their_springs() {
     let a = 6.2865_f64;
     let inertia = 687_231.0 + 2.0 * 1107.0 * (a * a + 1.1201_f64.powi(2)) + 2.0 * 20.4;
     let expected = chain([inertia / (a * a), 2.0 * 3214.0], [8.0 * 215e3, 8.0 * 1.22e6])[0];
-    // 5 %: the anchor rods below the centre of mass take part, and drive the frames' pitch.
+    // Left out: the anchor rods below the centre of mass, which drive the frames' pitch.
     assert!((omega / expected - 1.0).abs() < 0.05, "{omega} against {expected}");
 }
 

@@ -125,9 +125,9 @@ fn fastsim_departs_from_the_exact_theory_as_published() {
     assert!((y / simplified - 1.0).abs() < 3e-3, "{y}");
     // Strips that mirror each other: rounding.
     assert!(x.abs() < 1e-6, "{x}");
-    // Up to 10 % with spin [Kalker 1990, section 2.2.3]; 5.8 % in this case.
+    // Less than the largest error with spin [Kalker 1990, section 2.2.3].
     assert!((y / exact - 1.0).abs() < 0.07, "{y}");
-    // The interpolated coefficients depart from those by 1.3, 1.6 and −0.3 %.
+    // Interpolation of the coefficients.
     let [_, interpolated, _] = forces(FINE, creepage(0.0, -6.25e-4, 0.625));
     assert!((interpolated / y - 1.0).abs() < 0.02, "{interpolated}");
     println!("FASTSIM {y:.0} N, CONTACT {exact} N, FASTSIM of CONTACT {simplified} N");
