@@ -72,7 +72,8 @@ fn contact_force(scene: &mut Scene, kind: Kind, step: f64) -> Series {
         Kind::Nonlinear => Box::new(line),
     };
     let model = &scene.pantographs[0].model;
-    let mut pantograph = PantographModel::new(model, vehicle::placement(scene, 0), "pantograph", &mut layout).unwrap();
+    let mut pantograph =
+        PantographModel::new(model, vehicle::Placement::of_scene(scene, 0), "pantograph", &mut layout).unwrap();
     let mut state = layout.state_at_rest();
     let start = pantograph.equilibrium_at_height(free_height + 0.02).unwrap();
     pantograph.set_initial(&start, &mut state);

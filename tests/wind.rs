@@ -107,11 +107,7 @@ fn alone_in_the_wind() -> String {
 
 fn pantograph(text: &str, overrides: &[&str]) -> (PantographModel, Scene) {
     let scene = scene_with(text, overrides);
-    let mut layout = Layout::new();
-    let placement = vehicle::placement(&scene, 0);
-    let entry = &scene.pantographs[0].model;
-    let mut model = PantographModel::new(entry, placement, "pantograph", &mut layout).unwrap();
-    model.expose_to(Air::of_scene(&scene, 0).as_ref());
+    let model = PantographModel::of_scene(&scene, 0, &mut Layout::new()).unwrap();
     (model, scene)
 }
 
@@ -128,8 +124,7 @@ fn virtual_work() -> (f64, f64) {
     const RISE: f64 = 1e-4;
     let scene = scene_with(ALONE, &["model.reduce=\"none\""]);
     let mut layout = Layout::new();
-    let entry = &scene.pantographs[0].model;
-    let model = PantographModel::new(entry, vehicle::placement(&scene, 0), "pantograph", &mut layout).unwrap();
+    let model = PantographModel::of_scene(&scene, 0, &mut layout).unwrap();
     let windy = scene_with(ON_PANTOGRAPH, &[]).wind.unwrap().pantograph.unwrap();
     let places = |height: f64| -> Vec<Vector3<f64>> {
         let equilibrium = model.equilibrium_at_height(height).unwrap();

@@ -1,4 +1,4 @@
-//! The slave behind an FMU: parameters and inputs as the importer sets them, the component built when it is needed.
+//! The slave behind an FMU: parameters and inputs as set by the importer, the component built on demand.
 use crate::table::{WORK, variables};
 use component::{Component, Parameter, Role, Signal};
 use fmi2::model_description::Variable;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// File among the resources that holds the packaged scene.
 pub const SCENE_RESOURCE: &str = "scene.toml";
 
-/// What the importer has chosen.
+/// Choices of the importer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Choices {
     /// Path of another scene, empty for the packaged one.
@@ -23,21 +23,21 @@ struct Choices {
     settings: Vec<f64>,
     /// Inputs set before the component was built, by signal position.
     early_inputs: Vec<Option<f64>>,
-    /// Their derivatives of orders 1 to 3, set since the values.
+    /// Derivatives of orders 1 to 3 of these inputs, set since the values.
     early_derivatives: Vec<[f64; ORDERS]>,
 }
 
 /// Orders of input derivatives that are followed.
 const ORDERS: usize = 3;
 
-/// Everything that decides how a slave goes on.
+/// State that decides how a slave goes on.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SlaveState<K> {
     choices: Choices,
     component: Option<K>,
 }
 
-/// The component's checkpoint in a state that an FMU of this component serialised; `None` where there is none.
+/// Component checkpoint in a state serialised by an FMU of this component; `None` if there is none.
 #[must_use]
 pub fn checkpoint<C: Component>(bytes: &[u8]) -> Option<C::Checkpoint> {
     let part = fmi2::slave::model_part(bytes)?;
@@ -104,7 +104,7 @@ impl<C: Component> SceneSlave<C> {
         Ok(scene)
     }
 
-    /// The component, built from what was chosen so far.
+    /// The component, built from the choices so far.
     fn built(&mut self) -> ModelResult<&mut C> {
         if self.component.is_none() {
             let mut component = C::build(&self.scene()?).map_err(ModelError::unusable)?;
@@ -125,7 +125,7 @@ impl<C: Component> SceneSlave<C> {
         Ok(self.component.as_mut().expect("built above"))
     }
 
-    /// Something changed that the component was built from.
+    /// Drops the component after a change of the scene or its parameters.
     fn rebuild(&mut self) {
         self.component = None;
     }
@@ -179,7 +179,8 @@ impl<C: Component> SceneSlave<C> {
     }
 }
 
-/// Fills in what another scene leaves open of its start: that of the packaged one, moved with the height of the contact wire.
+/// Completes the start of another scene: values left open are those of the packaged scene, moved with the height of the
+/// contact wire.
 fn fill_start(scene: &mut Scene, packaged: &Scene) {
     let height = |scene: &Scene| scene.modelled_line().map_or(0.0, |(line, _)| line.contact_wire_height);
     let rise = height(scene) - height(packaged);
@@ -198,15 +199,15 @@ fn fill_start(scene: &mut Scene, packaged: &Scene) {
     }
 }
 
-/// Checks a scene that was changed by parameters as strictly as one from a file. How long and how far to run is for the importer
-/// to say, so the run in it is made to fit; a strip may also stand still.
+/// Checks a scene changed by parameters as strictly as a scene from a file. Length and end of the run are the
+/// importer's, so the run of the scene is fitted to them; a strip may also stand still.
 fn check(scene: &Scene) -> ModelResult<()> {
     const SLOW: f64 = 1.0; // m/s
     let mut alone = scene.clone();
     if let Some((key, file)) = alone.unread_files_mut().first() {
         return Err(ModelError::unusable(format!(
-            "{key} = {file:?}: an FMU reads no file but its scene: must be left out and its rows be given in the scene, as in the \
-             scene.toml that a run writes"
+            "{key} = {file:?}: an FMU reads no file but its scene: must be left out and its rows be given in the \
+             scene, as in the scene.toml that a run writes"
         )));
     }
     if alone.run.speed == 0.0 {
@@ -263,7 +264,7 @@ impl<C: Component> Model for SceneSlave<C> {
     }
 
     fn integer(&mut self, position: usize) -> ModelResult<i32> {
-        // Behind the signals, the parameters and the path of the scene.
+        // Index after the signals, the parameters and the path of the scene.
         let first = self.signals.len() + self.parameters.len() + 1;
         if (first..first + WORK.len()).contains(&position) {
             let work = self.component.as_ref().map(Component::work).unwrap_or_default();
@@ -284,7 +285,7 @@ impl<C: Component> Model for SceneSlave<C> {
     fn set_real(&mut self, position: usize, value: f64) -> ModelResult<()> {
         let count = self.signals.len();
         if position >= count {
-            // Importers set the same values several times: the component is built once for each set of them.
+            // Importers set the same values several times: the component is built once for each set of values.
             let parameter = &mut self.choices.parameters[position - count];
             if *parameter != value {
                 *parameter = value;

@@ -1,4 +1,4 @@
-//! Parameters that several components have.
+//! Parameters shared by several components.
 use crate::Parameter;
 use scene::{Scene, Start};
 
@@ -69,13 +69,13 @@ pub fn start_parameters(strip: usize, prefix: &str) -> [Parameter; 4] {
     ]
 }
 
-/// The scene with pantograph `index` (from 0) alone: what a pantograph component is made from.
+/// Scene with pantograph `index` (from 0) alone, from which a pantograph component is built.
 #[must_use]
 pub fn of_pantograph(scene: &Scene, index: usize) -> Scene {
     let mut own = scene.clone();
     own.pantographs = vec![scene.pantographs[index].clone()];
     if let Some(acts) = own.wind.as_mut().and_then(|wind| wind.pantograph.as_mut()) {
-        // One for all, or one for each.
+        // One uplift for all pantographs, or one for each.
         if let Some(&uplift) = acts.uplift.get(index) {
             acts.uplift = vec![uplift];
         }

@@ -1,8 +1,8 @@
-//! Values that cross the coupling: names and order of the values in the flat slices of a [`Slave`](cosim::slave::Slave).
+//! Values that cross the coupling: names and order of the values in the flat slices of a slave of the master.
 //!
 //! | side | inputs | outputs |
 //! | --- | --- | --- |
-//! | line | [`strip`] motion of strip 1, of strip 2, … | [`contact`] of strip 1, of strip 2, …, then the uplift of each recorded support |
+//! | line | [`strip`] motion of each strip | [`contact`] of each strip, then the uplift of each recorded support |
 //! | pantograph | [`load`] | [`strip`] motion, work and wind |
 //!
 //! The names are those of the FMU variables.

@@ -1,6 +1,7 @@
-//! What a simulation unit made from a scene offers to whoever runs it: named signals, steps, checkpoints.
+//! Interface of a simulation unit made from a scene: named signals, steps, checkpoints.
 //!
-//! A component knows no protocol. The same signals are the variables of an FMU, and what a master connects in one process.
+//! No protocol appears in a component: the same signals are the variables of an FMU and the ports of an in-process
+//! slave.
 #![forbid(unsafe_code)]
 
 mod common;
@@ -24,17 +25,17 @@ use scene::Scene;
 use serde::{Serialize, de::DeserializeOwned};
 use std::error::Error;
 
-/// A step was not completed; the component is as before it.
+/// Failed step; the component is in the state before the step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{reason}")]
 pub struct StepFailure {
-    /// What went wrong, with its numbers.
+    /// Cause, with the numbers of the failure.
     pub reason: String,
-    /// Whether a smaller step may succeed.
+    /// True if a smaller step may succeed.
     pub retryable: bool,
 }
 
-/// Work done by the solver of a component since it was built; going back to a checkpoint takes none of it back.
+/// Work done by the solver of a component since construction; a restored checkpoint leaves the counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Internal time steps.
@@ -43,28 +44,28 @@ pub struct Work {
     pub newton_iterations: u64,
     /// Factorisations of an iteration matrix.
     pub factorizations: u64,
-    /// Most Newton iterations of one internal step; 0 where that is not known.
+    /// Most Newton iterations of one internal step; 0 if unknown.
     pub most_iterations: u64,
 }
 
 /// A simulation unit made from a scene.
 ///
-/// Signals are addressed by their position in [`Component::signals`]. Booleans and whole numbers travel as `f64`.
+/// Signals are addressed by position in [`Component::signals`]. Booleans and whole numbers travel as `f64`.
 pub trait Component: Sized + Send + 'static {
-    /// Everything the component must keep to continue bit for bit.
+    /// State needed to continue bit for bit.
     type Checkpoint: Clone + Default + Send + Serialize + DeserializeOwned + 'static;
-    /// Why it could not be built.
+    /// Reason why construction failed.
     type Error: Error + Send + Sync + 'static;
 
     /// Short name, a C identifier.
     const IDENTIFIER: &'static str;
-    /// One sentence on what it is.
+    /// One sentence that describes the component.
     const DESCRIPTION: &'static str;
 
-    /// Inputs and outputs for a scene, sized from it; start values of inputs are those of its equilibrium.
+    /// Inputs and outputs for a scene, sized from the scene; start values of inputs are the values of the equilibrium.
     fn signals(scene: &Scene) -> Vec<Signal>;
 
-    /// The physical values of the scene that this component depends on.
+    /// Physical values of the scene on which this component depends.
     fn parameters(scene: &Scene) -> Vec<Parameter>;
 
     /// Builds the component at rest in the start state of the scene.
@@ -73,19 +74,19 @@ pub trait Component: Sized + Send + 'static {
     /// A scene without static equilibrium.
     fn build(scene: &Scene) -> Result<Self, Self::Error>;
 
-    /// Sets an input; its derivatives become zero.
+    /// Sets an input; the derivatives of the input become zero.
     fn set_input(&mut self, signal: usize, value: f64);
 
-    /// The present value of an input.
+    /// Present value of an input.
     fn input(&self, signal: usize) -> f64;
 
     /// Sets the derivative of order 1 to 3 of a continuous input at the start of the next step.
     fn set_input_derivative(&mut self, signal: usize, order: usize, value: f64);
 
-    /// The value of an output, with the inputs set since the last step.
+    /// Value of an output, with the inputs set since the last step.
     fn output(&mut self, signal: usize) -> f64;
 
-    /// First derivative of an output with respect to time, where the component knows it, else 0.
+    /// First derivative of an output with respect to time, if known to the component, else 0.
     fn output_rate(&mut self, signal: usize) -> f64;
 
     /// Partial derivative of an output with respect to an input, states frozen.
@@ -97,15 +98,15 @@ pub trait Component: Sized + Send + 'static {
     /// See [`StepFailure`].
     fn do_step(&mut self, t: f64, h: f64) -> Result<(), StepFailure>;
 
-    /// Stores everything into `checkpoint`, reusing its memory.
+    /// Stores the whole state into `checkpoint`, reusing memory.
     fn save(&mut self, checkpoint: &mut Self::Checkpoint);
 
-    /// Goes back to a checkpoint.
+    /// Restores a checkpoint.
     ///
     /// # Errors
-    /// A checkpoint that does not fit.
+    /// A checkpoint that does not fit the component.
     fn restore(&mut self, checkpoint: &Self::Checkpoint) -> Result<(), StepFailure>;
 
-    /// What the solver has done so far.
+    /// Work done by the solver so far.
     fn work(&self) -> Work;
 }

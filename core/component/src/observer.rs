@@ -1,26 +1,26 @@
-//! Spectators of a run: who records it, who shows how far it is.
+//! Spectators of a run: recorder and display of progress.
 
 use crate::{Frame, Point};
 
-/// Recorder of a run: the time loop calls it at the start, after each step, and where a picture is due.
+/// Recorder of a run: the time loop calls the recorder at the start, after each step, and for each picture that is due.
 pub trait Observer {
-    /// Takes in the start.
+    /// Records the start.
     fn start(&mut self, point: &Point);
 
-    /// Takes in the step from `start` to `end`.
+    /// Records the step from `start` to `end`.
     fn step(&mut self, start: &Point, end: &Point);
 
-    /// Whether a picture is due at `t` in s.
+    /// True if a picture is due at `t` in s.
     fn wants_frame(&self, t: f64) -> bool;
 
-    /// Takes in a picture of the moment of `point`.
+    /// Records a picture of the moment of `point`.
     fn frame(&mut self, point: &Point, frame: Frame);
 
-    /// Pictures taken in so far, in order: some are completed after the run.
+    /// Pictures recorded so far, in order: some are completed after the run.
     fn frames(&mut self) -> &mut [Frame];
 }
 
-/// Display of the simulated time that a run has reached.
+/// Display of the simulated time reached by a run.
 pub trait Progress {
     /// Shows that the run has come to `t` in s.
     fn reached(&self, t: f64);

@@ -4,9 +4,9 @@ use scene::Scene;
 type Read = Box<dyn Fn(&Scene) -> f64 + Send + Sync>;
 type Write = Box<dyn Fn(&mut Scene, f64) + Send + Sync>;
 
-/// A physical value of the scene that can be set before the start.
+/// Physical value of the scene that can be set before the start.
 pub struct Parameter {
-    /// Name: the key of the scene where there is one.
+    /// Name: the key of the scene, if there is one.
     pub name: String,
     /// Unit.
     pub unit: &'static str,
@@ -17,7 +17,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// A value with the functions that read it from a scene and write it into one.
+    /// Value with the functions that read it from a scene and write it into a scene.
     pub fn new(
         name: impl Into<String>,
         unit: &'static str,
@@ -34,13 +34,13 @@ impl Parameter {
         }
     }
 
-    /// The value in a scene.
+    /// Value in a scene.
     #[must_use]
     pub fn value(&self, scene: &Scene) -> f64 {
         (self.read)(scene)
     }
 
-    /// Puts a value into a scene; [`Scene::check`] says afterwards whether it makes sense.
+    /// Writes a value into a scene; [`Scene::check`] judges the value afterwards.
     pub fn set(&self, scene: &mut Scene, value: f64) {
         (self.write)(scene, value);
     }

@@ -31,7 +31,7 @@ pub struct DropperLine {
     pub top: (f64, f64),
     /// End at the contact wire (x, z), m.
     pub bottom: (f64, f64),
-    /// Whether it carries no force.
+    /// True for a dropper without force.
     pub slack: bool,
 }
 

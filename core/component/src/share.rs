@@ -2,13 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A part's share of the wall time of the time loop; those of a run sum to 1.
+/// A part's share of the wall time of the time loop; the shares of a run sum to 1.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Share {
-    /// Of coupled sides `catenary` and `pantograph[i]`, each with all that it holds. Of one system `wires`, `droppers`, `supports`,
-    /// `registration_arms`, `wind_wires`, `vehicle`, `wheel_rail`, `pantograph`, `wind_pantograph`, `contact`, `factorization`,
-    /// `linear_solution` and `time_integration`, as far as they take time. The last one is `master`: what is left.
+    /// Name of the part: `catenary` and `pantograph[i]` for coupled sides; for one system `wires`, `droppers`,
+    /// `supports`, `registration_arms`, `wind_wires`, `vehicle`, `wheel_rail`, `pantograph`, `wind_pantograph`,
+    /// `contact`, `factorization`, `linear_solution` and `time_integration`, if they take time; last `master`, the
+    /// remainder.
     pub part: String,
-    /// –.
+    /// Share of the wall time, –.
     pub share: f64,
 }

@@ -1,6 +1,6 @@
 //! Inputs and outputs by name.
 
-/// What a signal's values are.
+/// Type of a signal's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A real number in this unit.
@@ -11,7 +11,7 @@ pub enum Kind {
     Boolean,
 }
 
-/// Which way a signal goes.
+/// Direction of a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// Set from outside between steps.
@@ -62,7 +62,7 @@ impl Signal {
         }
     }
 
-    /// Says which inputs an output depends on directly.
+    /// Declares the inputs on which an output depends directly.
     #[must_use]
     pub fn fed_by(mut self, inputs: &[usize]) -> Self {
         self.feedthrough = inputs.to_vec();

@@ -136,15 +136,11 @@ pub fn resolve(scene: &mut Scene, statics: &StaticLine) -> Result<(), Equilibriu
     }
     let mut sides = Vec::new();
     for index in (0..scene.pantographs.len()).filter(|&index| missing(&scene.pantographs[index])) {
-        let placement = vehicle::placement(scene, index);
-        let name = format!("pantograph {}", index + 1);
-        let entry = &scene.pantographs[index].model;
-        let model = vehicle::PantographModel::new(entry, placement, &name, &mut Layout::new());
-        let mut model = model.map_err(|source| EquilibriumError::Pantograph {
+        let model = vehicle::PantographModel::of_scene(scene, index, &mut Layout::new());
+        let model = model.map_err(|source| EquilibriumError::Pantograph {
             pantograph: index + 1,
             source,
         })?;
-        model.expose_to(vehicle::Air::of_scene(scene, index).as_ref());
         sides.push(Side {
             index,
             x: scene.strip_start_x(index),

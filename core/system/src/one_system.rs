@@ -7,7 +7,7 @@ use catenary::{
 };
 use dynamics::{Checkpoint, EnergyBalance, Layout, Simulator, State, StepError, System};
 use scene::{PantographModel as Entry, Scene};
-use vehicle::{Air, PantographModel, VehicleError};
+use vehicle::{PantographModel, VehicleError};
 
 use component::exchange::{contact, line_output_count, strip};
 use component::{Frame, Point, Share, Work};
@@ -96,22 +96,12 @@ impl OneSystem {
         let mut line = scene_line(scene, statics, &mut layout)?;
         let mut pantographs = Vec::new();
         let mut starts = Vec::new();
-        for (index, entry) in scene.pantographs.iter().enumerate() {
+        for index in 0..scene.pantographs.len() {
             let refused = |source| OneSystemError::Pantograph {
                 pantograph: index + 1,
                 source,
             };
-            let name = format!("pantograph {}", index + 1);
-            let placement = vehicle::placement(scene, index);
-            let mut pantograph = PantographModel::new(&entry.model, placement, &name, &mut layout).map_err(refused)?;
-            pantograph.expose_to(Air::of_scene(scene, index).as_ref());
-            let height = entry
-                .start
-                .map_or_else(|| pantograph.reference_height(), |start| start.height);
-            let start = pantograph.equilibrium_at_height(height).map_err(refused)?;
-            // The contact takes the strip as it is now: a linkage at another height than that of reference has it at another place along
-            // the track.
-            pantograph.set_initial(&start, &mut layout.state_at_rest());
+            let (pantograph, start) = PantographModel::at_start(scene, index, &mut layout).map_err(refused)?;
             starts.push(start);
             pantographs.push(pantograph);
         }

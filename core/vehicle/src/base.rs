@@ -1,4 +1,4 @@
-//! What a pantograph stands on, and markers that travel with it.
+//! Travel of the pantograph's base along the track, and markers that travel with the base.
 use dynamics::{Columns, Frame, Marker, Motion};
 use nalgebra::Vector3;
 
@@ -30,7 +30,7 @@ impl Base {
 pub struct Travelling<M> {
     /// In the frame of the base.
     pub marker: M,
-    /// What it travels with.
+    /// Base with which the marker travels.
     pub base: Base,
 }
 

@@ -1,4 +1,4 @@
-//! A base that moves as it is told.
+//! Base with a prescribed motion.
 use crate::multibody::BaseMarker;
 use crate::spline::RestingSpline;
 use dynamics::Frame;
@@ -11,9 +11,9 @@ use nalgebra::{Matrix3, Vector3};
 /// ω(t) = φ̇ R_z R_y e_x + θ̇ R_z e_y + ψ̇ e_z,   ṙ = u̇ + ω × R r₀
 /// ```
 ///
-/// `u` (along the track, lateral, up) is the displacement of the top of rail under the base; roll `φ`, pitch `θ` and yaw `ψ` are about
-/// axes through it. Each of the six is a cubic spline that begins and ends at rest, so that accelerations are continuous between the
-/// first and the last sample.
+/// `u` (along the track, lateral, up) is the displacement of the top of rail under the base; roll `φ`, pitch `θ` and
+/// yaw `ψ` are about axes through it. Each of the six is a cubic spline that begins and ends at rest, so that
+/// accelerations are continuous between the first and the last sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GivenMotion {
     /// `u`.
@@ -32,7 +32,8 @@ pub struct Displaced {
 }
 
 impl Displaced {
-    /// Those that bring a point from `reference` (m) and axes from those of the track to where `frame` is; pitch within ±π/2.
+    /// Displacement and angles that bring a point from `reference` (m) and axes from those of the track to `frame`;
+    /// pitch within ±π/2.
     #[must_use]
     pub fn to(frame: &Frame, reference: &Vector3<f64>) -> Self {
         Self {
@@ -42,7 +43,8 @@ impl Displaced {
     }
 }
 
-/// Roll, pitch and yaw (rad) of axes that are the columns of a rotation matrix: `R = R_z(ψ) R_y(θ) R_x(φ)`, pitch within ±π/2.
+/// Roll, pitch and yaw (rad) of axes that are the columns of a rotation matrix: `R = R_z(ψ) R_y(θ) R_x(φ)`, pitch
+/// within ±π/2.
 #[must_use]
 pub fn angles(axes: &Matrix3<f64>) -> [f64; 3] {
     let (lateral, upright) = (axes[(2, 1)], axes[(2, 2)]);
@@ -74,21 +76,22 @@ impl GivenMotion {
         }
     }
 
-    /// Displacement (m) at time `t` (s) of a point that is `height` m above the base's at rest, and the lateral axis of the base.
+    /// Displacement (m) at time `t` (s) of a point that is `height` m above the base's at rest, and the lateral axis of
+    /// the base.
     #[must_use]
     pub fn above(&self, height: f64, t: f64) -> ([f64; 3], [f64; 3]) {
         let position = Vector3::new(0.0, 0.0, height);
         let axes = Matrix3::identity();
-        let frame = self.carry(&BaseMarker { position, axes }, t);
+        let frame = self.frame_of(&BaseMarker { position, axes }, t);
         (
             (frame.position - position).into(),
             frame.axes.column(1).into_owned().into(),
         )
     }
 
-    /// Where a marker that rides on the base is at time `t` (s).
+    /// Frame of a marker that rides on the base, at time `t` (s).
     #[must_use]
-    pub fn carry(&self, marker: &BaseMarker, t: f64) -> Frame {
+    pub fn frame_of(&self, marker: &BaseMarker, t: f64) -> Frame {
         let displacement = self.displacement.each_ref().map(|curve| curve.at(t));
         let angles = self.angles.each_ref().map(|curve| curve.at(t));
         let vector = |of: &[[f64; 3]; 3], order: usize| Vector3::from(of.map(|curve| curve[order]));

@@ -1,131 +1,133 @@
-//! Any kind of pantograph, from its scene entry.
+//! A pantograph on its base.
+use crate::base_motion::BaseMotion;
 use crate::multibody::AppliedForce;
-use crate::pantograph::{Equilibrium, Ground, Linkage, Lumped, ReducedLinkage, Target};
-use crate::train::{Load, Train};
-use crate::{Air, Base, Carriage, Displaced, Travelling, VehicleError};
+use crate::pantograph::{self, BaseDisplacement, Equilibrium, Linkage, Pantograph, Target};
+use crate::rail_vehicle::Vehicle;
+use crate::{Air, Base, Displaced, VehicleError};
 use dynamics::{Constraint, Force, Frame, Layout, Marker, Motion, State};
 use nalgebra::Vector3;
-use scene::PantographModel as Entry;
+use scene::{PantographModel as Entry, Scene};
 use std::sync::Arc;
 
-/// Where and how fast a pantograph travels, and on what.
+/// Start, speed and surroundings of a pantograph's travel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
-    /// x of its strip at t = 0, m.
+    /// x of the strip at t = 0, m.
     pub start_x: f64,
-    /// m/s.
+    /// Speed, m/s.
     pub speed: f64,
-    /// Gravitational acceleration, m/s²; a lumped pantograph's static force already contains its weight.
+    /// Gravitational acceleration, m/s²; the static force of a lumped pantograph already contains the weight.
     pub gravity: f64,
-    /// Whether a linkage is reduced to its one motion (`model.reduce`).
+    /// True to reduce a linkage to its one motion (`model.reduce`).
     pub one_motion: bool,
     /// `[vehicle]`; none is a base on a straight line.
     pub vehicle: Option<Arc<scene::Vehicle>>,
     /// `[track]`; none is smooth.
     pub track: Option<Arc<scene::Track>>,
-    /// Simulated time, s: the track is made up to where it ends.
+    /// Simulated time, s: the track is made up to the end of the run.
     pub duration: f64,
 }
 
-/// Change of the base's place in one iteration of the common equilibrium that counts as none, m or –: rounding at 10 m.
+impl Placement {
+    /// Placement of pantograph `index` (from 0) of a scene.
+    #[must_use]
+    pub fn of_scene(scene: &Scene, index: usize) -> Self {
+        Self {
+            start_x: scene.strip_start_x(index),
+            speed: scene.run.speed,
+            gravity: scene.gravity(),
+            one_motion: scene.model.has(scene::Reduction::Linkage),
+            vehicle: scene.vehicle.clone(),
+            track: scene.track.clone(),
+            duration: scene.run.duration,
+        }
+    }
+}
+
+/// Change of the base in one iteration of the common equilibrium that counts as none, m or –: rounding at 10 m.
 const STILL: f64 = 1e-13;
 
-/// The base hardly gives way, so that each iteration gains three digits.
+/// Largest number of iterations of the common equilibrium: the base hardly gives way, so that each gains three digits.
 const ITERATIONS: usize = 30;
 
 /// A pantograph on its base.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct PantographModel {
-    kind: Kind,
-    carriage: Carriage,
+    pantograph: Box<dyn Pantograph>,
+    base_motion: BaseMotion,
     /// The vehicle alone in a layout, for statics.
-    alone: Option<Box<(Train, Layout)>>,
+    alone: Option<Box<(Vehicle, Layout)>>,
     placement: Placement,
     base: Base,
 }
 
-#[derive(Clone, Debug)]
-enum Kind {
-    Lumped(Box<Lumped>),
-    Linkage(Box<Linkage>),
-    Reduced(Box<ReducedLinkage>),
-}
-
 impl PantographModel {
-    /// Builds the pantograph into `layout`; `name` ("pantograph 1") begins the names of its coordinates.
+    /// Builds the pantograph into `layout`; `name` ("pantograph 1") begins the names of the coordinates.
     ///
     /// # Errors
     /// See [`VehicleError`].
     pub fn new(entry: &Entry, placement: Placement, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
-        let reference_x = match entry {
-            Entry::Linkage(entry) => {
-                Linkage::new(entry, placement.gravity, name, &mut Layout::new())?
-                    .reference_strip_position()
-                    .x
-            }
-            Entry::Lumped(_) | Entry::Supplied(_) => 0.0,
-        };
         let base = Base {
-            start_x: placement.start_x - reference_x,
+            start_x: placement.start_x - pantograph::reference_x(entry, placement.gravity, name)?,
             speed: placement.speed,
         };
         let under = format!("{name}, vehicle");
-        let carriage = Carriage::new(&placement, base, &under, layout)?;
-        let alone = carriage.train().map(|_| -> Result<_, VehicleError> {
+        let base_motion = BaseMotion::new(&placement, base, &under, layout)?;
+        let alone = base_motion.vehicle().map(|_| -> Result<_, VehicleError> {
             let mut alone = Layout::new();
-            match Carriage::new(&placement, base, &under, &mut alone)? {
-                Carriage::Train(train) => Ok(Some(Box::new((*train, alone)))),
-                Carriage::Straight | Carriage::Given(_) => Ok(None),
+            match BaseMotion::new(&placement, base, &under, &mut alone)? {
+                BaseMotion::Vehicle(vehicle) => Ok(Some(Box::new((*vehicle, alone)))),
+                BaseMotion::Straight | BaseMotion::Given(_) => Ok(None),
             }
         });
         let alone = alone.transpose()?.flatten();
-        let ground = carriage.ground();
-        let kind = match entry {
-            Entry::Lumped(entry) => {
-                let mut lumped = Lumped::new(entry, name, layout)?;
-                lumped.stand_on(&ground, carriage.base_point(lumped.reference_height()));
-                if let Some(train) = carriage.train() {
-                    lumped.carry(train.travel(), placement.gravity);
-                }
-                Kind::Lumped(Box::new(lumped))
-            }
-            Entry::Linkage(_) if placement.one_motion && !matches!(ground, Ground::Still) => {
-                return Err(VehicleError::NotReducible {
-                    reason: "its base moves".to_owned(),
-                });
-            }
-            Entry::Linkage(entry) if placement.one_motion => {
-                Kind::Reduced(Box::new(ReducedLinkage::new(entry, placement.gravity, name, layout)?))
-            }
-            Entry::Linkage(entry) => {
-                let mut linkage = Linkage::on(ground, entry, placement.gravity, name, layout)?;
-                if let Some(train) = carriage.train() {
-                    linkage.carry(train.travel());
-                }
-                Kind::Linkage(Box::new(linkage))
-            }
-            Entry::Supplied(entry) => {
-                return Err(VehicleError::Supplied { fmu: entry.fmu.clone() });
-            }
-        };
+        let pantograph = pantograph::build(entry, &placement, &base_motion, name, layout)?;
         Ok(Self {
-            kind,
-            carriage,
+            pantograph,
+            base_motion,
             alone,
             placement,
             base,
         })
     }
 
-    /// Lets the air act on the pantograph, or nothing.
+    /// Pantograph `index` (from 0) of a scene, built into `layout` and exposed to the scene's air.
+    ///
+    /// # Errors
+    /// See [`VehicleError`].
+    pub fn of_scene(scene: &Scene, index: usize, layout: &mut Layout) -> Result<Self, VehicleError> {
+        let entry = &scene.pantographs[index].model;
+        let name = format!("pantograph {}", index + 1);
+        let mut model = Self::new(entry, Placement::of_scene(scene, index), &name, layout)?;
+        model.expose_to(Air::of_scene(scene, index).as_ref());
+        Ok(model)
+    }
+
+    /// Pantograph `index` (from 0) of a scene as [`PantographModel::of_scene`], and the state of rest in which a run
+    /// starts: with the strip at the start height of the scene, or at the reference height. Markers taken from the
+    /// model belong to the start.
+    ///
+    /// # Errors
+    /// See [`VehicleError`].
+    pub fn at_start(scene: &Scene, index: usize, layout: &mut Layout) -> Result<(Self, Equilibrium), VehicleError> {
+        let mut model = Self::of_scene(scene, index, layout)?;
+        let start = scene.pantographs[index].start;
+        let height = start.map_or_else(|| model.reference_height(), |start| start.height);
+        let rest = model.equilibrium_at_height(height)?;
+        model.start_at(&rest);
+        Ok((model, rest))
+    }
+
+    /// Exposes the pantograph to the air, if there is any.
     pub fn expose_to(&mut self, air: Option<&Air>) {
-        let Some(air) = air else { return };
-        let base = self.base;
-        match &mut self.kind {
-            Kind::Lumped(lumped) => lumped.expose(air, base),
-            Kind::Linkage(linkage) => linkage.expose(air, base),
-            Kind::Reduced(linkage) => linkage.expose(air, base),
+        if let Some(air) = air {
+            self.pantograph.expose(air, self.base);
         }
+    }
+
+    /// Adds the inputs `u[first..first + 3]` to the wind on the pantograph, m/s.
+    pub(crate) fn add_wind_input(&mut self, first: usize) {
+        self.pantograph.air_mut().add_input(first);
     }
 
     /// Visits every force in a fixed order.
@@ -134,25 +136,16 @@ impl PantographModel {
         self.pantograph_forces(visit);
     }
 
-    /// Visits the forces of what carries the pantograph: the first of [`PantographModel::forces`].
+    /// Visits the forces of the vehicle: the first of [`PantographModel::forces`].
     pub fn vehicle_forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        if let Carriage::Train(train) = &mut self.carriage {
-            train.forces(visit);
+        if let BaseMotion::Vehicle(vehicle) = &mut self.base_motion {
+            vehicle.forces(visit);
         }
     }
 
     /// Visits the forces of the pantograph alone: the others of [`PantographModel::forces`].
     pub fn pantograph_forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        match &mut self.kind {
-            Kind::Lumped(lumped) => lumped.forces(visit),
-            Kind::Linkage(linkage) => linkage.forces(visit),
-            Kind::Reduced(linkage) => {
-                visit(linkage.as_mut());
-                for air in linkage.air_mut() {
-                    visit(air);
-                }
-            }
-        }
+        self.pantograph.forces(visit);
     }
 
     /// Visits every constraint in a fixed order.
@@ -161,44 +154,42 @@ impl PantographModel {
         self.pantograph_constraints(visit);
     }
 
-    /// Visits the joints of what carries the pantograph: the first of [`PantographModel::constraints`].
+    /// Visits the joints of the vehicle: the first of [`PantographModel::constraints`].
     pub fn vehicle_constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        if let Carriage::Train(train) = &mut self.carriage {
-            train.constraints(visit);
+        if let BaseMotion::Vehicle(vehicle) = &mut self.base_motion {
+            vehicle.constraints(visit);
         }
     }
 
     /// Visits the joints of the pantograph alone: the others of [`PantographModel::constraints`].
     pub fn pantograph_constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        match &mut self.kind {
-            Kind::Lumped(_) | Kind::Reduced(_) => {}
-            Kind::Linkage(linkage) => linkage.constraints(visit),
-        }
+        self.pantograph.constraints(visit);
     }
 
-    /// The state of rest under a contact force (N, positive in compression).
+    /// State of rest under a contact force (N, positive in compression).
     ///
     /// # Errors
-    /// Where there is none: [`VehicleError::OutOfReach`], [`VehicleError::NotConverged`].
+    /// Without such a state: [`VehicleError::OutOfReach`], [`VehicleError::NotConverged`].
     pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
         self.equilibrium(Target::Force(force))
     }
 
-    /// The state of rest with the strip at `height` (m above the top of rail).
+    /// State of rest with the strip at `height` (m above the top of rail).
     ///
-    /// This is the well-posed direction: a pantograph's force hardly depends on its height.
+    /// The height as target is the well-posed direction: a pantograph's force hardly depends on the height.
     ///
     /// # Errors
-    /// Where there is none: [`VehicleError::OutOfReach`], [`VehicleError::NotConverged`].
+    /// Without such a state: [`VehicleError::OutOfReach`], [`VehicleError::NotConverged`].
     pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
         self.equilibrium(Target::Height(height))
     }
 
-    /// Rest on whatever carries the pantograph.
+    /// State of rest of the pantograph and the vehicle, if there is one.
     fn equilibrium(&self, target: Target) -> Result<Equilibrium, VehicleError> {
-        let reference = self.carriage.base_point(self.base_z());
-        match (&self.carriage, &self.alone) {
-            (Carriage::Given(_), _) => {
+        let reference = self.base_motion.base_point(self.base_z());
+        let displaced = |frame| Some(BaseDisplacement { reference, frame });
+        match (&self.base_motion, &self.alone) {
+            (BaseMotion::Given(_), _) => {
                 let initial = Motion {
                     t: 0.0,
                     q: &[],
@@ -206,24 +197,24 @@ impl PantographModel {
                     rotation: &[],
                     u: &[],
                 };
-                let frame = self.carriage.ground().frame(reference, &initial);
-                self.equilibrium_on(reference, frame, target)
+                let frame = self.base_motion.mount().frame(reference, &initial);
+                self.pantograph.equilibrium(displaced(frame), target)
             }
-            (Carriage::Train(_), Some(alone)) => {
-                let (mut train, layout) = (alone.0.clone(), &alone.1);
+            (BaseMotion::Vehicle(_), Some(alone)) => {
+                let (mut vehicle, layout) = (alone.0.clone(), &alone.1);
                 let mut state = layout.state_at_rest();
-                let mut frame = train.base_frame(&state.motion(&[]));
+                let mut frame = vehicle.base_frame(&state.motion(&[]));
                 let mut change = f64::INFINITY;
                 for _ in 0..ITERATIONS {
-                    let mut equilibrium = self.equilibrium_on(reference, frame, target)?;
-                    let loads = self.loads(&equilibrium, frame)?;
-                    let rest = train.rest(layout, &mut state, &loads)?;
+                    let mut equilibrium = self.pantograph.equilibrium(displaced(frame), target)?;
+                    let loads = self.pantograph.loads(&equilibrium, frame.position)?;
+                    let rest = vehicle.rest(layout, &mut state, &loads)?;
                     change = (rest.base.position - frame.position)
                         .amax()
                         .max((rest.base.axes - frame.axes).amax());
                     frame = rest.base;
                     if change <= STILL {
-                        equilibrium.train = Some(Box::new(rest));
+                        equilibrium.vehicle = Some(Box::new(rest));
                         return Ok(equilibrium);
                     }
                 }
@@ -232,90 +223,33 @@ impl PantographModel {
                     iterations: ITERATIONS,
                 })
             }
-            _ => match (&self.kind, target) {
-                (Kind::Lumped(lumped), Target::Force(force)) => lumped.equilibrium_at_force(force),
-                (Kind::Lumped(lumped), Target::Height(height)) => lumped.equilibrium_at_height(height),
-                (Kind::Linkage(linkage), Target::Force(force)) => linkage.equilibrium_at_force(force),
-                (Kind::Linkage(linkage), Target::Height(height)) => linkage.equilibrium_at_height(height),
-                (Kind::Reduced(linkage), Target::Force(force)) => linkage.equilibrium_at_force(force),
-                (Kind::Reduced(linkage), Target::Height(height)) => linkage.equilibrium_at_height(height),
-            },
+            _ => self.pantograph.equilibrium(None, target),
         }
     }
 
-    /// Rest on a base whose point `reference` (m, reference position) is at `frame`.
-    fn equilibrium_on(
-        &self,
-        reference: Vector3<f64>,
-        frame: Frame,
-        target: Target,
-    ) -> Result<Equilibrium, VehicleError> {
-        match &self.kind {
-            Kind::Lumped(lumped) => lumped.equilibrium_risen(frame.position.z - reference.z, target),
-            Kind::Linkage(linkage) => linkage.equilibrium(Ground::Displaced { reference, frame }, target),
-            Kind::Reduced(_) => Err(VehicleError::NotReducible {
-                reason: "its base moves".to_owned(),
-            }),
-        }
+    /// Begins a motion at `equilibrium`: puts the base where the strip is at the start x at t = 0. Markers taken before
+    /// this call keep the old base.
+    fn start_at(&mut self, equilibrium: &Equilibrium) {
+        self.pantograph.start_at(equilibrium);
+        self.base.start_x = self.placement.start_x - self.pantograph.strip_position(equilibrium).x;
+        self.pantograph.air_mut().travel_with(self.base);
     }
 
-    /// What the vehicle bears of a pantograph at rest. A lumped one presses on its base with the contact force alone: its weight is
-    /// taken as part of what it stands on.
-    fn loads(&self, equilibrium: &Equilibrium, base: Frame) -> Result<Vec<Load>, VehicleError> {
-        match &self.kind {
-            Kind::Linkage(linkage) => linkage.loads(equilibrium),
-            Kind::Lumped(_) | Kind::Reduced(_) => Ok(vec![Load {
-                point: base.position,
-                force: -equilibrium.force,
-            }]),
-        }
-    }
-
-    /// Writes `equilibrium` into the pantograph's part of `state`, and puts the base where the strip is at the start x at
-    /// t = 0. Markers taken before this call keep the old base.
+    /// Writes `equilibrium` into the part of `state` of pantograph and vehicle, and puts the base where the strip is at
+    /// the start x at t = 0. Markers taken before this call keep the old base.
     pub fn set_initial(&mut self, equilibrium: &Equilibrium, state: &mut State) {
-        let (offsets, strip_x) = match &mut self.kind {
-            Kind::Lumped(lumped) => (lumped.offsets(), 0.0),
-            Kind::Linkage(linkage) => (linkage.offsets(), linkage.strip_position(equilibrium).x),
-            Kind::Reduced(linkage) => {
-                linkage.start_at(equilibrium);
-                (linkage.offsets(), linkage.strip_position(equilibrium).x)
-            }
-        };
-        equilibrium.write(offsets, state);
-        self.carriage.set_rest(equilibrium.train.as_deref(), state);
-        self.base.start_x = self.placement.start_x - strip_x;
-        let base = self.base;
-        let air = match &mut self.kind {
-            Kind::Lumped(lumped) => lumped.air_mut(),
-            Kind::Linkage(linkage) => linkage.air_mut(),
-            Kind::Reduced(linkage) => linkage.air_mut(),
-        };
-        for force in air {
-            force.marker.base = base;
-        }
+        self.start_at(equilibrium);
+        equilibrium.write(self.pantograph.offsets(), state);
+        self.base_motion.set_rest(equilibrium.vehicle.as_deref(), state);
     }
 
-    /// The middle of the strip in the world; the second axis runs along the strip.
+    /// Middle of the strip in the world; the second axis runs along the strip.
     #[must_use]
     pub fn strip(&self) -> Box<dyn Marker> {
-        match &self.kind {
-            Kind::Lumped(lumped) => Box::new(Travelling {
-                marker: lumped.strip(),
-                base: self.base,
-            }),
-            Kind::Linkage(linkage) => Box::new(Travelling {
-                marker: linkage.strip(),
-                base: self.base,
-            }),
-            Kind::Reduced(linkage) => Box::new(Travelling {
-                marker: linkage.strip(),
-                base: self.base,
-            }),
-        }
+        self.pantograph.strip(self.base)
     }
 
-    /// The contact force on the strip as inputs `u[first..first + 4]`, see [`AppliedForce`].
+    /// Contact force on the strip as inputs `u[first..first + 4]`, see [`AppliedForce`].
     #[must_use]
     pub fn applied_force(&self, first: usize) -> AppliedForce {
         AppliedForce {
@@ -324,64 +258,40 @@ impl PantographModel {
         }
     }
 
-    /// Lines that draw the pantograph in the world, m: the bodies of a linkage, the strip of a lumped one from the side.
+    /// Lines that draw the pantograph in the world, m: the bodies of a linkage, the strip of a lumped one from the
+    /// side.
     #[must_use]
     pub fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
-        /// Half the drawn length of a collector head along the track, m.
-        const HALF_HEAD: f64 = 0.25;
         let travelled = self.base.position(motion.t);
-        let mut lines = match &self.kind {
-            Kind::Lumped(lumped) => {
-                let middle = lumped.strip().frame(motion).position;
-                vec![
-                    [-HALF_HEAD, HALF_HEAD]
-                        .map(|x| middle + Vector3::new(x, 0.0, 0.0))
-                        .to_vec(),
-                ]
-            }
-            Kind::Linkage(linkage) => linkage.outline(motion),
-            Kind::Reduced(linkage) => linkage.outline(motion),
-        };
+        let mut lines = self.pantograph.outline(motion);
         for point in lines.iter_mut().flatten() {
             *point += travelled;
         }
         lines
     }
 
-    /// The mechanism in two coordinates, where it is reduced to them.
-    #[must_use]
-    pub fn reduced_linkage(&self) -> Option<&ReducedLinkage> {
-        match &self.kind {
-            Kind::Reduced(linkage) => Some(linkage),
-            Kind::Lumped(_) | Kind::Linkage(_) => None,
-        }
-    }
-
-    /// The base.
+    /// Travel of the base.
     #[must_use]
     pub fn base(&self) -> Base {
         self.base
     }
 
-    /// The mechanism, where it is one with all its bodies.
+    /// The mechanism with all its bodies, if the pantograph is one.
     #[must_use]
     pub fn linkage(&self) -> Option<&Linkage> {
-        match &self.kind {
-            Kind::Lumped(_) | Kind::Reduced(_) => None,
-            Kind::Linkage(linkage) => Some(linkage),
-        }
+        self.pantograph.linkage()
     }
 
-    /// What carries it.
+    /// Vehicle under the pantograph, if modelled.
     #[must_use]
-    pub fn carriage(&self) -> &Carriage {
-        &self.carriage
+    pub fn vehicle(&self) -> Option<&Vehicle> {
+        self.base_motion.vehicle()
     }
 
-    /// The point of the base in the world: position, velocity, axes.
+    /// Frame of the base in the world: position, velocity, axes.
     #[must_use]
     pub fn base_frame(&self, motion: &Motion<'_>) -> Frame {
-        let (_, frame) = self.base_on_carriage(motion);
+        let (_, frame) = self.base_point_and_frame(motion);
         Frame {
             position: frame.position + self.base.position(motion.t),
             velocity: frame.velocity + self.base.velocity(),
@@ -389,89 +299,61 @@ impl PantographModel {
         }
     }
 
-    /// The motion of the base beside the travel, as one that could be given to it.
+    /// Motion of the base beside the travel, as a displacement for a [`GivenMotion`](crate::GivenMotion).
     #[must_use]
     pub fn base_displaced(&self, motion: &Motion<'_>) -> Displaced {
-        let (point, frame) = self.base_on_carriage(motion);
-        // A given motion carries a base in the middle of the track.
+        let (point, frame) = self.base_point_and_frame(motion);
+        // A base with a given motion is in the middle of the track.
         Displaced::to(&frame, &Vector3::new(point.x, 0.0, point.z))
     }
 
-    /// The point of the base in the reference position (m), and where it is, in the frame of the base.
-    fn base_on_carriage(&self, motion: &Motion<'_>) -> (Vector3<f64>, Frame) {
-        let point = self.carriage.base_point(self.base_z());
-        (point, self.carriage.ground().frame(point, motion))
+    /// Point of the base in the reference position (m), and the frame now, both in the frame of the base.
+    fn base_point_and_frame(&self, motion: &Motion<'_>) -> (Vector3<f64>, Frame) {
+        let point = self.base_motion.base_point(self.base_z());
+        (point, self.base_motion.mount().frame(point, motion))
     }
 
-    /// Height of the base above the top of rail in the reference position, m. A lumped chain has no extent: its base is at the reference height.
+    /// Height of the base above the top of rail in the reference position, m; the reference height for a lumped chain,
+    /// which has no extent.
     #[must_use]
     pub fn base_z(&self) -> f64 {
-        match &self.kind {
-            Kind::Lumped(lumped) => lumped.reference_height(),
-            Kind::Linkage(linkage) => linkage.base_z(),
-            Kind::Reduced(linkage) => linkage.base_z(),
-        }
+        self.pantograph.base_z()
     }
 
-    /// The force that raises the pantograph, N: the static force of a lumped one, the force on the lower arm of a linkage.
+    /// Force that raises the pantograph, N: the static force of a lumped one, the force on the lower arm of a linkage.
     #[must_use]
     pub fn uplift_force(&self) -> f64 {
-        match &self.kind {
-            Kind::Lumped(lumped) => lumped.static_force(),
-            Kind::Linkage(linkage) => linkage.uplift_force(),
-            Kind::Reduced(linkage) => linkage.uplift_force(),
-        }
+        self.pantograph.uplift_force()
     }
 
     /// Contact force at rest in the reference position, N.
     #[must_use]
     pub fn static_force(&self) -> f64 {
-        match &self.kind {
-            Kind::Lumped(lumped) => lumped.reference_force(),
-            Kind::Linkage(linkage) => linkage.static_force(),
-            Kind::Reduced(linkage) => linkage.static_force(),
-        }
+        self.pantograph.static_force()
     }
 
     /// Height of the strip in the reference position, m above the top of rail.
     #[must_use]
     pub fn reference_height(&self) -> f64 {
-        match &self.kind {
-            Kind::Lumped(lumped) => lumped.reference_height(),
-            Kind::Linkage(linkage) => linkage.reference_height(),
-            Kind::Reduced(linkage) => linkage.reference_height(),
-        }
+        self.pantograph.reference_height()
     }
 
-    /// Drag and lift of the air on the body that carries the strip, N: along the air that meets it, and across it, positive upward;
-    /// 0 where nothing exposes it.
+    /// Drag and lift of the air on the body of the strip, N: along the relative air flow, and across, positive upward;
+    /// 0 without exposure.
     #[must_use]
     pub fn wind_on_head(&self, motion: &Motion<'_>) -> [f64; 2] {
-        match &self.kind {
-            Kind::Lumped(lumped) => lumped.air().on_head(motion),
-            Kind::Linkage(linkage) => linkage.air().on_head(motion),
-            Kind::Reduced(linkage) => linkage.air().on_head(motion),
-        }
+        self.pantograph.air().on_head(motion)
     }
 
     /// Number of generalised velocities.
     #[must_use]
     pub fn coordinates(&self) -> usize {
-        let own = match &self.kind {
-            Kind::Lumped(lumped) => lumped.coordinates(),
-            Kind::Linkage(linkage) => linkage.coordinates(),
-            Kind::Reduced(_) => 2,
-        };
-        own + self.carriage.size()[0]
+        self.pantograph.coordinates() + self.base_motion.size()[0]
     }
 
     /// Number of constraint equations.
     #[must_use]
     pub fn constraint_count(&self) -> usize {
-        let own = match &self.kind {
-            Kind::Lumped(_) | Kind::Reduced(_) => 0,
-            Kind::Linkage(linkage) => linkage.constraint_count(),
-        };
-        own + self.carriage.size()[1]
+        self.pantograph.constraint_count() + self.base_motion.size()[1]
     }
 }

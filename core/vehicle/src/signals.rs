@@ -1,4 +1,4 @@
-//! The pantograph as a component: the names and units of what it exchanges.
+//! Signals and parameters of the pantograph as a component: names and units.
 use crate::subsystem::INPUTS;
 use crate::{Checkpoint, Subsystem, VehicleError};
 use component::{Component, Parameter, Signal, StepFailure};
@@ -7,7 +7,7 @@ use scene::{PantographModel, Scene};
 
 mod vehicle;
 
-/// Outputs behind the inputs, in order.
+/// Outputs after the inputs, in order.
 const OUTPUTS: [(&str, &str, &str); 12] = [
     ("strip[1].x", "m", "Position of the strip's middle along the track"),
     (
@@ -141,7 +141,7 @@ impl Component for Subsystem {
     }
 
     fn sensitivity(&mut self, _output: usize, _input: usize) -> f64 {
-        // A force moves nothing before time has passed.
+        // No time has passed, so that a force has moved nothing.
         0.0
     }
 
@@ -175,7 +175,7 @@ fn failure(error: StepError) -> StepFailure {
     }
 }
 
-/// A value of the pantograph at the place that `field` finds.
+/// Parameter of the pantograph at the field that `field` returns.
 fn parameter(
     name: impl Into<String>,
     unit: &'static str,

@@ -9,7 +9,7 @@ pub struct RestingSpline {
 }
 
 impl RestingSpline {
-    /// Through samples with ascending `x`, at least one.
+    /// Spline through samples with ascending `x`, at least one.
     #[must_use]
     pub fn new(x: Vec<f64>, y: Vec<f64>) -> Self {
         let n = x.len();

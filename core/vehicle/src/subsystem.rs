@@ -1,6 +1,6 @@
 //! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
 use crate::given_motion::{Displaced, angles};
-use crate::{Air, AppliedForce, PantographModel, Placement, VehicleError};
+use crate::{AppliedForce, PantographModel, VehicleError};
 use dynamics::{
     Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System,
 };
@@ -11,12 +11,12 @@ use serde::{Deserialize, Serialize};
 /// Inputs: force on the strip in x, y, z (N), lateral position of the contact (m), wind in x, y, z (m/s).
 pub const INPUTS: usize = AppliedForce::INPUTS + 3;
 
-/// Difference between the force the scene gives for the start and the one of rest at its height below which the start counts as
-/// rest, N.
+/// Difference between the start force of the scene and the force of rest at the start height up to which the start
+/// counts as rest, N.
 const AT_REST: f64 = 1e-3;
 
 /// A pantograph under a contact force from outside.
-pub struct Model {
+struct Model {
     layout: Layout,
     pantograph: PantographModel,
     contact: AppliedForce,
@@ -37,24 +37,10 @@ impl System for Model {
     }
 }
 
-/// Where and how fast a pantograph of a scene travels.
-#[must_use]
-pub fn placement(scene: &Scene, index: usize) -> Placement {
-    Placement {
-        start_x: scene.strip_start_x(index),
-        speed: scene.run.speed,
-        gravity: scene.gravity(),
-        one_motion: scene.model.has(scene::Reduction::Linkage),
-        vehicle: scene.vehicle.clone(),
-        track: scene.track.clone(),
-        duration: scene.run.duration,
-    }
-}
-
 /// The strip's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StripMotion {
-    /// Position of its middle, m.
+    /// Position of the strip's middle, m.
     pub position: Vector3<f64>,
     /// Velocity, m/s.
     pub velocity: Vector3<f64>,
@@ -62,7 +48,7 @@ pub struct StripMotion {
     pub roll: f64,
 }
 
-/// Everything a [`Subsystem`] must keep to continue bit for bit.
+/// State needed by a [`Subsystem`] to continue bit for bit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     simulator: dynamics::Checkpoint,
@@ -75,7 +61,7 @@ pub struct Checkpoint {
 pub struct Subsystem {
     simulator: Simulator<Model>,
     inputs: [FollowedInput; INPUTS],
-    /// Inputs at the end of the last step; those set since then jump.
+    /// Inputs at the end of the last step; inputs set since then jump.
     reached: Vec<f64>,
     /// Work done by the contact on the strip since the start, J.
     work: f64,
@@ -83,29 +69,20 @@ pub struct Subsystem {
 }
 
 impl Subsystem {
-    /// Pantograph `index` (from 0) of a scene in its start state: at rest at the height the scene gives, or at its reference
-    /// height; under another force than that of rest there, it starts with the acceleration this causes.
+    /// Pantograph `index` (from 0) of a scene in the start state: at rest at the start height of the scene, or at the
+    /// reference height; a start force other than the force of rest there begins with the acceleration it causes.
     ///
     /// # Errors
     /// See [`VehicleError`].
     pub fn new(scene: &Scene, index: usize) -> Result<Self, VehicleError> {
         let mut layout = Layout::new();
-        let entry = &scene.pantographs[index];
-        let name = format!("pantograph {}", index + 1);
-        let mut pantograph = PantographModel::new(&entry.model, placement(scene, index), &name, &mut layout)?;
-        let mut air = Air::of_scene(scene, index);
-        if let Some(air) = &mut air {
-            air.flow.input = Some(AppliedForce::INPUTS);
-        }
-        pantograph.expose_to(air.as_ref());
-        let height = entry
-            .start
-            .map_or_else(|| pantograph.reference_height(), |start| start.height);
-        let equilibrium = pantograph.equilibrium_at_height(height)?;
+        let (mut pantograph, rest) = PantographModel::at_start(scene, index, &mut layout)?;
+        pantograph.add_wind_input(AppliedForce::INPUTS);
         let mut state = layout.state_at_rest();
-        pantograph.set_initial(&equilibrium, &mut state);
+        pantograph.set_initial(&rest, &mut state);
         let contact = pantograph.applied_force(0);
-        let force = entry.start.map_or(equilibrium.force, |start| start.force);
+        let start = scene.pantographs[index].start;
+        let force = start.map_or(rest.force, |start| start.force);
         let solver = &scene.solver;
         let mut inputs = [FollowedInput::default(); INPUTS];
         inputs[2].set(-force);
@@ -124,7 +101,7 @@ impl Subsystem {
             solver.rho_inf,
             solver.newton_options(),
         );
-        if (force - equilibrium.force).abs() > AT_REST {
+        if (force - rest.force).abs() > AT_REST {
             simulator.start_accelerations()?;
         }
         Ok(Self {
@@ -250,22 +227,23 @@ impl Subsystem {
         pantograph.base_displaced(&motion)
     }
 
-    /// Vertical force of the rail on a wheel (from 0: left and right wheel of each wheelset in turn), N; 0 where there is none.
+    /// Vertical force of the rail on a wheel (from 0: left and right wheel of each wheelset in turn), N; 0 if there is
+    /// no such wheel.
     pub fn wheel_load(&mut self, wheel: usize) -> f64 {
         let (pantograph, motion) = self.pantograph();
-        let train = pantograph.carriage().train();
-        train.map_or(0.0, |train| train.wheel_load(wheel, &motion))
+        let vehicle = pantograph.vehicle();
+        vehicle.map_or(0.0, |vehicle| vehicle.wheel_load(wheel, &motion))
     }
 
-    /// Y/Q of a wheel, counted as in [`Subsystem::wheel_load`]; 0 where no lateral force is modelled.
+    /// Y/Q of a wheel, counted as in [`Subsystem::wheel_load`]; 0 if no lateral force is modelled.
     pub fn derailment_quotient(&mut self, wheel: usize) -> f64 {
         let (pantograph, motion) = self.pantograph();
-        let train = pantograph.carriage().train();
-        train.map_or(0.0, |train| train.derailment_quotient(wheel, &motion))
+        let vehicle = pantograph.vehicle();
+        vehicle.map_or(0.0, |vehicle| vehicle.derailment_quotient(wheel, &motion))
     }
 
-    /// Acceleration of the strip's middle from the accelerations of the coordinates, m/s²; what a turning body adds by its
-    /// angular velocity is left out.
+    /// Acceleration of the strip's middle from the accelerations of the coordinates, m/s², without the centripetal
+    /// acceleration of a turning body.
     pub fn strip_acceleration(&mut self) -> Vector3<f64> {
         let mut columns = Columns::default();
         let (model, motion) = self.simulator.parts();
@@ -307,7 +285,7 @@ impl Subsystem {
         self.simulator.counters()
     }
 
-    /// Stores everything into `checkpoint`, reusing its memory.
+    /// Stores the whole state into `checkpoint`, reusing memory.
     pub fn save_to(&mut self, checkpoint: &mut Checkpoint) {
         self.simulator.save(&mut checkpoint.simulator);
         checkpoint.inputs.clear();
@@ -316,10 +294,10 @@ impl Subsystem {
         checkpoint.work = self.work;
     }
 
-    /// Goes back to a checkpoint.
+    /// Restores a checkpoint.
     ///
     /// # Errors
-    /// When the matrix of the saved state cannot be factored again.
+    /// A matrix of the saved state that cannot be factored again.
     pub fn restore_from(&mut self, checkpoint: &Checkpoint) -> Result<(), StepError> {
         self.simulator.restore(&checkpoint.simulator)?;
         self.inputs.copy_from_slice(&checkpoint.inputs);

@@ -1,31 +1,31 @@
-//! How the frame of a vehicle travels: along a straight or a curved track.
+//! Travel of the frame of a vehicle along a straight or a curved track.
 use crate::Base;
 use crate::track::Alignment;
 use dynamics::{Columns, Frame};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// Travel of the frame that a vehicle and its pantograph are described in.
+/// Travel of the frame in which a vehicle and its pantograph are described.
 ///
-/// On straight track the frame is that of the base. In a curve its origin follows the middle of the track at the same speed, and its
-/// axes are the direction of travel, and left and up of the plane of the rails there. What is at rest in it is at rest beside the
-/// track, so that x along the developed track, y and z in this frame are those of the line.
+/// On straight track the frame is that of the base. In a curve the origin follows the middle of the track at the same
+/// speed, and the axes are the direction of travel, and left and up of the plane of the rails. A point at rest in the
+/// frame is at rest beside the track, so that x along the developed track, y and z in this frame are those of the line.
 #[derive(Clone, Debug)]
 pub struct Travel {
     base: Base,
     alignment: Option<Arc<Alignment>>,
 }
 
-/// The frame at one instant, as seen from a place of the track, whose axes are those of the world here.
+/// Travelling frame at one instant, as seen from a point of the track whose axes are the world axes here.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Carrying {
+pub(crate) struct TravellingFrame {
     /// Origin, axes, velocity of the origin, angular velocity.
     frame: Frame,
-    /// Whether its axes are others.
+    /// True if the axes differ from the world axes.
     turned: bool,
 }
 
-/// What bodies feel in the frame because it is accelerated and leans, along its axes.
+/// Acceleration and lean of the frame as felt by bodies, along the axes of the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Apparent {
     /// Acceleration of the origin, m/s².
@@ -34,33 +34,33 @@ pub struct Apparent {
     pub angular_velocity: Vector3<f64>,
     /// Ω̇, rad/s².
     pub angular_acceleration: Vector3<f64>,
-    /// Against gravity, unit length.
+    /// Direction against gravity, unit length.
     pub upward: Vector3<f64>,
 }
 
 impl Travel {
-    /// Along a track; `None` is along the x axis.
+    /// Travel along a track; `None` is along the x axis.
     #[must_use]
     pub fn along(base: Base, alignment: Option<Arc<Alignment>>) -> Self {
         Self { base, alignment }
     }
 
-    /// Where the track runs; `None` is along the x axis.
+    /// Alignment of the track; `None` is along the x axis.
     #[must_use]
     pub fn alignment(&self) -> Option<&Arc<Alignment>> {
         self.alignment.as_ref()
     }
 
-    /// Place of the origin along the track at time `t` (s), m.
+    /// Position of the origin along the track at time `t` (s), m.
     #[must_use]
     pub fn place(&self, t: f64) -> f64 {
         self.base.position(t).x
     }
 
-    /// What the frame is at time `t` (s), seen `from` a place of the track (m), see [`Alignment::seen_from`].
-    pub(crate) fn carrying(&self, t: f64, from: f64) -> Carrying {
+    /// Frame at time `t` (s), seen `from` a point of the track (m), see [`Alignment::seen_from`].
+    pub(crate) fn travelling(&self, t: f64, from: f64) -> TravellingFrame {
         let Some(alignment) = &self.alignment else {
-            return Carrying {
+            return TravellingFrame {
                 frame: Frame {
                     position: self.base.position(t),
                     axes: Matrix3::identity(),
@@ -71,7 +71,7 @@ impl Travel {
             };
         };
         let track = alignment.seen_from(self.place(t), from);
-        Carrying {
+        TravellingFrame {
             frame: Frame {
                 position: track.position,
                 axes: track.axes,
@@ -82,14 +82,14 @@ impl Travel {
         }
     }
 
-    /// What bodies feel in the frame at time `t` (s); `None` on straight track, where they feel nothing.
+    /// Apparent motion in the frame at time `t` (s); `None` on straight track.
     ///
     /// ```text
     /// a = v² (0, κ, z''),   Ω = v (φ', 0, κ),   Ω̇ = v² (φ'', κ φ', κ')
     /// ```
     ///
-    /// along the horizontal direction of travel, left and up, turned by φ about the first: the derivatives by s of position and
-    /// rotation of [`Alignment::seen_from`].
+    /// along the horizontal direction of travel, left and up, turned by φ about the first: the derivatives by s of
+    /// position and rotation of [`Alignment::seen_from`].
     #[must_use]
     pub fn apparent(&self, t: f64) -> Option<Apparent> {
         let alignment = self.alignment.as_ref()?;
@@ -107,8 +107,8 @@ impl Travel {
 }
 
 impl Apparent {
-    /// Acceleration that a point at `position` (m) which moves with `velocity` (m/s) in the frame has beside the change of that
-    /// velocity, m/s²: `a + Ω̇ × r + Ω × (Ω × r) + 2 Ω × ṙ`.
+    /// Acceleration of a point at `position` (m) that moves with `velocity` (m/s) in the frame, beside the change of
+    /// that velocity, m/s²: `a + Ω̇ × r + Ω × (Ω × r) + 2 Ω × ṙ`.
     #[must_use]
     pub fn acceleration_of(&self, position: &Vector3<f64>, velocity: &Vector3<f64>) -> Vector3<f64> {
         let turning = self.angular_velocity.cross(position) + 2.0 * velocity;
@@ -122,8 +122,8 @@ impl Apparent {
     }
 }
 
-impl Carrying {
-    /// Velocity (m/s) that the frame has at a point (m) of the world, and its angular velocity (rad/s).
+impl TravellingFrame {
+    /// Velocity of the frame at a point (m) of the world, m/s, and angular velocity of the frame, rad/s.
     pub fn motion_of(&self, point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         let turn = self.frame.angular_velocity;
         let velocity = self.frame.velocity + turn.cross(&(point - self.frame.position));
@@ -135,7 +135,7 @@ impl Carrying {
         self.frame.angular_velocity
     }
 
-    /// The frame of a marker that is given in this frame.
+    /// Frame of a marker that is given in the travelling frame.
     pub fn frame_of(&self, inner: &Frame) -> Frame {
         if !self.turned {
             return Frame {
@@ -154,7 +154,7 @@ impl Carrying {
         }
     }
 
-    /// The columns of a marker that is given in this frame.
+    /// Columns of a marker that is given in the travelling frame.
     pub fn columns_of(&self, inner: Columns) -> Columns {
         if !self.turned {
             return inner;

@@ -30,7 +30,7 @@ impl Prepared {
         };
         let (mut kinds, mut bases, mut steady) = (Vec::new(), Vec::new(), true);
         for (index, pantograph) in scene.pantographs.iter().enumerate() {
-            let placement = vehicle::placement(scene, index);
+            let placement = vehicle::Placement::of_scene(scene, index);
             let mut layout = dynamics::Layout::new();
             if let Ok(model) = vehicle::PantographModel::new(&pantograph.model, placement, "", &mut layout) {
                 coordinates += model.coordinates();
@@ -38,7 +38,7 @@ impl Prepared {
                 bases.push(model.base().start_x);
                 if let (Some(scene::Vehicle::Full(_)), Some(start)) = (scene.vehicle.as_deref(), pantograph.start) {
                     let rest = model.equilibrium_at_height(start.height);
-                    steady &= rest.is_ok_and(|rest| rest.train.is_none_or(|train| train.steady));
+                    steady &= rest.is_ok_and(|rest| rest.rolls_steadily());
                 }
             }
             kinds.push(match &pantograph.model {

@@ -226,12 +226,7 @@ fn start_beside_line(scene: &mut Scene, index: usize, height: Option<f64>) -> Re
         pantograph: index + 1,
         source,
     };
-    let placement = vehicle::placement(scene, index);
-    let name = format!("pantograph {}", index + 1);
-    let entry = &scene.pantographs[index].model;
-    let mut model =
-        vehicle::PantographModel::new(entry, placement, &name, &mut dynamics::Layout::new()).map_err(failed)?;
-    model.expose_to(vehicle::Air::of_scene(scene, index).as_ref());
+    let model = vehicle::PantographModel::of_scene(scene, index, &mut dynamics::Layout::new()).map_err(failed)?;
     let height = height.unwrap_or_else(|| model.reference_height());
     let force = model.equilibrium_at_height(height).map_err(failed)?.force.max(0.0);
     scene.pantographs[index].start = Some(Start { height, force });

@@ -56,9 +56,9 @@ fn velocities_are_the_derivatives_of_places_and_axes() {
         // Between the samples, where the third derivative of a spline jumps.
         let t = 0.05 * f64::from(i) + 0.003;
         let (behind, now, ahead) = (
-            motion.carry(&marker, t - h),
-            motion.carry(&marker, t),
-            motion.carry(&marker, t + h),
+            motion.frame_of(&marker, t - h),
+            motion.frame_of(&marker, t),
+            motion.frame_of(&marker, t + h),
         );
         let velocity = (ahead.position - behind.position) / (2.0 * h);
         // h²/6 of third derivatives of some 100 m/s³, and rounding of 4 m over h.
@@ -76,7 +76,7 @@ fn accelerations_do_not_jump_at_samples() {
     let (motion, marker) = (motion(), marker());
     let h = 1e-7;
     let acceleration = |t: f64| {
-        let (behind, ahead) = (motion.carry(&marker, t - h), motion.carry(&marker, t + h));
+        let (behind, ahead) = (motion.frame_of(&marker, t - h), motion.frame_of(&marker, t + h));
         let linear = (ahead.velocity - behind.velocity) / (2.0 * h);
         let angular = (ahead.angular_velocity - behind.angular_velocity) / (2.0 * h);
         (linear, angular)
@@ -117,9 +117,9 @@ fn the_end_of_a_turning_lever_arm_moves_as_the_closed_form_says() {
         for t in [-0.3, 0.0, 0.17, 0.5] {
             let (sine, cosine) = angle(t).sin_cos();
             let now = arm * cosine + quarter * sine;
-            let found = motion.carry(&marker, t);
+            let found = motion.frame_of(&marker, t);
             let angular = rate + angular_acceleration * t;
-            // A spline is a parabola exactly but for the ends, at which it rests: 0.268 per sample over 150 of them.
+            // A spline is a parabola exactly but for the ends, where it rests: 0.268 per sample over 150 of them.
             assert!((found.position - held - now).amax() < 1e-13, "{axis} {t}");
             assert!(
                 (found.velocity - angular * normal.cross(&now)).amax() < 1e-12,
@@ -128,7 +128,7 @@ fn the_end_of_a_turning_lever_arm_moves_as_the_closed_form_says() {
             assert!((found.angular_velocity - angular * normal).amax() < 1e-12, "{axis} {t}");
             let h = 1e-4;
             let acceleration =
-                (motion.carry(&marker, t + h).velocity - motion.carry(&marker, t - h).velocity) / (2.0 * h);
+                (motion.frame_of(&marker, t + h).velocity - motion.frame_of(&marker, t - h).velocity) / (2.0 * h);
             let expected = angular_acceleration * normal.cross(&now) - angular * angular * now;
             // h²/6 of fourth derivatives of some 4 m/s⁴, rounding of 3 m/s over h.
             assert!((acceleration - expected).amax() < 1e-7, "{axis} {t}");
@@ -143,7 +143,7 @@ fn positive_angles_lower_the_right_side_and_the_front_and_turn_the_front_to_the_
             position: position.into(),
             axes: Matrix3::identity(),
         };
-        about(axis, &[0.0], &[0.1]).carry(&marker, 0.0).position
+        about(axis, &[0.0], &[0.1]).frame_of(&marker, 0.0).position
     };
     assert!(at(0, [0.0, -1.0, 0.0]).z < 0.0);
     assert!(at(1, [1.0, 0.0, 0.0]).z < 0.0);
@@ -160,7 +160,7 @@ fn what_a_motion_was_is_read_from_where_a_marker_is() {
         axes: Matrix3::identity(),
     };
     for t in [0.0, 0.31, 1.2, 1.77] {
-        let found = Displaced::to(&motion.carry(&marker, t), &reference);
+        let found = Displaced::to(&motion.frame_of(&marker, t), &reference);
         for axis in 0..3 {
             let (given, angle) = (motion.displacement[axis].at(t)[0], motion.angles[axis].at(t)[0]);
             // Rounding at 4 m.

@@ -1,14 +1,14 @@
-//! What a joint or a spring is fixed to: a body or the base.
+//! Ends of joints and springs: on a body or on the base.
 use super::BodyMarker;
 use crate::GivenMotion;
 use dynamics::{Columns, Frame, Marker, Motion};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// A point and axes fixed in the base: no generalised velocity moves them.
+/// Point and axes fixed in the base: no generalised velocity moves them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaseMarker {
-    /// In the frame of the base, m.
+    /// Position in the frame of the base, m.
     pub position: Vector3<f64>,
     /// The marker's axes as columns.
     pub axes: Matrix3<f64>,
@@ -27,10 +27,10 @@ impl Marker for BaseMarker {
     fn columns(&self, _motion: &Motion<'_>, _columns: &mut Columns) {}
 }
 
-/// A point and axes that a given motion carries along: a function of time alone.
+/// Point and axes on a given motion: a function of time alone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GivenMarker {
-    /// Where they would be without the motion.
+    /// Marker without the motion.
     pub marker: BaseMarker,
     /// The motion.
     pub given: Arc<GivenMotion>,
@@ -38,7 +38,7 @@ pub struct GivenMarker {
 
 impl Marker for GivenMarker {
     fn frame(&self, motion: &Motion<'_>) -> Frame {
-        self.given.carry(&self.marker, motion.t)
+        self.given.frame_of(&self.marker, motion.t)
     }
 
     fn columns(&self, _motion: &Motion<'_>, _columns: &mut Columns) {}
@@ -51,7 +51,7 @@ pub enum Anchor {
     Base(BaseMarker),
     /// Fixed to a rigid body.
     Body(BodyMarker),
-    /// Carried along by a given motion.
+    /// On a given motion.
     Given(GivenMarker),
 }
 

@@ -2,10 +2,11 @@
 use dynamics::{Blocks, Column, Columns, Force, Marker, Motion, Weights};
 use nalgebra::Vector3;
 
-/// A force on a collector strip that comes in through the inputs: `u[first..first + 4]` = (f_x, f_y, f_z) in N, world axes,
-/// and the lateral position y of its point, m.
+/// Force on a collector strip, set through the inputs: `u[first..first + 4]` = (f_x, f_y, f_z) in N, world axes, and
+/// the lateral position y of the point of action, m.
 ///
-/// The point is where the strip's lateral axis passes y; a strip that can only rise takes up the vertical force alone.
+/// The point of action is the point of the strip's lateral axis at y; a strip that can only rise takes up the vertical
+/// force alone.
 pub struct AppliedForce {
     /// Middle of the strip; the second axis runs along the strip.
     pub marker: Box<dyn Marker>,

@@ -13,7 +13,7 @@ use dynamics::{Blocks, Force, Motion, Weights};
 /// potential is `½ k s² − P s`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxialSpring {
-    /// What it joins.
+    /// Anchors of the spring.
     pub pair: Pair,
     /// `k`, N/m.
     pub stiffness: f64,

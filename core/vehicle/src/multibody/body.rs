@@ -3,10 +3,10 @@ use dynamics::rotation::skew;
 use dynamics::{Blocks, Columns, Force, Frame, Layout, Marker, Motion, Weights};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-/// Where the coordinates of a rigid body stand: three displacements of its centre of mass from its reference position,
+/// Indices of the coordinates of a rigid body: three displacements of the centre of mass from the reference position,
 /// three rotations.
 ///
-/// Velocities are those of the centre of mass and the angular velocity in the body frame.
+/// Velocities are the velocity of the centre of mass and the angular velocity in the body frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// First of the three displacements.
@@ -15,7 +15,7 @@ pub struct Pose {
     pub rotation: usize,
     /// Index of the orientation in [`Motion::rotation`].
     pub orientation: usize,
-    /// Centre of mass where all displacements are zero, m.
+    /// Centre of mass with all displacements zero, m.
     pub reference: Vector3<f64>,
 }
 
@@ -69,7 +69,7 @@ fn vector(values: &[f64], first: usize) -> Vector3<f64> {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidBody {
-    /// Its coordinates.
+    /// Coordinates of the body.
     pub pose: Pose,
     /// kg.
     pub mass: f64,
@@ -134,8 +134,8 @@ pub struct BodyMarker {
 }
 
 impl BodyMarker {
-    /// The marker that is at `point` (m) with the axes `axes` (columns) when the body is in its reference position with
-    /// the given orientation.
+    /// Marker that is at `point` (m) with the axes `axes` (columns) when the body is in the reference position with the
+    /// given orientation.
     #[must_use]
     pub fn at(pose: Pose, orientation: &UnitQuaternion<f64>, point: &Vector3<f64>, axes: &Matrix3<f64>) -> Self {
         let to_body = orientation.to_rotation_matrix().transpose();

@@ -1,18 +1,18 @@
 //! Force–displacement curves from point lists: bump stops, progressive springs.
 
-/// Why a list of points is no characteristic.
+/// Reason why a list of points is no characteristic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CharacteristicError {
     /// Fewer than two points, or lists of different lengths.
     Lengths,
     /// Displacements that do not ascend.
     Order,
-    /// Forces that do not ascend with the displacement: such a spring would pull where it is pushed.
+    /// Forces that do not ascend with the displacement: such a spring would pull when pushed.
     Falling,
 }
 
-/// A force that grows with a displacement, from a list of points: a monotone piecewise cubic with continuous slope
-/// [Fritsch & Carlson, SIAM Journal on Numerical Analysis 17 (1980) 238–246], continued along its end slopes.
+/// Force that grows with a displacement, from a list of points: a monotone piecewise cubic with continuous slope
+/// [Fritsch & Carlson, SIAM Journal on Numerical Analysis 17 (1980) 238–246], continued along the end slopes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Characteristic {
     displacements: Vec<f64>,
@@ -36,7 +36,7 @@ pub struct Point {
 }
 
 impl Characteristic {
-    /// From displacements (m, ascending) and forces (N, not falling).
+    /// Characteristic through displacements (m, ascending) and forces (N, not falling).
     ///
     /// # Errors
     /// See [`CharacteristicError`].
@@ -86,7 +86,7 @@ impl Characteristic {
         Ok(curve)
     }
 
-    /// At a displacement, m.
+    /// Force, stiffness and energy at a displacement, m.
     #[must_use]
     pub fn at(&self, s: f64) -> Point {
         let last = self.displacements.len() - 1;

@@ -5,12 +5,12 @@ use nalgebra::Vector3;
 
 /// A force of constant size and direction on a point fixed in a body.
 ///
-/// Its potential is `−F · r`.
+/// The potential is `−F · r`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeadForce {
-    /// Where it acts.
+    /// Point of action.
     pub marker: BodyMarker,
-    /// World axes, N.
+    /// Force in world axes, N.
     pub force: Vector3<f64>,
 }
 

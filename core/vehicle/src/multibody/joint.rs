@@ -24,14 +24,14 @@ const PRISMATIC: &[Measure] = &[
     Measure::Direction(2, 0),
 ];
 
-/// What a revolute joint about the vertical holds in the plane along the track: both points coincide there, and the bodies pitch
-/// together.
+/// Equations of a revolute joint about the vertical, in the plane along the track: both points coincide there, and the
+/// bodies pitch together.
 const UPRIGHT_IN_PLANE: &[Measure] = &[Measure::Point(0), Measure::Point(2), Measure::Direction(2, 0)];
 
-/// A joint: equations on the relative position of two anchors. [Haug 1989, chapter 9]
+/// Equations on the relative position of two anchors. [Haug 1989, chapter 9]
 ///
-/// Where two directions have to stay perpendicular the equation is their scalar product. The axis of a revolute or prismatic
-/// joint is the third axis of both anchors, which coincide in the reference position.
+/// The equation for two perpendicular directions is their scalar product. The axis of a revolute or prismatic joint is
+/// the third axis of both anchors, which coincide in the reference position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
     pair: Pair,
@@ -57,8 +57,8 @@ impl Joint {
         }
     }
 
-    /// Three equations: those of [`Joint::revolute`] about the vertical for bodies that only move in the plane along the track. The
-    /// third axes are vertical and the first ones along the track in the reference position.
+    /// Three equations: those of [`Joint::revolute`] about the vertical for bodies that only move in the plane along
+    /// the track. The third axes are vertical and the first ones along the track in the reference position.
     #[must_use]
     pub fn upright_in_plane(first: Anchor, second: Anchor) -> Self {
         Self {
@@ -76,7 +76,7 @@ impl Joint {
         }
     }
 
-    /// What it joins.
+    /// Anchors of the joint.
     #[must_use]
     pub fn anchors(&self) -> [Anchor; 2] {
         [self.pair.first.clone(), self.pair.second.clone()]

@@ -1,9 +1,9 @@
 //! Scalar functions of the relative position of two anchors, with first and second derivatives.
 //!
-//! Every joint equation and the length of every guided spring is one of these. Derivatives are those in the directions of
+//! Every joint equation and the length of every guided spring is a measure. Derivatives are taken in the directions of
 //! the generalised velocities: with the column (translation `t`, rotation `c`) of velocity k, a point moves by `t_k`, a
-//! direction `a` by `c_k × a`. A column itself changes with a rotation l of the same body by `c_l × t_k`, `c_l × c_k`,
-//! where k is a rotation too; displacements have constant columns. [Haug 1989, chapters 9 and 11]
+//! direction `a` by `c_k × a`. A column changes with a rotation l of the same body by `c_l × t_k`, `c_l × c_k`, if k is
+//! a rotation too; displacements have constant columns. [Haug 1989, chapters 9 and 11]
 use super::Anchor;
 use dynamics::{Blocks, Column, Columns, Frame, Marker, Motion};
 use nalgebra::{SMatrix, SVector, Vector3};
@@ -14,9 +14,9 @@ pub(crate) const WIDTH: usize = 12;
 /// Two anchors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pair {
-    /// Its axes carry the directions that positions are measured along.
+    /// Anchor whose axes are the directions along which positions are measured.
     pub first: Anchor,
-    /// The other one.
+    /// Other anchor.
     pub second: Anchor,
 }
 
@@ -88,7 +88,7 @@ impl PairView {
         k < self.first_count
     }
 
-    /// `c_k`, `t_k` with the sign with which it enters `r_B − r_A`.
+    /// `c_k`, `t_k` with the sign of their part in `r_B − r_A`.
     fn column(&self, k: usize) -> (Vector3<f64>, Vector3<f64>) {
         let column = &self.columns[k];
         let sign = if self.is_first(k) { -1.0 } else { 1.0 };

@@ -1,4 +1,13 @@
-//! Rigid bodies, what joins them and what acts on them, in the frame of the base.
+//! Rigid bodies, joints, springs and loads in the frame of the base.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `body` | rigid bodies, their coordinates and markers |
+//! | `anchor` | ends of joints and springs |
+//! | `measure` | scalar functions of two anchors, with derivatives |
+//! | `joint` | ideal joints |
+//! | `axial_spring`, `bushing`, `characteristic` | springs and dampers |
+//! | `dead_force`, `applied_force` | constant forces, and the contact force as an input |
 mod anchor;
 mod applied_force;
 mod axial_spring;
@@ -11,12 +20,14 @@ mod measure;
 #[cfg(test)]
 mod tests;
 
-pub use anchor::{Anchor, BaseMarker, GivenMarker};
+pub(crate) use anchor::GivenMarker;
+pub use anchor::{Anchor, BaseMarker};
 pub use applied_force::AppliedForce;
-pub use axial_spring::AxialSpring;
+pub(crate) use axial_spring::AxialSpring;
 pub use body::{BodyMarker, Pose, RigidBody};
-pub use bushing::{Bushing, BushingLoad, Rates};
-pub use characteristic::{Characteristic, CharacteristicError};
-pub use dead_force::DeadForce;
+pub use bushing::Bushing;
+pub(crate) use bushing::Rates;
+pub(crate) use characteristic::Characteristic;
+pub(crate) use dead_force::DeadForce;
 pub use joint::Joint;
 pub(crate) use measure::{Measure, Pair, add_square};

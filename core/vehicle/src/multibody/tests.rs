@@ -251,7 +251,7 @@ fn the_columns_of_a_marker_give_its_velocity() {
         angular += column.rotation * state.v[column.index];
     }
     assert!((velocity - frame.velocity).norm() < 1e-14 && (angular - frame.angular_velocity).norm() < 1e-14);
-    // And the velocity is the rate of the position.
+    // Velocity is the rate of the position, too.
     let position = |state: &State| DVector::from_column_slice(marker.frame(&state.motion(&[])).position.as_slice());
     let rate = jacobian(&two.layout, &state, &mut |state| position(state)) * DVector::from_column_slice(&state.v);
     assert!((rate - DVector::from_column_slice(frame.velocity.as_slice())).amax() < 1e-8);

@@ -1,19 +1,16 @@
-//! The air on a pantograph: which points of it feel the wind, and what it does to the state of rest.
-use super::curve::Curve;
-use super::one_motion::OneMotion;
-use super::plane::{Turn, quarter};
-use super::{HeadMarker, ReducedStrip};
+//! Air on a pantograph: the points exposed to the wind, and the effect on the state of rest.
+use super::{HeadMarker, ReducedPoint, ReducedStrip};
 use crate::multibody::BodyMarker;
 use crate::{Base, Travelling};
 use dynamics::{AerodynamicForce, AerodynamicLaw, Columns, Flow, Force, Frame, Marker, Motion};
-use nalgebra::{Matrix3, UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use scene::{AerodynamicMarker, Scene, WindSurface};
 use std::sync::Arc;
 
-/// What of a scene's wind acts on one pantograph.
+/// Part of a scene's wind that acts on one pantograph.
 #[derive(Clone, Debug)]
 pub struct Air {
-    /// The air itself.
+    /// Flow of the air.
     pub flow: Flow,
     /// Quasi-steady uplift of the strip, N/(m/s)².
     pub uplift: Option<f64>,
@@ -22,12 +19,12 @@ pub struct Air {
 }
 
 impl Air {
-    /// The air on pantograph `index` (from 0) of a scene, where the scene lets the wind act on pantographs.
+    /// Air on pantograph `index` (from 0) of a scene; `None` if the scene lets no wind act on pantographs.
     #[must_use]
     pub fn of_scene(scene: &Scene, index: usize) -> Option<Self> {
         let table = scene.wind.as_ref()?;
         let acts = table.pantograph.as_ref()?;
-        // One for all, or one for each.
+        // One uplift for all pantographs, or one for each.
         let uplift = acts.uplift.get(index).or(acts.uplift.first()).copied();
         Some(Self {
             flow: Flow {
@@ -57,7 +54,7 @@ pub(crate) type AirForce = AerodynamicForce<Travelling<AirMarker>>;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct AirForces {
     forces: Vec<AirForce>,
-    /// Which of them act on the body that carries the strip.
+    /// True for forces on the body of the strip.
     on_head: Vec<bool>,
 }
 
@@ -75,7 +72,21 @@ impl AirForces {
         &mut self.forces
     }
 
-    /// Drag and lift on the body that carries the strip, N: sums over its points.
+    /// Lets the points travel with another base.
+    pub(crate) fn travel_with(&mut self, base: Base) {
+        for force in &mut self.forces {
+            force.marker.base = base;
+        }
+    }
+
+    /// Adds three inputs of the system, from index `first` on, to the wind, m/s.
+    pub(crate) fn add_input(&mut self, first: usize) {
+        for force in &mut self.forces {
+            force.flow.input = Some(first);
+        }
+    }
+
+    /// Drag and lift on the body of the strip, N: sums over the points.
     pub(crate) fn on_head(&self, motion: &Motion<'_>) -> [f64; 2] {
         let on_head = self.forces.iter().zip(&self.on_head).filter(|(_, on_head)| **on_head);
         on_head.fold([0.0; 2], |[drag, lift], (force, _)| {
@@ -85,7 +96,7 @@ impl AirForces {
     }
 }
 
-/// Points of a surface: offset from the body's centre of mass (m) and axes in those of the body, and area in m².
+/// Points of a surface: offset from the body's centre of mass (m) and axes in body axes, and area in m².
 pub(crate) fn points_of(
     surface: &WindSurface,
     orientation: &UnitQuaternion<f64>,
@@ -135,98 +146,7 @@ impl Marker for AirMarker {
     }
 }
 
-/// A point of a body whose motion in the plane is known by one or two coordinates.
-#[derive(Clone, Debug)]
-pub struct ReducedPoint {
-    pub(super) path: PointPath,
-    /// First coordinate of the linkage.
-    pub(super) coordinate: usize,
-    /// From the body's centre of mass, reference position, m.
-    pub(super) arm: Vector3<f64>,
-    /// Lateral position of the centre of mass, m.
-    pub(super) y: f64,
-    /// Axes of the marker in the reference position.
-    pub(super) axes: Matrix3<f64>,
-}
-
-/// How the centre of mass of a body moves.
-#[derive(Clone, Debug)]
-pub(super) enum PointPath {
-    /// With the one motion.
-    Follower(Arc<Curve<3>>),
-    /// With the one motion and the collector suspension.
-    Carried(Arc<OneMotion>),
-}
-
-/// Where the body is: centre of mass in the plane and angle, with their derivatives by both coordinates.
-struct Place {
-    centre: Vector2<f64>,
-    by_sigma: Vector2<f64>,
-    by_zeta: Vector2<f64>,
-    turn: Turn,
-    /// `∂φ/∂σ`
-    turning: f64,
-}
-
-impl ReducedPoint {
-    fn place(&self, motion: &Motion<'_>) -> Place {
-        let (sigma, rise) = (motion.q[self.coordinate], motion.q[self.coordinate + 1]);
-        match &self.path {
-            PointPath::Follower(curve) => {
-                let [x, z, phi] = curve.at(sigma);
-                Place {
-                    centre: Vector2::new(x[0], z[0]),
-                    by_sigma: Vector2::new(x[1], z[1]),
-                    by_zeta: Vector2::zeros(),
-                    turn: Turn::by(phi[0]),
-                    turning: phi[1],
-                }
-            }
-            PointPath::Carried(motion) => {
-                let place = motion.place(sigma, rise);
-                Place {
-                    centre: Vector2::new(place.x, place.zeta),
-                    by_sigma: Vector2::new(place.x_sigma, 0.0),
-                    by_zeta: Vector2::new(place.x_zeta, 1.0),
-                    turn: place.turn,
-                    turning: place.phi[1],
-                }
-            }
-        }
-    }
-
-    /// The arm in the plane, turned.
-    fn arm(&self, place: &Place) -> Vector2<f64> {
-        place.turn.of(Vector2::new(self.arm.x, self.arm.z))
-    }
-}
-
-impl Marker for ReducedPoint {
-    fn frame(&self, motion: &Motion<'_>) -> Frame {
-        let place = self.place(motion);
-        let (sigma_rate, rise_rate) = (motion.v[self.coordinate], motion.v[self.coordinate + 1]);
-        let arm = self.arm(&place);
-        let velocity = (place.by_sigma + quarter(arm) * place.turning) * sigma_rate + place.by_zeta * rise_rate;
-        Frame {
-            position: Vector3::new(place.centre.x + arm.x, self.y + self.arm.y, place.centre.y + arm.y),
-            axes: place.turn.matrix() * self.axes,
-            velocity: Vector3::new(velocity.x, 0.0, velocity.y),
-            angular_velocity: Vector3::new(0.0, place.turning * sigma_rate, 0.0),
-        }
-    }
-
-    fn columns(&self, motion: &Motion<'_>, columns: &mut Columns) {
-        let place = self.place(motion);
-        let along = place.by_sigma + quarter(self.arm(&place)) * place.turning;
-        let turn = Vector3::new(0.0, place.turning, 0.0);
-        columns.push(self.coordinate, Vector3::new(along.x, 0.0, along.y), turn);
-        // A follower has it too, so that both coordinates stand in one block of the tangent.
-        let rise = Vector3::new(place.by_zeta.x, 0.0, place.by_zeta.y);
-        columns.push(self.coordinate + 1, rise, Vector3::zeros());
-    }
-}
-
-/// Adds the generalised forces of the air at rest to `force`, which has one entry per coordinate that the markers know.
+/// Adds the generalised forces of the air at rest to `force`, which has one entry per coordinate known to the markers.
 pub(super) fn add_at_rest(air: &mut [AirForce], q: &[f64], force: &mut [f64]) {
     let v = vec![0.0; q.len()];
     let motion = Motion {

@@ -1,9 +1,9 @@
 //! A pantograph at rest under a contact force.
-use crate::train::TrainRest;
+use crate::rail_vehicle::VehicleRest;
 use dynamics::State;
 use nalgebra::UnitQuaternion;
 
-/// Where a pantograph's coordinates start in a layout that it may share.
+/// First indices of a pantograph's coordinates in a shared layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Offsets {
     pub coordinate: usize,
@@ -16,19 +16,44 @@ pub(crate) struct Offsets {
 pub struct Equilibrium {
     /// Height of the middle of the strip above the top of rail, m.
     pub height: f64,
-    /// Contact force, N, positive in compression: it presses the strip down.
+    /// Contact force, N, positive in compression (presses the strip down).
     pub force: f64,
     /// The pantograph's own coordinates, in the order of the layout.
     pub q: Vec<f64>,
-    /// The orientations of its bodies, body to world.
+    /// Orientations of the pantograph's bodies, body to world.
     pub rotation: Vec<UnitQuaternion<f64>>,
-    /// The multipliers of its joints, N or N·m.
+    /// Multipliers of the pantograph's joints, N or N·m.
     pub lambda: Vec<f64>,
-    /// The vehicle under it, where there is one.
-    pub train: Option<Box<TrainRest>>,
+    /// Rest of the vehicle under the pantograph, if modelled.
+    pub(crate) vehicle: Option<Box<VehicleRest>>,
+}
+
+/// Target of an equilibrium.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Target {
+    /// Contact force, N.
+    Force(f64),
+    /// Height of the strip, m.
+    Height(f64),
+}
+
+impl std::fmt::Display for Target {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Force(force) => write!(formatter, "contact force {force} N"),
+            Self::Height(height) => write!(formatter, "strip height {height} m"),
+        }
+    }
 }
 
 impl Equilibrium {
+    /// False if the wheels of a vehicle under the pantograph cannot roll steadily: the vehicle is then at rest without
+    /// creep forces.
+    #[must_use]
+    pub fn rolls_steadily(&self) -> bool {
+        self.vehicle.as_ref().is_none_or(|vehicle| vehicle.steady)
+    }
+
     /// Writes the pantograph's part of a state at rest.
     pub(crate) fn write(&self, offsets: Offsets, state: &mut State) {
         let range = offsets.coordinate..offsets.coordinate + self.q.len();

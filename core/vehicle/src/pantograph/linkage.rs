@@ -1,12 +1,15 @@
 //! The linkage: a pantograph of rigid bodies and joints.
-use super::Ground;
-use super::air::{Air, AirForce, AirForces, AirMarker, points_of};
-use super::builder::Builder;
-use super::equilibrium::{Equilibrium, Offsets};
-use super::statics::{self, Target};
+mod builder;
+mod statics;
+
+use super::air::{Air, AirForces, AirMarker, points_of};
+use super::base_mount::{BaseDisplacement, BaseMount};
+use super::equilibrium::{Equilibrium, Offsets, Target};
+use super::interface::Pantograph;
 use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, RigidBody};
-use crate::train::{CurveInertia, Load};
-use crate::{Base, Travel, VehicleError};
+use crate::rail_vehicle::{CurveInertia, Load};
+use crate::{Base, Travel, Travelling, VehicleError};
+use builder::Builder;
 #[cfg(test)]
 use dynamics::State;
 use dynamics::{AerodynamicLaw, Constraint, Force, Layout, Marker, Motion};
@@ -15,10 +18,10 @@ use scene::Linkage as Entry;
 
 /// Any tree or loop of rigid bodies on a base, a collector head on its suspension, and an uplift force.
 ///
-/// In the frame of the base the base's reference point has x = 0, the y at which a vehicle carries it (0 where none does), and its height
-/// above the top of rail. The tabulated
-/// position is the reference position: all displacements zero, and an equilibrium. The preload of the collector suspension
-/// sees to the latter: there it carries the head's weight and the contact force that the rest of the mechanism can bear.
+/// In the frame of the base, the base's reference point has x = 0, the y of the pantograph's base on the vehicle (0
+/// without vehicle), and the height above the top of rail. The tabulated position is the reference position: all
+/// displacements zero, and an equilibrium. The preload of the collector suspension ensures the equilibrium: the preload
+/// balances the head's weight and the contact force that the rest of the mechanism can bear.
 #[derive(Clone, Debug)]
 pub struct Linkage {
     entry: Entry,
@@ -31,48 +34,48 @@ pub struct Linkage {
     suspension: AxialSpring,
     uplift: DeadForce,
     strip: BodyMarker,
-    /// Of the bodies in the reference position.
+    /// Orientations of the bodies in the reference position.
     orientations: Vec<UnitQuaternion<f64>>,
     static_force: f64,
     /// Forces of the air; no part of the balance in the reference position.
     air: AirForces,
-    /// On a base that follows a curve; no part of statics.
+    /// Inertia on a base in a curve; no part of statics.
     inertia: Option<CurveInertia>,
 }
 
 impl Linkage {
-    /// Builds the mechanism into `layout`; `name` begins the names of its coordinates. `gravity` in m/s².
+    /// Builds the mechanism into `layout`; `name` begins the names of the coordinates. `gravity` in m/s².
     ///
     /// # Errors
-    /// Names that do not fit together; [`VehicleError::NotBalanced`] where the tabulated position cannot be at rest.
-    pub fn new(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
-        Self::on(Ground::Still, entry, gravity, name, layout)
+    /// Names that do not fit together; [`VehicleError::NotBalanced`] if the tabulated position cannot be at rest.
+    pub(crate) fn new(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
+        Self::on(BaseMount::Fixed, entry, gravity, name, layout)
     }
 
-    /// The same mechanism on another ground; the preload of its suspension is that of the reference position.
+    /// The same mechanism on another mount; the preload of the suspension is that of the reference position.
     ///
     /// # Errors
     /// See [`Linkage::new`].
     pub(crate) fn on(
-        ground: Ground,
+        mount: BaseMount,
         entry: &Entry,
         gravity: f64,
         name: &str,
         layout: &mut Layout,
     ) -> Result<Self, VehicleError> {
-        let lateral = ground.lateral();
-        let mut linkage = Self::without_preload((ground, lateral), entry, gravity, name, layout)?;
-        let mut local = linkage.local(Ground::Still)?;
+        let lateral = mount.lateral();
+        let mut linkage = Self::without_preload((mount, lateral), entry, gravity, name, layout)?;
+        let mut local = linkage.local(BaseMount::Fixed)?;
         let balance = statics::balance(&mut local.0, &local.1)?;
         linkage.suspension.preload = balance.preload;
         linkage.static_force = balance.force;
         Ok(linkage)
     }
 
-    /// The same mechanism alone in a layout, on this ground.
-    pub(crate) fn local(&self, ground: Ground) -> Result<(Self, Layout), VehicleError> {
+    /// The same mechanism alone in a layout, on this mount.
+    pub(crate) fn local(&self, mount: BaseMount) -> Result<(Self, Layout), VehicleError> {
         let mut layout = Layout::new();
-        let place = (ground, self.lateral);
+        let place = (mount, self.lateral);
         let mut linkage = Self::without_preload(place, &self.entry, self.gravity, "linkage", &mut layout)?;
         linkage.suspension.preload = self.suspension.preload;
         linkage.static_force = self.static_force;
@@ -88,7 +91,7 @@ impl Linkage {
     }
 
     fn without_preload(
-        (ground, lateral): (Ground, f64),
+        (mount, lateral): (BaseMount, f64),
         entry: &Entry,
         gravity: f64,
         name: &str,
@@ -99,7 +102,7 @@ impl Linkage {
             constraint: layout.constraints(),
             orientation: layout.rotations().len(),
         };
-        let builder = Builder::new(entry, (ground, lateral), gravity, name, layout);
+        let builder = Builder::new(entry, (mount, lateral), gravity, name, layout);
         let joints = builder.joints()?;
         layout.add_constraints(joints.iter().map(Constraint::dimension).sum());
         Ok(Self {
@@ -119,29 +122,12 @@ impl Linkage {
         })
     }
 
-    /// Lets it feel the curves that its base runs through.
-    pub(crate) fn carry(&mut self, travel: &Travel) {
+    /// Adds the inertia forces of the curves that the base runs through.
+    pub(crate) fn follow_curves(&mut self, travel: &Travel) {
         self.inertia = CurveInertia::new(travel, &self.bodies, &[]);
     }
 
-    /// Lets the air act on bodies, or lift the strip.
-    pub(crate) fn expose(&mut self, air: &Air, base: Base) {
-        let mut forces = AirForces::default();
-        if let Some(coefficient) = air.uplift {
-            let law = AerodynamicLaw::Uplift { coefficient };
-            forces.push(air.force(AirMarker::Body(self.strip), base, law), true);
-        }
-        for surface in &air.surfaces {
-            for (marker, area) in self.points_of(surface) {
-                let law = AerodynamicLaw::Polar(surface.polar(area));
-                let on_head = marker.pose.orientation == self.strip.pose.orientation;
-                forces.push(air.force(AirMarker::Body(marker), base, law), on_head);
-            }
-        }
-        self.air = forces;
-    }
-
-    /// The points of a surface and their areas in m²; a body that is not there has none.
+    /// Points of a surface and their areas in m²; none for an unknown body.
     pub(super) fn points_of(&self, surface: &scene::WindSurface) -> Vec<(BodyMarker, f64)> {
         let Some(number) = self.entry.bodies.iter().position(|body| body.name == surface.body) else {
             return Vec::new();
@@ -153,19 +139,9 @@ impl Linkage {
             .collect()
     }
 
-    /// The forces of the air.
-    pub(crate) fn air(&self) -> &AirForces {
-        &self.air
-    }
-
-    /// The forces of the air, to be moved or visited.
-    pub(crate) fn air_mut(&mut self) -> &mut [AirForce] {
-        self.air.as_mut_slice()
-    }
-
     /// The strip in the frame of the base; its axes are those of the body.
     #[must_use]
-    pub fn strip(&self) -> BodyMarker {
+    pub(crate) fn strip_marker(&self) -> BodyMarker {
         self.strip
     }
 
@@ -188,38 +164,14 @@ impl Linkage {
 
     /// The joints, in the order of the scene.
     #[must_use]
-    pub fn joints(&self) -> &[Joint] {
+    pub(crate) fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
     /// The spring–damper under the collector head.
     #[must_use]
-    pub fn suspension(&self) -> &AxialSpring {
+    pub(crate) fn suspension(&self) -> &AxialSpring {
         &self.suspension
-    }
-
-    /// Contact force that keeps the tabulated position, N.
-    #[must_use]
-    pub fn static_force(&self) -> f64 {
-        self.static_force
-    }
-
-    /// The force that raises the mechanism, N.
-    #[must_use]
-    pub fn uplift_force(&self) -> f64 {
-        self.uplift.force.z
-    }
-
-    /// Height of the base above the top of rail, m.
-    #[must_use]
-    pub fn base_z(&self) -> f64 {
-        self.entry.base[2]
-    }
-
-    /// Height of the middle of the strip in the reference position, m above the top of rail.
-    #[must_use]
-    pub fn reference_height(&self) -> f64 {
-        self.reference_strip_position().z
     }
 
     /// Middle of the strip in the reference position, in the frame of the base, m.
@@ -235,9 +187,85 @@ impl Linkage {
         }
     }
 
-    /// What acts on the mechanism from outside, at rest: weights, uplift and contact force.
-    pub(crate) fn loads(&self, equilibrium: &Equilibrium) -> Result<Vec<Load>, VehicleError> {
-        let (linkage, layout) = self.local(Ground::Still)?;
+    /// Number of the strip's body.
+    pub(super) fn strip_body(&self) -> usize {
+        self.strip.pose.orientation - self.offsets.orientation
+    }
+
+    /// Orientation of a body in the reference position.
+    pub(super) fn orientation(&self, body: usize) -> UnitQuaternion<f64> {
+        self.orientations[body]
+    }
+
+    /// The state of the mechanism alone, from an equilibrium.
+    #[cfg(test)]
+    pub(crate) fn local_state(&self, equilibrium: &Equilibrium) -> State {
+        let mut state = State::at_rest(
+            self.coordinates(),
+            self.constraint_count(),
+            equilibrium.rotation.clone(),
+        );
+        equilibrium.write(Offsets::default(), &mut state);
+        state
+    }
+}
+
+impl Pantograph for Linkage {
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        for body in &mut self.bodies {
+            visit(body);
+        }
+        visit(&mut self.suspension);
+        visit(&mut self.uplift);
+        for air in self.air.as_mut_slice() {
+            visit(air);
+        }
+        if let Some(inertia) = &mut self.inertia {
+            visit(inertia);
+        }
+    }
+
+    fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+        for joint in &mut self.joints {
+            visit(joint);
+        }
+    }
+
+    fn expose(&mut self, air: &Air, base: Base) {
+        let mut forces = AirForces::default();
+        if let Some(coefficient) = air.uplift {
+            let law = AerodynamicLaw::Uplift { coefficient };
+            forces.push(air.force(AirMarker::Body(self.strip), base, law), true);
+        }
+        for surface in &air.surfaces {
+            for (marker, area) in self.points_of(surface) {
+                let law = AerodynamicLaw::Polar(surface.polar(area));
+                let on_head = marker.pose.orientation == self.strip.pose.orientation;
+                forces.push(air.force(AirMarker::Body(marker), base, law), on_head);
+            }
+        }
+        self.air = forces;
+    }
+
+    fn air(&self) -> &AirForces {
+        &self.air
+    }
+
+    fn air_mut(&mut self) -> &mut AirForces {
+        &mut self.air
+    }
+
+    /// The force borne by a linkage has a maximum over the working range; on both sides of the maximum two heights
+    /// share a force. The result is the height that Newton's method reaches from the tabulated position.
+    fn equilibrium(&self, base: Option<BaseDisplacement>, target: Target) -> Result<Equilibrium, VehicleError> {
+        let (mut linkage, layout) = self.local(base.map_or(BaseMount::Fixed, BaseMount::Displaced))?;
+        let start = layout.state_at_rest();
+        statics::solve(&mut linkage, start, self.static_force, target)
+    }
+
+    /// Weights, uplift and contact force.
+    fn loads(&self, equilibrium: &Equilibrium, _: Vector3<f64>) -> Result<Vec<Load>, VehicleError> {
+        let (linkage, layout) = self.local(BaseMount::Fixed)?;
         let mut state = layout.state_at_rest();
         equilibrium.write(Offsets::default(), &mut state);
         let motion = state.motion(&[]);
@@ -260,35 +288,24 @@ impl Linkage {
         Ok(loads)
     }
 
-    /// Number of the strip's body.
-    pub(super) fn strip_body(&self) -> usize {
-        self.strip.pose.orientation - self.offsets.orientation
-    }
-
-    /// Orientation of a body in the reference position.
-    pub(super) fn orientation(&self, body: usize) -> UnitQuaternion<f64> {
-        self.orientations[body]
-    }
-
-    pub(crate) fn offsets(&self) -> Offsets {
+    fn offsets(&self) -> Offsets {
         self.offsets
     }
 
-    /// Number of generalised velocities.
-    #[must_use]
-    pub fn coordinates(&self) -> usize {
-        6 * self.bodies.len()
+    fn strip_position(&self, equilibrium: &Equilibrium) -> Vector3<f64> {
+        let pose = self.strip.pose;
+        let first = pose.translation - self.offsets.coordinate;
+        let rotation = equilibrium.rotation[pose.orientation - self.offsets.orientation];
+        pose.reference + Vector3::from_column_slice(&equilibrium.q[first..first + 3]) + rotation * self.strip.offset
     }
 
-    /// Number of constraint equations.
-    #[must_use]
-    pub fn constraint_count(&self) -> usize {
-        self.joints.iter().map(Constraint::dimension).sum()
+    fn strip(&self, base: Base) -> Box<dyn Marker> {
+        let marker = self.strip;
+        Box::new(Travelling { marker, base })
     }
 
-    /// The bodies as lines through their joints (and the strip), in the frame of the base, m: a drawing.
-    #[must_use]
-    pub fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
+    /// The bodies as lines through their joints (and the strip).
+    fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
         let line = |body: &RigidBody| {
             let on_body = |anchor: &Anchor| match anchor {
                 Anchor::Body(marker) if marker.pose == body.pose => Some(*marker),
@@ -304,71 +321,31 @@ impl Linkage {
         self.bodies.iter().map(line).collect()
     }
 
-    /// Visits every force in a fixed order.
-    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        for body in &mut self.bodies {
-            visit(body);
-        }
-        visit(&mut self.suspension);
-        visit(&mut self.uplift);
-        for air in self.air.as_mut_slice() {
-            visit(air);
-        }
-        if let Some(inertia) = &mut self.inertia {
-            visit(inertia);
-        }
+    fn base_z(&self) -> f64 {
+        self.entry.base[2]
     }
 
-    /// Visits every joint in a fixed order.
-    pub fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        for joint in &mut self.joints {
-            visit(joint);
-        }
+    fn uplift_force(&self) -> f64 {
+        self.uplift.force.z
     }
 
-    /// The state of rest under a vertical contact force (N) in the middle of the strip.
-    ///
-    /// The force that a linkage bears has a maximum over its working range; on both sides of it heights share a force. This
-    /// is the one that Newton's method reaches from the tabulated position.
-    ///
-    /// # Errors
-    /// [`VehicleError::NotConverged`] where the mechanism cannot bear that force.
-    pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Ground::Still, Target::Force(force))
+    fn static_force(&self) -> f64 {
+        self.static_force
     }
 
-    /// The state of rest with the middle of the strip at `height` (m) above the top of rail.
-    ///
-    /// # Errors
-    /// [`VehicleError::NotConverged`] where the mechanism does not reach that height.
-    pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Ground::Still, Target::Height(height))
+    fn reference_height(&self) -> f64 {
+        self.reference_strip_position().z
     }
 
-    /// As [`Linkage::equilibrium_at_height`] or [`Linkage::equilibrium_at_force`], on a ground that rests somewhere else.
-    pub(crate) fn equilibrium(&self, ground: Ground, target: Target) -> Result<Equilibrium, VehicleError> {
-        let (mut linkage, layout) = self.local(ground)?;
-        let start = layout.state_at_rest();
-        statics::solve(&mut linkage, start, self.static_force, target)
+    fn coordinates(&self) -> usize {
+        6 * self.bodies.len()
     }
 
-    /// Middle of the strip in the frame of the base, m, in an equilibrium of this linkage.
-    pub(crate) fn strip_position(&self, equilibrium: &Equilibrium) -> Vector3<f64> {
-        let pose = self.strip.pose;
-        let first = pose.translation - self.offsets.coordinate;
-        let rotation = equilibrium.rotation[pose.orientation - self.offsets.orientation];
-        pose.reference + Vector3::from_column_slice(&equilibrium.q[first..first + 3]) + rotation * self.strip.offset
+    fn constraint_count(&self) -> usize {
+        self.joints.iter().map(Constraint::dimension).sum()
     }
 
-    /// The state of the mechanism alone, from an equilibrium.
-    #[cfg(test)]
-    pub(crate) fn local_state(&self, equilibrium: &Equilibrium) -> State {
-        let mut state = State::at_rest(
-            self.coordinates(),
-            self.constraint_count(),
-            equilibrium.rotation.clone(),
-        );
-        equilibrium.write(Offsets::default(), &mut state);
-        state
+    fn linkage(&self) -> Option<&Linkage> {
+        Some(self)
     }
 }

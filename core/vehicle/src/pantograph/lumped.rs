@@ -1,24 +1,27 @@
 //! The lumped pantograph: any number of masses one above the other.
-use super::air::{Air, AirForce, AirForces, AirMarker};
-use super::chain::Foot;
-use super::equilibrium::{Equilibrium, Offsets};
-use super::statics::Target;
-use super::{ChainElement, ChainInertia, ChainMasses, Ground, HeadMarker};
-use crate::{Base, Travel, VehicleError};
-use dynamics::{AerodynamicLaw, Force, Layout};
+mod chain;
+
+use super::air::{Air, AirForces, AirMarker};
+use super::base_mount::{BaseDisplacement, BaseMount};
+use super::equilibrium::{Equilibrium, Offsets, Target};
+use super::interface::Pantograph;
+use crate::{Base, Travel, Travelling, VehicleError};
+pub(super) use chain::{ChainElement, ChainInertia, HeadMarker};
+use chain::{ChainMasses, Foot};
+use dynamics::{AerodynamicLaw, Force, Layout, Marker, Motion};
 use nalgebra::{Matrix3, Vector3};
 
 /// A vertical chain of masses, collector head first, each on a spring–damper, the last one on the base.
 ///
-/// All springs of the chain are unstretched where its strip, without any force, is at `reference_height`: that is how EN 50318
-/// counts the grounded spring. The coordinates are the rises of the masses from the state of rest with the strip held at that
-/// height, where the static force `S` on the last mass has shortened the springs above it:
+/// All springs of the chain are unstretched with the strip, without any force, at `reference_height`: EN 50318 counts
+/// the grounded spring this way. The coordinates are the rises of the masses from the state of rest with the strip held
+/// at that height; there the static force `S` on the last mass has shortened the springs above:
 ///
 /// ```text
 /// F₀ = S / (1 + kₙ Σ 1/kᵢ),  i < n                                         derived here: Fₙ = F₀ − S = −kₙ Σ F₀/kᵢ
 /// ```
 #[derive(Clone, Debug)]
-pub struct Lumped {
+pub(crate) struct Lumped {
     offsets: Offsets,
     masses: ChainMasses,
     elements: Vec<ChainElement>,
@@ -27,16 +30,16 @@ pub struct Lumped {
     reference_force: f64,
     /// Uplift of the air on the strip.
     air: AirForces,
-    /// On a base that follows a curve; no part of statics.
+    /// Inertia on a base in a curve; no part of statics.
     inertia: Option<ChainInertia>,
 }
 
 impl Lumped {
-    /// Builds the chain into `layout`; `name` begins the names of its coordinates.
+    /// Builds the chain into `layout`; `name` begins the names of the coordinates.
     ///
     /// # Errors
     /// [`VehicleError::NoReferenceHeight`].
-    pub fn new(entry: &scene::Lumped, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
+    pub(crate) fn new(entry: &scene::Lumped, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
         let reference_height = entry.reference_height.ok_or(VehicleError::NoReferenceHeight)?;
         let n = entry.masses.len();
         let offsets = Offsets {
@@ -79,8 +82,8 @@ impl Lumped {
         })
     }
 
-    /// Lets it feel the curves that its base runs through; `gravity` in m/s².
-    pub(crate) fn carry(&mut self, travel: &Travel, gravity: f64) {
+    /// Adds the inertia forces of the curves that the base runs through; `gravity` in m/s².
+    pub(crate) fn follow_curves(&mut self, travel: &Travel, gravity: f64) {
         self.inertia = travel.alignment().map(|_| ChainInertia {
             travel: travel.clone(),
             first: self.masses.first,
@@ -91,26 +94,7 @@ impl Lumped {
         });
     }
 
-    /// Lets the air lift the strip.
-    pub(crate) fn expose(&mut self, air: &Air, base: Base) {
-        self.air = AirForces::default();
-        if let Some(coefficient) = air.uplift {
-            let law = AerodynamicLaw::Uplift { coefficient };
-            self.air.push(air.force(AirMarker::Head(self.head), base, law), true);
-        }
-    }
-
-    /// The forces of the air.
-    pub(crate) fn air(&self) -> &AirForces {
-        &self.air
-    }
-
-    /// The forces of the air, to be moved or visited.
-    pub(crate) fn air_mut(&mut self) -> &mut [AirForce] {
-        self.air.as_mut_slice()
-    }
-
-    /// What the air lifts the strip with at rest at t = 0, N: it carries so much less of the contact force.
+    /// Uplift of the air on the strip at rest at t = 0, N: this part of the contact force needs no spring.
     fn uplift(&self) -> f64 {
         let q = vec![0.0; self.offsets.coordinate + 1];
         let mut force = q.clone();
@@ -118,61 +102,13 @@ impl Lumped {
         force[self.offsets.coordinate]
     }
 
-    /// Puts the chain on a ground that moves; `base` (m) is where it stands in the reference position.
-    pub(crate) fn stand_on(&mut self, ground: &Ground, base: Vector3<f64>) {
+    /// Puts the chain on a moving mount; `base` (m) is the base in the reference position.
+    pub(crate) fn mount_on(&mut self, mount: &BaseMount, base: Vector3<f64>) {
         let lift = self.masses.static_force;
-        self.head.lateral = ground.lateral();
-        if let (Some(last), false) = (self.elements.last_mut(), matches!(ground, Ground::Still)) {
-            last.foot = Some(Foot::new(ground.anchor(base, Matrix3::identity()), base, lift));
+        self.head.lateral = mount.lateral();
+        if let (Some(last), false) = (self.elements.last_mut(), matches!(mount, BaseMount::Fixed)) {
+            last.foot = Some(Foot::new(mount.anchor(base, Matrix3::identity()), base, lift));
         }
-    }
-
-    /// The strip in the frame of the base.
-    #[must_use]
-    pub fn strip(&self) -> HeadMarker {
-        self.head
-    }
-
-    /// Upward force on the last mass, N.
-    #[must_use]
-    pub fn static_force(&self) -> f64 {
-        self.masses.static_force
-    }
-
-    /// Contact force at rest with the strip at the reference height, N.
-    #[must_use]
-    pub fn reference_force(&self) -> f64 {
-        self.reference_force
-    }
-
-    /// Height of the strip in the reference state, m.
-    #[must_use]
-    pub fn reference_height(&self) -> f64 {
-        self.head.reference_height
-    }
-
-    /// Visits every force in a fixed order.
-    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        visit(&mut self.masses);
-        for element in &mut self.elements {
-            visit(element);
-        }
-        for air in self.air.as_mut_slice() {
-            visit(air);
-        }
-        if let Some(inertia) = &mut self.inertia {
-            visit(inertia);
-        }
-    }
-
-    pub(crate) fn offsets(&self) -> Offsets {
-        self.offsets
-    }
-
-    /// Number of masses.
-    #[must_use]
-    pub fn coordinates(&self) -> usize {
-        self.masses.masses.len()
     }
 
     /// The state of rest under a contact force (N).
@@ -180,9 +116,9 @@ impl Lumped {
     /// Every element carries the difference to the reference state: `s_i = (f − F₀)/k_i`.
     ///
     /// # Errors
-    /// [`VehicleError::OutOfReach`] where an element that pushes only would have to pull, or an element without stiffness
-    /// to carry a force.
-    pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
+    /// [`VehicleError::OutOfReach`] if an element that pushes only would have to pull, or an element without stiffness
+    /// to bear a force.
+    fn at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
         let excess = force - self.uplift() - self.reference_force;
         let compressions = self.elements.iter().map(|element| {
             let carried = element.preload + excess;
@@ -198,33 +134,22 @@ impl Lumped {
         Ok(self.state(force, &compressions))
     }
 
-    /// The state of rest with the strip at `height` (m); the force may come out negative: then the strip hangs.
+    /// State of rest with the strip at `height` (m); a negative force means a hanging strip.
     ///
     /// # Errors
-    /// [`VehicleError::OutOfReach`] where an element that pushes only would have to pull.
-    pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
+    /// [`VehicleError::OutOfReach`] if an element that pushes only would have to pull.
+    fn at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
         let rise = height - self.reference_height();
         let soft = self.elements.iter().rposition(|element| element.stiffness == 0.0);
         if let Some(soft) = soft {
-            // It gives way at no force; the others stay as they are.
+            // An element without stiffness gives way at no force; the others stay unchanged.
             let mut compressions = vec![0.0; self.elements.len()];
             compressions[soft] = -rise;
             return Ok(self.state(self.reference_force + self.uplift(), &compressions));
         }
         let compliance: f64 = self.elements.iter().map(|element| 1.0 / element.stiffness).sum();
-        let mut equilibrium = self.equilibrium_at_force(self.reference_force + self.uplift() - rise / compliance)?;
+        let mut equilibrium = self.at_force(self.reference_force + self.uplift() - rise / compliance)?;
         equilibrium.height = height;
-        Ok(equilibrium)
-    }
-
-    /// As [`Lumped::equilibrium_at_force`] or [`Lumped::equilibrium_at_height`], on a base that has risen by `rise` m.
-    pub(crate) fn equilibrium_risen(&self, rise: f64, target: Target) -> Result<Equilibrium, VehicleError> {
-        let mut equilibrium = match target {
-            Target::Force(force) => self.equilibrium_at_force(force),
-            Target::Height(height) => self.equilibrium_at_height(height - rise),
-        }?;
-        equilibrium.q.iter_mut().for_each(|q| *q += rise);
-        equilibrium.height += rise;
         Ok(equilibrium)
     }
 
@@ -241,19 +166,111 @@ impl Lumped {
             q,
             rotation: Vec::new(),
             lambda: Vec::new(),
-            train: None,
+            vehicle: None,
         }
     }
 
     fn out_of_reach(&self, force: f64) -> VehicleError {
         VehicleError::OutOfReach {
             force,
-            static_force: self.static_force(),
+            static_force: self.uplift_force(),
         }
     }
 }
 
-/// See [`Lumped`]; a chain with a spring of no stiffness above the grounded one presses with nothing.
+impl Pantograph for Lumped {
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        visit(&mut self.masses);
+        for element in &mut self.elements {
+            visit(element);
+        }
+        for air in self.air.as_mut_slice() {
+            visit(air);
+        }
+        if let Some(inertia) = &mut self.inertia {
+            visit(inertia);
+        }
+    }
+
+    fn expose(&mut self, air: &Air, base: Base) {
+        self.air = AirForces::default();
+        if let Some(coefficient) = air.uplift {
+            let law = AerodynamicLaw::Uplift { coefficient };
+            self.air.push(air.force(AirMarker::Head(self.head), base, law), true);
+        }
+    }
+
+    fn air(&self) -> &AirForces {
+        &self.air
+    }
+
+    fn air_mut(&mut self) -> &mut AirForces {
+        &mut self.air
+    }
+
+    fn equilibrium(&self, base: Option<BaseDisplacement>, target: Target) -> Result<Equilibrium, VehicleError> {
+        let Some(BaseDisplacement { reference, frame }) = base else {
+            return match target {
+                Target::Force(force) => self.at_force(force),
+                Target::Height(height) => self.at_height(height),
+            };
+        };
+        let rise = frame.position.z - reference.z;
+        let mut equilibrium = match target {
+            Target::Force(force) => self.at_force(force),
+            Target::Height(height) => self.at_height(height - rise),
+        }?;
+        equilibrium.q.iter_mut().for_each(|q| *q += rise);
+        equilibrium.height += rise;
+        Ok(equilibrium)
+    }
+
+    fn offsets(&self) -> Offsets {
+        self.offsets
+    }
+
+    fn strip_position(&self, equilibrium: &Equilibrium) -> Vector3<f64> {
+        Vector3::new(0.0, self.head.lateral, equilibrium.height)
+    }
+
+    fn strip(&self, base: Base) -> Box<dyn Marker> {
+        let marker = self.head;
+        Box::new(Travelling { marker, base })
+    }
+
+    /// The strip from the side.
+    fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
+        /// Half the drawn length of a collector head along the track, m.
+        const HALF_HEAD: f64 = 0.25;
+        let middle = self.head.frame(motion).position;
+        let ends = [-HALF_HEAD, HALF_HEAD].map(|x| middle + Vector3::new(x, 0.0, 0.0));
+        vec![ends.to_vec()]
+    }
+
+    /// The reference height, because a chain has no extent.
+    fn base_z(&self) -> f64 {
+        self.reference_height()
+    }
+
+    /// The static force on the last mass.
+    fn uplift_force(&self) -> f64 {
+        self.masses.static_force
+    }
+
+    fn static_force(&self) -> f64 {
+        self.reference_force
+    }
+
+    fn reference_height(&self) -> f64 {
+        self.head.reference_height
+    }
+
+    fn coordinates(&self) -> usize {
+        self.masses.masses.len()
+    }
+}
+
+/// Reference force of [`Lumped`]; a chain with a spring of no stiffness above the grounded one presses with nothing.
 fn reference_force(entry: &scene::Lumped) -> f64 {
     let (grounded, upper) = match entry.stiffnesses.split_last() {
         Some((grounded, upper)) if *grounded > 0.0 => (*grounded, upper),

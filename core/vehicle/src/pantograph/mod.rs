@@ -1,27 +1,32 @@
 //! Pantographs: masses in a chain, or a mechanism of rigid bodies.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `interface` | the trait of all pantographs, and the choice of a model for a scene's entry |
+//! | `lumped` | masses one above the other |
+//! | `linkage` | rigid bodies and joints; statics |
+//! | `reduced` | a linkage in the two coordinates that joints leave free |
+//! | `base_mount` | fixing of the base: travelling frame, given motion, vehicle |
+//! | `air` | points exposed to the wind |
+//! | `equilibrium` | a pantograph at rest |
 mod air;
-mod builder;
-mod chain;
-mod curve;
+mod base_mount;
 mod equilibrium;
-mod ground;
+mod interface;
 mod linkage;
 mod lumped;
-mod one_motion;
-mod plane;
 mod reduced;
-mod statics;
-mod table;
 #[cfg(test)]
 mod tests;
 
-pub use air::{Air, AirMarker, ReducedPoint};
-pub use chain::{ChainElement, ChainInertia, ChainMasses, FRICTION_VELOCITY, HeadMarker};
+pub use air::Air;
+pub(crate) use base_mount::{BaseDisplacement, BaseMount};
 pub use equilibrium::Equilibrium;
-pub(crate) use equilibrium::Offsets;
-pub(crate) use ground::Ground;
+pub(crate) use equilibrium::{Offsets, Target};
+pub(crate) use interface::{Pantograph, build, reference_x};
 pub use linkage::Linkage;
-pub use lumped::Lumped;
-pub use one_motion::ReducedStrip;
-pub use reduced::ReducedLinkage;
-pub(crate) use statics::Target;
+use lumped::HeadMarker;
+pub(crate) use lumped::Lumped;
+#[cfg(test)]
+use lumped::{ChainElement, ChainInertia};
+use reduced::{ReducedLinkage, ReducedPoint, ReducedStrip};

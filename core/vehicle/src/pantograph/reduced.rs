@@ -1,34 +1,48 @@
-//! The linkage reduced to what its joints leave free: its one motion and the collector suspension.
-use super::air::{Air, AirForce, AirForces, AirMarker, PointPath, ReducedPoint, add_at_rest};
-use super::curve::{Curve, Node, Path};
-use super::equilibrium::{Equilibrium, Offsets};
+//! The linkage reduced to the two motions that joints leave free: the one motion of the mechanism and the collector
+//! suspension.
+mod curve;
+mod force;
+mod one_motion;
+mod plane;
+mod point;
+mod table;
+
+use super::air::{Air, AirForces, AirMarker, add_at_rest};
+use super::base_mount::BaseDisplacement;
+use super::equilibrium::{Equilibrium, Offsets, Target};
+use super::interface::Pantograph;
 use super::linkage::Linkage;
-use super::one_motion::{OneMotion, Place, ReducedStrip};
-use super::plane::Turn;
-use super::statics::Target;
-use super::table::Table;
-use crate::{Base, VehicleError};
-use dynamics::{AerodynamicLaw, Blocks, Force, Layout, Motion, Weights};
+use crate::error::Irreducible;
+use crate::{Base, Travelling, VehicleError};
+use curve::{MotionCurve, Node, Path};
+use dynamics::{AerodynamicLaw, Force, Layout, Marker, Motion};
 use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
+pub(crate) use one_motion::ReducedStrip;
+use one_motion::{OneMotion, StripBodyPosition};
+use plane::Turn;
+use point::PointPath;
+pub(crate) use point::ReducedPoint;
 use scene::Linkage as Entry;
 use std::sync::Arc;
+use table::Table;
 
-/// The mechanism of a [`Linkage`] in two coordinates: `σ` of its one motion, and the rise `ζ` of the strip's body.
+/// Mechanism of a [`Linkage`] in two coordinates: `σ` of the one motion, and the rise `ζ` of the strip's body.
 ///
-/// All bodies but the strip's follow `σ`, the arc length of their motion weighed by their inertias, so that their kinetic energy
-/// is `½ σ̇²`. The body that carries the collector suspension is turned by `φ(σ)`, and `(X, Z)(σ)` is the point of it that the
-/// strip's body has its centre of mass on where the suspension is not stretched. With the suspension's axis at `ψ = ψ₀ + φ` from
-/// the vertical the strip's body is at
+/// All bodies but the strip's follow `σ`, the arc length of their motion weighed by their inertias, so that their
+/// kinetic energy is `½ σ̇²`. The body that guides the collector suspension is turned by `φ(σ)`, and `(X, Z)(σ)` is the
+/// point of that body under the centre of mass of the strip's body with an unstretched suspension. With the
+/// suspension's axis at `ψ = ψ₀ + φ` from the vertical the strip's body is at
 ///
 /// ```text
 /// x = X + τ (ζ − Z),   z = ζ,   angle φ,      τ = tan ψ,   s = (ζ − Z)/cos ψ
 /// T = ½ σ̇² + ½ m (ẋ² + ζ̇²),   U = V(σ) + m g ζ + ½ k s² − P s                                        derived here
 /// ```
 ///
-/// `½ σ̇²` includes the turning of the strip's body, `V` weights and uplift of the others. Nothing is left out as long as the
-/// mechanism cannot leave its plane ([`scene::Linkage::motions_beyond_one`]): the joints carry lateral forces and rolling moments.
+/// `½ σ̇²` includes the turning of the strip's body, `V` weights and uplift of the others. The reduction is exact as
+/// long as the mechanism cannot leave the plane ([`scene::Linkage::motions_beyond_one`]): the joints bear lateral
+/// forces and rolling moments.
 #[derive(Clone, Debug)]
-pub struct ReducedLinkage {
+pub(crate) struct ReducedLinkage {
     motion: Arc<OneMotion>,
     offsets: Offsets,
     stiffness: f64,
@@ -37,32 +51,33 @@ pub struct ReducedLinkage {
     static_force: f64,
     uplift_force: f64,
     base_z: f64,
-    /// `(σ, ζ)` whose mass matrix stands for all in the iteration matrix.
+    /// `(σ, ζ)` of the mass matrix used in the iteration matrix.
     start: [f64; 2],
-    /// The mechanism alone in a layout, and its bodies on the curve: for drawings.
+    /// Mechanism alone in a layout, and the paths of the bodies: for drawings.
     full: Linkage,
-    bodies: Vec<Arc<Curve<3>>>,
+    bodies: Vec<Arc<MotionCurve<3>>>,
     /// Forces of the air; no part of the balance in the reference position.
     air: AirForces,
 }
 
 impl ReducedLinkage {
-    /// Reduces the mechanism of a scene and builds it into `layout`; `name` begins the names of its coordinates. `gravity` in m/s².
+    /// Reduces the mechanism of a scene and builds it into `layout`; `name` begins the names of the coordinates.
+    /// `gravity` in m/s².
     ///
     /// # Errors
     /// See [`Linkage::new`]; [`VehicleError::NotReducible`].
-    pub fn new(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
+    pub(crate) fn new(entry: &Entry, gravity: f64, name: &str, layout: &mut Layout) -> Result<Self, VehicleError> {
         if let Some(reason) = entry.motions_beyond_one() {
-            return Err(VehicleError::NotReducible { reason });
+            return Err(Irreducible::Motions(reason).into());
         }
         let full = Linkage::new(entry, gravity, name, &mut Layout::new())?;
         let head = full.strip_body();
         let table = Table::new(entry, &full, head, gravity)?;
         // A strip as low as the base lies on the roof.
-        let ends = |q: &DVector<f64>| table.carried_height(q) < entry.base[2];
+        let ends = |q: &DVector<f64>| table.strip_point_height(q) < entry.base[2];
         let path = Path::trace(&table.plane, |tangent| table.rise(tangent), ends)?;
         let nodes: Vec<_> = path.nodes.iter().map(|node| table.jets(node)).collect();
-        let curve = Curve::new(path.first, path.step, &nodes);
+        let curve = MotionCurve::new(path.first, path.step, &nodes);
         let bodies = (0..table.plane.references.len()).map(|body| {
             let jets = |node: &Node| {
                 std::array::from_fn(|axis| {
@@ -71,7 +86,7 @@ impl ReducedLinkage {
                 })
             };
             let nodes: Vec<_> = path.nodes.iter().map(jets).collect();
-            Curve::new(path.first, path.step, &nodes)
+            MotionCurve::new(path.first, path.step, &nodes)
         });
         let body = &full.bodies()[head];
         let orientation = full.orientation(head);
@@ -81,7 +96,7 @@ impl ReducedLinkage {
             mass: body.mass,
             weight: body.mass * gravity,
             reference_z: body.pose.reference.z,
-            strip: orientation * full.strip().offset,
+            strip: orientation * full.strip_marker().offset,
             y: body.pose.reference.y,
             axes: orientation.to_rotation_matrix().into_inner(),
         };
@@ -107,47 +122,6 @@ impl ReducedLinkage {
         };
         reduced.balance();
         Ok(reduced)
-    }
-
-    /// Lets the air act on bodies, or lift the strip.
-    pub(crate) fn expose(&mut self, air: &Air, base: Base) {
-        let mut forces = AirForces::default();
-        if let Some(coefficient) = air.uplift {
-            let law = AerodynamicLaw::Uplift { coefficient };
-            forces.push(air.force(AirMarker::Strip(self.strip()), base, law), true);
-        }
-        let head = self.full.strip_body();
-        for surface in &air.surfaces {
-            for (marker, area) in self.full.points_of(surface) {
-                // Alone in its layout the mechanism counts its orientations from 0, as its bodies.
-                let number = marker.pose.orientation;
-                let orientation = self.full.orientation(number);
-                let point = ReducedPoint {
-                    path: if number == head {
-                        PointPath::Carried(Arc::clone(&self.motion))
-                    } else {
-                        PointPath::Follower(Arc::clone(&self.bodies[number - usize::from(number > head)]))
-                    },
-                    coordinate: self.offsets.coordinate,
-                    arm: orientation * marker.offset,
-                    y: marker.pose.reference.y,
-                    axes: orientation.to_rotation_matrix() * marker.axes,
-                };
-                let law = AerodynamicLaw::Polar(surface.polar(area));
-                forces.push(air.force(AirMarker::Reduced(point), base, law), number == head);
-            }
-        }
-        self.air = forces;
-    }
-
-    /// The forces of the air.
-    pub(crate) fn air(&self) -> &AirForces {
-        &self.air
-    }
-
-    /// The forces of the air, to be moved or visited.
-    pub(crate) fn air_mut(&mut self) -> &mut [AirForce] {
-        self.air.as_mut_slice()
     }
 
     /// Generalised forces of the air at rest at t = 0.
@@ -176,54 +150,21 @@ impl ReducedLinkage {
 
     /// The strip in the frame of the base.
     #[must_use]
-    pub fn strip(&self) -> ReducedStrip {
+    pub(crate) fn strip_marker(&self) -> ReducedStrip {
         ReducedStrip {
             motion: Arc::clone(&self.motion),
             coordinate: self.offsets.coordinate,
         }
     }
 
-    /// Contact force that keeps the tabulated position, N.
-    #[must_use]
-    pub fn static_force(&self) -> f64 {
-        self.static_force
-    }
-
     /// Preload of the collector suspension, N.
     #[must_use]
-    pub fn preload(&self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn preload(&self) -> f64 {
         self.preload
     }
 
-    /// The force that raises the mechanism, N.
-    #[must_use]
-    pub fn uplift_force(&self) -> f64 {
-        self.uplift_force
-    }
-
-    /// Height of the base above the top of rail, m.
-    #[must_use]
-    pub fn base_z(&self) -> f64 {
-        self.base_z
-    }
-
-    /// Height of the middle of the strip in the reference position, m above the top of rail.
-    #[must_use]
-    pub fn reference_height(&self) -> f64 {
-        self.reference_strip_position().z
-    }
-
-    /// Middle of the strip in the reference position, in the frame of the base, m.
-    pub(crate) fn reference_strip_position(&self) -> Vector3<f64> {
-        self.strip_at([0.0; 2])
-    }
-
-    /// Middle of the strip in the frame of the base, m, in an equilibrium of this linkage.
-    pub(crate) fn strip_position(&self, equilibrium: &Equilibrium) -> Vector3<f64> {
-        self.strip_at([equilibrium.q[0], equilibrium.q[1]])
-    }
-
-    fn strip_at(&self, [sigma, rise]: [f64; 2]) -> Vector3<f64> {
+    pub(super) fn strip_at(&self, [sigma, rise]: [f64; 2]) -> Vector3<f64> {
         let place = self.motion.place(sigma, rise);
         Vector3::new(
             place.x + place.arm.x,
@@ -232,27 +173,20 @@ impl ReducedLinkage {
         )
     }
 
-    pub(crate) fn offsets(&self) -> Offsets {
-        self.offsets
-    }
-
-    /// Where the motion starts: its mass matrix is the one that the solver factors.
-    pub(crate) fn start_at(&mut self, equilibrium: &Equilibrium) {
-        self.start = [equilibrium.q[0], equilibrium.q[1]];
-    }
-
     /// Kinetic energy in the frame of the base, J.
     #[must_use]
-    pub fn kinetic_energy(&self, motion: &Motion<'_>) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn kinetic_energy(&self, motion: &Motion<'_>) -> f64 {
         let i = self.offsets.coordinate;
         let place = self.motion.place(motion.q[i], motion.q[i + 1]);
         let (v, [m11, m12, _, m22]) = ([motion.v[i], motion.v[i + 1]], place.mass(self.motion.mass));
         0.5 * (m11 * v[0] * v[0] + 2.0 * m12 * v[0] * v[1] + m22 * v[1] * v[1])
     }
 
-    /// The same configuration in the coordinates of the full mechanism: displacements (three rotations unused) and orientations.
+    /// Same configuration in the coordinates of the full mechanism: displacements (three rotations unused) and
+    /// orientations.
     #[must_use]
-    pub fn configuration(&self, motion: &Motion<'_>) -> (Vec<f64>, Vec<UnitQuaternion<f64>>) {
+    pub(crate) fn configuration(&self, motion: &Motion<'_>) -> (Vec<f64>, Vec<UnitQuaternion<f64>>) {
         let i = self.offsets.coordinate;
         let (sigma, rise) = (motion.q[i], motion.q[i + 1]);
         let place = self.motion.place(sigma, rise);
@@ -276,34 +210,73 @@ impl ReducedLinkage {
         (q, rotation)
     }
 
-    /// The bodies as lines through their joints (and the strip), in the frame of the base, m: a drawing.
-    #[must_use]
-    pub fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
-        let (q, rotation) = self.configuration(motion);
-        let motion = Motion {
-            t: motion.t,
-            v: &q,
-            q: &q,
-            rotation: &rotation,
-            u: &[],
-        };
-        self.full.outline(&motion)
+    /// Generalised forces without velocities.
+    fn rest_force(&self, place: &StripBodyPosition) -> [f64; 2] {
+        let axial = self.preload - self.stiffness * place.s;
+        [
+            axial * place.s_q[0] - place.potential[1],
+            axial * place.s_q[1] - self.motion.weight,
+        ]
     }
 
-    /// The state of rest under a vertical contact force (N) in the middle of the strip, see [`Linkage::equilibrium_at_force`].
-    ///
-    /// # Errors
-    /// [`VehicleError::NotConverged`] where the mechanism cannot bear that force.
-    pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Target::Force(force))
+    /// Negative derivative of the generalised forces, row by row.
+    fn stiffness(&self, place: &StripBodyPosition) -> [f64; 4] {
+        let axial = self.preload - self.stiffness * place.s;
+        let [s_1, s_2] = place.s_q;
+        let coupling = self.stiffness * s_1 * s_2 - axial * place.s_sigma_zeta;
+        [
+            self.stiffness * s_1 * s_1 - axial * place.s_sigma_sigma + place.potential[2],
+            coupling,
+            coupling,
+            self.stiffness * s_2 * s_2,
+        ]
+    }
+}
+
+impl Pantograph for ReducedLinkage {
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        visit(self);
+        for air in self.air.as_mut_slice() {
+            visit(air);
+        }
     }
 
-    /// The state of rest with the middle of the strip at `height` (m) above the top of rail.
-    ///
-    /// # Errors
-    /// [`VehicleError::NotConverged`] where the mechanism does not reach that height.
-    pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Target::Height(height))
+    fn expose(&mut self, air: &Air, base: Base) {
+        let mut forces = AirForces::default();
+        if let Some(coefficient) = air.uplift {
+            let law = AerodynamicLaw::Uplift { coefficient };
+            forces.push(air.force(AirMarker::Strip(self.strip_marker()), base, law), true);
+        }
+        let head = self.full.strip_body();
+        for surface in &air.surfaces {
+            for (marker, area) in self.full.points_of(surface) {
+                // Alone in a layout, the mechanism counts orientations from 0, like bodies.
+                let number = marker.pose.orientation;
+                let orientation = self.full.orientation(number);
+                let point = ReducedPoint {
+                    path: if number == head {
+                        PointPath::StripBody(Arc::clone(&self.motion))
+                    } else {
+                        PointPath::Follower(Arc::clone(&self.bodies[number - usize::from(number > head)]))
+                    },
+                    coordinate: self.offsets.coordinate,
+                    arm: orientation * marker.offset,
+                    y: marker.pose.reference.y,
+                    axes: orientation.to_rotation_matrix() * marker.axes,
+                };
+                let law = AerodynamicLaw::Polar(surface.polar(area));
+                forces.push(air.force(AirMarker::Reduced(point), base, law), number == head);
+            }
+        }
+        self.air = forces;
+    }
+
+    fn air(&self) -> &AirForces {
+        &self.air
+    }
+
+    fn air_mut(&mut self) -> &mut AirForces {
+        &mut self.air
     }
 
     /// Newton's method from the reference position on
@@ -311,12 +284,15 @@ impl ReducedLinkage {
     /// ```text
     /// Q_σ − f z_σ = 0,   Q_ζ − f = 0,   z = h  or  f given
     /// ```
-    fn equilibrium(&self, target: Target) -> Result<Equilibrium, VehicleError> {
+    fn equilibrium(&self, base: Option<BaseDisplacement>, target: Target) -> Result<Equilibrium, VehicleError> {
         /// Accepted residual relative to the largest force, and in m.
         const TOLERANCE: f64 = 1e-12;
         const ITERATIONS: usize = 60;
-        /// Longest turn of the suspension's carrier in an iteration, rad.
+        /// Longest turn of the suspension's guide in an iteration, rad.
         const LONGEST_TURN: f64 = 0.1;
+        if base.is_some() {
+            return Err(Irreducible::BaseMoves.into());
+        }
         let mut q = [0.0; 2];
         let mut force = match target {
             Target::Force(force) => force,
@@ -347,7 +323,7 @@ impl ReducedLinkage {
                     q: q.to_vec(),
                     rotation: Vec::new(),
                     lambda: Vec::new(),
-                    train: None,
+                    vehicle: None,
                 });
             }
             let [k11, k12, _, k22] = self.stiffness(&place);
@@ -381,99 +357,53 @@ impl ReducedLinkage {
         })
     }
 
-    /// Generalised forces without velocities.
-    fn rest_force(&self, place: &Place) -> [f64; 2] {
-        let axial = self.preload - self.stiffness * place.s;
-        [
-            axial * place.s_q[0] - place.potential[1],
-            axial * place.s_q[1] - self.motion.weight,
-        ]
+    /// Sets the start of the motion: the solver factors the mass matrix of this configuration.
+    fn start_at(&mut self, equilibrium: &Equilibrium) {
+        self.start = [equilibrium.q[0], equilibrium.q[1]];
     }
 
-    /// Minus its derivative, row by row.
-    fn stiffness(&self, place: &Place) -> [f64; 4] {
-        let axial = self.preload - self.stiffness * place.s;
-        let [s_1, s_2] = place.s_q;
-        let coupling = self.stiffness * s_1 * s_2 - axial * place.s_sigma_zeta;
-        [
-            self.stiffness * s_1 * s_1 - axial * place.s_sigma_sigma + place.potential[2],
-            coupling,
-            coupling,
-            self.stiffness * s_2 * s_2,
-        ]
-    }
-}
-
-impl Force for ReducedLinkage {
-    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
-        let i = self.offsets.coordinate;
-        let place = self.motion.place(motion.q[i], motion.q[i + 1]);
-        let v = [motion.v[i], motion.v[i + 1]];
-        let [along_sigma, along_zeta] = self.rest_force(&place);
-        let damper = self.damping * (place.s_q[0] * v[0] + place.s_q[1] * v[1]);
-        let carried = self.motion.mass * (place.x_sigma_sigma * v[0] + 2.0 * place.x_sigma_zeta * v[1]) * v[0];
-        force[i] += along_sigma - damper * place.s_q[0] - carried * place.x_sigma;
-        force[i + 1] += along_zeta - damper * place.s_q[1] - carried * place.x_zeta;
+    fn offsets(&self) -> Offsets {
+        self.offsets
     }
 
-    fn multiplies_mass(&self) -> bool {
-        true
+    fn strip_position(&self, equilibrium: &Equilibrium) -> Vector3<f64> {
+        self.strip_at([equilibrium.q[0], equilibrium.q[1]])
     }
 
-    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.add_force(motion, force);
-        let i = self.offsets.coordinate;
-        let place = self.motion.place(motion.q[i], motion.q[i + 1]);
-        let [m11, m12, m21, m22] = place.mass(self.motion.mass);
-        force[i] -= m11 * v_dot[i] + m12 * v_dot[i + 1];
-        force[i + 1] -= m21 * v_dot[i] + m22 * v_dot[i + 1];
+    fn strip(&self, base: Base) -> Box<dyn Marker> {
+        let marker = self.strip_marker();
+        Box::new(Travelling { marker, base })
     }
 
-    fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
-        let i = self.offsets.coordinate;
-        let place = self.motion.place(motion.q[i], motion.q[i + 1]);
-        let [k11, k12, k21, k22] = self.stiffness(&place);
-        let v = [motion.v[i], motion.v[i + 1]];
-        let s_q = place.s_q;
-        // ∂ṡ/∂q at constant v
-        let rate_q = [
-            place.s_sigma_sigma * v[0] + place.s_sigma_zeta * v[1],
-            place.s_sigma_zeta * v[0],
-        ];
-        let rate = s_q[0] * v[0] + s_q[1] * v[1];
-        let c = self.damping;
-        let stiffness = [
-            k11 + c * (s_q[0] * rate_q[0] + rate * place.s_sigma_sigma),
-            k12 + c * (s_q[0] * rate_q[1] + rate * place.s_sigma_zeta),
-            k21 + c * (s_q[1] * rate_q[0] + rate * place.s_sigma_zeta),
-            k22 + c * s_q[1] * rate_q[1],
-        ];
-        // The derivative of the velocity's own inertia forces with respect to the velocity; that with respect to the position is
-        // of the order of a turn within a step.
-        let carried_v = [
-            2.0 * self.motion.mass * (place.x_sigma_sigma * v[0] + place.x_sigma_zeta * v[1]),
-            2.0 * self.motion.mass * place.x_sigma_zeta * v[0],
-        ];
-        let x_q = [place.x_sigma, place.x_zeta];
-        let mut values = [0.0; 4];
-        for (row, column) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            let damping = c * s_q[row] * s_q[column] + x_q[row] * carried_v[column];
-            values[2 * row + column] = weights.q * stiffness[2 * row + column] + weights.v * damping;
-        }
-        blocks.add(&[i, i + 1], &[i, i + 1], &values);
+    fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
+        let (q, rotation) = self.configuration(motion);
+        let motion = Motion {
+            t: motion.t,
+            v: &q,
+            q: &q,
+            rotation: &rotation,
+            u: &[],
+        };
+        self.full.outline(&motion)
     }
 
-    /// The mass matrix of the start: [`Force::add_dynamic_force`] takes the present one.
-    fn add_mass(&self, blocks: &mut Blocks<'_>) {
-        let i = self.offsets.coordinate;
-        let place = self.motion.place(self.start[0], self.start[1]);
-        blocks.add(&[i, i + 1], &[i, i + 1], &place.mass(self.motion.mass));
+    fn base_z(&self) -> f64 {
+        self.base_z
     }
 
-    fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let i = self.offsets.coordinate;
-        let place = self.motion.place(motion.q[i], motion.q[i + 1]);
-        place.potential[0] + self.motion.weight * place.zeta + 0.5 * self.stiffness * place.s * place.s
-            - self.preload * place.s
+    fn uplift_force(&self) -> f64 {
+        self.uplift_force
+    }
+
+    fn static_force(&self) -> f64 {
+        self.static_force
+    }
+
+    fn reference_height(&self) -> f64 {
+        self.strip_at([0.0; 2]).z
+    }
+
+    fn coordinates(&self) -> usize {
+        2
     }
 }

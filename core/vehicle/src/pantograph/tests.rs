@@ -5,10 +5,24 @@ mod lumped;
 mod reduced;
 mod thesis;
 
-use crate::PantographModel;
+use super::{Equilibrium, Pantograph, Target};
+use crate::{PantographModel, VehicleError};
 use dynamics::{Constraint, Force, Layout, System};
 
 const GRAVITY: f64 = 9.81;
+
+/// Rest on a base in the reference position.
+trait AtRest: Pantograph {
+    fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
+        self.equilibrium(None, Target::Force(force))
+    }
+
+    fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
+        self.equilibrium(None, Target::Height(height))
+    }
+}
+
+impl<P: Pantograph> AtRest for P {}
 
 /// A pantograph alone, with other forces on it.
 struct Alone {

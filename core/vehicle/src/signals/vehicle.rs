@@ -1,10 +1,10 @@
-//! What scenes with a vehicle exchange besides.
+//! Additional signals and parameters of scenes with a vehicle.
 use crate::Subsystem;
 use component::{Parameter, Signal};
-use scene::{Curve, Scene, Train, Vehicle};
+use scene::{Curve as TrackCurve, Scene, Train as VehicleParts, Vehicle};
 use std::sync::Arc;
 
-/// Outputs of the base before those of the wheels; `base.z` is among those of every pantograph.
+/// Outputs of the base before those of the wheels; `base.z` is an output of every pantograph.
 const BASE_OUTPUTS: [(&str, &str, &str); 3] = [
     ("base.x", "m", "Position of the pantograph's base along the track"),
     (
@@ -19,7 +19,7 @@ const BASE_OUTPUTS: [(&str, &str, &str); 3] = [
     ),
 ];
 
-/// Outputs of the base behind those of the wheels, which keep the places that they had before there were these.
+/// Outputs of the base after those of the wheels, so that value references of older models stay.
 const MORE_BASE_OUTPUTS: [(&str, &str, &str); 2] = [
     (
         "base.pitch",
@@ -35,12 +35,12 @@ const MORE_BASE_OUTPUTS: [(&str, &str, &str); 2] = [
 
 /// Number of wheels of the scene's vehicle.
 fn wheel_count(scene: &Scene) -> usize {
-    let train = scene.vehicle.as_deref().and_then(scene::Vehicle::train);
-    let wheelsets = train.and_then(|train| train.body(&train.wheels.wheelset));
+    let parts = scene.vehicle.as_deref().and_then(scene::Vehicle::train);
+    let wheelsets = parts.and_then(|parts| parts.body(&parts.wheels.wheelset));
     wheelsets.map_or(0, |body| 2 * body.positions.len())
 }
 
-/// What scenes with a vehicle offer besides.
+/// Additional outputs of scenes with a vehicle.
 pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
     if scene.vehicle.is_none() {
         return Vec::new();
@@ -58,7 +58,10 @@ pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
             Signal::output(
                 format!("wheel[{i}].derailment_quotient"),
                 "1",
-                format!("Y/Q of {which}: force outward on the rail in the plane of the rails over the one perpendicular to it"),
+                format!(
+                    "Y/Q of {which}: force outward on the rail in the plane of the rails over the one perpendicular \
+                     to it"
+                ),
             ),
         ]
     });
@@ -66,10 +69,10 @@ pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
 }
 
 impl Subsystem {
-    /// Values of the outputs behind `base.roll`: load and derailment quotient of each wheel in turn, then pitch and yaw.
+    /// Values of the outputs after `base.roll`: load and derailment quotient of each wheel in turn, then pitch and yaw.
     pub(super) fn vehicle_output(&mut self, output: usize) -> f64 {
-        let train = self.pantograph().0.carriage().train();
-        let wheels = 2 * train.map_or(0, |train| train.wheel_count());
+        let parts = self.pantograph().0.vehicle();
+        let wheels = 2 * parts.map_or(0, |parts| parts.wheel_count());
         match output.checked_sub(wheels) {
             Some(angle) => self.base_angles()[1 + angle],
             None if output.is_multiple_of(2) => self.wheel_load(output / 2),
@@ -78,16 +81,16 @@ impl Subsystem {
     }
 }
 
-/// A value of the vehicle at the place that `field` finds.
+/// Parameter of the vehicle at the field that `field` returns.
 fn parameter(
     name: String,
     unit: &'static str,
     text: String,
-    field: impl Fn(&mut Train) -> Option<&mut f64> + Clone + Send + Sync + 'static,
+    field: impl Fn(&mut VehicleParts) -> Option<&mut f64> + Clone + Send + Sync + 'static,
 ) -> Parameter {
-    fn train(vehicle: &mut Vehicle) -> Option<&mut Train> {
+    fn parts_of(vehicle: &mut Vehicle) -> Option<&mut VehicleParts> {
         match vehicle {
-            Vehicle::Vertical(train) | Vehicle::Full(train) => Some(train),
+            Vehicle::Vertical(parts) | Vehicle::Full(parts) => Some(parts),
             Vehicle::RigidMotion(_) => None,
         }
     }
@@ -98,12 +101,15 @@ fn parameter(
         text,
         move |scene| {
             let mut vehicle = scene.vehicle.as_deref().cloned();
-            let train = vehicle.as_mut().and_then(train);
-            train.and_then(&read).copied().unwrap_or_default()
+            let parts = vehicle.as_mut().and_then(parts_of);
+            parts.and_then(&read).copied().unwrap_or_default()
         },
         move |scene, value| {
-            let train = scene.vehicle.as_mut().and_then(|vehicle| train(Arc::make_mut(vehicle)));
-            if let Some(place) = train.and_then(&field) {
+            let parts = scene
+                .vehicle
+                .as_mut()
+                .and_then(|vehicle| parts_of(Arc::make_mut(vehicle)));
+            if let Some(place) = parts.and_then(&field) {
                 *place = value;
             }
         },
@@ -114,18 +120,18 @@ fn parameter(
 pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
     const AXES: [&str; 3] = ["x", "y", "z"];
     let mut parameters = Vec::new();
-    let Some(train) = scene.vehicle.as_deref().and_then(Vehicle::train) else {
+    let Some(parts) = scene.vehicle.as_deref().and_then(Vehicle::train) else {
         return parameters;
     };
-    for (i, body) in train.bodies.iter().enumerate() {
+    for (i, body) in parts.bodies.iter().enumerate() {
         parameters.push(parameter(
             format!("vehicle.bodies[{}].mass", i + 1),
             "kg",
             format!("Mass of each {}", body.name),
-            move |train| train.bodies.get_mut(i).map(|body| &mut body.mass),
+            move |parts| parts.bodies.get_mut(i).map(|body| &mut body.mass),
         ));
     }
-    for (i, bushing) in train.bushings.iter().enumerate() {
+    for (i, bushing) in parts.bushings.iter().enumerate() {
         let path = format!("vehicle.bushings[{}]", i + 1);
         for (axis, title) in AXES.into_iter().enumerate() {
             if bushing.stiffness[axis] != 0.0 {
@@ -133,7 +139,7 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
                     format!("{path}.stiffness[{}]", axis + 1),
                     "N/m",
                     format!("Stiffness of each {} along {title}", bushing.name),
-                    move |train| train.bushings.get_mut(i).map(|bushing| &mut bushing.stiffness[axis]),
+                    move |parts| parts.bushings.get_mut(i).map(|bushing| &mut bushing.stiffness[axis]),
                 ));
             }
             if bushing.damping[axis] != 0.0 {
@@ -141,26 +147,26 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
                     format!("{path}.damping[{}]", axis + 1),
                     "N.s/m",
                     format!("Damping of each {} along {title}", bushing.name),
-                    move |train| train.bushings.get_mut(i).map(|bushing| &mut bushing.damping[axis]),
+                    move |parts| parts.bushings.get_mut(i).map(|bushing| &mut bushing.damping[axis]),
                 ));
             }
         }
     }
     parameters.extend(curves(scene));
-    if train.contact.is_some() {
+    if parts.contact.is_some() {
         parameters.push(parameter(
             "vehicle.contact.friction".to_owned(),
             "1",
             "Friction coefficient between wheels and rails".to_owned(),
-            |train| train.contact.as_mut().map(|contact| &mut contact.friction),
+            |parts| parts.contact.as_mut().map(|contact| &mut contact.friction),
         ));
     }
     parameters
 }
 
-/// What the curves of the track are like.
+/// Parameters of the curves of the track.
 fn curves(scene: &Scene) -> Vec<Parameter> {
-    type Field = fn(&mut Curve) -> &mut f64;
+    type Field = fn(&mut TrackCurve) -> &mut f64;
     const FIELDS: [(&str, &str, Field); 6] = [
         ("radius", "Radius of the curve", |curve| &mut curve.radius),
         ("cant", "Height of the outer rail above the inner one", |curve| {
@@ -215,7 +221,8 @@ mod tests {
         let base = "vehicle.pantograph_base=[11.95005378, 0.3, 3.425]".to_owned();
         let full = Scene::from_toml(text, "thesis.toml", &[base]).unwrap();
         let text = include_str!("../../../../scenes/thesis-pantograph.toml");
-        let motion = "vehicle={ model = \"rigid_motion\", motion = { time = [0.0], roll = [0.01], pitch = [0.02], yaw = [0.03] } }";
+        let motion = "vehicle={ model = \"rigid_motion\", \
+             motion = { time = [0.0], roll = [0.01], pitch = [0.02], yaw = [0.03] } }";
         let given = Scene::from_toml(text, "x.toml", &[motion.to_owned(), "model.reduce=none".to_owned()]).unwrap();
         for (scene, wheels) in [(full, 8), (given, 0)] {
             let signals = Subsystem::signals(&scene);

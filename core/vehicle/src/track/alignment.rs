@@ -3,9 +3,9 @@ use crate::wheel_rail::RailFrame;
 use nalgebra::{Matrix3, Vector3};
 use scene::Curve;
 
-/// Length of the pieces that positions are integrated over, m, each by three points: in the sharpest clothoid of EN 13803
-/// (`κ' = 1/150 m / 10 m`) their error is `15 κ'³ (1 m)⁷/2016000` each, below rounding.
-const PIECE: f64 = 1.0;
+/// Length of the intervals of integration of positions, m, each with three points: in the sharpest clothoid of EN 13803
+/// (`κ' = 1/150 m / 10 m`) the error is `15 κ'³ (1 m)⁷/2016000` each, below rounding.
+const INTERVAL: f64 = 1.0;
 
 /// Abscissae and weights of Gauss' quadrature by three points on 0…1.
 const GAUSS: [[f64; 2]; 3] = [
@@ -14,14 +14,14 @@ const GAUSS: [[f64; 2]; 3] = [
     [0.887_298_334_620_741_7, 5.0 / 18.0],
 ];
 
-/// Where the middle of the track runs, and how the plane of the rails leans.
+/// Middle of the track in plan, and lean of the plane of the rails.
 ///
 /// ```text
 /// ψ(s) = ∫ κ ds,   x = ∫ cos ψ ds,   y = ∫ sin ψ ds,   z = D/2,   φ = −sign(κ) asin(D/e)
 /// ```
 ///
-/// `s` is the length in plan. Before its first curve the track runs along the x axis with x = s. See [`Curve`] for κ and D;
-/// `z = D/2` keeps the inner rail level, at the distance `e/2` from the middle.
+/// `s` is the length in plan. Before the first curve the track runs along the x axis with x = s. See [`Curve`] for κ
+/// and D; `z = D/2` keeps the inner rail level, at the distance `e/2` from the middle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alignment {
     bends: Vec<Bend>,
@@ -40,7 +40,7 @@ struct Bend {
     distance: f64,
 }
 
-/// How the track bends at one place. Lists hold a value and its derivatives by s.
+/// Bend of the track at one point. Lists hold a value and the derivatives by s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackBend {
     /// Heading ψ (rad, to the left), curvature κ (1/m) and its rate (1/m²).
@@ -63,7 +63,7 @@ impl TrackBend {
     }
 }
 
-/// Signs with which the slopes change at the four corners of a curve.
+/// Signs of the slope changes at the four corners of a curve.
 const CORNERS: [f64; 4] = [1.0, -1.0, -1.0, 1.0];
 
 impl Bend {
@@ -78,7 +78,7 @@ impl Bend {
         }
     }
 
-    /// First and last place that the curve has a say in, m.
+    /// First and last s with an influence of the curve, m.
     fn range(&self) -> [f64; 2] {
         [
             self.corners[0] - 0.5 * self.rounding,
@@ -140,14 +140,14 @@ impl Bend {
 }
 
 impl Alignment {
-    /// The alignment of a track; `None` where it is straight. `distance` is that of the nominal contact points, m.
+    /// Alignment of a track; `None` for straight track. `distance` is the distance of the nominal contact points, m.
     #[must_use]
     pub fn new(curves: &[Curve], distance: f64) -> Option<Self> {
         let bends: Vec<Bend> = curves.iter().map(|curve| Bend::new(curve, distance)).collect();
         (!bends.is_empty()).then_some(Self { bends })
     }
 
-    /// How the track bends at `s` (m).
+    /// Bend of the track at `s` (m).
     #[must_use]
     pub fn bend(&self, s: f64) -> TrackBend {
         let mut sum = TrackBend {
@@ -163,7 +163,7 @@ impl Alignment {
             let heading = bend.heading(s);
             sum.heading = std::array::from_fn(|k| sum.heading[k] + heading[k]);
             if s < last {
-                // The cant of no two curves meets.
+                // The cants of two curves never overlap.
                 let height = bend.outer_rail(s);
                 sum.cant = bend.cant(height);
                 sum.rise = height.map(|value| 0.5 * value);
@@ -172,23 +172,23 @@ impl Alignment {
         sum
     }
 
-    /// The next corner of the curvature behind `s`, m.
+    /// Next corner of the curvature beyond `s`, m.
     fn corner_behind(&self, s: f64) -> f64 {
         let corners = self.bends.iter().flat_map(|bend| bend.corners);
         corners.into_iter().find(|&corner| corner > s).unwrap_or(f64::INFINITY)
     }
 
-    /// The way in plan from `from` to `s` (m), along the direction of travel at `from` and to its left, m.
+    /// Path in plan from `from` to `s` (m), along the direction of travel at `from` and to the left, m.
     ///
-    /// It takes the longer the farther both are apart.
+    /// Cost grows with the distance between both.
     fn way(&self, from: f64, s: f64) -> [f64; 2] {
         let heading = self.bend(from).heading[0];
         let (low, high) = if from <= s { (from, s) } else { (s, from) };
         let (mut at, mut sum) = (low, [0.0; 2]);
         while at < high {
-            // Each piece is smooth.
+            // Each interval is smooth.
             let end = self.corner_behind(at).min(high);
-            let count = ((end - at) / PIECE).ceil().max(1.0);
+            let count = ((end - at) / INTERVAL).ceil().max(1.0);
             let length = (end - at) / count;
             for i in 0..count as usize {
                 for [abscissa, weight] in GAUSS {
@@ -203,15 +203,16 @@ impl Alignment {
         if from <= s { sum } else { sum.map(|way| -way) }
     }
 
-    /// The middle of the track at `s` (m). Its axes are the horizontal direction of travel, and left and up of the plane of the rails;
-    /// all is given in those at `from` (m), where the middle is at (`from`, 0, 0): `from` a place before the first curve is the world.
+    /// Middle of the track at `s` (m), with the horizontal direction of travel, left and up of the plane of the rails
+    /// as axes; all components are in the axes at `from` (m), the middle there being (`from`, 0, 0): a `from` before
+    /// the first curve gives world axes.
     #[must_use]
     pub fn seen_from(&self, s: f64, from: f64) -> RailFrame {
         let (bend, origin) = (self.bend(s), self.bend(from));
         let ([heading, curvature, curvature_rate], [cant, twist, twist_rate]) = (bend.heading, bend.cant);
         let [along, aside] = self.way(from, s);
         let ((sine, cosine), (lean, upright)) = ((heading - origin.heading[0]).sin_cos(), cant.sin_cos());
-        // First in horizontal axes at `from`, then turned by the cant there.
+        // Components in horizontal axes at `from` first, then turned by the cant there.
         let (forward, left) = (Vector3::new(cosine, sine, 0.0), Vector3::new(-sine, cosine, 0.0));
         let up = Vector3::z();
         let turned = |vector: Vector3<f64>| origin.leaning(vector);

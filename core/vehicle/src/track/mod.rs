@@ -2,15 +2,15 @@
 mod alignment;
 mod spectrum;
 
-pub use alignment::{Alignment, TrackBend};
+pub(crate) use alignment::Alignment;
 
 use crate::spline::RestingSpline;
 use scene::{Irregularities, Points};
 use std::sync::Arc;
 
-/// How far one rail is from its ideal line, along the axes of the track.
+/// Deviation of one rail from the ideal line, along the axes of the track.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RailShape {
+pub(crate) struct RailShape {
     z: RestingSpline,
     y: RestingSpline,
 }
@@ -22,7 +22,7 @@ impl RailShape {
         self.z.at(x)
     }
 
-    /// As [`RailShape::rise`], to the left.
+    /// Lateral deviation to the left, as [`RailShape::rise`].
     #[must_use]
     pub fn lateral(&self, x: f64) -> [f64; 3] {
         self.y.at(x)
@@ -31,24 +31,24 @@ impl RailShape {
 
 /// Both rails.
 #[derive(Clone, Debug)]
-pub struct TrackShape {
+pub(crate) struct TrackShape {
     /// Left and right.
     pub rails: [Arc<RailShape>; 2],
 }
 
-/// What the shape of a track is made for.
+/// Range for which the shape of a track is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reach {
-    /// Where irregularities begin to grow, m: the place of the wheel that is furthest ahead at t = 0.
+pub(crate) struct Reach {
+    /// Begin of the irregularities, m: the foremost wheel at t = 0.
     pub start: f64,
-    /// The last place that a wheel comes to, m.
+    /// Last position reached by a wheel, m.
     pub end: f64,
     /// Distance of the rails, m.
     pub rail_distance: f64,
 }
 
 impl TrackShape {
-    /// The irregularities of a track; `None` where both rails are smooth.
+    /// Irregularities of a track; `None` if both rails are smooth.
     #[must_use]
     pub fn new(track: &scene::Track, reach: Reach) -> Option<Self> {
         match &track.irregularities {

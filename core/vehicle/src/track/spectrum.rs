@@ -6,7 +6,7 @@ use scene::Spectrum;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Waves per spectrum: with fewer the spectrum of one realisation is visibly made of lines.
+/// Waves per spectrum: fewer waves leave visible lines in the spectrum of one realisation.
 const WAVES: usize = 400;
 
 /// Samples per shortest wavelength: a cubic spline then misses a wave by (2π/16)⁴/384 of its amplitude, 6e-5.
@@ -19,7 +19,8 @@ struct Wave {
     phase: f64,
 }
 
-/// Waves of the one-sided density `density(Ω)`, in bands of equal ratio, the wave number anywhere within its band.
+/// Waves of the one-sided density `density(Ω)`, in bands of equal ratio, with the wave number anywhere within each
+/// band.
 fn waves(wavelengths: [f64; 2], random: &mut SplitMix64, density: impl Fn(f64) -> f64) -> Vec<Wave> {
     let [shortest, longest] = wavelengths;
     let (from, ratio) = (TAU / longest, longest / shortest);
@@ -58,7 +59,7 @@ pub(super) fn realise(entry: &Spectrum, reach: Reach) -> TrackShape {
     let (mut left, mut right) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for i in 0..count {
         let along = i as f64 * step;
-        // Value, slope and curvature of the beginning are those of the ideal line.
+        // Value, slope and curvature at the begin are those of the ideal line.
         let part = (along / entry.fade).min(1.0);
         let grown = part.powi(3) * (10.0 + part * (6.0 * part - 15.0));
         let at = reach.start + along;
@@ -79,7 +80,8 @@ pub(super) fn realise(entry: &Spectrum, reach: Reach) -> TrackShape {
     }
 }
 
-/// One-sided densities of the rise of the middle (m²/(rad/m)), of the lateral displacement, and of the cant angle (1/(rad/m)).
+/// One-sided densities of the rise of the middle (m²/(rad/m)), of the lateral displacement, and of the cant angle
+/// (1/(rad/m)).
 fn densities(entry: &Spectrum, rail_distance: f64) -> [impl Fn(f64) -> f64; 3] {
     let [r, c, s] = entry.corners.map(|corner| corner * corner);
     let half_squared = 0.25 * rail_distance * rail_distance;

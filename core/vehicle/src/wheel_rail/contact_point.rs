@@ -1,10 +1,10 @@
-//! Where wheel and rail touch: Newton's method on the four surface parameters.
+//! Contact point of wheel and rail: Newton's method on the four surface parameters.
 use super::surface::{SurfacePoint, axes_without_spin};
 use super::{Rail, Wheel};
 use nalgebra::{Matrix3, Matrix4, Vector2, Vector3, Vector4};
 
-/// The surface parameters of a contact: arc length and profile parameter of the rail (m), angle (rad) and profile parameter (m)
-/// of the wheel.
+/// The surface parameters of a contact: arc length and profile parameter of the rail (m), angle (rad) and profile
+/// parameter (m) of the wheel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SurfaceParameters {
     /// s, m.
@@ -26,20 +26,20 @@ impl SurfaceParameters {
     }
 }
 
-/// Wheel and rail at the point where they are closest, or overlap most.
+/// Wheel and rail at the point of smallest distance or largest overlap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
-    /// Where it is on both surfaces.
+    /// Parameters of the point on both surfaces.
     pub parameters: SurfaceParameters,
-    /// From the middle of the wheelset to the point of the wheel, world axes, m.
+    /// Arm from the middle of the wheelset to the point of the wheel, world axes, m.
     pub lever: Vector3<f64>,
     /// Normal of the rail, out of the rail, world axes, unit length.
     pub normal: Vector3<f64>,
     /// Direction of the rail, unit length.
     pub longitudinal: Vector3<f64>,
-    /// Overlap along the normal, m; negative where the surfaces are apart.
+    /// Overlap along the normal, m; negative for separated surfaces.
     pub penetration: f64,
-    /// Relative curvature along and across the rail, 1/m; positive where the surfaces part from each other.
+    /// Relative curvature along and across the rail, 1/m; positive for surfaces that part from each other.
     pub curvature: Vector2<f64>,
     wheel: SurfacePoint,
     rail: SurfacePoint,
@@ -64,7 +64,7 @@ pub(crate) struct ContactChange {
 pub(crate) struct Pairing<'a> {
     pub wheel: &'a Wheel,
     pub rail: &'a Rail,
-    /// Where both are seen from, see [`super::RailLine::frame`], m.
+    /// Viewpoint of both, see [`super::RailLine::frame`], m.
     pub from: f64,
     /// Middle of the wheelset, m.
     pub middle: Vector3<f64>,
@@ -72,7 +72,7 @@ pub(crate) struct Pairing<'a> {
     pub axes: Matrix3<f64>,
 }
 
-/// Corrections of one Newton solution at most.
+/// Largest number of corrections of one Newton solution.
 const MAX_ITERATIONS: usize = 30;
 
 /// Longest correction along a profile, m: less than the radius of the tightest part of a profile.
@@ -89,7 +89,7 @@ impl<'a> Pairing<'a> {
         }
     }
 
-    /// The contact point from a start nearby; `None` where Newton's method does not find one.
+    /// Contact point from a start nearby; `None` if Newton's method does not converge.
     ///
     /// ```text
     /// t₁ʳ·(rʷ − rʳ) = 0,  t₂ʳ·(rʷ − rʳ) = 0,  t₁ʷ·nʳ = 0,  t₂ʷ·nʳ = 0              [Thesis, Eq. (4)]
@@ -111,7 +111,7 @@ impl<'a> Pairing<'a> {
                 return None;
             }
             parameters.add(&change);
-            // Quadratic convergence: what is left after a correction of 10⁻⁹ m is below rounding.
+            // Quadratic convergence: the error after a correction of 10⁻⁹ m is below rounding.
             if longest < 1e-9 {
                 return self.point(parameters);
             }
@@ -217,7 +217,7 @@ struct View {
 }
 
 impl ContactPoint {
-    /// To the left, in the common tangent plane, unit length.
+    /// Left direction in the common tangent plane, unit length.
     #[must_use]
     pub fn lateral(&self) -> Vector3<f64> {
         self.normal.cross(&self.longitudinal)

@@ -1,4 +1,4 @@
-//! How much a wheel slides on its rail, compared with how fast it rolls.
+//! Creepages: sliding of a wheel on a rail relative to the speed of rolling.
 use super::ContactPoint;
 use dynamics::Frame;
 use nalgebra::Vector3;
@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// ξ_x = u·t_x/V,   ξ_y = u·t_y/V,   φ = ω·n/V,   u = v + ω × ρ                  [Kalker 1990, section 1.5]
 /// ```
 ///
-/// `t_x` points to where the wheel rolls, `n` up, `t_y = n × t_x`.
+/// `t_x` points in the direction of rolling, `n` up, `t_y = n × t_x`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Creepage {
     /// ξ_x, –.
@@ -24,9 +24,9 @@ pub struct Creepage {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sliding {
     pub creepage: Creepage,
-    /// V, m/s: that of the middle of the wheelset along the rail; at least the slowest one.
+    /// V, m/s: speed of the middle of the wheelset along the rail; at least the slowest speed.
     pub speed: f64,
-    /// Derivative of `speed` by the component of the velocity along `forward`: 0 below the slowest one.
+    /// Derivative of `speed` by the component of the velocity along `forward`: 0 below the slowest speed.
     pub speed_rate: f64,
     /// Velocity of the point of the wheel, m/s.
     pub velocity: Vector3<f64>,
@@ -34,13 +34,14 @@ pub(crate) struct Sliding {
     pub forward: Vector3<f64>,
     /// `t_y`.
     pub lateral: Vector3<f64>,
-    /// +1 where the wheelset runs along the rail's direction, −1 against it.
+    /// +1 for a wheelset that runs along the rail's direction, −1 against it.
     pub sense: f64,
 }
 
 impl Sliding {
-    /// At a contact point of a wheelset whose middle moves as `frame` says (its angular velocity with all of the spin). Rolling
-    /// slower than `slowest` (m/s) counts as that speed: the theory is one of steady rolling, at rest it has no limit.
+    /// Sliding at a contact point of a wheelset whose middle moves as `frame` says (angular velocity with all of the
+    /// spin). Rolling below `slowest` (m/s) counts as `slowest`: the theory is one of steady rolling and has no limit
+    /// at rest.
     pub fn new(point: &ContactPoint, frame: &Frame, slowest: f64) -> Self {
         let along = frame.velocity.dot(&point.longitudinal);
         let sense = if along < 0.0 { -1.0 } else { 1.0 };

@@ -52,14 +52,14 @@ fn r_d(y: f64, z: f64) -> f64 {
     }
 }
 
-/// What follows from the ratio of the semi-axes alone.
+/// Functions of the ratio of the semi-axes alone.
 ///
 /// ```text
 /// A a²/δ = R_D(0, b², a²) a³ / (3 R_F),   B b²/δ likewise with a, b exchanged,   F = ⅔ π E* b δ a / (a R_F(0, b², a²))
 /// ```
 ///
-/// for the surfaces' distance `A x² + B y²` (from [Johnson 1985, Eq. (4.26)–(4.28)] with Carlson's integrals, which need no
-/// ordering of the axes).
+/// for the surfaces' distance `A x² + B y²` (from [Johnson 1985, Eq. (4.26)–(4.28)] with Carlson's integrals, which
+/// need no ordering of the axes).
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Shape {
     /// `ln(A/B)`.
@@ -107,6 +107,7 @@ pub struct Ellipse {
 impl Ellipse {
     /// Largest pressure, Pa.
     #[must_use]
+    #[cfg(test)]
     pub fn largest_pressure(&self) -> f64 {
         1.5 * self.force / (std::f64::consts::PI * self.along * self.across)
     }
@@ -119,14 +120,14 @@ pub struct Hertz {
     table: Arc<[Spline; 3]>,
 }
 
-/// The table ends at a ratio of the semi-axes of `e^{6}` ≈ 400, far beyond where the contact is a line.
+/// End of the table: a ratio of the semi-axes of `e^{6}` ≈ 400, far beyond a line contact.
 const LARGEST_LOG_RATIO: f64 = 6.0;
 
 /// Distance of the entries of the table in the logarithm of the ratio of the semi-axes.
 const TABLE_STEP: f64 = 0.025;
 
 impl Hertz {
-    /// The contact of two bodies of a material.
+    /// Contact of two bodies of one material.
     #[must_use]
     pub fn new(material: &Material) -> Self {
         let count = (LARGEST_LOG_RATIO / TABLE_STEP) as i32;
@@ -141,11 +142,11 @@ impl Hertz {
         }
     }
 
-    /// The contact at a penetration δ (m, positive) with the relative curvatures `k_x`, `k_y` (1/m): the surfaces' distance is
-    /// `½ k_x x² + ½ k_y y²`.
+    /// Contact at a penetration δ (m, positive) with the relative curvatures `k_x`, `k_y` (1/m): the surfaces' distance
+    /// is `½ k_x x² + ½ k_y y²`.
     ///
-    /// A curvature that is less than 10⁻⁴ of the other one, or negative, counts as 10⁻⁴ of it: the contact is then longer than
-    /// Hertz' theory can say.
+    /// A curvature below 10⁻⁴ of the other one, or negative, counts as 10⁻⁴ of the other one: the contact is then
+    /// longer than Hertz' theory covers.
     #[must_use]
     pub fn contact(&self, penetration: f64, curvature: [f64; 2]) -> Ellipse {
         const LEAST: f64 = 1e-4;

@@ -6,8 +6,8 @@ const TABLE: &str = include_str!("kalker_coefficients.csv");
 
 /// Kalker's creepage coefficients C11, C22, C23 for one Poisson's ratio, over the ratio of the semi-axes.
 ///
-/// The inverse of a coefficient is a parabola in ν through the three tabulated values, its logarithm a cubic spline in the
-/// logarithm of a/b; beyond the table (a/b < 0.1, a/b > 10) the coefficient goes on as a power of a/b.
+/// The inverse of a coefficient is a parabola in ν through the three tabulated values, its logarithm a cubic spline in
+/// the logarithm of a/b; beyond the table (a/b < 0.1, a/b > 10) the coefficient goes on as a power of a/b.
 #[derive(Clone, Debug)]
 pub struct KalkerCoefficients {
     logarithms: [Spline; 3],
@@ -17,7 +17,7 @@ impl KalkerCoefficients {
     /// The coefficients for Poisson's ratio `poisson`, 0 to 0.5.
     ///
     /// # Panics
-    /// When `poisson` is outside this range.
+    /// Outside this range of `poisson`.
     #[must_use]
     pub fn new(poisson: f64) -> Self {
         assert!(
@@ -35,7 +35,8 @@ impl KalkerCoefficients {
         }
     }
 
-    /// C11, C22, C23 (–) for semi-axes `along` and `across` the rolling direction (m), and their derivatives by ln(a/b).
+    /// C11, C22, C23 (–) for semi-axes `along` and `across` the rolling direction (m), and their derivatives by
+    /// ln(a/b).
     #[must_use]
     pub fn at(&self, along: f64, across: f64) -> [[f64; 2]; 3] {
         let ratio = (along / across).ln();
@@ -65,7 +66,7 @@ struct Row {
     values: [[f64; 3]; 3],
 }
 
-/// The rows by increasing a/b; the row a/b = 1 is there once.
+/// Rows by increasing a/b; the row a/b = 1 appears once.
 fn table() -> Vec<Row> {
     let mut rows: Vec<Row> = TABLE
         .lines()
@@ -165,7 +166,8 @@ mod tests {
 
     #[test]
     fn rows_that_are_left_out_are_found_again_by_interpolation() {
-        // The error of the rows between which is interpolated is larger than that of all of them, by 2⁴ for a smooth function.
+        // The error of the rows between which is interpolated is larger than that of all of them, by 2⁴ for a smooth
+        // function.
         let rows = table();
         let mut worst = 0.0_f64;
         for column in 0..3 {

@@ -3,28 +3,29 @@ use super::ContactPoint;
 use super::search::MAX_CONTACTS;
 use nalgebra::Vector3;
 
-/// The penetration of a contact that counts, and its derivatives.
+/// Counted penetration of a contact, and the derivatives.
 ///
-/// Between two points where wheel and rail overlap most there is one where they overlap least, by v. Where v > 0 both are one patch
-/// of material, and the overlap below v would count twice. It is shared out:
+/// Between two points of largest overlap there is one of least overlap, v. For v > 0 both are one patch of material,
+/// and the overlap below v would count twice. This overlap is shared out:
 ///
 /// ```text
 /// δ̂₁ = δ₁ − v p₂/(p₁ + p₂),   δ̂₂ = δ₂ − v p₁/(p₁ + p₂),   p = δ − v                             (derived here)
 /// ```
 ///
-/// Two separate patches (v ≤ 0) keep all of theirs. Where a maximum is about to vanish (p₂ → 0) its part becomes zero and the
-/// other one the whole, so that no force jumps when it is gone.
+/// Two separate patches (v ≤ 0) keep their overlap. A maximum about to vanish (p₂ → 0) has a part of zero and the other
+/// one the whole, so that no force jumps at the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Overlap {
     /// δ̂, m.
     pub penetration: f64,
-    /// `dδ̂ = −N·dr − M·dθ` for a displacement of the middle of the wheelset and a rotation of the wheelset: N (–), M (m).
+    /// `dδ̂ = −N·dr − M·dθ` for a displacement of the middle of the wheelset and a rotation of the wheelset: N (–), M
+    /// (m).
     pub gradient: [Vector3<f64>; 2],
 }
 
 impl Overlap {
     fn add(&mut self, point: &ContactPoint, weight: f64) {
-        // The points of wheel and rail lie on a common normal: their own wandering does not change the overlap.
+        // The points of wheel and rail lie on a common normal: their wandering does not change the overlap.
         self.gradient[0] += point.normal * weight;
         self.gradient[1] += point.lever.cross(&point.normal) * weight;
     }
@@ -35,7 +36,7 @@ impl Overlap {
     }
 }
 
-/// What counts of each point; `valleys` hold the points of least overlap after each of them.
+/// Counted penetration of each point; `valleys` hold the points of least overlap after each point.
 pub(super) fn overlaps(
     points: &[Option<ContactPoint>; MAX_CONTACTS],
     valleys: &[Option<ContactPoint>; MAX_CONTACTS],

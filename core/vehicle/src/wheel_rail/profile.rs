@@ -2,8 +2,8 @@
 use super::spline::{Jet3, Spline};
 use nalgebra::Vector2;
 
-/// A wheel or rail profile: an interpolating curve through given points, both coordinates natural cubic splines of the arc
-/// length of the polygon through the points. Position, tangent and curvature are continuous.
+/// A wheel or rail profile: an interpolating curve through given points, both coordinates natural cubic splines of the
+/// arc length of the polygon through the points. Position, tangent and curvature are continuous.
 ///
 /// Coordinates: outward, away from the middle of the track, and up. The same list serves the left and the right side.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +26,8 @@ pub struct ProfilePoint {
 }
 
 impl ProfilePoint {
-    /// Signed curvature and its derivative by σ, 1/m and 1/m²: positive where the curve turns upward on its way outward.
+    /// Signed curvature and the derivative by σ, 1/m and 1/m²: positive for a curve that turns upward on the way
+    /// outward.
     #[must_use]
     pub fn curvature(&self) -> [f64; 2] {
         let speed = self.first.norm();
@@ -44,15 +45,15 @@ pub enum ProfileError {
     /// There are too few points.
     #[error("a profile of {count} points, at least {least} are needed")]
     TooFew {
-        /// Points left after leaving out those that are too close together.
+        /// Number of points left without those too close together.
         count: usize,
-        /// Needed.
+        /// Number needed.
         least: usize,
     },
     /// A coordinate is not a number.
     #[error("point {number} of a profile is ({outward} m, {up} m), finite coordinates are needed")]
     NotFinite {
-        /// From 1.
+        /// Number of the point, from 1.
         number: usize,
         /// m.
         outward: f64,
@@ -73,8 +74,8 @@ impl Profile {
     /// Fewest points of a profile.
     const LEAST: usize = 4;
 
-    /// The profile through `points` (outward, up; m), listed from the inside outward. A point nearer than `spacing` (m) to the
-    /// one before it is left out: where points lie closer than the digits they are written with, their curvature is noise.
+    /// Profile through `points` (outward, up; m), listed from the inside outward. A point nearer than `spacing` (m) to
+    /// the one before is left out: points closer than the digits of their coordinates make a noisy curvature.
     ///
     /// # Errors
     /// See [`ProfileError`].
@@ -125,7 +126,7 @@ impl Profile {
         self.outward.range()
     }
 
-    /// The curve at the parameter `sigma`, m; beyond the ends its tangent there.
+    /// Curve at the parameter `sigma`, m; beyond the ends the end tangent.
     #[must_use]
     pub fn at(&self, sigma: f64) -> ProfilePoint {
         let segment = self.outward.segment(sigma);
@@ -139,7 +140,7 @@ impl Profile {
         }
     }
 
-    /// The parameter where the curve first reaches the outward coordinate `outward`, m; `None` where it does not.
+    /// Parameter of the first point with the outward coordinate `outward`, m; `None` if there is none.
     #[must_use]
     pub fn parameter_at(&self, outward: f64) -> Option<f64> {
         let values = self.outward.values();

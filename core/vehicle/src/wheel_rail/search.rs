@@ -1,4 +1,4 @@
-//! Where wheel and rail may touch: the local minima of the distance over the width of the profiles.
+//! Candidates for contact: local minima of the distance over the width of the profiles.
 use super::contact_point::{ContactPoint, Pairing, SurfaceParameters};
 use super::{Profile, ProfilePoint, RailFrame};
 use nalgebra::Vector3;
@@ -6,19 +6,18 @@ use nalgebra::Vector3;
 /// Distance of the samples of a profile, m.
 const STEP: f64 = 5e-4;
 
-/// Vertical distance up to which a minimum is followed, m: more than a wheelset moves against the rail within a time step, at
-/// the slope of a flange.
+/// Vertical distance up to which a minimum is followed, m: more than a wheelset moves against the rail within a time
+/// step, at the slope of a flange.
 const FOLLOWED: f64 = 3e-3;
 
-/// Contact points that one wheel may have at once: tread, root and face of the flange.
+/// Largest number of contact points of one wheel at once: tread, root and face of the flange.
 pub const MAX_CONTACTS: usize = 3;
 
-/// The contact points of one wheel, those further in (towards the flange) first, and between two of them the point of least
-/// overlap.
+/// Contact points of one wheel, from the flange outward, and between two of them the point of least overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Found {
     pub points: [Option<SurfaceParameters>; MAX_CONTACTS],
-    /// After each point; none where the outline is broken, or the distance too large to matter.
+    /// Point of least overlap after each point; none if the outline is broken, or the distance too large to matter.
     pub valleys: [Option<SurfaceParameters>; MAX_CONTACTS],
 }
 
@@ -41,7 +40,7 @@ struct RailSample {
 #[derive(Clone, Copy, Debug)]
 struct Gap {
     height: f64,
-    /// Of the angle of the outline's point from the lowest one.
+    /// Tilt of the outline's point from the lowest one.
     sine: f64,
     /// Forward along the rail, m.
     forward: f64,
@@ -77,9 +76,9 @@ impl Search {
 
     /// All contact points at a position; `s` is the arc length near the wheelset.
     ///
-    /// A wheel's outline, seen along the rail, is compared with the rail; its point on each circle of the wheel is where the
-    /// normal of the wheel is perpendicular to the rail. Where the height between outline and rail has a local minimum both have
-    /// the same slope there.
+    /// A wheel's outline, seen along the rail, is compared with the rail; the outline's point on each circle of the
+    /// wheel has a normal perpendicular to the rail. At a local minimum of the height between outline and rail both
+    /// have the same slope.
     pub fn contacts(&self, pairing: &Pairing<'_>, s: f64) -> Found {
         let outline = Outline::new(self, pairing, s);
         let mut found = Candidates::default();
@@ -106,7 +105,7 @@ impl Search {
         found
     }
 
-    /// The point of least overlap between two places on the wheel.
+    /// Point of least overlap between two points on the wheel.
     fn valley(&self, pairing: &Pairing<'_>, outline: &Outline<'_>, between: [f64; 2]) -> Option<SurfaceParameters> {
         let [first, last] = between.map(|sigma| self.wheel.partition_point(|sample| sample.0 <= sigma));
         let mut highest: Option<Gap> = None;
@@ -162,7 +161,7 @@ impl<'a> Outline<'a> {
         }
     }
 
-    /// Height of a sample of the wheel over the rail; none where it is not over the rail, or not on the outline.
+    /// Height of a sample of the wheel over the rail; none beyond the rail or the outline.
     fn gap(&self, (sigma, profile): &(f64, ProfilePoint)) -> Option<Gap> {
         let sine = -profile.first.y / profile.first.x * self.lateral / self.size;
         if !(profile.first.x > 0.0 && sine.abs() < 1.0) {
@@ -193,7 +192,7 @@ impl<'a> Outline<'a> {
         })
     }
 
-    /// Where the search for a contact begins.
+    /// Start of the search for a contact.
     fn start(&self, gap: &Gap) -> SurfaceParameters {
         SurfaceParameters {
             s: self.s + gap.forward / self.frame.direction.norm(),
@@ -204,7 +203,7 @@ impl<'a> Outline<'a> {
     }
 }
 
-/// The deepest points so far, in the order of their place on the wheel.
+/// Deepest points so far, in the order of their position on the wheel.
 #[derive(Default)]
 struct Candidates {
     points: [Option<ContactPoint>; MAX_CONTACTS],

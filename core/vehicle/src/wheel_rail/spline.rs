@@ -1,6 +1,6 @@
 //! Interpolating cubic splines: twice continuously differentiable curves through given points.
 
-/// A natural cubic spline through `(x, y)`, continued beyond its ends by its tangents there.
+/// Natural cubic spline through `(x, y)`, continued beyond the ends by the end tangents.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Spline {
     x: Vec<f64>,
@@ -14,7 +14,7 @@ pub(crate) struct Spline {
 pub(crate) struct Jet3(pub [f64; 4]);
 
 impl Spline {
-    /// The spline through at least two points with increasing `x`.
+    /// Spline through at least two points with increasing `x`.
     pub fn new(x: Vec<f64>, y: Vec<f64>) -> Self {
         let n = x.len();
         debug_assert!(n >= 2 && n == y.len() && x.windows(2).all(|pair| pair[0] < pair[1]));
@@ -44,12 +44,12 @@ impl Spline {
         &self.x
     }
 
-    /// The values at the points.
+    /// Values at the points.
     pub fn values(&self) -> &[f64] {
         &self.y
     }
 
-    /// Number of the segment that holds `x`; the first or the last one where `x` is outside.
+    /// Number of the segment that holds `x`; the first or the last one for an outside `x`.
     pub fn segment(&self, x: f64) -> usize {
         let after = self.x.partition_point(|&knot| knot <= x);
         after.clamp(1, self.x.len() - 1) - 1

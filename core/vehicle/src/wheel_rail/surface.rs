@@ -4,7 +4,7 @@ use dynamics::rotation::skew;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// Which wheel of a wheelset, which rail of a track.
+/// Side of a wheel of a wheelset, or of a rail of a track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// y positive.
@@ -14,7 +14,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// Direction of outward along the lateral axis, –.
+    /// Outward direction along the lateral axis, –.
     #[must_use]
     pub fn sign(self) -> f64 {
         match self {
@@ -24,37 +24,37 @@ impl Side {
     }
 }
 
-/// A point of a surface with its first and second derivatives by its two parameters.
+/// Point of a surface with first and second derivatives by both parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SurfacePoint {
     pub position: Vector3<f64>,
     pub first: [Vector3<f64>; 2],
-    /// By the first parameter twice, by both, by the second twice.
+    /// Second derivatives by the first parameter twice, by both, by the second twice.
     pub second: [Vector3<f64>; 3],
 }
 
-/// A wheel: its profile turned about the axis of the wheelset.
+/// Wheel: a profile turned about the axis of the wheelset.
 #[derive(Clone, Debug)]
 pub struct Wheel {
-    /// Its origin is on the nominal rolling circle.
+    /// Profile with the origin on the nominal rolling circle.
     pub profile: Arc<Profile>,
     /// Radius of the nominal rolling circle, m.
     pub radius: f64,
     /// Distance of the nominal rolling circle from the middle of the wheelset, m.
     pub distance: f64,
-    /// Which wheel.
+    /// Side of the wheel.
     pub side: Side,
 }
 
-/// Axes that follow a wheelset but not its spin: forward, along the axis to the left, up; as columns.
+/// Axes that follow a wheelset but not the spin: forward, along the axis to the left, up; as columns.
 pub(crate) fn axes_without_spin(axis: &Vector3<f64>) -> Matrix3<f64> {
     let forward = axis.cross(&Vector3::z()).normalize();
     Matrix3::from_columns(&[forward, *axis, forward.cross(axis)])
 }
 
 impl Wheel {
-    /// Relative to the middle of the wheelset, world axes; parameters: the angle φ (rad) from straight down, forward, and the
-    /// profile's σ (m).
+    /// Point relative to the middle of the wheelset, world axes; parameters: the angle φ (rad) from straight down,
+    /// forward, and the profile's σ (m).
     ///
     /// ```text
     /// r = ±(b + y(σ)) e_y + (R − z(σ)) (sin φ e_x − cos φ e_z)
@@ -79,15 +79,15 @@ impl Wheel {
     }
 }
 
-/// Where the origin of a rail's profile is along the track, and how that changes with the arc length s. "World" axes are those that
-/// the line is seen in, which are at rest.
+/// Origin of a rail's profile along the track, and the change with the arc length s. "World" axes are the axes of the
+/// viewpoint, which are at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RailFrame {
     /// World position of the profile's origin, m.
     pub position: Vector3<f64>,
-    /// Its derivative by s, –: the direction of the rail, not necessarily of unit length.
+    /// Derivative of the position by s, –: the direction of the rail, not necessarily of unit length.
     pub direction: Vector3<f64>,
-    /// Its second derivative by s, 1/m.
+    /// Second derivative of the position by s, 1/m.
     pub bend: Vector3<f64>,
     /// Axes of the rail as columns: along the rail, to the left, up.
     pub axes: Matrix3<f64>,
@@ -98,7 +98,8 @@ pub struct RailFrame {
 }
 
 impl RailFrame {
-    /// The line beside this one, at an offset along its axes that changes with s: the offset (m) and its first two derivatives by s.
+    /// Line beside this one, at an offset along the axes that changes with s: the offset (m) and the first two
+    /// derivatives by s.
     ///
     /// ```text
     /// r = p + A o,   r' = p' + ω × A o + A o',   r'' = p'' + ω' × A o + ω × (ω × A o) + 2 ω × A o' + A o''
@@ -120,16 +121,17 @@ impl RailFrame {
 
 /// The line of one rail: straight, curved, canted, with irregularities.
 pub trait RailLine: Send + Sync {
-    /// The rail at the arc length `s` (m), in the axes of the track at the arc length `from` (m), the middle of the track there being
-    /// at (`from`, 0, 0). On straight track these are the same for any `from`.
+    /// Rail at the arc length `s` (m), in the axes of the track at the arc length `from` (m), the middle of the track
+    /// there being at (`from`, 0, 0). On straight track the result does not depend on `from`.
     ///
-    /// Seen from nearby, positions across the track are small numbers: penetrations of micrometres would drown in the rounding of
-    /// hundreds of metres.
+    /// Seen from nearby, positions across the track are small numbers: penetrations of micrometres would drown in the
+    /// rounding of hundreds of metres.
     fn frame(&self, s: f64, from: f64) -> RailFrame;
 }
 
 /// A straight, level rail along x.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg(test)]
 pub struct StraightRail {
     /// y of the profile's origin, m; signed.
     pub y: f64,
@@ -137,6 +139,7 @@ pub struct StraightRail {
     pub z: f64,
 }
 
+#[cfg(test)]
 impl RailLine for StraightRail {
     fn frame(&self, s: f64, _from: f64) -> RailFrame {
         RailFrame {
@@ -150,19 +153,19 @@ impl RailLine for StraightRail {
     }
 }
 
-/// A rail: its profile swept along a line.
+/// Rail: a profile swept along a line.
 #[derive(Clone)]
 pub struct Rail {
-    /// Cross-section, its inclination included.
+    /// Cross-section, with the inclination.
     pub profile: Arc<Profile>,
-    /// The line that the origin of the profile follows.
+    /// Line of the origin of the profile.
     pub line: Arc<dyn RailLine>,
-    /// Which rail.
+    /// Side of the rail.
     pub side: Side,
 }
 
 impl Rail {
-    /// Seen `from` there; parameters: arc length s (m) and the profile's σ (m).
+    /// Point seen `from` there; parameters: arc length s (m) and the profile's σ (m).
     ///
     /// ```text
     /// r = p(s) + A(s) (0, ±y(σ), z(σ))

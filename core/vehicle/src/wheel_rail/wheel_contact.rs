@@ -1,4 +1,4 @@
-//! One contact of a wheel: its forces and how they change.
+//! One contact of a wheel: forces and their changes.
 use super::creepage::Sliding;
 use super::overlap::Overlap;
 use super::wheel_rail::WheelRailParts;
@@ -9,9 +9,9 @@ use nalgebra::Vector3;
 /// One contact at one instant; forces act on the wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelContact {
-    /// Where wheel and rail touch.
+    /// Contact point of wheel and rail.
     pub point: ContactPoint,
-    /// Of the wheel against the rail.
+    /// Creepages of the wheel against the rail.
     pub creepage: Creepage,
     /// Semi-axes and elastic force.
     pub ellipse: Ellipse,
@@ -19,11 +19,11 @@ pub struct WheelContact {
     pub normal_force: f64,
     /// Creep force along and across the rolling direction (N), moment about the normal (N·m).
     pub creep: CreepForce,
-    /// Penetration that counts where contacts share a patch, m.
+    /// Counted penetration of contacts that share a patch, m.
     pub penetration: f64,
-    /// In the axes of the track at the wheelset, N.
+    /// Force in the axes of the track at the wheelset, N.
     pub force: Vector3<f64>,
-    /// About the middle of the wheelset, same axes, N·m.
+    /// Moment about the middle of the wheelset, same axes, N·m.
     pub moment: Vector3<f64>,
     pub(super) sliding: Sliding,
     pub(super) overlap: Overlap,
@@ -40,8 +40,8 @@ pub(super) struct Change {
 }
 
 impl WheelContact {
-    /// The contact at a point of largest overlap, of a wheelset that moves as `frame` says (with all of its spin); none where the
-    /// surfaces are apart.
+    /// Contact at a point of largest overlap, of a wheelset that moves as `frame` says (with all of the spin); none for
+    /// separated surfaces.
     pub(super) fn new(parts: &WheelRailParts, point: ContactPoint, overlap: Overlap, frame: &Frame) -> Option<Self> {
         let penetration = overlap.penetration;
         if penetration <= 0.0 {
@@ -74,7 +74,7 @@ impl WheelContact {
         })
     }
 
-    /// Change of force and moment with a change of the wheelset's motion, which is `frame` (with all of its spin).
+    /// Change of force and moment with a change of the wheelset's motion `frame` (with all of the spin).
     pub(super) fn change(&self, parts: &WheelRailParts, frame: &Frame, by: &Change) -> [Vector3<f64>; 2] {
         if self.normal_force == 0.0 {
             return [Vector3::zeros(); 2];

@@ -4,24 +4,25 @@ use super::overlap::overlaps;
 use super::search::{Found, MAX_CONTACTS, Search};
 use super::wheel_contact::{Change, WheelContact};
 use super::{CreepModel, Hertz, Rail, SurfaceParameters, Wheel};
-use crate::travel::{Carrying, Travel};
+use crate::travel::{Travel, TravellingFrame};
 use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Power, Weights};
 use nalgebra::Vector3;
 
-/// What a wheel on a rail is made of.
+/// Parts of a wheel on a rail.
 pub struct WheelRailParts {
-    /// The middle of the wheelset, its second axis along the axle to the left, in the frame of the vehicle. A marker of a rigid body.
+    /// The middle of the wheelset, with the second axis along the axle to the left, in the frame of the vehicle. A
+    /// marker of a rigid body.
     pub marker: Box<dyn Marker>,
-    /// How that frame travels.
+    /// Travel of that frame.
     pub travel: Travel,
-    /// Nominal place of the middle of the wheelset in it along the track, m: the contact is seen from there.
+    /// Nominal position of the middle of the wheelset along the track in that frame, m: the viewpoint of the contact.
     pub along: f64,
-    /// What the wheelset turns about its axle faster than its marker does, rad/s, positive for forward; 0 where the marker's body
-    /// spins with the wheels. Where the body stands for the axle without its spin, this is the spin, which a drive holds.
+    /// Spin of the wheelset about the axle beyond that of the marker, rad/s, positive for forward; 0 if the marker's
+    /// body spins with the wheels. If the body stands for the axle without spin, this is the spin held by a drive.
     pub spin: f64,
     /// The wheel.
     pub wheel: Wheel,
-    /// Its rail, at rest in the world.
+    /// The rail, at rest in the world.
     pub rail: Rail,
     /// Normal force.
     pub hertz: Hertz,
@@ -29,7 +30,7 @@ pub struct WheelRailParts {
     pub damping: f64,
     /// Tangential forces.
     pub creep: CreepModel,
-    /// Rolling slower than this counts as this in the creepages, m/s, positive.
+    /// Speed below which rolling counts as this speed in the creepages, m/s, positive.
     pub slowest: f64,
 }
 
@@ -40,9 +41,9 @@ pub struct WheelRailParts {
 /// Q = Σ_contacts ∂r/∂q · (N n + T_x t_x + T_y t_y) + ∂θ/∂q · M_z n
 /// ```
 ///
-/// The forces act at the point of the undeformed wheel. All points where wheel and rail overlap most count (tread, flange). They
-/// are searched for over the whole width at the begin of a step and followed by Newton's method within it; they are searched for
-/// again where one is lost.
+/// The forces act at the point of the undeformed wheel. All points of largest overlap count (tread, flange). A search
+/// over the whole width at the begin of a step finds the points and Newton's method follows them within the step; a
+/// lost point starts another search.
 pub struct WheelRail {
     parts: WheelRailParts,
     search: Search,
@@ -50,18 +51,18 @@ pub struct WheelRail {
 }
 
 /// A wheelset at one instant.
-struct Place {
-    /// Where it is seen from, see [`super::RailLine::frame`], m: the axes there are those of the world in what follows.
+struct WheelsetPosition {
+    /// Viewpoint, see [`super::RailLine::frame`], m: the axes there are the world axes below.
     from: f64,
-    /// Its middle, with all of the spin.
+    /// Middle of the wheelset, with all of the spin.
     frame: Frame,
     /// Arc length of the rail nearby, m.
     s: f64,
-    /// What its coordinates travel with.
-    carrying: Carrying,
+    /// Travelling frame of the coordinates.
+    travelling: TravellingFrame,
 }
 
-/// Where the next search begins.
+/// Start of the next search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Start {
     /// Arc length of the rail near the wheelset; none before the first search.
@@ -86,30 +87,31 @@ impl WheelRail {
         }
     }
 
-    /// What it is made of.
+    /// Parts of the wheel and the rail.
     #[must_use]
+    #[cfg(test)]
     pub fn parts(&self) -> &WheelRailParts {
         &self.parts
     }
 
-    /// Puts other tangential forces in place: a static solution, in which nothing rolls, takes none.
+    /// Replaces the tangential forces: a static solution, in which nothing rolls, has none.
     pub fn set_creep(&mut self, creep: CreepModel) {
         self.parts.creep = creep;
     }
 
-    /// Puts another spin in place, rad/s, see [`WheelRailParts::spin`].
+    /// Replaces the spin, rad/s, see [`WheelRailParts::spin`].
     pub fn set_spin(&mut self, spin: f64) {
         self.parts.spin = spin;
     }
 
-    /// The contacts at a motion, those with no force left out.
+    /// Contacts at a motion, without those of no force.
     #[must_use]
     pub fn contacts(&self, motion: &Motion<'_>) -> WheelContacts {
         self.evaluate(&self.place(motion)).0
     }
 
-    /// Sum of the forces of the rail on the wheel, N, in the axes of the track under the wheelset: along it, to its left, and up from
-    /// the plane of the rails.
+    /// Sum of the forces of the rail on the wheel, N, in the axes of the track under the wheelset: along the track, to
+    /// the left, and up from the plane of the rails.
     #[must_use]
     pub fn force(&self, motion: &Motion<'_>) -> Vector3<f64> {
         self.contacts(motion)
@@ -119,31 +121,31 @@ impl WheelRail {
             .sum()
     }
 
-    /// Where the wheelset is at a motion.
-    fn place(&self, motion: &Motion<'_>) -> Place {
+    /// Position of the wheelset at a motion.
+    fn place(&self, motion: &Motion<'_>) -> WheelsetPosition {
         let origin = self.parts.travel.place(motion.t);
         let from = origin + self.parts.along;
-        let carrying = self.parts.travel.carrying(motion.t, from);
+        let travelling = self.parts.travel.travelling(motion.t, from);
         let inner = self.parts.marker.frame(motion);
-        let frame = carrying.frame_of(&inner);
-        Place {
+        let frame = travelling.frame_of(&inner);
+        WheelsetPosition {
             from,
             s: origin + inner.position.x,
             frame: Frame {
                 angular_velocity: frame.angular_velocity + frame.axes.column(1) * self.parts.spin,
                 ..frame
             },
-            carrying,
+            travelling,
         }
     }
 
-    fn columns(&self, motion: &Motion<'_>, place: &Place) -> Columns {
+    fn columns(&self, motion: &Motion<'_>, place: &WheelsetPosition) -> Columns {
         let mut columns = Columns::default();
         self.parts.marker.columns(motion, &mut columns);
-        place.carrying.columns_of(columns)
+        place.travelling.columns_of(columns)
     }
 
-    fn pairing(&self, place: &Place) -> Pairing<'_> {
+    fn pairing(&self, place: &WheelsetPosition) -> Pairing<'_> {
         Pairing::new(
             &self.parts.wheel,
             (&self.parts.rail, place.from),
@@ -153,8 +155,8 @@ impl WheelRail {
     }
 
     /// Searches over the whole width of the profiles.
-    fn search(&self, pairing: &Pairing<'_>, place: &Place) -> Start {
-        // The arc length whose normal plane holds the middle of the wheelset.
+    fn search(&self, pairing: &Pairing<'_>, place: &WheelsetPosition) -> Start {
+        // Arc length whose normal plane holds the middle of the wheelset.
         let mut s = self.start.s.unwrap_or(place.s);
         for _ in 0..20 {
             let rail = self.parts.rail.line.frame(s, place.from);
@@ -172,7 +174,7 @@ impl WheelRail {
     }
 
     /// The contacts, and the start of the next search.
-    fn evaluate(&self, place: &Place) -> (WheelContacts, Start) {
+    fn evaluate(&self, place: &WheelsetPosition) -> (WheelContacts, Start) {
         let frame = &place.frame;
         let pairing = self.pairing(place);
         let (points, start) = match self.start.s.and_then(|_| follow(&pairing, &self.start)) {
@@ -195,7 +197,7 @@ struct Points {
     valleys: [Option<ContactPoint>; MAX_CONTACTS],
 }
 
-/// The points of a start at a new position; `None` where one is lost, or two have become one.
+/// Points of a start at a new position; `None` if one is lost, or two have become one.
 fn follow(pairing: &Pairing<'_>, start: &Start) -> Option<(Points, Start)> {
     let mut points = Points::default();
     let mut next = *start;
@@ -244,12 +246,12 @@ impl Force for WheelRail {
         self.start = start;
         let frame = &place.frame;
         let columns = self.columns(motion, &place);
-        // What the frame carries along turns with it, not with the body.
-        let carried = place.carrying.angular_velocity();
+        // Angular velocity of the travelling frame turns with the frame, not with the body.
+        let carried = place.travelling.angular_velocity();
         let own = frame.angular_velocity - carried;
         let columns = columns.as_slice();
         let n = columns.len();
-        // The part of the velocity that turns with the body.
+        // Part of the velocity that turns with the body.
         let turning: Vector3<f64> = (columns.iter())
             .filter(|column| column.rotation != Vector3::zeros())
             .map(|column| column.translation * motion.v[column.index])
@@ -289,17 +291,17 @@ impl Force for WheelRail {
             .sum()
     }
 
-    /// Brought in by the travel of the frame over the resting rail and by the drive that holds the spin; turned into heat by
-    /// sliding and by the damping of the normal force.
+    /// Power is brought in by the travel of the frame over the resting rail and by the drive that holds the spin, and
+    /// turned into heat by sliding and by the damping of the normal force.
     ///
-    /// Hertz' stiffness changes with the place of the contact, and what counts of the penetration with the neighbours in a patch.
-    /// What the elastic energy changes by that comes from no force and is counted as brought in.
+    /// Hertz' stiffness changes with the contact point, and the counted penetration with the neighbours in a patch.
+    /// This change of the elastic energy comes from no force and counts as brought in.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
         let place = self.place(motion);
         let frame = &place.frame;
         let axle = frame.axes.column(1);
         let mut power = Power::default();
-        let (travel, turn) = place.carrying.motion_of(&frame.position);
+        let (travel, turn) = place.travelling.motion_of(&frame.position);
         for contact in self.evaluate(&place).0.iter().flatten() {
             let (point, sliding) = (&contact.point, &contact.sliding);
             let by_wheel = contact.force.dot(&sliding.velocity)

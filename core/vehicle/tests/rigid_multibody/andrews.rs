@@ -1,4 +1,5 @@
-//! Andrews' squeezing mechanism: seven bodies, three loops through one point, 30 ms in which the crank turns 2.5 times. [IVP]
+//! Andrews' squeezing mechanism: seven bodies, three loops through one point, 30 ms in which the crank turns 2.5 times.
+//! [IVP]
 use super::mechanism::{InPlane, Mechanism, Moment, PointSpring, order, run, shown};
 use dynamics::{NewtonOptions, State};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -87,7 +88,7 @@ fn of_bodies([beta, theta, gamma, phi, delta, omega, epsilon]: [f64; 7]) -> [f64
     [beta, beta + theta, gamma, phi + delta, delta, omega + epsilon, epsilon]
 }
 
-/// `p` and what stands `along` and `across` the direction `angle` from it, in the plane.
+/// `p` plus offsets `along` and `across` the direction `angle`, in the plane.
 fn from(p: [f64; 2], angle: f64, along: f64, across: f64) -> [f64; 2] {
     let (sine, cosine) = angle.sin_cos();
     [
@@ -107,8 +108,8 @@ struct Squeezer {
     loops: [usize; 3],
 }
 
-/// The mechanism in its start position: seven revolute joints about z make the open chains, and the ends of bodies 3, 4 and 6
-/// meet that of body 2.
+/// The mechanism in its start position: seven revolute joints about z make the open chains, and the ends of bodies 3, 4
+/// and 6 meet that of body 2.
 fn squeezer() -> Squeezer {
     let mut mechanism = Mechanism::default();
     let angles = of_bodies(START);
@@ -183,8 +184,8 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     formulation: dynamics::Formulation::Positions,
 };
 
-/// Largest errors of the angles (rad), of the rates (of the largest one), and of the multipliers (of the largest one), against
-/// the test set at 0.03 s, with the values themselves.
+/// Largest errors of the angles (rad), of the rates (of the largest one), and of the multipliers (of the largest one),
+/// against the test set at 0.03 s, with the values themselves.
 struct Found {
     angles: [f64; 7],
     rates: [f64; 7],
@@ -275,7 +276,7 @@ fn the_squeezing_mechanism_ends_where_the_test_set_says() {
         let order = order(errors[0][i], errors[1][i]);
         assert!((order - 2.0).abs() < 0.2, "{name}: order {order}");
     }
-    // What second order leaves is taken off: (4 fine − coarse)/3.
+    // The error of second order is taken off: (4 fine − coarse)/3.
     let better = |fine: f64, coarse: f64| (4.0 * fine - coarse) / 3.0;
     let extrapolated = Found {
         angles: std::array::from_fn(|k| better(runs[1].angles[k], runs[0].angles[k])),
@@ -284,8 +285,9 @@ fn the_squeezing_mechanism_ends_where_the_test_set_says() {
     };
     let extrapolated = extrapolated.errors();
     println!("extrapolated: {}", shown(&extrapolated));
-    // Against the values at 30 ms themselves, of some 15 rad, 1000 rad/s and 200 N: (ω h)²/12 of a crank that turns by 1000 rad/s in
-    // 2 µs would be 3e-7; springs and joint forces swing faster. The extrapolated values have seven digits and more.
+    // Against the values at 30 ms themselves, of some 15 rad, 1000 rad/s and 200 N: (ω h)²/12 of a crank that turns by
+    // 1000 rad/s in 2 µs would be 3e-7; springs and joint forces swing faster. The extrapolated values have seven
+    // digits and more.
     for (i, name) in ["angles", "rates", "multipliers"].iter().enumerate() {
         assert!(errors[1][i] < 5e-6, "{name}: {:e}", errors[1][i]);
         assert!(extrapolated[i] < [5e-9, 2e-9, 5e-7][i], "{name}: {:e}", extrapolated[i]);

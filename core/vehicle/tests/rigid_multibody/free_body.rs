@@ -35,14 +35,16 @@ fn momentum(state: &State) -> Vector3<f64> {
 
 /// Period of the angular velocity in body axes, s, for a start on the plane ω₃ = 0.
 ///
-/// With `I₁ < I₂ < I₃` and `L² < 2 T I₂` the motion is about the first axis. Euler's equations have the solution
-/// `ω₁ ∝ dn τ, ω₂ ∝ cn τ, ω₃ ∝ sn τ` [Goldstein, 5.6; Landau & Lifshitz, Mechanics, § 37, with the axes in the opposite order]:
+/// With `I₁ < I₂ < I₃` and `L² < 2 T I₂` the motion is about the first axis. Euler's equations have the solution `ω₁ ∝
+/// dn τ, ω₂ ∝ cn τ, ω₃ ∝ sn τ` [Goldstein, 5.6; Landau & Lifshitz, Mechanics, § 37, with the axes in the opposite
+/// order]:
 ///
 /// ```text
 /// τ = t √((I₁ − I₂)(L² − 2 T I₃)/(I₁ I₂ I₃)),   k² = (I₂ − I₃)(2 T I₁ − L²)/((I₁ − I₂)(L² − 2 T I₃))
 /// ```
 ///
-/// and the period is four times the complete elliptic integral K(k), π/2 over the arithmetic–geometric mean of 1 and √(1 − k²).
+/// and the period is four times the complete elliptic integral K(k), π/2 over the arithmetic–geometric mean of 1 and
+/// √(1 − k²).
 fn period() -> f64 {
     let [i1, i2, i3] = [INERTIA.x, INERTIA.y, INERTIA.z];
     let momentum_2 = INERTIA.component_mul(&OMEGA).norm_squared();
@@ -98,14 +100,15 @@ fn a_free_body_keeps_energy_and_angular_momentum_over_a_thousand_revolutions_to_
         let order = order(coarse, fine);
         assert!((order - 2.0).abs() < 0.1, "{quantity}: order {order}");
     }
-    // The errors go to and fro with the nutation and do not grow: ten times as long makes them no larger than a sample missed.
+    // The errors go to and fro with the nutation and do not grow: ten times as long makes them no larger than a sample
+    // missed.
     for (long, short) in fine.into_iter().zip(hundred) {
         assert!(
             long < 1.01 * short,
             "{long:e} after 1000 revolutions, {short:e} after 100"
         );
     }
-    // (0.0314 rad per step)²/12 = 8e-5 of a revolution's phase; measured 2e-5 of the energy and 1.2e-4 of the momentum.
+    // (0.0314 rad per step)²/12 = 8e-5 of a revolution's phase.
     assert!(fine[0] < 5e-5 && fine[1] < 3e-4, "{fine:?}");
 }
 
@@ -122,7 +125,7 @@ fn the_angular_velocity_of_a_free_body_returns_after_the_period_of_the_elliptic_
             OPTIONS,
             &mut |state| farthest = farthest.max((omega(state) - OMEGA).norm()),
         );
-        // It has been elsewhere: a constant would pass otherwise.
+        // The state has been elsewhere: a constant would pass otherwise.
         assert!(farthest > 0.5 * OMEGA.norm(), "{farthest}");
         (omega(&state) - OMEGA).norm() / OMEGA.norm()
     });

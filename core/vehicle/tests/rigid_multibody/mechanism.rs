@@ -5,7 +5,7 @@ use dynamics::{
 use nalgebra::{UnitQuaternion, Vector3};
 use vehicle::multibody::{Joint, Pose, RigidBody};
 
-/// A mechanism that is put together body by body.
+/// Mechanism assembled body by body.
 #[derive(Default)]
 pub struct Mechanism {
     layout: Layout,
@@ -92,8 +92,8 @@ impl System for Mechanism {
     }
 }
 
-/// The part in the x–y plane of the joint of two points: what closes a loop of revolute joints about z without stating twice
-/// that it is plane.
+/// Part in the x–y plane of the joint of two points: closes a loop of revolute joints about z without stating twice
+/// that the loop is plane.
 pub struct InPlane(pub Joint);
 
 impl Constraint for InPlane {
@@ -117,7 +117,8 @@ impl Constraint for InPlane {
     }
 }
 
-/// A spring between a point of a body and a fixed one, without a tangent: Newton's method takes it up by itself.
+/// Spring between a point of a body and a fixed point, without a tangent: Newton's method takes up the missing
+/// stiffness.
 pub struct PointSpring<M> {
     pub marker: M,
     pub fixed: Vector3<f64>,
@@ -160,7 +161,8 @@ pub fn set_velocity(state: &mut State, pose: &Pose, velocity: Vector3<f64>, omeg
     state.v[pose.rotation..pose.rotation + 3].copy_from_slice(omega_b.as_slice());
 }
 
-/// Goes on from `state` in `steps` steps of `h` s; `after` sees each state. The accelerations at the start are found first.
+/// Continues from `state` in `steps` steps of `h` s; `after` sees each state. Accelerations at the start are found
+/// first.
 pub fn run(
     mechanism: &mut Mechanism,
     state: &mut State,

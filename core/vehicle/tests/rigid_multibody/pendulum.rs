@@ -149,8 +149,9 @@ fn the_double_pendulum_converges_to_second_order_in_position_velocity_and_multip
                 shown(run)
             );
         }
-        // With rho_inf = 1 the constrained directions have the double root −1: the multipliers of index 3 oscillate without decay
-        // [Cardona & Géradin, Computers & Structures 33, 1989], and only positions and velocities converge.
+        // With rho_inf = 1 the constrained directions have the double root −1: the multipliers of index 3 oscillate
+        // without decay [Cardona & Géradin, Computers & Structures 33, 1989], and only positions and velocities
+        // converge.
         let kept = if rho_inf < 1.0 { 3 } else { 2 };
         for (what, name) in ["position", "velocity", "multipliers"].iter().enumerate().take(kept) {
             for pair in runs.windows(2) {

@@ -20,7 +20,8 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     formulation: dynamics::Formulation::Positions,
 };
 
-/// Both rates of steady precession: `I' Ω² cos θ − I₃ ω₃ Ω + m g l = 0` with `I'` about the fixed point. [Goldstein, 5.7]
+/// Both rates of steady precession: `I' Ω² cos θ − I₃ ω₃ Ω + m g l = 0` with `I'` about the fixed point. [Goldstein,
+/// 5.7]
 fn precession() -> [f64; 2] {
     let a = (TRANSVERSE + MASS * ARM * ARM) * TILT.cos();
     let (b, c) = (AXIAL * SPIN, MASS * GRAVITY * ARM);
@@ -29,7 +30,8 @@ fn precession() -> [f64; 2] {
     [2.0 * c / (b + root), (b + root) / (2.0 * a)]
 }
 
-/// Largest departure of the tilt from its start and error of the azimuth after 1.5 s, rad, and the violation of the joint, m.
+/// Largest departure of the tilt from its start and error of the azimuth after 1.5 s, rad, and the violation of the
+/// joint, m.
 fn errors(rate: f64, h: f64) -> [f64; 3] {
     let mut top = Mechanism::default();
     let orientation = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), TILT);
@@ -77,8 +79,9 @@ fn a_heavy_top_precesses_steadily_at_both_rates_of_the_closed_form() {
             let order = order(coarse, fine);
             assert!((order - 2.0).abs() < 0.1, "{quantity} at {rate} rad/s: order {order}");
         }
-        // 70 rad/s turn by 0.035 rad in 0.5 ms: second order leaves (0.035)²/12 = 1e-4 of the moments, and so about as many radians of
-        // tilt; of azimuth it leaves that part of the 2.6 rad and 46 rad gone, and the difference of the tilts besides.
+        // 70 rad/s turn by 0.035 rad in 0.5 ms: second order leaves (0.035)²/12 = 1e-4 of the moments, and so about as
+        // many radians of tilt; of azimuth it leaves that part of the 2.6 rad and 46 rad gone, and the difference of
+        // the tilts besides.
         assert!(fine[0] < 3e-4 && fine[1] < 2e-3, "{fine:?}");
         assert!(fine[2] < 1e-13, "{}", fine[2]); // rounding
     }

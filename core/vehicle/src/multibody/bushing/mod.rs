@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector, Vector3};
 #[cfg(test)]
 mod tests;
 
-/// What a bushing exerts along and about the axes of its first anchor, one entry per axis.
+/// Rates of a bushing along and about the axes of the first anchor, one entry per axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
     /// N/m.
@@ -29,22 +29,22 @@ pub struct Rates {
 /// U   = Σ ½ k_i d_i² + ∫f_i − P_i d_i + ½ κ_i s_i²
 /// ```
 ///
-/// `F_i` acts along `a_i` on the second anchor, and against it on the first body at the same point. A relative rotation by φ about
-/// the unit vector n gives `s = n sin φ`: the rotation vector but for φ³/6 (0.2 % at 0.1 rad), without its singularity, and with
-/// a potential, so that forces and moments conserve energy at any angle.
+/// `F_i` acts along `a_i` on the second anchor, and against `a_i` on the first body at the same point. A relative
+/// rotation by φ about the unit vector n gives `s = n sin φ`: the rotation vector but for φ³/6, without the singularity
+/// of the rotation vector, and with a potential, so that forces and moments conserve energy at any angle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bushing {
-    /// What it joins.
+    /// Anchors of the bushing.
     pub pair: Pair,
     /// Linear part.
     pub rates: Rates,
     /// `P`, N: the force on the second anchor at `d = 0` at rest.
     pub preload: Vector3<f64>,
-    /// `f_i`, beside the linear part.
+    /// `f_i`, added to the linear part.
     pub characteristics: [Option<Characteristic>; 3],
 }
 
-/// Displacements and forces of a bushing at one instant, along and about the axes of its first anchor.
+/// Displacements and forces of a bushing at one instant, along and about the axes of the first anchor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BushingLoad {
     /// `d`, m.
@@ -67,7 +67,7 @@ fn turns(a: &Frame, b: &Frame) -> [Vector3<f64>; 3] {
 }
 
 impl Bushing {
-    /// The two cosines whose half difference is `s_i`.
+    /// Two cosines whose half difference is `s_i`.
     fn cosines(i: usize) -> [Measure; 2] {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         [Measure::Direction(k, j), Measure::Direction(j, k)]
@@ -112,7 +112,7 @@ impl Bushing {
         (load, turns)
     }
 
-    /// What it exerts now.
+    /// Displacements and forces now.
     #[must_use]
     pub fn load(&self, motion: &Motion<'_>) -> BushingLoad {
         self.load_between(&self.pair.first.frame(motion), &self.pair.second.frame(motion))

@@ -45,7 +45,8 @@ fn in_an_arc_the_leaning_weight_and_the_centrifugal_force_load_a_chain() {
     let found = force(&mut chain, &state.motion(&[]));
     let (sine, cosine) = curve().cant_angle(1.5).sin_cos();
     let centrifugal = SPEED * SPEED / 1000.0;
-    // 5.3 m up a plane that leans, and 0.4 m to the outside of the curve, the radius is 5.3 m sin φ − 0.4 m cos φ smaller.
+    // 5.3 m up a plane that leans, and 0.4 m to the outside of the curve, the radius is 5.3 m sin φ − 0.4 m cos φ
+    // smaller.
     let turning = (SPEED / 1000.0).powi(2) * sine * (5.3 * sine - 0.4 * cosine);
     let expected = 9.81 * (1.0 - cosine) - centrifugal * sine + turning;
     println!("{} N/kg", found[0] / 7.2);

@@ -3,7 +3,8 @@ use super::GRAVITY;
 
 /// The four-bar A–K–C–B of the thesis in plane trigonometry: everything as a function of the lower arm's angle.
 pub(super) struct FourBar {
-    /// Positions (x, z) of the centres of mass of lower arm, upper arm, lower link, upper link, plunger, pan-head base point P.
+    /// Positions (x, z) of the centres of mass of lower arm, upper arm, lower link, upper link, plunger, pan-head base
+    /// point P.
     pub points: [[f64; 2]; 5],
     /// Angles of lower arm, upper arm, lower link, upper link, plunger, rad.
     pub angles: [f64; 5],

@@ -1,9 +1,9 @@
-use super::GRAVITY;
 use super::four_bar::FourBar;
 use super::thesis::thesis;
+use super::{AtRest, GRAVITY};
 use crate::check::dense;
 use crate::multibody::DeadForce;
-use crate::pantograph::Linkage;
+use crate::pantograph::{Linkage, Pantograph};
 use crate::{PantographModel, Placement, VehicleError};
 use dynamics::rotation::log;
 use dynamics::{Blocks, Constraint, Force, JacobianRows, Layout, Marker, Motion, State, Weights};
@@ -98,7 +98,7 @@ fn links_that_may_spin_freely_stay_as_they_are() {
     let (linkage, _) = linkage(&thesis());
     let equilibrium = linkage.equilibrium_at_height(4.6).unwrap();
     let start = linkage
-        .local(crate::pantograph::Ground::Still)
+        .local(crate::pantograph::BaseMount::Fixed)
         .unwrap()
         .1
         .state_at_rest();
@@ -119,7 +119,8 @@ fn the_contact_force_follows_from_the_potential_of_the_plane_mechanism() {
         let (rise, tilting) = (slope(|bar| bar.points[4][1]), slope(|bar| bar.angles[4]));
         let released = -slope(|bar| bar.potential(1465.0));
         let (sine, cosine) = bar.angles[4].sin_cos();
-        // The head is at 0.11 m + s along the plunger's axis. Fixed point of the balance along s and of that along theta.
+        // The head is at 0.11 m + s along the plunger's axis. Fixed point of the balance along s and of that along
+        // theta.
         let (mut s, mut carried) = (0.0, 0.0);
         for _ in 0..50 {
             carried = released / (rise - sine * tilting * (0.11 + s));
@@ -144,7 +145,7 @@ fn force_and_height_of_an_equilibrium_belong_together() {
     for height in [4.85, 4.945, 5.2] {
         let at_height = linkage.equilibrium_at_height(height).unwrap();
         let at_force = linkage.equilibrium_at_force(at_height.force).unwrap();
-        // Residual over the 15 to 25 N/m that the mechanism has there.
+        // Residual over the stiffness of 15 to 25 N/m of the mechanism there.
         assert!((at_force.height - height).abs() < 1e-6, "{height}: {}", at_force.height);
     }
 }
@@ -267,7 +268,8 @@ impl Reduced {
         Matrix2::new(product(&theta, &theta), coupling, coupling, product(&s, &s))
     }
 
-    /// With the strip on a spring of `contact` N/m that is unstretched at the tabulated height, and a dead load `force` on it.
+    /// Squared frequencies with the strip on a spring of `contact` N/m that is unstretched at the tabulated height, and
+    /// a dead load `force` on the strip.
     fn potential(theta: f64, s: f64, preload: f64, force: f64, contact: f64) -> f64 {
         let bar = FourBar::at(theta, 0.9557);
         let height = Self::height(theta, s);
@@ -315,15 +317,15 @@ impl Force for StripSpring {
     }
 }
 
-/// Squared eigenfrequencies (1/s²) of the mechanism in its tabulated position with the strip on a spring: the motions that
-/// the joints allow, in increasing order.
+/// Squared eigenfrequencies (1/s²) of the mechanism in the tabulated position with the strip on a spring: the motions
+/// that the joints allow, in increasing order.
 pub(super) fn eigenvalues(contact: f64) -> DVector<f64> {
     let (mut linkage, layout) = linkage(&thesis());
     let state = linkage.local_state(&linkage.equilibrium_at_height(4.945).unwrap());
     let (n, m) = (layout.coordinates(), layout.constraints());
     let motion = state.motion(&[]);
     let mut spring = StripSpring {
-        marker: Box::new(linkage.strip()),
+        marker: Box::new(linkage.strip_marker()),
         stiffness: contact,
         height: 4.945,
     };

@@ -66,7 +66,8 @@ fn integrator(rho_inf: f64) -> GeneralizedAlpha {
     GeneralizedAlpha::new(rho_inf, tight)
 }
 
-/// Force at rest with the strip where the unloaded springs are unstretched: 50 N/m carry what 120 N shorten the 4200 N/m by.
+/// Force at rest with the strip at the height of unstretched unloaded springs: 50 N/m bear what 120 N shorten the 4200
+/// N/m by.
 const AT_REFERENCE: f64 = 120.0 / (1.0 + 50.0 / 4200.0);
 
 #[test]

@@ -1,9 +1,9 @@
 //! The linkage in two coordinates against the full mechanism of six bodies and eight joints.
-use super::GRAVITY;
 use super::linkage::StripSpring;
 use super::thesis::thesis;
+use super::{AtRest, GRAVITY};
 use crate::check::{assert_energy, assert_tangent, dense};
-use crate::pantograph::{Linkage, ReducedLinkage};
+use crate::pantograph::{Linkage, Pantograph, ReducedLinkage};
 use crate::{PantographModel, Placement, VehicleError};
 use dynamics::{GeneralizedAlpha, Layout, Marker, NewtonOptions, State, rotation};
 use nalgebra::{DVector, Matrix2, Vector3};
@@ -75,7 +75,7 @@ fn statics_are_those_of_the_full_mechanism() {
         assert!((reduced.static_force() - full.static_force()).abs() < 1e-9);
         // A guide that points down has its force the other way round.
         assert!((reduced.preload() - full.suspension().preload.abs()).abs() < 1e-9);
-        assert!((reduced.reference_strip_position() - full.reference_strip_position()).norm() < 1e-12);
+        assert!((reduced.strip_at([0.0; 2]) - full.reference_strip_position()).norm() < 1e-12);
         let top = full.reference_height();
         for step in -14..=8 {
             let height = top + 0.05 * f64::from(step);
@@ -116,8 +116,8 @@ fn the_bodies_on_the_curve_keep_every_joint_closed() {
             });
             assert!(worst < 1e-10, "{step}: {worst} m");
             let (ours, theirs) = (
-                reduced.strip().frame(&at.motion(&[])),
-                full.strip().frame(&same.motion(&[])),
+                reduced.strip_marker().frame(&at.motion(&[])),
+                full.strip_marker().frame(&same.motion(&[])),
             );
             assert!((ours.position - theirs.position).norm() < 1e-10);
             assert!((ours.axes - theirs.axes).norm() < 1e-10);
@@ -145,7 +145,10 @@ fn energies_are_those_of_the_full_mechanism() {
             assert!((ours / kinetic - 1.0).abs() < 1e-8, "{ours} {kinetic}");
             let ours = dynamics::Force::energy(&reduced, &at.motion(&[]));
             assert!((ours - potential).abs() < 1e-8 * potential.abs(), "{ours} {potential}");
-            let (ours, theirs) = (reduced.strip().frame(&at.motion(&[])), full.strip().frame(&motion));
+            let (ours, theirs) = (
+                reduced.strip_marker().frame(&at.motion(&[])),
+                full.strip_marker().frame(&motion),
+            );
             assert!((ours.velocity - theirs.velocity).norm() < 1e-8);
             assert!((ours.angular_velocity - theirs.angular_velocity).norm() < 1e-8);
         }
@@ -165,7 +168,7 @@ fn forces_have_their_tangent_and_potential() {
     }
 }
 
-/// What accelerates under loads.
+/// Accelerations under loads.
 fn accelerations(model: PantographModel, layout: Layout, mut state: State, lift: f64) -> State {
     let spring = StripSpring {
         marker: model.strip(),
@@ -199,7 +202,7 @@ fn model(entry: &scene::Linkage, one_motion: bool) -> (PantographModel, Layout) 
     (model, layout)
 }
 
-/// Also where it moves fast: the terms with squares of velocities.
+/// Fast motion too: the terms with squares of velocities.
 #[test]
 fn accelerations_are_those_of_the_full_mechanism() {
     for entry in both() {
@@ -245,7 +248,7 @@ fn eigenfrequencies_are_those_of_the_full_mechanism() {
     let at = layout.state_at_rest();
     let motion = at.motion(&[]);
     let mut spring = StripSpring {
-        marker: Box::new(reduced.strip()),
+        marker: Box::new(reduced.strip_marker()),
         stiffness: 5e4,
         height: 4.945,
     };
@@ -265,7 +268,7 @@ fn eigenfrequencies_are_those_of_the_full_mechanism() {
     }
 }
 
-/// A strip that is pushed sideways and pressed down beside its middle: the joints carry it.
+/// Strip pushed sideways and pressed down beside the middle: the joints bear the load.
 #[test]
 fn lateral_forces_and_rolling_moments_move_nothing() {
     let run = |one_motion: bool, u: [f64; 4], h: f64| {
@@ -360,7 +363,7 @@ fn force_and_height_of_an_equilibrium_belong_together() {
     for height in [4.85, 4.945, 5.2] {
         let at_height = reduced.equilibrium_at_height(height).unwrap();
         let at_force = reduced.equilibrium_at_force(at_height.force).unwrap();
-        // Rounding of the forces over the 15 to 25 N/m that the mechanism has there.
+        // Rounding of the forces over the stiffness of 15 to 25 N/m of the mechanism there.
         assert!((at_force.height - height).abs() < 1e-8, "{height}: {}", at_force.height);
     }
 }

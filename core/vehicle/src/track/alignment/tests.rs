@@ -15,7 +15,7 @@ fn curve(direction: Direction) -> Curve {
     }
 }
 
-/// In the world.
+/// Point in the world.
 impl Alignment {
     fn at(&self, s: f64) -> RailFrame {
         self.seen_from(s, 0.0)
@@ -48,7 +48,7 @@ fn clothoid(length: f64, square: f64) -> [f64; 2] {
 fn before_its_first_curve_the_track_is_the_x_axis() {
     for s in [-300.0, 0.0, 46.9] {
         let frame = left().at(s);
-        assert!((frame.position - Vector3::new(s, 0.0, 0.0)).norm() < 1e-12); // rounding of a sum of 300 pieces
+        assert!((frame.position - Vector3::new(s, 0.0, 0.0)).norm() < 1e-12); // rounding of a sum of 300 intervals
         assert_eq!(frame.axes, Matrix3::identity());
         assert_eq!(frame.direction, Vector3::x());
         assert_eq!([frame.bend, frame.turn, frame.turn_rate], [Vector3::zeros(); 3]);

@@ -1,10 +1,10 @@
-//! Numbers that carry their derivatives by what a creep force depends on.
+//! Numbers with their derivatives by the arguments of a creep force.
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// Number of quantities a creep force depends on: ξ_x, ξ_y, φ, a, b, N.
+/// Number of arguments of a creep force: ξ_x, ξ_y, φ, a, b, N.
 pub(super) const INPUTS: usize = 6;
 
-/// A value and its derivatives: the tangent of a creep law follows from the law by the chain rule, step by step.
+/// Value and derivatives: the tangent of a creep law follows from the law by the chain rule, step by step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Dual {
     pub value: f64,
@@ -19,7 +19,7 @@ impl Dual {
         }
     }
 
-    /// The input with the given number.
+    /// Input with the given number.
     pub fn input(value: f64, number: usize) -> Self {
         let mut input = Self::constant(value);
         input.slopes[number] = 1.0;
@@ -34,7 +34,7 @@ impl Dual {
         }
     }
 
-    /// Square root; its derivative counts as zero at zero.
+    /// Square root; the derivative counts as zero at zero.
     pub fn sqrt(self) -> Self {
         let root = self.value.sqrt();
         self.map(root, if root > 0.0 { 0.5 / root } else { 0.0 })

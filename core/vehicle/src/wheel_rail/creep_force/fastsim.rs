@@ -12,10 +12,10 @@ pub struct Fastsim {
     pub cells: usize,
 }
 
-/// Numbers on which the tractions depend, see [`Fastsim::forces`].
+/// Number of arguments of the tractions, see [`Fastsim::forces`].
 const NUMBERS: usize = 4;
 
-/// A traction component and its derivatives by these numbers.
+/// Traction component and the derivatives by these arguments.
 type Component = [f64; 1 + NUMBERS];
 
 impl Fastsim {
@@ -25,8 +25,8 @@ impl Fastsim {
     /// |p| ≤ 2 μN/(π a b) (1 − x²/a² − y²/b²), scaled back where it is more          [Kalker 1982]
     /// ```
     ///
-    /// In units of the largest bound and of the semi-axes the tractions depend on four numbers only: the slopes of the tractions
-    /// by the two creepages and by the spin across and along.
+    /// In units of the largest bound and of the semi-axes the tractions depend on four numbers only: the slopes of the
+    /// tractions by the two creepages and by the spin across and along.
     pub(super) fn forces(self, inputs: &Inputs) -> [Dual; 3] {
         let [x, y, spin] = inputs.creepage;
         let [c11, c22, c23] = inputs.coefficients;
@@ -89,7 +89,7 @@ impl Fastsim {
     }
 }
 
-/// Scales a traction back to the bound where it is more.
+/// Scales a traction beyond the bound back to the bound.
 fn limit(traction: &mut [Component; 2], bound: f64) {
     let [px, py] = traction;
     let size = px[0].hypot(py[0]);
@@ -98,7 +98,7 @@ fn limit(traction: &mut [Component; 2], bound: f64) {
     }
     let direction = [px[0] / size, py[0] / size];
     for k in 1..1 + NUMBERS {
-        // Only the part across the traction is left of its change.
+        // Only the part across the traction remains of the change.
         let across = (direction[0] * py[k] - direction[1] * px[k]) * bound / size;
         (px[k], py[k]) = (-direction[1] * across, direction[0] * across);
     }

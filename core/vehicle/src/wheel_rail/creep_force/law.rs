@@ -3,9 +3,9 @@ use super::dual::{Dual, INPUTS};
 use super::{Fastsim, polach, saturated};
 use crate::wheel_rail::{Creepage, KalkerCoefficients};
 
-/// How creepages make tangential forces.
+/// Law from creepages to tangential forces.
 ///
-/// The thesis does not say which creep law it uses (its section 4.1 ends with the contact points), so none is a default here.
+/// The thesis names no creep law (section 4.1 ends with the contact points), so there is no default here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CreepLaw {
     /// No tangential force.
@@ -18,7 +18,7 @@ pub enum CreepLaw {
     Polach,
 }
 
-/// A contact ellipse with its load, as a creep law sees it.
+/// Contact ellipse with load, as seen by a creep law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
     /// Semi-axis along the rolling direction, m.
@@ -38,7 +38,7 @@ pub struct CreepForce {
     pub slopes: [[f64; INPUTS]; 3],
 }
 
-/// What the laws work with.
+/// Arguments of the laws.
 pub(super) struct Inputs {
     /// ξ_x, ξ_y, φ.
     pub creepage: [Dual; 3],
@@ -60,12 +60,12 @@ pub struct CreepModel {
     pub friction: f64,
     /// Shear modulus G, Pa.
     pub shear_modulus: f64,
-    /// For the material's Poisson's ratio.
+    /// Coefficients for the material's Poisson's ratio.
     pub coefficients: KalkerCoefficients,
 }
 
 impl CreepModel {
-    /// The force that the rail exerts on the wheel, in the directions of the creepages.
+    /// Force of the rail on the wheel, in the directions of the creepages.
     #[must_use]
     pub fn force(&self, creepage: &Creepage, patch: &Patch) -> CreepForce {
         let none = CreepForce {

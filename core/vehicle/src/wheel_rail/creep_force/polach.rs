@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 /// ε_M = (8/3) G b √(a b) C₂₃ s_y/(μN (1 + 6.3 (1 − e^{−a/b})))                                  [Polach 1999]
 /// ```
 ///
-/// There is no moment. Without spin, and for small creepages, the forces are those of Kalker's linear theory.
+/// No moment. Without spin, and for small creepages, the forces are those of Kalker's linear theory.
 pub(super) fn forces(inputs: &Inputs) -> [Dual; 3] {
     let [x, y, spin] = inputs.creepage;
     let [c11, c22, c23] = inputs.coefficients;
@@ -25,7 +25,7 @@ pub(super) fn forces(inputs: &Inputs) -> [Dual; 3] {
     };
     let total = (x * x + lateral * lateral).sqrt();
     if total.value == 0.0 {
-        // The tangent at rest is the linear theory's.
+        // The tangent at rest is that of the linear theory.
         let [at_rest_x, at_rest_y, _] = super::saturated::forces(inputs);
         return [at_rest_x, at_rest_y, Dual::constant(0.0)];
     }

@@ -8,8 +8,8 @@ use super::law::Inputs;
 /// |T| → μN (τ − τ²/3 + τ³/27) with τ = |T|/(μN) up to 3, μN beyond                 [Shen, Hedrick & Elkins 1983]
 /// ```
 ///
-/// The moment of the spin itself, −f₃₃ φ, is left out: C33 is not in the table and its part in a wheelset's yaw moment is that of
-/// the patch's width to the gauge, squared. The moment is reduced as the force.
+/// The moment of the spin, −f₃₃ φ, is left out: the table lacks C33, and the part of this moment in a wheelset's yaw
+/// moment is that of the patch's width to the gauge, squared. The moment is reduced as the force.
 pub(super) fn forces(inputs: &Inputs) -> [Dual; 3] {
     let area = inputs.along * inputs.across * inputs.shear_modulus;
     let lever = (inputs.along * inputs.across).sqrt();

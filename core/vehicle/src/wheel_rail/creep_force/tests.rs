@@ -74,7 +74,8 @@ fn large_creepages_reach_the_friction_limit_and_oppose_the_sliding() {
         let [x, y, _] = forces(law, creepage(0.4, -0.3, 0.0));
         // Polach's arc tangent ends as 1/ε², FASTSIM's grid takes part of the edge.
         assert!((x.hypot(y) / limit - 1.0).abs() < tolerance, "{law:?} {x} {y}");
-        // The saturated linear theory keeps the direction of the linear force, FASTSIM that of its tractions near the edge.
+        // The saturated linear theory keeps the direction of the linear force, FASTSIM that of its tractions near the
+        // edge.
         let across = (0.6 * x + 0.8 * y) / limit;
         let most = if law == CreepLaw::Polach { tolerance } else { 0.05 };
         assert!(x < 0.0 && y > 0.0 && across.abs() < most, "{law:?} {across}");
@@ -95,7 +96,8 @@ fn fastsim_never_exceeds_the_friction_limit() {
     }
 }
 
-/// CONTACT's example `fastsim`: ξ_y = −6.25e-4, φ = 0.625/m. [eve70a/CONTACT, examples/fastsim.ref_out, cases 1, 2 and 5]
+/// CONTACT's example `fastsim`: ξ_y = −6.25e-4, φ = 0.625/m. [eve70a/CONTACT, examples/fastsim.ref_out, cases 1, 2 and
+/// 5]
 #[test]
 fn fastsim_departs_from_the_exact_theory_as_published() {
     let exact = -14_940.0;
@@ -123,9 +125,9 @@ fn fastsim_departs_from_the_exact_theory_as_published() {
     assert!((y / simplified - 1.0).abs() < 3e-3, "{y}");
     // Strips that mirror each other: rounding.
     assert!(x.abs() < 1e-6, "{x}");
-    // Up to 10 % with spin [Kalker 1990, section 2.2.3]; 5.8 % in this case.
+    // Less than the largest error with spin [Kalker 1990, section 2.2.3].
     assert!((y / exact - 1.0).abs() < 0.07, "{y}");
-    // The interpolated coefficients depart from those by 1.3, 1.6 and −0.3 %.
+    // Interpolation of the coefficients.
     let [_, interpolated, _] = forces(FINE, creepage(0.0, -6.25e-4, 0.625));
     assert!((interpolated / y - 1.0).abs() < 0.02, "{interpolated}");
     println!("FASTSIM {y:.0} N, CONTACT {exact} N, FASTSIM of CONTACT {simplified} N");

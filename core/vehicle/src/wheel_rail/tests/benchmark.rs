@@ -10,23 +10,23 @@ const RIGHT: &str = include_str!("../../../../../tests/data/manchester_contact/a
 const LOAD: f64 = 10e3;
 
 /// A row of the benchmark in our axes (y left, z up, force on the wheel), m, rad, N, Pa.
-struct Row {
+struct BenchmarkRow {
     /// Lateral displacement to the right, mm, as tabulated.
     shift: f64,
     up: f64,
     roll: f64,
     yaw: f64,
     spin: f64,
-    /// Of the contact.
+    /// Position of the contact.
     y: f64,
     angle: f64,
     normal_force: f64,
-    /// On the patch, along and across.
+    /// Forces on the patch, along and across.
     tangential: [f64; 2],
     pressure: f64,
 }
 
-impl Row {
+impl BenchmarkRow {
     fn read(text: &str) -> Vec<Self> {
         rows(text)
             .map(|row| Self {
@@ -62,8 +62,8 @@ fn angle(contact: &WheelContact) -> f64 {
     (-contact.point.normal.y).atan2(contact.point.normal.z)
 }
 
-/// The reference location of CONTACT: the mean of y and of the inclination of the rail over the area where the undeformed
-/// surfaces overlap, weighted with the square of the overlap. [eve70a/CONTACT, src/m_wr_locatecp.f90]
+/// The reference location of CONTACT: the mean of y and of the inclination of the rail over the area where the
+/// undeformed surfaces overlap, weighted with the square of the overlap. [eve70a/CONTACT, src/m_wr_locatecp.f90]
 ///
 /// The overlap is a parabola along the rail, of which the integral of the square goes with δ^{5/2}.
 fn weighted_location(set: &Wheelset, state: &State, wheel: usize) -> [f64; 2] {
@@ -96,7 +96,7 @@ fn weighted_location(set: &Wheelset, state: &State, wheel: usize) -> [f64; 2] {
 #[test]
 fn a22_left_wheel_touches_where_contact_says() {
     let mut listed = 0;
-    for row in Row::read(LEFT) {
+    for row in BenchmarkRow::read(LEFT) {
         let (set, state, contacts) = row.place(0);
         let normal: f64 = contacts.iter().map(|contact| contact.normal_force).sum();
         assert!(
@@ -104,8 +104,9 @@ fn a22_left_wheel_touches_where_contact_says() {
             "{} mm: {normal} N",
             row.shift
         ); // as asked
-        assert!((state.q[2] - row.up).abs() < 5e-6, "{} mm: z {}", row.shift, state.q[2]); // Hertz for a patch that is no ellipse
-        // With the definition that the reference has of its location, at its height; asked are 0.5 mm and 1 mrad.
+        // Hertz for a patch that is no ellipse.
+        assert!((state.q[2] - row.up).abs() < 5e-6, "{} mm: z {}", row.shift, state.q[2]);
+        // Definition of location of the reference, at the height of the reference; required are 0.5 mm and 1 mrad.
         let there = set.placed(-1e-3 * row.shift, row.up, row.roll, row.yaw);
         let [y, inclination] = weighted_location(&set, &there, 0);
         println!(
@@ -123,7 +124,7 @@ fn a22_left_wheel_touches_where_contact_says() {
             row.shift,
             row.angle
         );
-        // The point of largest overlap, where there is one only.
+        // Point of largest overlap, if there is only one.
         if let [contact] = contacts[..] {
             let y = state.q[1] + contact.point.lever.y;
             assert!((y - row.y).abs() < 0.5e-3, "{} mm: y {y}, {}", row.shift, row.y); // as asked
@@ -152,12 +153,12 @@ fn a22_left_wheel_touches_where_contact_says() {
 fn a22_creep_forces_are_those_of_the_exact_theory_to_the_error_of_fastsim() {
     let mut worst = 0.0_f64;
     for (wheel, text) in [LEFT, RIGHT].into_iter().enumerate() {
-        for row in Row::read(text) {
+        for row in BenchmarkRow::read(text) {
             let (_, _, contacts) = row.place(wheel);
             let [contact] = contacts[..] else {
                 continue;
             };
-            // Where the overlap of the right wheel is one patch with a point of largest overlap at its end.
+            // Overlap of the right wheel in one patch with a point of largest overlap at the end.
             if wheel == 1 && row.shift < 1.5 {
                 continue;
             }
@@ -173,7 +174,7 @@ fn a22_creep_forces_are_those_of_the_exact_theory_to_the_error_of_fastsim() {
 #[test]
 fn a22_right_wheel_climbs_from_the_tread_to_the_flange() {
     let mut places = Vec::new();
-    for row in Row::read(RIGHT) {
+    for row in BenchmarkRow::read(RIGHT) {
         let (_, state, contacts) = row.place(1);
         for contact in &contacts {
             let y = state.q[1] + contact.point.lever.y;

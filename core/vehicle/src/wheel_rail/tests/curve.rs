@@ -57,9 +57,9 @@ fn a_free_wheelset_rolls_on_the_line_where_its_radii_take_it_round_the_curve() {
         }
     }
     let mean = sum / (end - arc) as f64;
-    // Pure rolling: r₁/r₂ = (R + e)/(R − e) with half the distance e of the contacts, y = r e/(γ R) [Wickens, Fundamentals of Rail
-    // Vehicle Dynamics, 2003]. The radii differ by 2 γ y (e + R γ)/(e − r γ) for
-    // a displacement y on round rails, see the test of Klingel's wave.
+    // Pure rolling: r₁/r₂ = (R + e)/(R − e) with half the distance e of the contacts, y = r e/(γ R) [Wickens,
+    // Fundamentals of Rail Vehicle Dynamics, 2003]. The radii differ by 2 γ y (e + R γ)/(e − r γ) for a displacement y
+    // on round rails, see the test of Klingel's wave.
     let plain = -rolling * half / (cone * radius);
     let exact = plain * (half - rolling * cone) / (half + rail * cone);
     println!(

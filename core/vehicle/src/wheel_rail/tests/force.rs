@@ -29,8 +29,8 @@ fn moving(law: CreepLaw, left: f64) -> (Wheelset, State) {
     (set, state)
 }
 
-/// The tangent of a contact is compared with central differences over 10 nm and 20 µm/s: the penetration is some 30 µm, so that
-/// h² is 1e-8; rounding of 1e-16 m of it by h is the same.
+/// The tangent of a contact is compared with central differences over 10 nm and 20 µm/s: the penetration is some 30 µm,
+/// so that h² is 1e-8; rounding of 1e-16 m of it by h is the same.
 pub(super) fn assert_tangent(wheel: &mut WheelRail, layout: &Layout, state: &State) {
     let n = layout.coordinates();
     let h = 1e-8;
@@ -190,7 +190,7 @@ fn a_restored_search_repeats_bit_for_bit() {
     wheel.save(&mut saved);
     let moved_state = moved(&set.layout, &state, 1, 2e-5);
     let first = force(wheel, &moved_state.motion(&[]));
-    // A search that has been elsewhere.
+    // Search at another position before.
     wheel.begin_step(&other_state(&state).motion(&[]), 1e-3);
     wheel.restore(&mut saved.iter());
     assert_eq!(force(wheel, &moved_state.motion(&[])), first);

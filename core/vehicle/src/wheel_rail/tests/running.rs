@@ -1,14 +1,14 @@
 //! A free wheelset on straight track.
 use super::support::{Design, Wheelset, cone, round_rail};
 use crate::multibody::RigidBody;
-use crate::train::CurveInertia;
+use crate::rail_vehicle::CurveInertia;
 use crate::wheel_rail::{CreepLaw, WheelContact, WheelRail};
 use dynamics::{Force, Jacobian, Layout, NewtonOptions, Simulator, State, StaticOptions, System};
 
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
-/// Of the wheelset, N.
+/// Weight of the wheelset, N.
 pub(super) const WEIGHT: f64 = 20e3;
 
 pub(super) struct Rig {
@@ -39,7 +39,7 @@ pub(super) fn rig(design: &Design) -> Rig {
     rig_of(design, WEIGHT)
 }
 
-/// The same of another weight (N).
+/// Same wheelset of another weight (N).
 fn rig_of(design: &Design, weight: f64) -> Rig {
     let Wheelset { layout, pose, wheels } = Design {
         spin: 0.0,
@@ -114,9 +114,10 @@ fn a_conical_wheelset_runs_in_klingels_wave() {
     let record = hunting(&design, 2e-4, 20.0, step);
     let times = crossings(&record, step);
     let length = design.speed * (times[3] - times[1]);
-    // Klingel: 2π √(r e/γ) with half the distance e of the contacts, here on round rails of radius R. The lateral displacement y
-    // rolls the wheelset by φ = γ y/(e − r γ) and moves the contacts on the wheels by y + (R + r) φ, so that the radii differ by
-    // 2 γ y (e + R γ)/(e − r γ). The wheels roll where they touch: y' + r φ' = ψ, which gives the factor e/(e − r γ) on y'.
+    // Klingel: 2π √(r e/γ) with half the distance e of the contacts, here on round rails of radius R. The lateral
+    // displacement y rolls the wheelset by φ = γ y/(e − r γ) and moves the contacts on the wheels by y + (R + r) φ, so
+    // that the radii differ by 2 γ y (e + R γ)/(e − r γ). The wheels roll where they touch: y' + r φ' = ψ, which gives
+    // the factor e/(e − r γ) on y'.
     let (cone, rail) = (0.05, 0.3);
     let half = design.rail_distance - rail * cone;
     let radius = design.radius - cone * (half - design.distance);
@@ -152,7 +153,8 @@ fn displaced(design: &Design, weight: f64, left: f64) -> Simulator<Rig> {
     simulator
 }
 
-/// Difference of the rolling radii (m) and roll angle of a wheelset of a weight (N) in static balance at a lateral displacement.
+/// Difference of the rolling radii (m) and roll angle of a wheelset of a weight (N) in static balance at a lateral
+/// displacement.
 fn rolling(design: &Design, weight: f64, left: f64) -> [f64; 2] {
     let mut simulator = displaced(design, weight, left);
     let roll = dynamics::rotation::log(&simulator.state().rotation[0]).x;
@@ -172,8 +174,9 @@ fn rolling(design: &Design, weight: f64, left: f64) -> [f64; 2] {
     [radius(&rig.wheels[0]) - radius(&rig.wheels[1]), roll]
 }
 
-/// Length of the wave (m) of a wheelset of a weight (N) that rolls without sliding, from an amplitude (m) to the middle four times:
-/// `y' + r φ'(y) = ψ`, `ψ' = −Δr(y)/(2 e r)`, with Δr and φ of static positions; `y' = ψ` where it is not to `roll`.
+/// Length of the wave (m) of a wheelset of a weight (N) that rolls without sliding, from an amplitude (m) to the middle
+/// four times: `y' + r φ'(y) = ψ`, `ψ' = −Δr(y)/(2 e r)`, with Δr and φ of static positions; `y' = ψ` where it is not
+/// to `roll`.
 fn kinematic_wave(design: &Design, weight: f64, amplitude: f64, roll: bool) -> f64 {
     const ENTRIES: usize = 60;
     let spacing = amplitude / ENTRIES as f64;
@@ -232,14 +235,15 @@ fn a_wheelset_with_the_profile_s1002_runs_in_the_wave_of_its_rolling_radii() {
 /// Weight of a wheelset whose profiles are rigid, N: an approach of 2 µm.
 const NEXT_TO_NONE: f64 = 10.0;
 
-/// Equivalent conicity of a wheelset at an amplitude (m), of rigid profiles: those of next to no weight. It is the slope of the cone whose
-/// wave is as long as that of `y'' = −Δr(y)/(2 e r)` from the amplitude on [EN 15302, UIC 519].
+/// Equivalent conicity of a wheelset at an amplitude (m), of rigid profiles: those of next to no weight. It is the
+/// slope of the cone whose wave is as long as that of `y'' = −Δr(y)/(2 e r)` from the amplitude on [EN 15302, UIC 519].
 fn equivalent_conicity(design: &Design, amplitude: f64) -> f64 {
     let length = kinematic_wave(design, NEXT_TO_NONE, amplitude, false);
     design.distance * design.radius * (2.0 * PI / length).powi(2)
 }
 
-/// Length (m) and amplitude (m) of the first wave of a wheelset that is let go at a lateral displacement (m), rolling freely.
+/// Length (m) and amplitude (m) of the first wave of a wheelset that is let go at a lateral displacement (m), rolling
+/// freely.
 fn let_go(design: &Design, left: f64) -> [f64; 2] {
     let step = 1e-3;
     let mut state = displaced(design, WEIGHT, left).state().clone();
@@ -285,8 +289,8 @@ fn thesis() -> Design {
     }
 }
 
-/// A wave as simulated (m), that of the equivalent conicity at its amplitude, the same where the roll of the wheelset counts, and this on
-/// loaded profiles.
+/// A wave as simulated (m), that of the equivalent conicity at its amplitude, the same where the roll of the wheelset
+/// counts, and this on loaded profiles.
 fn waves(design: &Design, left: f64) -> [f64; 4] {
     let [length, amplitude] = let_go(design, left);
     let conicity = equivalent_conicity(design, amplitude);
@@ -294,7 +298,8 @@ fn waves(design: &Design, left: f64) -> [f64; 4] {
     let rolling = kinematic_wave(design, NEXT_TO_NONE, amplitude, true);
     let loaded = kinematic_wave(design, WEIGHT, amplitude, true);
     println!(
-        "amplitude {:.3} mm: {length:.3} m; conicity {conicity:.4}: {formula:.3} m; with roll {rolling:.3} m, loaded {loaded:.3} m",
+        "amplitude {:.3} mm: {length:.3} m; conicity {conicity:.4}: {formula:.3} m; with roll {rolling:.3} m, \
+         loaded {loaded:.3} m",
         1e3 * amplitude
     );
     [length, formula, rolling, loaded]
@@ -310,9 +315,10 @@ fn the_profiles_of_the_thesis_scene_run_in_the_wave_of_their_equivalent_conicity
     }
 }
 
-/// The definition leaves out the roll of the wheelset: a wheel that rolls follows `y' + r φ' = ψ`, which lengthens the wave by
-/// `√(1 + r dφ/dy)`: 1.4 % on these profiles, where the wheelset rolls by 60 mrad per metre. Below an amplitude of 1 mm the contacts jump
-/// between two places of tread and rail within some tenths of a millimetre, and the force, not the position, says where the wheel rolls.
+/// The definition leaves out the roll of the wheelset: a rolling wheel follows `y' + r φ' = ψ`, which lengthens the
+/// wave by `√(1 + r dφ/dy)`, as the wheelset rolls by 60 mrad per metre on these profiles. Below an amplitude of 1 mm
+/// the contacts jump between two places of tread and rail within some tenths of a millimetre, and the force, not the
+/// position, decides the rolling radius.
 #[test]
 fn s1002_on_uic60_runs_in_the_wave_of_its_equivalent_conicity_and_of_its_roll() {
     let design = Design {

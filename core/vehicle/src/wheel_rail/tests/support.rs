@@ -106,19 +106,19 @@ pub struct Wheelset {
     pub wheels: [WheelRail; 2],
 }
 
-/// What a wheelset is made of.
+/// Parts of a wheelset.
 #[derive(Clone)]
 pub struct Design {
     pub wheel: Arc<Profile>,
     pub rail: Arc<Profile>,
     /// Nominal radius, m.
     pub radius: f64,
-    /// From the middle to the nominal rolling circle, m.
+    /// Distance from the middle to the nominal rolling circle, m.
     pub distance: f64,
-    /// From the middle of the track to the origin of the rail's profile, m.
+    /// Distance from the middle of the track to the origin of the rail's profile, m.
     pub rail_distance: f64,
     pub speed: f64,
-    /// Of the wheelset, rad/s, beyond that of the body.
+    /// Spin of the wheelset, rad/s, beyond that of the body.
     pub spin: f64,
     pub law: CreepLaw,
     pub friction: f64,
@@ -144,8 +144,8 @@ impl RailLine for Beside {
 }
 
 impl Design {
-    /// Wheelset and track of the Manchester contact benchmark: gauge 1435 mm, 14 mm below the top, back to back 1360 mm with the
-    /// nominal rolling circle 70 mm from the back, radius 460 mm.
+    /// Wheelset and track of the Manchester contact benchmark: gauge 1435 mm, 14 mm below the top, back to back 1360 mm
+    /// with the nominal rolling circle 70 mm from the back, radius 460 mm.
     pub fn manchester() -> Self {
         let rail = uic60();
         Self {
@@ -237,7 +237,7 @@ impl Wheelset {
         state
     }
 
-    /// As [`Wheelset::placed`], as high as it takes for the vertical force `load` (N) on one wheel.
+    /// Position as [`Wheelset::placed`], at the height with the vertical force `load` (N) on one wheel.
     pub fn loaded(&self, wheel: usize, load: f64, left: f64, roll: f64, yaw: f64) -> State {
         let enough = |up: f64| {
             let state = self.placed(left, up, roll, yaw);

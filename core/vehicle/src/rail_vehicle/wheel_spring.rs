@@ -6,15 +6,15 @@ use dynamics::{Blocks, Columns, Force, Marker, Motion, Power, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// The contact of one wheel with a rail, linearised about a load: a vertical spring–damper between the wheel's axle and the
-/// height of the rail under it.
+/// The contact of one wheel with a rail, linearised about a load: a vertical spring–damper between the wheel's axle and
+/// the height of the rail under it.
 ///
 /// ```text
 /// F = k (ζ − w) + c (ζ̇ − ẇ),    ζ(t) = ζ_rail(x₀ + v t)
 /// ```
 ///
-/// `w` is the rise of the axle, `ζ` that of the rail where the wheel would be in undisturbed travel, so that ζ is a function of
-/// time alone. It pulls where a wheel would lift off.
+/// `w` is the rise of the axle, `ζ` the rise of the rail at the wheel's position in undisturbed travel, so that ζ is a
+/// function of time alone. The spring pulls on a wheel that would lift off.
 #[derive(Clone, Debug)]
 pub struct WheelSpring {
     pair: Pair,
@@ -29,7 +29,8 @@ pub struct WheelSpring {
 impl WheelSpring {
     const RISE: Measure = Measure::Point(2);
 
-    /// The wheel whose axle is at `axle` (m, frame of the base) in the reference position. `stiffness` in N/m, `damping` in N·s/m.
+    /// Wheel with the axle at `axle` (m, frame of the base) in the reference position. `stiffness` in N/m, `damping` in
+    /// N·s/m.
     #[must_use]
     pub fn new(
         wheelset: BodyMarker,

@@ -13,15 +13,15 @@ pub(super) fn full(scene: &Scene, shape: Option<&TrackShape>) -> Alone {
         speed: scene.run.speed,
         ..BASE
     };
-    let train = Train::full(entry, (rails, shape), base, 9.81, "vehicle", &mut layout).unwrap();
-    Alone { layout, train }
+    let vehicle = Vehicle::full(entry, (rails, shape), base, 9.81, "vehicle", &mut layout).unwrap();
+    Alone { layout, vehicle }
 }
 
 /// The vehicle at rest in its frame, its wheelsets rolling freely.
 pub(super) fn rolling(alone: &mut Alone) -> State {
     let mut state = alone.layout.state_at_rest();
-    let rest = alone.train.rest(&alone.layout, &mut state, &[]).unwrap();
-    alone.train.set_rest(&rest, &mut state);
+    let rest = alone.vehicle.rest(&alone.layout, &mut state, &[]).unwrap();
+    alone.vehicle.set_rest(&rest, &mut state);
     state
 }
 
@@ -29,8 +29,9 @@ pub(super) fn rolling(alone: &mut Alone) -> State {
 fn each_rolling_wheel_bears_an_eighth_of_the_weight_at_rest() {
     let mut alone = full(&full_scene(&[]), None);
     let state = rolling(&mut alone);
-    for load in alone.train.wheel_loads(&state.motion(&[])) {
-        // Residuals of 1e-5 N; what holds the speed against the rolling resistance of the spin lifts the front by 1e-4 N.
+    for load in alone.vehicle.wheel_loads(&state.motion(&[])) {
+        // Residuals of 1e-5 N; what holds the speed against the rolling resistance of the spin lifts the front by 1e-4
+        // N.
         assert!((load - 43_052.0 * 9.81 / 8.0).abs() < 1e-3, "{load}");
     }
     // Bearings and contacts give way, no spring does.
@@ -56,10 +57,10 @@ fn on_rails_that_lie_elsewhere_the_vehicle_rests_there() {
         let shape = TrackShape::new(scene.track.as_deref().unwrap(), reach);
         let [mut level, mut lower] = [full(&full_scene(&[]), None), full(&scene, shape.as_ref())];
         let [before, after] = [rolling(&mut level), rolling(&mut lower)];
-        let sunk = level.train.base_frame(&before.motion(&[])).position.z
-            - lower.train.base_frame(&after.motion(&[])).position.z;
+        let sunk = level.vehicle.base_frame(&before.motion(&[])).position.z
+            - lower.vehicle.base_frame(&after.motion(&[])).position.z;
         assert!((sunk - drop).abs() < 2e-6, "{drop} m, {aslant} m: {sunk} m");
-        let weight: f64 = lower.train.wheel_loads(&after.motion(&[])).sum();
+        let weight: f64 = lower.vehicle.wheel_loads(&after.motion(&[])).sum();
         assert!((weight / (43_052.0 * 9.81) - 1.0).abs() < 1e-6, "{weight} N");
     }
 }
@@ -69,21 +70,22 @@ fn a_rolling_vehicle_on_smooth_track_goes_on_rolling() {
     let mut alone = full(&full_scene(&[]), None);
     let state = rolling(&mut alone);
     let start = state.clone();
-    let loads: Vec<f64> = alone.train.wheel_loads(&state.motion(&[])).collect();
+    let loads: Vec<f64> = alone.vehicle.wheel_loads(&state.motion(&[])).collect();
     let mut simulator = Simulator::new(alone, state, Vec::new(), 1e-3, 0.9, NewtonOptions::default());
     let (mut largest, mut change) = (0.0_f64, 0.0_f64);
     simulator
         .advance(0.0, 2.0, &mut |_, _| (), &mut |alone, motion, _, _| {
-            let base = alone.train.base_frame(&motion);
+            let base = alone.vehicle.base_frame(&motion);
             largest = largest.max(base.velocity.norm());
-            for (i, load) in alone.train.wheel_loads(&motion).enumerate() {
+            for (i, load) in alone.vehicle.wheel_loads(&motion).enumerate() {
                 change = change.max((load - loads[i]).abs());
             }
         })
         .unwrap();
     let moved = alone_moved(&start, simulator.state());
     println!("{largest} m/s, {moved} m, {change} N");
-    // Residuals of statics and steps, 1e-5 N to 1e-3 N, on springs of 1e6 N/m and 43 t; creep forces that statics leave out would be 30 N.
+    // Residuals of statics and steps, 1e-5 N to 1e-3 N, on springs of 1e6 N/m and 43 t; creep forces that statics leave
+    // out would be 30 N.
     assert!(largest < 1e-7, "{largest} m/s");
     assert!(moved < 1e-8, "{moved} m");
     assert!(change < 2e-3, "{change} N");
@@ -94,7 +96,8 @@ fn alone_moved(a: &State, b: &State) -> f64 {
     (0..78).map(|i| (a.q[i] - b.q[i]).abs()).fold(0.0, f64::max)
 }
 
-/// Largest growth rate (1/s) of an oscillation about rolling at a speed (m/s), from the eigenvalues of the linearised system.
+/// Largest growth rate (1/s) of an oscillation about rolling at a speed (m/s), from the eigenvalues of the linearised
+/// system.
 fn hunting(speed: f64) -> f64 {
     let mut scene = full_scene(&[]);
     scene.run.speed = speed;
@@ -105,10 +108,10 @@ fn hunting(speed: f64) -> f64 {
     let tangent = |alone: &mut Alone, weights: dynamics::Weights| {
         dense(n, &mut |blocks| {
             alone
-                .train
+                .vehicle
                 .forces(&mut |force| force.add_tangent(&motion, weights, blocks));
             let mut first = 0;
-            for joint in &alone.train.joints {
+            for joint in &alone.vehicle.joints {
                 if weights.q != 0.0 {
                     joint.add_geometric_stiffness(&motion, &state.lambda[first..], blocks);
                 }
@@ -118,7 +121,9 @@ fn hunting(speed: f64) -> f64 {
     };
     let stiffness = tangent(&mut alone, dynamics::Weights { q: 1.0, v: 0.0 });
     let damping = tangent(&mut alone, dynamics::Weights { q: 0.0, v: 1.0 });
-    let mass = dense(n, &mut |blocks| alone.train.forces(&mut |force| force.add_mass(blocks)));
+    let mass = dense(n, &mut |blocks| {
+        alone.vehicle.forces(&mut |force| force.add_mass(blocks))
+    });
     let basis = free_motions(&alone, &state);
     let reduced = |matrix: DMatrix<f64>| basis.transpose() * matrix * &basis;
     let inverse = reduced(mass).try_inverse().unwrap();
@@ -142,7 +147,12 @@ fn simulated_growth(speed: f64) -> f64 {
     scene.run.speed = speed;
     let mut alone = full(&scene, None);
     let mut state = rolling(&mut alone);
-    let lateral: Vec<usize> = alone.train.spins.iter().map(|spin| spin.pose.translation + 1).collect();
+    let lateral: Vec<usize> = alone
+        .vehicle
+        .spins
+        .iter()
+        .map(|spin| spin.pose.translation + 1)
+        .collect();
     for &index in &lateral {
         state.v[index] = 1e-3;
     }
@@ -153,7 +163,7 @@ fn simulated_growth(speed: f64) -> f64 {
         .advance(0.0, 8.0, &mut |_, _| (), &mut |_, motion, _, h| {
             time += h;
             let square: f64 = lateral.iter().map(|&index| motion.q[index].powi(2)).sum();
-            // What other motions the push has made has died away in 2 s; then two windows of 3 s.
+            // Other motions excited by the push have died away in 2 s; then two windows of 3 s.
             if time > 2.0 {
                 squares[usize::from(time > 5.0)] += square * h;
             }
@@ -207,14 +217,14 @@ fn the_energy_of_a_full_run_on_rough_track_is_accounted_for() {
 fn the_tangent_of_a_spin_is_the_derivative_of_its_moments() {
     let mut alone = full(&full_scene(&[]), None);
     let state = awkward(&alone.layout);
-    assert_tangent(&mut alone.train.spins[1], &alone.layout, &state, &[]);
+    assert_tangent(&mut alone.vehicle.spins[1], &alone.layout, &state, &[]);
 }
 
 #[test]
 fn the_gyroscopic_moments_of_a_spin_do_no_work() {
     let mut alone = full(&full_scene(&[]), None);
     let state = awkward(&alone.layout);
-    let found = crate::check::force(&mut alone.train.spins[2], &state.motion(&[]));
+    let found = crate::check::force(&mut alone.vehicle.spins[2], &state.motion(&[]));
     let power: f64 = found.iter().zip(&state.v).map(|(force, v)| force * v).sum();
     let size: f64 = found.iter().zip(&state.v).map(|(force, v)| (force * v).abs()).sum();
     assert!(size > 1.0 && power.abs() < 1e-12 * size, "{power} of {size}");
@@ -226,20 +236,20 @@ fn sway_and_roll_are_those_of_a_car_body_on_its_springs() {
     let scene = full_scene(&[]);
     let entry = scene.vehicle.as_deref().unwrap().train().unwrap();
     let mut layout = Layout::new();
-    let train = Train::build(entry, None, BASE, 9.81, "vehicle", &mut layout, false).unwrap();
-    layout.fix(train.carrier.pose.translation);
-    for (body, name) in train.bodies.iter().zip(&train.names) {
+    let vehicle = Vehicle::build(entry, None, BASE, 9.81, "vehicle", &mut layout, false).unwrap();
+    layout.fix(vehicle.pantograph_base.pose.translation);
+    for (body, name) in vehicle.bodies.iter().zip(&vehicle.names) {
         if name.starts_with("wheelset") {
             layout.fix(body.pose.translation + 1);
             layout.fix(body.pose.rotation + 1);
             layout.fix(body.pose.rotation + 2);
         }
     }
-    let mut alone = Alone { layout, train };
+    let mut alone = Alone { layout, vehicle };
     let mut state = alone.layout.state_at_rest();
-    alone.train.rest(&alone.layout, &mut state, &[]).unwrap();
+    alone.vehicle.rest(&alone.layout, &mut state, &[]).unwrap();
     let found = modes(&mut alone, &state);
-    let car = alone.train.bodies()[0].pose;
+    let car = alone.vehicle.bodies()[0].pose;
     // Modes in which the car body moves sideways or rolls more than it does anything else.
     let sideways: Vec<f64> = (found.iter())
         .filter(|(omega, mode)| {
@@ -277,7 +287,7 @@ fn sway_and_roll_are_those_of_a_car_body_on_its_springs() {
         let nearest = (sideways.iter())
             .map(|omega| (omega / expected - 1.0).abs())
             .fold(f64::INFINITY, f64::min);
-        // 8 %: masses of the bogies, and that their springs do not lie in one plane.
+        // Left out: masses of the bogies, and the distance of the planes of their springs.
         assert!(nearest < 0.08, "{expected} rad/s among {sideways:?}");
     }
 }

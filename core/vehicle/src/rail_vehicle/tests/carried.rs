@@ -1,4 +1,4 @@
-//! Pantographs on what moves under them.
+//! Pantographs on moving bases: given motion and vehicle.
 use super::*;
 use crate::Subsystem;
 
@@ -61,7 +61,8 @@ fn on_smooth_track_under_a_constant_contact_force_nothing_moves() {
             strip = strip.max((now.2 - start.2).abs());
         }
         println!("wheel loads {load} N, base {base} m, strip {strip} m");
-        // Residuals of statics of 1e-5 N, on stiffnesses of 1e4 N/m and more. Creep forces that the start leaves out change loads by 30 N.
+        // Residuals of statics of 1e-5 N, on stiffnesses of 1e4 N/m and more. Creep forces that the start leaves out
+        // change loads by 30 N.
         assert!(load < 1e-3, "{load} N");
         assert!(base < 1e-9 && strip < 1e-9, "{base} m, {strip} m");
     }
@@ -137,7 +138,8 @@ fn the_strip_of_a_lumped_pantograph_answers_a_sinus_of_its_base_as_its_transfer_
 }
 
 /// 1.9 s on straight track and in the transition, then in the arc.
-const ARC: &str = "track.curve={ radius = 1200.0, direction = \"left\", cant = 0.15, start = 80.0, transition = 80.0, length = 400.0, \
+const ARC: &str = "track.curve={ radius = 1200.0, direction = \"left\", cant = 0.15, start = 80.0, \
+    transition = 80.0, length = 400.0, \
                    rounding = 6.0 }";
 
 #[test]
@@ -193,8 +195,8 @@ fn an_importer_may_set_what_a_curve_is_like() {
 
 #[test]
 fn a_linkage_on_a_given_motion_moves_as_on_the_vehicle_that_heaves_so() {
-    // Waves as long as the distance of the bogies, which rise and fall together, under a car body that does not pitch: a given motion has no
-    // pitch.
+    // Waves as long as the distance of the bogies, which rise and fall together, under a car body that does not pitch:
+    // a given motion has no pitch.
     let upright = "vehicle.bodies[1].inertia=[1e9, 1e9, 1e9]";
     let length = 13.8684 - 1.2954;
     let x: Vec<f64> = (0..400).map(|i| 60.0 + 0.5 * f64::from(i)).collect();
@@ -228,6 +230,6 @@ fn a_linkage_on_a_given_motion_moves_as_on_the_vehicle_that_heaves_so() {
     }
     let base = given.iter().fold(0.0_f64, |most, z| most.max((z - given[0]).abs()));
     println!("strip {travel} m, base {base} m, pitch {pitch}, difference {largest} m");
-    // What is left of the pitch, 0.04 mrad on the 0.55 m from base to strip and more by inertia.
+    // Remaining pitch, 0.04 mrad on the 0.55 m from base to strip and more by inertia.
     assert!(travel > 1e-3 && largest < 0.02 * travel, "{largest} of {travel}");
 }

@@ -1,6 +1,7 @@
 //! The one motion of a mechanism, tabulated.
 use super::plane::Plane;
 use crate::VehicleError;
+use crate::error::Irreducible;
 use nalgebra::DVector;
 
 /// A quantity and its first and second derivative with respect to the coordinate of the motion.
@@ -8,20 +9,20 @@ pub(super) type Jet = [f64; 3];
 
 /// Quantities along the motion of a mechanism: quintic Hermite polynomials between nodes at equal distances.
 ///
-/// The polynomials keep value, first and second derivative of the nodes. What is computed from them is that of one smooth
-/// mechanism that differs from the tabulated one by the sixth power of the distance.
+/// The polynomials keep value, first and second derivative of the nodes: all results are those of one smooth mechanism
+/// that differs from the tabulated mechanism by the sixth power of the node distance.
 #[derive(Clone, Debug)]
-pub(super) struct Curve<const N: usize> {
+pub(super) struct MotionCurve<const N: usize> {
     /// Coordinate of the first node, √kg·m.
     first: f64,
     last: f64,
     inverse_step: f64,
-    /// Of each interval between nodes.
+    /// Polynomials of each interval between nodes.
     intervals: Vec<[Quintic; N]>,
 }
 
-impl<const N: usize> Curve<N> {
-    /// A curve through at least two `nodes`.
+impl<const N: usize> MotionCurve<N> {
+    /// Motion through at least two `nodes`.
     pub fn new(first: f64, step: f64, nodes: &[[Jet; N]]) -> Self {
         let interval = |pair: &[[Jet; N]]| std::array::from_fn(|i| Quintic::new(pair[0][i], pair[1][i], step));
         Self {
@@ -37,7 +38,7 @@ impl<const N: usize> Curve<N> {
         (self.first, self.last)
     }
 
-    /// All quantities at `sigma`; not a number outside the range.
+    /// All quantities at `sigma`; NaN outside the range.
     pub fn at(&self, sigma: f64) -> [Jet; N] {
         if !(self.first..=self.last).contains(&sigma) {
             return [[f64::NAN; 3]; N];
@@ -55,7 +56,7 @@ impl<const N: usize> Curve<N> {
 struct Quintic([f64; 6]);
 
 impl Quintic {
-    /// From `a` at `x = 0` to `b` at `x = 1`, an interval of length `h`.
+    /// Polynomial from `a` at `x = 0` to `b` at `x = 1`, an interval of length `h`.
     fn new(a: Jet, b: Jet, h: f64) -> Self {
         let [a0, a1, a2] = [a[0], h * a[1], 0.5 * h * h * a[2]];
         let (d0, d1, d2) = (b[0] - a0 - a1 - a2, h * b[1] - a1 - 2.0 * a2, h * h * b[2] - 2.0 * a2);
@@ -69,7 +70,7 @@ impl Quintic {
         ])
     }
 
-    /// Value and derivatives with respect to the coordinate, of which `rate` is `dx/dσ`.
+    /// Value and derivatives with respect to the coordinate; `rate` is `dx/dσ`.
     fn at(&self, x: f64, rate: f64) -> Jet {
         let [c0, c1, c2, c3, c4, c5] = self.0;
         [
@@ -80,7 +81,7 @@ impl Quintic {
     }
 }
 
-/// One configuration on the curve with its derivatives.
+/// One configuration of the motion with derivatives.
 pub(super) struct Node {
     pub q: DVector<f64>,
     pub first: DVector<f64>,
@@ -98,18 +99,19 @@ pub(super) struct Path {
 /// Turn of the fastest body between nodes in the reference position, rad: between nodes joints stay closed to 1e-12 m.
 const TURN: f64 = 0.005;
 
-/// Turn of any body from the reference position where the table ends, rad.
+/// Turn of any body from the reference position at which the table ends, rad.
 const LONGEST_TURN: f64 = 1.2;
 
-/// Change of a body's turn per node, relative to the largest turn per node, beyond which the mechanism counts as singular.
+/// Change of a body's turn per node, relative to the largest turn per node, beyond which the mechanism counts as
+/// singular.
 const BEND: f64 = 0.1;
 
 /// Nodes to either side.
 const LONGEST: usize = 2000;
 
 impl Path {
-    /// The motion of `plane`, to both sides up to a singular position, [`LONGEST_TURN`], or where it `ends`; it goes in the
-    /// direction of growing `rise`, a function of the tangent.
+    /// Motion of `plane`, to both sides up to a singular position, [`LONGEST_TURN`], or the first node for which `ends`
+    /// holds, in the direction of growing `rise`, a function of the tangent.
     ///
     /// # Errors
     /// [`VehicleError::NotReducible`].
@@ -118,20 +120,15 @@ impl Path {
         rise: impl Fn(&DVector<f64>) -> f64,
         ends: impl Fn(&DVector<f64>) -> bool,
     ) -> Result<Self, VehicleError> {
-        let not_reducible = |reason: &str| VehicleError::NotReducible {
-            reason: reason.to_owned(),
-        };
-        // Every joint is one point of the tabulated position: it is closed there.
+        // Every joint is one point of the tabulated position, so that the joints are closed there.
         let q = plane.reference();
-        let mut tangent = plane
-            .start(&q)
-            .ok_or_else(|| not_reducible("it has several motions in the tabulated position"))?;
+        let mut tangent = plane.start(&q).ok_or(Irreducible::SeveralMotions)?;
         if rise(&tangent) < 0.0 {
             tangent = -tangent;
         }
         let step = TURN / largest_turn(&tangent);
         if !step.is_finite() {
-            return Err(not_reducible("no body turns"));
+            return Err(Irreducible::NoTurn.into());
         }
         let side = |sign: f64| {
             let mut nodes: Vec<Node> = Vec::new();
@@ -159,7 +156,7 @@ impl Path {
         nodes.extend(reference);
         nodes.extend(side(1.0));
         if before == 0 || nodes.len() < before + 2 {
-            return Err(not_reducible("its tabulated position is singular"));
+            return Err(Irreducible::Singular.into());
         }
         Ok(Self {
             first: -(before as f64) * step,

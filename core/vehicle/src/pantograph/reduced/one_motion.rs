@@ -1,22 +1,22 @@
-//! Where the strip of a reduced linkage is.
-use super::curve::{Curve, Jet};
+//! Strip of a reduced linkage as a function of the two coordinates.
+use super::curve::{Jet, MotionCurve};
 use super::plane::{Turn, quarter};
 use dynamics::{Columns, Frame, Marker, Motion};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use std::sync::Arc;
 
-/// What follows `σ`.
+/// Functions of `σ`.
 #[derive(Debug)]
 pub(super) struct OneMotion {
     /// `X`, `Z` (m), `φ` (rad), `V` (J).
-    pub curve: Curve<4>,
-    /// By `ψ₀`.
+    pub curve: MotionCurve<4>,
+    /// Turn by `ψ₀`.
     pub tilt: Turn,
     /// Strip's body: kg, weight in N, height of its centre of mass in the reference position.
     pub mass: f64,
     pub weight: f64,
     pub reference_z: f64,
-    /// From the centre of mass of the strip's body to the middle of the strip, reference position, m.
+    /// Arm from the centre of mass of the strip's body to the middle of the strip, reference position, m.
     pub strip: Vector3<f64>,
     /// Lateral position of the centre of mass of the strip's body, m.
     pub y: f64,
@@ -24,8 +24,8 @@ pub(super) struct OneMotion {
     pub axes: Matrix3<f64>,
 }
 
-/// The strip's body for given coordinates; subscripts are derivatives.
-pub(super) struct Place {
+/// Position of the strip's body for given coordinates; subscripts are derivatives.
+pub(super) struct StripBodyPosition {
     pub x: f64,
     pub x_sigma: f64,
     pub x_zeta: f64,
@@ -33,19 +33,19 @@ pub(super) struct Place {
     pub x_sigma_zeta: f64,
     pub zeta: f64,
     pub phi: Jet,
-    /// By `φ`.
+    /// Turn by `φ`.
     pub turn: Turn,
     pub potential: Jet,
     pub s: f64,
     pub s_q: [f64; 2],
     pub s_sigma_sigma: f64,
     pub s_sigma_zeta: f64,
-    /// From the centre of mass to the strip, in the plane.
+    /// Arm from the centre of mass to the strip, in the plane.
     pub arm: Vector2<f64>,
 }
 
 impl OneMotion {
-    pub fn place(&self, sigma: f64, rise: f64) -> Place {
+    pub fn place(&self, sigma: f64, rise: f64) -> StripBodyPosition {
         let [x, z, phi, potential] = self.curve.at(sigma);
         let zeta = self.reference_z + rise;
         let turn = Turn::by(phi[0]);
@@ -56,7 +56,7 @@ impl OneMotion {
         let tau_2 = square * (phi[2] + 2.0 * tau * phi[1] * phi[1]);
         let above = zeta - z[0];
         let s_1 = (above * tau * phi[1] - z[1]) / cosine;
-        Place {
+        StripBodyPosition {
             x: x[0] + tau * above,
             x_sigma: x[1] + tau_1 * above - tau * z[1],
             x_zeta: tau,
@@ -76,7 +76,7 @@ impl OneMotion {
     }
 }
 
-impl Place {
+impl StripBodyPosition {
     /// Mass matrix, row by row.
     pub fn mass(&self, mass: f64) -> [f64; 4] {
         let coupling = mass * self.x_sigma * self.x_zeta;
@@ -99,7 +99,7 @@ impl Place {
     }
 }
 
-/// The strip of a reduced linkage, in the frame of the base; its axes are those of its body.
+/// Strip of a reduced linkage, in the frame of the base, with the axes of the strip's body.
 #[derive(Clone, Debug)]
 pub struct ReducedStrip {
     pub(super) motion: Arc<OneMotion>,

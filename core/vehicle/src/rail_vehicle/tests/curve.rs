@@ -7,8 +7,8 @@ use super::full::{full, rolling};
 use super::*;
 use crate::check::{assert_tangent, awkward};
 use crate::multibody::{Pose, RigidBody};
+use crate::rail_vehicle::CurveInertia;
 use crate::track::Alignment;
-use crate::train::CurveInertia;
 use crate::{Base, Travel};
 use dynamics::{NewtonOptions, Simulator};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -49,7 +49,8 @@ impl System for Flying {
     }
 }
 
-/// The body of a frame that runs through a curve at 40 m/s, after 4 s: position, velocity and angular momentum in the world.
+/// The body of a frame that runs through a curve at 40 m/s, after 4 s: position, velocity and angular momentum in the
+/// world.
 fn flown(step: f64) -> [Vector3<f64>; 3] {
     let travel = travel(sharp(), 40.0);
     let mut layout = Layout::new();
@@ -82,7 +83,7 @@ fn flown(step: f64) -> [Vector3<f64>; 3] {
         offset: Vector3::zeros(),
         axes: Matrix3::identity(),
     };
-    let frame = travel.carrying(motion.t, 0.0).frame_of(&marker.frame(&motion));
+    let frame = travel.travelling(motion.t, 0.0).frame_of(&marker.frame(&motion));
     let omega_b = frame.axes.transpose() * frame.angular_velocity;
     [
         frame.position,
@@ -104,11 +105,11 @@ fn a_body_without_forces_flies_straight_on_and_keeps_its_angular_momentum_where_
         let found = flown(step);
         [0, 1, 2].map(|k| (found[k] - expected[k]).norm())
     };
-    // The rate of Ω jumps where a clothoid begins or ends: with both steps in the middle of a step, where the trapezoid does not
-    // mind.
+    // The rate of Ω jumps where a clothoid begins or ends: with both steps in the middle of a step, where the trapezoid
+    // does not mind.
     let (coarse, fine) = (errors(4e-3), errors(4e-3 / 3.0));
     println!("{coarse:?} {fine:?}");
-    // In the frame it has flown 15 m aside and turned by 0.4 rad.
+    // The body has flown 15 m aside in the frame and turned by 0.4 rad.
     for k in 0..3 {
         assert!(coarse[k] < [1e-4, 3e-5, 2e-3][k], "{coarse:?}");
         assert!(fine[k] < 0.15 * coarse[k], "second order: {fine:?} {coarse:?}");
@@ -123,7 +124,7 @@ fn the_tangent_of_what_a_curve_adds_is_the_derivative_of_its_force() {
     // On the ramp within the transition, and in its rounding, where everything changes.
     for place in [75.0, 92.0] {
         state.t = (place - BASE.start_x) / scene.run.speed;
-        let inertia = alone.train.inertia.as_mut().unwrap();
+        let inertia = alone.vehicle.inertia.as_mut().unwrap();
         assert_tangent(inertia, &alone.layout, &state, &[]);
     }
 }
@@ -187,7 +188,8 @@ fn at_the_speed_that_the_cant_balances_no_bogie_is_pushed_to_a_side() {
     let weight = MASS * 9.81;
     for (bogie, moments) in forces.chunks(4).zip(moments.chunks(2)) {
         let axle = |i: usize| bogie[2 * i].y + bogie[2 * i + 1].y;
-        // The stiff bogie is turned into the curve by the creep forces of its axles; the sums on both axles make the moment.
+        // The stiff bogie is turned into the curve by the creep forces of its axles; the sums on both axles make the
+        // moment.
         let turning = moments[0][1] + moments[1][1] + 0.5 * 2.5908 * (axle(1) - axle(0));
         println!(
             "{:.1} {:.1} N, {turning:.1} N m of {:.1}",
@@ -200,8 +202,9 @@ fn at_the_speed_that_the_cant_balances_no_bogie_is_pushed_to_a_side() {
     }
     let equilibrium = Equilibrium::of(&mut simulator, &gentle(), scene.run.speed);
     equilibrium.assert(&mut simulator);
-    // Bogies that run outside the middle of the track, and wheels that touch with their flanges, load the outer rail: each axle makes
-    // the moment of its load times the middle of its contacts, and of the difference times half their distance.
+    // Bogies that run outside the middle of the track, and wheels that touch with their flanges, load the outer rail:
+    // each axle makes the moment of its load times the middle of its contacts, and of the difference times half their
+    // distance.
     let contacts = contacts_beside_the_track(&mut simulator);
     let axles = || forces.chunks(2).zip(&contacts);
     let offset: f64 = axles()
@@ -224,12 +227,13 @@ fn at_the_speed_that_the_cant_balances_no_bogie_is_pushed_to_a_side() {
         .sum::<f64>()
         / 4.0;
     let (alone, motion) = simulator.parts();
-    let rolls = alone.train.spins.iter().map(|spin| spin.pose.axes(&motion)[(2, 1)]);
+    let rolls = alone.vehicle.spins.iter().map(|spin| spin.pose.axes(&motion)[(2, 1)]);
     let roll = rolls.sum::<f64>() / 4.0;
     let leaning = -roll * (shift.z - RADIUS);
     let aside = shift.y - beside;
     println!("centre {aside:.2e} m beside the axles of {leaning:.2e}, these {beside:.2e} m beside the track");
-    // The bolster springs let six tenths of the mass lean by 0.14 mm, and roll under it by 160 N m on 3.6 MN m, over 1 m.
+    // The bolster springs let six tenths of the mass lean by 0.14 mm, and roll under it by 160 N m on 3.6 MN m, over 1
+    // m.
     assert!((aside - leaning).abs() < 1.5e-4, "{aside} {leaning}");
 }
 
@@ -246,7 +250,7 @@ fn a_curve_without_end_of_its_radius_is_straight_track() {
         .map(|scene| {
             let mut alone = full(scene, None);
             let mut state = rolling(&mut alone);
-            for spin in &alone.train.spins {
+            for spin in &alone.vehicle.spins {
                 state.v[spin.pose.translation + 1] = 1e-2; // something to sway about
             }
             let mut simulator = Simulator::new(alone, state, Vec::new(), 1e-3, 0.9, NewtonOptions::default());
@@ -300,13 +304,14 @@ fn a_twisted_track_unloads_wheels_as_the_springs_between_them_yield() {
     let mut simulator = run(&scene, 7.0);
     let moments = moments_on_axles(&mut simulator);
     let (alone, motion) = simulator.parts();
-    let travel = alone.train.travel();
+    let travel = alone.vehicle.travel();
     let twist = travel.alignment().unwrap().bend(travel.place(motion.t)).cant[1];
     // Between the bogies: bolster springs and anti-roll bars in series with the equalizer springs.
     let bolster = 4.0 * 215e3 + 940e3;
     let equalizer = 4.0 * 1.22e6 * 1.0287_f64.powi(2);
     let between = 0.5 * 12.573 * twist / (1.0 / bolster + 1.0 / equalizer);
-    // Within a bogie: the equalizers pitch against each other on their springs, and the bearings hold the axles from rolling in them.
+    // Within a bogie: the equalizers pitch against each other on their springs, and the bearings hold the axles from
+    // rolling in them.
     let pitching = 2.0 * 2.0 * 1.22e6 * 0.6477_f64.powi(2) * 1.0287 * twist * 1.0287 / 2.5908;
     let within = pitching + 2.0 * 1e6 * 0.5 * 2.5908 * twist;
     let found = [
@@ -320,14 +325,14 @@ fn a_twisted_track_unloads_wheels_as_the_springs_between_them_yield() {
     }
 }
 
-/// Y outward on the rail and Q upward on each wheel, N, from its generalised forces on the axle alone: those of the translations are the
-/// force in the axes of the vehicle's frame, which the track under the axle turns.
+/// Y outward on the rail and Q upward on each wheel, N, from its generalised forces on the axle alone: those of the
+/// translations are the force in the axes of the vehicle's frame, which the track under the axle turns.
 fn lateral_and_vertical(simulator: &mut Simulator<Alone>) -> Vec<[f64; 2]> {
     let (alone, motion) = simulator.parts();
-    let travel = alone.train.travel().clone();
+    let travel = alone.vehicle.travel().clone();
     let origin = travel.place(motion.t);
-    let poses: Vec<Pose> = alone.train.spins.iter().map(|spin| spin.pose).collect();
-    (alone.train.wheels.iter_mut().enumerate())
+    let poses: Vec<Pose> = alone.vehicle.spins.iter().map(|spin| spin.pose).collect();
+    (alone.vehicle.wheels.iter_mut().enumerate())
         .map(|(wheel, contact)| {
             let mut generalised = vec![0.0; motion.q.len()];
             contact.contribution().add_force(&motion, &mut generalised);
@@ -354,15 +359,17 @@ fn derailment_quotients_in_an_arc_are_y_over_q_and_their_sum_holds_the_vehicle_i
         let forces = lateral_and_vertical(&mut simulator);
         let (alone, motion) = simulator.parts();
         let quotients: Vec<f64> = (0..8)
-            .map(|wheel| alone.train.derailment_quotient(wheel, &motion))
+            .map(|wheel| alone.vehicle.derailment_quotient(wheel, &motion))
             .collect();
         println!("{speed} m/s, {direction:?}: Y/Q {quotients:.4?}");
         for (quotient, [y, q]) in quotients.iter().zip(&forces) {
-            // The wheels stand within a millimetre of their places along the track: turned by 1e-6 rad against it.
+            // The wheels stand within a millimetre of their nominal positions along the track: turned by 1e-6 rad
+            // against it.
             assert!((quotient - y / q).abs() < 1e-5, "{quotient} {y} {q}");
         }
-        // The rails push the vehicle to the inside with what the cant lacks: the sum of all Y, counted outward on the rails, is
-        // the mass times that to the outer side, which is the right one in a curve to the left.
+        // The rails push the vehicle to the inside with the force that the cant lacks: the sum of all Y, counted
+        // outward on the rails, is the mass times the cant deficiency to the outer side, which is the right one in a
+        // curve to the left.
         let side = if direction == scene::Direction::Left { 1.0 } else { -1.0 };
         let found: f64 = (quotients.chunks(2).zip(forces.chunks(2)))
             .map(|(quotient, force)| side * (quotient[1] * force[1][1] - quotient[0] * force[0][1]))
@@ -370,8 +377,8 @@ fn derailment_quotients_in_an_arc_are_y_over_q_and_their_sum_holds_the_vehicle_i
         let expected = MASS * curve.uncompensated_acceleration(speed, 9.81, DISTANCE);
         println!("{found:.1} N of {expected:.1} N");
         assert!((found - expected).abs() < 1e-4 * MASS * 9.81, "{found} {expected}"); // as the equilibrium above
-        // The leading axle of each bogie, the one with the larger x, runs outward and is turned outward against the rails, on which its
-        // wheels slide: both press them apart, the outer one with its flange the more.
+        // The leading axle of each bogie, the one with the larger x, runs outward and is turned outward against the
+        // rails, on which the wheels slide: both wheels press the rails apart, the outer one with the flange the more.
         if expected > 0.0 {
             let outer = if direction == scene::Direction::Left { 1 } else { 0 };
             for bogie in quotients.chunks(4) {

@@ -3,17 +3,17 @@ use crate::multibody::{BodyMarker, Pose};
 use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Weights};
 use nalgebra::{Matrix3, Vector3};
 
-/// What a wheelset's spin adds to the rigid body of its axle, which follows all motions but the spin.
+/// Terms that a wheelset's spin adds to the rigid body of the axle, which follows all motions but the spin.
 ///
-/// A wheelset is a body of revolution, so that its inertia is constant in axes that do not turn with it. The pitch of these
-/// axes about the axle is held; the spin is `Ω = Ω₀ + χ̇` with a coordinate χ of its own:
+/// A wheelset is a body of revolution, so that the inertia is constant in axes that do not spin. The pitch of these
+/// axes about the axle is held; the spin is `Ω = Ω₀ + χ̇` with a separate coordinate χ:
 ///
 /// ```text
 /// I_y χ̈ = M_y,    M_x += I_y Ω ω_z,    M_z −= I_y Ω ω_x           (Euler's equations in those axes, derived here)
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spin {
-    /// Of the axle.
+    /// Pose of the axle.
     pub pose: Pose,
     /// χ.
     pub coordinate: usize,
@@ -52,7 +52,7 @@ impl Force for Spin {
     }
 }
 
-/// The middle of a wheelset, with the part of its spin that is a coordinate.
+/// Middle of a wheelset, with the part of the spin that is a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelsetMarker {
     axle: BodyMarker,
@@ -60,7 +60,7 @@ pub struct WheelsetMarker {
 }
 
 impl WheelsetMarker {
-    /// Of an axle and χ.
+    /// Marker of an axle and χ.
     #[must_use]
     pub fn new(pose: Pose, coordinate: usize) -> Self {
         Self {

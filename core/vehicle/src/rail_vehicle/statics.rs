@@ -1,42 +1,43 @@
-//! The vehicle at rest in the frame that travels with it, under what stands on it.
-use super::{Train, TrainWheel};
+//! The vehicle at rest in the travelling frame, under the loads of the pantograph.
+use super::{Vehicle, VehicleWheel};
 use crate::VehicleError;
 use crate::multibody::{BodyMarker, DeadForce};
 use crate::pantograph::Equilibrium;
 use dynamics::{Constraint, Force, Frame, Layout, NewtonOptions, State, StaticOptions, System, solve_static};
 use nalgebra::{Matrix3, Vector3};
 
-/// `μ` of [`StaticOptions::mass_shift`], 1/s²: holds what has no stiffness; eigenfrequencies of vehicles are above 1 rad/s.
+/// `μ` of [`StaticOptions::mass_shift`], 1/s²: holds motions without stiffness; eigenfrequencies of vehicles are above
+/// 1 rad/s.
 const MASS_SHIFT: f64 = 1e-2;
 
 /// Accepted residual, N or N·m: 1e-10 of a wheel load.
 const TOLERANCE: f64 = 1e-5;
 
-/// A vertical force on the body that carries the pantograph.
+/// Vertical force on the body under the pantograph.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Load {
-    /// Where it acts, m, in the frame of the base.
+    /// Point of action, m, in the frame of the base.
     pub point: Vector3<f64>,
-    /// N, upward.
+    /// Force, upward, N.
     pub force: f64,
 }
 
 /// A vehicle at rest.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TrainRest {
-    /// Its coordinates; height and force are those of the base of the pantograph.
+pub struct VehicleRest {
+    /// Coordinates of the vehicle; height and force are those of the base of the pantograph.
     pub(crate) equilibrium: Equilibrium,
-    /// The base of the pantograph, in the frame of the base.
+    /// Frame of the pantograph's base, in the frame of the base.
     pub base: Frame,
-    /// χ̇ of the wheelsets, rad/s, at which they roll freely.
+    /// χ̇ of the freely rolling wheelsets, rad/s.
     pub(crate) spins: Vec<f64>,
-    /// Whether wheels that roll, roll steadily; if not, the vehicle is where it would be at rest without creep forces.
+    /// True if rolling wheels roll steadily; if not, the vehicle is at rest without creep forces.
     pub steady: bool,
 }
 
 /// A vehicle alone.
 struct Alone<'a> {
-    train: &'a mut Train,
+    vehicle: &'a mut Vehicle,
     layout: &'a Layout,
     loads: Vec<DeadForce>,
 }
@@ -47,19 +48,19 @@ impl System for Alone<'_> {
     }
 
     fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.train.forces(visit);
+        self.vehicle.forces(visit);
         for load in &mut self.loads {
             visit(load);
         }
     }
 
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        self.train.constraints(visit);
+        self.vehicle.constraints(visit);
     }
 }
 
-impl Train {
-    /// The state of rest of this vehicle, alone in `layout`, under `loads`; Newton's method begins at `state`.
+impl Vehicle {
+    /// State of rest of this vehicle, alone in `layout`, under `loads`; Newton's method begins at `state`.
     ///
     /// # Errors
     /// [`VehicleError::Unsettled`].
@@ -68,8 +69,8 @@ impl Train {
         layout: &Layout,
         state: &mut State,
         loads: &[Load],
-    ) -> Result<TrainRest, VehicleError> {
-        let pose = self.carrier.pose;
+    ) -> Result<VehicleRest, VehicleError> {
+        let pose = self.pantograph_base.pose;
         let loads: Vec<DeadForce> = loads
             .iter()
             .map(|load| {
@@ -105,14 +106,14 @@ impl Train {
         settled?;
         let (spins, steady) = self.steady_rolling(layout, state, &loads, &options);
         let base = self.base_frame(&state.motion(&[]));
-        Ok(TrainRest {
+        Ok(VehicleRest {
             equilibrium: Equilibrium {
                 height: base.position.z,
                 force: 0.0,
                 q: state.q.clone(),
                 rotation: state.rotation.clone(),
                 lambda: state.lambda.clone(),
-                train: None,
+                vehicle: None,
             },
             base,
             spins,
@@ -129,7 +130,7 @@ impl Train {
         options: &StaticOptions,
     ) -> Result<(), VehicleError> {
         let mut alone = Alone {
-            train: self,
+            vehicle: self,
             layout,
             loads: loads.to_vec(),
         };
@@ -137,8 +138,8 @@ impl Train {
         settled.map(|_| ()).map_err(VehicleError::Unsettled)
     }
 
-    /// From smooth rails on, whose irregularities grow by steps as long as they may be: wheels that hang in the air, or half of which do,
-    /// have no stiffness.
+    /// Continuation from smooth rails with growing steps of irregularity: wheels in the air have no stiffness, so that
+    /// Newton's method may fail on the full irregularities.
     fn settle_by_and_by(
         &mut self,
         layout: &Layout,
@@ -169,21 +170,23 @@ impl Train {
         result
     }
 
-    /// Leaves this `part` of the irregularities, without creep forces.
+    /// Scales the irregularities by `part`, without creep forces.
     fn set_irregularity(&mut self, part: f64) {
         for wheel in &mut self.wheels {
-            if let TrainWheel::Rolling(wheel) = wheel {
+            if let VehicleWheel::Rolling(wheel) = wheel {
                 wheel.set_irregularity(part);
             }
         }
     }
 
-    /// From rest without creep forces to rest under those of steady rolling: a wheel that rolls on a slope turns about the normal of its
-    /// contact, which pushes it sideways, and the rail bears it at another height. Where there is no such state it stays as it is.
-    /// Returns χ̇ of the wheelsets, rad/s, and whether they roll steadily.
+    /// Steps from rest without creep forces to rest under the creep forces of steady rolling: a wheel that rolls on a
+    /// slope turns about the normal of the contact, which pushes the wheel sideways, and the rail bears the wheel at
+    /// another height. Without such a state, `state` stays unchanged. Returns χ̇ of the wheelsets, rad/s, and true for
+    /// steady rolling.
     ///
-    /// Positions at given spins and spins at given positions are found in turn. A change of a position by `δ` changes the rolling radius by
-    /// less than that, and the spin by `Ω δ/r`, which moves nothing that bears weight: two rounds are enough for most.
+    /// Positions at given spins and spins at given positions are found in turn. A change of a position by `δ` changes
+    /// the rolling radius by less than δ and the spin by `Ω δ/r`, which moves nothing that bears weight: two rounds are
+    /// enough in most cases.
     fn steady_rolling(
         &mut self,
         layout: &Layout,
@@ -191,7 +194,7 @@ impl Train {
         loads: &[DeadForce],
         options: &StaticOptions,
     ) -> (Vec<f64>, bool) {
-        /// Accepted change of a spin, of that of rolling: a creepage of 1e-10, by which a wheel of 53 kN is pushed 1 mN.
+        /// Accepted relative change of a spin: a creepage of 1e-10, which pushes a wheel of 53 kN by 1 mN.
         const CREEPAGE: f64 = 1e-10;
         const ROUNDS: usize = 20;
         if self.spins.is_empty() {
@@ -203,13 +206,13 @@ impl Train {
         }
         let still = state.clone();
         let mut spins = self.free_rolling(state);
-        let standing = spins.clone();
+        let without_creep = spins.clone();
         for _ in 0..ROUNDS {
             self.set_rolling(&spins);
             let settled = self.settle(&layout, state, loads, options);
             self.set_rolling(&[]);
             if settled.is_err() {
-                // On rails that are bent where it starts a wheelset rolls on, but not steadily.
+                // A wheelset that starts on bent rails rolls on, but not steadily.
                 break;
             }
             let next = self.free_rolling(state);
@@ -222,14 +225,14 @@ impl Train {
             }
         }
         *state = still;
-        (standing, false)
+        (without_creep, false)
     }
 
-    /// Lets the wheels of each wheelset turn by χ̇ (rad/s) for statics, in which no coordinate has a velocity; by nothing where there is
-    /// none.
+    /// Lets the wheels of each wheelset turn by χ̇ (rad/s) for statics, in which no coordinate has a velocity; an empty
+    /// list is no spin.
     fn set_rolling(&mut self, rates: &[f64]) {
         for (i, wheel) in self.wheels.iter_mut().enumerate() {
-            if let TrainWheel::Rolling(wheel) = wheel {
+            if let VehicleWheel::Rolling(wheel) = wheel {
                 wheel.set_rolling(rates.get(i / 2).copied().unwrap_or(0.0));
             }
         }
@@ -237,15 +240,15 @@ impl Train {
 
     fn set_creeping(&mut self, creeping: bool) {
         for wheel in &mut self.wheels {
-            if let TrainWheel::Rolling(wheel) = wheel {
+            if let VehicleWheel::Rolling(wheel) = wheel {
                 wheel.set_creeping(creeping);
             }
         }
     }
 
-    /// χ̇ of each wheelset (rad/s) at which no moment turns it about its axle, the vehicle being otherwise at rest.
+    /// χ̇ of each wheelset (rad/s) without a moment about the axle, the vehicle being otherwise at rest.
     ///
-    /// Wheels do not roll on their nominal radius exactly: they are pressed in, and touch beside it.
+    /// Wheels do not roll on their nominal radius exactly: contacts are pressed in, and lie beside the nominal circle.
     fn free_rolling(&mut self, state: &State) -> Vec<f64> {
         /// Accepted moment, N·m: a creepage of 1e-9.
         const MOMENT: f64 = 1e-3;

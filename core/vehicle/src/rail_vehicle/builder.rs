@@ -1,6 +1,6 @@
 //! From the scene's vehicle to bodies, bushings, joints and wheels.
 use super::rolling_wheel::Rolling;
-use super::{CurveInertia, RollingWheel, Spin, Train, TrainWheel, WheelSpring};
+use super::{CurveInertia, RollingWheel, Spin, Vehicle, VehicleWheel, WheelSpring};
 use crate::multibody::{Anchor, BodyMarker, Bushing, Characteristic, Joint, Pair, Pose, Rates, RigidBody};
 use crate::pantograph::Offsets;
 use crate::track::{Alignment, TrackShape};
@@ -18,7 +18,7 @@ const YAW: usize = 2;
 
 struct Builder<'a> {
     entry: &'a Entry,
-    /// Of the frame of the base, in coordinates of the vehicle, m.
+    /// Origin of the frame of the base, in coordinates of the vehicle, m.
     origin: Vector3<f64>,
     /// First body of each entry, in the order of the scene.
     firsts: Vec<usize>,
@@ -40,7 +40,7 @@ impl Builder<'_> {
         Ok(self.bodies[self.firsts[entry] + self.entry.bodies[entry].nearest(point)])
     }
 
-    /// Where two bodies, named under `keys`, meet at a point.
+    /// Meeting point of two bodies, named under `keys`.
     fn pair(
         &self,
         keys: [&'static str; 2],
@@ -158,7 +158,7 @@ impl Builder<'_> {
         Ok(joints)
     }
 
-    fn wheels(&self, base: Base, track: Option<&TrackShape>) -> Result<Vec<TrainWheel>, VehicleError> {
+    fn wheels(&self, base: Base, track: Option<&TrackShape>) -> Result<Vec<VehicleWheel>, VehicleError> {
         let wheels = &self.entry.wheels;
         let wheelsets = self.entry.body(&wheels.wheelset);
         let wheelsets = wheelsets.ok_or_else(|| VehicleError::UnknownBody {
@@ -173,20 +173,20 @@ impl Builder<'_> {
                 let rail = track.map(|track| Arc::clone(&track.rails[side]));
                 let rates = [wheels.stiffness, wheels.damping];
                 let spring = WheelSpring::new(marker, self.point(&point), base, rail, rates);
-                springs.push(TrainWheel::Spring(spring));
+                springs.push(VehicleWheel::Spring(spring));
             }
         }
         Ok(springs)
     }
 }
 
-impl Train {
-    /// Builds a vehicle whose bodies only move in the plane along the track into `layout`, in the frame of `base`; `name` begins the
-    /// names of its coordinates. `gravity` in m/s².
+impl Vehicle {
+    /// Builds a vehicle whose bodies only move in the plane along the track into `layout`, in the frame of `base`;
+    /// `name` begins the names of the coordinates. `gravity` in m/s².
     ///
     /// # Errors
     /// Names that do not fit together.
-    pub fn vertical(
+    pub(crate) fn vertical(
         entry: &Entry,
         track: Option<&TrackShape>,
         base: Base,
@@ -194,23 +194,23 @@ impl Train {
         name: &str,
         layout: &mut Layout,
     ) -> Result<Self, VehicleError> {
-        let mut train = Self::build(entry, track, base, gravity, name, layout, true)?;
-        for body in &train.bodies {
+        let mut vehicle = Self::build(entry, track, base, gravity, name, layout, true)?;
+        for body in &vehicle.bodies {
             layout.fix(body.pose.translation + 1);
             layout.fix(body.pose.rotation + ROLL);
             layout.fix(body.pose.rotation + YAW);
         }
-        train.fixed += 3 * train.bodies.len();
-        train.hold_axles_and_speed(entry, layout);
-        Ok(train)
+        vehicle.fixed += 3 * vehicle.bodies.len();
+        vehicle.hold_axles_and_speed(entry, layout);
+        Ok(vehicle)
     }
 
-    /// Builds a vehicle whose bodies move in space, on wheels that roll on the rails of `track`; `shape` is how far these are from
-    /// their ideal lines.
+    /// Builds a vehicle whose bodies move in space, on wheels that roll on the rails of `track`; `shape` holds the
+    /// deviations of the rails from their ideal lines.
     ///
     /// # Errors
-    /// Names that do not fit together; profiles that are none.
-    pub fn full(
+    /// Names that do not fit together; unusable profiles.
+    pub(crate) fn full(
         entry: &Entry,
         (track, shape): (&scene::Track, Option<&TrackShape>),
         base: Base,
@@ -218,33 +218,33 @@ impl Train {
         name: &str,
         layout: &mut Layout,
     ) -> Result<Self, VehicleError> {
-        let mut train = Self::build(entry, None, base, gravity, name, layout, false)?;
-        let wheelsets = train.hold_axles_and_speed(entry, layout);
+        let mut vehicle = Self::build(entry, None, base, gravity, name, layout, false)?;
+        let wheelsets = vehicle.hold_axles_and_speed(entry, layout);
         let alignment = Alignment::new(&track.curves, entry.wheels.distance);
-        train.travel = Travel::along(base, alignment.map(Arc::new));
-        let rolling = rolling(entry, track, train.travel.clone())?;
-        train.wheels.clear();
+        vehicle.travel = Travel::along(base, alignment.map(Arc::new));
+        let rolling = rolling(entry, track, vehicle.travel.clone())?;
+        vehicle.wheels.clear();
         for (i, body) in wheelsets.enumerate() {
-            let body = train.bodies[body];
+            let body = vehicle.bodies[body];
             let spin = Spin {
                 pose: body.pose,
                 coordinate: layout.add_coordinates(1, format!("{name}, spin of wheelset {}", i + 1)),
                 rolling: base.speed / entry.wheels.radius,
                 inertia: body.inertia.y,
             };
-            train.spins.push(spin);
+            vehicle.spins.push(spin);
             for (side, number) in [(Side::Left, 0), (Side::Right, 1)] {
                 let shape = shape.map(|shape| Arc::clone(&shape.rails[number]));
                 let wheel = RollingWheel::new(rolling.clone(), spin, side, shape);
-                train.wheels.push(TrainWheel::Rolling(wheel));
+                vehicle.wheels.push(VehicleWheel::Rolling(wheel));
             }
         }
-        train.inertia = CurveInertia::new(&train.travel, &train.bodies, &train.spins);
-        Ok(train)
+        vehicle.inertia = CurveInertia::new(&vehicle.travel, &vehicle.bodies, &vehicle.spins);
+        Ok(vehicle)
     }
 
-    /// Holds the pitch of what stands for the axles, without their spin, and the place of the carrying body along the track;
-    /// returns the numbers of the wheelsets.
+    /// Holds the pitch of the bodies that stand for axles without spin, and the position of the travelling body along
+    /// the track; returns the numbers of the wheelsets.
     fn hold_axles_and_speed(&mut self, entry: &Entry, layout: &mut Layout) -> std::ops::Range<usize> {
         let wheelsets = entry.bodies.iter().find(|body| body.name == entry.wheels.wheelset);
         let count = wheelsets.map_or(0, |body| body.positions.len());
@@ -254,7 +254,7 @@ impl Train {
         for body in &self.bodies[first..first + count] {
             layout.fix(body.pose.rotation + PITCH);
         }
-        layout.fix(self.carrier.pose.translation);
+        layout.fix(self.pantograph_base.pose.translation);
         self.fixed += count + 1;
         first..first + count
     }
@@ -274,7 +274,8 @@ impl Train {
             constraint: layout.constraints(),
             orientation: layout.rotations().len(),
         };
-        // Along the track under the pantograph's base, but in the middle of the track: there the rails are on both sides.
+        // Along the track the origin is under the pantograph's base, laterally in the middle of the track, so that
+        // there is a rail on each side.
         let mut builder = Builder {
             entry,
             origin: Vector3::new(entry.pantograph_base[0], 0.0, 0.0),
@@ -315,7 +316,7 @@ impl Train {
             joints,
             wheels: builder.wheels(base, track)?,
             spins: Vec::new(),
-            carrier: builder.anchor("carrier", &entry.carrier, &entry.pantograph_base, &Matrix3::identity())?,
+            pantograph_base: builder.anchor("carrier", &entry.carrier, &entry.pantograph_base, &Matrix3::identity())?,
             bodies: builder.bodies,
             fixed: 0,
             travel: Travel::along(base, None),
@@ -324,22 +325,20 @@ impl Train {
     }
 }
 
-/// Points closer together than this are one, m: a hundredth of a millimetre is the digit that profiles are measured to.
+/// Spacing below which points count as one, m: a hundredth of a millimetre is the digit to which profiles are measured.
 const SPACING: f64 = 1e-5;
 
 /// Depth below the top of rail at which the gauge is measured, m [EN 13848-1].
 const GAUGE_DEPTH: f64 = 0.014;
 
-/// What all wheels of a full vehicle share.
+/// Data shared by all wheels of a full vehicle.
 fn rolling(entry: &Entry, track: &scene::Track, travel: Travel) -> Result<Rolling, VehicleError> {
-    let missing = |key: &str| VehicleError::NotAvailable {
-        what: format!("vehicle.model = \"full\" needs {key}"),
-    };
+    let missing = |key| VehicleError::Missing { key };
     let profile = |key: &'static str, points: &[[f64; 2]]| {
         let profile = Profile::new(points, SPACING);
-        profile.map(Arc::new).map_err(|reason| VehicleError::NotAvailable {
-            what: format!("{key}: {reason}"),
-        })
+        profile
+            .map(Arc::new)
+            .map_err(|reason| VehicleError::Profile { key, reason })
     };
     let contact = entry.contact.as_ref().ok_or_else(|| missing("vehicle.contact"))?;
     let wheel = entry.wheels.profile.as_ref();
@@ -351,9 +350,7 @@ fn rolling(entry: &Entry, track: &scene::Track, travel: Travel) -> Result<Rollin
         .map(|[outward, up]| [outward * cosine - up * sine, outward * sine + up * cosine])
         .collect();
     let rail_profile = profile("track.rail.profile", &leaning)?;
-    let face = gauge_face(&rail_profile).ok_or_else(|| VehicleError::NotAvailable {
-        what: "track.rail.profile must reach from the gauge face, 14 mm below its top, over the top".to_owned(),
-    })?;
+    let face = gauge_face(&rail_profile).ok_or(VehicleError::NoGaugeFace)?;
     let material = Material {
         shear_modulus: contact.shear_modulus,
         poisson: contact.poisson,
@@ -381,7 +378,7 @@ fn rolling(entry: &Entry, track: &scene::Track, travel: Travel) -> Result<Rollin
     })
 }
 
-/// Outward coordinate of the gauge face, m: where the inner side of the rail is [`GAUGE_DEPTH`] below its top.
+/// Outward coordinate of the gauge face, m: the inner side of the rail [`GAUGE_DEPTH`] below the top.
 fn gauge_face(rail: &Profile) -> Option<f64> {
     let [start, end] = rail.range();
     let count = 400;
@@ -404,7 +401,7 @@ fn gauge_face(rail: &Profile) -> Option<f64> {
     Some(rail.at(high).position.x)
 }
 
-/// Name of one of equal bodies.
+/// Name of one of several equal bodies.
 fn numbered(body: &VehicleBody, i: usize) -> String {
     if body.positions.len() == 1 {
         body.name.clone()

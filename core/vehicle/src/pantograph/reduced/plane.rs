@@ -1,4 +1,4 @@
-//! A mechanism of bodies that move in the plane of the track's middle.
+//! Mechanism of bodies that move in the plane of the track's middle.
 //!
 //! ```text
 //! qᵢ = (x, z, φ) of body i,   φ about +y from its reference position,    R(φ) (x, z) = (x c + z s, −x s + z c)
@@ -6,15 +6,15 @@
 //! ```
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2};
 
-/// Where a joint holds on: a body with a point (m, from the centre of mass, axes of the reference position), or a point of
-/// the base.
+/// End of a joint: a body with a point (m, from the centre of mass, axes of the reference position), or a point of the
+/// base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum End {
     Base(Vector2<f64>),
     Body(usize, Vector2<f64>),
 }
 
-/// A point fixed to a body, and its first and second derivative in the direction of a motion.
+/// Point fixed to a body, and the first and second derivative in the direction of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Derivatives {
     pub value: Vector2<f64>,
@@ -30,13 +30,13 @@ pub(super) struct Turn {
 }
 
 impl Turn {
-    /// By `φ`, rad.
+    /// Turn by `φ`, rad.
     pub fn by(phi: f64) -> Self {
         let (sine, cosine) = phi.sin_cos();
         Self { sine, cosine }
     }
 
-    /// Both turns.
+    /// Product of both turns.
     pub fn and(self, other: Self) -> Self {
         Self {
             sine: self.sine * other.cosine + self.cosine * other.sine,
@@ -44,12 +44,12 @@ impl Turn {
         }
     }
 
-    /// What `r`, along x and z, becomes.
+    /// Image of `r`, along x and z.
     pub fn of(self, r: Vector2<f64>) -> Vector2<f64> {
         Vector2::new(r.x * self.cosine + r.y * self.sine, r.y * self.cosine - r.x * self.sine)
     }
 
-    /// In space.
+    /// Rotation matrix in space.
     pub fn matrix(self) -> Matrix3<f64> {
         let Self { sine: s, cosine: c } = self;
         Matrix3::new(c, 0.0, s, 0.0, 1.0, 0.0, -s, 0.0, c)
@@ -66,7 +66,7 @@ pub(super) fn quarter(r: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(r.y, -r.x)
 }
 
-/// What a joint demands.
+/// Equations of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum PlaneJoint {
     /// Both points coincide.
@@ -94,7 +94,8 @@ impl Plane {
         )
     }
 
-    /// The point of an end, and its derivatives along a motion with the tangent `first` and the curvature `second` (of `q`).
+    /// The point of an end, and its derivatives along a motion with the tangent `first` and the curvature `second` (of
+    /// `q`).
     pub fn point(end: End, q: &DVector<f64>, first: &DVector<f64>, second: &DVector<f64>) -> Derivatives {
         match end {
             End::Base(value) => Derivatives {
@@ -173,7 +174,7 @@ impl Plane {
     fn bordered(&self, q: &DVector<f64>, along: &DVector<f64>) -> DMatrix<f64> {
         let border = 2 * self.joints.len();
         let mut matrix = DMatrix::zeros(border + 1, q.len());
-        // What a point of an end adds to a row that measures it along `direction`, and to the other end's with the other sign.
+        // Part of a point of an end in a row that measures along `direction`; the other end has the other sign.
         let mut point = |row: usize, end: End, direction: Vector2<f64>| {
             if let End::Body(body, offset) = end {
                 let arm = turned(offset, q[3 * body + 2]);
@@ -233,15 +234,15 @@ impl Plane {
         right
     }
 
-    /// The motion that the joints leave in the reference position, of unit length in the metric; `None` where there is more
-    /// than one.
+    /// Motion that the joints leave free in the reference position, of unit length in the metric; `None` if there is
+    /// more than one.
     pub fn start(&self, q: &DVector<f64>) -> Option<DVector<f64>> {
-        /// Smallest singular value that counts as a joint's, relative to the largest.
+        /// Smallest singular value that counts as held by a joint, relative to the largest.
         const HELD: f64 = 1e-9;
         let n = q.len();
         let none = DVector::zeros(n);
         let mut matrix = self.bordered(q, &none);
-        // Rates weighed by the inertias: singular values do not depend on how large the mechanism is.
+        // Rates weighed by the inertias, so that singular values do not depend on the size of the mechanism.
         let weights: Vec<f64> = self
             .inertias
             .iter()
@@ -265,7 +266,7 @@ impl Plane {
         self.tangent(q, &along)
     }
 
-    /// The unit tangent that goes on in the direction of `along`.
+    /// Unit tangent that continues in the direction of `along`.
     pub fn tangent(&self, q: &DVector<f64>, along: &DVector<f64>) -> Option<DVector<f64>> {
         let right = Self::right_side(DVector::zeros(2 * self.joints.len()), 1.0);
         let tangent = self.bordered(q, along).lu().solve(&right)?;
@@ -279,7 +280,7 @@ impl Plane {
         self.bordered(q, first).lu().solve(&Self::right_side(-g, 0.0))
     }
 
-    /// The nearest configuration in which the joints are closed; `None` where there is none.
+    /// Nearest configuration with closed joints; `None` if there is none.
     pub fn closed(&self, mut q: DVector<f64>, along: &DVector<f64>) -> Option<DVector<f64>> {
         /// Rounding of metres.
         const CLOSED: f64 = 1e-14;
@@ -297,7 +298,7 @@ impl Plane {
         None
     }
 
-    /// The curve's point `step` (√kg·m) further on, by the classical Runge–Kutta scheme and a projection.
+    /// Point of the motion `step` (√kg·m) further on, by the classical Runge–Kutta scheme and a projection.
     pub fn advance(&self, q: &DVector<f64>, tangent: &DVector<f64>, step: f64) -> Option<DVector<f64>> {
         let k1 = tangent.clone();
         let k2 = self.tangent(&(q + &k1 * (0.5 * step)), &k1)?;

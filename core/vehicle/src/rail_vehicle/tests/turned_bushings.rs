@@ -21,12 +21,12 @@ fn a_bushing_that_is_turned_acts_along_its_own_axes() {
         ]),
         None,
     );
-    let frame = alone.train.names().iter().position(|name| name == "frame 1").unwrap();
-    let place = alone.train.bodies()[frame].pose.translation;
+    let frame = alone.vehicle.names().iter().position(|name| name == "frame 1").unwrap();
+    let place = alone.vehicle.bodies()[frame].pose.translation;
     let mut state = alone.layout.state_at_rest();
     let moved = Vector3::new(2e-3, -1e-3, 3e-3);
     state.q[place..place + 3].copy_from_slice(moved.as_slice());
-    let pedestal = &mut alone.train.bushings[PEDESTAL.1];
+    let pedestal = &mut alone.vehicle.bushings[PEDESTAL.1];
     let found = check::force(pedestal, &state.motion(&[]));
     let found: Vector3<f64> = found.fixed_rows::<3>(place).into_owned();
     // Z-X-Z: −R k Rᵀ d with R = R_z(φ) R_x(θ) R_z(ψ), written out.
@@ -46,7 +46,7 @@ fn a_bushing_that_is_turned_acts_along_its_own_axes() {
 fn pushed(overrides: &[&str]) -> Vec<f64> {
     let mut alone = full(&full_scene(overrides), None);
     let mut state = rolling(&mut alone);
-    for spin in &alone.train.spins {
+    for spin in &alone.vehicle.spins {
         state.v[spin.pose.translation + 1] = 1e-2;
     }
     let mut simulator = Simulator::new(alone, state, Vec::new(), 1e-3, 0.9, NewtonOptions::default());
@@ -69,6 +69,7 @@ fn a_quarter_of_a_turn_exchanges_two_axes_of_a_bushing() {
     let moved = plain.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
     let (same, different) = (apart(&plain, &exchanged), apart(&plain, &other));
     println!("moved {moved:e} m, turned and exchanged {same:e} m apart, turned alone {different:e} m");
-    // Newton's tolerance, and the cosine of a quarter of a turn of 6e-17; a pedestal that is eight times softer along the track.
+    // Newton's tolerance, and the cosine of a quarter of a turn of 6e-17; a pedestal that is eight times softer along
+    // the track.
     assert!(moved > 1e-4 && same < 1e-8 && different > 1e-2 * moved);
 }

@@ -9,17 +9,18 @@ use dynamics::{Blocks, Force, Motion, Power, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
-/// Slower rolling than this counts as this in creepages, m/s: walking pace.
+/// Speed below which rolling counts as this speed in creepages, m/s: walking pace.
 const SLOWEST: f64 = 1.0;
 
-/// A rail beside the middle of the track, with irregularities; its cross-section stays across the track and upright on its plane.
+/// Rail beside the middle of the track, with irregularities; the cross-section stays across the track and upright on
+/// the track plane.
 struct IrregularRail {
     /// y of the profile's origin, m.
     y: f64,
     shape: Option<Arc<RailShape>>,
-    /// Part of the irregularities that are there.
+    /// Share of the irregularities, 0…1.
     part: f64,
-    /// None is straight and level.
+    /// Alignment of the track; `None` is straight and level.
     alignment: Option<Arc<Alignment>>,
 }
 
@@ -49,16 +50,16 @@ impl RailLine for IrregularRail {
     }
 }
 
-/// What all wheels of a vehicle share.
+/// Data shared by all wheels of a vehicle.
 #[derive(Clone)]
 pub(super) struct Rolling {
     pub travel: Travel,
     pub radius: f64,
-    /// From the middle of a wheelset to the nominal rolling circle, m.
+    /// Distance from the middle of a wheelset to the nominal rolling circle, m.
     pub distance: f64,
     pub wheel: Arc<Profile>,
     pub rail: Arc<Profile>,
-    /// From the middle of the track to the origin of a rail's profile, m.
+    /// Distance from the middle of the track to the origin of a rail's profile, m.
     pub rail_distance: f64,
     pub hertz: Hertz,
     pub damping: f64,
@@ -75,7 +76,7 @@ pub struct RollingWheel {
 }
 
 impl Clone for RollingWheel {
-    /// Without the memory of past searches.
+    /// Clones without the memory of past searches.
     fn clone(&self) -> Self {
         Self::new(self.shared.clone(), self.spin, self.side, self.shape.clone())
     }
@@ -95,7 +96,7 @@ impl RollingWheel {
         Self::on_part(shared, spin, side, shape, 1.0)
     }
 
-    /// A wheel on rails with this `part` of their irregularities.
+    /// Wheel on rails with the share `part` of their irregularities.
     fn on_part(shared: Rolling, spin: Spin, side: Side, shape: Option<Arc<RailShape>>, part: f64) -> Self {
         let contact = WheelRail::new(WheelRailParts {
             marker: Box::new(WheelsetMarker::new(spin.pose, spin.coordinate)),
@@ -132,13 +133,14 @@ impl RollingWheel {
         }
     }
 
-    /// Leaves this `part` of the irregularities of the rail, for statics that begin on smooth rails; creep forces are out as for those.
+    /// Scales the irregularities of the rail by `part`, for statics that begin on smooth rails; creep forces are left
+    /// out as for smooth rails.
     pub(super) fn set_irregularity(&mut self, part: f64) {
         *self = Self::on_part(self.shared.clone(), self.spin, self.side, self.shape.clone(), part);
         self.set_creeping(false);
     }
 
-    /// Takes the creep forces out for statics, in which nothing rolls, and puts them back.
+    /// Takes the creep forces out for statics, in which nothing rolls, or puts them back.
     pub(super) fn set_creeping(&mut self, creeping: bool) {
         let law = if creeping {
             self.shared.creep.law
@@ -151,7 +153,7 @@ impl RollingWheel {
         });
     }
 
-    /// Makes the wheel turn faster by `rate` (rad/s) than its coordinates say.
+    /// Adds `rate` (rad/s) to the spin given by the coordinates.
     pub(super) fn set_rolling(&mut self, rate: f64) {
         self.contact.set_spin(self.spin.rolling + rate);
     }
@@ -162,8 +164,8 @@ impl RollingWheel {
         self.contact.force(motion)
     }
 
-    /// Y/Q: force in the plane of the rails with which the wheel presses its rail outward, over the one perpendicular to that plane
-    /// [EN 14363]; 0 where it has lifted off.
+    /// Y/Q: force in the plane of the rails that presses the rail outward, over the force perpendicular to that plane
+    /// [EN 14363]; 0 for a lifted wheel.
     #[must_use]
     pub fn derailment_quotient(&self, motion: &Motion<'_>) -> f64 {
         let force = self.force(motion);
@@ -185,8 +187,8 @@ impl Force for RollingWheel {
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
-        // The matrix may be analysed and made again at other motions than the present one: a restored run repeats bit for bit only if
-        // that leaves the start of the next search alone.
+        // The matrix may be analysed and made again at other motions than the present one: a restored run repeats bit
+        // for bit only if the start of the next search is left alone.
         let mut start = Vec::new();
         self.contact.save(&mut start);
         self.contact.add_tangent(motion, weights, blocks);

@@ -1,19 +1,20 @@
-//! What is tabulated of a linkage, from its scene entry.
+//! Tabulated quantities of a linkage, from the scene entry.
 use super::curve::{Jet, Node};
-use super::linkage::Linkage;
 use super::plane::{End, Plane, PlaneJoint};
 use crate::VehicleError;
+use crate::error::Irreducible;
+use crate::pantograph::Linkage;
 use nalgebra::{DVector, Vector2};
 use scene::{JointKind, Linkage as Entry};
 
-/// The mechanism without the strip's body, and what is tabulated of it.
+/// Mechanism without the strip's body, and the tabulated quantities.
 pub(super) struct Table {
     pub plane: Plane,
     gravity: f64,
     masses: Vec<f64>,
-    /// Where the centre of mass of the strip's body is on its carrier, and the number of the carrier.
-    carried: End,
-    carrier: usize,
+    /// Centre of mass of the strip's body as a point of its guide, and the number of the guide.
+    strip_point: End,
+    guide: usize,
     pub tilt: f64,
     uplift: (f64, End),
 }
@@ -33,7 +34,7 @@ impl Table {
             None => End::Base(in_plane(point)),
             Some(body) => End::Body(body, in_plane(point) - references[body]),
         };
-        let mut carrier = None;
+        let mut guide = None;
         let mut joints = Vec::new();
         for joint in &entry.joints {
             if joint.first == entry.strip.body || joint.second == entry.strip.body {
@@ -43,7 +44,7 @@ impl Table {
                     &joint.first
                 };
                 if let JointKind::Prismatic { axis } = joint.kind {
-                    carrier = number(other).map(|body| (body, axis));
+                    guide = number(other).map(|body| (body, axis));
                 }
                 continue;
             }
@@ -55,10 +56,11 @@ impl Table {
                 _ => PlaneJoint::Pin(ends.0, ends.1),
             });
         }
-        let Some((carrier, axis)) = carrier else {
-            return Err(VehicleError::NotReducible {
-                reason: format!("{} is guided by no moving body", entry.strip.body),
-            });
+        let Some((guide, axis)) = guide else {
+            return Err(Irreducible::NoGuide {
+                name: entry.strip.body.clone(),
+            }
+            .into());
         };
         let upright = axis[2].signum();
         let inertia = |body: &scene::Body| {
@@ -66,7 +68,7 @@ impl Table {
             (0..3).map(|k| rows[1][k] * rows[1][k] * body.inertia[k]).sum::<f64>()
         };
         let mut inertias: Vec<_> = others().map(|body| (body.mass, inertia(body))).collect();
-        inertias[carrier].1 += inertia(&entry.bodies[head]);
+        inertias[guide].1 += inertia(&entry.bodies[head]);
         let uplift = entry
             .uplift_point()
             .map(|point| (entry.uplift.force, end(&entry.uplift.body, &point)));
@@ -78,14 +80,14 @@ impl Table {
         Ok(Self {
             gravity,
             masses: others().map(|body| body.mass).collect(),
-            carried: End::Body(
-                carrier,
+            strip_point: End::Body(
+                guide,
                 Vector2::new(
                     full.bodies()[head].pose.reference.x,
                     full.bodies()[head].pose.reference.z,
-                ) - references[carrier],
+                ) - references[guide],
             ),
-            carrier,
+            guide,
             tilt: (upright * axis[0]).atan2(upright * axis[2]),
             uplift,
             plane: Plane {
@@ -99,22 +101,22 @@ impl Table {
     /// Rise of the collector suspension in the reference position along a tangent.
     pub fn rise(&self, tangent: &DVector<f64>) -> f64 {
         let none = DVector::zeros(tangent.len());
-        let along = Plane::point(self.carried, &self.plane.reference(), tangent, &none);
+        let along = Plane::point(self.strip_point, &self.plane.reference(), tangent, &none);
         along.first.y
     }
 
     /// Height of the unstretched suspension, m.
-    pub fn carried_height(&self, q: &DVector<f64>) -> f64 {
+    pub fn strip_point_height(&self, q: &DVector<f64>) -> f64 {
         let none = DVector::zeros(q.len());
-        Plane::point(self.carried, q, &none, &none).value.y
+        Plane::point(self.strip_point, q, &none, &none).value.y
     }
 
     /// `X`, `Z`, `φ`, `V` at a node.
     pub fn jets(&self, node: &Node) -> [Jet; 4] {
         let point = |end: End| Plane::point(end, &node.q, &node.first, &node.second);
         let of = |i: usize| [node.q[i], node.first[i], node.second[i]];
-        let carried = point(self.carried);
-        let axis = |k: usize| [carried.value[k], carried.first[k], carried.second[k]];
+        let strip_point = point(self.strip_point);
+        let axis = |k: usize| [strip_point.value[k], strip_point.first[k], strip_point.second[k]];
         let lifted = point(self.uplift.1);
         let mut potential = [lifted.value.y, lifted.first.y, lifted.second.y].map(|z| -self.uplift.0 * z);
         for (body, mass) in self.masses.iter().enumerate() {
@@ -122,6 +124,6 @@ impl Table {
                 *sum += mass * self.gravity * z;
             }
         }
-        [axis(0), axis(1), of(3 * self.carrier + 2), potential]
+        [axis(0), axis(1), of(3 * self.guide + 2), potential]
     }
 }

@@ -1,9 +1,18 @@
-//! The vehicle under the pantograph: rigid bodies, what joins them, and the wheels.
+//! The vehicle under the pantograph: rigid bodies, joints, bushings and wheels.
 //!
-//! Coordinates are those of the frame of the base, which travels at constant speed: a vehicle that runs undisturbed is at rest. The
-//! centre of mass of the body that carries the pantograph keeps its place along the track there: that is what drives the
-//! vehicle, and it does no work in this frame. [Thesis, section 3.1, Table 1] In a curve the frame follows the track
-//! ([`Travel`]), so that a vehicle in a long arc is at rest, too, under what [`CurveInertia`] adds.
+//! Coordinates are those of the frame of the base, which travels at constant speed: an undisturbed vehicle is at rest.
+//! The centre of mass of the body under the pantograph keeps a fixed position along the track in this frame: this
+//! constraint drives the vehicle and does no work in the frame. [Thesis, section 3.1, Table 1] In a curve the frame
+//! follows the track ([`Travel`]), so that a vehicle in a long arc is at rest, too, under the forces of
+//! [`CurveInertia`].
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `builder` | from a scene's vehicle to bodies, bushings, joints and wheels |
+//! | `statics` | the vehicle at rest under the loads of the pantograph |
+//! | `wheel_spring`, `rolling_wheel` | the two contact models of a wheel |
+//! | `spin` | spin of a wheelset about the axle |
+//! | `curve_inertia` | inertia forces in a curve |
 mod builder;
 mod curve_inertia;
 mod rolling_wheel;
@@ -16,25 +25,24 @@ mod wheel_spring;
 use crate::multibody::{BodyMarker, Bushing, Joint, RigidBody};
 use crate::pantograph::Offsets;
 use crate::travel::Travel;
-pub use curve_inertia::CurveInertia;
+pub(crate) use curve_inertia::CurveInertia;
 use dynamics::{Constraint, Force, Frame, Marker, Motion, State};
-pub use rolling_wheel::RollingWheel;
-pub use spin::{Spin, WheelsetMarker};
-pub(crate) use statics::Load;
-pub use statics::TrainRest;
-pub use wheel_spring::WheelSpring;
+pub(crate) use rolling_wheel::RollingWheel;
+pub(crate) use spin::Spin;
+pub(crate) use statics::{Load, VehicleRest};
+pub(crate) use wheel_spring::WheelSpring;
 
-/// What is between a wheel and its rail.
+/// Contact model between a wheel and a rail.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "eight per vehicle")]
-pub enum TrainWheel {
+pub(crate) enum VehicleWheel {
     /// A linear spring.
     Spring(WheelSpring),
     /// Rolling contact.
     Rolling(RollingWheel),
 }
 
-impl TrainWheel {
+impl VehicleWheel {
     /// Force of the rail on the wheel perpendicular to the plane of the rails, N.
     #[must_use]
     pub fn load(&self, motion: &Motion<'_>) -> f64 {
@@ -54,7 +62,7 @@ impl TrainWheel {
 
 /// A vehicle of rigid bodies on its wheels.
 #[derive(Clone, Debug)]
-pub struct Train {
+pub struct Vehicle {
     offsets: Offsets,
     constraint_count: usize,
     names: Vec<String>,
@@ -64,27 +72,27 @@ pub struct Train {
     bearing_count: usize,
     joints: Vec<Joint>,
     /// Left and right wheel of each wheelset in turn.
-    wheels: Vec<TrainWheel>,
-    /// Of the wheelsets, where they roll.
+    wheels: Vec<VehicleWheel>,
+    /// Spins of the wheelsets of a rolling vehicle.
     spins: Vec<Spin>,
-    carrier: BodyMarker,
+    pantograph_base: BodyMarker,
     fixed: usize,
     travel: Travel,
-    /// On curved track.
+    /// Inertia on curved track.
     inertia: Option<CurveInertia>,
 }
 
-impl Train {
-    /// How the frame of its coordinates travels.
+impl Vehicle {
+    /// Travel of the frame of the coordinates.
     #[must_use]
-    pub fn travel(&self) -> &Travel {
+    pub(crate) fn travel(&self) -> &Travel {
         &self.travel
     }
 
-    /// Where the base of the pantograph stands on its body.
+    /// Marker of the pantograph's base on the body under the pantograph.
     #[must_use]
-    pub fn carrier(&self) -> BodyMarker {
-        self.carrier
+    pub(crate) fn pantograph_base(&self) -> BodyMarker {
+        self.pantograph_base
     }
 
     /// The bodies, in the order of the scene.
@@ -117,32 +125,34 @@ impl Train {
 
     /// Number of generalised velocities that are free.
     #[must_use]
-    pub fn coordinates(&self) -> usize {
+    pub(crate) fn coordinates(&self) -> usize {
         6 * self.bodies.len() + self.spins.len() - self.fixed
     }
 
     /// Number of constraint equations.
     #[must_use]
-    pub fn constraint_count(&self) -> usize {
+    pub(crate) fn constraint_count(&self) -> usize {
         self.constraint_count
     }
 
-    /// Force of the rail on each wheel perpendicular to the plane of the rails, N: left and right wheel of each wheelset in turn.
+    /// Force of the rail on each wheel perpendicular to the plane of the rails, N: left and right wheel of each
+    /// wheelset in turn.
     pub fn wheel_loads<'a>(&'a self, motion: &'a Motion<'_>) -> impl Iterator<Item = f64> + 'a {
         self.wheels.iter().map(|wheel| wheel.load(motion))
     }
 
-    /// That of one wheel, counted from 0; 0 where there is none.
+    /// Force of the rail on one wheel, counted from 0, perpendicular to the plane of the rails, N; 0 if there is no
+    /// such wheel.
     #[must_use]
     pub fn wheel_load(&self, wheel: usize, motion: &Motion<'_>) -> f64 {
         self.wheels.get(wheel).map_or(0.0, |wheel| wheel.load(motion))
     }
 
-    /// Y/Q of one wheel, counted from 0; 0 where no lateral force is modelled.
+    /// Y/Q of one wheel, counted from 0; 0 if no lateral force is modelled.
     #[must_use]
     pub fn derailment_quotient(&self, wheel: usize, motion: &Motion<'_>) -> f64 {
         match self.wheels.get(wheel) {
-            Some(TrainWheel::Rolling(wheel)) => wheel.derailment_quotient(motion),
+            Some(VehicleWheel::Rolling(wheel)) => wheel.derailment_quotient(motion),
             _ => 0.0,
         }
     }
@@ -153,14 +163,14 @@ impl Train {
         self.wheels.len()
     }
 
-    /// The base of the pantograph, in the frame of the base.
+    /// Frame of the pantograph's base, in the frame of the base.
     #[must_use]
     pub fn base_frame(&self, motion: &Motion<'_>) -> Frame {
-        self.carrier.frame(motion)
+        self.pantograph_base.frame(motion)
     }
 
     /// Visits every force in a fixed order.
-    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+    pub(crate) fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         for body in &mut self.bodies {
             visit(body);
         }
@@ -179,14 +189,14 @@ impl Train {
     }
 
     /// Visits every joint in a fixed order.
-    pub fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+    pub(crate) fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
         for joint in &mut self.joints {
             visit(joint);
         }
     }
 
     /// Writes a state of rest into the vehicle's part of a state.
-    pub(crate) fn set_rest(&self, rest: &TrainRest, state: &mut State) {
+    pub(crate) fn set_rest(&self, rest: &VehicleRest, state: &mut State) {
         rest.equilibrium.write(self.offsets, state);
         for (spin, rate) in self.spins.iter().zip(&rest.spins) {
             state.v[spin.coordinate] = *rate;

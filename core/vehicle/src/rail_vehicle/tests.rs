@@ -25,7 +25,7 @@ fn scene(overrides: &[&str]) -> Scene {
 /// A vehicle alone.
 struct Alone {
     layout: Layout,
-    train: Train,
+    vehicle: Vehicle,
 }
 
 impl System for Alone {
@@ -34,11 +34,11 @@ impl System for Alone {
     }
 
     fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.train.forces(visit);
+        self.vehicle.forces(visit);
     }
 
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        self.train.constraints(visit);
+        self.vehicle.constraints(visit);
     }
 }
 
@@ -47,13 +47,13 @@ const BASE: Base = Base {
     speed: 200.0 / 3.6,
 };
 
-/// Directions that joints and held coordinates leave free at a state, as columns.
+/// Directions left free by joints and held coordinates at a state, as columns.
 fn free_motions(alone: &Alone, state: &State) -> DMatrix<f64> {
     let (n, motion) = (state.q.len(), state.motion(&[]));
     let m = state.lambda.len();
     let mut held = DMatrix::zeros(m + alone.layout.fixed().len(), n);
     let mut first = 0;
-    for joint in &alone.train.joints {
+    for joint in &alone.vehicle.joints {
         let mut sink = |row: usize, columns: &[usize], values: &[f64]| {
             for (&column, &value) in columns.iter().zip(values) {
                 held[(first + row, column)] += value;
@@ -65,14 +65,15 @@ fn free_motions(alone: &Alone, state: &State) -> DMatrix<f64> {
     for (row, &index) in alone.layout.fixed().iter().enumerate() {
         held[(m + row, index)] = 1.0;
     }
-    // The null space of what is held: eigenvectors of HᵀH at zero.
+    // Null space of the held directions: eigenvectors of HᵀH at zero.
     let eigen = SymmetricEigen::new(held.transpose() * &held);
     let free: Vec<usize> = (0..n).filter(|&i| eigen.eigenvalues[i] < 1e-9).collect();
     DMatrix::from_columns(&free.iter().map(|&i| eigen.eigenvectors.column(i)).collect::<Vec<_>>())
 }
 
-/// Irregularities of a main line, and a place where they are fully grown.
-const ROUGH: &str = "track.irregularities={ model = \"spectrum\", seed = 7, wavelengths = [3.0, 80.0], vertical_roughness = 4.032e-7, \
+/// Irregularities of a main line, and a position at which they are fully grown.
+const ROUGH: &str = "track.irregularities={ model = \"spectrum\", seed = 7, wavelengths = [3.0, 80.0], \
+    vertical_roughness = 4.032e-7, \
                      lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }";
 
 fn rough() -> Option<TrackShape> {
@@ -84,7 +85,7 @@ fn rough() -> Option<TrackShape> {
     TrackShape::new(scene(&[ROUGH]).track.as_deref().unwrap(), reach)
 }
 
-/// The scene as it is: every wheel rolls on its rail.
+/// The unchanged scene: every wheel rolls on its rail.
 fn full_scene(overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
     Scene::from_toml(THESIS, "thesis.toml", &overrides).unwrap()

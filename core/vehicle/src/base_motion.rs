@@ -1,33 +1,32 @@
-//! What carries a pantograph.
-use crate::pantograph::Ground;
+//! Motion of the pantograph's base beside the travel: none, given, or that of a vehicle.
+use crate::pantograph::BaseMount;
+use crate::rail_vehicle::Vehicle;
 use crate::track::{Reach, TrackShape};
-use crate::train::Train;
 use crate::{Base, GivenMotion, Placement, VehicleError};
 use dynamics::{Layout, State};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// What moves under a pantograph.
+/// Motion of the pantograph's base relative to the travel along the track.
 #[derive(Clone, Debug)]
-pub enum Carriage {
-    /// Nothing: the base travels on a straight line.
+pub(crate) enum BaseMotion {
+    /// None: the base travels on a straight line.
     Straight,
-    /// The base moves as given.
+    /// Displacements and angles as functions of time.
     Given(Arc<GivenMotion>),
-    /// A vehicle.
-    Train(Box<Train>),
+    /// Motion of the vehicle body under the base.
+    Vehicle(Box<Vehicle>),
 }
 
-fn unread(key: &str, file: &str) -> VehicleError {
-    VehicleError::NotAvailable {
-        what: format!(
-            "{key} = {file:?}: must be read into the scene first, as `master` does; or give the lists themselves"
-        ),
+fn unread(key: &'static str, file: &str) -> VehicleError {
+    VehicleError::Unread {
+        key,
+        file: file.to_owned(),
     }
 }
 
-impl Carriage {
-    /// Builds what carries a pantograph into `layout`; `name` begins the names of its coordinates.
+impl BaseMotion {
+    /// Builds the motion of the base into `layout`; `name` begins the names of the coordinates.
     ///
     /// # Errors
     /// See [`VehicleError`].
@@ -69,43 +68,41 @@ impl Carriage {
         {
             let least = scene::millimetres_up(ahead + 0.5 * first.rounding);
             let path = rails.curve_key(0);
-            return Err(VehicleError::NotAvailable {
-                what: format!(
-                    "{path}: start = {} m must be {least:.3} m or more: a run starts at rest on straight track, the foremost wheel or the \
-                     pantograph's base at {ahead:.3} m, and the cant ramp begins half its rounding = {} m before",
-                    first.start, first.rounding
-                ),
+            return Err(VehicleError::StartsInCurve {
+                path,
+                start: first.start,
+                least,
+                ahead,
+                rounding: first.rounding,
             });
         }
         let gravity = placement.gravity;
-        let train = match (placement.vehicle.as_deref(), placement.track.as_deref()) {
+        let vehicle = match (placement.vehicle.as_deref(), placement.track.as_deref()) {
             (Some(scene::Vehicle::Full(_)), Some(rails)) => {
-                Train::full(entry, (rails, track.as_ref()), base, gravity, name, layout)?
+                Vehicle::full(entry, (rails, track.as_ref()), base, gravity, name, layout)?
             }
             (Some(scene::Vehicle::Full(_)), None) => {
-                return Err(VehicleError::NotAvailable {
-                    what: "vehicle.model = \"full\" needs [track]".to_owned(),
-                });
+                return Err(VehicleError::Missing { key: "[track]" });
             }
-            _ => Train::vertical(entry, track.as_ref(), base, gravity, name, layout)?,
+            _ => Vehicle::vertical(entry, track.as_ref(), base, gravity, name, layout)?,
         };
-        Ok(Self::Train(Box::new(train)))
+        Ok(Self::Vehicle(Box::new(vehicle)))
     }
 
-    /// What the pantograph's base is fixed to.
-    pub(crate) fn ground(&self) -> Ground {
+    /// Mount of the pantograph's base.
+    pub(crate) fn mount(&self) -> BaseMount {
         match self {
-            Self::Straight => Ground::Still,
-            Self::Given(given) => Ground::Given(Arc::clone(given)),
-            Self::Train(train) => Ground::Body(train.carrier()),
+            Self::Straight => BaseMount::Fixed,
+            Self::Given(given) => BaseMount::Given(Arc::clone(given)),
+            Self::Vehicle(vehicle) => BaseMount::Body(vehicle.pantograph_base()),
         }
     }
 
-    /// The vehicle.
+    /// Vehicle under the pantograph, if modelled.
     #[must_use]
-    pub fn train(&self) -> Option<&Train> {
+    pub fn vehicle(&self) -> Option<&Vehicle> {
         match self {
-            Self::Train(train) => Some(train),
+            Self::Vehicle(vehicle) => Some(vehicle),
             Self::Straight | Self::Given(_) => None,
         }
     }
@@ -113,26 +110,26 @@ impl Carriage {
     /// Number of generalised velocities and of constraint equations.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
-        self.train()
-            .map_or([0; 2], |train| [train.coordinates(), train.constraint_count()])
+        self.vehicle()
+            .map_or([0; 2], |vehicle| [vehicle.coordinates(), vehicle.constraint_count()])
     }
 
-    /// The point of the pantograph's base in the reference position, in the frame of the base, m; `height` where nothing else says
-    /// its z.
+    /// Point of the pantograph's base in the reference position, in the frame of the base, m; z is `height` unless a
+    /// vehicle sets it.
     pub(crate) fn base_point(&self, height: f64) -> Vector3<f64> {
         match self {
-            Self::Train(train) => {
-                let marker = train.carrier();
+            Self::Vehicle(vehicle) => {
+                let marker = vehicle.pantograph_base();
                 marker.pose.reference + marker.offset
             }
             Self::Straight | Self::Given(_) => Vector3::new(0.0, 0.0, height),
         }
     }
 
-    /// The vehicle's part of an equilibrium goes into `state`.
-    pub(crate) fn set_rest(&self, rest: Option<&crate::train::TrainRest>, state: &mut State) {
-        if let (Self::Train(train), Some(rest)) = (self, rest) {
-            train.set_rest(rest, state);
+    /// Writes the vehicle's part of an equilibrium into `state`.
+    pub(crate) fn set_rest(&self, rest: Option<&crate::rail_vehicle::VehicleRest>, state: &mut State) {
+        if let (Self::Vehicle(vehicle), Some(rest)) = (self, rest) {
+            vehicle.set_rest(rest, state);
         }
     }
 }

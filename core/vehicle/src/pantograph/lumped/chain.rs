@@ -1,22 +1,22 @@
-//! The parts of a lumped pantograph: masses that rise and fall, and what joins them.
+//! Parts of a lumped pantograph: masses that rise and fall, and the elements between them.
 use crate::multibody::{Anchor, BaseMarker, Measure, Pair};
 use crate::{Apparent, Travel};
 use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
 use nalgebra::{Matrix3, Vector3};
 
-/// Sliding velocity (m/s) at which the regularised friction has reached tanh(1) = 76 % of Coulomb's.
+/// Sliding velocity (m/s) at which the regularised friction has reached tanh(1) of Coulomb's.
 ///
-/// Chosen: a tenth of the velocities that a strip has on a line in operation, and slow enough for steps of a millisecond.
+/// Chosen: a tenth of the velocities of a strip on a line in operation, and slow enough for steps of a millisecond.
 pub const FRICTION_VELOCITY: f64 = 0.01;
 
-/// The masses of a chain, and the static force that lifts the last of them.
+/// Masses of a chain, and the static force that lifts the last mass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChainMasses {
     /// Index of the first mass's coordinate; the others follow.
     pub first: usize,
     /// kg, collector head first.
     pub masses: Vec<f64>,
-    /// Upward force on the last mass, N. It is the lift that the raised pantograph has in excess of its weight.
+    /// Upward force on the last mass, N: the lift of the raised pantograph in excess of the weight.
     pub static_force: f64,
 }
 
@@ -36,23 +36,23 @@ impl Force for ChainMasses {
     }
 }
 
-/// What the masses of a chain feel on a base that follows a curve: along the chain, perpendicular to the plane of the rails.
+/// Inertia of the masses of a chain on a base in a curve: along the chain, perpendicular to the plane of the rails.
 ///
 /// ```text
 /// F = −m (a + Ω̇ × r + Ω × (Ω × r) + 2 Ω × ṙ)_z + m g (1 − e_up·e_z),    r = (0, b, h + q)
 /// ```
 ///
-/// `F` is the part of the weight that leans away, which the static force of a chain contains, and the centrifugal force's
-/// share. What acts across the chain is borne by its guide.
+/// `F` is the leaning part of the weight, which the static force of a chain contains, and the centrifugal force's
+/// share. The guide of the chain bears the forces across the chain.
 #[derive(Clone, Debug)]
 pub struct ChainInertia {
-    /// What its base follows.
+    /// Travel of the base.
     pub travel: Travel,
     /// Index of the first mass's coordinate; the others follow.
     pub first: usize,
     /// kg, collector head first.
     pub masses: Vec<f64>,
-    /// `b`, how far the chain stands beside the middle of the track, m.
+    /// `b`, lateral position of the chain from the middle of the track, m.
     pub lateral: f64,
     /// `h`, height of a chain without extent above the top of rail, m.
     pub height: f64,
@@ -61,7 +61,7 @@ pub struct ChainInertia {
 }
 
 impl ChainInertia {
-    /// Force per mass on one whose coordinate is `index`, N/kg.
+    /// Force per mass at the coordinate `index`, N/kg.
     fn force_per_mass(&self, apparent: &Apparent, index: usize, motion: &Motion<'_>) -> f64 {
         let position = Vector3::new(0.0, self.lateral, self.height + motion.q[index]);
         let velocity = Vector3::new(0.0, 0.0, motion.v[index]);
@@ -91,7 +91,7 @@ impl Force for ChainInertia {
         }
     }
 
-    /// All of it is brought in by the travel of the base.
+    /// The travel of the base brings in all of the power.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
         let mut power = Power::default();
         if let Some(apparent) = self.travel.apparent(motion.t) {
@@ -103,12 +103,12 @@ impl Force for ChainInertia {
     }
 }
 
-/// What the last element of a chain stands on, where that moves.
+/// Moving base under the last element of a chain.
 ///
-/// It bears what the chain presses down with, and the reaction `S` of the static force: at rest the contact force.
+/// The foot bears the force of the chain and the reaction `S` of the static force: at rest the contact force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Foot {
-    /// From a point that does not move, where the foot is in the reference state, to the foot.
+    /// Pair from a fixed point, the foot's reference position, to the foot.
     pub pair: Pair,
     /// `S`, N.
     pub lift: f64,
@@ -117,7 +117,7 @@ pub struct Foot {
 impl Foot {
     const RISE: Measure = Measure::Point(2);
 
-    /// A foot that is at `reference` (m) in the reference state.
+    /// Foot that is at `reference` (m) in the reference state.
     #[must_use]
     pub fn new(foot: Anchor, reference: Vector3<f64>, lift: f64) -> Self {
         let first = Anchor::Base(BaseMarker {
@@ -145,7 +145,7 @@ impl Foot {
 /// Spring, damper and friction between a mass and the one below, or the base.
 ///
 /// ```text
-/// s = q_below − q_above         compression beyond the reference state, m; q_below is the rise of the base at the last one
+/// s = q_below − q_above         compression beyond the reference state, m; at the last one q_below is the base's rise
 /// N = P + k s + c ṡ             a plain element
 /// N = max(0, P + k s + c ṡ)     where it pushes only (a stop, a loose head), as long as P + k s > 0, else 0
 /// F = N + R tanh(ṡ / v_R)       on the mass above; −F on the mass below
@@ -158,7 +158,7 @@ pub struct ChainElement {
     pub above: usize,
     /// Coordinate of the mass below; `None` is the base.
     pub below: Option<usize>,
-    /// The base, where it moves and there is no mass below.
+    /// Moving base under an element without a mass below.
     pub foot: Option<Foot>,
     /// `k`, N/m.
     pub stiffness: f64,
@@ -166,15 +166,15 @@ pub struct ChainElement {
     pub damping: f64,
     /// `P`, compression in the reference state, N.
     pub preload: f64,
-    /// Whether it pushes only.
+    /// True for an element that pushes only.
     pub unilateral: bool,
     /// `R`, N.
     pub friction: f64,
     /// Tangent coefficient in the factored matrix, N/m.
     factored: f64,
-    /// Whether it was open where its force was found last.
+    /// True if the element was open at the last evaluation of the force.
     open: bool,
-    /// Rows of low-rank terms so far that a turning foot has a part in.
+    /// Number of low-rank rows so far with a part of a turning foot.
     rows: u64,
 }
 
@@ -207,7 +207,7 @@ impl ChainElement {
         (q - motion.q[self.above], v - motion.v[self.above])
     }
 
-    /// `(F, ∂F/∂s, ∂F/∂ṡ)`, and whether it is open.
+    /// `(F, ∂F/∂s, ∂F/∂ṡ)`, and true for an open element.
     fn law(&self, motion: &Motion<'_>) -> (f64, f64, f64, bool) {
         let (s, rate) = self.compression(motion);
         let elastic = self.preload + self.stiffness * s;
@@ -318,7 +318,7 @@ impl Force for ChainElement {
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         let (s, _) = self.compression(motion);
         let open_at = -self.preload / self.stiffness;
-        // An open element keeps the energy that it had when it opened.
+        // An open element keeps the energy of the moment of opening.
         let s = if self.unilateral && self.stiffness > 0.0 {
             s.max(open_at)
         } else {
@@ -336,7 +336,7 @@ impl Force for ChainElement {
         if !matches!(foot.pair.second, Anchor::Given(_)) {
             return None;
         }
-        // What lifts the foot works; the law at rest is what the energy knows of.
+        // The lift of the foot does work; the energy knows the law at rest only.
         let (normal, ..) = self.law(motion);
         let (s, rate) = self.compression(motion);
         let elastic = self.preload + self.stiffness * s;
@@ -348,14 +348,14 @@ impl Force for ChainElement {
     }
 }
 
-/// The strip on the first mass of a chain, in the frame of the base: it rises and falls, nothing else.
+/// Strip on the first mass of a chain, in the frame of the base: the strip rises and falls, nothing else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeadMarker {
     /// Coordinate of the mass.
     pub coordinate: usize,
-    /// Place beside the middle of the track, m.
+    /// Lateral position from the middle of the track, m.
     pub lateral: f64,
-    /// Height above the top of rail where the coordinate is zero, m.
+    /// Height above the top of rail at coordinate zero, m.
     pub reference_height: f64,
 }
 

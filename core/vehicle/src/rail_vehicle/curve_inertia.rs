@@ -1,4 +1,4 @@
-//! What bodies feel in a frame that follows a curve.
+//! Inertia forces in a frame that follows a curve.
 use super::Spin;
 use crate::multibody::{Pose, RigidBody};
 use crate::travel::{Apparent, Travel};
@@ -6,19 +6,20 @@ use dynamics::rotation::skew;
 use dynamics::{Blocks, Force, Motion, Power, Weights};
 use nalgebra::{Matrix3, Matrix3x4, Vector3};
 
-/// What the frame of a vehicle adds to the equations of rigid bodies described in it, where it follows a curve.
+/// Terms that the frame of a vehicle adds to the equations of rigid bodies in a curve.
 ///
-/// Newton's and Euler's equations in a frame with the acceleration `a` of its origin and the angular velocity `Ω`, the weight
-/// leaning with it [Shabana, Zaazaa & Sugiyama 2008, chapters 2 and 7; derived here for velocities relative to the frame]:
+/// Newton's and Euler's equations in a frame with the acceleration `a` of the origin and the angular velocity `Ω`; the
+/// weight leans with the frame [Shabana, Zaazaa & Sugiyama 2008, chapters 2 and 7; derived here for velocities relative
+/// to the frame]:
 ///
 /// ```text
 /// F' = −m (a + Ω̇ × r + Ω × (Ω × r) + 2 Ω × ṙ) + m g (e_z − e_up)
 /// M' = −I (u − ω × w) − ω × I w − w × I ω − w × I w,      w = AᵀΩ,  u = AᵀΩ̇,  A the body's axes in the frame
 /// ```
 ///
-/// `M'` is the difference between Euler's equations for the whole angular velocity `ω + w`, whose rate is `ω̇ + u − ω × w`, and those
-/// that a [`RigidBody`] has for `ω` alone. The spin `Ω_s` of a wheelset adds the gyroscopic moments of [`Spin`] for `w`, and its axle
-/// takes the spin along as it turns:
+/// `M'` is the difference between Euler's equations for the whole angular velocity `ω + w`, whose rate is `ω̇ + u − ω ×
+/// w`, and the equations of a [`RigidBody`] for `ω` alone. The spin `Ω_s` of a wheelset adds the gyroscopic moments of
+/// [`Spin`] for `w`, and the turning axle takes the spin along:
 ///
 /// ```text
 /// M'_x += I_y Ω_s w_z,   M'_z −= I_y Ω_s w_x,   M'_χ = −I_y (u − ω × w)_y
@@ -75,7 +76,7 @@ impl Turning {
 }
 
 impl CurveInertia {
-    /// On these bodies and spins of a vehicle or pantograph; `None` on straight track.
+    /// Inertia of these bodies and spins of a vehicle or pantograph; `None` on straight track.
     #[must_use]
     pub fn new(travel: &Travel, bodies: &[RigidBody], spins: &[Spin]) -> Option<Self> {
         travel.alignment()?;
@@ -159,7 +160,7 @@ impl Force for CurveInertia {
         }
     }
 
-    /// All of it is brought in by the travel of the frame.
+    /// The travel of the frame brings in all of the power.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
         let mut power = Power::default();
         let Some(apparent) = self.travel.apparent(motion.t) else {

@@ -4,12 +4,13 @@
 //! Q(q) − f ∂z_s/∂q − g_qᵀ λ = 0,    g(q) = 0,    z_s(q) = h  or  f given
 //! ```
 //!
-//! `z_s` is the height of the strip, `f` the contact force that presses it down. The Jacobian includes the geometric
-//! stiffness of the joints: nearly all the stiffness that a linkage has against being lowered comes from there. Bars
-//! between two spherical joints may spin freely; a stiffness far below any other holds them where they are.
-use super::{Equilibrium, Linkage};
+//! `z_s` is the height of the strip, `f` the contact force that presses the strip down. The Jacobian includes the
+//! geometric stiffness of the joints: nearly all the stiffness of a linkage against being lowered comes from the
+//! joints. Bars between two spherical joints may spin freely; a stiffness far below any other holds their spin.
+use super::Linkage;
 use crate::VehicleError;
 use crate::multibody::{AxialSpring, Pose};
+use crate::pantograph::{Equilibrium, Pantograph, Target};
 use dynamics::{Blocks, Constraint, Force, JacobianRows, Layout, Marker, State, Weights, rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -27,27 +28,9 @@ const LONGEST_TURN: f64 = 0.1;
 
 const ITERATIONS: usize = 60;
 
-/// What an equilibrium is asked for at.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Target {
-    /// Contact force, N.
-    Force(f64),
-    /// Height of the strip, m.
-    Height(f64),
-}
-
-impl std::fmt::Display for Target {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Force(force) => write!(formatter, "contact force {force} N"),
-            Self::Height(height) => write!(formatter, "strip height {height} m"),
-        }
-    }
-}
-
-/// What balances the tabulated position.
+/// Forces that balance the tabulated position.
 pub(super) struct Balance {
-    /// Of the collector suspension, N.
+    /// Preload of the collector suspension, N.
     pub preload: f64,
     /// Contact force, N.
     pub force: f64,
@@ -171,7 +154,7 @@ pub(super) fn solve(
         let scale = force.amax().max(contact_force.abs());
         tolerance = TOLERANCE * scale;
         if iteration == 0 {
-            // Multipliers that carry the forces of the start as well as can be.
+            // Multipliers that bear the forces of the start in the least-squares sense.
             let lambda = g_q
                 .transpose()
                 .svd(true, true)
@@ -182,7 +165,7 @@ pub(super) fn solve(
         }
         let lambda = DVector::from_column_slice(&state.lambda);
         let unbalanced = force - &strip * contact_force - g_q.transpose() * lambda;
-        let height = linkage.strip().frame(&state.motion(&[])).position.z;
+        let height = linkage.strip_marker().frame(&state.motion(&[])).position.z;
         let missing = match target {
             Target::Force(force) => force - contact_force,
             Target::Height(target) => target - height,
@@ -196,7 +179,7 @@ pub(super) fn solve(
                 q: state.q,
                 rotation: state.rotation,
                 lambda: state.lambda,
-                train: None,
+                vehicle: None,
             });
         }
 
@@ -234,7 +217,7 @@ pub(super) fn solve(
     })
 }
 
-/// Moves the state along a Newton step (displacements, rotations, multipliers, force), shortened where it turns a body
+/// Moves the state along a Newton step (displacements, rotations, multipliers, force), shortened if a body would turn
 /// too far; returns the change of the contact force.
 fn advance(linkage: &Linkage, state: &mut State, step: &DVector<f64>) -> f64 {
     let (n, m) = (state.q.len(), state.lambda.len());
@@ -254,7 +237,7 @@ fn advance(linkage: &Linkage, state: &mut State, step: &DVector<f64>) -> f64 {
         *orientation *= rotation::exp(&(turn(pose) * fraction));
         orientation.renormalize();
     }
-    // Multipliers and force are those of the full step: they enter linearly.
+    // Multipliers and force take the full step, because both enter linearly.
     for (lambda, change) in state.lambda.iter_mut().zip(step.rows(n, m).iter()) {
         *lambda += change;
     }

@@ -1,7 +1,7 @@
 //! From the scene's mechanism to bodies, joints and forces.
-use super::Ground;
 use crate::VehicleError;
 use crate::multibody::{Anchor, AxialSpring, BodyMarker, DeadForce, Joint, Pair, Pose, RigidBody};
+use crate::pantograph::BaseMount;
 use dynamics::Layout;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use scene::{JointKind, Linkage as Entry};
@@ -9,18 +9,18 @@ use scene::{JointKind, Linkage as Entry};
 /// The scene's mechanism on the way to its parts.
 pub(super) struct Builder<'a> {
     entry: &'a Entry,
-    ground: Ground,
-    /// Of the frame of the base, in coordinates of the mechanism, m.
+    mount: BaseMount,
+    /// Origin of the frame of the base, in coordinates of the mechanism, m.
     origin: Vector3<f64>,
     pub orientations: Vec<UnitQuaternion<f64>>,
     pub bodies: Vec<RigidBody>,
 }
 
 impl<'a> Builder<'a> {
-    /// With the base `lateral` (m) beside the middle of the track.
+    /// Builder for a base `lateral` (m) beside the middle of the track.
     pub fn new(
         entry: &'a Entry,
-        (ground, lateral): (Ground, f64),
+        (mount, lateral): (BaseMount, f64),
         gravity: f64,
         name: &str,
         layout: &mut Layout,
@@ -47,14 +47,14 @@ impl<'a> Builder<'a> {
         }
         Self {
             entry,
-            ground,
+            mount,
             origin,
             orientations,
             bodies,
         }
     }
 
-    /// A point of the mechanism's coordinates in the frame of the base.
+    /// Point given in the mechanism's coordinates, in the frame of the base.
     fn point(&self, point: &[f64; 3]) -> Vector3<f64> {
         Vector3::from(*point) - self.origin
     }
@@ -78,7 +78,7 @@ impl<'a> Builder<'a> {
             JointKind::Revolute { axis } | JointKind::Prismatic { axis } => frame_about(&axis.into()),
         };
         if name == Entry::BASE {
-            return Ok(self.ground.anchor(point, axes));
+            return Ok(self.mount.anchor(point, axes));
         }
         Ok(Anchor::Body(self.marker(self.number(key, name)?, &point, &axes)))
     }
@@ -96,7 +96,7 @@ impl<'a> Builder<'a> {
         self.entry.joints.iter().map(build).collect()
     }
 
-    /// The spring acts on the strip's body as the second anchor, so that its preload lifts along the axis.
+    /// The spring acts on the strip's body as the second anchor, so that a positive preload lifts along the axis.
     pub fn suspension(&self) -> Result<AxialSpring, VehicleError> {
         let name = &self.entry.strip.body;
         let guides = |joint: &&scene::Joint| {
@@ -109,14 +109,14 @@ impl<'a> Builder<'a> {
                 count: found.len(),
             });
         };
-        let carrier = if &joint.second == name {
+        let guide = if &joint.second == name {
             &joint.first
         } else {
             &joint.second
         };
         Ok(AxialSpring {
             pair: Pair {
-                first: self.anchor("joints.first", carrier, joint)?,
+                first: self.anchor("joints.first", guide, joint)?,
                 second: self.anchor("strip.body", name, joint)?,
             },
             stiffness: self.entry.collector_suspension.stiffness,
@@ -162,7 +162,7 @@ impl<'a> Builder<'a> {
 /// Orthonormal axes (columns) whose third one points along `axis`.
 fn frame_about(axis: &Vector3<f64>) -> Matrix3<f64> {
     let third = axis.normalize();
-    // Of the two upright choices the one farther from the axis.
+    // Reference direction far from the axis, so that the cross product is well conditioned.
     let helper = if third.x.abs() < 0.7 {
         Vector3::x()
     } else {
