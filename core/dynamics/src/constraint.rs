@@ -15,7 +15,7 @@ pub trait Constraint: Send {
     /// Where the constraint [`Constraint::moves`], indices may change from call to call.
     fn jacobian(&self, motion: &Motion<'_>, rows: &mut JacobianRows<'_>);
 
-    /// Adds `(g_q)˙ v` to `g`, which together with `g_q v̇` is `g̈`, for [`crate::Formulation::Accelerations`]. `false`, with `g`
+    /// Adds `(g_q)˙ v` to `g`, which together with `g_q v̇` is `g̈`, for [`crate::Formulation::Index1Baumgarte`]. `false`, with `g`
     /// as it was, where the constraint does not know it: it then stays one of positions.
     fn add_velocity_terms(&self, motion: &Motion<'_>, g: &mut [f64]) -> bool {
         let _ = (motion, g);
@@ -37,7 +37,7 @@ pub trait Constraint: Send {
 }
 
 /// Takes one block row: number of the equation, indices of the generalised velocities, values.
-pub type RowSink<'a> = dyn FnMut(usize, &[usize], &[f64]) + 'a;
+pub(crate) type RowSink<'a> = dyn FnMut(usize, &[usize], &[f64]) + 'a;
 
 /// Where a [`Constraint`] puts the blocks of its Jacobian.
 pub struct JacobianRows<'a> {

@@ -20,62 +20,39 @@
 //!   dissipation, Journal of Applied Mechanics 60, doi 10.1115/1.2900803.
 #![forbid(unsafe_code)]
 
-mod aerodynamic;
-mod augmented;
-mod balance;
-mod block_tridiagonal;
 mod blocks;
-mod buffer;
 mod constraint;
-mod convergence_estimate;
-mod factor;
-mod factored;
+mod energy_balance;
+mod followed_input;
 mod force;
-mod input;
-mod integrator;
-mod leaves;
-mod lu;
+mod integrate;
+mod layout;
+mod linear;
 mod marker;
-mod matrix;
 mod motion;
-mod moving;
-mod newton;
-mod part;
-mod passes;
-mod pattern;
 mod random;
-mod residual;
 pub mod rotation;
-mod scheme;
-mod simulator;
-mod sparse;
-mod start;
-mod statics;
 mod system;
-mod updates;
 mod wind;
-mod woodbury;
 
-pub use aerodynamic::{AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Polar};
-pub use augmented::Formulation;
-pub use balance::EnergyBalance;
-pub use block_tridiagonal::{BlockTridiagonal, LocalColumn};
 pub use blocks::Blocks;
-pub use constraint::{Constraint, JacobianRows, RowSink};
-pub use factored::FactoredMatrix;
+pub use constraint::{Constraint, JacobianRows};
+pub use energy_balance::EnergyBalance;
+pub use followed_input::{FollowedInput, MAX_ORDER};
 pub use force::{Force, Power, Weights};
-pub use input::{FollowedInput, MAX_ORDER};
-pub use integrator::{GeneralizedAlpha, Memory};
+pub use integrate::{
+    Checkpoint, Counters, Formulation, GeneralizedAlpha, Jacobian, Memory, NewtonOptions, Scheme, Simulator,
+    StaticOptions, StaticReport, StepError, solve_static,
+};
+pub use layout::Layout;
+#[doc(hidden)] // for the benchmark of the solver alone
+pub use linear::{BlockTridiagonal, LocalColumn};
+pub use linear::{FactoredMatrix, SparseMatrix, Updates};
 pub use marker::{Column, Columns, Frame, Marker};
 pub use motion::{Motion, State};
-pub use newton::{Counters, Jacobian, NewtonOptions, StepError};
 pub use random::SplitMix64;
-pub use scheme::Scheme;
-pub use simulator::{Checkpoint, Simulator};
-pub use sparse::SparseMatrix;
-pub use statics::{StaticOptions, StaticReport, solve_static};
-pub use system::{Continuity, Layout, Stage, System};
-pub use updates::Updates;
+pub use system::{Continuity, Stage, System};
 pub use wind::{
-    Gust, GustProfile, Turbulence, TurbulenceOptions, TurbulenceSpectrum, Wind, WindRecord, WindRecordError,
+    AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Gust, GustProfile, Polar, Turbulence,
+    TurbulenceOptions, TurbulenceSpectrum, Wind, WindRecord, WindRecordError,
 };

@@ -115,8 +115,8 @@ impl Solver {
                 Jacobian::Full => dynamics::Jacobian::Full,
             },
             formulation: match self.formulation {
-                Formulation::Index3 => dynamics::Formulation::Positions,
-                Formulation::Index1Baumgarte => dynamics::Formulation::Accelerations,
+                Formulation::Index3 => dynamics::Formulation::Index3,
+                Formulation::Index1Baumgarte => dynamics::Formulation::Index1Baumgarte,
             },
             ..dynamics::NewtonOptions::default()
         }

@@ -181,7 +181,7 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     constraint_tolerance: 1e-15, // rounding at centimetres
     max_iterations: 50,
     jacobian: dynamics::Jacobian::Modified,
-    formulation: dynamics::Formulation::Positions,
+    formulation: dynamics::Formulation::Index3,
 };
 
 /// Largest errors of the angles (rad), of the rates (of the largest one), and of the multipliers (of the largest one),

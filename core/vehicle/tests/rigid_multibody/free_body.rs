@@ -12,7 +12,7 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     constraint_tolerance: 1e-12,
     max_iterations: 30,
     jacobian: dynamics::Jacobian::Modified,
-    formulation: dynamics::Formulation::Positions,
+    formulation: dynamics::Formulation::Index3,
 };
 
 fn body() -> (Mechanism, State) {

@@ -17,7 +17,7 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     constraint_tolerance: 1e-14, // rounding at 0.35 m
     max_iterations: 30,
     jacobian: dynamics::Jacobian::Modified,
-    formulation: dynamics::Formulation::Positions,
+    formulation: dynamics::Formulation::Index3,
 };
 
 /// Both rates of steady precession: `I' Ω² cos θ − I₃ ω₃ Ω + m g l = 0` with `I'` about the fixed point. [Goldstein,

@@ -1,5 +1,5 @@
 //! The energy of a system in time: what it holds, what was brought in, what was turned into heat, and what is left over.
-use crate::matrix::{mass_matrix, visit_jacobian};
+use crate::linear::iteration_matrix::{mass_matrix, visit_jacobian};
 use crate::{Motion, SparseMatrix, State, System};
 
 /// Follows the energy of a system from step to step.

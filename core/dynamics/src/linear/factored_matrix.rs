@@ -1,6 +1,6 @@
 //! The linear system of a Newton correction by itself.
-use crate::matrix::{IterationMatrix, MovingRows};
-use crate::newton::name;
+use crate::integrate::newton::name;
+use crate::linear::iteration_matrix::{IterationMatrix, MovingRows};
 use crate::{Motion, StepError, System, Weights};
 
 /// `[w_m M + w_q K + w_v D, s g_qᵀ; s g_q, 0]` of a system, factored as in a time step: for linear answers of a system to forces, and to

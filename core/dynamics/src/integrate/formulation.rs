@@ -6,7 +6,7 @@ use crate::{Constraint, Force, JacobianRows, Layout, Motion, System, Weights};
 pub enum Formulation {
     /// Index 3 (default): `g(q) = 0` at the end of the step, to rounding.
     #[default]
-    Positions,
+    Index3,
     /// Index 1: accelerations and multipliers solve one linear system at the end of the step.
     ///
     /// ```text
@@ -17,7 +17,7 @@ pub enum Formulation {
     /// with `Q_c = −(g_q)˙ v`. The thesis does not say what it does about the drift of `g̈ = 0`; here it decays with
     /// `ω` = 50 1/s [Baumgarte 1972], a rate that does not go with the step, so that positions, velocities and multipliers stay of
     /// second order: the drift is of the order of `h²`.
-    Accelerations,
+    Index1Baumgarte,
 }
 
 /// `ω`, 1/s: a drift has decayed after a tenth of a second, and the rate is far below those that steps of a millisecond resolve.
@@ -84,7 +84,7 @@ impl System for Stepped<'_> {
                     constraint,
                     scale: of_rates,
                 });
-            } else if formulation == Formulation::Accelerations {
+            } else if formulation == Formulation::Index1Baumgarte {
                 visit(&mut OfAccelerations {
                     constraint,
                     v_dot,

@@ -18,13 +18,13 @@ use serde::{Deserialize, Serialize};
 /// through the last two means, at the end of the step: of second order, and without the memory.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MovingMultipliers {
-    courses: Vec<Course>,
+    histories: Vec<MultiplierHistory>,
     /// From where the means belong to up to now, s.
     age: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Course {
+struct MultiplierHistory {
     /// `λ`, N.
     end: f64,
     /// `ℓ`, N.
@@ -33,7 +33,7 @@ struct Course {
     mean: f64,
 }
 
-impl Course {
+impl MultiplierHistory {
     /// `ℓ` for a step that is `stretch` times the last one: what [`crate::State::a`] becomes, too.
     fn auxiliary(&self, stretch: f64) -> f64 {
         self.end + (self.auxiliary - self.end) * stretch
@@ -43,26 +43,26 @@ impl Course {
 impl MovingMultipliers {
     /// Takes over `other` without allocating where the sizes agree.
     pub fn copy_from(&mut self, other: &Self) {
-        self.courses.clone_from(&other.courses);
+        self.histories.clone_from(&other.histories);
         self.age = other.age;
     }
 
     /// Forgets what earlier steps have left.
     pub fn clear(&mut self) {
-        self.courses.clear();
+        self.histories.clear();
     }
 
     /// Takes the reported multipliers of these `equations` for what they are where no step was made before, and puts a first guess for
     /// the end of the next one in their place: that the mean force is the one reported last.
     pub fn begin(&mut self, equations: &[usize], scheme: &Scheme, stretch: f64, lambda: &mut [f64]) {
-        if self.courses.len() != equations.len() {
-            let initial = |&equation: &usize| Course {
+        if self.histories.len() != equations.len() {
+            let initial = |&equation: &usize| MultiplierHistory {
                 end: lambda[equation],
                 auxiliary: lambda[equation],
                 mean: lambda[equation],
             };
-            self.courses.clear();
-            self.courses.extend(equations.iter().map(initial));
+            self.histories.clear();
+            self.histories.extend(equations.iter().map(initial));
             self.age = 0.0;
         }
         let Scheme {
@@ -71,10 +71,10 @@ impl MovingMultipliers {
             gamma,
             ..
         } = *scheme;
-        for (course, &equation) in self.courses.iter().zip(equations) {
-            let before = course.auxiliary(stretch);
+        for (history, &equation) in self.histories.iter().zip(equations) {
+            let before = history.auxiliary(stretch);
             let after = (lambda[equation] - (1.0 - gamma) * before) / gamma;
-            lambda[equation] = ((1.0 - alpha_m) * after + alpha_m * before - alpha_f * course.end) / (1.0 - alpha_f);
+            lambda[equation] = ((1.0 - alpha_m) * after + alpha_m * before - alpha_f * history.end) / (1.0 - alpha_f);
         }
     }
 
@@ -90,24 +90,24 @@ impl MovingMultipliers {
             ..
         } = *scheme;
         let half = 0.5 * h;
-        for (course, &equation) in self.courses.iter_mut().zip(equations) {
-            let before = course.auxiliary(stretch);
+        for (history, &equation) in self.histories.iter_mut().zip(equations) {
+            let before = history.auxiliary(stretch);
             let end = lambda[equation];
-            let auxiliary = ((1.0 - alpha_f) * end + alpha_f * course.end - alpha_m * before) / (1.0 - alpha_m);
+            let auxiliary = ((1.0 - alpha_f) * end + alpha_f * history.end - alpha_m * before) / (1.0 - alpha_m);
             let mean = (1.0 - gamma) * before + gamma * auxiliary;
-            lambda[equation] = mean + (mean - course.mean) * half / (self.age + half);
-            *course = Course { end, auxiliary, mean };
+            lambda[equation] = mean + (mean - history.mean) * half / (self.age + half);
+            *history = MultiplierHistory { end, auxiliary, mean };
         }
         self.age = half;
     }
 
     /// Takes in a jump of the multipliers between two steps.
     pub fn jump(&mut self, equations: &[usize], changes: &[f64]) {
-        for (course, &equation) in self.courses.iter_mut().zip(equations) {
+        for (history, &equation) in self.histories.iter_mut().zip(equations) {
             let change = changes[equation];
-            course.end += change;
-            course.auxiliary += change;
-            course.mean += change;
+            history.end += change;
+            history.auxiliary += change;
+            history.mean += change;
         }
     }
 }
@@ -186,7 +186,7 @@ mod tests {
         let before = lambda[1];
         moving.begin(&EQUATIONS, &scheme, 1.0, &mut lambda);
         moving.end(&EQUATIONS, &scheme, (1e-3, 1.0), &mut lambda);
-        let mean = moving.courses[0].mean;
+        let mean = moving.histories[0].mean;
         assert!(
             (mean - before).abs() < 1e-12 * before.abs(),
             "rounding: {mean} of {before}"

@@ -1,8 +1,8 @@
 //! Solutions with a factored matrix plus low-rank terms.
 use crate::Updates;
-use crate::lu::Lu;
-use crate::matrix::{IterationMatrix, Places};
-use crate::part::{Part, Piece, Thresholds};
+use crate::linear::dense_lu::Lu;
+use crate::linear::iteration_matrix::{IterationMatrix, UnknownLocations};
+use crate::linear::part::{Part, PartColumn, Thresholds};
 use std::ops::Range;
 
 /// Solves `(A + U C Uᵀ) x = b` by the Sherman–Morrison–Woodbury formula in the form
@@ -15,8 +15,8 @@ use std::ops::Range;
 /// and it reaches no further than its right side. Columns of `Y` are kept as long as their rows do not change.
 #[derive(Debug, Default)]
 pub(crate) struct Woodbury {
-    columns: Vec<Column>,
-    /// Places in `columns`, sorted by key.
+    columns: Vec<KeptColumn>,
+    /// UnknownLocations in `columns`, sorted by key.
     by_key: Vec<usize>,
     /// For each row of the updates its place in `columns`.
     places: Vec<usize>,
@@ -33,7 +33,7 @@ pub(crate) struct Woodbury {
 }
 
 #[derive(Debug)]
-struct Column {
+struct KeptColumn {
     key: u64,
     version: Option<u64>,
     /// How often it was solved for.
@@ -62,7 +62,7 @@ struct Share {
     part: usize,
     /// Entries of `u`: unknown of the part, value.
     u: Vec<(usize, f64)>,
-    y: Piece,
+    y: PartColumn,
 }
 
 impl Woodbury {
@@ -187,7 +187,7 @@ impl Woodbury {
     }
 
     /// Finds the columns of all rows, and solves for those that have changed.
-    fn refresh(&mut self, parts: &mut [Part], places: &Places, updates: &Updates) {
+    fn refresh(&mut self, parts: &mut [Part], places: &UnknownLocations, updates: &Updates) {
         self.places.clear();
         for &identity in &updates.rows {
             let found = self
@@ -201,7 +201,7 @@ impl Woodbury {
             if self.columns[place].version == Some(identity.version) {
                 continue;
             }
-            let Column {
+            let KeptColumn {
                 version, turn, shares, ..
             } = &mut self.columns[place];
             // A column that no longer reaches a part keeps its memory there for later.
@@ -215,7 +215,7 @@ impl Woodbury {
                     shares.push(Share {
                         part: number,
                         u: Vec::new(),
-                        y: parts[number].new_piece(),
+                        y: parts[number].new_column(),
                     });
                     shares.len() - 1
                 });
@@ -233,7 +233,7 @@ impl Woodbury {
     /// Adds a column whose key belongs at place `at` of the sorted keys.
     fn insert(&mut self, at: usize, key: u64) -> usize {
         let place = self.columns.len();
-        self.columns.push(Column {
+        self.columns.push(KeptColumn {
             key,
             version: None,
             turn: 0,

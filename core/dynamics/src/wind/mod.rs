@@ -5,11 +5,13 @@
 //! ```
 //!
 //! The field depends on nothing but its own numbers, so that two programs that hold the same scene see the same wind, bit for bit.
+mod aerodynamic;
 mod gust;
 mod record;
 mod spectrum;
 mod turbulence;
 
+pub use aerodynamic::{AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Polar};
 pub use gust::{Gust, GustProfile};
 pub use record::{WindRecord, WindRecordError};
 pub use spectrum::TurbulenceSpectrum;

@@ -1,8 +1,8 @@
 //! The iteration matrix of a system: assembled into a pattern that is analysed once, factored part by part.
 use crate::constraint::RowSink;
-use crate::part::{Part, Thresholds};
-use crate::pattern::Pattern;
-use crate::updates::PLACEHOLDER;
+use crate::linear::low_rank::PLACEHOLDER;
+use crate::linear::part::{Part, Thresholds};
+use crate::linear::pattern::Pattern;
 use crate::{Blocks, Force, JacobianRows, Motion, SparseMatrix, System, Weights};
 
 /// `[w_m M + w_q K + w_v D, s g_qᵀ; s g_q, 0]`, without the rows and columns of fixed coordinates.
@@ -24,7 +24,7 @@ pub(crate) struct IterationMatrix {
     /// First of `values` of each part, and their number.
     first_values: Vec<usize>,
     pub parts: Vec<Part>,
-    pub places: Places,
+    pub places: UnknownLocations,
 }
 
 /// What becomes of the rows of constraints that move.
@@ -37,9 +37,9 @@ pub(crate) enum MovingRows {
 }
 
 /// Per unknown its part and its number there; none for a fixed coordinate.
-pub(crate) struct Places(Vec<Option<(u32, u32)>>);
+pub(crate) struct UnknownLocations(Vec<Option<(u32, u32)>>);
 
-impl Places {
+impl UnknownLocations {
     /// Part of an unknown and its number there.
     pub fn of(&self, unknown: usize) -> Option<(usize, usize)> {
         self.0[unknown].map(|(part, local)| (part as usize, local as usize))
@@ -116,7 +116,7 @@ impl IterationMatrix {
             multiplied_mass,
             first_values,
             parts,
-            places: Places(places),
+            places: UnknownLocations(places),
         }
     }
 

@@ -1,8 +1,8 @@
 //! One part of the iteration matrix: unknowns that nothing but low-rank terms couples with others.
-use crate::block_tridiagonal::{BlockTridiagonal, LocalColumn};
-use crate::factor::{Shape, SparseFactor};
-use crate::leaves::Leaves;
-use crate::lu::Lu;
+use crate::linear::block_tridiagonal::{BlockTridiagonal, LocalColumn};
+use crate::linear::condensed::Condensed;
+use crate::linear::dense_lu::Lu;
+use crate::linear::sparse_factor::{Shape, SparseFactor};
 use std::ops::Range;
 
 /// A line and a pantograph are two parts, since contact enters as a low-rank term: each is factored and solved by itself.
@@ -17,7 +17,7 @@ pub(crate) struct Part {
     shape: Shape,
     blocks: Option<BlockTridiagonal>,
     /// Unknowns that are eliminated before the blocks; no low-rank term acts on them.
-    leaves: Option<Leaves>,
+    condensed: Option<Condensed>,
     sparse: Option<SparseFactor>,
     /// In the place of `sparse` for up to [`DENSE`] unknowns, where looking through indices takes longer than the sums.
     dense: Option<Lu>,
@@ -29,7 +29,7 @@ pub(crate) struct Part {
 
 /// `A⁻¹ u` of one part.
 #[derive(Debug)]
-pub(crate) enum Piece {
+pub(crate) enum PartColumn {
     /// Where it has not decayed.
     Local(LocalColumn),
     /// All of it.
@@ -80,13 +80,13 @@ impl Part {
         let mut blocks = (shape == Shape::Definite)
             .then(|| BlockTridiagonal::analyse(&unknowns, &column_starts, &row_indices))
             .flatten();
-        let mut leaves = None;
+        let mut condensed = None;
         if blocks.is_none()
             && shape == Shape::Definite
-            && let Some((found, starts, rows)) = Leaves::analyse(&column_starts, &row_indices)
+            && let Some((found, starts, rows)) = Condensed::analyse(&column_starts, &row_indices)
         {
             blocks = BlockTridiagonal::analyse(&unknowns[..found.core], &starts, &rows);
-            leaves = blocks.is_some().then_some(found);
+            condensed = blocks.is_some().then_some(found);
         }
         Self {
             local: vec![0.0; unknowns.len()],
@@ -96,7 +96,7 @@ impl Part {
             shape,
             in_blocks: blocks.is_some(),
             blocks,
-            leaves,
+            condensed,
             sparse: None,
             dense: (unknowns.len() <= DENSE).then(Lu::default),
             unknowns,
@@ -110,8 +110,8 @@ impl Part {
 
     /// Factors the matrix with these values; on failure an unknown that has no stiffness, or one of those that depend on each other.
     pub fn factor(&mut self, values: &[f64]) -> Result<(), usize> {
-        self.in_blocks = match (&mut self.blocks, &mut self.leaves) {
-            (Some(blocks), Some(leaves)) => leaves.reduce(values).is_some_and(|values| blocks.factor(values)),
+        self.in_blocks = match (&mut self.blocks, &mut self.condensed) {
+            (Some(blocks), Some(condensed)) => condensed.reduce(values).is_some_and(|values| blocks.factor(values)),
             (Some(blocks), None) => blocks.factor(values),
             (None, _) => false,
         };
@@ -164,19 +164,22 @@ impl Part {
     fn solve_local(&mut self) {
         if self.in_blocks {
             let Some(blocks) = &mut self.blocks else { return };
-            let core = self.leaves.as_ref().map_or(self.local.len(), |leaves| leaves.core);
+            let core = self
+                .condensed
+                .as_ref()
+                .map_or(self.local.len(), |condensed| condensed.core);
             let (core, rest) = self.local.split_at_mut(core);
             core.iter().enumerate().for_each(|(i, &value)| blocks.add(i, value));
-            if let Some(leaves) = &mut self.leaves {
-                leaves.loaded.copy_from_slice(rest);
-                leaves.eliminate(|unknown, value| blocks.add(unknown, value));
+            if let Some(condensed) = &mut self.condensed {
+                condensed.loaded.copy_from_slice(rest);
+                condensed.eliminate(|unknown, value| blocks.add(unknown, value));
             }
             blocks.unload(core);
-            if let Some(leaves) = &mut self.leaves {
+            if let Some(condensed) = &mut self.condensed {
                 rest.fill(0.0);
-                leaves.substitute(
+                condensed.substitute(
                     |unknown| core[unknown],
-                    |leaves, values| rest[leaves].copy_from_slice(values),
+                    |unknowns, values| rest[unknowns].copy_from_slice(values),
                     |_| (),
                 );
             }
@@ -198,12 +201,12 @@ impl Part {
         if self.in_blocks {
             if let Some(blocks) = &mut self.blocks {
                 blocks.load(right_side);
-                if let Some(leaves) = &mut self.leaves {
+                if let Some(condensed) = &mut self.condensed {
                     // However small: hundreds of them act on the same few unknowns.
-                    for_each_run(&self.unknowns[leaves.core..], |own, of_all| {
-                        leaves.loaded[own].copy_from_slice(&right_side[of_all]);
+                    for_each_run(&self.unknowns[condensed.core..], |own, of_all| {
+                        condensed.loaded[own].copy_from_slice(&right_side[of_all]);
                     });
-                    leaves.eliminate(|unknown, value| blocks.add(unknown, value));
+                    condensed.eliminate(|unknown, value| blocks.add(unknown, value));
                 }
             }
             return;
@@ -217,18 +220,18 @@ impl Part {
     }
 
     /// `uᵀ A⁻¹ b` for the loaded right side `b`, from `y = A⁻¹ u` or `u` itself (local numbers).
-    pub fn product(&self, y: &Piece, u: &[(usize, f64)]) -> f64 {
+    pub fn product(&self, y: &PartColumn, u: &[(usize, f64)]) -> f64 {
         match (y, &self.blocks) {
-            (Piece::Local(column), Some(blocks)) => blocks.dot(column),
-            (Piece::Whole(y), _) if self.is_symmetric() => y.iter().zip(&self.local).map(|(y, b)| y * b).sum(),
+            (PartColumn::Local(column), Some(blocks)) => blocks.dot(column),
+            (PartColumn::Whole(y), _) if self.is_symmetric() => y.iter().zip(&self.local).map(|(y, b)| y * b).sum(),
             _ => u.iter().map(|&(unknown, value)| value * self.local[unknown]).sum(),
         }
     }
 
     /// Takes the force `z u` out of the loaded right side, or `z y` out of its solution.
-    pub fn subtract(&mut self, z: f64, y: &Piece, u: &[(usize, f64)]) {
+    pub fn subtract(&mut self, z: f64, y: &PartColumn, u: &[(usize, f64)]) {
         match y {
-            Piece::Whole(y) if !self.is_symmetric() => {
+            PartColumn::Whole(y) if !self.is_symmetric() => {
                 self.local.iter_mut().zip(y).for_each(|(value, y)| *value -= z * y);
             }
             _ => u.iter().for_each(|&(unknown, value)| match &mut self.blocks {
@@ -252,22 +255,22 @@ impl Part {
                 let whole = |range: Range<usize>| self.unknowns[range.start]..self.unknowns[range.end - 1] + 1;
                 changed(whole(inner), whole(outer));
             });
-            if let Some(leaves) = &mut self.leaves {
-                let (others, own) = self.unknowns.split_at(leaves.core);
+            if let Some(condensed) = &mut self.condensed {
+                let (others, own) = self.unknowns.split_at(condensed.core);
                 let mut range: Option<Range<usize>> = None;
                 let found = &mut self.local[..own.len()];
                 found.fill(0.0);
-                let set = |leaves: Range<usize>, values: &[f64]| {
-                    found[leaves.clone()].copy_from_slice(values);
-                    let first = range.as_ref().map_or(leaves.start, |range| range.start);
-                    range = Some(first..leaves.end);
+                let set = |solved: Range<usize>, values: &[f64]| {
+                    found[solved.clone()].copy_from_slice(values);
+                    let first = range.as_ref().map_or(solved.start, |range| range.start);
+                    range = Some(first..solved.end);
                 };
                 let mut touched = |range: Range<usize>| {
                     // Nothing changes there, but the equations do.
                     let outer = others[range.start]..others[range.end - 1] + 1;
                     changed(outer.start..outer.start, outer);
                 };
-                leaves.substitute(|unknown| solution[others[unknown]], set, &mut touched);
+                condensed.substitute(|unknown| solution[others[unknown]], set, &mut touched);
                 finite &= write(own, found, solution);
                 if let Some(range) = range {
                     let range = own[range.start]..own[range.end - 1] + 1;
@@ -297,37 +300,37 @@ impl Part {
     }
 
     /// An empty column with room for all it may hold.
-    pub fn new_piece(&self) -> Piece {
+    pub fn new_column(&self) -> PartColumn {
         match &self.blocks {
-            Some(blocks) if self.in_blocks => Piece::Local(blocks.new_column()),
-            _ => Piece::Whole(vec![0.0; self.unknowns.len()]),
+            Some(blocks) if self.in_blocks => PartColumn::Local(blocks.new_column()),
+            _ => PartColumn::Whole(vec![0.0; self.unknowns.len()]),
         }
     }
 
     /// `A⁻¹ u`; nothing may be loaded.
-    pub fn column(&mut self, u: &[(usize, f64)], piece: &mut Piece) {
-        let fits = matches!(piece, Piece::Local(_)) == self.in_blocks;
+    pub fn column(&mut self, u: &[(usize, f64)], column: &mut PartColumn) {
+        let fits = matches!(column, PartColumn::Local(_)) == self.in_blocks;
         if !fits {
-            *piece = self.new_piece();
+            *column = self.new_column();
         }
-        match (piece, &mut self.blocks) {
-            (Piece::Local(column), Some(blocks)) => blocks.column(u.iter().copied(), DECAYED, column),
-            (Piece::Whole(y), _) => {
+        match (column, &mut self.blocks) {
+            (PartColumn::Local(column), Some(blocks)) => blocks.column(u.iter().copied(), DECAYED, column),
+            (PartColumn::Whole(y), _) => {
                 self.local.fill(0.0);
                 u.iter().for_each(|&(unknown, value)| self.local[unknown] += value);
                 self.solve_local();
                 y.copy_from_slice(&self.local);
             }
-            (Piece::Local(_), None) => unreachable!("only blocks make local columns"),
+            (PartColumn::Local(_), None) => unreachable!("only blocks make local columns"),
         }
     }
 
     /// Entry of a column.
-    pub fn entry(&self, piece: &Piece, unknown: usize) -> f64 {
-        match (piece, &self.blocks) {
-            (Piece::Local(column), Some(blocks)) => blocks.entry(column, unknown),
-            (Piece::Whole(y), _) => y[unknown],
-            (Piece::Local(_), None) => unreachable!("only blocks make local columns"),
+    pub fn entry(&self, column: &PartColumn, unknown: usize) -> f64 {
+        match (column, &self.blocks) {
+            (PartColumn::Local(column), Some(blocks)) => blocks.entry(column, unknown),
+            (PartColumn::Whole(y), _) => y[unknown],
+            (PartColumn::Local(_), None) => unreachable!("only blocks make local columns"),
         }
     }
 }

@@ -1,5 +1,5 @@
 //! A system in time: sub-steps inside a communication step, with its state saved and restored as a whole.
-use crate::matrix::mass_matrix;
+use crate::linear::iteration_matrix::mass_matrix;
 use crate::{
     Continuity, Counters, EnergyBalance, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions,
     StaticReport, StepError, System, solve_static,

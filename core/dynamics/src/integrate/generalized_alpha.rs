@@ -1,38 +1,16 @@
 //! Generalized-α time integration of constrained systems.
-use crate::augmented::{Formulation, Stepped};
-use crate::convergence_estimate::ConvergenceEstimate;
-use crate::moving::MovingMultipliers;
-use crate::newton::{Jacobian, Workspace, name};
-use crate::passes::{Apply, Predict};
-use crate::residual::Since;
-use crate::scheme::Scheme;
-use crate::{Continuity, Counters, Motion, NewtonOptions, Stage, State, StepError, System, Weights};
+use crate::integrate::convergence_estimate::ConvergenceEstimate;
+use crate::integrate::formulation::{Formulation, Stepped};
+use crate::integrate::memory::{Linearisation, restore_history};
+use crate::integrate::newton::name;
+use crate::integrate::passes::{Apply, Predict};
+use crate::integrate::residual::Since;
+use crate::integrate::scheme::Scheme;
+use crate::integrate::workspace::Workspace;
+use crate::{Counters, Jacobian, Memory, Motion, NewtonOptions, Stage, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 use pulp::Arch;
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-
-/// The state that a kept factorisation was made at: with it a restored run repeats bit for bit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Linearisation {
-    h: f64,
-    t: f64,
-    q: Vec<f64>,
-    v: Vec<f64>,
-    rotation: Vec<UnitQuaternion<f64>>,
-    u: Vec<f64>,
-    history: Vec<f64>,
-}
-
-/// What a [`GeneralizedAlpha`] must remember beside the [`State`]; cheap to clone.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Memory {
-    linearisation: Option<Arc<Linearisation>>,
-    history: Vec<f64>,
-    last_h: Option<f64>,
-    moving: MovingMultipliers,
-    convergence_estimate: ConvergenceEstimate,
-}
 
 /// Generalized-α for constrained systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012],
 /// here with constraints of positions; [`Formulation`] has the other form:
@@ -57,15 +35,15 @@ pub struct Memory {
 /// at step `n`, and `Y_ab² ≤ Y_aa Y_bb` leaves no more than `√(Y_00/Y_NN)` of it after `N` steps (derived here). The motion feels what the
 /// turn has taken, of the order of `h`, and the multipliers that are reported come from the impulses of the steps, see
 /// [`State::lambda`]. The distance that rates leave, of the order of `h²`, decays with `ω` [Baumgarte 1972] as under
-/// [`Formulation::Accelerations`].
+/// [`Formulation::Index1Baumgarte`].
 ///
 /// The iteration matrix `β' M + γ' D + K` treats the derivative of the exponential map as the identity: its error is of the
 /// order of the rotation within one step and costs at most iterations.
 pub struct GeneralizedAlpha {
     scheme: Scheme,
     options: NewtonOptions,
-    workspace: Option<Workspace>,
-    memory: Memory,
+    pub(super) workspace: Option<Workspace>,
+    pub(super) memory: Memory,
     /// Rotation vectors of the present step, one per rotation.
     increments: Vec<Vector3<f64>>,
     start: State,
@@ -131,7 +109,7 @@ impl GeneralizedAlpha {
         result
     }
 
-    fn take_workspace(&mut self, system: &mut dyn System, motion: &Motion<'_>) -> Workspace {
+    pub(super) fn take_workspace(&mut self, system: &mut dyn System, motion: &Motion<'_>) -> Workspace {
         match self.workspace.take() {
             Some(workspace) => workspace,
             None => {
@@ -168,7 +146,7 @@ impl GeneralizedAlpha {
     }
 
     /// Keeps the workspace, and counts what it factored and solved since it was taken.
-    fn keep(&mut self, mut workspace: Workspace) {
+    pub(super) fn keep(&mut self, mut workspace: Workspace) {
         let work = std::mem::take(&mut workspace.counters);
         self.counters.factorizations += work.factorizations;
         self.counters.solves += work.solves;
@@ -210,7 +188,7 @@ impl GeneralizedAlpha {
             };
             let mut stepped;
             let at: &mut dyn System = match options.formulation {
-                Formulation::Positions if workspace.moving().is_empty() => &mut *system,
+                Formulation::Index3 if workspace.moving().is_empty() => &mut *system,
                 formulation => {
                     stepped = Stepped::new(system, formulation, &state.v_dot, (mass_rate, weights));
                     &mut stepped
@@ -329,7 +307,7 @@ impl GeneralizedAlpha {
         Ok(())
     }
 
-    fn factor(
+    pub(super) fn factor(
         &self,
         workspace: &mut Workspace,
         system: &mut dyn System,
@@ -441,7 +419,7 @@ impl GeneralizedAlpha {
         state: &mut State,
         u: &[f64],
     ) -> Result<(), StepError> {
-        crate::start::accelerations(system, state, u)?;
+        crate::integrate::start::accelerations(system, state, u)?;
         state.a.clone_from(&state.v_dot);
         self.begin_anew();
         Ok(())
@@ -495,71 +473,6 @@ impl GeneralizedAlpha {
         self.keep(workspace);
         result
     }
-
-    /// Takes note that the system is another one than in the last step; see [`Continuity`].
-    pub fn continue_with(&mut self, continuity: Continuity) {
-        match continuity {
-            Continuity::Kept => {}
-            Continuity::Moved => {
-                if let Some(workspace) = &mut self.workspace {
-                    workspace.forget();
-                }
-            }
-            Continuity::Replaced => {
-                self.workspace = None;
-                self.memory.linearisation = None;
-            }
-        }
-    }
-
-    /// What must be kept with the [`State`] so that a restored run repeats bit for bit.
-    pub fn save(&self, system: &mut dyn System, memory: &mut Memory) {
-        memory.linearisation.clone_from(&self.memory.linearisation);
-        memory.last_h = self.memory.last_h;
-        memory.moving.copy_from(&self.memory.moving);
-        memory
-            .convergence_estimate
-            .clone_from(&self.memory.convergence_estimate);
-        memory.history.clear();
-        system.forces(&mut |force| force.save(&mut memory.history));
-    }
-
-    /// Takes back what [`GeneralizedAlpha::save`] stored.
-    ///
-    /// # Errors
-    /// When the matrix of the saved state cannot be factored again.
-    pub fn restore(
-        &mut self,
-        system: &mut dyn System,
-        state: &State,
-        u: &[f64],
-        memory: &Memory,
-    ) -> Result<(), StepError> {
-        let same = match (&self.memory.linearisation, &memory.linearisation) {
-            (Some(mine), Some(saved)) => Arc::ptr_eq(mine, saved),
-            (None, None) => true,
-            _ => false,
-        };
-        self.memory.linearisation.clone_from(&memory.linearisation);
-        self.memory.last_h = memory.last_h;
-        self.memory.moving.copy_from(&memory.moving);
-        self.memory
-            .convergence_estimate
-            .clone_from(&memory.convergence_estimate);
-        if let Some(mut workspace) = self.workspace.take() {
-            workspace.forget();
-            self.workspace = Some(workspace);
-        }
-        if !same && let Some(linearisation) = memory.linearisation.clone() {
-            restore_history(system, &linearisation.history);
-            let mut workspace = self.take_workspace(system, &state.motion(u));
-            let result = self.factor(&mut workspace, system, &linearisation);
-            self.keep(workspace);
-            result?;
-        }
-        restore_history(system, &memory.history);
-        Ok(())
-    }
 }
 
 /// Whether all forces come from the same piece of their law as where they were found last.
@@ -567,10 +480,4 @@ fn continues_to(system: &mut dyn System, motion: &Motion<'_>) -> bool {
     let mut continues = true;
     system.forces(&mut |force| continues = continues && force.continues_to(motion));
     continues
-}
-
-fn restore_history(system: &mut dyn System, history: &[f64]) {
-    let mut values = history.iter();
-    system.forces(&mut |force| force.restore(&mut values));
-    debug_assert!(values.next().is_none(), "a contribution saved more than it restored");
 }

@@ -6,19 +6,20 @@
 //!
 //! The modes of a reduced span are such leaves: each is coupled with the two supports of its span only, so that what is left is as
 //! long and thin as the line itself.
-use crate::buffer::{Buffer, LINE};
-use pulp::{Arch, Simd, WithSimd};
+use crate::linear::buffer::{Buffer, LINE};
+use crate::linear::products::{Product, Products, Subtract};
+use pulp::Arch;
 use std::ops::Range;
 
 /// Fewer leaves are not worth it.
 const FEWEST: usize = 16;
 
 /// The leaves of a part: its last unknowns.
-pub(crate) struct Leaves {
+pub(crate) struct Condensed {
     /// Number of other unknowns, which come first.
     pub core: usize,
-    /// Leaves with the same neighbours.
-    groups: Vec<Group>,
+    /// Condensed with the same neighbours.
+    groups: Vec<CondensedGroup>,
     neighbours: Vec<u32>,
     /// Where the couplings and the diagonal entry of each leaf stand among the values of the part.
     couplings: Vec<u32>,
@@ -42,8 +43,8 @@ pub(crate) struct Leaves {
 
 /// Consecutive leaves with the same neighbours, as the modes of one span.
 #[derive(Debug)]
-struct Group {
-    leaves: Range<usize>,
+struct CondensedGroup {
+    unknowns: Range<usize>,
     /// Among `neighbours`.
     neighbours: Range<usize>,
     /// First of its couplings.
@@ -53,10 +54,10 @@ struct Group {
     coefficients: usize,
 }
 
-impl Group {
+impl CondensedGroup {
     /// Numbers per neighbour among the coefficients.
     fn stride(&self) -> usize {
-        self.leaves.len().next_multiple_of(LINE)
+        self.unknowns.len().next_multiple_of(LINE)
     }
 
     /// Number of its coefficients.
@@ -76,80 +77,7 @@ impl Group {
     }
 }
 
-/// `Σ a b` of whole cache lines.
-struct Product<'a>(&'a [f64], &'a [f64]);
-
-impl WithSimd for Product<'_> {
-    type Output = f64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let (x, y) = (S::as_simd_f64s(self.0).0, S::as_simd_f64s(self.1).0);
-        let mut sum = simd.splat_f64s(0.0);
-        for (&x, &y) in x.iter().zip(y) {
-            sum = simd.mul_add_e_f64s(x, y, sum);
-        }
-        simd.reduce_sum_f64s(sum)
-    }
-}
-
-/// `sums[j] = Σ rows[j] x` of whole cache lines, four rows side by side: one sum after the other would wait for its additions.
-struct Products<'a> {
-    rows: &'a [f64],
-    x: &'a [f64],
-    sums: &'a mut [f64],
-}
-
-impl WithSimd for Products<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let stride = self.x.len();
-        let x = S::as_simd_f64s(self.x).0;
-        for (rows, sums) in self.rows.chunks(4 * stride).zip(self.sums.chunks_mut(4)) {
-            if let [a, b, c, d] = sums {
-                let row = |j: usize| &S::as_simd_f64s(&rows[j * stride..(j + 1) * stride]).0[..x.len()];
-                let rows = [row(0), row(1), row(2), row(3)];
-                let mut totals = [simd.splat_f64s(0.0); 4];
-                for (i, &x) in x.iter().enumerate() {
-                    for (total, row) in totals.iter_mut().zip(rows) {
-                        *total = simd.mul_add_e_f64s(row[i], x, *total);
-                    }
-                }
-                for (sum, total) in [a, b, c, d].into_iter().zip(totals) {
-                    *sum = simd.reduce_sum_f64s(total);
-                }
-            } else {
-                for (row, sum) in rows.chunks_exact(stride).zip(sums) {
-                    *sum = Product(row, self.x).with_simd(simd);
-                }
-            }
-        }
-    }
-}
-
-/// `forces −= Σ aⱼ xⱼ`
-struct Subtract<'a> {
-    rows: &'a [f64],
-    x: &'a [f64],
-    forces: &'a mut [f64],
-}
-
-impl WithSimd for Subtract<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        for (row, x) in self.rows.chunks_exact(self.forces.len()).zip(self.x) {
-            for (force, a) in self.forces.iter_mut().zip(row) {
-                *force -= a * x;
-            }
-        }
-    }
-}
-
-impl Leaves {
+impl Condensed {
     /// Finds the leaves in a symmetric pattern in compressed columns (row indices ascending), and the pattern that is left without
     /// them; `None` where there are few.
     pub fn analyse(column_starts: &[usize], row_indices: &[usize]) -> Option<(Self, Vec<usize>, Vec<usize>)> {
@@ -165,7 +93,7 @@ impl Leaves {
         let mut columns: Vec<Vec<usize>> = (0..core)
             .map(|c| column(c).iter().copied().filter(|&row| row < core).collect())
             .collect();
-        let (mut groups, mut neighbours): (Vec<Group>, Vec<u32>) = (Vec::new(), Vec::new());
+        let (mut groups, mut neighbours): (Vec<CondensedGroup>, Vec<u32>) = (Vec::new(), Vec::new());
         let (mut couplings, mut diagonals) = (Vec::new(), Vec::new());
         let mut before: Option<&[usize]> = None;
         for c in core..size {
@@ -173,9 +101,9 @@ impl Leaves {
             if *last != c {
                 return None;
             }
-            let leaf = c - core;
+            let own = c - core;
             match groups.last_mut().filter(|_| before == Some(others)) {
-                Some(group) => group.leaves.end = leaf + 1,
+                Some(group) => group.unknowns.end = own + 1,
                 None => {
                     for &row in others {
                         columns[row].extend_from_slice(others);
@@ -183,8 +111,8 @@ impl Leaves {
                     let first = neighbours.len();
                     neighbours.extend(others.iter().map(|&row| row as u32));
                     let place = groups.last().map_or(0, |last| last.place + last.size());
-                    groups.push(Group {
-                        leaves: leaf..leaf + 1,
+                    groups.push(CondensedGroup {
+                        unknowns: own..own + 1,
                         neighbours: first..neighbours.len(),
                         couplings: couplings.len(),
                         place,
@@ -226,16 +154,16 @@ impl Leaves {
         }
         let mut fill = Vec::new();
         for group in &groups {
-            let own = &neighbours[group.neighbours.clone()];
-            for &a in own {
-                for &b in own {
+            let around = &neighbours[group.neighbours.clone()];
+            for &a in around {
+                for &b in around {
                     fill.push(place(a as usize, b as usize)?);
                 }
             }
         }
         let widest = groups.iter().map(|group| group.neighbours.len()).max().unwrap_or(0);
-        let longest = groups.iter().map(Group::stride).max().unwrap_or(0);
-        let leaves = Self {
+        let longest = groups.iter().map(CondensedGroup::stride).max().unwrap_or(0);
+        let condensed = Self {
             core,
             coefficients: Buffer::new(groups.last().map_or(0, |last| last.place + last.size())),
             scratch: vec![0.0; widest],
@@ -251,7 +179,7 @@ impl Leaves {
             kept,
             fill,
         };
-        Some((leaves, reduced_starts, rows))
+        Some((condensed, reduced_starts, rows))
     }
 
     /// The values of the reduced matrix; `None` where a leaf has no positive diagonal entry.
@@ -264,15 +192,16 @@ impl Leaves {
             let (before, group) = self.groups.split_at_mut(i);
             let group = &mut group[0];
             group.coefficients = group.place;
-            let (width, count) = (group.neighbours.len(), group.leaves.len());
+            let (width, count) = (group.neighbours.len(), group.unknowns.len());
             let couplings = &self.couplings[group.couplings..group.couplings + width * count];
-            for (leaf, places) in couplings.chunks_exact(width.max(1)).enumerate() {
+            for (unknown, places) in couplings.chunks_exact(width.max(1)).enumerate() {
                 for (neighbour, &place) in places.iter().enumerate() {
-                    self.coefficients[group.row(neighbour).start + leaf] = values[place as usize];
+                    self.coefficients[group.row(neighbour).start + unknown] = values[place as usize];
                 }
             }
             let own = &self.coefficients[group.rows()];
-            let same = |other: &&Group| other.stride() == group.stride() && self.coefficients[other.rows()] == *own;
+            let same =
+                |other: &&CondensedGroup| other.stride() == group.stride() && self.coefficients[other.rows()] == *own;
             if let Some(other) = before.iter().find(same) {
                 group.coefficients = other.coefficients;
             }
@@ -288,7 +217,7 @@ impl Leaves {
         let mut fill = self.fill.iter();
         for group in &self.groups {
             let width = group.neighbours.len();
-            let inverses = &self.inverses[group.leaves.clone()];
+            let inverses = &self.inverses[group.unknowns.clone()];
             let scaled = &mut self.forces[..group.stride()];
             scaled.fill(0.0);
             for i in 0..width {
@@ -308,13 +237,13 @@ impl Leaves {
     /// Passes the loaded right side of the leaves on: `add(unknown, value)` takes it into that of the others.
     pub fn eliminate(&mut self, mut add: impl FnMut(usize, f64)) {
         for group in &self.groups {
-            let loaded = &self.loaded[group.leaves.clone()];
+            let loaded = &self.loaded[group.unknowns.clone()];
             if loaded.iter().all(|&value| value == 0.0) {
                 continue;
             }
             let scaled = &mut self.forces[..group.stride()];
             scaled[loaded.len()..].fill(0.0);
-            let values = loaded.iter().zip(&self.inverses[group.leaves.clone()]);
+            let values = loaded.iter().zip(&self.inverses[group.unknowns.clone()]);
             for (scaled, (value, inverse)) in scaled.iter_mut().zip(values) {
                 *scaled = value * inverse;
             }
@@ -345,9 +274,9 @@ impl Leaves {
             for (value, &neighbour) in around.iter_mut().zip(neighbours) {
                 *value = of(neighbour as usize);
             }
-            let count = group.leaves.len();
+            let count = group.unknowns.len();
             let forces = &mut self.forces[..group.stride()];
-            forces[..count].copy_from_slice(&self.loaded[group.leaves.clone()]);
+            forces[..count].copy_from_slice(&self.loaded[group.unknowns.clone()]);
             forces[count..].fill(0.0);
             if around.iter().any(|value| *value != 0.0) {
                 self.arch.dispatch(Subtract {
@@ -360,10 +289,10 @@ impl Leaves {
             if solution.iter().all(|&force| force == 0.0) {
                 continue;
             }
-            for (value, inverse) in solution.iter_mut().zip(&self.inverses[group.leaves.clone()]) {
+            for (value, inverse) in solution.iter_mut().zip(&self.inverses[group.unknowns.clone()]) {
                 *value *= inverse;
             }
-            set(group.leaves.clone(), solution);
+            set(group.unknowns.clone(), solution);
             if let (Some(&first), Some(&last)) = (neighbours.first(), neighbours.last()) {
                 touched(first as usize..last as usize + 1);
             }
@@ -399,7 +328,7 @@ mod tests {
 
     /// Solves through the reduced matrix; returns what is off, and how many groups of leaves have moved.
     fn solve(
-        found: &mut Leaves,
+        found: &mut Condensed,
         (starts, rows): (&[usize], &[usize]),
         values: &[f64],
         entry: &dyn Fn(usize, usize) -> f64,
@@ -419,7 +348,7 @@ mod tests {
             .loaded
             .iter_mut()
             .enumerate()
-            .for_each(|(leaf, value)| *value = product(core + leaf));
+            .for_each(|(own, value)| *value = product(core + own));
         let mut b = nalgebra::DVector::from_fn(core, |i, _| product(i));
         found.eliminate(|unknown, value| b[unknown] += value);
         let x = matrix.lu().solve(&b).unwrap();
@@ -428,7 +357,7 @@ mod tests {
         let mut touched = 0;
         found.substitute(
             |unknown| x[unknown],
-            |leaves, values| all[core + leaves.start..core + leaves.end].copy_from_slice(values),
+            |own, values| all[core + own.start..core + own.end].copy_from_slice(values),
             |_| touched += 1,
         );
         let off = all.iter().zip(&exact).map(|(x, exact)| (x - exact).abs());
@@ -438,7 +367,7 @@ mod tests {
     #[test]
     fn eliminating_leaves_solves_the_whole_system() {
         let (starts, rows, values) = compressed(18, &entry);
-        let (mut found, reduced_starts, reduced_rows) = Leaves::analyse(&starts, &rows).unwrap();
+        let (mut found, reduced_starts, reduced_rows) = Condensed::analyse(&starts, &rows).unwrap();
         assert_eq!(
             (found.core, &reduced_starts, &reduced_rows),
             (2, &vec![0, 2, 4], &vec![0, 1, 0, 1])
@@ -467,7 +396,7 @@ mod tests {
             }
         };
         let (starts, rows, _) = compressed(36, &of(0.0));
-        let (mut found, reduced_starts, reduced_rows) = Leaves::analyse(&starts, &rows).unwrap();
+        let (mut found, reduced_starts, reduced_rows) = Condensed::analyse(&starts, &rows).unwrap();
         for (other, shared) in [(0.0, true), (0.25, false), (0.0, true)] {
             let (_, _, values) = compressed(36, &of(other));
             let (off, groups) = solve(&mut found, (&reduced_starts, &reduced_rows), &values, &of(other));
@@ -481,27 +410,6 @@ mod tests {
     }
 
     #[test]
-    fn products_side_by_side_are_those_of_one_row_after_the_other() {
-        // Rows beyond fours.
-        let (rows, count) = (7, 3 * LINE);
-        let values: Vec<f64> = (0..rows * count)
-            .map(|i| f64::from((i * 37 % 19) as u8) - 9.0)
-            .collect();
-        let x: Vec<f64> = (0..count).map(|i| f64::from((i * 5 % 7) as u8) - 3.0).collect();
-        let mut sums = vec![0.0; rows];
-        Arch::new().dispatch(Products {
-            rows: &values,
-            x: &x,
-            sums: &mut sums,
-        });
-        for (row, sum) in values.chunks_exact(count).zip(sums) {
-            let exact: f64 = row.iter().zip(&x).map(|(a, b)| a * b).sum();
-            // Whole numbers: nothing is rounded.
-            assert_eq!(sum, exact);
-        }
-    }
-
-    #[test]
     fn a_chain_has_no_leaves() {
         let size = 40_usize;
         let (mut starts, mut rows) = (vec![0], Vec::new());
@@ -509,6 +417,6 @@ mod tests {
             rows.extend(c.saturating_sub(1)..(c + 2).min(size));
             starts.push(rows.len());
         }
-        assert!(Leaves::analyse(&starts, &rows).is_none());
+        assert!(Condensed::analyse(&starts, &rows).is_none());
     }
 }

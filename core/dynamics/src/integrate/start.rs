@@ -1,6 +1,6 @@
 //! Consistent velocities, accelerations and multipliers at the start of a motion.
-use crate::matrix::{IterationMatrix, MovingRows, visit_jacobian};
-use crate::newton::name;
+use crate::integrate::newton::name;
+use crate::linear::iteration_matrix::{IterationMatrix, MovingRows, visit_jacobian};
 use crate::{Motion, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 

@@ -1,6 +1,7 @@
 //! Static equilibrium by Newton's method.
-use crate::newton::{Workspace, name};
-use crate::residual::Since;
+use crate::integrate::newton::name;
+use crate::integrate::residual::Since;
+use crate::integrate::workspace::Workspace;
 use crate::{NewtonOptions, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 

@@ -5,7 +5,7 @@ pub(crate) const PLACEHOLDER: f64 = 1.0;
 
 /// One row `u` of a low-rank term.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Row {
+pub(crate) struct UpdateRow {
     /// Who pushed it; with `version` the identity of the row's values.
     pub key: u64,
     /// Changes when the values of the row with this key change.
@@ -16,7 +16,7 @@ pub(crate) struct Row {
 
 /// A small dense matrix `C` that couples consecutive rows: the term is `U C Uᵀ`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Core {
+pub(crate) struct UpdateCore {
     pub first_row: usize,
     pub size: usize,
     pub start: usize,
@@ -34,10 +34,10 @@ pub struct Updates {
     rate_weight: f64,
     multipliers: Vec<f64>,
     borders: usize,
-    pub(crate) rows: Vec<Row>,
+    pub(crate) rows: Vec<UpdateRow>,
     pub(crate) indices: Vec<usize>,
     pub(crate) values: Vec<f64>,
-    pub(crate) cores: Vec<Core>,
+    pub(crate) cores: Vec<UpdateCore>,
     pub(crate) core_values: Vec<f64>,
 }
 
@@ -133,7 +133,7 @@ impl Updates {
 
     /// Non-zero entries (index, value) of a row.
     pub(crate) fn entries(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let Row { start, end, .. } = self.rows[row];
+        let UpdateRow { start, end, .. } = self.rows[row];
         (start..end).map(|i| (self.indices[i], self.values[i]))
     }
 
@@ -159,7 +159,7 @@ impl Updates {
             self.indices.push(index);
             self.values.push(value);
         }
-        self.rows.push(Row {
+        self.rows.push(UpdateRow {
             key: self.owner | u64::from(slot),
             version,
             start,
@@ -169,7 +169,7 @@ impl Updates {
 
     fn core(&mut self, first_row: usize, size: usize, values: &[f64]) {
         debug_assert_eq!(size * size, values.len());
-        self.cores.push(Core {
+        self.cores.push(UpdateCore {
             first_row,
             size,
             start: self.core_values.len(),

@@ -15,7 +15,7 @@ mod kernel;
 mod structure;
 mod sweep;
 
-use crate::buffer::Buffer;
+use crate::linear::buffer::Buffer;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -30,7 +30,7 @@ pub struct BlockTridiagonal {
     /// Block of each unknown.
     block_of: Vec<u32>,
     /// Per entry of the pattern, where it goes in `assembled`; the upper triangle is not used.
-    entries: Vec<Place>,
+    entries: Vec<EntryTarget>,
     assembled: Assembled,
     /// `−F` of each block but the middle one.
     forward: Buffer,
@@ -85,7 +85,7 @@ struct Assembled {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Place {
+enum EntryTarget {
     Unused,
     /// Both triangles of a block on the diagonal.
     Diagonal(u32, u32),

@@ -1,5 +1,5 @@
 //! What is left over of the equations of motion: evaluated whole, where a correction has changed it, or known without evaluation.
-use crate::matrix::{IterationMatrix, MovingRows, visit_jacobian, visit_still_jacobian};
+use crate::linear::iteration_matrix::{IterationMatrix, MovingRows, visit_jacobian, visit_still_jacobian};
 use crate::{Blocks, Layout, Motion, NewtonOptions, SparseMatrix, System, Updates, Weights};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;

@@ -1,11 +1,11 @@
 //! Assembly into blocks and their factorisation.
 use super::kernel::add_product;
-use super::{Block, BlockTridiagonal, Place};
+use super::{Block, BlockTridiagonal, EntryTarget};
 use pulp::{Simd, WithSimd};
 
 impl BlockTridiagonal {
     /// Where the entries of the pattern go.
-    pub(super) fn places(&self, column_starts: &[usize], row_indices: &[usize]) -> Vec<Place> {
+    pub(super) fn places(&self, column_starts: &[usize], row_indices: &[usize]) -> Vec<EntryTarget> {
         let mut places = Vec::with_capacity(row_indices.len());
         for column in 0..column_starts.len() - 1 {
             let of_column = self.block_of[column] as usize;
@@ -14,16 +14,16 @@ impl BlockTridiagonal {
             for &row in &row_indices[column_starts[column]..column_starts[column + 1]] {
                 let of_row = self.block_of[row] as usize;
                 places.push(if row < column {
-                    Place::Unused
+                    EntryTarget::Unused
                 } else if of_row == of_column {
                     let r = row - block.first;
                     let place = |r: usize, c: usize| (block.assembled + c * block.height + r) as u32;
-                    Place::Diagonal(place(r, c), place(c, r))
+                    EntryTarget::Diagonal(place(r, c), place(c, r))
                 } else {
                     let next = &self.blocks[of_row];
                     let r = row - next.first;
                     let (down, up) = (c * next.height + r, r * block.height + c);
-                    Place::Coupling((block.coupling + down) as u32, (block.coupling + up) as u32)
+                    EntryTarget::Coupling((block.coupling + down) as u32, (block.coupling + up) as u32)
                 });
             }
         }
@@ -42,12 +42,12 @@ impl BlockTridiagonal {
         }
         for (place, &value) in self.entries.iter().zip(values) {
             match *place {
-                Place::Unused => {}
-                Place::Diagonal(lower, upper) => {
+                EntryTarget::Unused => {}
+                EntryTarget::Diagonal(lower, upper) => {
                     assembled.diagonal[lower as usize] = value;
                     assembled.diagonal[upper as usize] = value;
                 }
-                Place::Coupling(down, up) => {
+                EntryTarget::Coupling(down, up) => {
                     assembled.down[down as usize] = value;
                     assembled.up[up as usize] = value;
                 }

@@ -1,0 +1,102 @@
+//! What the integrator keeps from step to step, saved and restored.
+use crate::integrate::convergence_estimate::ConvergenceEstimate;
+use crate::integrate::moving_multipliers::MovingMultipliers;
+use crate::{Continuity, GeneralizedAlpha, State, StepError, System};
+use nalgebra::UnitQuaternion;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+/// The state that a kept factorisation was made at: with it a restored run repeats bit for bit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Linearisation {
+    pub(super) h: f64,
+    pub(super) t: f64,
+    pub(super) q: Vec<f64>,
+    pub(super) v: Vec<f64>,
+    pub(super) rotation: Vec<UnitQuaternion<f64>>,
+    pub(super) u: Vec<f64>,
+    pub(super) history: Vec<f64>,
+}
+
+/// What a [`GeneralizedAlpha`] must remember beside the [`State`]; cheap to clone.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    pub(super) linearisation: Option<Arc<Linearisation>>,
+    pub(super) history: Vec<f64>,
+    pub(super) last_h: Option<f64>,
+    pub(super) moving: MovingMultipliers,
+    pub(super) convergence_estimate: ConvergenceEstimate,
+}
+
+impl GeneralizedAlpha {
+    /// Takes note that the system is another one than in the last step; see [`Continuity`].
+    pub fn continue_with(&mut self, continuity: Continuity) {
+        match continuity {
+            Continuity::Kept => {}
+            Continuity::Moved => {
+                if let Some(workspace) = &mut self.workspace {
+                    workspace.forget();
+                }
+            }
+            Continuity::Replaced => {
+                self.workspace = None;
+                self.memory.linearisation = None;
+            }
+        }
+    }
+
+    /// What must be kept with the [`State`] so that a restored run repeats bit for bit.
+    pub fn save(&self, system: &mut dyn System, memory: &mut Memory) {
+        memory.linearisation.clone_from(&self.memory.linearisation);
+        memory.last_h = self.memory.last_h;
+        memory.moving.copy_from(&self.memory.moving);
+        memory
+            .convergence_estimate
+            .clone_from(&self.memory.convergence_estimate);
+        memory.history.clear();
+        system.forces(&mut |force| force.save(&mut memory.history));
+    }
+
+    /// Takes back what [`GeneralizedAlpha::save`] stored.
+    ///
+    /// # Errors
+    /// When the matrix of the saved state cannot be factored again.
+    pub fn restore(
+        &mut self,
+        system: &mut dyn System,
+        state: &State,
+        u: &[f64],
+        memory: &Memory,
+    ) -> Result<(), StepError> {
+        let same = match (&self.memory.linearisation, &memory.linearisation) {
+            (Some(mine), Some(saved)) => Arc::ptr_eq(mine, saved),
+            (None, None) => true,
+            _ => false,
+        };
+        self.memory.linearisation.clone_from(&memory.linearisation);
+        self.memory.last_h = memory.last_h;
+        self.memory.moving.copy_from(&memory.moving);
+        self.memory
+            .convergence_estimate
+            .clone_from(&memory.convergence_estimate);
+        if let Some(mut workspace) = self.workspace.take() {
+            workspace.forget();
+            self.workspace = Some(workspace);
+        }
+        if !same && let Some(linearisation) = memory.linearisation.clone() {
+            restore_history(system, &linearisation.history);
+            let mut workspace = self.take_workspace(system, &state.motion(u));
+            let result = self.factor(&mut workspace, system, &linearisation);
+            self.keep(workspace);
+            result?;
+        }
+        restore_history(system, &memory.history);
+        Ok(())
+    }
+}
+
+pub(super) fn restore_history(system: &mut dyn System, history: &[f64]) {
+    let mut values = history.iter();
+    system.forces(&mut |force| force.restore(&mut values));
+    debug_assert!(values.next().is_none(), "a contribution saved more than it restored");
+}

@@ -1,0 +1,139 @@
+//! Options, errors and work counters of Newton's method.
+use crate::{Formulation, System};
+use serde::{Deserialize, Serialize};
+
+/// When the iteration matrix is made anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Jacobian {
+    /// One factorisation is kept until it converges too slowly (default).
+    Modified,
+    /// Factored in every iteration, exact contact tangent included: quadratic convergence.
+    Full,
+}
+
+/// Options of Newton's method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NewtonOptions {
+    /// Largest residual of a generalised force at convergence, N (N·m for slopes and rotations), evaluated or foreseen from how
+    /// corrections contracted in the steps before.
+    pub tolerance: f64,
+    /// Largest residual of a constraint at convergence, m (–).
+    pub constraint_tolerance: f64,
+    /// Iterations before the step is given up.
+    pub max_iterations: usize,
+    /// See [`Jacobian`].
+    pub jacobian: Jacobian,
+    /// See [`Formulation`]; statics have no accelerations and take positions.
+    pub formulation: Formulation,
+}
+
+impl Default for NewtonOptions {
+    /// 1e-6 N is 1e-8 of a contact force; 1e-12 m is rounding at the size of a pantograph.
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-6,
+            constraint_tolerance: 1e-12,
+            max_iterations: 30,
+            jacobian: Jacobian::Modified,
+            formulation: Formulation::Index3,
+        }
+    }
+}
+
+impl NewtonOptions {
+    /// The tolerance that the residual of an unknown is held to; the first ones are `coordinates`, then come constraints.
+    pub(crate) fn tolerance_of(&self, unknown: usize, coordinates: usize) -> f64 {
+        if unknown < coordinates {
+            self.tolerance
+        } else {
+            self.constraint_tolerance
+        }
+    }
+}
+
+/// Why an equilibrium could not be found.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StepError {
+    /// Newton's method used all its iterations; a smaller `h` may help.
+    #[error(
+        "no equilibrium at t = {t} s (h = {h} s): residual {residual:.3e} {unit} after {iterations} iterations, tolerance \
+         {tolerance:.1e} {unit}, largest at {coordinate}",
+        unit = unit(coordinate)
+    )]
+    NotConverged {
+        /// Time aimed at, s.
+        t: f64,
+        /// Step, s; 0 for statics.
+        h: f64,
+        /// Iterations used.
+        iterations: usize,
+        /// Largest residual left, N or m.
+        residual: f64,
+        /// What was asked for.
+        tolerance: f64,
+        /// Name of the coordinate with the largest residual.
+        coordinate: String,
+    },
+    /// The iteration matrix is singular: the model is under-constrained, no `h` will help.
+    #[error("iteration matrix is singular at t = {t} s, near {coordinate}")]
+    Singular {
+        /// Time aimed at, s.
+        t: f64,
+        /// Name of a coordinate that nothing holds.
+        coordinate: String,
+    },
+    /// A force or coordinate is not a finite number.
+    #[error("{coordinate} has no finite residual at t = {t} s")]
+    NotFinite {
+        /// Time aimed at, s.
+        t: f64,
+        /// Name of the coordinate.
+        coordinate: String,
+    },
+}
+
+impl StepError {
+    /// Whether a master may roll back and try again with a smaller step (`fmi2Discard`): a residual that is no number may be
+    /// the overshoot of a step that was too long.
+    #[must_use]
+    pub fn is_retryable(&self) -> bool {
+        matches!(self, Self::NotConverged { .. } | Self::NotFinite { .. })
+    }
+}
+
+/// Work done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counters {
+    /// Time steps.
+    pub micro_steps: u64,
+    /// Newton corrections.
+    pub newton_iterations: u64,
+    /// Numeric factorisations.
+    pub factorizations: u64,
+    /// Solutions with the factors.
+    pub solves: u64,
+    /// Most Newton corrections of one time step.
+    #[serde(default)]
+    pub most_iterations: u64,
+    /// Time steps whose last residual was foreseen and not evaluated.
+    #[serde(default)]
+    pub foreseen: u64,
+}
+
+/// What constraint equations are called in messages.
+const EQUATION: &str = "constraint equation";
+
+/// Name of a coordinate or multiplier for messages.
+pub(crate) fn name(system: &dyn System, unknown: usize) -> String {
+    let coordinates = system.layout().coordinates();
+    if unknown < coordinates {
+        system.layout().name(unknown)
+    } else {
+        format!("{EQUATION} {}", unknown - coordinates + 1)
+    }
+}
+
+/// Unit of the residual of what [`name`] has named.
+fn unit(name: &str) -> &'static str {
+    if name.starts_with(EQUATION) { "m" } else { "N" }
+}
