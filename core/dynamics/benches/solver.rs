@@ -1,5 +1,5 @@
-//! Factorisation, solution, local column and step of a synthetic line: 800 blocks of 8 unknowns, as many as the EN 50318 line has
-//! in its plane with 8 elements per dropper interval.
+//! Factorisation, solution, local column and step of a synthetic line: 800 blocks of 8 unknowns, as many as the EN
+//! 50318 line has in its plane with 8 elements per dropper interval.
 use criterion::{Criterion, criterion_group, criterion_main};
 use dynamics::{
     BlockTridiagonal, Blocks, Force, GeneralizedAlpha, Layout, Motion, NewtonOptions, SparseMatrix, System, Updates,
@@ -13,8 +13,8 @@ const WIDTH: usize = 8;
 const SIZE: usize = NODES * WIDTH;
 const H: f64 = 1e-3;
 
-/// Two stretched strings on a foundation, each coordinate a string of its own: mass 1 kg and spring 1e4 N/m per node and coordinate,
-/// 3e5 N/m from node to node, and as much as a tenth of that across within a node pair.
+/// Two stretched strings on a foundation, each coordinate a string of its own: mass 1 kg and spring 1e4 N/m per node
+/// and coordinate, 3e5 N/m from node to node, and as much as a tenth of that across within a node pair.
 struct Chain {
     stiffness: SparseMatrix,
     mass: SparseMatrix,

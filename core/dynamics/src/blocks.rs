@@ -3,8 +3,8 @@
 /// Marks an entry whose row or column is held fixed.
 const SKIPPED: u32 = u32::MAX;
 
-/// Where contributions put dense blocks: the first pass records which entries exist, later passes add values in the same
-/// order without any search.
+/// Sink of the dense blocks of contributions: the first pass records which entries exist, later passes add values in
+/// the same order without any search.
 pub struct Blocks<'a> {
     target: Target<'a>,
     /// Multiplies all values.

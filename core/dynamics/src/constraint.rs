@@ -9,28 +9,30 @@ pub trait Constraint: Send {
     /// Writes the residuals `g` (m or –), one entry per equation.
     fn residual(&self, motion: &Motion<'_>, g: &mut [f64]);
 
-    /// Adds the Jacobian `g_q` with respect to the generalised velocities (`ġ = g_q v`) as dense blocks, in the same order
-    /// and with the same indices in every call.
+    /// Adds the Jacobian `g_q` with respect to the generalised velocities (`ġ = g_q v`) as dense blocks, in the same
+    /// order and with the same indices in every call. Indices of a constraint that [`Constraint::moves`] may change
+    /// from call to call.
     ///
-    /// Where the constraint [`Constraint::moves`], indices may change from call to call.
     fn jacobian(&self, motion: &Motion<'_>, rows: &mut JacobianRows<'_>);
 
-    /// Adds `(g_q)˙ v` to `g`, which together with `g_q v̇` is `g̈`, for [`crate::Formulation::Index1Baumgarte`]. `false`, with `g`
-    /// as it was, where the constraint does not know it: it then stays one of positions.
+    /// Adds `(g_q)˙ v` to `g`, which together with `g_q v̇` is `g̈`, for [`crate::Formulation::Index1Baumgarte`].
+    /// Returns `false`, with `g` unchanged, if the constraint does not know its second derivative: such a constraint
+    /// stays one of positions.
     fn add_velocity_terms(&self, motion: &Motion<'_>, g: &mut [f64]) -> bool {
         let _ = (motion, g);
         false
     }
 
-    /// Whether the Jacobian reaches other coordinates in the course of time, as that of a strip that slides along a wire; the answer
-    /// never changes. Such rows stay out of the factored matrix: a [`crate::Force`] brings them by [`crate::Updates::border`]. In time
-    /// they hold by [`Constraint::add_rate`], see [`crate::GeneralizedAlpha`].
+    /// Returns `true` if the Jacobian reaches other coordinates in the course of time, as that of a strip that slides
+    /// along a wire; the answer never changes. Rows of such a constraint stay out of the factored matrix: a
+    /// [`crate::Force`] brings them by [`crate::Updates::border`]. In time they hold by [`Constraint::add_rate`], see
+    /// [`crate::GeneralizedAlpha`].
     fn moves(&self) -> bool {
         false
     }
 
-    /// Adds `ġ = g_q v + g_t`, the rate of the residuals (m/s or 1/s), with `g_t` what prescribed motion does to them at held
-    /// coordinates. Only asked for where the constraint [`Constraint::moves`].
+    /// Adds `ġ = g_q v + g_t`, the rate of the residuals (m/s or 1/s), with `g_t` the effect of prescribed motion at
+    /// held coordinates. Called only if the constraint [`Constraint::moves`].
     fn add_rate(&self, motion: &Motion<'_>, rates: &mut [f64]) {
         let _ = (motion, rates);
     }
@@ -39,7 +41,7 @@ pub trait Constraint: Send {
 /// Takes one block row: number of the equation, indices of the generalised velocities, values.
 pub(crate) type RowSink<'a> = dyn FnMut(usize, &[usize], &[f64]) + 'a;
 
-/// Where a [`Constraint`] puts the blocks of its Jacobian.
+/// Sink of the blocks of the Jacobian of a [`Constraint`].
 pub struct JacobianRows<'a> {
     sink: &'a mut RowSink<'a>,
 }

@@ -1,4 +1,4 @@
-//! The energy of a system in time: what it holds, what was brought in, what was turned into heat, and what is left over.
+//! Energy of a system in time: stored, brought in, turned into heat, and the residual.
 use crate::linear::iteration_matrix::{mass_matrix, visit_jacobian};
 use crate::{Motion, SparseMatrix, State, System};
 
@@ -8,16 +8,17 @@ use crate::{Motion, SparseMatrix, State, System};
 /// T + U − (T + U)₀ = ∫ P dt − ∫ D dt + residual
 /// ```
 ///
-/// `P` is the power of prescribed motion, `D` that of dampers and friction. Forces that derive from no potential are the part of
-/// each contribution that ends with the velocities, `Q(q, v) − Q(q, 0)`, unless it says itself ([`crate::Force::power`]). Their
-/// work over a step is that of the mean force on the mean velocity, which is exact for the trapezoid: with `rho_inf` = 1 the
-/// residual is what the time step makes of forces that are not linear, with less the numerical damping shows in it as a loss.
+/// `P` is the power of prescribed motion, `D` that of dampers and friction. The part of a contribution that ends with
+/// the velocities, `Q(q, v) − Q(q, 0)`, derives from no potential, unless the contribution gives its own
+/// [`crate::Force::power`]. Work over a step is that of the mean force on the mean velocity, which is exact for the
+/// trapezoid: with `rho_inf` = 1 the residual is the error of the time step in nonlinear forces, with a smaller one
+/// numerical damping shows as a loss.
 #[derive(Debug)]
 pub struct EnergyBalance {
     mass: SparseMatrix,
     start: f64,
     now: f64,
-    /// Of the last step's end.
+    /// Velocities at the end of the last step.
     v: Vec<f64>,
     losses: Vec<f64>,
     driven_power: f64,
@@ -99,13 +100,13 @@ impl EnergyBalance {
         self.dissipated
     }
 
-    /// Sum of the amounts of work and heat, step by step, J: what a residual is to be compared with.
+    /// Sum of the amounts of work and heat, step by step, J: the scale of a residual.
     #[must_use]
     pub fn exchanged(&self) -> f64 {
         self.exchanged
     }
 
-    /// Energy that nothing accounts for, J: positive where the integration has made it.
+    /// Energy that neither work nor heat explains, J: positive if the integration has created energy.
     #[must_use]
     pub fn residual(&self) -> f64 {
         self.gained() - self.driven + self.dissipated
@@ -154,7 +155,7 @@ impl EnergyBalance {
             losses[index] = 0.0;
         }
         self.buffers[1] = rest;
-        // Constraints work where what they hold on to moves: −λ · g_q v.
+        // Constraints whose ends are driven do work: −λ · g_q v.
         let mut rates = vec![0.0; state.lambda.len()];
         visit_jacobian(system, &motion, &mut |row, columns, values| {
             rates[row] += columns

@@ -49,7 +49,7 @@ impl FollowedInput {
         self.value
     }
 
-    /// Whether derivatives were given since the value was set.
+    /// Returns `true` if derivatives were given since the value was set.
     #[must_use]
     pub fn has_derivatives(&self) -> bool {
         self.given

@@ -29,8 +29,8 @@ impl Layout {
         first
     }
 
-    /// Adds a rigid body's three rotational coordinates (body-frame angular velocity) with its start orientation; returns the
-    /// first index and the index into [`crate::Motion::rotation`].
+    /// Adds a rigid body's three rotational coordinates (body-frame angular velocity) with its start orientation;
+    /// returns the first index and the index into [`crate::Motion::rotation`].
     pub fn add_rotation(&mut self, orientation: UnitQuaternion<f64>, name: impl Into<String>) -> (usize, usize) {
         let first = self.add_coordinates(3, name);
         self.rotations.push(first);
@@ -50,7 +50,7 @@ impl Layout {
         self.fixed.push(index);
     }
 
-    /// Holds exactly these of the coordinates within `range`, whatever was held there before.
+    /// Holds exactly the coordinates `fixed` within `range`; earlier ones there are released.
     pub fn fix_within(&mut self, range: Range<usize>, fixed: &[usize]) {
         self.fixed.retain(|index| !range.contains(index));
         self.fixed.extend_from_slice(fixed);

@@ -86,7 +86,7 @@ impl Columns {
 
 /// A point on some body: position, velocity, and how a force on it maps to generalised coordinates.
 pub trait Marker: Send {
-    /// Where the marker is and how it moves.
+    /// Position, axes and velocities of the marker.
     fn frame(&self, motion: &Motion<'_>) -> Frame;
 
     /// Appends the marker's columns, always in the same order. A prescribed marker has none.

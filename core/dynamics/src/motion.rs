@@ -33,8 +33,8 @@ pub struct State {
     pub v_dot: Vec<f64>,
     /// Auxiliary accelerations of the integrator, as `v_dot`.
     pub a: Vec<f64>,
-    /// Multipliers of the constraints, N or N·m. Those of constraints that [`crate::Constraint::moves`] are, after a step, the straight
-    /// line through the mean forces of the last two steps, at the end of the last one.
+    /// Multipliers of the constraints, N or N·m. After a step, those of constraints that [`crate::Constraint::moves`]
+    /// are the straight line through the mean forces of the last two steps, at the end of the last one.
     pub lambda: Vec<f64>,
     /// Orientations, body to world.
     pub rotation: Vec<UnitQuaternion<f64>>,

@@ -1,7 +1,7 @@
 //! Rotation vectors and the exponential map of the rotation group.
 //!
-//! A rotation increment `φ` (rad, 3 entries, body frame) acts from the right: `R ← R exp(φ̃)`, so that the rate of `R` is
-//! `Ṙ = R ω̃` with the angular velocity `ω` in the body frame.
+//! A rotation increment `φ` (rad, 3 entries, body frame) acts from the right: `R ← R exp(φ̃)`, so that the rate of `R`
+//! is `Ṙ = R ω̃` with the angular velocity `ω` in the body frame.
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 /// Below this angle (rad) the coefficients come from their series; the first term left out is below rounding.
@@ -30,7 +30,7 @@ pub fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     if sine == 0.0 {
         return Vector3::zeros();
     }
-    // Of the two quaternions of a rotation take the one with the smaller angle.
+    // Take the quaternion with the smaller angle: two stand for each rotation.
     let half = if w < 0.0 { (-sine).atan2(-w) } else { sine.atan2(w) };
     imaginary * (2.0 * half / sine)
 }

@@ -1,10 +1,10 @@
-//! A system: its coordinates, and how the solver reaches its contributions.
+//! A system: its coordinates and its contributions, as solvers visit them.
 use crate::{Constraint, Force, Layout, State};
 
-/// How a system goes on after a completed step.
+/// Change of a system after a completed step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Continuity {
-    /// As it was.
+    /// No change.
     Kept,
     /// The state was moved among the coordinates; the matrices are the same ones.
     Moved,
@@ -12,10 +12,10 @@ pub enum Continuity {
     Replaced,
 }
 
-/// What a solver is about, between and during its visits to the contributions.
+/// Work of a solver, between and during its visits to the contributions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Residuals, predictions, corrections that are applied: everything that is not named below.
+    /// Residuals, predictions, applied corrections: all work that is not named below.
     Integration,
     /// The pattern of the iteration matrix, its assembly and its factors.
     Factorization,
@@ -36,20 +36,19 @@ pub trait System {
         let _ = visit;
     }
 
-    /// Called where a time step turns to another [`Stage`]: for those who keep an account of what it is spent on. A step begins
-    /// and ends in [`Stage::Integration`].
+    /// Called when a step enters another [`Stage`]; for profiling. A step begins and ends in [`Stage::Integration`].
     fn enter(&mut self, stage: Stage) {
         let _ = stage;
     }
 
-    /// Called after each completed step within [`crate::Simulator::advance`]: a system that models only the neighbourhood of
-    /// something that moves follows it here, and takes the state along.
+    /// Called after each completed step within [`crate::Simulator::advance`]: a system that models only the
+    /// neighbourhood of a moving object follows the object here, and takes the state along.
     fn follow(&mut self, state: &mut State, u: &[f64]) -> Continuity {
         let _ = (state, u);
         Continuity::Kept
     }
 
-    /// Goes to where the system was in `state`, which is restored next: the way back of [`System::follow`].
+    /// Returns to the neighbourhood of `state`, which is restored next: the way back of [`System::follow`].
     fn adopt(&mut self, state: &State) -> Continuity {
         let _ = state;
         Continuity::Kept

@@ -1,4 +1,4 @@
-//! Steps in which what a correction leaves of linear contributions is known without evaluating them, against evaluations.
+//! Steps in which the remainder of linear contributions is known without evaluation, against evaluations.
 use dynamics::{Blocks, Force, GeneralizedAlpha, Layout, Motion, NewtonOptions, State, System, Updates, Weights};
 use std::ops::Range;
 
@@ -167,8 +167,9 @@ impl Force for Ropes {
     }
 }
 
-/// A body of 10 kg, the last coordinate, that travels along the chain at one node per 10 ms, pushed against it by 100 N that falls
-/// below zero for a while. Its force grows with the depth and its square, so that one correction is not enough.
+/// A body of 10 kg, the last coordinate, that travels along the chain at one node per 10 ms, pushed against it by 100 N
+/// that falls below zero for a while. Its force grows with the depth and its square, so that one correction is not
+/// enough.
 struct Contact {
     node: f64,
     version: u64,
@@ -302,7 +303,8 @@ fn run(is_linear: bool, bed: impl Iterator<Item = usize>, tolerance: f64) -> Run
     }
 }
 
-/// Both end their steps within a tolerance of 1e-4 N; 600 steps of that on 1 kg under 2e4 N/m make at most about 1e-7 m.
+/// Both end their steps within a tolerance of 1e-4 N; 600 steps of that on 1 kg under 2e4 N/m make at most about 1e-7
+/// m.
 fn compare(known: &Run, evaluated: &Run) {
     for (a, b) in known.states.iter().zip(&evaluated.states) {
         for (a, b) in a.q.iter().zip(&b.q) {
@@ -323,7 +325,8 @@ fn what_a_correction_leaves_of_linear_contributions_is_what_an_evaluation_finds(
         "one evaluation per step is enough"
     );
     assert!(evaluated.model.chain.evaluations[1] > 600);
-    // Blocks with less than three tenths of the tolerance are not corrected: what they leave is not seen, but stays below it.
+    // Blocks with less than three tenths of the tolerance are not corrected: what they leave is not seen, but stays
+    // below it.
     assert!(known.left <= tolerance, "{} N are left", known.left);
     compare(&known, &evaluated);
 }
@@ -344,8 +347,8 @@ fn beside_nonlinear_contributions_linear_ones_are_evaluated_on_common_rows_only(
     compare(&known, &evaluated);
 }
 
-/// As on a linearised line in the wind, whose bending layers alone have no drag: a range for each run of such rows would ask every
-/// contribution for its share of each.
+/// As on a linearised line in the wind, whose bending layers alone have no drag: a range for each run of such rows
+/// would ask every contribution for its share of each.
 #[test]
 fn rows_of_linear_contributions_between_those_of_others_are_evaluated_with_them() {
     let bed = || (90..150).filter(|i| i % 4 != 0);
@@ -374,7 +377,8 @@ fn a_tolerance_near_rounding_is_proved_by_evaluation() {
 
 #[test]
 fn a_first_correction_ends_a_step_unevaluated_only_where_it_leaves_less_than_the_tolerance() {
-    // The contact's law bends, by turns more and less, and it opens and closes: what a correction leaves comes and goes.
+    // The contact's law bends, by turns more and less, and it opens and closes: what a correction leaves comes and
+    // goes.
     for tolerance in [1.0, 0.1, 1e-2, 1e-3, 1e-4] {
         let run = run(true, 0..0, tolerance);
         assert!(run.foreseen > 200, "{tolerance} N: {} steps of 600", run.foreseen);

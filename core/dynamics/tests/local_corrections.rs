@@ -1,4 +1,4 @@
-//! Steps that correct and evaluate only where something is left to correct, against whole evaluations converged further.
+//! Steps that correct and evaluate only the rows with a remainder, against whole evaluations converged further.
 use dynamics::{
     Blocks, Checkpoint, Force, GeneralizedAlpha, Layout, Motion, NewtonOptions, Simulator, State, System, Updates,
     Weights,
@@ -59,7 +59,7 @@ impl Force for Chain {
         let range = range.start.min(NODES)..range.end.min(NODES);
         self.within += range.len();
         self.add(range.clone(), motion, Some(v_dot), force);
-        // What stands beside the range is nobody's.
+        // Entries beside the range are not used by the solver.
         let ends = [range.start.checked_sub(1), Some(range.end).filter(|&end| end < NODES)];
         for beside in ends.into_iter().flatten() {
             force[beside] = f64::NAN;
@@ -82,8 +82,8 @@ impl Force for Chain {
     }
 }
 
-/// A body of 10 kg, the last coordinate, that travels along the chain at one node per 10 ms, pushed against it by 100 N that falls
-/// below zero for a while: contact is lost and comes back.
+/// A body of 10 kg, the last coordinate, that travels along the chain at one node per 10 ms, pushed against it by 100 N
+/// that falls below zero for a while: contact is lost and comes back.
 struct Contact {
     node: f64,
     version: u64,

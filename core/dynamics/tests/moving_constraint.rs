@@ -146,7 +146,7 @@ fn positions_and_multiplier_follow_a_forced_vibration_to_second_order_whatever_r
         });
         let orders = [0, 1].map(|i| (errors[0][i] / errors[1][i]).log2());
         println!(
-            "rho_inf = {rho_inf}: errors of positions (m), multiplier (N) and rate (m/s) {errors:?}; orders {orders:.2?}"
+            "rho_inf = {rho_inf}: errors of positions (m), multiplier (N), rate (m/s) {errors:?}; orders {orders:.2?}"
         );
         assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.2), "{orders:?}");
         // The drift of the position, 1e-5 m at most, times 50 1/s.
@@ -178,8 +178,8 @@ fn where_the_path_bends_the_multiplier_steps_within_two_steps_and_does_not_follo
         let off = states[22..].iter().map(|state| (excess(state) / step - 1.0).abs());
         let worst = off.fold(0.0, f64::max);
         println!("rho_inf = {rho_inf}: {worst:.1e} of {step} N");
-        // A bend within a step leaves up to h²/8 of it in the position, and ω² = 2500 1/s² of that in the force; the rider's force, of
-        // 20 rad/s squared times h²/12 and less, is taken at the ends of steps where its mean acts.
+        // A bend within a step leaves up to h²/8 of it in the position, and ω² = 2500 1/s² of that in the force; the
+        // rider's force, of 20 rad/s squared times h²/12 and less, is taken at the ends of steps where its mean acts.
         assert!(worst < 1e-3, "rho_inf = {rho_inf}: {worst}");
         // The mean of the accelerations that Newmark's formula takes over the step: β + ½ of it at most.
         let gap = states.iter().map(|state| (state.q[0] - bend(state.t)[0]).abs());

@@ -1,4 +1,4 @@
-//! What a step tells an account of its time.
+//! Stages that a step reports for profiling.
 use dynamics::{
     Blocks, Force, GeneralizedAlpha, Jacobian, Layout, Motion, NewtonOptions, Stage, State, System, Weights,
 };
@@ -22,7 +22,7 @@ impl Force for Spring {
     }
 }
 
-/// It, with the stages that it was told, and those in which its force was visited.
+/// The spring, with the stages that were reported, and those in which its force was visited.
 struct Told {
     layout: Layout,
     spring: Spring,

@@ -1,44 +1,45 @@
-//! What the steps so far say of how much a correction leaves.
+//! Residual that a correction leaves, estimated from the steps before.
 use serde::{Deserialize, Serialize};
 
-/// Corrections of a step that are followed; later ones are evaluated.
+/// Corrections of a step that are estimated; later ones are evaluated.
 const FOLLOWED: usize = 6;
 
-/// Part of the tolerance up to which a foreseen residual serves.
+/// Part of the tolerance up to which an estimated residual serves.
 const SURE: f64 = 0.5;
 
-/// What remains of the largest contraction with each step that shows a smaller one, by the first correction and by those after it. Of
-/// the first one the next residual says nothing more.
+/// Factor by which the stored worst contraction decays per step: first correction, later corrections. The first one
+/// decays more slowly, because the residual of the step before carries no information about it.
 const FORGETTING: [f64; 2] = [0.97, 0.9];
 
-/// Steps in a row that end with a foreseen residual.
+/// Steps in a row that end with an estimated residual.
 const UNSEEN: u32 = 16;
 
-/// Foresees the residual that a correction leaves, so that the last one of a step need not be evaluated.
+/// Estimates the residual that a correction leaves, so that the last one of a step need not be evaluated.
 ///
-/// With a kept matrix Newton's method contracts the residual from one correction to the next, and where the last two residuals of a
-/// step have the ratio `Θ` the next one is about `Θ` times the last: who stops there saves an evaluation [Hairer & Wanner, Solving
-/// Ordinary Differential Equations II, section IV.8]. On a wire this alone misleads: corrections remove by turns what bends the wire and
-/// what stretches it, and contract by turns to a half and to a hundredth. The same correction of the steps before knows better, so
+/// Newton's method with a kept matrix contracts the residual from one correction to the next: if the last two residuals
+/// of a step have the ratio `Θ`, the next one is about `Θ` times the last, and a step that stops there saves an
+/// evaluation [Hairer & Wanner, Solving Ordinary Differential Equations II, section IV.8]. This ratio alone misleads on
+/// a wire: corrections remove bending and stretching by turns, with different contractions. The same correction of
+/// earlier steps is the better measure, so
 ///
 /// ```text
 /// r_(i+1) ≈ max(r_i/r_(i−1), Θ_i) r_i
 /// ```
 ///
-/// with `Θ_i` the largest contraction by correction `i` in the steps that were evaluated, of which a part is forgotten with each. Every
-/// so many steps the last residual is evaluated, and `Θ` measured.
+/// with `Θ_i` the largest contraction by correction `i` in the steps that were evaluated; `Θ_i` decays with each step.
+/// Every [`UNSEEN`] steps the last residual is evaluated, and `Θ` measured.
 ///
-/// Of the first correction of a step there is `Θ_0` alone. That serves where the wires are linear: contact, droppers and pantographs say
-/// themselves where they leave the piece of their law, see [`crate::Force::continues_to`], and what the correction contracts there is
-/// not taken for `Θ_0`. On a nonlinear wire `Θ_0` grows with the motion: there it is not followed.
+/// Only `Θ_0` is known of the first correction of a step. This suffices on linear wires: contact, droppers and
+/// pantographs report themselves when they leave the branch of their law, see [`crate::StepHistory::continues_to`], and
+/// a contraction across such a change does not enter `Θ_0`. `Θ_0` of a nonlinear wire grows with the motion: it is not
+/// used there.
 ///
-/// With the last residuals evaluated too, on the lines of EN 50318 and of the thesis, nonlinear and linearised, whole and windowed, with
-/// tolerances of 1e-3 N and 0.3 N: at most 1.2 steps in a hundred end above the tolerance by that, and none above seven times. Where a
-/// wheel touches a rail is searched for and not compared: under the vehicle of the thesis on smooth track, with irregularities, and in a
-/// curve of 500 m with stronger ones at 140 km/h it is at most 1 in a hundred, and none above five times.
+/// A step may therefore end above the tolerance by a small factor, rarely: the search for the contact point of wheel
+/// and rail has no branch to compare. Tests that evaluate the last residuals too bound both the number of such steps
+/// and the factor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ConvergenceEstimate {
-    /// `Θ_i` (–); infinite where it is not known.
+    /// `Θ_i` (–); infinite as long as it is unknown.
     contractions: [f64; FOLLOWED],
     /// Steps since the last one that was evaluated to its end.
     unseen: u32,
@@ -54,7 +55,8 @@ impl Default for ConvergenceEstimate {
 }
 
 impl ConvergenceEstimate {
-    /// Takes note that correction `i` (from 0) of a step took the residual from `before` to `after`, both in units of the tolerance.
+    /// Records that correction `i` (from 0) of a step took the residual from `before` to `after`, both in units of the
+    /// tolerance.
     pub fn observe(&mut self, i: usize, before: f64, after: f64) {
         if let Some(known) = self.contractions.get_mut(i) {
             let contraction = after / before;
@@ -66,15 +68,15 @@ impl ConvergenceEstimate {
         }
     }
 
-    /// The residual after correction `i` of a step, in units of the tolerance, where it is known well enough to be the last one:
-    /// `ratio` is the residual before it, `last` the one before that, infinite where there is none.
+    /// The residual after correction `i` of a step, in units of the tolerance, if the estimate is sure enough to be the
+    /// last one: `ratio` is the residual before the correction, `last` the one before that, infinite if there is none.
     pub fn last_residual(&self, i: usize, ratio: f64, last: f64) -> Option<f64> {
         let known = self.contractions.get(i).filter(|_| self.unseen < UNSEEN)?;
         let foreseen = known.max(ratio / last) * ratio;
         (foreseen <= SURE).then_some(foreseen)
     }
 
-    /// Takes note of the end of a step, whose last residual was evaluated or `foreseen`.
+    /// Records the end of a step, whose last residual was evaluated or `foreseen` (estimated).
     pub fn end_step(&mut self, foreseen: bool) {
         self.unseen = if foreseen { self.unseen + 1 } else { 0 };
     }

@@ -1,7 +1,12 @@
-//! The form that constraints take within a time step.
+//! Constraints within a time step: index 3, or index 1 with Baumgarte's stabilisation.
+//!
+//! The thesis calls its equations augmented: `v̇` and `λ` are unknowns of one system. The augmented Lagrangian of the
+//! literature is another method, the penalty and multiplier iteration of Bayo [Bayo, García de Jalón & Serna, Comput.
+//! Methods Appl. Mech. Engrg. 71 (1988) 183], which is not used here.
 use crate::{Constraint, Force, JacobianRows, Layout, Motion, System, Weights};
 
-/// How constraints enter a time step, but those that [`Constraint::moves`].
+/// Equations of constraints in a time step; constraints that [`Constraint::moves`] have their own, see
+/// [`crate::GeneralizedAlpha`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Formulation {
     /// Index 3 (default): `g(q) = 0` at the end of the step, to rounding.
@@ -14,19 +19,21 @@ pub enum Formulation {
     /// [ g_q  0    ] [ λ ] = [ Q_c − 2 ω ġ − ω² g ]        [Thesis, Eq. (19)]
     /// ```
     ///
-    /// with `Q_c = −(g_q)˙ v`. The thesis does not say what it does about the drift of `g̈ = 0`; here it decays with
-    /// `ω` = 50 1/s [Baumgarte 1972], a rate that does not go with the step, so that positions, velocities and multipliers stay of
-    /// second order: the drift is of the order of `h²`.
+    /// with `Q_c = −(g_q)˙ v`: the index-1 form of the equations of motion with Baumgarte's stabilisation. The thesis
+    /// states no treatment of the drift of `g̈ = 0`; here it decays with `ω` = 50 1/s [Baumgarte 1972], a rate that
+    /// does not go with the step, so that positions, velocities and multipliers stay of second order: the drift is of
+    /// the order of `h²`.
     Index1Baumgarte,
 }
 
-/// `ω`, 1/s: a drift has decayed after a tenth of a second, and the rate is far below those that steps of a millisecond resolve.
+/// `ω`, 1/s: a drift has decayed after a tenth of a second, and the rate is far below those that steps of a millisecond
+/// resolve.
 const DRIFT_RATE: f64 = 50.0;
 
-/// What a constraint that moves weighs its rate with in a time step, s; nothing in statics, which have no rates.
+/// Weight of the rate of a constraint that moves in a time step, s; zero in statics, which have no rates.
 ///
-/// Such a constraint asks for `(ġ + ω g) / (γ' + ω) = 0`, a length as `g` is, with the derivative `g_q + ∂ġ/∂q / (γ' + ω)` where
-/// velocities change by `γ'` per change of the coordinates.
+/// Such a constraint requires `(ġ + ω g) / (γ' + ω) = 0`, a length as `g` is, with the derivative `g_q + ∂ġ/∂q / (γ' +
+/// ω)` if velocities change by `γ'` per change of the coordinates.
 pub(crate) fn rate_weight(weights: Weights) -> f64 {
     if weights.v > 0.0 {
         1.0 / (weights.v + DRIFT_RATE)
@@ -45,11 +52,11 @@ pub(crate) struct Stepped<'a> {
 }
 
 impl<'a> Stepped<'a> {
-    /// The constraints of `system` at the accelerations `v_dot`, where a change of the coordinates by 1 changes accelerations by
-    /// `mass_rate` (1/s²) and velocities by `weights.v` (1/s).
+    /// The constraints of `system` at the accelerations `v_dot`, where a change of the coordinates by 1 changes
+    /// accelerations by `mass_rate` (1/s²) and velocities by `weights.v` (1/s).
     ///
-    /// Residuals of accelerations are divided by `∂(v̇ + 2 ω v + ω² q)/∂q`, so that their derivative is `g_q` but for terms of the order
-    /// of the step: the iteration matrix and the tolerance are those of the positions.
+    /// Residuals of accelerations are divided by `∂(v̇ + 2 ω v + ω² q)/∂q`, so that their derivative is `g_q` but for
+    /// terms of the order of the step: the iteration matrix and the tolerance are those of the positions.
     pub fn new(
         system: &'a mut dyn System,
         formulation: Formulation,

@@ -12,8 +12,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use pulp::Arch;
 use std::sync::Arc;
 
-/// Generalized-α for constrained systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold 2012],
-/// here with constraints of positions; [`Formulation`] has the other form:
+/// Generalized-α for constrained systems on vector spaces and rotations [Arnold & Brüls 2007; Brüls, Cardona & Arnold
+/// 2012], here with constraints of positions; see [`Formulation`] for the other form:
 ///
 /// ```text
 /// M v̇ₙ₊₁ = Q(tₙ₊₁, qₙ₊₁, vₙ₊₁) − g_qᵀ λₙ₊₁,   g(qₙ₊₁) = 0
@@ -28,17 +28,17 @@ use std::sync::Arc;
 /// ġ(qₙ₊₁, vₙ₊₁) + ω g(qₙ₊₁) = 0,    ω = 50 1/s
 /// ```
 ///
-/// in place of `g = 0`, whatever the formulation. Held at the position, its multiplier repeats an error with the double root
-/// `−rho_inf` of index 3 [Cardona & Géradin, Computers & Structures 33 (1989) 801, for the trapezoid], which the turn of `g_q` from
-/// step to step feeds: it grows. Held at the rate the root is single (index 2), and the turn can only take from it: with
-/// `Y_ab = g_q(a) A⁻¹ g_q(b)ᵀ` of the iteration matrix `A`, the trapezoid (`rho_inf` = 1) makes `−Y_(n+1)(n) / Y_(n+1)(n+1)` of an error
-/// at step `n`, and `Y_ab² ≤ Y_aa Y_bb` leaves no more than `√(Y_00/Y_NN)` of it after `N` steps (derived here). The motion feels what the
-/// turn has taken, of the order of `h`, and the multipliers that are reported come from the impulses of the steps, see
-/// [`State::lambda`]. The distance that rates leave, of the order of `h²`, decays with `ω` [Baumgarte 1972] as under
-/// [`Formulation::Index1Baumgarte`].
+/// in place of `g = 0`, whatever the formulation. The multiplier of a constraint of positions repeats an error with the
+/// double root `−rho_inf` of index 3 [Cardona & Géradin, Computers & Structures 33 (1989) 801, for the trapezoid], and
+/// the turn of `g_q` from step to step feeds the error, so that it grows. The root of a constraint of rates is single
+/// (index 2), and the turn can only take from the error: with `Y_ab = g_q(a) A⁻¹ g_q(b)ᵀ` of the iteration matrix `A`,
+/// the trapezoid (`rho_inf` = 1) makes `−Y_(n+1)(n) / Y_(n+1)(n+1)` of an error at step `n`, and `Y_ab² ≤ Y_aa Y_bb`
+/// leaves no more than `√(Y_00/Y_NN)` of it after `N` steps (derived here). The motion feels the loss, of the order of
+/// `h`, and the reported multipliers come from the impulses of the steps, see [`State::lambda`]. The distance that
+/// rates leave, of the order of `h²`, decays with `ω` [Baumgarte 1972] as under [`Formulation::Index1Baumgarte`].
 ///
-/// The iteration matrix `β' M + γ' D + K` treats the derivative of the exponential map as the identity: its error is of the
-/// order of the rotation within one step and costs at most iterations.
+/// The iteration matrix `β' M + γ' D + K` treats the derivative of the exponential map as the identity: its error is of
+/// the order of the rotation within one step and costs at most iterations.
 pub struct GeneralizedAlpha {
     scheme: Scheme,
     options: NewtonOptions,
@@ -55,7 +55,7 @@ pub struct GeneralizedAlpha {
 /// Contraction of the residual per iteration beyond which a kept factorisation is replaced.
 const SLOW: f64 = 0.3;
 
-/// Ratio of two steps above which the second one knows nothing of the first.
+/// Ratio of two steps above which the second one takes nothing over from the first.
 const LONGEST_STRETCH: f64 = 1e3;
 
 impl GeneralizedAlpha {
@@ -75,7 +75,8 @@ impl GeneralizedAlpha {
         }
     }
 
-    /// Largest residual before each Newton iteration of the last step, N or m; the last one is what was left, evaluated or foreseen.
+    /// Largest residual before each Newton iteration of the last step, N or m; the last one is the remaining residual,
+    /// evaluated or estimated.
     #[must_use]
     pub fn residuals(&self) -> &[f64] {
         &self.residuals
@@ -145,7 +146,7 @@ impl GeneralizedAlpha {
         result
     }
 
-    /// Keeps the workspace, and counts what it factored and solved since it was taken.
+    /// Keeps the workspace, and counts its factorisations and solutions since it was taken.
     pub(super) fn keep(&mut self, mut workspace: Workspace) {
         let work = std::mem::take(&mut workspace.counters);
         self.counters.factorizations += work.factorizations;
@@ -236,8 +237,8 @@ impl GeneralizedAlpha {
                 self.linearise(workspace, system, &motion, h)?;
                 fresh += 1;
             }
-            // A term that switches to and fro makes full corrections cycle: they become shorter with every growth of the residual
-            // and recover while it falls.
+            // A term that switches to and fro makes full corrections cycle: corrections become shorter with every
+            // growth of the residual and recover while the residual falls.
             if iteration >= 3 {
                 let growth = residual.ratio > last_ratio;
                 damping = if growth {
@@ -249,7 +250,7 @@ impl GeneralizedAlpha {
             last_ratio = residual.ratio;
             workspace.correct(system, &motion, weights, Some((&options, iteration)))?;
             self.apply(workspace, damping, (mass_rate, velocity_rate), system, state);
-            // What a first correction contracts tells of the next step's only where no law changes its piece.
+            // The contraction of a first correction predicts that of the next step only if no law changes its branch.
             let tells = iteration == 0 && workspace.is_linear();
             let continues = (foreseen.is_some() || tells) && continues_to(system, &state.motion(u));
             if let Some(left) = foreseen
@@ -331,8 +332,8 @@ impl GeneralizedAlpha {
         result
     }
 
-    /// Ratio of a step of `h` s to the last one: `a` approximates `v̇` at `t + (α_m − α_f) h`, so its distance from `v̇` goes with
-    /// the step. Zero, so that `a` is `v̇`, after a step so short that this distance is rounding.
+    /// Ratio of a step of `h` s to the last one: `a` approximates `v̇` at `t + (α_m − α_f) h`, so its distance from
+    /// `v̇` goes with the step. Zero, so that `a` is `v̇`, after a step so short that this distance is rounding.
     fn stretch(&self, h: f64) -> f64 {
         match self.memory.last_h {
             Some(last_h) if h > LONGEST_STRETCH * last_h => 0.0,
@@ -425,17 +426,17 @@ impl GeneralizedAlpha {
         Ok(())
     }
 
-    /// Takes note that the state was not reached by a step.
+    /// Call after a change of the state that no step has made.
     pub fn begin_anew(&mut self) {
         self.memory.moving.clear();
     }
 
-    /// Takes a jump of the inputs at the present state, from `before` to `u`, into accelerations and multipliers before a step of
-    /// `h` s.
+    /// Takes a jump of the inputs at the present state, from `before` to `u`, into accelerations and multipliers before
+    /// a step of `h` s.
     ///
-    /// Without it the step would weigh the old inputs with the new ones, so that inputs held over steps would act half a step
-    /// late. The jump of the forces is solved with the iteration matrix `β' M + γ' D + K` in place of `β' M`: the difference is of
-    /// the order of `h`, and so is the jump where the inputs are samples of something smooth.
+    /// A step without this jump would weigh the old inputs with the new ones, so that inputs held over steps would act
+    /// half a step late. The jump of the forces is solved with the iteration matrix `β' M + γ' D + K` in place of `β'
+    /// M`: the difference is of the order of `h`, and so is the jump if the inputs are samples of a smooth function.
     ///
     /// # Errors
     /// [`StepError::Singular`].
@@ -475,7 +476,7 @@ impl GeneralizedAlpha {
     }
 }
 
-/// Whether all forces come from the same piece of their law as where they were found last.
+/// Returns `true` if all forces come from the same branch of their law as at their last evaluation.
 fn continues_to(system: &mut dyn System, motion: &Motion<'_>) -> bool {
     let mut continues = true;
     system.forces(&mut |force| continues = continues && force.continues_to(motion));

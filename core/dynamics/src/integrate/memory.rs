@@ -1,4 +1,4 @@
-//! What the integrator keeps from step to step, saved and restored.
+//! Memory of the integrator from step to step, saved and restored.
 use crate::integrate::convergence_estimate::ConvergenceEstimate;
 use crate::integrate::moving_multipliers::MovingMultipliers;
 use crate::{Continuity, GeneralizedAlpha, State, StepError, System};
@@ -6,7 +6,7 @@ use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// The state that a kept factorisation was made at: with it a restored run repeats bit for bit.
+/// State at which a kept factorisation was made: with it a restored run repeats bit for bit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Linearisation {
     pub(super) h: f64,
@@ -18,7 +18,7 @@ pub(super) struct Linearisation {
     pub(super) history: Vec<f64>,
 }
 
-/// What a [`GeneralizedAlpha`] must remember beside the [`State`]; cheap to clone.
+/// Memory of a [`GeneralizedAlpha`] beside the [`State`]; cheap to clone.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     pub(super) linearisation: Option<Arc<Linearisation>>,
@@ -29,7 +29,7 @@ pub struct Memory {
 }
 
 impl GeneralizedAlpha {
-    /// Takes note that the system is another one than in the last step; see [`Continuity`].
+    /// Adapts to a system that has changed since the last step; see [`Continuity`].
     pub fn continue_with(&mut self, continuity: Continuity) {
         match continuity {
             Continuity::Kept => {}
@@ -45,7 +45,7 @@ impl GeneralizedAlpha {
         }
     }
 
-    /// What must be kept with the [`State`] so that a restored run repeats bit for bit.
+    /// Stores all that a restored run needs beside the [`State`] to repeat bit for bit.
     pub fn save(&self, system: &mut dyn System, memory: &mut Memory) {
         memory.linearisation.clone_from(&self.memory.linearisation);
         memory.last_h = self.memory.last_h;

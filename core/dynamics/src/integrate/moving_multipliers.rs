@@ -1,25 +1,27 @@
-//! Multipliers of constraints that move: what the time steps hold, and what is reported.
+//! Multipliers of constraints that move: held by the time steps, and reported.
 use crate::Scheme;
 use serde::{Deserialize, Serialize};
 
-/// The multipliers of constraints that move along the coordinates of a system, [`crate::Constraint::moves`], in generalized-α.
+/// The multipliers of constraints that move along the coordinates of a system, [`crate::Constraint::moves`], in
+/// generalized-α.
 ///
-/// Such a constraint holds by its rate at both ends of a step, and so the impulse of its multiplier over the step follows from
-/// velocities alone: nothing of earlier steps is in it. The multiplier at the end of the step is. With `ℓ` the multiplier's share in
-/// the auxiliary accelerations,
+/// Such a constraint holds by its rate at both ends of a step, so that the impulse of its multiplier over the step
+/// follows from velocities alone and carries no memory of earlier steps. The multiplier at the end of the step does.
+/// With `ℓ` the multiplier's share in the auxiliary accelerations,
 ///
 /// ```text
 /// (1 − α_m) ℓₙ₊₁ + α_m ℓₙ = (1 − α_f) λₙ₊₁ + α_f λₙ
 /// I / h = (1 − γ) ℓₙ + γ ℓₙ₊₁                                        derived here
 /// ```
 ///
-/// an error of `λ` comes back in the next step `−α_f/(1 − α_f) = −rho_inf` times, though `I` has none. The mean force `I/h` belongs to
-/// the middle of the step, to second order for all coefficients with `γ = ½ + α_f − α_m`. What is reported is the straight line
-/// through the last two means, at the end of the step: of second order, and without the memory.
+/// an error of `λ` comes back in the next step `−α_f/(1 − α_f) = −rho_inf` times, though `I` has none. The mean force
+/// `I/h` belongs to the middle of the step, to second order for all coefficients with `γ = ½ + α_f − α_m`. The reported
+/// multiplier is the straight line through the last two means, at the end of the step: of second order, and without the
+/// memory.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MovingMultipliers {
     histories: Vec<MultiplierHistory>,
-    /// From where the means belong to up to now, s.
+    /// Time from the middle of the last step up to now, s.
     age: f64,
 }
 
@@ -34,7 +36,7 @@ struct MultiplierHistory {
 }
 
 impl MultiplierHistory {
-    /// `ℓ` for a step that is `stretch` times the last one: what [`crate::State::a`] becomes, too.
+    /// `ℓ` for a step that is `stretch` times the last one; [`crate::State::a`] changes likewise.
     fn auxiliary(&self, stretch: f64) -> f64 {
         self.end + (self.auxiliary - self.end) * stretch
     }
@@ -47,13 +49,13 @@ impl MovingMultipliers {
         self.age = other.age;
     }
 
-    /// Forgets what earlier steps have left.
+    /// Forgets earlier steps.
     pub fn clear(&mut self) {
         self.histories.clear();
     }
 
-    /// Takes the reported multipliers of these `equations` for what they are where no step was made before, and puts a first guess for
-    /// the end of the next one in their place: that the mean force is the one reported last.
+    /// Starts the histories of these `equations` from the reported multipliers, unless a step was made before, and
+    /// writes a first guess for the end of the next step in their place: the mean force stays the one reported last.
     pub fn begin(&mut self, equations: &[usize], scheme: &Scheme, stretch: f64, lambda: &mut [f64]) {
         if self.histories.len() != equations.len() {
             let initial = |&equation: &usize| MultiplierHistory {
@@ -78,7 +80,7 @@ impl MovingMultipliers {
         }
     }
 
-    /// Takes in the multipliers at the end of a step of `h` s and puts what is reported in their place.
+    /// Takes in the multipliers at the end of a step of `h` s and writes the reported ones in their place.
     pub fn end(&mut self, equations: &[usize], scheme: &Scheme, (h, stretch): (f64, f64), lambda: &mut [f64]) {
         if equations.is_empty() {
             return;
@@ -118,7 +120,7 @@ mod tests {
 
     const EQUATIONS: [usize; 1] = [1];
 
-    /// What is reported for steps of these lengths (s) with these multipliers at their ends, from `start` on.
+    /// Reported multipliers for steps of these lengths (s) with these multipliers at their ends, from `start` on.
     fn reported(rho_inf: f64, start: f64, steps: &[(f64, f64)]) -> Vec<f64> {
         let (scheme, mut moving, mut last) = (Scheme::new(rho_inf), MovingMultipliers::default(), None);
         let mut lambda = [7.0, start];
@@ -143,7 +145,8 @@ mod tests {
             assert!((root + rho_inf).abs() < 1e-12, "rounding: {root}");
             let steps: Vec<_> = (1..200).map(|n| (1e-3, 100.0 + 5.0 * root.powi(n))).collect();
             let found = reported(rho_inf, 105.0, &steps);
-            // The start is one of the two points of the first straight line; ℓ has the start's error for a while where α_m is not α_f.
+            // The start is one of the two points of the first straight line; ℓ has the start's error for a while where
+            // α_m is not α_f.
             let (left, raw) = ((found[n] - 100.0).abs(), (steps[n].1 - 100.0).abs());
             assert!(left < 1e-3 * raw, "rho_inf = {rho_inf}: {left} N of {raw} N");
         }

@@ -2,7 +2,7 @@
 use crate::{Formulation, System};
 use serde::{Deserialize, Serialize};
 
-/// When the iteration matrix is made anew.
+/// Occasions for a new iteration matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Jacobian {
     /// One factorisation is kept until it converges too slowly (default).
@@ -14,8 +14,8 @@ pub enum Jacobian {
 /// Options of Newton's method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonOptions {
-    /// Largest residual of a generalised force at convergence, N (N·m for slopes and rotations), evaluated or foreseen from how
-    /// corrections contracted in the steps before.
+    /// Largest residual of a generalised force at convergence, N (N·m for slopes and rotations), evaluated or estimated
+    /// from the contractions of the steps before.
     pub tolerance: f64,
     /// Largest residual of a constraint at convergence, m (–).
     pub constraint_tolerance: f64,
@@ -23,7 +23,7 @@ pub struct NewtonOptions {
     pub max_iterations: usize,
     /// See [`Jacobian`].
     pub jacobian: Jacobian,
-    /// See [`Formulation`]; statics have no accelerations and take positions.
+    /// See [`Formulation`]; statics have no accelerations and take index 3.
     pub formulation: Formulation,
 }
 
@@ -41,7 +41,7 @@ impl Default for NewtonOptions {
 }
 
 impl NewtonOptions {
-    /// The tolerance that the residual of an unknown is held to; the first ones are `coordinates`, then come constraints.
+    /// Tolerance for the residual of an unknown; the first unknowns are `coordinates`, then come constraints.
     pub(crate) fn tolerance_of(&self, unknown: usize, coordinates: usize) -> f64 {
         if unknown < coordinates {
             self.tolerance
@@ -51,13 +51,13 @@ impl NewtonOptions {
     }
 }
 
-/// Why an equilibrium could not be found.
+/// Reasons why no equilibrium was found.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
     /// Newton's method used all its iterations; a smaller `h` may help.
     #[error(
-        "no equilibrium at t = {t} s (h = {h} s): residual {residual:.3e} {unit} after {iterations} iterations, tolerance \
-         {tolerance:.1e} {unit}, largest at {coordinate}",
+        "no equilibrium at t = {t} s (h = {h} s): residual {residual:.3e} {unit} after {iterations} iterations, \
+         tolerance {tolerance:.1e} {unit}, largest at {coordinate}",
         unit = unit(coordinate)
     )]
     NotConverged {
@@ -69,7 +69,7 @@ pub enum StepError {
         iterations: usize,
         /// Largest residual left, N or m.
         residual: f64,
-        /// What was asked for.
+        /// Tolerance, N or m.
         tolerance: f64,
         /// Name of the coordinate with the largest residual.
         coordinate: String,
@@ -93,8 +93,8 @@ pub enum StepError {
 }
 
 impl StepError {
-    /// Whether a master may roll back and try again with a smaller step (`fmi2Discard`): a residual that is no number may be
-    /// the overshoot of a step that was too long.
+    /// Returns `true` if a master may roll back and try again with a smaller step (`fmi2Discard`): a residual that is
+    /// no number may be the overshoot of a step that was too long.
     #[must_use]
     pub fn is_retryable(&self) -> bool {
         matches!(self, Self::NotConverged { .. } | Self::NotFinite { .. })
@@ -115,12 +115,12 @@ pub struct Counters {
     /// Most Newton corrections of one time step.
     #[serde(default)]
     pub most_iterations: u64,
-    /// Time steps whose last residual was foreseen and not evaluated.
+    /// Time steps whose last residual was estimated and not evaluated.
     #[serde(default)]
     pub foreseen: u64,
 }
 
-/// What constraint equations are called in messages.
+/// Name of constraint equations in messages.
 const EQUATION: &str = "constraint equation";
 
 /// Name of a coordinate or multiplier for messages.
@@ -133,7 +133,7 @@ pub(crate) fn name(system: &dyn System, unknown: usize) -> String {
     }
 }
 
-/// Unit of the residual of what [`name`] has named.
+/// Unit of the residual of an unknown with a name of [`name`].
 fn unit(name: &str) -> &'static str {
     if name.starts_with(EQUATION) { "m" } else { "N" }
 }

@@ -1,10 +1,11 @@
-//! What is left over of the equations of motion: evaluated whole, where a correction has changed it, or known without evaluation.
+//! Residual of the equations of motion: evaluated whole, in the ranges that a correction has changed, or known without
+//! evaluation.
 use crate::linear::iteration_matrix::{IterationMatrix, MovingRows, visit_jacobian, visit_still_jacobian};
 use crate::{Blocks, Layout, Motion, NewtonOptions, SparseMatrix, System, Updates, Weights};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Size of the residual in units of its tolerance, and where it is largest.
+/// Size of the residual in units of its tolerance, and the place of the largest one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Residual {
     /// Largest ratio of residual to tolerance; converged at ≤ 1; not a number where a residual is none.
@@ -15,18 +16,18 @@ pub(crate) struct Residual {
     pub value: f64,
 }
 
-/// What has changed since the last residual.
+/// Changes since the last residual.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Since {
     /// Anything.
     Anything,
-    /// What the last correction has changed, applied as it is.
+    /// The last correction, applied in full.
     Correction,
-    /// The same, but only a part of the correction was applied.
+    /// The last correction, applied in part.
     PartOfCorrection,
 }
 
-/// The last correction, and what it solves.
+/// The last correction, and the equations that it solves.
 pub(crate) struct Correction<'a> {
     /// `Δq` and `Δλ`.
     pub change: &'a [f64],
@@ -38,18 +39,18 @@ pub(crate) struct Correction<'a> {
     pub affected: &'a [Range<usize>],
 }
 
-/// A solution with the factored matrix leaves less than this part of its right side: blocks inverted on the diagonal of a line lose
-/// about half of the digits of a double. Who asks for more gets an evaluation.
+/// A solution with the factored matrix leaves less than this part of its right side: blocks inverted on the diagonal of
+/// a line lose about half of the digits of a double. Tolerances below that are proved by evaluation.
 const SOLVED: f64 = 1e-7;
 
 /// Part of the coordinates above which all are evaluated in one pass: each range takes more than its share of that.
 const WHOLE: f64 = 0.7;
 
-/// Rows of linear contributions alone, apart from others of these, that are evaluated where any are: a range of their own on either side,
-/// for which every contribution is asked, costs more.
+/// Runs of rows of linear contributions alone that are shorter than this are evaluated with their neighbours: a range
+/// of their own on either side, for which every contribution is asked, costs more.
 const SHORTEST: usize = 32;
 
-/// `Q − M v̇ − g_qᵀ λ` and `g` of one system, and what they are made of.
+/// `Q − M v̇ − g_qᵀ λ` and `g` of one system, and their terms.
 pub(crate) struct Imbalance {
     arch: Arch,
     coordinates: usize,
@@ -66,9 +67,9 @@ pub(crate) struct Imbalance {
     first: Option<f64>,
 }
 
-/// The rows on which linear contributions act and no others that evaluate ranges, and no constraints but those that move, which are
-/// borders of the updates. With their part `A_l` of the iteration matrix, that of the others `A_o` and a correction
-/// `(A_l + A_o + U C Uᵀ) Δq = r_l + r_o` they leave there
+/// Rows on which linear contributions act, without other contributions that evaluate ranges and without constraints,
+/// except those that move, which are borders of the updates. With their part `A_l` of the iteration matrix, that of the
+/// others `A_o` and a correction `(A_l + A_o + U C Uᵀ) Δq = r_l + r_o` the linear contributions leave there
 ///
 /// ```text
 /// r_l − A_l Δq = A_o Δq + U z − r_o,    z = C Uᵀ Δq
@@ -76,17 +77,17 @@ pub(crate) struct Imbalance {
 ///
 /// to which droppers and strips contribute a few entries.
 struct LinearPart {
-    /// Which rows these are, and the same as ranges, ascending and apart.
+    /// Mark of each row, and the same as ranges, ascending and apart.
     own: Vec<bool>,
     rows: Vec<Range<usize>>,
-    /// The other rows of contributions that evaluate ranges, each range with what is between its rows.
+    /// The other rows of contributions that evaluate ranges; each range includes the gaps between its rows.
     evaluated: Vec<Range<usize>>,
-    /// `A_o`, and which of its rows are not empty.
+    /// `A_o`, and the rows of it that are not empty.
     others: SparseMatrix,
     occupied: Vec<usize>,
 }
 
-/// Where `selected` holds, as ranges that are ascending and apart.
+/// The indices for which `selected` holds, as ranges that are ascending and apart.
 fn ranges(count: usize, selected: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
     let mut ranges: Vec<Range<usize>> = Vec::new();
     for index in (0..count).filter(|&index| selected(index)) {
@@ -98,13 +99,13 @@ fn ranges(count: usize, selected: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
     ranges
 }
 
-/// What two ranges have in common.
+/// Intersection of two ranges.
 fn common(a: &Range<usize>, b: &Range<usize>) -> Range<usize> {
     a.start.max(b.start)..a.end.min(b.end)
 }
 
 impl LinearPart {
-    /// None where there are no such rows.
+    /// None if there are no such rows.
     fn of(system: &mut dyn System, motion: &Motion<'_>) -> Option<Self> {
         let coordinates = system.layout().coordinates();
         let mut rows_of = |linear: bool| {
@@ -160,7 +161,7 @@ impl LinearPart {
         self.occupied = occupied.collect();
     }
 
-    /// What a correction leaves of the linear contributions; `others` holds their residual before it.
+    /// Residual of the linear contributions after a correction; `others` holds that of the other ones before it.
     fn after(&self, correction: &Correction<'_>, others: &[f64], local: &mut [f64]) {
         for range in &self.rows {
             for (left, other) in local[range.clone()].iter_mut().zip(&others[range.clone()]) {
@@ -171,7 +172,7 @@ impl LinearPart {
             local[row] += self.others.row_product(row, correction.change);
         }
         for (row, z) in correction.forces.iter().enumerate() {
-            // A border's own unknown lies behind the coordinates.
+            // The multiplier of a border lies behind the coordinates.
             let own = |index: usize| self.own.get(index).is_some_and(|own| *own);
             for (index, value) in correction.updates.entries(row).filter(|entry| own(entry.0)) {
                 local[index] += z * value;
@@ -198,12 +199,12 @@ impl Imbalance {
         }
     }
 
-    /// Whether all contributions that evaluate ranges are linear, and there are some.
+    /// Returns `true` if all contributions that evaluate ranges are linear, and there are some.
     pub fn is_linear(&self) -> bool {
         self.linear.as_ref().is_some_and(|linear| linear.evaluated.is_empty())
     }
 
-    /// Takes note of the matrix that is factored at `motion`.
+    /// Takes over the matrix that is factored at `motion`.
     pub fn linearise(&mut self, system: &mut dyn System, motion: &Motion<'_>, mass_weight: f64, weights: Weights) {
         if let Some(linear) = &mut self.linear {
             linear.linearise(system, motion, mass_weight, weights);
@@ -218,7 +219,7 @@ impl Imbalance {
         system.forces(&mut |contribution| contribution.add_force(motion, others));
     }
 
-    /// Evaluates `Q − M v̇`, as far as it may have changed.
+    /// Evaluates `Q − M v̇`, as far as the last correction may have changed it.
     pub fn in_motion(
         &mut self,
         system: &mut dyn System,
@@ -323,7 +324,7 @@ impl Imbalance {
         Residual { ratio, start, value }
     }
 
-    /// Becomes what the change of the inputs from motion `before` to motion `after`, the same state, does.
+    /// Becomes the effect of a change of the inputs from motion `before` to motion `after`, the same state.
     pub fn jump(&mut self, system: &mut dyn System, before: &Motion<'_>, after: &Motion<'_>) {
         self.sum.fill(0.0);
         let force = &mut self.sum[..self.coordinates];

@@ -6,7 +6,7 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 
-/// Everything a [`Simulator`] must keep to continue bit for bit.
+/// State and memory of a [`Simulator`], from which it continues bit for bit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     state: State,
@@ -93,15 +93,14 @@ impl<S: System> Simulator<S> {
             .start_accelerations(&mut self.system, &mut self.state, &self.u)
     }
 
-    /// Takes note that a motion starts at the present state with accelerations that are known: contributions decide what its first step
-    /// begins with.
+    /// Starts a motion at the present state with known accelerations: contributions prepare the first step.
     pub fn begin(&mut self) {
         let motion = self.state.motion(&self.u);
         self.system.forces(&mut |force| force.end_step(&motion));
     }
 
-    /// Takes a jump of the inputs from `before` to the present ones into the accelerations, at the start of a communication step of
-    /// `h` s.
+    /// Takes a jump of the inputs from `before` to the present ones into the accelerations, at the start of a
+    /// communication step of `h` s.
     ///
     /// # Errors
     /// See [`GeneralizedAlpha::jump`].
@@ -117,8 +116,8 @@ impl<S: System> Simulator<S> {
         ((h / self.micro_step - 1e-9).ceil() as usize).max(1)
     }
 
-    /// Advances from `t` to `t + h`; `inputs_at(τ, u)` writes the inputs at `t + τ`, `after(system, motion, lambda, dt)` sees
-    /// each internal step of `dt` s at its end, the multipliers included.
+    /// Advances from `t` to `t + h`; `inputs_at(τ, u)` writes the inputs at `t + τ`, `after(system, motion, lambda,
+    /// dt)` sees each internal step of `dt` s at its end, the multipliers included.
     ///
     /// # Errors
     /// See [`StepError`]; the caller restores the state it saved before.
@@ -155,7 +154,7 @@ impl<S: System> Simulator<S> {
         EnergyBalance::start(&mut self.system, &self.state, &self.u)
     }
 
-    /// Takes the internal step of `dt` s that has just been made into an energy balance.
+    /// Adds the internal step of `dt` s that has just been made to an energy balance.
     pub fn balance(&mut self, balance: &mut EnergyBalance, dt: f64) {
         balance.step(&mut self.system, &self.state, &self.u, dt);
     }

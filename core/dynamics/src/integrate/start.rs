@@ -6,16 +6,16 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 /// Solves `[M g_qᵀ; g_q 0] [v̇; λ] = [Q; −(g_q)˙ v − (g_t)˙]`.
 ///
-/// Constraints that move are first made to hold for the velocities too, by the impulse `μ` of them all that changes the velocities
-/// least in the sense of their energy: `[M g_qᵀ; g_q 0] [Δv; μ] = [0; −ġ]`, with `ġ` of other constraints left as it is. A strip
-/// that is at rest under a sloping wire, and passes along it, is not at rest on it.
+/// Constraints that move are first made to hold for the velocities too, by the impulse `μ` of them all that changes the
+/// velocities least in the sense of their energy: `[M g_qᵀ; g_q 0] [Δv; μ] = [0; −ġ]`, with `ġ` of other constraints
+/// unchanged. A strip that is at rest under a sloping wire, and passes along it, is not at rest on it.
 pub(crate) fn accelerations(system: &mut dyn System, state: &mut State, u: &[f64]) -> Result<(), StepError> {
     let n = state.q.len();
     let equations = state.lambda.len();
     let motion = state.motion(u);
     let mut matrix = IterationMatrix::analyse(system, &motion, MovingRows::AsTheyAre);
     let scale = matrix.mean_mass();
-    // The stiffness stays out: weights zero. Contributions that freeze directions while assembling see the start state.
+    // The stiffness stays out: weights zero. Contributions that freeze directions during assembly see the start state.
     let nothing = Weights { q: 0.0, v: 0.0 };
     matrix
         .factor(system, &motion, 1.0, nothing, scale)
@@ -36,7 +36,7 @@ pub(crate) fn accelerations(system: &mut dyn System, state: &mut State, u: &[f64
         }
         right_side.fill(0.0);
     }
-    // No step has ended here that would have told contributions what the first one begins with.
+    // End a step here: contributions prepare the first one.
     system.forces(&mut |force| {
         force.end_step(&state.motion(u));
         force.add_force(&state.motion(u), &mut right_side[..n]);
@@ -55,7 +55,7 @@ pub(crate) fn accelerations(system: &mut dyn System, state: &mut State, u: &[f64
     Ok(())
 }
 
-/// Which equations belong to constraints that move.
+/// Marks the equations of constraints that move.
 fn moving_rows(system: &mut dyn System, equations: usize) -> Vec<bool> {
     let mut rows = Vec::with_capacity(equations);
     system.constraints(&mut |constraint| {
@@ -64,7 +64,7 @@ fn moving_rows(system: &mut dyn System, equations: usize) -> Vec<bool> {
     rows
 }
 
-/// `g_q v + g_t` at the place of a state, without the `g_t` of constraints that do not move.
+/// `g_q v + g_t` at a state, without the `g_t` of constraints that do not move.
 fn rates(system: &mut dyn System, at: &State, v: &[f64], u: &[f64]) -> Vec<f64> {
     let motion = Motion { v, ..at.motion(u) };
     let mut rates = vec![0.0; at.lambda.len()];

@@ -10,8 +10,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 pub struct StaticOptions {
     /// Tolerances and iteration limit.
     pub newton: NewtonOptions,
-    /// `μ M` is added to the stiffness matrix, 1/s²: it holds coordinates without stiffness where they are (bars that may spin
-    /// about their own axis) and costs iterations where it is not small against the squares of the eigenfrequencies.
+    /// `μ M` is added to the stiffness matrix, 1/s²: it holds coordinates without stiffness (bars that may spin about
+    /// their own axis) and costs iterations if it is not small against the squares of the eigenfrequencies.
     pub mass_shift: f64,
     /// Largest change of a coordinate in one correction, m or rad; a longer correction is shortened as a whole.
     pub largest_change: f64,
@@ -30,16 +30,17 @@ impl Default for StaticOptions {
     }
 }
 
-/// How a static solution went.
+/// Work and result of a static solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticReport {
     /// Newton iterations.
     pub iterations: usize,
-    /// Largest residual left, N.
+    /// Remaining largest residual, N.
     pub residual: f64,
 }
 
-/// Moves `state` to the static equilibrium with inputs `u`: velocities and accelerations become zero, multipliers follow.
+/// Moves `state` to the static equilibrium with inputs `u`: velocities and accelerations become zero, multipliers
+/// follow.
 ///
 /// The exact tangent is factored in every iteration.
 ///
@@ -109,7 +110,7 @@ fn solve(
         let largest = workspace.correction[..n]
             .iter()
             .fold(0.0_f64, |max, x| max.max(x.abs()));
-        // Droppers that switch to and fro make full corrections cycle: shorter ones end that.
+        // Droppers that switch to and fro make full corrections cycle; shorter ones end the cycle.
         let patience = if stagnant > 5 { 0.5 } else { 1.0 };
         let damping = patience * (options.largest_change / largest).min(1.0);
         for (q, change) in state.q.iter_mut().zip(&workspace.correction) {

@@ -20,7 +20,7 @@ impl Ranges {
         self.0.push(range);
     }
 
-    /// Sorts, and joins what overlaps or is close together.
+    /// Sorts, and joins ranges that overlap or are close together.
     fn tidy(&mut self) {
         self.0.sort_unstable_by_key(|range| range.start);
         self.0.dedup_by(|next, kept| {
@@ -33,10 +33,10 @@ impl Ranges {
     }
 }
 
-/// Residuals below this part of the tolerance are left as they are while others are corrected, and below a tenth of that in each
-/// further correction of the step: what is left behind passes through low-rank terms as stiff as a closing damper's, which make more
-/// of it than there was, and at the same limit the next correction would leave the same behind. On rows that are known without
-/// evaluation what is left is not seen: there a step may end above the tolerance by about as much.
+/// Residuals below this part of the tolerance stay while others are corrected, and below a tenth of that in each
+/// further correction of the step: low-rank terms as stiff as a closing damper amplify the remainder, and the next
+/// correction at the same limit would leave the same remainder behind. The remainder is not seen on rows that are known
+/// without evaluation: there a step may end above the tolerance by about as much.
 const LEFT: f64 = 0.3;
 
 /// Matrix, low-rank terms and buffers of one system.
@@ -49,10 +49,10 @@ pub(crate) struct Workspace {
     imbalance: Imbalance,
     /// `Δq` and `Δλ`.
     pub correction: Vec<f64>,
-    /// Where the correction is not zero, and the unknowns whose equations it enters.
+    /// Ranges in which the correction is not zero, and the unknowns whose equations it enters.
     changed: Ranges,
     affected: Ranges,
-    /// Corrections, factorisations and solutions since they were last taken from here.
+    /// Corrections, factorisations and solutions since the last reset.
     pub counters: Counters,
 }
 
@@ -61,7 +61,7 @@ impl Workspace {
         let matrix = IterationMatrix::analyse(system, motion, MovingRows::Placeholders);
         let coordinates = system.layout().coordinates();
         let size = coordinates + system.layout().constraints();
-        // Nothing allocates later: there are at most as many ranges as unknowns, and a few dozen in practice.
+        // Room for a few dozen ranges in practice: nothing allocates later.
         let ranges = || Ranges(Vec::with_capacity(256));
         Self {
             coordinates,
@@ -103,7 +103,8 @@ impl Workspace {
         self.imbalance.sum_up(system, motion, lambda, options)
     }
 
-    /// Whether nothing is nonlinear but what evaluates no ranges: contact, the droppers of a linear line, pantographs, vehicles.
+    /// Returns `true` if all contributions that evaluate ranges are linear: contact, the droppers of a linear line,
+    /// pantographs and vehicles evaluate none.
     pub fn is_linear(&self) -> bool {
         self.imbalance.is_linear()
     }
@@ -142,8 +143,9 @@ impl Workspace {
             })
     }
 
-    /// Solves for the correction number `iteration` (from 0) of a step, which removes the last residual where it is above a part of
-    /// the tolerances of `options`; afterwards [`Workspace::correction`] holds `Δq` and `Δλ`. Without options nothing is left out.
+    /// Solves for the correction number `iteration` (from 0) of a step, which removes the last residual where it is
+    /// above a part of the tolerances of `options`; afterwards [`Workspace::correction`] holds `Δq` and `Δλ`. Without
+    /// options nothing is left out.
     pub fn correct(
         &mut self,
         system: &mut dyn System,
@@ -164,7 +166,7 @@ impl Workspace {
         for value in &mut self.imbalance.sum[self.coordinates..] {
             *value *= -self.scale;
         }
-        // A border asks of its coordinates whatever force brings them onto the constraint, however small beside others.
+        // A border requires any force, however small, that brings its coordinates onto the constraint.
         let options = options.filter(|_| !self.updates.has_borders());
         let thresholds = options.map_or_else(Thresholds::default, |(options, iteration)| {
             let left = LEFT * 0.1_f64.powi(iteration as i32);
@@ -214,8 +216,8 @@ impl Workspace {
         ranges.filter(|range| !range.is_empty())
     }
 
-    /// Solves for what the change of the inputs from motion `before` to motion `after`, the same state, does at constraints that
-    /// stay closed.
+    /// Solves for the effect of a change of the inputs from motion `before` to motion `after`, the same state, at
+    /// constraints that stay closed.
     pub fn jump(
         &mut self,
         system: &mut dyn System,
@@ -227,7 +229,7 @@ impl Workspace {
         self.correct(system, after, weights, None)
     }
 
-    /// Forgets what depends on the course so far, so that a restored state repeats bit for bit.
+    /// Forgets the history so far, so that a restored state repeats bit for bit.
     pub fn forget(&mut self) {
         self.woodbury.clear();
     }

@@ -1,47 +1,49 @@
-//! Unknowns that are coupled with none of their like: eliminated first, at the cost of a division each.
+//! Static condensation: unknowns that are coupled with none of their like are eliminated first, at the cost of a
+//! division each.
 //!
 //! ```text
 //! S = A_cc − Σ aₗ aₗᵀ/dₗ,    S x_c = b_c − Σ aₗ bₗ/dₗ,    xₗ = (bₗ − aₗᵀ x_c)/dₗ
 //! ```
 //!
-//! The modes of a reduced span are such leaves: each is coupled with the two supports of its span only, so that what is left is as
-//! long and thin as the line itself.
+//! The modes of a reduced span are such unknowns: each is coupled with the two supports of its span only, so that the
+//! reduced matrix is as long and thin as the line itself.
 use crate::linear::buffer::{Buffer, LINE};
 use crate::linear::products::{Product, Products, Subtract};
 use pulp::Arch;
 use std::ops::Range;
 
-/// Fewer leaves are not worth it.
+/// Fewer condensed unknowns are not worth it.
 const FEWEST: usize = 16;
 
-/// The leaves of a part: its last unknowns.
+/// The condensed unknowns of a part: its last ones.
 pub(crate) struct Condensed {
     /// Number of other unknowns, which come first.
     pub core: usize,
     /// Condensed with the same neighbours.
     groups: Vec<CondensedGroup>,
     neighbours: Vec<u32>,
-    /// Where the couplings and the diagonal entry of each leaf stand among the values of the part.
+    /// Positions of the couplings and of the diagonal entry of each condensed unknown among the values of the part.
     couplings: Vec<u32>,
     diagonals: Vec<u32>,
-    /// Values of the part that are entries of the reduced matrix too, and their places there.
+    /// Values of the part that are entries of the reduced matrix too, and their positions there.
     kept: Vec<(u32, u32)>,
-    /// Per group, row by row, where `a aᵀ` goes.
+    /// Per group, row by row, positions of `a aᵀ`.
     fill: Vec<u32>,
     reduced: Vec<f64>,
-    /// `a` of the last factors, for each group neighbour by neighbour, each filled up with zeros to whole cache lines, and `1/d`.
-    /// Groups with the same ones read those of the first of them: spans that are alike stay in the first cache.
+    /// `a` of the last factors, for each group neighbour by neighbour, each filled up with zeros to whole cache lines,
+    /// and `1/d`. Groups with equal coefficients read those of the first of them: spans that are alike stay in the
+    /// first cache.
     coefficients: Buffer,
     inverses: Vec<f64>,
-    /// `b` of the leaves of the loaded right side.
+    /// `b` of the condensed unknowns in the loaded right side.
     pub loaded: Vec<f64>,
-    /// As many numbers as a group has neighbours, and leaves, filled up likewise.
+    /// Buffers: one number per neighbour of a group, and one per condensed unknown, filled up likewise.
     scratch: Vec<f64>,
     forces: Buffer,
     arch: Arch,
 }
 
-/// Consecutive leaves with the same neighbours, as the modes of one span.
+/// Consecutive condensed unknowns with the same neighbours, as the modes of one span.
 #[derive(Debug)]
 struct CondensedGroup {
     unknowns: Range<usize>,
@@ -49,7 +51,7 @@ struct CondensedGroup {
     neighbours: Range<usize>,
     /// First of its couplings.
     couplings: usize,
-    /// First of the coefficients that are its place, and of those that it reads.
+    /// First of its own coefficients, and of those that it reads.
     place: usize,
     coefficients: usize,
 }
@@ -78,8 +80,8 @@ impl CondensedGroup {
 }
 
 impl Condensed {
-    /// Finds the leaves in a symmetric pattern in compressed columns (row indices ascending), and the pattern that is left without
-    /// them; `None` where there are few.
+    /// Finds the condensed unknowns in a symmetric pattern in compressed columns (row indices ascending), and the
+    /// pattern without them; `None` if there are few.
     pub fn analyse(column_starts: &[usize], row_indices: &[usize]) -> Option<(Self, Vec<usize>, Vec<usize>)> {
         let size = column_starts.len() - 1;
         let column = |c: usize| &row_indices[column_starts[c]..column_starts[c + 1]];
@@ -140,7 +142,7 @@ impl Condensed {
                 .ok()
                 .map(|at| (reduced_starts[c] + at) as u32)
         };
-        // What is left of a column is among its entries, both ascending.
+        // Entries that are left of a column are among the reduced ones, both ascending.
         let mut kept = Vec::new();
         for c in 0..core {
             let mut next = reduced_starts[c];
@@ -182,7 +184,7 @@ impl Condensed {
         Some((condensed, reduced_starts, rows))
     }
 
-    /// The values of the reduced matrix; `None` where a leaf has no positive diagonal entry.
+    /// The values of the reduced matrix; `None` if a condensed unknown has no positive diagonal entry.
     pub fn reduce(&mut self, values: &[f64]) -> Option<&[f64]> {
         self.reduced.fill(0.0);
         for &(from, to) in &self.kept {
@@ -234,7 +236,7 @@ impl Condensed {
         Some(&self.reduced)
     }
 
-    /// Passes the loaded right side of the leaves on: `add(unknown, value)` takes it into that of the others.
+    /// Condenses the loaded right side: `add(unknown, value)` adds to that of the other unknowns.
     pub fn eliminate(&mut self, mut add: impl FnMut(usize, f64)) {
         for group in &self.groups {
             let loaded = &self.loaded[group.unknowns.clone()];
@@ -260,8 +262,9 @@ impl Condensed {
         }
     }
 
-    /// The solution of the leaves from that of the others, `of(unknown)`: `set(leaves, values)` sees those of the groups where it is not
-    /// zero, and `touched` the range of neighbours of each of these groups.
+    /// Recovers the condensed unknowns from the solution `of(unknown)` of the others: `set(unknowns, values)` sees
+    /// those of the groups with a solution that is not zero, and `touched` the range of neighbours of each of these
+    /// groups.
     pub fn substitute(
         &mut self,
         mut of: impl FnMut(usize) -> f64,
@@ -304,7 +307,7 @@ impl Condensed {
 mod tests {
     use super::*;
 
-    /// Entry of a matrix of two unknowns with sixteen leaves on both.
+    /// Entry of a matrix of two unknowns with sixteen condensed ones on both.
     fn entry(i: usize, j: usize) -> f64 {
         match (i < 2, j < 2) {
             (true, true) => [[9.0, -1.0], [-1.0, 7.0]][i][j],
@@ -326,7 +329,7 @@ mod tests {
         (starts, rows, values)
     }
 
-    /// Solves through the reduced matrix; returns what is off, and how many groups of leaves have moved.
+    /// Solves through the reduced matrix; returns the largest error, and the number of groups with a solution.
     fn solve(
         found: &mut Condensed,
         (starts, rows): (&[usize], &[usize]),
@@ -365,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn eliminating_leaves_solves_the_whole_system() {
+    fn condensation_solves_the_whole_system() {
         let (starts, rows, values) = compressed(18, &entry);
         let (mut found, reduced_starts, reduced_rows) = Condensed::analyse(&starts, &rows).unwrap();
         assert_eq!(
@@ -376,8 +379,8 @@ mod tests {
         assert!(off < 1e-11 && groups == 1, "{off}, {groups}");
     }
 
-    /// Four unknowns in a row with sixteen leaves on the first two and sixteen on the last two: once with the same couplings, once
-    /// with one that is another, and with the same ones again.
+    /// Four unknowns in a chain with sixteen condensed ones on the first two and sixteen on the last two: once with the
+    /// same couplings, once with another one, and with the same ones again.
     #[test]
     fn groups_that_are_alike_share_their_coefficients_while_they_are() {
         let of = |other: f64| {
@@ -385,7 +388,7 @@ mod tests {
                 let (low, high) = (i.min(j), i.max(j));
                 match (low, high) {
                     (_, 0..4) => [9.0, -1.0, 0.0, 0.0][high - low],
-                    // Neither do the diagonal entries have to be the same ones.
+                    // The diagonal entries need not be the same ones.
                     (4.., _) => f64::from(u8::from(i == j)) * (3.0 + i as f64),
                     (_, 4..20) if low < 2 => entry(low, high - 2),
                     (_, 20..) if low >= 2 => {
@@ -410,7 +413,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chain_has_no_leaves() {
+    fn a_chain_has_nothing_to_condense() {
         let size = 40_usize;
         let (mut starts, mut rows) = (vec![0], Vec::new());
         for c in 0..size {

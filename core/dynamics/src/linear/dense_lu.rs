@@ -18,7 +18,7 @@ impl Lu {
         &mut self.values
     }
 
-    /// Factors the matrix that was filled in; where it is singular, the first column that depends on those before it.
+    /// Factors the matrix that was filled in. The error is the first column that depends on those before it.
     pub fn factor(&mut self) -> Result<(), usize> {
         let (n, a) = (self.size, &mut self.values);
         self.pivots.clear();

@@ -3,8 +3,8 @@ use crate::integrate::newton::name;
 use crate::linear::iteration_matrix::{IterationMatrix, MovingRows};
 use crate::{Motion, StepError, System, Weights};
 
-/// `[w_m M + w_q K + w_v D, s g_qᵀ; s g_q, 0]` of a system, factored as in a time step: for linear answers of a system to forces, and to
-/// measure what a step is made of.
+/// `[w_m M + w_q K + w_v D, s g_qᵀ; s g_q, 0]` of a system, factored as in a time step: for linear answers of a system
+/// to forces, and for benchmarks.
 pub struct FactoredMatrix(IterationMatrix);
 
 impl FactoredMatrix {
@@ -33,8 +33,8 @@ impl FactoredMatrix {
             })
     }
 
-    /// Solves for a right side with one entry per coordinate, then per multiplier (a multiplier comes out divided by the scale `s`);
-    /// fixed coordinates stay at zero.
+    /// Solves for a right side with one entry per coordinate, then per multiplier (a multiplier comes out divided by
+    /// the scale `s`); fixed coordinates stay at zero.
     pub fn solve(&mut self, right_side: &[f64], solution: &mut [f64]) {
         self.0.solve(right_side, solution);
     }

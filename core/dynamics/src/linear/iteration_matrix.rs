@@ -10,14 +10,15 @@ pub(crate) struct IterationMatrix {
     coordinates: usize,
     /// Trace of the mass matrix, kg.
     mass_trace: f64,
-    /// Mass matrix of the contributions that do not multiply theirs themselves, and which of its rows are not empty.
+    /// Mass matrix of the contributions that do not multiply their own, and the rows of it that are not empty.
     multiplied_mass: SparseMatrix,
     multiplied_rows: Vec<usize>,
     tangent_places: Vec<u32>,
     /// Two places per Jacobian entry: in `g_q` and in its transpose.
     jacobian_places: Vec<u32>,
     moving_rows: MovingRows,
-    /// Equations of the constraints that move, and places on the diagonal of their multipliers, where placeholders stand there.
+    /// Equations of the constraints that move, and positions on the diagonal of their multipliers, which hold
+    /// placeholders.
     pub moving: Vec<usize>,
     placeholders: Vec<u32>,
     values: Vec<f64>,
@@ -27,12 +28,12 @@ pub(crate) struct IterationMatrix {
     pub places: UnknownLocations,
 }
 
-/// What becomes of the rows of constraints that move.
+/// Treatment of the rows of constraints that move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MovingRows {
-    /// They are in the pattern where they are at the motion that is analysed: for a matrix that is used once.
+    /// The rows stand in the pattern as at the motion that is analysed: for a matrix that is used once.
     AsTheyAre,
-    /// [`PLACEHOLDER`] stands for them: [`crate::Updates::border`] brings them.
+    /// [`PLACEHOLDER`] stands for the rows: [`crate::Updates::border`] brings them.
     Placeholders,
 }
 
@@ -159,7 +160,7 @@ impl IterationMatrix {
         Ok(())
     }
 
-    /// Subtracts `M v̇` of the contributions that do not do it themselves.
+    /// Subtracts `M v̇` of the contributions that do not multiply their own mass.
     pub fn subtract_inertia(&self, v_dot: &[f64], force: &mut [f64]) {
         for &row in &self.multiplied_rows {
             force[row] -= self.multiplied_mass.row_product(row, v_dot);
@@ -202,7 +203,7 @@ pub(crate) fn visit_jacobian(system: &mut dyn System, motion: &Motion<'_>, sink:
     });
 }
 
-/// The same for the rows that are in the pattern; returns the equations of those that are not.
+/// [`visit_jacobian`] of the rows that are in the pattern; returns the equations of the others.
 pub(crate) fn visit_still_jacobian(
     system: &mut dyn System,
     motion: &Motion<'_>,

@@ -5,54 +5,57 @@ use crate::linear::dense_lu::Lu;
 use crate::linear::sparse_factor::{Shape, SparseFactor};
 use std::ops::Range;
 
-/// A line and a pantograph are two parts, since contact enters as a low-rank term: each is factored and solved by itself.
+/// A line and a pantograph are two parts, because contact enters as a low-rank term: each is factored and solved by
+/// itself.
 pub(crate) struct Part {
-    /// Its unknowns in ascending order: coordinates first, then multipliers (numbered after all coordinates).
+    /// Unknowns in ascending order: coordinates first, then multipliers (numbered after all coordinates).
     pub unknowns: Vec<usize>,
-    /// Which of them are coordinates.
+    /// Number of coordinates among the unknowns.
     coordinates: usize,
-    /// Pattern in compressed columns, and what is made of it when it is first needed.
+    /// Pattern in compressed columns, and the factorisations made of it on first use.
     column_starts: Vec<usize>,
     row_indices: Vec<usize>,
     shape: Shape,
     blocks: Option<BlockTridiagonal>,
-    /// Unknowns that are eliminated before the blocks; no low-rank term acts on them.
+    /// Unknowns that are condensed before the blocks; no low-rank term acts on them.
     condensed: Option<Condensed>,
     sparse: Option<SparseFactor>,
-    /// In the place of `sparse` for up to [`DENSE`] unknowns, where looking through indices takes longer than the sums.
+    /// Used in place of `sparse` for up to [`DENSE`] unknowns, for which a search through indices takes longer than the
+    /// sums.
     dense: Option<Lu>,
-    /// Whether the blocks factored last.
+    /// `true` if the last factors are those of the blocks.
     in_blocks: bool,
-    /// Right side, then solution, where it is not the blocks'.
+    /// Right side, then solution, unless the blocks hold it.
     local: Vec<f64>,
 }
 
 /// `A⁻¹ u` of one part.
 #[derive(Debug)]
 pub(crate) enum PartColumn {
-    /// Where it has not decayed.
+    /// Entries above the decay limit.
     Local(LocalColumn),
-    /// All of it.
+    /// All entries.
     Whole(Vec<f64>),
 }
 
-/// What of a right side is not worth a solution: absolute values of force and of (scaled) constraint entries.
+/// Absolute values of force and of (scaled) constraint entries below which a right side is not worth a solution.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Thresholds {
     pub force: f64,
     pub constraint: f64,
 }
 
-/// Parts up to this size are factored by LU whatever they are: it costs nothing there.
+/// Parts up to this size are factored by LU without a look at their shape: it costs nothing there.
 const SMALL: usize = 64;
 
 /// Parts up to this size are factored as dense matrices: a pantograph.
 const DENSE: usize = 16;
 
-/// A column is kept down to this part of its largest entry, as a force; what is left out enters corrections with its square.
+/// A column is kept down to this part of its largest entry, as a force; the remainder enters corrections with its
+/// square.
 const DECAYED: f64 = 1e-9;
 
-/// Calls `see(places, unknowns)` for each run of consecutive unknowns, with the range of its places in the list.
+/// Calls `see(positions, unknowns)` for each run of consecutive unknowns, with the range of its positions in the list.
 fn for_each_run(unknowns: &[usize], mut see: impl FnMut(Range<usize>, Range<usize>)) {
     let mut first = 0;
     for run in unknowns.chunk_by(|a, b| b - a == 1) {
@@ -61,14 +64,15 @@ fn for_each_run(unknowns: &[usize], mut see: impl FnMut(Range<usize>, Range<usiz
     }
 }
 
-/// Writes the values of these unknowns into a vector of all; returns whether they are finite.
+/// Writes the values of these unknowns into a vector of all; returns `true` if they are finite.
 fn write(unknowns: &[usize], values: &[f64], all: &mut [f64]) -> bool {
     for_each_run(unknowns, |own, of_all| all[of_all].copy_from_slice(&values[own]));
     values.iter().all(|value| value.is_finite())
 }
 
 impl Part {
-    /// A part from its pattern in compressed columns, local row indices ascending; unknowns below `coordinates` are coordinates.
+    /// A part from its pattern in compressed columns, local row indices ascending; unknowns below `coordinates` are
+    /// coordinates.
     pub fn new(unknowns: Vec<usize>, column_starts: Vec<usize>, row_indices: Vec<usize>, coordinates: usize) -> Self {
         let coordinates = unknowns.partition_point(|&unknown| unknown < coordinates);
         // Multipliers make a matrix indefinite, turning bodies make it unsymmetric; structures are neither.
@@ -108,7 +112,8 @@ impl Part {
         self.row_indices.len()
     }
 
-    /// Factors the matrix with these values; on failure an unknown that has no stiffness, or one of those that depend on each other.
+    /// Factors the matrix with these values. The error is an unknown that has no stiffness, or one of those that depend
+    /// on each other.
     pub fn factor(&mut self, values: &[f64]) -> Result<(), usize> {
         self.in_blocks = match (&mut self.blocks, &mut self.condensed) {
             (Some(blocks), Some(condensed)) => condensed.reduce(values).is_some_and(|values| blocks.factor(values)),
@@ -128,7 +133,7 @@ impl Part {
                 dense.factor().map_err(|column| self.unknowns[column])?;
             }
             None => {
-                // What is not definite in blocks is not in faer's Cholesky either.
+                // A matrix that is not definite in blocks is not in faer's Cholesky either.
                 let shape = if self.blocks.is_some() {
                     Shape::General
                 } else {
@@ -190,19 +195,19 @@ impl Part {
         }
     }
 
-    /// Whether the factored matrix is taken as symmetric, so that `uᵀ A⁻¹ b = (A⁻¹ u)ᵀ b`.
+    /// Returns `true` if the factored matrix is taken as symmetric, so that `uᵀ A⁻¹ b = (A⁻¹ u)ᵀ b`.
     fn is_symmetric(&self) -> bool {
         self.in_blocks || self.sparse.as_ref().is_some_and(SparseFactor::is_symmetric)
     }
 
-    /// Takes the right side of the next solution out of that of the whole system. Where the matrix is not symmetric it is solved for
-    /// right away.
+    /// Takes the right side of the next solution out of that of the whole system. The right side of a matrix that is
+    /// not symmetric is solved for right away.
     pub fn load(&mut self, right_side: &[f64], thresholds: Thresholds) {
         if self.in_blocks {
             if let Some(blocks) = &mut self.blocks {
                 blocks.load(right_side);
                 if let Some(condensed) = &mut self.condensed {
-                    // However small: hundreds of them act on the same few unknowns.
+                    // No threshold: hundreds of small loads add up on the same few unknowns.
                     for_each_run(&self.unknowns[condensed.core..], |own, of_all| {
                         condensed.loaded[own].copy_from_slice(&right_side[of_all]);
                     });
@@ -241,8 +246,8 @@ impl Part {
         }
     }
 
-    /// Writes the solution into that of the whole system, which holds the last one or zeros; `changed` sees the ranges of unknowns with
-    /// a solution and of those whose equations it enters. Returns whether all is finite.
+    /// Writes the solution into that of the whole system, which holds the last one or zeros; `changed` sees the ranges
+    /// of unknowns with a solution and of those whose equations it enters. Returns `true` if all is finite.
     pub fn solve(
         &mut self,
         thresholds: Thresholds,
@@ -266,7 +271,7 @@ impl Part {
                     range = Some(first..solved.end);
                 };
                 let mut touched = |range: Range<usize>| {
-                    // Nothing changes there, but the equations do.
+                    // Report the neighbours: their equations change, though their values do not.
                     let outer = others[range.start]..others[range.end - 1] + 1;
                     changed(outer.start..outer.start, outer);
                 };

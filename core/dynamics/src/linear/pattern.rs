@@ -1,4 +1,4 @@
-//! Which entries the iteration matrix has, and which unknowns hang together.
+//! Entries of the iteration matrix, and the sets of unknowns that they couple.
 
 /// The entries of a symmetric pattern: columns with ascending rows, ordered by sets of coupled unknowns.
 pub(crate) struct Pattern {
@@ -12,14 +12,15 @@ pub(crate) struct Pattern {
 }
 
 impl Pattern {
-    /// The pattern of `entries` (row, column) on the unknowns that are `free`; each of these has an entry on the diagonal.
+    /// The pattern of `entries` (row, column) on the unknowns that are `free`; each of these has an entry on the
+    /// diagonal.
     pub fn new(free: &[bool], entries: impl Iterator<Item = (u32, u32)> + Clone) -> Self {
         let size = free.len();
         let diagonal = (0..size as u32).filter(|&i| free[i as usize]).map(|i| (i, i));
         let entries = entries.chain(diagonal);
         let mut links = Links::new(size);
         let (mut in_row, mut in_column) = (vec![0; size + 1], vec![0; size + 1]);
-        // `for_each`, not `for`: from inside a chain of iterators need not be asked at every entry which of them is next.
+        // `for_each`, not `for`: a chain of iterators is then not asked at every entry which of its links is next.
         entries.clone().for_each(|(row, column)| {
             if row > column {
                 links.join(row as usize, column as usize);
@@ -98,7 +99,7 @@ impl Pattern {
     }
 }
 
-/// Finds entries of a pattern: at once where those of each column come in their order, as in a dense block row by row.
+/// Finds entries of a pattern: at once if those of each column come in their order, as in a dense block row by row.
 pub(crate) struct Finder<'a> {
     pattern: &'a Pattern,
     /// Behind the last entry found of each column.

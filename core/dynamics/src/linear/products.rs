@@ -18,7 +18,8 @@ impl WithSimd for Product<'_> {
     }
 }
 
-/// `sums[j] = Σ rows[j] x` of whole cache lines, four rows side by side: one sum after the other would wait for its additions.
+/// `sums[j] = Σ rows[j] x` of whole cache lines, four rows side by side: one sum after the other would wait for its
+/// additions.
 pub(super) struct Products<'a> {
     pub rows: &'a [f64],
     pub x: &'a [f64],

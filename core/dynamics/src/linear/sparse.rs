@@ -28,7 +28,7 @@ impl SparseMatrix {
         let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
         for range in firsts.windows(2) {
             let of_row = &mut by_row[range[0]..range[1]];
-            // Stable: what repeats is summed in its order.
+            // Stable sort: repeated entries are summed in their order.
             of_row.sort_by_key(|&(column, _)| column);
             for repeated in of_row.chunk_by(|a, b| a.0 == b.0) {
                 let sum = repeated.iter().map(|&(_, value)| value).sum::<f64>();
@@ -84,7 +84,8 @@ impl SparseMatrix {
         entries.map(|(&column, value)| value * x[column as usize]).sum()
     }
 
-    /// `Tᵀ A T`, where the rows of `T` are those of the unit matrix but for some, given with their entries (column, value).
+    /// `Tᵀ A T`: the rows of `T` are those of the unit matrix except for `changed` ones, given with their entries
+    /// (column, value).
     #[must_use]
     pub fn congruent(&self, changed: &[(usize, Vec<(usize, f64)>)]) -> Self {
         let mut rows: Vec<Vec<(usize, f64)>> = (0..self.size()).map(|i| vec![(i, 1.0)]).collect();

@@ -9,7 +9,7 @@ use faer::sparse::linalg::lu::{LuRef, LuSymbolicParams, NumericLu, SymbolicLu, f
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
 
-/// What a matrix is expected to be.
+/// Expected shape of a matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shape {
     /// Symmetric and positive definite but for parts that are small enough to leave out: Cholesky, half the work of LU.
@@ -23,7 +23,7 @@ pub(crate) struct SparseFactor {
     pattern: SymbolicSparseColMat<u32>,
     cholesky: Option<Cholesky>,
     lu: Option<Lu>,
-    /// Whether the last factorisation is that of `lu`.
+    /// `true` if the last factorisation is that of `lu`.
     general: bool,
 }
 
@@ -42,7 +42,7 @@ struct Lu {
 impl SparseFactor {
     /// Analyses a pattern in compressed columns (row indices ascending within a column).
     pub fn analyse(size: usize, column_starts: Vec<usize>, row_indices: Vec<usize>, shape: Shape) -> Self {
-        // Solutions are bound by memory: half as wide indices are worth having.
+        // Narrow indices: solutions are bound by memory.
         let narrow = |indices: Vec<usize>| indices.into_iter().map(|index| index as u32).collect();
         let pattern = SymbolicSparseColMat::new_checked(size, size, narrow(column_starts), None, narrow(row_indices));
         let cholesky = (shape == Shape::Definite).then(|| Cholesky::analyse(&pattern));
@@ -54,9 +54,10 @@ impl SparseFactor {
         }
     }
 
-    /// Factors the matrix with these values. A matrix that was expected to be definite and is not gets an LU factorisation.
+    /// Factors the matrix with these values. A matrix that was expected to be definite and is not gets an LU
+    /// factorisation.
     ///
-    /// Returns whether faer found it regular; a pivot may still be so small that a solution is not finite.
+    /// Returns `true` if faer found it regular; a pivot may still be so small that a solution is not finite.
     pub fn factor(&mut self, values: &[f64]) -> bool {
         let matrix = SparseColMatRef::new(self.pattern.as_ref(), values);
         if let Some(cholesky) = &mut self.cholesky
@@ -70,7 +71,7 @@ impl SparseFactor {
         self.lu.get_or_insert_with(|| Lu::analyse(pattern)).factor(matrix)
     }
 
-    /// Whether the last factors are those of a symmetric matrix.
+    /// Returns `true` if the last factors are those of a symmetric matrix.
     pub fn is_symmetric(&self) -> bool {
         !self.general
     }
@@ -89,7 +90,7 @@ impl SparseFactor {
 
 impl Cholesky {
     fn analyse(pattern: &SymbolicSparseColMat<u32>) -> Self {
-        // Measured on a line: dense blocks cost 1.3 times the time of single columns, the band is too narrow for them.
+        // Single columns: the band of a line is too narrow for dense blocks to pay.
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SIMPLICIAL,
             ..Default::default()

@@ -8,18 +8,18 @@ use std::f64::consts::TAU;
 pub struct Gust {
     /// Velocity that it adds at its peak, world axes, m/s.
     pub peak: Vector3<f64>,
-    /// Where or when.
+    /// Course of the gust in time or along the track.
     pub profile: GustProfile,
 }
 
-/// Along which axis a gust rises and falls.
+/// Axis along which a gust rises and falls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GustProfile {
     /// Everywhere at once.
     InTime {
         /// s.
         start: f64,
-        /// From nothing to nothing, s, positive.
+        /// Length in time, s, positive.
         duration: f64,
     },
     /// Standing over a stretch of the track, that a train runs through (the way EN 14067-6 lets a train meet its gust).
@@ -32,7 +32,7 @@ pub enum GustProfile {
 }
 
 impl Gust {
-    /// What it adds at time `t` (s) over `x` (m), m/s.
+    /// Velocity that it adds at time `t` (s) over `x` (m), m/s.
     #[must_use]
     pub fn velocity(&self, t: f64, x: f64) -> Vector3<f64> {
         let share = match self.profile {

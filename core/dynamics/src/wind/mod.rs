@@ -4,7 +4,8 @@
 //! W(t, x) = mean + Σ gusts + turbulence(t, x) + record(t, x)
 //! ```
 //!
-//! The field depends on nothing but its own numbers, so that two programs that hold the same scene see the same wind, bit for bit.
+//! The field depends on nothing but its own numbers, so that two programs that hold the same scene see the same wind,
+//! bit for bit.
 mod aerodynamic;
 mod gust;
 mod record;
@@ -22,7 +23,7 @@ use nalgebra::Vector3;
 /// A wind field in world axes, m/s: how the air moves over the ground.
 #[derive(Clone, Debug, Default)]
 pub struct Wind {
-    /// What it is always and everywhere, m/s.
+    /// Constant part, m/s.
     pub mean: Vector3<f64>,
     /// 1 − cos gusts.
     pub gusts: Vec<Gust>,
@@ -33,7 +34,7 @@ pub struct Wind {
 }
 
 impl Wind {
-    /// The same everywhere and always.
+    /// Wind that is the same everywhere and always.
     #[must_use]
     pub fn uniform(mean: Vector3<f64>) -> Self {
         Self {
@@ -42,7 +43,7 @@ impl Wind {
         }
     }
 
-    /// Velocity of the air at time `t` (s) over the place `x` (m along the track), m/s.
+    /// Velocity of the air at time `t` (s) over `x` (m along the track), m/s.
     #[must_use]
     pub fn velocity(&self, t: f64, x: f64) -> Vector3<f64> {
         let mut velocity = self.mean;
@@ -58,7 +59,7 @@ impl Wind {
         velocity
     }
 
-    /// Whether the wind is at every instant the same all along the track.
+    /// Returns `true` if the wind is at every instant the same all along the track.
     #[must_use]
     pub fn is_the_same_everywhere(&self) -> bool {
         self.turbulence.is_none()

@@ -1,10 +1,11 @@
 //! A wind given as numbers over time, at one or several places.
 use nalgebra::Vector3;
 
-/// Velocities at given times and places, with straight lines between them; outside it is that of the nearest time and place.
+/// Velocities at given times and stations, with straight lines between them; outside it is that of the nearest time and
+/// station.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindRecord {
-    /// By place; the places ascend.
+    /// Stations by ascending x.
     stations: Vec<Station>,
 }
 
@@ -15,7 +16,7 @@ struct Station {
     velocities: Vec<Vector3<f64>>,
 }
 
-/// Why rows make no record.
+/// Reasons why rows are no record.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WindRecordError {
     /// There is no row.
@@ -28,7 +29,7 @@ pub enum WindRecordError {
         row: usize,
         /// Numbers in it.
         found: usize,
-        /// What it must have.
+        /// Required numbers.
         expected: &'static str,
     },
     /// A number that is none.
@@ -50,8 +51,8 @@ pub enum WindRecordError {
 }
 
 impl WindRecord {
-    /// A record of rows (time in s, velocity in m/s, x in m where there are several places): four numbers each, or five each. The
-    /// times ascend at each place; the places may come in any order.
+    /// A record of rows (time in s, velocity in m/s, x in m if there are several stations): four numbers each, or five
+    /// each. The times ascend at each station; the stations may come in any order.
     ///
     /// # Errors
     /// See [`WindRecordError`].

@@ -3,7 +3,8 @@
 /// One-sided power spectral density of a component of the turbulence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TurbulenceSpectrum {
-    /// Von Kármán's, for isotropic turbulence, as ESDU 85020 writes it, `n = f L/U` with the length scale of the component itself:
+    /// Von Kármán's, for isotropic turbulence, as ESDU 85020 writes it, `n = f L/U` with the length scale of the
+    /// component itself:
     ///
     /// ```text
     /// f S/σ² = 4 n/(1 + 70.8 n²)^(5/6)                            along the wind
@@ -19,8 +20,8 @@ pub enum TurbulenceSpectrum {
 }
 
 impl TurbulenceSpectrum {
-    /// `S(f)/σ²` in 1/Hz at the frequency `f` (Hz, positive) of component 0, 1, 2 (along the mean wind, across, vertical), for
-    /// `time_scale = L/U` in s. Its integral over all frequencies is 1.
+    /// `S(f)/σ²` in 1/Hz at the frequency `f` (Hz, positive) of component 0, 1, 2 (along the mean wind, across,
+    /// vertical), for `time_scale = L/U` in s. Its integral over all frequencies is 1.
     #[must_use]
     pub fn density(self, component: usize, f: f64, time_scale: f64) -> f64 {
         let n = f * time_scale;

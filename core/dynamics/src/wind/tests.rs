@@ -82,7 +82,8 @@ fn spectrum_and_coherence_of_many_fields_are_those_asked_for() {
             }
             let coherence = cross[0].hypot(cross[1]) / (power[0] * power[1]).sqrt();
             let expected = (-options.coherence_decays[component] * f * (far - near) / options.speed).exp();
-            // Deviation of an estimate from 400 pairs: (1 − γ²)/√800 about γ, and a bias of √(π/1600) where there is none; 4 of them.
+            // Deviation of an estimate from 400 pairs: (1 − γ²)/√800 about γ, and a bias of √(π/1600) where there is
+            // none; 4 of them.
             assert!(
                 (coherence - expected).abs() < 4.0 * (1.0 - expected * expected) / 800_f64.sqrt() + 0.05,
                 "component {component}, {f} Hz: {coherence} instead of {expected}"
@@ -91,7 +92,7 @@ fn spectrum_and_coherence_of_many_fields_are_those_asked_for() {
     }
 }
 
-/// The same for the other spectrum and the component across the wind, and at distances of up to four stations.
+/// Kaimal's spectrum for the component across the wind, and distances of up to four stations.
 #[test]
 fn kaimals_spectrum_and_the_coherence_over_several_stations_are_those_asked_for() {
     const FIELDS: u64 = 400;
@@ -255,7 +256,7 @@ fn a_field_has_the_standard_deviations_asked_for_over_its_period() {
                     .dot(&direction)
             });
             let variance = samples.map(|u| u * u).sum::<f64>() / steps as f64;
-            // What varies faster than ten times a second is left out.
+            // Fluctuations faster than ten times a second are left out.
             let ratio = variance.sqrt() / options.deviations[component];
             assert!(
                 (0.9..1.005).contains(&ratio),

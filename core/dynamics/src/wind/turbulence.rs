@@ -4,8 +4,8 @@ use crate::SplitMix64;
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
 
-/// What a field of turbulence is made from; components are those along the mean wind, across it (to the left of where it blows),
-/// and vertical.
+/// Options of a field of turbulence; components are those along the mean wind, across it (to the left of its
+/// direction), and vertical.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TurbulenceOptions {
     /// Shape of the spectra.
@@ -36,25 +36,27 @@ pub struct TurbulenceOptions {
 
 /// Turbulence with the spectra and the coherence [Davenport, Quart. J. R. Met. Soc. 87 (1961)] of its options.
 ///
-/// At station j it is the sum of the harmonics that the spectral representation [Shinozuka & Deodatis, Appl. Mech. Rev. 44 (1991)]
-/// gives a vector of coherent processes:
+/// At station j it is the sum of the harmonics that the spectral representation [Shinozuka & Deodatis, Appl. Mech. Rev.
+/// 44 (1991)] gives a vector of coherent processes:
 ///
 /// ```text
-/// u_j(t) = Re Σ_l √(2 S(f_l) Δf) z_jl exp(2π i f_l t),   z_jl = Σ_m H_jm(f_l) exp(i φ_ml),   H Hᵀ = [ρ^|j−k|],  ρ = exp(−C f Δx/U)
+/// u_j(t) = Re Σ_l √(2 S(f_l) Δf) z_jl exp(2π i f_l t)
+/// z_jl = Σ_m H_jm(f_l) exp(i φ_ml),   H Hᵀ = [ρ^|j−k|],   ρ = exp(−C f Δx/U)
 /// ```
 ///
-/// with independent phases `φ`. What varies slower than half of `f_1`, a quarter of the variance at 20 m/s and a period of 51.2 s, has no
-/// harmonic of its own and is in the first one, so that the standard deviations are those asked for, but for what is above the
-/// highest frequency. The triangular factor `H` of a correlation that falls exponentially has a closed form, which makes
-/// `z` a recursion from station to station (derived here: both sides have the same correlations ρ^|j−k|):
+/// with independent phases `φ`. Fluctuations slower than half of `f_1` have no harmonic of their own and are in the
+/// first one, so that the standard deviations are those asked for, without the part above the highest frequency. The
+/// triangular factor `H` of a correlation that falls exponentially has a closed form, which makes `z` a recursion from
+/// station to station (derived here: both sides have the same correlations ρ^|j−k|):
 ///
 /// ```text
 /// z_0 = exp(i φ_0),   z_j = ρ z_{j−1} + √(1 − ρ²) exp(i φ_j)
 /// ```
 ///
-/// The sums are Fourier transforms. Between stations and steps the field is interpolated by cubics through four neighbours, C¹ in
-/// both directions; beyond the ends it is that of the last station. What varies faster than the stations can tell is thereby
-/// weakened. The coherence is real: eddies are not carried along the track by the mean wind.
+/// The sums are Fourier transforms. Between stations and steps the field is interpolated by cubics through four
+/// neighbours, C¹ in both directions; beyond the ends it is that of the last station. Fluctuations shorter than the
+/// distance of the stations are thereby weakened. The coherence is real: eddies are not carried along the track by the
+/// mean wind.
 #[derive(Clone, Debug)]
 pub struct Turbulence {
     time_step: f64,
@@ -66,7 +68,8 @@ pub struct Turbulence {
     table: Vec<Vector3<f64>>,
 }
 
-/// `∫ S df` from 0 to half of a frequency step, below the band of the first harmonic; by the midpoints of a few hundredths of it.
+/// `∫ S df` from 0 to half of a frequency step, below the band of the first harmonic; by the midpoints of a few
+/// hundredths of it.
 fn slower(density: impl Fn(f64) -> f64, frequency_step: f64) -> f64 {
     const PARTS: usize = 64;
     let width = 0.5 * frequency_step / PARTS as f64;

@@ -4,7 +4,7 @@ use super::{Block, BlockTridiagonal, EntryTarget};
 use pulp::{Simd, WithSimd};
 
 impl BlockTridiagonal {
-    /// Where the entries of the pattern go.
+    /// Targets of the entries of the pattern.
     pub(super) fn places(&self, column_starts: &[usize], row_indices: &[usize]) -> Vec<EntryTarget> {
         let mut places = Vec::with_capacity(row_indices.len());
         for column in 0..column_starts.len() - 1 {
@@ -30,11 +30,11 @@ impl BlockTridiagonal {
         places
     }
 
-    /// Factors the matrix with these values, one per entry of the pattern; of each pair of entries that mirror each other the lower
-    /// one counts. Returns false where the matrix is not positive definite.
+    /// Factors the matrix with these values, one per entry of the pattern; of each pair of entries that mirror each
+    /// other the lower one counts. Returns `false` if the matrix is not positive definite.
     #[must_use]
     pub fn factor(&mut self, values: &[f64]) -> bool {
-        // Who was asked while these factors did not serve may have left a solution anywhere.
+        // Assume the last solution everywhere: it may come from earlier factors.
         self.solved = 0..self.work.len();
         let assembled = &mut self.assembled;
         for buffer in [&mut assembled.diagonal, &mut assembled.down, &mut assembled.up] {
@@ -87,7 +87,7 @@ impl WithSimd for Factor<'_> {
     }
 }
 
-/// Inverts the Schur complement of block `i`, stores what solutions need, and takes it out of the next block.
+/// Inverts the Schur complement of block `i`, stores the factors for solutions, and takes it out of the next block.
 #[inline(always)]
 fn eliminate<S: Simd>(simd: S, matrix: &mut BlockTridiagonal, i: usize, next: usize) -> bool {
     if !invert(matrix, i) {
@@ -128,7 +128,8 @@ fn eliminate<S: Simd>(simd: S, matrix: &mut BlockTridiagonal, i: usize, next: us
     true
 }
 
-/// Writes the inverse of the block on the diagonal in front of the backward block; false where it is not positive definite.
+/// Writes the inverse of the block on the diagonal in front of the backward block; returns `false` if the block is not
+/// positive definite.
 #[inline(always)]
 fn invert(matrix: &mut BlockTridiagonal, i: usize) -> bool {
     let Block {

@@ -4,7 +4,8 @@
 use super::structure::LARGEST;
 use pulp::Simd;
 
-/// `start + Σ columns[k] x[k]` for columns of `V` vectors, summed in `U` independent chains that hide the latency of the additions.
+/// `start + Σ columns[k] x[k]` for columns of `V` vectors, summed in `U` independent chains that hide the latency of
+/// the additions.
 #[inline(always)]
 fn chains<S: Simd, const V: usize, const U: usize>(
     simd: S,
@@ -64,7 +65,7 @@ pub(super) fn load<S: Simd, const V: usize>(x: &[f64]) -> [S::f64s; V] {
     std::array::from_fn(|v| vectors[v])
 }
 
-/// A block and where the vector it multiplies begins.
+/// A block and the first entry of the vector that it multiplies.
 #[derive(Clone, Copy)]
 pub(super) struct Term<'a> {
     /// Columns, rows filled up.
@@ -82,8 +83,8 @@ impl Term<'_> {
     }
 }
 
-/// In one vector `work`: the `height` vectors of entries from `target` on become the sum of the products of two blocks with other
-/// parts of it, plus what they were where `keep`.
+/// Writes to the `height` vectors from `target` on in `work` the sum of the products of two blocks with other parts of
+/// `work`, plus their old values if `KEEP`.
 #[inline(always)]
 pub(super) fn combine<S: Simd, const KEEP: bool>(
     simd: S,
@@ -143,7 +144,7 @@ pub(super) fn add_product<S: Simd>(simd: S, block: &[f64], x: &[f64], y: &mut [f
     }
 }
 
-/// Whether any absolute value is above a threshold; what is not a number is.
+/// Returns `true` if any absolute value is above a threshold, or no number.
 #[inline(always)]
 pub(super) fn any_above<S: Simd>(simd: S, x: &[f64], threshold: f64) -> bool {
     let threshold = simd.splat_f64s(threshold);
@@ -153,7 +154,7 @@ pub(super) fn any_above<S: Simd>(simd: S, x: &[f64], threshold: f64) -> bool {
     })
 }
 
-/// Whether any absolute value of the products of entries is above a threshold.
+/// Returns `true` if any absolute value of the products of entries is above a threshold.
 #[inline(always)]
 pub(super) fn any_product_above<S: Simd>(simd: S, x: &[f64], weights: &[f64], threshold: f64) -> bool {
     let threshold = simd.splat_f64s(threshold);
@@ -188,7 +189,7 @@ pub(super) fn take_out<S: Simd>(simd: S, from: &mut [f64], to: &mut [f64], spoil
     let zero = simd.splat_f64s(0.0);
     to.copy_from_slice(from);
     let (vectors, rest) = S::as_simd_f64s(from);
-    // 0 · ∞ is not a number. Several sums do not wait for each other.
+    // Product with zero: 0 · ∞ is not a number. Several sums do not wait for each other.
     let mut sums = [zero; 4];
     let groups = vectors.chunks_exact(4);
     for &x in groups.remainder() {

@@ -1,15 +1,15 @@
 //! Block-tridiagonal Cholesky factorisation with inverted diagonal blocks.
 //!
-//! A line is long and thin: its coordinates, taken along the track, fall into blocks of one node pair of which only neighbours
-//! couple. With `S` the Schur complements of block Cholesky the factored matrix is kept as
+//! A line is long and thin: its coordinates, taken along the track, fall into blocks of one node pair of which only
+//! neighbours couple. With `S` the Schur complements of block Cholesky the factored matrix is kept as
 //!
 //! ```text
 //! S₀ = A₀₀,   Fᵢ = Aᵢ₊₁,ᵢ Sᵢ⁻¹,   Sᵢ₊₁ = Aᵢ₊₁,ᵢ₊₁ − Fᵢ Aᵢ,ᵢ₊₁
 //! cᵢ₊₁ = bᵢ₊₁ − Fᵢ cᵢ,           xᵢ = Sᵢ⁻¹ cᵢ − Fᵢᵀ xᵢ₊₁
 //! ```
 //!
-//! so that a solution consists of products of small dense blocks in SIMD lanes. Elimination runs from both ends to the middle block:
-//! two chains of dependent products that hide each other's latency.
+//! so that a solution consists of products of small dense blocks in SIMD lanes. Elimination runs from both ends to the
+//! middle block: two chains of dependent products that hide each other's latency.
 mod factor;
 mod kernel;
 mod structure;
@@ -25,22 +25,22 @@ pub struct BlockTridiagonal {
     blocks: Vec<Block>,
     middle: usize,
     runs: Vec<Run>,
-    /// Where each unknown stands in the filled-up vectors.
+    /// Position of each unknown in the filled-up vectors.
     positions: Vec<u32>,
     /// Block of each unknown.
     block_of: Vec<u32>,
-    /// Per entry of the pattern, where it goes in `assembled`; the upper triangle is not used.
+    /// Per entry of the pattern, its target in `assembled`; the upper triangle is not used.
     entries: Vec<EntryTarget>,
     assembled: Assembled,
     /// `−F` of each block but the middle one.
     forward: Buffer,
     /// `S⁻¹` and `−Fᵀ` side by side.
     backward: Buffer,
-    /// Diagonal of the matrix: makes a change of an unknown a force.
+    /// Diagonal of the matrix, by which a change of an unknown becomes a force.
     diagonal: Buffer,
     /// Right side, then solution; zero between two solutions.
     work: Buffer,
-    /// Where in the filled-up vectors the last solution may not be zero.
+    /// Range of the filled-up vectors in which the last solution may not be zero.
     solved: Range<usize>,
     active: Vec<bool>,
 }
@@ -55,7 +55,7 @@ struct Block {
     at: usize,
     /// Rows, filled up.
     height: usize,
-    /// Its size where it fills its vectors and the block that it is eliminated into is as large; else 0.
+    /// The size of the block if it fills its vectors and the block that the block is eliminated into is as large; else 0.
     square: usize,
     /// First number of its forward and backward blocks.
     forward: usize,
@@ -93,7 +93,7 @@ enum EntryTarget {
     Coupling(u32, u32),
 }
 
-/// `y = A⁻¹ u` of one local right side, without the blocks where it has decayed.
+/// `y = A⁻¹ u` of one local right side, without the blocks in which it has decayed.
 #[derive(Debug, Default)]
 pub struct LocalColumn {
     /// First entry in filled-up vectors.
@@ -108,18 +108,18 @@ impl LocalColumn {
         self.values.len()
     }
 
-    /// Whether it has none: the right side was zero.
+    /// Returns `true` if the column has no entry: the right side was zero.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 }
 
-/// The blocks in the order in which they are eliminated, each with the one it is taken out of: from both ends in turn to the `middle`
-/// one.
+/// The blocks in the order in which they are eliminated, each with the one it is taken out of: from both ends in turn
+/// to the `middle` one.
 ///
-/// Factors stand in memory in the order in which they are used. Of two streams of which one goes back the processor fetches only
-/// the other one ahead.
+/// Factors stand in memory in the order of their use: a processor fetches only one of two streams ahead if the other
+/// one runs backwards.
 fn inwards(count: usize, middle: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..count).flat_map(move |k| {
         let top = (k < middle).then(|| (k, k + 1));
@@ -128,7 +128,7 @@ fn inwards(count: usize, middle: usize) -> impl Iterator<Item = (usize, usize)> 
     })
 }
 
-/// The same for the substitution back: from the middle block in turn to both ends, each block with the one before it.
+/// Order of the substitution back: from the middle block in turn to both ends, each block with the one before it.
 fn outwards(count: usize, middle: usize) -> impl Iterator<Item = (usize, Option<usize>)> {
     let pairs = (1..count).flat_map(move |k| {
         let top = (k <= middle).then(|| (middle - k, Some(middle + 1 - k)));
@@ -138,7 +138,7 @@ fn outwards(count: usize, middle: usize) -> impl Iterator<Item = (usize, Option<
     std::iter::once((middle, None)).chain(pairs)
 }
 
-/// Vectors fill up to this many numbers.
+/// Number of lanes, to a multiple of which vectors are filled up.
 struct Lanes;
 
 impl WithSimd for Lanes {
@@ -151,8 +151,8 @@ impl WithSimd for Lanes {
 }
 
 impl BlockTridiagonal {
-    /// Analyses a symmetric pattern in compressed columns (row indices ascending); `unknowns[i]` is the number of unknown `i` in the
-    /// vectors of the whole system. `None` where the pattern does not fall into small blocks.
+    /// Analyses a symmetric pattern in compressed columns (row indices ascending); `unknowns[i]` is the number of
+    /// unknown `i` in the vectors of the whole system. Returns `None` if the pattern does not fall into small blocks.
     #[must_use]
     pub fn analyse(unknowns: &[usize], column_starts: &[usize], row_indices: &[usize]) -> Option<Self> {
         let arch = Arch::new();
@@ -270,12 +270,12 @@ impl BlockTridiagonal {
         self.arch.dispatch(Dot(work, &column.values))
     }
 
-    /// Solves for the loaded right side and writes the solution into a vector of the whole system, but for zeros where the solution
-    /// before it had none either: `solution` holds that one, or zeros. `changed` sees the unknowns of every run of blocks that were
-    /// solved, and those with the neighbours they couple with. Returns whether all is finite.
+    /// Solves for the loaded right side and writes the solution into a vector of the whole system, except for zeros
+    /// that the last solution had as well: `solution` holds that one, or zeros. `changed` sees the unknowns of every
+    /// run of blocks that were solved, and those with the neighbours they couple with. Returns `true` if all is finite.
     ///
-    /// Blocks whose right side, after elimination, is nowhere above `threshold` are left out, as are those that a solution next to them
-    /// would change by a force below it: what is left of the right side there is of that order.
+    /// Blocks whose right side, after elimination, is nowhere above `threshold` are left out, as are those that a
+    /// solution next to them would change by a force below it: the remainder of the right side there is of that order.
     pub fn solve(
         &mut self,
         threshold: f64,
@@ -284,7 +284,8 @@ impl BlockTridiagonal {
     ) -> bool {
         let hull = self.sweep(threshold, 0..self.blocks.len());
         let active = &self.active[hull.clone()];
-        // Mostly all are solved, which takes a few registers to see; one after the other they take as long as eliminating ten.
+        // Test for the common case that all are solved: it takes a few registers, a walk over the blocks as long as the
+        // elimination of ten.
         let all = active.iter().fold(true, |all, &active| all & active);
         let mut from = hull.start;
         for active in active.chunk_by(|a, b| all || a == b) {
@@ -311,7 +312,7 @@ impl BlockTridiagonal {
             solution,
         });
         if !finite {
-            // What fills up the blocks is none either.
+            // Clear all: the numbers that fill up the blocks are spoilt too.
             self.work.fill(0.0);
         }
         finite
@@ -340,8 +341,8 @@ impl BlockTridiagonal {
         }
     }
 
-    /// Solves for a right side of a few `entries` (unknown, value), down to where the solution has decayed to `relative` times the
-    /// largest entry, as a force.
+    /// Solves for a right side of a few `entries` (unknown, value), down to `relative` times the largest entry, as a
+    /// force; the rest of the solution is left out.
     pub fn column(&mut self, entries: impl Iterator<Item = (usize, f64)>, relative: f64, column: &mut LocalColumn) {
         let (mut low, mut high, mut largest) = (usize::MAX, 0, 0.0_f64);
         for (unknown, value) in entries {
@@ -397,10 +398,10 @@ impl BlockTridiagonal {
     }
 }
 
-/// Moves a solution from where it was found into a vector of the whole system, and leaves zeros. Returns whether all is finite.
+/// Moves a solution into a vector of the whole system, and leaves zeros. Returns `true` if all is finite.
 struct TakeOut<'a> {
     runs: &'a [Run],
-    /// Of the filled-up vectors.
+    /// Range of the filled-up vectors.
     range: Range<usize>,
     work: &'a mut [f64],
     solution: &'a mut [f64],

@@ -1,14 +1,14 @@
-//! How unknowns are cut into blocks of which only neighbours couple.
+//! Cut of the unknowns into blocks of which only neighbours couple.
 
 /// Largest block: beyond it sparse factors are smaller and faster.
 pub(super) const LARGEST: usize = 48;
 
-/// Cuts unknowns, taken in their order, into consecutive blocks such that every entry of the symmetric pattern (compressed columns,
-/// row indices ascending) lies in a block or between two neighbouring ones. Returns the first unknown of each block and the number
-/// of unknowns; `None` where blocks would be large.
+/// Cuts unknowns, taken in their order, into consecutive blocks such that every entry of the symmetric pattern
+/// (compressed columns, row indices ascending) lies in a block or between two neighbouring ones. Returns the first
+/// unknown of each block and the number of unknowns; `None` if blocks would be large.
 ///
-/// The first block decides: each further block ends with the last unknown that the block before it couples with. Of all first
-/// blocks the one with the least storage is taken, with rows filled up to a multiple of `lanes`.
+/// The first block decides: each further block ends with the last unknown that the block before it couples with. Of all
+/// first blocks the one with the least storage is taken, with rows filled up to a multiple of `lanes`.
 pub(super) fn cut(column_starts: &[usize], row_indices: &[usize], lanes: usize) -> Option<Vec<usize>> {
     let size = column_starts.len() - 1;
     let reach: Vec<usize> = (0..size)
@@ -43,7 +43,7 @@ fn greedy(reach: &[usize], first_end: usize) -> Option<Vec<usize>> {
     Some(bounds)
 }
 
-/// Numbers that a solution reads.
+/// Amount of numbers that a solution reads.
 fn storage(bounds: &[usize], lanes: usize) -> usize {
     let sizes: Vec<usize> = bounds.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let padded = |size: usize| size.next_multiple_of(lanes);

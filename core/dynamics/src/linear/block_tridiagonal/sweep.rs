@@ -4,8 +4,9 @@ use super::{Block, BlockTridiagonal};
 use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
-/// Turns the right side in `work` into the solution. Blocks outside of `right_side` hold zeros. Returns the range of blocks outside
-/// of which the solution is zero; within it `active` says which blocks have one, and the others hold zeros.
+/// Turns the right side in `work` into the solution. Blocks outside of `right_side` hold zeros. Returns the range of
+/// blocks outside of which the solution is zero; within it `active` marks the blocks with a solution, and the others
+/// hold zeros.
 pub(super) struct Sweep<'a> {
     pub matrix: &'a mut BlockTridiagonal,
     pub threshold: f64,
@@ -25,7 +26,7 @@ struct Pass<'a, S> {
 }
 
 impl<S: Simd> Pass<'_, S> {
-    /// Whether the right side of block `i` is worth solving; where it is not it becomes zero.
+    /// Returns `true` if the right side of block `i` is worth solving; else the right side becomes zero.
     #[inline(always)]
     fn decide(&mut self, i: usize) -> bool {
         let block = &self.blocks[i];
@@ -38,7 +39,7 @@ impl<S: Simd> Pass<'_, S> {
         active
     }
 
-    /// `c_next −= F c`; returns whether there was anything to eliminate.
+    /// `c_next −= F c`; returns `true` if there was anything to eliminate.
     #[inline(always)]
     fn eliminate(&mut self, i: usize, next: usize) -> bool {
         let own = &self.blocks[i];
@@ -49,7 +50,7 @@ impl<S: Simd> Pass<'_, S> {
         }
     }
 
-    /// The same where both blocks have `V` vectors, without any to fill up.
+    /// [`Pass::eliminate`] of blocks that both have `V` vectors, without any to fill up.
     #[inline(always)]
     fn eliminate_square<const V: usize>(&mut self, i: usize, next: usize) -> bool {
         let width = V * S::F64_LANES;
@@ -72,7 +73,7 @@ impl<S: Simd> Pass<'_, S> {
         true
     }
 
-    /// The same for any blocks.
+    /// [`Pass::eliminate`] of any blocks.
     #[inline(always)]
     fn eliminate_any(&mut self, i: usize, next: usize) -> bool {
         if !self.decide(i) {
@@ -99,7 +100,8 @@ impl<S: Simd> Pass<'_, S> {
         true
     }
 
-    /// `x = S⁻¹ c − Fᵀ x_next`; `has_right_side` and `has_next` say which of the terms exist. Returns whether `x` is kept.
+    /// `x = S⁻¹ c − Fᵀ x_next`; `has_right_side` and `has_next` select the terms that exist. Returns `true` if `x` is
+    /// kept.
     #[inline(always)]
     fn substitute(&mut self, i: usize, next: usize, has_right_side: bool, has_next: bool) -> bool {
         match self.blocks[i].square / S::F64_LANES {
@@ -115,7 +117,7 @@ impl<S: Simd> Pass<'_, S> {
         }
     }
 
-    /// The same where both terms exist and both blocks have `V` vectors, without any to fill up.
+    /// [`Pass::substitute`] with both terms, of blocks that both have `V` vectors, without any to fill up.
     #[inline(always)]
     fn substitute_square<const V: usize>(&mut self, i: usize, next: usize) -> bool {
         let width = V * S::F64_LANES;
@@ -130,7 +132,7 @@ impl<S: Simd> Pass<'_, S> {
         true
     }
 
-    /// The same for any blocks and terms; without a `next` for the middle block.
+    /// [`Pass::substitute`] of any blocks and terms; without a `next` for the middle block.
     #[inline(always)]
     fn substitute_any(&mut self, i: usize, next: Option<usize>, has_right_side: bool, has_next: bool) -> bool {
         let block = &self.blocks[i];

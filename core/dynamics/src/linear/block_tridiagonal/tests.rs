@@ -280,7 +280,7 @@ fn a_local_column_is_the_solution_down_to_where_it_has_decayed() {
         }
         assert!(lengths[0] >= size && lengths.is_sorted_by(|a, b| a > b), "{lengths:?}");
         assert!(lengths[1] < size / 2, "{lengths:?}");
-        // Its product with a right side is that of the exact column.
+        // The product of the column with a right side is that of the exact column.
         matrix.column(entries.into_iter(), 1e-14, &mut column);
         let b: Vec<f64> = (0..size).map(|_| random.next()).collect();
         matrix.load(&sample.global(&b));
@@ -326,7 +326,7 @@ fn a_chain_of_nodes_is_cut_into_its_nodes() {
     let mut random = Random(7);
     let sample = Sample::new(&mut random, &[8; 50], 0.1, false);
     assert_eq!(sample.factored().shape(), (50, 8));
-    // With a wide band no blocks are worth while.
+    // A wide band is not worth blocks.
     let size = 400;
     let (mut starts, mut rows) = (vec![0], Vec::new());
     for column in 0..size {

@@ -1,12 +1,12 @@
 //! Low-rank terms on top of a factored matrix.
 
-/// What the factored matrix has on the diagonal of the multiplier of a constraint that moves.
+/// Entry of the factored matrix on the diagonal of the multiplier of a constraint that moves.
 pub(crate) const PLACEHOLDER: f64 = 1.0;
 
 /// One row `u` of a low-rank term.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UpdateRow {
-    /// Who pushed it; with `version` the identity of the row's values.
+    /// Contribution and slot; with `version` the identity of the row's values.
     pub key: u64,
     /// Changes when the values of the row with this key change.
     pub version: u64,
@@ -24,8 +24,8 @@ pub(crate) struct UpdateCore {
 
 /// Collects the terms `U C Uᵀ` that are added to the factored matrix: moving contact, switched droppers.
 ///
-/// A term is recognised by its `key` (unique within the system: see [`Updates::set_owner`]) and `version`: as long as both stay
-/// the same, the solver keeps `A₀⁻¹ u` and does not solve again.
+/// A term is recognised by its `key` (unique within the system: see [`Updates::set_owner`]) and `version`: as long as
+/// both stay the same, the solver keeps `A₀⁻¹ u` and does not solve again.
 #[derive(Debug, Default)]
 pub struct Updates {
     owner: u64,
@@ -52,7 +52,7 @@ impl Updates {
         self.borders = 0;
     }
 
-    /// Sets which contribution pushes next; the system calls it.
+    /// Sets the contribution that pushes next; the system calls it.
     pub fn set_owner(&mut self, owner: usize) {
         self.owner = (owner as u64) << 32;
     }
@@ -71,20 +71,20 @@ impl Updates {
         self.core(first_row, 1, &[coefficient]);
     }
 
-    /// Says how many coordinates come before the multipliers, how constraint rows are scaled in the factored matrix, and what rates of
-    /// constraints that move are weighed with, s.
+    /// Sets the number of coordinates before the multipliers, the scale of constraint rows in the factored matrix, and
+    /// the weight of rates of constraints that move, s.
     pub(crate) fn set_borders(&mut self, coordinates: usize, scale: f64, rate_weight: f64) {
         self.coordinates = coordinates;
         self.scale = scale;
         self.rate_weight = rate_weight;
     }
 
-    /// Whether there is one.
+    /// Returns `true` if a border was pushed.
     pub(crate) fn has_borders(&self) -> bool {
         self.borders > 0
     }
 
-    /// Takes the multipliers at the present iterate.
+    /// Takes over the multipliers at the present iterate.
     pub(crate) fn set_multipliers(&mut self, lambda: &[f64]) {
         self.multipliers.clear();
         self.multipliers.extend_from_slice(lambda);
@@ -96,13 +96,14 @@ impl Updates {
         self.multipliers[number]
     }
 
-    /// Adds row and column of a constraint that [`crate::Constraint::moves`] as the border of the matrix that belongs to the
-    /// `multiplier` with this number; takes three slots. `entries` are index, `g_q` and `∂ġ/∂q` (1/s) where one of these is not zero.
+    /// Adds row and column of a constraint that [`crate::Constraint::moves`] as the border of the matrix that belongs
+    /// to the `multiplier` with this number; takes three slots. `entries` are index, `g_q` and `∂ġ/∂q` (1/s) if one of
+    /// these is not zero.
     ///
-    /// The column is `u = g_q`, the row `w = g_q + τ ∂ġ/∂q`, where `τ` is the weight of rates in a time step. The factored matrix has
-    /// `PLACEHOLDER` on the diagonal of that multiplier and nothing else in its row. With the unit vector `e` of the multiplier the term
-    /// is `s (u eᵀ + e wᵀ) − PLACEHOLDER e eᵀ`, `s` the scale of constraint rows, and the low-rank formula becomes the elimination of a
-    /// bordered matrix: what it divides by is `s² wᵀ A⁻¹ u`.
+    /// The column is `u = g_q`, the row `w = g_q + τ ∂ġ/∂q`, with `τ` the weight of rates in a time step. The factored
+    /// matrix has `PLACEHOLDER` on the diagonal of that multiplier and nothing else in its row. With the unit vector
+    /// `e` of the multiplier the term is `s (u eᵀ + e wᵀ) − PLACEHOLDER e eᵀ`, `s` the scale of constraint rows, and
+    /// the low-rank formula becomes the elimination of a bordered matrix, with the divisor `s² wᵀ A⁻¹ u`.
     pub fn border(
         &mut self,
         first_slot: u32,

@@ -11,19 +11,20 @@ use std::ops::Range;
 /// (I + C UᵀY) z = C Uᵀ A⁻¹ b,    x = A⁻¹ (b − U z),    Y = A⁻¹ U
 /// ```
 ///
-/// in which `z` are the forces of the low-rank terms. With a symmetric `A` one has `Uᵀ A⁻¹ b = Yᵀ b`, so that there is one solution,
-/// and it reaches no further than its right side. Columns of `Y` are kept as long as their rows do not change.
+/// in which `z` are the forces of the low-rank terms. A symmetric `A` has `Uᵀ A⁻¹ b = Yᵀ b`, so that there is one
+/// solution, and it reaches no further than its right side. Columns of `Y` are kept as long as their rows do not
+/// change.
 #[derive(Debug, Default)]
 pub(crate) struct Woodbury {
     columns: Vec<KeptColumn>,
     /// UnknownLocations in `columns`, sorted by key.
     by_key: Vec<usize>,
-    /// For each row of the updates its place in `columns`.
+    /// For each row of the updates its position in `columns`.
     places: Vec<usize>,
     /// `uᵢ · yⱼ` of columns `i` and `j`.
     gram: Vec<Vec<Product>>,
     lu: Lu,
-    /// What `lu` was made of: rows and coefficients.
+    /// Content of `lu`: rows and coefficients.
     rows: Vec<(u64, u64)>,
     coefficients: Vec<f64>,
     products: Vec<f64>,
@@ -36,12 +37,12 @@ pub(crate) struct Woodbury {
 struct KeptColumn {
     key: u64,
     version: Option<u64>,
-    /// How often it was solved for.
+    /// Number of solutions for it.
     turn: u64,
     shares: Vec<Share>,
 }
 
-/// A product of two columns as they were at the sum of their turns; it stands as long as that sum does.
+/// A product of two columns, valid as long as the sum of their turns does not change.
 #[derive(Clone, Copy, Debug)]
 struct Product {
     turns: u64,
@@ -55,7 +56,7 @@ impl Product {
     };
 }
 
-/// What a column is in one part.
+/// Share of a column in one part.
 #[derive(Debug)]
 struct Share {
     /// Number of the part.
@@ -66,7 +67,7 @@ struct Share {
 }
 
 impl Woodbury {
-    /// Forgets all kept columns: the matrix was factored anew, or a state was restored.
+    /// Forgets all kept columns: call it after a new factorisation, or when a state was restored.
     pub fn clear(&mut self) {
         for column in &mut self.columns {
             column.version = None;
@@ -79,9 +80,9 @@ impl Woodbury {
         &self.z
     }
 
-    /// Solves; `x` must hold the last solution, or zeros, and becomes zero where there is nothing above the thresholds to solve. `changed`
-    /// sees the ranges of unknowns with a solution and of those whose equations it enters. Returns false where the updated matrix is
-    /// singular or a solution is not finite.
+    /// Solves; `x` must hold the last solution, or zeros, and becomes zero if nothing is above the thresholds.
+    /// `changed` sees the ranges of unknowns with a solution and of those whose equations it enters. Returns `false` if
+    /// the updated matrix is singular or a solution is not finite.
     pub fn solve(
         &mut self,
         matrix: &mut IterationMatrix,
@@ -230,7 +231,7 @@ impl Woodbury {
         }
     }
 
-    /// Adds a column whose key belongs at place `at` of the sorted keys.
+    /// Adds a column whose key belongs at position `at` of the sorted keys.
     fn insert(&mut self, at: usize, key: u64) -> usize {
         let place = self.columns.len();
         self.columns.push(KeptColumn {

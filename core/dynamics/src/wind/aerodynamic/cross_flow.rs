@@ -1,7 +1,8 @@
 //! The force of the air on a slender cylinder.
 use nalgebra::{Matrix3, Vector3};
 
-/// Drag of a cylinder across its axis, per length: the cross-flow principle [Hoerner, Fluid-Dynamic Drag, 1965, chapter 3].
+/// Drag of a cylinder across its axis, per length: the cross-flow principle [Hoerner, Fluid-Dynamic Drag, 1965, chapter
+/// 3].
 ///
 /// ```text
 /// f = ½ ρ C_D d |v_n| v_n,    v_n = v_r − τ (τ · v_r)
@@ -23,14 +24,16 @@ impl CrossFlow {
         }
     }
 
-    /// Force per length, N/m, of air that moves with `v_r` (m/s) relative to a cylinder along `r_s`, which need not be of unit length.
+    /// Force per length, N/m, of air that moves with `v_r` (m/s) relative to a cylinder along `r_s`, which need not be
+    /// of unit length.
     #[must_use]
     pub fn force(&self, v_r: &Vector3<f64>, r_s: &Vector3<f64>) -> Vector3<f64> {
         let side_by_side = |vector: &Vector3<f64>| [[vector.x], [vector.y], [vector.z]];
         Vector3::from(self.forces(&side_by_side(v_r), &side_by_side(r_s)).map(|[value]| value))
     }
 
-    /// [`CrossFlow::force`] on `N` cylinders side by side, component by component: for loops that fill vector registers.
+    /// [`CrossFlow::force`] on `N` cylinders side by side, component by component: for loops that fill vector
+    /// registers.
     #[inline(always)]
     #[must_use]
     pub fn forces<const N: usize>(&self, v_r: &[[f64; N]; 3], r_s: &[[f64; N]; 3]) -> [[f64; N]; 3] {

@@ -2,21 +2,21 @@
 //!
 //! ```text
 //! v_r = W(t, x) − v
-//! F_D = ½ ρ (C_D A) |v_r|² v̂_r,    F_L = ½ ρ (C_L A) |v_r|² v̂_L                                          [Thesis, Eq. (18)]
+//! F_D = ½ ρ (C_D A) |v_r|² v̂_r,    F_L = ½ ρ (C_L A) |v_r|² v̂_L                              [Thesis, Eq. (18)]
 //! ```
 //!
-//! `v̂_r` is the direction of the air relative to the body. The thesis draws `v̂_L` in its Fig. 5 only; here it is the part of the
-//! marker's third axis that is perpendicular to `v̂_r`, of unit length: a positive lift acts on the side that the axis points to,
-//! whether the air comes from ahead or from behind. Where the air blows exactly along that axis there is no such direction, and no
-//! lift. The angle of attack is that between the air and the plane of the marker's first two axes,
+//! `v̂_r` is the direction of the air relative to the body. The thesis draws `v̂_L` in its Fig. 5 only; here it is the
+//! part of the marker's third axis that is perpendicular to `v̂_r`, of unit length: a positive lift acts on the side
+//! that the axis points to, whether the air comes from ahead or from behind. Air exactly along that axis has no such
+//! direction, and no lift. The angle of attack is that between the air and the plane of the marker's first two axes,
 //!
 //! ```text
-//! α = atan2(w₃, −w₁),   w = Aᵀ v_r                      0: from ahead, along −axis 1;  positive: from below, along +axis 3
+//! α = atan2(w₃, −w₁),   w = Aᵀ v_r          0: from ahead, along −axis 1;  positive: from below, along +axis 3
 //! ```
 //!
 //! # Sources
-//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
-//!   Chicago, 2016.
+//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois
+//!   at Chicago, 2016.
 mod cross_flow;
 mod polar;
 #[cfg(test)]
@@ -33,16 +33,16 @@ use std::sync::Arc;
 /// The air that a body moves through.
 #[derive(Clone, Debug)]
 pub struct Flow {
-    /// How it moves over the ground.
+    /// Velocity of the air over the ground.
     pub wind: Arc<Wind>,
     /// `ρ`, kg/m³.
     pub density: f64,
-    /// First of three inputs of the system that are added to the wind (world axes, m/s), where it has them.
+    /// First of three inputs of the system that are added to the wind (world axes, m/s), if it has them.
     pub input: Option<usize>,
 }
 
 impl Flow {
-    /// Velocity of the air over the place `x` (m), m/s.
+    /// Velocity of the air at `x` (m), m/s.
     #[must_use]
     pub fn velocity(&self, motion: &Motion<'_>, x: f64) -> Vector3<f64> {
         let wind = self.wind.velocity(motion.t, x);
@@ -51,20 +51,20 @@ impl Flow {
     }
 }
 
-/// How the air acts on a marker.
+/// Law of the force of the air on a marker.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AerodynamicLaw {
     /// Drag and lift by coefficients: see the module.
     Polar(Polar),
-    /// Quasi-steady uplift, the form in which pantograph makers give it: `F_z = c w²`, upward, with `w` the speed of the air along
-    /// the track relative to the marker.
+    /// Quasi-steady uplift, the form in which pantograph makers give it: `F_z = c w²`, upward, with `w` the speed of
+    /// the air along the track relative to the marker.
     Uplift {
         /// `c`, N/(m/s)²; at the air density it was measured at.
         coefficient: f64,
     },
 }
 
-/// A force of the air and how it changes.
+/// A force of the air and its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AerodynamicLoad {
     /// World axes, N.
@@ -76,7 +76,8 @@ pub struct AerodynamicLoad {
 }
 
 impl AerodynamicLaw {
-    /// The force in air of `density` (kg/m³) that moves with `v_r` (m/s) relative to a marker with the axes `axes` (columns).
+    /// The force in air of `density` (kg/m³) that moves with `v_r` (m/s) relative to a marker with the axes `axes`
+    /// (columns).
     #[must_use]
     pub fn load(&self, density: f64, v_r: &Vector3<f64>, axes: &Matrix3<f64>) -> AerodynamicLoad {
         match self {
@@ -101,7 +102,7 @@ impl AerodynamicLaw {
         }
     }
 
-    /// The amounts of the drag, along the air that meets the marker, and of the lift, across it, N: `F = F_D v̂_r + F_L v̂_L`. A
+    /// The drag, along the air that meets the marker, and the lift, across it, N: `F = F_D v̂_r + F_L v̂_L`. A
     /// quasi-steady uplift is all lift. For the arguments see [`AerodynamicLaw::load`].
     #[must_use]
     pub fn drag_and_lift(&self, density: f64, v_r: &Vector3<f64>, axes: &Matrix3<f64>) -> [f64; 2] {
@@ -115,9 +116,9 @@ impl AerodynamicLaw {
 /// The force of the air on a marker.
 #[derive(Clone, Debug)]
 pub struct AerodynamicForce<M> {
-    /// Where it acts, in the world: its velocity is that over the ground.
+    /// Point of action, in the world: its velocity is that over the ground.
     pub marker: M,
-    /// What the air does there.
+    /// Law of the force.
     pub law: AerodynamicLaw,
     /// The air.
     pub flow: Flow,
@@ -188,9 +189,9 @@ impl<M: Marker> Force for AerodynamicForce<M> {
         view.columns.add_force(&load.force, &Vector3::zeros(), force);
     }
 
-    /// With the column (translation `t`, rotation `c`) of velocity k a point moves by `t_k` and axes turn by `c_k`; columns of
-    /// rotations themselves turn with the body. The wind's change along the track is left out: over the millimetres of a Newton
-    /// step it is nothing.
+    /// Columns (translation `t`, rotation `c`) of velocity k move a point by `t_k` and turn axes by `c_k`; columns of
+    /// rotations themselves turn with the body. The change of the wind along the track is left out: it is negligible
+    /// over the millimetres of a Newton step.
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         let view = self.view(motion);
         let load = self.law.load(self.flow.density, &view.v_r, &view.axes);
@@ -218,7 +219,7 @@ impl<M: Marker> Force for AerodynamicForce<M> {
         blocks.add(&indices[..n], &indices[..n], &values[..n * n]);
     }
 
-    /// What the air would do to a body that stands still on its base counts as brought in, the rest as lost to the air.
+    /// The force on a body that stands still on its base counts as brought in, the rest as lost to the air.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
         let view = self.view(motion);
         let force = |v_r: Vector3<f64>| self.law.load(self.flow.density, &v_r, &view.axes).force;

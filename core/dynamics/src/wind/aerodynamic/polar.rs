@@ -1,7 +1,8 @@
 //! Drag and lift coefficients by angle of attack.
 use nalgebra::{Matrix3, Vector3};
 
-/// Coefficients times area by angle of attack, with straight lines between the angles; beyond them they are those of the ends.
+/// Coefficients times area by angle of attack, with straight lines between the angles; beyond them they are those of
+/// the ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polar {
     angles: Vec<f64>,
@@ -13,7 +14,7 @@ pub struct Polar {
 type Coefficient = (f64, f64);
 
 impl Polar {
-    /// The same at all angles: `C_D A` and `C_L A` in m².
+    /// Constant coefficients: `C_D A` and `C_L A` in m².
     #[must_use]
     pub fn constant(drag: f64, lift: f64) -> Self {
         Self::table(vec![0.0], vec![drag], vec![lift])
@@ -50,7 +51,7 @@ impl Polar {
         })
     }
 
-    /// The amounts of drag and lift of [`Polar::force`], N.
+    /// Drag and lift of [`Polar::force`], N.
     pub(super) fn drag_and_lift(&self, half: f64, v_r: &Vector3<f64>, axes: &Matrix3<f64>) -> [f64; 2] {
         let square = v_r.norm_squared();
         if square == 0.0 {
