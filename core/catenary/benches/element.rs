@@ -3,7 +3,7 @@ mod floor;
 
 use catenary::{AxialLaw, BendingLaw, NodeMap, Rayleigh, Wire, WireGeometry, WireSection};
 use criterion::{Criterion, criterion_group, criterion_main};
-use dynamics::{Blocks, Force, Motion, Weights};
+use dynamics::{Blocks, Force, Motion, OnePass, Weights};
 use floor::{Floors, measure, settings};
 use nalgebra::Vector3;
 use std::hint::black_box;

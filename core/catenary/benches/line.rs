@@ -3,7 +3,7 @@ mod floor;
 
 use catenary::{Line, Model, STRIP_VALUES, StaticLine, static_line};
 use criterion::{Criterion, criterion_group, criterion_main};
-use dynamics::{Blocks, FactoredMatrix, Force, Layout, Motion, Weights};
+use dynamics::{Blocks, FactoredMatrix, Force, Layout, Motion, StepHistory, Weights};
 use floor::{Floors, measure, settings};
 use scene::Scene;
 use std::hint::black_box;
@@ -59,8 +59,9 @@ fn lines(criterion: &mut Criterion) {
             line.forces(&mut |part| part.add_force(black_box(&motion), black_box(&mut force)));
         });
         measure(criterion, &format!("{name}: force and inertia"), Some(floor), || {
-            line.forces(&mut |part| {
-                part.add_dynamic_force(black_box(&motion), black_box(&v_dot), black_box(&mut force))
+            line.forces(&mut |part| match part.one_pass() {
+                Some(part) => part.add_dynamic_force(black_box(&motion), black_box(&v_dot), black_box(&mut force)),
+                None => part.add_force(black_box(&motion), black_box(&mut force)),
             });
         });
         for (number, part) in PARTS.iter().enumerate() {

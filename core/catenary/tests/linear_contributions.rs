@@ -28,6 +28,9 @@ fn check_sum(force: &mut dyn Force, n: usize, motion: &Motion<'_>) {
     let (weights, mass_weight) = (Weights { q: 0.7, v: 300.0 }, 2e4);
     let tangent = matrix(n, |blocks| force.add_tangent(motion, weights, blocks));
     let mass = matrix(n, |blocks| force.add_mass(blocks));
+    let Some(force) = force.one_pass() else {
+        return;
+    };
     let both = matrix(n, |blocks| {
         force.add_dynamic_tangent(motion, weights, mass_weight, blocks)
     });
@@ -62,10 +65,12 @@ fn check(overrides: &[&str]) -> usize {
     let mut checked = 0;
     line.forces(&mut |force| {
         check_sum(force, n, &moved);
+        let Some(force) = force.one_pass().and_then(|one_pass| one_pass.by_range()) else {
+            return;
+        };
         if !force.is_linear() {
             return;
         }
-        assert!(force.evaluates_ranges());
         checked += 1;
         let mut change = vec![0.0; n];
         force.add_dynamic_force(&rest, &zeros, &mut change);

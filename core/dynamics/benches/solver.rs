@@ -2,8 +2,8 @@
 //! 50318 line has in its plane with 8 elements per dropper interval.
 use criterion::{Criterion, criterion_group, criterion_main};
 use dynamics::{
-    BlockTridiagonal, Blocks, Force, GeneralizedAlpha, Layout, Motion, NewtonOptions, SparseMatrix, System, Updates,
-    Weights,
+    BlockTridiagonal, Blocks, Force, GeneralizedAlpha, Layout, LowRank, Motion, NewtonOptions, SparseMatrix,
+    StepHistory, System, Updates, Weights,
 };
 use std::hint::black_box;
 use std::ops::Range;
@@ -60,11 +60,6 @@ impl Chain {
 }
 
 impl Force for Chain {
-    fn begin_step(&mut self, _: &Motion<'_>, _: f64) {
-        self.version += 1;
-        self.contact = SIZE / 4 + (self.version as usize % 1000) / 10 * WIDTH;
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.stiffness.multiply_subtract(motion.q, force);
         let gap = motion.q[self.contact] + motion.q[self.contact + WIDTH] - 1e-3 * (20.0 * motion.t).sin();
@@ -76,13 +71,30 @@ impl Force for Chain {
         Self::add(&self.stiffness, weights.q, blocks);
     }
 
+    fn add_mass(&self, blocks: &mut Blocks<'_>) {
+        Self::add(&self.mass, 1.0, blocks);
+    }
+
+    fn low_rank(&mut self) -> Option<&mut dyn LowRank> {
+        Some(self)
+    }
+
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl LowRank for Chain {
     fn push_updates(&mut self, _: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         let entries = [(self.contact, 1.0), (self.contact + WIDTH, 1.0)];
         updates.rank_one(0, self.version, 5e4 * weights.q, entries.into_iter());
     }
+}
 
-    fn add_mass(&self, blocks: &mut Blocks<'_>) {
-        Self::add(&self.mass, 1.0, blocks);
+impl StepHistory for Chain {
+    fn begin_step(&mut self, _: &Motion<'_>, _: f64) {
+        self.version += 1;
+        self.contact = SIZE / 4 + (self.version as usize % 1000) / 10 * WIDTH;
     }
 }
 

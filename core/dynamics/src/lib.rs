@@ -21,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 mod blocks;
+mod capability;
 mod constraint;
 mod energy_balance;
 mod followed_input;
@@ -36,6 +37,7 @@ mod system;
 mod wind;
 
 pub use blocks::Blocks;
+pub use capability::{ByRange, LowRank, OnePass, StepHistory};
 pub use constraint::{Constraint, JacobianRows};
 pub use energy_balance::EnergyBalance;
 pub use followed_input::{FollowedInput, MAX_ORDER};
@@ -51,7 +53,7 @@ pub use linear::{FactoredMatrix, SparseMatrix, Updates};
 pub use marker::{Column, Columns, Frame, Marker};
 pub use motion::{Motion, State};
 pub use random::SplitMix64;
-pub use system::{Continuity, Stage, System};
+pub use system::{Continuity, PartVisitor, Stage, System};
 pub use wind::{
     AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Gust, GustProfile, Polar, Turbulence,
     TurbulenceOptions, TurbulenceSpectrum, Wind, WindRecord, WindRecordError,

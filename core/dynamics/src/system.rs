@@ -1,6 +1,9 @@
 //! A system: its coordinates and its contributions, as solvers visit them.
 use crate::{Constraint, Force, Layout, State};
 
+/// Visitor of contributions: part of the model that each belongs to ("droppers"), for profiling, and the contribution.
+pub type PartVisitor<'a> = dyn FnMut(&'static str, &mut dyn Force) + 'a;
+
 /// Change of a system after a completed step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Continuity {

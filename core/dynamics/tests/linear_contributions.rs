@@ -1,5 +1,8 @@
 //! Steps in which the remainder of linear contributions is known without evaluation, against evaluations.
-use dynamics::{Blocks, Force, GeneralizedAlpha, Layout, Motion, NewtonOptions, State, System, Updates, Weights};
+use dynamics::{
+    Blocks, ByRange, Force, GeneralizedAlpha, Layout, LowRank, Motion, NewtonOptions, OnePass, State, StepHistory,
+    System, Updates, Weights,
+};
 use std::ops::Range;
 
 const NODES: usize = 300;
@@ -42,30 +45,6 @@ impl Force for Chain {
         self.add(0..NODES, motion, &[0.0; NODES], force);
     }
 
-    fn multiplies_mass(&self) -> bool {
-        true
-    }
-
-    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.evaluations[0] += 1;
-        self.add(0..NODES, motion, v_dot, force);
-    }
-
-    fn evaluates_ranges(&self) -> bool {
-        true
-    }
-
-    fn is_linear(&self) -> bool {
-        self.is_linear
-    }
-
-    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.evaluations[1] += 1;
-        let [start, end] = self.within;
-        self.within = [start.min(range.start), end.max(range.end)];
-        self.add(range.start.min(NODES)..range.end.min(NODES), motion, v_dot, force);
-    }
-
     fn add_tangent(&mut self, _: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         for i in 0..NODES {
             blocks.add(&[i], &[i], &[weights.q * FOUNDATION]);
@@ -78,6 +57,34 @@ impl Force for Chain {
 
     fn add_mass(&self, blocks: &mut Blocks<'_>) {
         (0..NODES).for_each(|i| blocks.add(&[i], &[i], &[1.0]));
+    }
+
+    fn one_pass(&mut self) -> Option<&mut dyn OnePass> {
+        Some(self)
+    }
+}
+
+impl OnePass for Chain {
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.evaluations[0] += 1;
+        self.add(0..NODES, motion, v_dot, force);
+    }
+
+    fn by_range(&mut self) -> Option<&mut dyn ByRange> {
+        Some(self)
+    }
+}
+
+impl ByRange for Chain {
+    fn is_linear(&self) -> bool {
+        self.is_linear
+    }
+
+    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.evaluations[1] += 1;
+        let [start, end] = self.within;
+        self.within = [start.min(range.start), end.max(range.end)];
+        self.add(range.start.min(NODES)..range.end.min(NODES), motion, v_dot, force);
     }
 }
 
@@ -96,18 +103,30 @@ impl Force for Bed {
         }
     }
 
-    fn multiplies_mass(&self) -> bool {
-        true
-    }
-
-    fn evaluates_ranges(&self) -> bool {
-        true
-    }
-
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         for &i in &self.0 {
             blocks.add(&[i], &[i], &[3.0 * weights.q * Self::STIFFNESS * motion.q[i].powi(2)]);
         }
+    }
+
+    fn one_pass(&mut self) -> Option<&mut dyn OnePass> {
+        Some(self)
+    }
+}
+
+impl OnePass for Bed {
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, _v_dot: &[f64], force: &mut [f64]) {
+        self.add_force(motion, force);
+    }
+
+    fn by_range(&mut self) -> Option<&mut dyn ByRange> {
+        Some(self)
+    }
+}
+
+impl ByRange for Bed {
+    fn add_dynamic_force_within(&mut self, _: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.add_dynamic_force(motion, v_dot, force);
     }
 }
 
@@ -148,6 +167,21 @@ impl Force for Ropes {
         }
     }
 
+    /// The solver multiplies this mass.
+    fn add_mass(&self, blocks: &mut Blocks<'_>) {
+        Self::nodes().for_each(|i| blocks.add(&[i], &[i], &[0.5]));
+    }
+
+    fn low_rank(&mut self) -> Option<&mut dyn LowRank> {
+        Some(self)
+    }
+
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl LowRank for Ropes {
     fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         for i in Self::nodes() {
             let slope = if Self::pulls(motion, i) { weights.q * ROPE } else { 0.0 };
@@ -156,12 +190,9 @@ impl Force for Ropes {
             }
         }
     }
+}
 
-    /// The solver multiplies this mass.
-    fn add_mass(&self, blocks: &mut Blocks<'_>) {
-        Self::nodes().for_each(|i| blocks.add(&[i], &[i], &[0.5]));
-    }
-
+impl StepHistory for Ropes {
     fn end_step(&mut self, motion: &Motion<'_>) {
         self.slack_steps += usize::from(Self::nodes().any(|i| !Self::pulls(motion, i)));
     }
@@ -191,11 +222,6 @@ impl Contact {
 }
 
 impl Force for Contact {
-    fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
-        self.node = 100.0 + 100.0 * motion.t;
-        self.version += 1;
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let pressed = self.force(motion);
         self.closed = pressed > 0.0;
@@ -209,6 +235,20 @@ impl Force for Contact {
         blocks.add(&[NODES], &[NODES], &[0.0]);
     }
 
+    fn add_mass(&self, blocks: &mut Blocks<'_>) {
+        blocks.add(&[NODES], &[NODES], &[10.0]);
+    }
+
+    fn low_rank(&mut self) -> Option<&mut dyn LowRank> {
+        Some(self)
+    }
+
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl LowRank for Contact {
     fn push_updates(&mut self, _: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         if self.closed {
             let (node, [left, right]) = self.weights();
@@ -216,9 +256,12 @@ impl Force for Contact {
             updates.rank_one(0, self.version, weights.q * CONTACT, entries.into_iter());
         }
     }
+}
 
-    fn add_mass(&self, blocks: &mut Blocks<'_>) {
-        blocks.add(&[NODES], &[NODES], &[10.0]);
+impl StepHistory for Contact {
+    fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
+        self.node = 100.0 + 100.0 * motion.t;
+        self.version += 1;
     }
 }
 

@@ -1,7 +1,7 @@
 //! Steps that correct and evaluate only the rows with a remainder, against whole evaluations converged further.
 use dynamics::{
-    Blocks, Checkpoint, Force, GeneralizedAlpha, Layout, Motion, NewtonOptions, Simulator, State, System, Updates,
-    Weights,
+    Blocks, ByRange, Checkpoint, Force, GeneralizedAlpha, Layout, LowRank, Motion, NewtonOptions, OnePass, Simulator,
+    State, StepHistory, System, Updates, Weights,
 };
 use std::ops::Range;
 
@@ -42,30 +42,6 @@ impl Force for Chain {
         self.add(0..NODES, motion, None, force);
     }
 
-    fn multiplies_mass(&self) -> bool {
-        true
-    }
-
-    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.whole += 1;
-        self.add(0..NODES, motion, Some(v_dot), force);
-    }
-
-    fn evaluates_ranges(&self) -> bool {
-        self.evaluates_ranges
-    }
-
-    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        let range = range.start.min(NODES)..range.end.min(NODES);
-        self.within += range.len();
-        self.add(range.clone(), motion, Some(v_dot), force);
-        // Entries beside the range are not used by the solver.
-        let ends = [range.start.checked_sub(1), Some(range.end).filter(|&end| end < NODES)];
-        for beside in ends.into_iter().flatten() {
-            force[beside] = f64::NAN;
-        }
-    }
-
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         for i in 0..NODES {
             blocks.add(&[i], &[i], &[weights.q * FOUNDATION + weights.v]);
@@ -79,6 +55,34 @@ impl Force for Chain {
 
     fn add_mass(&self, blocks: &mut Blocks<'_>) {
         (0..NODES).for_each(|i| blocks.add(&[i], &[i], &[1.0]));
+    }
+
+    fn one_pass(&mut self) -> Option<&mut dyn OnePass> {
+        Some(self)
+    }
+}
+
+impl OnePass for Chain {
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.whole += 1;
+        self.add(0..NODES, motion, Some(v_dot), force);
+    }
+
+    fn by_range(&mut self) -> Option<&mut dyn ByRange> {
+        if self.evaluates_ranges { Some(self) } else { None }
+    }
+}
+
+impl ByRange for Chain {
+    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        let range = range.start.min(NODES)..range.end.min(NODES);
+        self.within += range.len();
+        self.add(range.clone(), motion, Some(v_dot), force);
+        // Entries beside the range are not used by the solver.
+        let ends = [range.start.checked_sub(1), Some(range.end).filter(|&end| end < NODES)];
+        for beside in ends.into_iter().flatten() {
+            force[beside] = f64::NAN;
+        }
     }
 }
 
@@ -106,11 +110,6 @@ impl Contact {
 }
 
 impl Force for Contact {
-    fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
-        self.node = 100.0 + 100.0 * motion.t;
-        self.version += 1;
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let depth = self.penetration(motion);
         self.closed = depth > 0.0;
@@ -127,6 +126,20 @@ impl Force for Contact {
         blocks.add(&[NODES], &[NODES], &[0.0]);
     }
 
+    fn add_mass(&self, blocks: &mut Blocks<'_>) {
+        blocks.add(&[NODES], &[NODES], &[10.0]);
+    }
+
+    fn low_rank(&mut self) -> Option<&mut dyn LowRank> {
+        Some(self)
+    }
+
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl LowRank for Contact {
     fn push_updates(&mut self, _: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         if self.closed {
             let (node, [left, right]) = self.weights();
@@ -134,9 +147,12 @@ impl Force for Contact {
             updates.rank_one(0, self.version, weights.q * CONTACT, entries.into_iter());
         }
     }
+}
 
-    fn add_mass(&self, blocks: &mut Blocks<'_>) {
-        blocks.add(&[NODES], &[NODES], &[10.0]);
+impl StepHistory for Contact {
+    fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
+        self.node = 100.0 + 100.0 * motion.t;
+        self.version += 1;
     }
 
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {

@@ -1,7 +1,7 @@
 //! A mass that is held on a path which passes under it, against closed forms.
 use dynamics::{
-    Blocks, Constraint, Force, GeneralizedAlpha, JacobianRows, Layout, Motion, NewtonOptions, State, System, Updates,
-    Weights,
+    Blocks, Constraint, Force, GeneralizedAlpha, JacobianRows, Layout, LowRank, Motion, NewtonOptions, State, System,
+    Updates, Weights,
 };
 
 /// kg, kg, N/m.
@@ -38,6 +38,12 @@ struct Rail(Path);
 impl Force for Rail {
     fn add_force(&mut self, _motion: &Motion<'_>, _force: &mut [f64]) {}
 
+    fn low_rank(&mut self) -> Option<&mut dyn LowRank> {
+        Some(self)
+    }
+}
+
+impl LowRank for Rail {
     fn push_updates(&mut self, _motion: &Motion<'_>, _weights: Weights, updates: &mut Updates) {
         updates.border(0, 0, 0, std::iter::once((0, -1.0, 0.0)));
     }

@@ -4,7 +4,7 @@ use crate::multibody::AppliedForce;
 use crate::pantograph::{self, BaseDisplacement, Equilibrium, Linkage, Pantograph, Target};
 use crate::rail_vehicle::Vehicle;
 use crate::{Air, Base, Displaced, VehicleError};
-use dynamics::{Constraint, Force, Frame, Layout, Marker, Motion, State};
+use dynamics::{Constraint, Force, Frame, Layout, Marker, Motion, PartVisitor, State};
 use nalgebra::Vector3;
 use scene::{PantographModel as Entry, Scene};
 use std::sync::Arc;
@@ -132,20 +132,15 @@ impl PantographModel {
 
     /// Visits every force in a fixed order.
     pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.vehicle_forces(visit);
-        self.pantograph_forces(visit);
+        self.parts(&mut |_, force| visit(force));
     }
 
-    /// Visits the forces of the vehicle: the first of [`PantographModel::forces`].
-    pub fn vehicle_forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+    /// Visits every force with the name of its part, in a fixed order: the vehicle first, then the pantograph.
+    pub fn parts(&mut self, visit: &mut PartVisitor<'_>) {
         if let BaseMotion::Vehicle(vehicle) = &mut self.base_motion {
-            vehicle.forces(visit);
+            vehicle.parts(visit);
         }
-    }
-
-    /// Visits the forces of the pantograph alone: the others of [`PantographModel::forces`].
-    pub fn pantograph_forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.pantograph.forces(visit);
+        self.pantograph.parts(visit);
     }
 
     /// Visits every constraint in a fixed order.

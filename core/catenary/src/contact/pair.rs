@@ -4,7 +4,7 @@ use super::sides::Sides;
 use super::state::{ContactState, Sensitivity, Variation, vary};
 use super::{ContactGeometry, OnWire, PenaltyContact};
 use crate::{CurveColumns, UnilateralStart, UnilateralStep, WireCurve};
-use dynamics::{Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
+use dynamics::{Columns, Force, Frame, LowRank, Marker, Motion, Power, StepHistory, Updates, Weights};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -220,29 +220,6 @@ impl OnWire for ContactPair {
 }
 
 impl Force for ContactPair {
-    fn part(&self) -> Option<&'static str> {
-        Some("contact")
-    }
-
-    fn begin_step(&mut self, motion: &Motion<'_>, h: f64) {
-        self.active = None;
-        self.found = None;
-        self.in_step = true;
-        self.step = UnilateralStep::new(self.reached, 0.5 * h);
-        let frame = self.strip.frame(motion);
-        if let Some(contact) = self.state_under(&frame, motion) {
-            self.s = contact.geometry.s;
-            self.share = contact.share();
-            let sides = Sides::new(&contact.geometry, &*self.curve, &*self.strip, motion);
-            self.direction.clear();
-            self.direction.extend(sides.gap_gradient());
-            self.version += 1;
-            self.load.begin_step(&contact.geometry, &*self.curve, &frame, motion.t);
-        } else {
-            self.load.clear_terms();
-        }
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         if self.in_step {
             self.load.add_to(force);
@@ -260,28 +237,6 @@ impl Force for ContactPair {
         let mut strip = Columns::default();
         self.strip.columns(motion, &mut strip);
         strip.add_force(&-on_wire, &(geometry.eta * geometry.axis), force);
-    }
-
-    fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
-        match self.tangent {
-            ContactTangent::RankOne => {
-                if self.active.is_some_and(|force| force > 0.0) {
-                    let closing = self.step.began_open().then(|| self.state(motion)).flatten();
-                    let (q, v) = match closing.map(|contact| contact.with_chord(weights)) {
-                        Some(contact) => (contact.stiffness, contact.damping),
-                        None => self.law.yielding(self.share),
-                    };
-                    let coefficient = weights.q * q + weights.v * v;
-                    updates.rank_one(0, self.version, coefficient, self.direction.iter().copied());
-                }
-            }
-            ContactTangent::Exact => {
-                if let Some(contact) = self.state(motion).filter(ContactState::closed) {
-                    let (indices, matrix) = self.exact_tangent(&contact.with_chord(weights), motion, weights);
-                    updates.dense(0, &indices, &matrix);
-                }
-            }
-        }
     }
 
     fn energy(&self, motion: &Motion<'_>) -> f64 {
@@ -305,6 +260,59 @@ impl Force for ContactPair {
             driven: -contact.force_on_strip().dot(&prescribed) + self.load.power(motion.v),
             dissipated: contact.dissipation(),
         })
+    }
+
+    fn low_rank(&mut self) -> Option<&mut dyn LowRank> {
+        Some(self)
+    }
+
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl LowRank for ContactPair {
+    fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
+        match self.tangent {
+            ContactTangent::RankOne => {
+                if self.active.is_some_and(|force| force > 0.0) {
+                    let closing = self.step.began_open().then(|| self.state(motion)).flatten();
+                    let (q, v) = match closing.map(|contact| contact.with_chord(weights)) {
+                        Some(contact) => (contact.stiffness, contact.damping),
+                        None => self.law.yielding(self.share),
+                    };
+                    let coefficient = weights.q * q + weights.v * v;
+                    updates.rank_one(0, self.version, coefficient, self.direction.iter().copied());
+                }
+            }
+            ContactTangent::Exact => {
+                if let Some(contact) = self.state(motion).filter(ContactState::closed) {
+                    let (indices, matrix) = self.exact_tangent(&contact.with_chord(weights), motion, weights);
+                    updates.dense(0, &indices, &matrix);
+                }
+            }
+        }
+    }
+}
+
+impl StepHistory for ContactPair {
+    fn begin_step(&mut self, motion: &Motion<'_>, h: f64) {
+        self.active = None;
+        self.found = None;
+        self.in_step = true;
+        self.step = UnilateralStep::new(self.reached, 0.5 * h);
+        let frame = self.strip.frame(motion);
+        if let Some(contact) = self.state_under(&frame, motion) {
+            self.s = contact.geometry.s;
+            self.share = contact.share();
+            let sides = Sides::new(&contact.geometry, &*self.curve, &*self.strip, motion);
+            self.direction.clear();
+            self.direction.extend(sides.gap_gradient());
+            self.version += 1;
+            self.load.begin_step(&contact.geometry, &*self.curve, &frame, motion.t);
+        } else {
+            self.load.clear_terms();
+        }
     }
 
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {

@@ -2,7 +2,9 @@
 use super::sides::Sides;
 use super::{ContactGeometry, ContactState, ContactTangent, OnWire, PrescribedStrip};
 use crate::{CurveColumns, WireCurve};
-use dynamics::{Columns, Constraint, Force, Frame, JacobianRows, Marker, Motion, Updates, Weights};
+use dynamics::{
+    Columns, Constraint, Force, Frame, JacobianRows, LowRank, Marker, Motion, StepHistory, Updates, Weights,
+};
 use std::sync::Arc;
 
 /// The sliding joint between collector strip and contact wire [Thesis, section 4.2.1; Pappalardo et al. 2015]: one
@@ -120,20 +122,19 @@ impl OnWire for SlidingJoint {
 }
 
 impl Force for SlidingJoint {
-    fn part(&self) -> Option<&'static str> {
-        Some("contact")
-    }
-
-    fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
-        if let Some(geometry) = self.geometry(motion) {
-            self.s = geometry.s;
-            self.turn(&geometry, motion);
-        }
-    }
-
     /// Adds nothing, because the multiplier is the force.
     fn add_force(&mut self, _motion: &Motion<'_>, _force: &mut [f64]) {}
 
+    fn low_rank(&mut self) -> Option<&mut dyn LowRank> {
+        Some(self)
+    }
+
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl LowRank for SlidingJoint {
     fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         // With one direction for a step, the turn of the direction leaves an error of the order of `κ Δs Δq` in the
         // equation after a correction `Δq`.
@@ -149,6 +150,15 @@ impl Force for SlidingJoint {
             updates.dense(3, &indices, &matrix);
         }
         updates.border(0, self.version, self.multiplier, self.direction.iter().copied());
+    }
+}
+
+impl StepHistory for SlidingJoint {
+    fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
+        if let Some(geometry) = self.geometry(motion) {
+            self.s = geometry.s;
+            self.turn(&geometry, motion);
+        }
     }
 
     fn save(&self, out: &mut Vec<f64>) {

@@ -1,7 +1,7 @@
 //! Droppers: the ties between messenger wire and contact wire.
 use crate::unilateral::{restore_step, save_step, unilateral_force};
 use crate::{Attachment, UnilateralStart, UnilateralStep};
-use dynamics::{Blocks, Force, Motion, Power, Updates, Weights};
+use dynamics::{Blocks, ByRange, Force, LowRank, Motion, OnePass, Power, StepHistory, Updates, Weights};
 use lanes::{DropperGroup, EndMass, Evaluate, Extensions, LANES, Move, Step};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
@@ -294,36 +294,10 @@ impl Droppers {
 }
 
 impl Force for Droppers {
-    fn part(&self) -> Option<&'static str> {
-        Some("droppers")
-    }
-
-    fn begin_step(&mut self, _: &Motion<'_>, h: f64) {
-        self.half = 0.5 * h;
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.pull(EVERYWHERE, motion, force);
         self.evaluated = false;
         self.weigh(&EVERYWHERE, None, force);
-    }
-
-    fn multiplies_mass(&self) -> bool {
-        true
-    }
-
-    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.add_dynamic_force_within(EVERYWHERE, motion, v_dot, force);
-        self.evaluated = true;
-    }
-
-    fn evaluates_ranges(&self) -> bool {
-        true
-    }
-
-    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.weigh(&range, Some(v_dot), force);
-        self.pull(range, motion, force);
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
@@ -349,26 +323,6 @@ impl Force for Droppers {
             dropper.upper.add_relative_block(&dropper.lower, &block, blocks);
         }
         self.find_common_slopes();
-    }
-
-    fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
-        let taut = weights.q * self.law.stiffness + weights.v * self.law.damping;
-        for (group, common) in self.common_slopes.iter().enumerate() {
-            if *common == Some(taut) && self.evaluated && self.extensions.taut[group] {
-                continue;
-            }
-            let first = group * LANES;
-            for slot in first..self.droppers.len().min(first + LANES) {
-                let (elongation, rate) = self.extension(slot, motion);
-                let step = self.step_of(self.start_closure[slot]);
-                let coefficient = self.law.slope(step, elongation, rate, weights) - self.assembled.slopes[slot];
-                if coefficient != 0.0 {
-                    let direction = Vector3::from(self.assembled.directions[slot]);
-                    let gradient = self.droppers[slot].gradient(direction);
-                    updates.rank_one(slot as u32, self.version, coefficient, gradient);
-                }
-            }
-        }
     }
 
     fn add_mass(&self, blocks: &mut Blocks<'_>) {
@@ -402,6 +356,64 @@ impl Force for Droppers {
             driven: 0.0,
             dissipated: heat.sum(),
         })
+    }
+
+    fn one_pass(&mut self) -> Option<&mut dyn OnePass> {
+        Some(self)
+    }
+
+    fn low_rank(&mut self) -> Option<&mut dyn LowRank> {
+        Some(self)
+    }
+
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl OnePass for Droppers {
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.add_dynamic_force_within(EVERYWHERE, motion, v_dot, force);
+        self.evaluated = true;
+    }
+
+    fn by_range(&mut self) -> Option<&mut dyn ByRange> {
+        Some(self)
+    }
+}
+
+impl ByRange for Droppers {
+    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.weigh(&range, Some(v_dot), force);
+        self.pull(range, motion, force);
+    }
+}
+
+impl LowRank for Droppers {
+    fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
+        let taut = weights.q * self.law.stiffness + weights.v * self.law.damping;
+        for (group, common) in self.common_slopes.iter().enumerate() {
+            if *common == Some(taut) && self.evaluated && self.extensions.taut[group] {
+                continue;
+            }
+            let first = group * LANES;
+            for slot in first..self.droppers.len().min(first + LANES) {
+                let (elongation, rate) = self.extension(slot, motion);
+                let step = self.step_of(self.start_closure[slot]);
+                let coefficient = self.law.slope(step, elongation, rate, weights) - self.assembled.slopes[slot];
+                if coefficient != 0.0 {
+                    let direction = Vector3::from(self.assembled.directions[slot]);
+                    let gradient = self.droppers[slot].gradient(direction);
+                    updates.rank_one(slot as u32, self.version, coefficient, gradient);
+                }
+            }
+        }
+    }
+}
+
+impl StepHistory for Droppers {
+    fn begin_step(&mut self, _: &Motion<'_>, h: f64) {
+        self.half = 0.5 * h;
     }
 
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {

@@ -5,7 +5,7 @@ use crate::{
     Attachment, DropperLaw, DropperSample, Line, StaticLine, UnilateralStart, UnilateralStep, Wire, WireCurve,
     WireDrag, WireName,
 };
-use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Updates, Weights};
+use dynamics::{Blocks, Force, Layout, LowRank, Motion, PartVisitor, SparseMatrix, StepHistory, Updates, Weights};
 use std::sync::Arc;
 
 /// A dropper whose elongation is linear in the coordinates: `δ = δ₀ + g·q`, and whose force acts along `g`.
@@ -93,14 +93,6 @@ impl LinearDroppers {
 }
 
 impl Force for LinearDroppers {
-    fn part(&self) -> Option<&'static str> {
-        Some("droppers")
-    }
-
-    fn begin_step(&mut self, _: &Motion<'_>, h: f64) {
-        self.half = 0.5 * h;
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         for (index, dropper) in self.droppers.iter().enumerate() {
             let ((elongation, rate), step) = (dropper.extension(motion), self.step(index));
@@ -125,6 +117,24 @@ impl Force for LinearDroppers {
         }
     }
 
+    fn energy(&self, motion: &Motion<'_>) -> f64 {
+        let energies = self
+            .droppers
+            .iter()
+            .map(|dropper| self.law.energy(dropper.extension(motion).0));
+        energies.sum()
+    }
+
+    fn low_rank(&mut self) -> Option<&mut dyn LowRank> {
+        Some(self)
+    }
+
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl LowRank for LinearDroppers {
     fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         for (index, dropper) in self.droppers.iter().enumerate() {
             let coefficient = self.slope(index, motion, weights) - self.assembled[index];
@@ -135,13 +145,11 @@ impl Force for LinearDroppers {
             updates.rank_one(index as u32, 0, coefficient, dropper.gradient.iter().copied());
         }
     }
+}
 
-    fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let energies = self
-            .droppers
-            .iter()
-            .map(|dropper| self.law.energy(dropper.extension(motion).0));
-        energies.sum()
+impl StepHistory for LinearDroppers {
+    fn begin_step(&mut self, _: &Motion<'_>, h: f64) {
+        self.half = 0.5 * h;
     }
 
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
@@ -328,16 +336,21 @@ impl LinearLine {
             .collect()
     }
 
-    /// Visits every contribution, always in the same order.
-    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+    /// Visits every contribution with the name of its part, always in the same order.
+    pub fn parts(&mut self, visit: &mut PartVisitor<'_>) {
         for wire in &mut self.wires {
-            visit(wire);
+            visit("wires", wire);
         }
-        visit(&mut self.force);
-        visit(&mut self.droppers);
+        visit("wires", &mut self.force);
+        visit("droppers", &mut self.droppers);
         for drag in &mut self.drag {
-            visit(drag);
+            visit("wind_wires", drag);
         }
+    }
+
+    /// Visits every contribution, in the order of [`LinearLine::parts`].
+    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.parts(&mut |_, force| visit(force));
     }
 
     /// The contact wire as contact sees it.
@@ -382,7 +395,7 @@ impl Linear {
             .map(|&name| line.wire(name).linearised())
             .collect();
         let mut in_matrices = |visit: &mut dyn FnMut(&mut dyn Force)| match &wires {
-            Some(_) => line.attachments(visit),
+            Some(_) => line.attachments(&mut |_, force| visit(force)),
             None => line.forces(visit),
         };
         let mut tangent = |weights: Weights| {

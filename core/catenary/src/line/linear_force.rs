@@ -1,5 +1,5 @@
 //! A force linear in the motion.
-use dynamics::{Blocks, Force, Motion, SparseMatrix, Weights};
+use dynamics::{Blocks, ByRange, Force, Motion, OnePass, SparseMatrix, Weights};
 use std::ops::Range;
 
 /// A force linear in coordinates, velocities and accelerations.
@@ -128,10 +128,6 @@ impl LinearForce {
 }
 
 impl Force for LinearForce {
-    fn part(&self) -> Option<&'static str> {
-        Some("wires")
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.add(0..force.len(), motion, None, force);
     }
@@ -145,28 +141,32 @@ impl Force for LinearForce {
         self.add_to(&self.mass, 1.0, blocks);
     }
 
-    fn multiplies_mass(&self) -> bool {
-        true
+    fn energy(&self, motion: &Motion<'_>) -> f64 {
+        let work: f64 = self.load.iter().zip(motion.q).map(|(load, q)| load * q).sum();
+        0.5 * self.stiffness.quadratic_form(motion.q) - work
     }
 
+    fn one_pass(&mut self) -> Option<&mut dyn OnePass> {
+        Some(self)
+    }
+}
+
+impl OnePass for LinearForce {
     fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
         self.add(0..force.len(), motion, Some(v_dot), force);
     }
 
-    fn evaluates_ranges(&self) -> bool {
-        true
+    fn by_range(&mut self) -> Option<&mut dyn ByRange> {
+        Some(self)
     }
+}
 
+impl ByRange for LinearForce {
     fn is_linear(&self) -> bool {
         true
     }
 
     fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
         self.add(range, motion, Some(v_dot), force);
-    }
-
-    fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let work: f64 = self.load.iter().zip(motion.q).map(|(load, q)| load * q).sum();
-        0.5 * self.stiffness.quadratic_form(motion.q) - work
     }
 }

@@ -8,7 +8,7 @@ use crate::{
     Supports, Topology, Wire, WireCurve, WireDirectors, WireDrag, WireGeometry, WireName, WireNode, WireSection,
     WiresInWind,
 };
-use dynamics::{Force, Motion};
+use dynamics::{Force, Motion, PartVisitor};
 use nalgebra::Vector3;
 use scene::{AxialStrain, Catenary, WireEnds};
 use std::sync::Arc;
@@ -215,25 +215,30 @@ impl Line {
         std::mem::take(&mut self.drag)
     }
 
-    /// Visits every contribution, always in the same order.
-    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        visit(&mut self.contact_wire);
-        visit(&mut self.messenger_wire);
+    /// Visits every contribution with the name of its part, always in the same order.
+    pub fn parts(&mut self, visit: &mut PartVisitor<'_>) {
+        visit("wires", &mut self.contact_wire);
+        visit("wires", &mut self.messenger_wire);
         if let Some(directors) = &mut self.directors {
-            visit(directors);
+            visit("wires", directors);
         }
         self.attachments(visit);
         for drag in &mut self.drag {
-            visit(drag);
+            visit("wind_wires", drag);
         }
     }
 
+    /// Visits every contribution, in the order of [`Line::parts`].
+    pub fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.parts(&mut |_, force| visit(force));
+    }
+
     /// Visits all contributions except the wires and the wind on them.
-    pub(crate) fn attachments(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        visit(&mut self.droppers);
-        visit(&mut self.supports);
-        visit(&mut self.arms);
-        visit(&mut self.ends);
+    pub(crate) fn attachments(&mut self, visit: &mut PartVisitor<'_>) {
+        visit("droppers", &mut self.droppers);
+        visit("supports", &mut self.supports);
+        visit("registration_arms", &mut self.arms);
+        visit("supports", &mut self.ends);
     }
 
     /// The contact wire as contact sees it.

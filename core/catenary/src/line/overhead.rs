@@ -1,6 +1,6 @@
 //! Interface of any line for contact and coupling.
 use crate::{DropperSample, Line, LinearLine, OnWire, WireCurve, WireName};
-use dynamics::{Continuity, Force, Layout, Motion, State};
+use dynamics::{Continuity, Force, Layout, Motion, PartVisitor, State};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;
@@ -8,8 +8,13 @@ use std::sync::Arc;
 /// A line as contact and coupling see it: the nonlinear [`Line`] in any of its dimensions, a [`LinearLine`] or a
 /// [`crate::WindowedLine`]. [`crate::scene_line`] makes the line of a scene.
 pub trait OverheadLine: Send {
-    /// Visits every contribution, always in the same order.
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force));
+    /// Visits every contribution with the name of its part, always in the same order.
+    fn parts(&mut self, visit: &mut PartVisitor<'_>);
+
+    /// Visits every contribution, in the order of [`OverheadLine::parts`].
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.parts(&mut |_, force| visit(force));
+    }
 
     /// The contact wire as contact sees it.
     fn contact_curve(&self) -> Arc<dyn WireCurve>;
@@ -131,8 +136,8 @@ fn take_over<C: OnWire>(continuity: Continuity, line: &dyn OverheadLine, contact
 }
 
 impl OverheadLine for Line {
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.forces(visit);
+    fn parts(&mut self, visit: &mut PartVisitor<'_>) {
+        self.parts(visit);
     }
 
     fn contact_curve(&self) -> Arc<dyn WireCurve> {
@@ -165,8 +170,8 @@ impl OverheadLine for Line {
 }
 
 impl OverheadLine for LinearLine {
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.forces(visit);
+    fn parts(&mut self, visit: &mut PartVisitor<'_>) {
+        self.parts(visit);
     }
 
     fn contact_curve(&self) -> Arc<dyn WireCurve> {

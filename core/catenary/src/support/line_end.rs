@@ -36,10 +36,6 @@ impl LineEnds {
 }
 
 impl Force for LineEnds {
-    fn part(&self) -> Option<&'static str> {
-        Some("supports")
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         for end in &self.ends {
             force[end.index] += end.force - HOLDING_STIFFNESS * motion.q[end.index];

@@ -24,10 +24,6 @@ impl Supports {
 }
 
 impl Force for Supports {
-    fn part(&self) -> Option<&'static str> {
-        Some("supports")
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         for support in &self.supports {
             support.node.add_force(&support.force(motion), force);

@@ -35,10 +35,6 @@ impl RegistrationArms {
 }
 
 impl Force for RegistrationArms {
-    fn part(&self) -> Option<&'static str> {
-        Some("registration_arms")
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         for arm in &self.arms {
             let mut f = arm.force(motion);

@@ -151,10 +151,6 @@ impl Element {
 }
 
 impl Force for WireDirectors {
-    fn part(&self) -> Option<&'static str> {
-        Some("wires")
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         for element in &self.elements {
             let strain = element.section.force(&element.coordinates(motion.q));

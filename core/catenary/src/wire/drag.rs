@@ -5,7 +5,7 @@ use super::places::{BLOCK, NODES, NodeArrays, NodePlaces};
 use super::rows::NodeRows;
 use crate::ancf::ShapeFunctions;
 use crate::simd::{GROUP, Transpose};
-use dynamics::{Blocks, CrossFlow, Force, Motion, Power, Weights, Wind};
+use dynamics::{Blocks, ByRange, CrossFlow, Force, Motion, OnePass, Power, Weights, Wind};
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, WithSimd};
 use std::ops::Range;
@@ -314,31 +314,8 @@ fn add_group(law: &CrossFlow, group: &DragGroup, first: usize, wind: [&[f64]; 3]
 }
 
 impl Force for WireDrag {
-    fn part(&self) -> Option<&'static str> {
-        Some("wind")
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.add(0..usize::MAX, motion, force);
-    }
-
-    /// True, because the drag has no mass.
-    fn multiplies_mass(&self) -> bool {
-        true
-    }
-
-    fn evaluates_ranges(&self) -> bool {
-        self.places.ascend()
-    }
-
-    fn add_dynamic_force_within(
-        &mut self,
-        range: Range<usize>,
-        motion: &Motion<'_>,
-        _v_dot: &[f64],
-        force: &mut [f64],
-    ) {
-        self.add(range, motion, force);
     }
 
     /// Tangent with respect to the velocities. The force also turns with the wire's slope, by the drag itself per
@@ -381,6 +358,32 @@ impl Force for WireDrag {
             });
         }
         Some(power)
+    }
+
+    fn one_pass(&mut self) -> Option<&mut dyn OnePass> {
+        Some(self)
+    }
+}
+
+impl OnePass for WireDrag {
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, _v_dot: &[f64], force: &mut [f64]) {
+        self.add_force(motion, force);
+    }
+
+    fn by_range(&mut self) -> Option<&mut dyn ByRange> {
+        if self.places.ascend() { Some(self) } else { None }
+    }
+}
+
+impl ByRange for WireDrag {
+    fn add_dynamic_force_within(
+        &mut self,
+        range: Range<usize>,
+        motion: &Motion<'_>,
+        _v_dot: &[f64],
+        force: &mut [f64],
+    ) {
+        self.add(range, motion, force);
     }
 }
 

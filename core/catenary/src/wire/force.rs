@@ -6,7 +6,7 @@ use super::layer::Layers;
 use crate::ancf::{
     AxialLaw, BendingLaw, CableSection, Length, Slopes, Tangent, bending_matrix, mass_matrix, tension_matrix,
 };
-use dynamics::{Blocks, Force, Motion, Weights};
+use dynamics::{Blocks, ByRange, Force, Motion, OnePass, Weights};
 use nalgebra::Matrix4;
 use std::ops::Range;
 use std::sync::Arc;
@@ -353,38 +353,44 @@ pub(super) fn element_matrix(length: f64, weights: &Products<f64>) -> Matrix4<f6
 }
 
 impl Force for Wire {
-    fn part(&self) -> Option<&'static str> {
-        Some("wires")
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.batch.add_force(EVERYWHERE, motion, None, force);
         self.layers.add_force(EVERYWHERE, motion, None, force);
     }
 
-    fn multiplies_mass(&self) -> bool {
-        true
-    }
-
-    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.add_dynamic_force_within(EVERYWHERE, motion, v_dot, force);
-    }
-
-    fn evaluates_ranges(&self) -> bool {
-        self.batch.ascends()
-    }
-
-    fn is_linear(&self) -> bool {
-        self.linear
-    }
-
-    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.batch.add_force(range.clone(), motion, Some(v_dot), force);
-        self.layers.add_force(range, motion, Some(v_dot), force);
-    }
-
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         self.add_dynamic_tangent(motion, weights, 0.0, blocks);
+    }
+
+    fn add_mass(&self, blocks: &mut Blocks<'_>) {
+        self.add_constant(&self.constants.mass, blocks);
+    }
+
+    /// Strain energy and the weight's potential relative to the reference, J.
+    fn energy(&self, motion: &Motion<'_>) -> f64 {
+        let (nodes, weight) = (self.geometry.nodes(), self.constants.weight);
+        let elements: f64 = self
+            .elements
+            .iter()
+            .enumerate()
+            .map(|(i, element)| {
+                let l = element.length;
+                let (r1, r1_x) = nodes[i].map.gather(motion.q);
+                let (r2, r2_x) = nodes[i + 1].map.gather(motion.q);
+                0.5 * l * (r1.z + r2.z) + l * l / 12.0 * (r1_x.z - r2_x.z)
+            })
+            .sum();
+        self.strain_energy(motion.q) + weight * (elements + self.layers.weight_lift(motion.q))
+    }
+
+    fn one_pass(&mut self) -> Option<&mut dyn OnePass> {
+        Some(self)
+    }
+}
+
+impl OnePass for Wire {
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.add_dynamic_force_within(EVERYWHERE, motion, v_dot, force);
     }
 
     fn add_dynamic_tangent(
@@ -413,24 +419,18 @@ impl Force for Wire {
         self.layers.add_blocks(&self.geometry, &weights, blocks);
     }
 
-    fn add_mass(&self, blocks: &mut Blocks<'_>) {
-        self.add_constant(&self.constants.mass, blocks);
+    fn by_range(&mut self) -> Option<&mut dyn ByRange> {
+        if self.batch.ascends() { Some(self) } else { None }
+    }
+}
+
+impl ByRange for Wire {
+    fn is_linear(&self) -> bool {
+        self.linear
     }
 
-    /// Strain energy and the weight's potential relative to the reference, J.
-    fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let (nodes, weight) = (self.geometry.nodes(), self.constants.weight);
-        let elements: f64 = self
-            .elements
-            .iter()
-            .enumerate()
-            .map(|(i, element)| {
-                let l = element.length;
-                let (r1, r1_x) = nodes[i].map.gather(motion.q);
-                let (r2, r2_x) = nodes[i + 1].map.gather(motion.q);
-                0.5 * l * (r1.z + r2.z) + l * l / 12.0 * (r1_x.z - r2_x.z)
-            })
-            .sum();
-        self.strain_energy(motion.q) + weight * (elements + self.layers.weight_lift(motion.q))
+    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.batch.add_force(range.clone(), motion, Some(v_dot), force);
+        self.layers.add_force(range, motion, Some(v_dot), force);
     }
 }

@@ -2,7 +2,7 @@ use super::enrichment::{End, LayerIntegrals, Products};
 use super::*;
 use crate::ancf::{AxialLaw, BendingLaw, bending_matrix, tension_matrix};
 use crate::{CurveColumns, WireCurve};
-use dynamics::{Blocks, Columns, Force, Marker, Motion, Weights};
+use dynamics::{Blocks, Columns, Force, Marker, Motion, OnePass, Weights};
 use nalgebra::{DMatrix, DVector, Vector3, Vector4};
 use std::sync::Arc;
 

@@ -1,4 +1,5 @@
 //! Generalized-α time integration of constrained systems.
+use crate::capability::visit_histories;
 use crate::integrate::convergence_estimate::ConvergenceEstimate;
 use crate::integrate::formulation::{Formulation, Stepped};
 use crate::integrate::memory::{Linearisation, restore_history};
@@ -101,7 +102,7 @@ impl GeneralizedAlpha {
         h: f64,
     ) -> Result<(), StepError> {
         self.start_history.clear();
-        system.forces(&mut |force| force.save(&mut self.start_history));
+        visit_histories(system, &mut |kept| kept.save(&mut self.start_history));
         let result = self.attempt(system, state, u, t_end, h);
         match &result {
             Ok(()) => self.memory.last_h = Some(h),
@@ -172,7 +173,7 @@ impl GeneralizedAlpha {
         self.predict(system, state, t_end, h);
         let moving = &mut self.memory.moving;
         moving.begin(workspace.moving(), &self.scheme, stretch, &mut state.lambda);
-        system.forces(&mut |force| force.begin_step(&state.motion(u), h));
+        visit_histories(system, &mut |kept| kept.begin_step(&state.motion(u), h));
         let n = state.q.len();
         let options = self.options;
         let mut last_ratio = f64::INFINITY;
@@ -210,7 +211,7 @@ impl GeneralizedAlpha {
             }
             if residual.ratio <= 1.0 {
                 self.memory.convergence_estimate.end_step(false);
-                system.forces(&mut |force| force.end_step(&motion));
+                visit_histories(system, &mut |kept| kept.end_step(&motion));
                 let moving = &mut self.memory.moving;
                 moving.end(workspace.moving(), &self.scheme, (h, stretch), &mut state.lambda);
                 return Ok(());
@@ -258,7 +259,7 @@ impl GeneralizedAlpha {
             {
                 self.counters.foreseen += 1;
                 self.memory.convergence_estimate.end_step(true);
-                system.forces(&mut |force| force.end_step(&state.motion(u)));
+                visit_histories(system, &mut |kept| kept.end_step(&state.motion(u)));
                 self.residuals.push(residual.value * left / residual.ratio);
                 return Ok(());
             }
@@ -292,7 +293,7 @@ impl GeneralizedAlpha {
         h: f64,
     ) -> Result<(), StepError> {
         let mut history = Vec::new();
-        system.forces(&mut |force| force.save(&mut history));
+        visit_histories(system, &mut |kept| kept.save(&mut history));
         let linearisation = Linearisation {
             h,
             t: motion.t,
@@ -479,6 +480,6 @@ impl GeneralizedAlpha {
 /// Returns `true` if all forces come from the same branch of their law as at their last evaluation.
 fn continues_to(system: &mut dyn System, motion: &Motion<'_>) -> bool {
     let mut continues = true;
-    system.forces(&mut |force| continues = continues && force.continues_to(motion));
+    visit_histories(system, &mut |kept| continues = continues && kept.continues_to(motion));
     continues
 }

@@ -1,4 +1,5 @@
 //! Memory of the integrator from step to step, saved and restored.
+use crate::capability::visit_histories;
 use crate::integrate::convergence_estimate::ConvergenceEstimate;
 use crate::integrate::moving_multipliers::MovingMultipliers;
 use crate::{Continuity, GeneralizedAlpha, State, StepError, System};
@@ -54,7 +55,7 @@ impl GeneralizedAlpha {
             .convergence_estimate
             .clone_from(&self.memory.convergence_estimate);
         memory.history.clear();
-        system.forces(&mut |force| force.save(&mut memory.history));
+        visit_histories(system, &mut |kept| kept.save(&mut memory.history));
     }
 
     /// Takes back what [`GeneralizedAlpha::save`] stored.
@@ -97,6 +98,6 @@ impl GeneralizedAlpha {
 
 pub(super) fn restore_history(system: &mut dyn System, history: &[f64]) {
     let mut values = history.iter();
-    system.forces(&mut |force| force.restore(&mut values));
+    visit_histories(system, &mut |kept| kept.restore(&mut values));
     debug_assert!(values.next().is_none(), "a contribution saved more than it restored");
 }

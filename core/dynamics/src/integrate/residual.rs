@@ -1,5 +1,6 @@
 //! Residual of the equations of motion: evaluated whole, in the ranges that a correction has changed, or known without
 //! evaluation.
+use crate::capability::{add_dynamic_tangent, by_range};
 use crate::linear::iteration_matrix::{IterationMatrix, MovingRows, visit_jacobian, visit_still_jacobian};
 use crate::{Blocks, Layout, Motion, NewtonOptions, SparseMatrix, System, Updates, Weights};
 use pulp::{Arch, Simd, WithSimd};
@@ -112,8 +113,10 @@ impl LinearPart {
             let mut rows = vec![false; coordinates];
             let mut blocks = Blocks::mark(&mut rows);
             system.forces(&mut |force| {
-                if force.evaluates_ranges() && force.is_linear() == linear {
-                    force.add_dynamic_tangent(motion, Weights { q: 1.0, v: 1.0 }, 1.0, &mut blocks);
+                if let Some(by_range) = by_range(force)
+                    && by_range.is_linear() == linear
+                {
+                    by_range.add_dynamic_tangent(motion, Weights { q: 1.0, v: 1.0 }, 1.0, &mut blocks);
                 }
             });
             rows
@@ -150,8 +153,8 @@ impl LinearPart {
     fn linearise(&mut self, system: &mut dyn System, motion: &Motion<'_>, mass_weight: f64, weights: Weights) {
         let mut entries = Blocks::collect(|blocks| {
             system.forces(&mut |force| {
-                if !force.evaluates_ranges() {
-                    force.add_dynamic_tangent(motion, weights, mass_weight, blocks);
+                if by_range(force).is_none() {
+                    add_dynamic_tangent(force, motion, weights, mass_weight, blocks);
                 }
             });
         });
@@ -247,14 +250,14 @@ impl Imbalance {
         self.others.fill(0.0);
         let (local, others) = (&mut self.local, &mut self.others);
         system.forces(&mut |contribution| {
-            if contribution.evaluates_ranges() {
-                if whole {
-                    contribution.add_dynamic_force(motion, v_dot, local);
-                }
-            } else if contribution.multiplies_mass() {
-                contribution.add_dynamic_force(motion, v_dot, others);
-            } else {
+            let Some(one_pass) = contribution.one_pass() else {
                 contribution.add_force(motion, others);
+                return;
+            };
+            if one_pass.by_range().is_none() {
+                one_pass.add_dynamic_force(motion, v_dot, others);
+            } else if whole {
+                one_pass.add_dynamic_force(motion, v_dot, local);
             }
         });
         matrix.subtract_inertia(v_dot, others);
@@ -274,8 +277,8 @@ impl Imbalance {
             self.scratch[range.clone()].fill(0.0);
             let scratch = &mut self.scratch;
             system.forces(&mut |contribution| {
-                if contribution.evaluates_ranges() {
-                    contribution.add_dynamic_force_within(range.clone(), motion, v_dot, scratch);
+                if let Some(by_range) = by_range(contribution) {
+                    by_range.add_dynamic_force_within(range.clone(), motion, v_dot, scratch);
                 }
             });
             self.local[range.clone()].copy_from_slice(&self.scratch[range]);
@@ -330,7 +333,7 @@ impl Imbalance {
         let force = &mut self.sum[..self.coordinates];
         let mut add = |motion: &Motion<'_>| {
             system.forces(&mut |contribution| {
-                if !contribution.evaluates_ranges() {
+                if by_range(contribution).is_none() {
                     contribution.add_force(motion, force);
                 }
             });

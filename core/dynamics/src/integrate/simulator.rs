@@ -1,4 +1,5 @@
 //! A system in time: sub-steps inside a communication step, with its state saved and restored as a whole.
+use crate::capability::visit_histories;
 use crate::linear::iteration_matrix::mass_matrix;
 use crate::{
     Continuity, Counters, EnergyBalance, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions,
@@ -96,7 +97,7 @@ impl<S: System> Simulator<S> {
     /// Starts a motion at the present state with known accelerations: contributions prepare the first step.
     pub fn begin(&mut self) {
         let motion = self.state.motion(&self.u);
-        self.system.forces(&mut |force| force.end_step(&motion));
+        visit_histories(&mut self.system, &mut |kept| kept.end_step(&motion));
     }
 
     /// Takes a jump of the inputs from `before` to the present ones into the accelerations, at the start of a

@@ -38,7 +38,9 @@ pub(crate) fn accelerations(system: &mut dyn System, state: &mut State, u: &[f64
     }
     // End a step here: contributions prepare the first one.
     system.forces(&mut |force| {
-        force.end_step(&state.motion(u));
+        if let Some(kept) = force.step_history() {
+            kept.end_step(&state.motion(u));
+        }
         force.add_force(&state.motion(u), &mut right_side[..n]);
     });
     let h = 1e-6;

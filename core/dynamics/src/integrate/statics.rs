@@ -1,4 +1,5 @@
 //! Static equilibrium by Newton's method.
+use crate::capability::visit_histories;
 use crate::integrate::newton::name;
 use crate::integrate::residual::Since;
 use crate::integrate::workspace::Workspace;
@@ -72,7 +73,7 @@ fn solve(
     let mut workspace = Workspace::new(system, &state.motion(u));
     let weights = Weights { q: 1.0, v: 0.0 };
     let newton = &options.newton;
-    system.forces(&mut |force| force.begin_step(&state.motion(u), 0.0));
+    visit_histories(system, &mut |kept| kept.begin_step(&state.motion(u), 0.0));
     let mut best = f64::INFINITY;
     let mut stagnant = 0;
     for iteration in 0..=newton.max_iterations {
@@ -85,7 +86,7 @@ fn solve(
             });
         }
         if residual.ratio <= 1.0 {
-            system.forces(&mut |force| force.end_step(&motion));
+            visit_histories(system, &mut |kept| kept.end_step(&motion));
             return Ok(StaticReport {
                 iterations: iteration,
                 residual: residual.value,

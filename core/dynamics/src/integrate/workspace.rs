@@ -160,7 +160,9 @@ impl Workspace {
         let updates = &mut self.updates;
         system.forces(&mut |force| {
             updates.set_owner(owner);
-            force.push_updates(motion, weights, updates);
+            if let Some(low_rank) = force.low_rank() {
+                low_rank.push_updates(motion, weights, updates);
+            }
             owner += 1;
         });
         for value in &mut self.imbalance.sum[self.coordinates..] {

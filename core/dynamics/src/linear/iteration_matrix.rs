@@ -1,4 +1,5 @@
 //! The iteration matrix of a system: assembled into a pattern that is analysed once, factored part by part.
+use crate::capability::add_dynamic_tangent;
 use crate::constraint::RowSink;
 use crate::linear::low_rank::PLACEHOLDER;
 use crate::linear::part::{Part, Thresholds};
@@ -66,10 +67,10 @@ impl IterationMatrix {
         let mut mass_trace = 0.0;
         let mut blocks = Blocks::trace(&mut mass_trace);
         system.forces(&mut |force| force.add_mass(&mut blocks));
-        let multiplied_mass = selected_mass_matrix(system, |force| !force.multiplies_mass());
+        let multiplied_mass = selected_mass_matrix(system, |force| force.one_pass().is_none());
         let mut tangent = Vec::new();
         let mut blocks = Blocks::record(&mut tangent);
-        system.forces(&mut |force| force.add_dynamic_tangent(motion, Weights { q: 1.0, v: 1.0 }, 1.0, &mut blocks));
+        system.forces(&mut |force| add_dynamic_tangent(force, motion, Weights { q: 1.0, v: 1.0 }, 1.0, &mut blocks));
         let mut jacobian = Vec::new();
         let moving = visit_still_jacobian(system, motion, moving_rows, &mut |row, columns, _| {
             for &column in columns {
@@ -132,7 +133,7 @@ impl IterationMatrix {
     ) -> Result<(), Singular> {
         self.values.fill(0.0);
         let mut blocks = Blocks::add_to(&self.tangent_places, &mut self.values);
-        system.forces(&mut |force| force.add_dynamic_tangent(motion, weights, mass_weight, &mut blocks));
+        system.forces(&mut |force| add_dynamic_tangent(force, motion, weights, mass_weight, &mut blocks));
         debug_assert_eq!(
             blocks.entries(),
             self.tangent_places.len(),
@@ -230,7 +231,7 @@ pub(crate) fn mass_matrix(system: &mut dyn System) -> SparseMatrix {
 }
 
 /// The mass matrix of the contributions that are `selected`.
-fn selected_mass_matrix(system: &mut dyn System, selected: impl Fn(&dyn Force) -> bool) -> SparseMatrix {
+fn selected_mass_matrix(system: &mut dyn System, selected: impl Fn(&mut dyn Force) -> bool) -> SparseMatrix {
     let entries = Blocks::collect(|blocks| {
         system.forces(&mut |force| {
             if selected(force) {

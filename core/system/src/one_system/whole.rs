@@ -1,39 +1,13 @@
 //! Line and pantographs as one [`System`].
 
-use std::cell::Cell;
-
 use catenary::{OnWire, OverheadLine, Slackening, StripContact, adopt_state, follow_strips};
-use dynamics::{Constraint, Continuity, Force, Layout, Motion, Stage, State, System};
+use dynamics::{Constraint, Continuity, Force, Layout, Motion, PartVisitor, Stage, State, System};
 use vehicle::PantographModel;
 
 use component::Point;
 use component::exchange::{contact, strip};
 
 use crate::time_shares::Profile;
-
-/// Who visits a contribution, and in a profile the part that it then is, unless [`Force::part`] says another.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Owner {
-    Line,
-    Vehicle,
-    Pantograph,
-    Contact,
-}
-
-impl Owner {
-    /// The word of the summary.
-    fn part(self, own: Option<&'static str>) -> &'static str {
-        match (self, own) {
-            (Self::Line, Some("wind")) => "wind_wires",
-            (Self::Pantograph, Some("wind")) => "wind_pantograph",
-            (_, Some(own)) => own,
-            (Self::Line, None) => "catenary",
-            (Self::Vehicle, None) => "vehicle",
-            (Self::Pantograph, None) => "pantograph",
-            (Self::Contact, None) => "contact",
-        }
-    }
-}
 
 /// Line, pantographs and the contacts between them.
 pub(super) struct Whole {
@@ -52,12 +26,11 @@ impl System for Whole {
     }
 
     fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        let owner = Cell::new(Owner::Line);
         let Some(mut profile) = self.profile.take_if(|profile| profile.looks()) else {
-            return self.visit_forces(&owner, visit);
+            return self.parts(&mut |_, force| visit(force));
         };
-        self.visit_forces(&owner, &mut |force| {
-            profile.turn_to(owner.get().part(force.part()));
+        self.parts(&mut |part, force| {
+            profile.turn_to(part);
             visit(force);
         });
         profile.enter(Stage::Integration);
@@ -65,12 +38,11 @@ impl System for Whole {
     }
 
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
-        let owner = Cell::new(Owner::Vehicle);
         let Some(mut profile) = self.profile.take_if(|profile| profile.looks()) else {
-            return self.visit_constraints(&owner, visit);
+            return self.constraints_of_parts(&mut |_, constraint| visit(constraint));
         };
-        self.visit_constraints(&owner, &mut |constraint| {
-            profile.turn_to(owner.get().part(None));
+        self.constraints_of_parts(&mut |part, constraint| {
+            profile.turn_to(part);
             visit(constraint);
         });
         profile.enter(Stage::Integration);
@@ -104,32 +76,25 @@ impl System for Whole {
 }
 
 impl Whole {
-    /// Visits every force; `owner` is whose it is.
-    fn visit_forces(&mut self, owner: &Cell<Owner>, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.line.forces(visit);
+    /// Visits every force with the name of its part in the summary.
+    fn parts(&mut self, visit: &mut PartVisitor<'_>) {
+        self.line.parts(visit);
         for pantograph in &mut self.pantographs {
-            owner.set(Owner::Vehicle);
-            pantograph.vehicle_forces(visit);
-            owner.set(Owner::Pantograph);
-            pantograph.pantograph_forces(visit);
+            pantograph.parts(visit);
         }
-        owner.set(Owner::Contact);
         for contact in &mut self.contacts {
-            visit(contact.force());
+            visit("contact", contact.force());
         }
     }
 
-    /// Visits every constraint; `owner` is whose it is.
-    fn visit_constraints(&mut self, owner: &Cell<Owner>, visit: &mut dyn FnMut(&mut dyn Constraint)) {
+    /// Visits every constraint with the name of its part in the summary.
+    fn constraints_of_parts(&mut self, visit: &mut dyn FnMut(&'static str, &mut dyn Constraint)) {
         for pantograph in &mut self.pantographs {
-            owner.set(Owner::Vehicle);
-            pantograph.vehicle_constraints(visit);
-            owner.set(Owner::Pantograph);
-            pantograph.pantograph_constraints(visit);
+            pantograph.vehicle_constraints(&mut |constraint| visit("vehicle", constraint));
+            pantograph.pantograph_constraints(&mut |constraint| visit("pantograph", constraint));
         }
-        owner.set(Owner::Contact);
         for constraint in self.contacts.iter_mut().filter_map(StripContact::constraint) {
-            visit(constraint);
+            visit("contact", constraint);
         }
     }
 

@@ -7,14 +7,19 @@ use crate::base_motion::BaseMotion;
 use crate::error::Irreducible;
 use crate::rail_vehicle::Load;
 use crate::{Base, Placement, VehicleError};
-use dynamics::{Constraint, Force, Layout, Marker, Motion};
+use dynamics::{Constraint, Force, Layout, Marker, Motion, PartVisitor};
 use nalgebra::Vector3;
 use scene::PantographModel as Entry;
 
 /// A pantograph in the frame of its base: a contribution to a system with a strip, and statics of its own.
 pub(crate) trait Pantograph: std::fmt::Debug + Send {
-    /// Visits every force in a fixed order.
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force));
+    /// Visits every force with the name of its part, in a fixed order.
+    fn parts(&mut self, visit: &mut PartVisitor<'_>);
+
+    /// Visits every force, in the order of [`Pantograph::parts`].
+    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.parts(&mut |_, force| visit(force));
+    }
 
     /// Visits every joint in a fixed order.
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {

@@ -12,7 +12,7 @@ use crate::{Base, Travel, Travelling, VehicleError};
 use builder::Builder;
 #[cfg(test)]
 use dynamics::State;
-use dynamics::{AerodynamicLaw, Constraint, Force, Layout, Marker, Motion};
+use dynamics::{AerodynamicLaw, Constraint, Force, Layout, Marker, Motion, PartVisitor};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use scene::Linkage as Entry;
 
@@ -211,17 +211,17 @@ impl Linkage {
 }
 
 impl Pantograph for Linkage {
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+    fn parts(&mut self, visit: &mut PartVisitor<'_>) {
         for body in &mut self.bodies {
-            visit(body);
+            visit("pantograph", body);
         }
-        visit(&mut self.suspension);
-        visit(&mut self.uplift);
+        visit("pantograph", &mut self.suspension);
+        visit("pantograph", &mut self.uplift);
         for air in self.air.as_mut_slice() {
-            visit(air);
+            visit("wind_pantograph", air);
         }
         if let Some(inertia) = &mut self.inertia {
-            visit(inertia);
+            visit("pantograph", inertia);
         }
     }
 

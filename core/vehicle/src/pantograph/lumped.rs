@@ -8,7 +8,7 @@ use super::interface::Pantograph;
 use crate::{Base, Travel, Travelling, VehicleError};
 pub(super) use chain::{ChainElement, ChainInertia, HeadMarker};
 use chain::{ChainMasses, Foot};
-use dynamics::{AerodynamicLaw, Force, Layout, Marker, Motion};
+use dynamics::{AerodynamicLaw, Force, Layout, Marker, Motion, PartVisitor};
 use nalgebra::{Matrix3, Vector3};
 
 /// A vertical chain of masses, collector head first, each on a spring–damper, the last one on the base.
@@ -179,16 +179,16 @@ impl Lumped {
 }
 
 impl Pantograph for Lumped {
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        visit(&mut self.masses);
+    fn parts(&mut self, visit: &mut PartVisitor<'_>) {
+        visit("pantograph", &mut self.masses);
         for element in &mut self.elements {
-            visit(element);
+            visit("pantograph", element);
         }
         for air in self.air.as_mut_slice() {
-            visit(air);
+            visit("wind_pantograph", air);
         }
         if let Some(inertia) = &mut self.inertia {
-            visit(inertia);
+            visit("pantograph", inertia);
         }
     }
 

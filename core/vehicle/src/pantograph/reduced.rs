@@ -15,7 +15,7 @@ use super::linkage::Linkage;
 use crate::error::Irreducible;
 use crate::{Base, Travelling, VehicleError};
 use curve::{MotionCurve, Node, Path};
-use dynamics::{AerodynamicLaw, Force, Layout, Marker, Motion};
+use dynamics::{AerodynamicLaw, Force, Layout, Marker, Motion, PartVisitor};
 use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
 pub(crate) use one_motion::ReducedStrip;
 use one_motion::{OneMotion, StripBodyPosition};
@@ -234,10 +234,10 @@ impl ReducedLinkage {
 }
 
 impl Pantograph for ReducedLinkage {
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        visit(self);
+    fn parts(&mut self, visit: &mut PartVisitor<'_>) {
+        visit("pantograph", self);
         for air in self.air.as_mut_slice() {
-            visit(air);
+            visit("wind_pantograph", air);
         }
     }
 

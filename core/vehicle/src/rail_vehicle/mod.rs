@@ -26,7 +26,7 @@ use crate::multibody::{BodyMarker, Bushing, Joint, RigidBody};
 use crate::pantograph::Offsets;
 use crate::travel::Travel;
 pub(crate) use curve_inertia::CurveInertia;
-use dynamics::{Constraint, Force, Frame, Marker, Motion, State};
+use dynamics::{Constraint, Force, Frame, Marker, Motion, PartVisitor, State};
 pub(crate) use rolling_wheel::RollingWheel;
 pub(crate) use spin::Spin;
 pub(crate) use statics::{Load, VehicleRest};
@@ -49,6 +49,14 @@ impl VehicleWheel {
         match self {
             Self::Spring(wheel) => wheel.load(motion),
             Self::Rolling(wheel) => wheel.force(motion).z,
+        }
+    }
+
+    /// Name of its part: rolling contact has its own.
+    fn part(&self) -> &'static str {
+        match self {
+            Self::Spring(_) => "vehicle",
+            Self::Rolling(_) => "wheel_rail",
         }
     }
 
@@ -169,23 +177,28 @@ impl Vehicle {
         self.pantograph_base.frame(motion)
     }
 
-    /// Visits every force in a fixed order.
-    pub(crate) fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+    /// Visits every force with the name of its part, in a fixed order.
+    pub(crate) fn parts(&mut self, visit: &mut PartVisitor<'_>) {
         for body in &mut self.bodies {
-            visit(body);
+            visit("vehicle", body);
         }
         for bushing in &mut self.bushings {
-            visit(bushing);
+            visit("vehicle", bushing);
         }
         for wheel in &mut self.wheels {
-            visit(wheel.contribution());
+            visit(wheel.part(), wheel.contribution());
         }
         for spin in &mut self.spins {
-            visit(spin);
+            visit("vehicle", spin);
         }
         if let Some(inertia) = &mut self.inertia {
-            visit(inertia);
+            visit("vehicle", inertia);
         }
+    }
+
+    /// Visits every force, in the order of [`Vehicle::parts`].
+    pub(crate) fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
+        self.parts(&mut |_, force| visit(force));
     }
 
     /// Visits every joint in a fixed order.

@@ -5,7 +5,7 @@ use crate::track::{Alignment, RailShape};
 use crate::wheel_rail::{
     CreepLaw, CreepModel, Hertz, Profile, Rail, RailFrame, RailLine, Side, Wheel, WheelRail, WheelRailParts,
 };
-use dynamics::{Blocks, Force, Motion, Power, Weights};
+use dynamics::{Blocks, Force, Motion, Power, StepHistory, Weights};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
@@ -178,10 +178,6 @@ impl RollingWheel {
 }
 
 impl Force for RollingWheel {
-    fn part(&self) -> Option<&'static str> {
-        Some("wheel_rail")
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.contact.add_force(motion, force);
     }
@@ -203,6 +199,12 @@ impl Force for RollingWheel {
         self.contact.power(motion)
     }
 
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl StepHistory for RollingWheel {
     fn begin_step(&mut self, motion: &Motion<'_>, h: f64) {
         self.contact.begin_step(motion, h);
     }

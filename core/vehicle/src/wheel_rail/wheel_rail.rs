@@ -5,7 +5,7 @@ use super::search::{Found, MAX_CONTACTS, Search};
 use super::wheel_contact::{Change, WheelContact};
 use super::{CreepModel, Hertz, Rail, SurfaceParameters, Wheel};
 use crate::travel::{Travel, TravellingFrame};
-use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Power, Weights};
+use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Power, StepHistory, Weights};
 use nalgebra::Vector3;
 
 /// Parts of a wheel on a rail.
@@ -320,6 +320,12 @@ impl Force for WheelRail {
         Some(power)
     }
 
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl StepHistory for WheelRail {
     fn begin_step(&mut self, motion: &Motion<'_>, _: f64) {
         let place = self.place(motion);
         self.start = self.search(&self.pairing(&place), &place);

@@ -1,6 +1,6 @@
 //! The spans far from the strips as one contribution.
 use super::cell::{Cell, GROUP, Grouped};
-use dynamics::{Blocks, Force, Motion, Weights};
+use dynamics::{Blocks, ByRange, Force, Motion, OnePass, Weights};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 use std::sync::Arc;
@@ -301,32 +301,8 @@ impl FarField {
 }
 
 impl Force for FarField {
-    fn part(&self) -> Option<&'static str> {
-        Some("wires")
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         self.add_within(&(0..force.len()), motion, None, force);
-    }
-
-    fn multiplies_mass(&self) -> bool {
-        true
-    }
-
-    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.add_within(&(0..force.len()), motion, Some(v_dot), force);
-    }
-
-    fn evaluates_ranges(&self) -> bool {
-        true
-    }
-
-    fn is_linear(&self) -> bool {
-        true
-    }
-
-    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.add_within(&range, motion, Some(v_dot), force);
     }
 
     fn add_tangent(&mut self, _motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
@@ -335,6 +311,26 @@ impl Force for FarField {
 
     fn add_mass(&self, blocks: &mut Blocks<'_>) {
         self.add_constant(blocks, [0.0, 0.0, 1.0]);
+    }
+
+    fn energy(&self, motion: &Motion<'_>) -> f64 {
+        let members: f64 = self.members.iter().map(|member| member.energy(motion)).sum();
+        let grounds = self.grounds.iter();
+        let grounds: f64 = grounds
+            .map(|ground| 0.5 * ground.stiffness * motion.q[ground.index].powi(2))
+            .sum();
+        let load: f64 = self.load.iter().zip(motion.q).map(|(load, q)| load * q).sum();
+        members + grounds - load
+    }
+
+    fn one_pass(&mut self) -> Option<&mut dyn OnePass> {
+        Some(self)
+    }
+}
+
+impl OnePass for FarField {
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.add_within(&(0..force.len()), motion, Some(v_dot), force);
     }
 
     fn add_dynamic_tangent(
@@ -347,13 +343,17 @@ impl Force for FarField {
         self.add_constant(blocks, [weights.q, weights.v, mass_weight]);
     }
 
-    fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let members: f64 = self.members.iter().map(|member| member.energy(motion)).sum();
-        let grounds = self.grounds.iter();
-        let grounds: f64 = grounds
-            .map(|ground| 0.5 * ground.stiffness * motion.q[ground.index].powi(2))
-            .sum();
-        let load: f64 = self.load.iter().zip(motion.q).map(|(load, q)| load * q).sum();
-        members + grounds - load
+    fn by_range(&mut self) -> Option<&mut dyn ByRange> {
+        Some(self)
+    }
+}
+
+impl ByRange for FarField {
+    fn is_linear(&self) -> bool {
+        true
+    }
+
+    fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.add_within(&range, motion, Some(v_dot), force);
     }
 }

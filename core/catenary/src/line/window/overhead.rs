@@ -2,15 +2,26 @@
 use super::curve::WindowCurve;
 use super::{WindowedLine, span_at};
 use crate::{DropperSample, Line, OverheadLine, WireCurve, WireName};
-use dynamics::{Continuity, Force, Motion, State};
+use dynamics::{Continuity, Force, Motion, PartVisitor, State, StepHistory};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;
 
+impl WindowedLine {
+    /// Visits the histories of the inner line, always in the same order.
+    fn histories(&mut self, visit: &mut dyn FnMut(&mut dyn StepHistory)) {
+        self.inner.forces(&mut |force| {
+            if let Some(history) = force.step_history() {
+                visit(history);
+            }
+        });
+    }
+}
+
 impl OverheadLine for WindowedLine {
-    fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
-        self.inner.forces(visit);
-        visit(&mut self.far);
+    fn parts(&mut self, visit: &mut PartVisitor<'_>) {
+        self.inner.parts(visit);
+        visit("wires", &mut self.far);
     }
 
     fn contact_curve(&self) -> Arc<dyn WireCurve> {
@@ -134,12 +145,12 @@ impl OverheadLine for WindowedLine {
         self.fixed.transfer(&self.arrangement, &next, state);
         state.q[self.fixed.position] = self.fixed.supports_x[at] - self.origin;
         let mut history = Vec::new();
-        self.inner.forces(&mut |part| part.save(&mut history));
+        self.histories(&mut |kept| kept.save(&mut history));
         let continuity = self.go_to(next);
         if continuity == Continuity::Replaced {
             // Droppers know from the step that has just ended how the next one begins.
             let mut values = history.iter();
-            self.inner.forces(&mut |part| part.restore(&mut values));
+            self.histories(&mut |kept| kept.restore(&mut values));
         }
         for &index in self.held.iter().filter(|&&index| index != self.fixed.position) {
             for values in [&mut state.q, &mut state.v, &mut state.v_dot, &mut state.a] {
@@ -147,7 +158,7 @@ impl OverheadLine for WindowedLine {
             }
         }
         let motion = state.motion(&[]);
-        self.inner.forces(&mut |part| part.end_step(&motion));
+        self.histories(&mut |kept| kept.end_step(&motion));
         continuity
     }
 

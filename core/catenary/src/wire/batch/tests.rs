@@ -1,7 +1,7 @@
 use super::super::{Enrichment, NodeMap, Rayleigh, Wire, WireGeometry, WireNode, WireSection};
 use super::*;
 use crate::ancf::{AxialLaw, BendingLaw, Cable, Coordinates};
-use dynamics::{Blocks, Force};
+use dynamics::{Blocks, ByRange, Force, OnePass};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -244,7 +244,7 @@ fn a_range_of_coordinates_has_the_force_of_the_whole_evaluation() {
     for (name, geometry, n) in wires() {
         let mut wire = wire(&geometry, LAWS[0]);
         assert_eq!(
-            wire.evaluates_ranges(),
+            wire.by_range().is_some(),
             ["planar", "spatial", "layers"].contains(&name),
             "{name}"
         );
@@ -298,7 +298,7 @@ fn entries(add: &dyn Fn(&mut Blocks<'_>)) -> BTreeMap<(u32, u32), f64> {
 fn batches_give_the_tangent_of_element_by_element() {
     for (name, geometry, n) in wires() {
         for laws in LAWS {
-            let wire = wire(&geometry, laws);
+            let mut wire = wire(&geometry, laws);
             let (q, v) = (
                 noise(n, 1).iter().map(|value| 0.02 * value).collect::<Vec<f64>>(),
                 vec![0.0; n],
@@ -315,7 +315,11 @@ fn batches_give_the_tangent_of_element_by_element() {
             let mut blocks = Vec::new();
             let mut batch = wire.batch.clone();
             let batched = batch.add_tangent(&motion, (weights, mass_weight), &mut Blocks::record(&mut blocks));
-            assert_eq!(batched, laws == LAWS[0] && wire.evaluates_ranges(), "{name}, {laws:?}");
+            assert_eq!(
+                batched,
+                laws == LAWS[0] && wire.by_range().is_some(),
+                "{name}, {laws:?}"
+            );
             if !batched {
                 continue;
             }

@@ -55,7 +55,7 @@ struct Block {
     at: usize,
     /// Rows, filled up.
     height: usize,
-    /// The size of the block if it fills its vectors and the block that the block is eliminated into is as large; else 0.
+    /// The size of the block if it fills its vectors and the one it is eliminated into is as large; else 0.
     square: usize,
     /// First number of its forward and backward blocks.
     forward: usize,

@@ -179,10 +179,6 @@ fn velocity(columns: &[Column], motion: &Motion<'_>) -> Vector3<f64> {
 }
 
 impl<M: Marker> Force for AerodynamicForce<M> {
-    fn part(&self) -> Option<&'static str> {
-        Some("wind")
-    }
-
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
         let view = self.view(motion);
         let load = self.law.load(self.flow.density, &view.v_r, &view.axes);

@@ -1,7 +1,7 @@
 //! Parts of a lumped pantograph: masses that rise and fall, and the elements between them.
 use crate::multibody::{Anchor, BaseMarker, Measure, Pair};
 use crate::{Apparent, Travel};
-use dynamics::{Blocks, Columns, Force, Frame, Marker, Motion, Power, Updates, Weights};
+use dynamics::{Blocks, Columns, Force, Frame, LowRank, Marker, Motion, Power, StepHistory, Updates, Weights};
 use nalgebra::{Matrix3, Vector3};
 
 /// Sliding velocity (m/s) at which the regularised friction has reached tanh(1) of Coulomb's.
@@ -286,35 +286,6 @@ impl Force for ChainElement {
         }
     }
 
-    fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
-        if !self.switches() {
-            return;
-        }
-        let change = self.coefficient(motion, weights) - self.factored;
-        if change != 0.0 {
-            let below = self.below.map(|below| (below, 1.0));
-            let mut columns = Columns::default();
-            if let (None, Some(foot)) = (self.below, &self.foot) {
-                foot.pair.second.columns(motion, &mut columns);
-                self.rows += u64::from(!columns.as_slice().is_empty());
-            }
-            let foot = columns
-                .as_slice()
-                .iter()
-                .map(|column| (column.index, column.translation.z));
-            updates.rank_one(
-                0,
-                self.rows,
-                change,
-                std::iter::once((self.above, -1.0)).chain(below).chain(foot),
-            );
-        }
-    }
-
-    fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
-        !self.unilateral || self.law(motion).3 == self.open
-    }
-
     fn energy(&self, motion: &Motion<'_>) -> f64 {
         let (s, _) = self.compression(motion);
         let open_at = -self.preload / self.stiffness;
@@ -345,6 +316,47 @@ impl Force for ChainElement {
             driven: (normal + foot.lift) * foot.rise(motion).1,
             dissipated: (normal - elastic) * rate,
         })
+    }
+
+    fn low_rank(&mut self) -> Option<&mut dyn LowRank> {
+        Some(self)
+    }
+
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl LowRank for ChainElement {
+    fn push_updates(&mut self, motion: &Motion<'_>, weights: Weights, updates: &mut Updates) {
+        if !self.switches() {
+            return;
+        }
+        let change = self.coefficient(motion, weights) - self.factored;
+        if change != 0.0 {
+            let below = self.below.map(|below| (below, 1.0));
+            let mut columns = Columns::default();
+            if let (None, Some(foot)) = (self.below, &self.foot) {
+                foot.pair.second.columns(motion, &mut columns);
+                self.rows += u64::from(!columns.as_slice().is_empty());
+            }
+            let foot = columns
+                .as_slice()
+                .iter()
+                .map(|column| (column.index, column.translation.z));
+            updates.rank_one(
+                0,
+                self.rows,
+                change,
+                std::iter::once((self.above, -1.0)).chain(below).chain(foot),
+            );
+        }
+    }
+}
+
+impl StepHistory for ChainElement {
+    fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
+        !self.unilateral || self.law(motion).3 == self.open
     }
 }
 

@@ -1,6 +1,6 @@
 //! Forces, tangent and mass of a reduced linkage in its two coordinates.
 use super::ReducedLinkage;
-use dynamics::{Blocks, Force, Motion, Weights};
+use dynamics::{Blocks, Force, Motion, OnePass, Weights};
 
 impl Force for ReducedLinkage {
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
@@ -12,19 +12,6 @@ impl Force for ReducedLinkage {
         let carried = self.motion.mass * (place.x_sigma_sigma * v[0] + 2.0 * place.x_sigma_zeta * v[1]) * v[0];
         force[i] += along_sigma - damper * place.s_q[0] - carried * place.x_sigma;
         force[i + 1] += along_zeta - damper * place.s_q[1] - carried * place.x_zeta;
-    }
-
-    fn multiplies_mass(&self) -> bool {
-        true
-    }
-
-    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
-        self.add_force(motion, force);
-        let i = self.offsets.coordinate;
-        let place = self.motion.place(motion.q[i], motion.q[i + 1]);
-        let [m11, m12, m21, m22] = place.mass(self.motion.mass);
-        force[i] -= m11 * v_dot[i] + m12 * v_dot[i + 1];
-        force[i + 1] -= m21 * v_dot[i] + m22 * v_dot[i + 1];
     }
 
     fn add_tangent(&mut self, motion: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
@@ -73,5 +60,20 @@ impl Force for ReducedLinkage {
         let place = self.motion.place(motion.q[i], motion.q[i + 1]);
         place.potential[0] + self.motion.weight * place.zeta + 0.5 * self.stiffness * place.s * place.s
             - self.preload * place.s
+    }
+
+    fn one_pass(&mut self) -> Option<&mut dyn OnePass> {
+        Some(self)
+    }
+}
+
+impl OnePass for ReducedLinkage {
+    fn add_dynamic_force(&mut self, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]) {
+        self.add_force(motion, force);
+        let i = self.offsets.coordinate;
+        let place = self.motion.place(motion.q[i], motion.q[i + 1]);
+        let [m11, m12, m21, m22] = place.mass(self.motion.mass);
+        force[i] -= m11 * v_dot[i] + m12 * v_dot[i + 1];
+        force[i + 1] -= m21 * v_dot[i] + m22 * v_dot[i + 1];
     }
 }

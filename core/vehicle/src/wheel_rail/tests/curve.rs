@@ -4,7 +4,7 @@ use super::running::{WEIGHT, conical, rig, start};
 use super::support::Design;
 use crate::track::Alignment;
 use crate::wheel_rail::CreepLaw;
-use dynamics::Force;
+use dynamics::StepHistory;
 use std::sync::Arc;
 
 /// A curve that is balanced at 5 m/s.

@@ -2,7 +2,7 @@
 use super::support::{CurvedRail, Design, Wheelset};
 use crate::check::{dense, force, moved};
 use crate::wheel_rail::{CreepLaw, Fastsim, RailLine, WheelRail};
-use dynamics::{Force, Layout, State, Weights};
+use dynamics::{Force, Layout, State, StepHistory, Weights};
 use nalgebra::Vector3;
 
 const LAWS: [CreepLaw; 4] = [

@@ -3,7 +3,7 @@ use super::support::{Design, Wheelset, cone, round_rail};
 use crate::multibody::RigidBody;
 use crate::rail_vehicle::CurveInertia;
 use crate::wheel_rail::{CreepLaw, WheelContact, WheelRail};
-use dynamics::{Force, Jacobian, Layout, NewtonOptions, Simulator, State, StaticOptions, System};
+use dynamics::{Force, Jacobian, Layout, NewtonOptions, Simulator, State, StaticOptions, StepHistory, System};
 
 use nalgebra::Vector3;
 use std::f64::consts::PI;
