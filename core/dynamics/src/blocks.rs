@@ -29,12 +29,12 @@ impl<'a> Blocks<'a> {
     }
 
     /// Marks the rows of all blocks.
-    pub fn mark(rows: &'a mut [bool]) -> Self {
+    pub(crate) fn mark(rows: &'a mut [bool]) -> Self {
         Self::to(Target::Mark(rows))
     }
 
     /// Adds up the diagonal.
-    pub fn trace(sum: &'a mut f64) -> Self {
+    pub(crate) fn trace(sum: &'a mut f64) -> Self {
         Self::to(Target::Trace(sum))
     }
 
@@ -71,8 +71,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// The place of an entry that is dropped.
-    #[must_use]
-    pub const fn skipped() -> u32 {
+    pub(crate) const fn skipped() -> u32 {
         SKIPPED
     }
 

@@ -12,7 +12,8 @@ pub trait OnePass: Force {
 
     /// Adds `S + m M`, with `m` (1/s²) the `mass_weight`: [`Force::add_tangent`] and [`Force::add_mass`] together.
     ///
-    /// The blocks must come in the same order and with the same indices in every call, as those of [`Force::add_tangent`].
+    /// The blocks must come in the same order and with the same indices in every call, as those of
+    /// [`Force::add_tangent`].
     fn add_dynamic_tangent(
         &mut self,
         motion: &Motion<'_>,
@@ -32,16 +33,17 @@ pub trait OnePass: Force {
 
 /// Evaluation within a range of coordinates, for less than the cost of a whole evaluation.
 ///
-/// Only for a contribution whose force on a coordinate depends on no inputs, and on no other coordinates than those that
-/// the blocks of [`Force::add_tangent`] couple with it. Corrections after the first one of a step are often confined to
-/// the neighbourhood of the contact: the solver then evaluates the changed rows alone.
+/// Only for a contribution whose force on a coordinate depends on no inputs, and on no other coordinates than those
+/// that the blocks of [`Force::add_tangent`] couple with it. Corrections after the first one of a step are often
+/// confined to the neighbourhood of the contact: the solver then evaluates the changed rows alone.
 pub trait ByRange: OnePass {
-    /// Adds to the entries `range` of `force` the same as [`OnePass::add_dynamic_force`]; entries elsewhere are not used.
+    /// Adds to the entries `range` of `force` the same as [`OnePass::add_dynamic_force`]; entries elsewhere are not
+    /// used.
     fn add_dynamic_force_within(&mut self, range: Range<usize>, motion: &Motion<'_>, v_dot: &[f64], force: &mut [f64]);
 
     /// Returns `true` if `Q − M v̇` is linear (a constant part included) in coordinates, velocities and accelerations,
-    /// depends on nothing else, and has exactly the tangent of [`Force::add_tangent`] and [`Force::add_mass`]; the answer
-    /// never changes.
+    /// depends on nothing else, and has exactly the tangent of [`Force::add_tangent`] and [`Force::add_mass`]; the
+    /// answer never changes.
     ///
     /// The solver knows the residual after a correction without evaluation on rows with linear contributions alone.
     fn is_linear(&self) -> bool {
@@ -58,28 +60,29 @@ pub trait LowRank {
 
 /// History that a contribution carries from step to step beyond `q, v`: start values of searches, states that switch.
 pub trait StepHistory {
-    /// Called once per step of `h` s with the predicted motion, before the first force of the step: contact search and the
-    /// like. A static solution begins as a step of 0 s.
+    /// Called once per step of `h` s with the predicted motion, before the first force of the step: contact search and
+    /// the like. A static solution begins as a step of 0 s.
     fn begin_step(&mut self, motion: &Motion<'_>, h: f64) {
         let _ = (motion, h);
     }
 
-    /// Called once at the end of each completed step, after a static solution, and at the start of a motion: decisions from
-    /// one step to the next.
+    /// Called once at the end of each completed step, after a static solution, and at the start of a motion: decisions
+    /// from one step to the next.
     fn end_step(&mut self, motion: &Motion<'_>) {
         let _ = motion;
     }
 
-    /// Called after a correction that may end its step without an evaluation, or whose contraction the solver records: the
-    /// last evaluation was near `motion`. Returns `true` if the force comes from the same branch of its law in both places,
-    /// as a smooth force always does; else the solver evaluates. Contributions after the first `false` are not asked.
+    /// Called after a correction that may end its step without an evaluation, or whose contraction the solver records:
+    /// the last evaluation was near `motion`. Returns `true` if the force comes from the same branch of its law in both
+    /// places, as a smooth force always does; else the solver evaluates. Contributions after the first `false` are not
+    /// asked.
     fn continues_to(&mut self, motion: &Motion<'_>) -> bool {
         let _ = motion;
         true
     }
 
-    /// Appends the history, so that a restored state continues bit for bit. Values in the factored matrix are no part of
-    /// it: with another matrix they are assembled again.
+    /// Appends the history, so that a restored state continues bit for bit. Values in the factored matrix are no part
+    /// of it: with another matrix they are assembled again.
     fn save(&self, out: &mut Vec<f64>) {
         let _ = out;
     }

@@ -25,9 +25,9 @@ pub struct Power {
 ///
 /// Sign: `Q` acts *on* the coordinates, so a spring adds `−k q` and its tangent block is `+k`.
 ///
-/// The law is force, tangent, mass, energy and power. A contribution that can do more for the solver offers it by one of
-/// the accessors [`Force::one_pass`], [`Force::low_rank`] and [`Force::step_history`]; the answer `Some` or `None` of an
-/// accessor never changes.
+/// The law is force, tangent, mass, energy and power. A contribution that can do more for the solver offers it by one
+/// of the accessors [`Force::one_pass`], [`Force::low_rank`] and [`Force::step_history`]; the answer `Some` or `None`
+/// of an accessor never changes.
 pub trait Force: Send {
     /// Adds `Q(t, q, v, u)` to `force` (one entry per generalised velocity; N, N·m).
     fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]);
@@ -51,8 +51,8 @@ pub trait Force: Send {
         0.0
     }
 
-    /// Power exchanged with the outside at `motion`. `None` stands for a potential and losses that end with the velocities:
-    /// the losses are then `Q(q, v) − Q(q, 0)`.
+    /// Power exchanged with the outside at `motion`. `None` stands for a potential and losses that end with the
+    /// velocities: the losses are then `Q(q, v) − Q(q, 0)`.
     fn power(&self, motion: &Motion<'_>) -> Option<Power> {
         let _ = motion;
         None

@@ -11,6 +11,25 @@
 //!
 //! with constant `M`; `u` are the inputs of the system followed in time (see [`Motion`]).
 //!
+//! | file | subject |
+//! | --- | --- |
+//! | `force` | the law of a contribution: force, tangent, mass, energy, power |
+//! | `capability` | one-pass and range evaluation, low-rank updates, history of a contribution |
+//! | `constraint` | algebraic equations of a contribution |
+//! | `marker` | a point on some body, as forces and joints see it |
+//! | `motion` | the state of a system, and the view that contributions take of it |
+//! | `layout` | coordinates of a system and its constraint equations |
+//! | `system` | the contributions of a system, as solvers visit them |
+//! | `blocks` | dense blocks that go to fixed positions of a sparse matrix |
+//! | `rotation` | rotation vectors and the exponential map |
+//! | `followed_input` | inputs with derivatives inside a communication step |
+//! | `energy_balance` | energy stored, brought in, turned into heat |
+//! | `random` | reproducible random numbers |
+//! | `integrate` | equilibrium, and motion in time |
+//! | `linear` | linear systems of Newton's method |
+//! | `wind` | wind along the track, and its forces |
+//! | `testing` | checks of laws by differences, for tests |
+//!
 //! # Sources
 //! - `[Arnold & Brüls 2007]` M. Arnold, O. Brüls, Convergence of the generalized-α scheme for constrained
 //!   mechanical systems, Multibody System Dynamics 18, doi 10.1007/s11044-007-9084-0.
@@ -34,6 +53,7 @@ mod motion;
 mod random;
 pub mod rotation;
 mod system;
+pub mod testing;
 mod wind;
 
 pub use blocks::Blocks;
@@ -43,8 +63,8 @@ pub use energy_balance::EnergyBalance;
 pub use followed_input::{FollowedInput, MAX_ORDER};
 pub use force::{Force, Power, Weights};
 pub use integrate::{
-    Checkpoint, Counters, Formulation, GeneralizedAlpha, Jacobian, Memory, NewtonOptions, Scheme, Simulator,
-    StaticOptions, StaticReport, StepError, solve_static,
+    Checkpoint, Counters, Formulation, GeneralizedAlpha, Jacobian, NewtonOptions, Simulator, StaticOptions,
+    StaticReport, StepError, solve_static,
 };
 pub use layout::Layout;
 #[doc(hidden)] // for the benchmark of the solver alone

@@ -1,5 +1,7 @@
 use super::*;
 use crate::{Compliance, CurveColumns, CurvePoint, NodeMap, WireGeometry};
+use dynamics::State;
+use dynamics::testing::{LawTrio, plain_layout};
 use nalgebra::{Matrix3, Rotation3};
 
 const WIRE: usize = 18;
@@ -126,22 +128,15 @@ fn the_generalised_force_is_the_negative_gradient_of_the_energy() {
     ] {
         let exact = force(&mut pair, &q, &v);
         assert!(exact.iter().any(|value| value.abs() > 10.0), "the strip presses");
-        let size = exact.iter().fold(0.0_f64, |max, x| max.max(x.abs()));
-        for i in 0..q.len() {
-            let h = 1e-6;
-            let energy = |shift: f64| {
-                let mut q = q.clone();
-                q[i] += shift;
-                pair.energy(&motion(&q, &v))
-            };
-            let slope = (energy(h) - energy(-h)) / (2.0 * h);
-            // Central difference of an energy of some 1e-1 J: rounding 1e-10 relative to the force.
-            assert!(
-                (slope + exact[i]).abs() < tolerance * size,
-                "coordinate {i}: {slope} against {}",
-                exact[i]
-            );
-        }
+        // Central difference of an energy of some 1e-1 J: rounding 1e-10 relative to the force.
+        let trio = LawTrio {
+            q_step: 1e-6,
+            tolerance,
+            ..LawTrio::default()
+        };
+        let mut state = State::at_rest(q.len(), 0, Vec::new());
+        state.q.clone_from(&q);
+        trio.assert_energy(&mut pair, &plain_layout(q.len()), &state);
     }
 }
 

@@ -1,5 +1,6 @@
 use super::*;
 use dynamics::State;
+use dynamics::testing::{LawTrio, plain_layout};
 
 const LAW: DropperLaw = DropperLaw {
     stiffness: 1.0e5,
@@ -43,49 +44,20 @@ fn tangent(droppers: &mut Droppers, state: &State, weights: Weights) -> [f64; 36
     values
 }
 
+const TRIO: LawTrio = LawTrio {
+    q_step: 1e-6,
+    v_step: 1e-6,
+    tolerance: 1e-6,
+};
+
 #[test]
 fn the_force_is_the_gradient_of_the_energy() {
-    let mut droppers = batch(0.4);
-    let at = state(TAUT, [0.0; 6]);
-    let analytic = force(&mut droppers, &at);
-    for (i, analytic) in analytic.into_iter().enumerate() {
-        let h = 1e-6;
-        let energy = |sign: f64| {
-            let mut moved = at.clone();
-            moved.q[i] += sign * h;
-            droppers.energy(&moved.motion(&[]))
-        };
-        let difference = -(energy(1.0) - energy(-1.0)) / (2.0 * h);
-        assert!(
-            (difference - analytic).abs() < 1e-6 * 4e3,
-            "{i}: {difference} {analytic}"
-        );
-    }
+    TRIO.assert_energy(&mut batch(0.4), &plain_layout(6), &state(TAUT, [0.0; 6]));
 }
 
 #[test]
 fn the_tangent_is_the_jacobian_of_the_force_in_position_and_velocity() {
-    let mut droppers = batch(0.4);
-    let at = state(TAUT, MOVING);
-    let weights = Weights { q: 1.0, v: 700.0 };
-    let analytic = tangent(&mut droppers, &at, weights);
-    let scale = analytic.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    for j in 0..6 {
-        let h = 1e-6;
-        let mut sides = [[0.0; 6]; 4];
-        for (side, (dq, dv)) in sides.iter_mut().zip([(h, 0.0), (-h, 0.0), (0.0, h), (0.0, -h)]) {
-            let mut moved = at.clone();
-            moved.q[j] += dq;
-            moved.v[j] += dv;
-            *side = force(&mut droppers, &moved);
-        }
-        for i in 0..6 {
-            let k = -(sides[0][i] - sides[1][i]) / (2.0 * h);
-            let d = -(sides[2][i] - sides[3][i]) / (2.0 * h);
-            let difference = weights.q * k + weights.v * d;
-            assert!((difference - analytic[6 * i + j]).abs() < 1e-6 * scale, "{i} {j}");
-        }
-    }
+    TRIO.assert(&mut batch(0.4), &plain_layout(6), &state(TAUT, MOVING));
 }
 
 #[test]

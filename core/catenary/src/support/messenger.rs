@@ -46,6 +46,7 @@ mod tests {
     use super::*;
     use crate::Attachment;
     use dynamics::State;
+    use dynamics::testing::{assert_law, plain_layout};
     use nalgebra::Vector3;
 
     fn supports() -> Supports {
@@ -72,31 +73,6 @@ mod tests {
 
     #[test]
     fn force_is_the_gradient_of_the_energy_and_the_tangent_its_jacobian() {
-        let mut supports = supports();
-        let mut tangent = [0.0; 9];
-        let places: Vec<u32> = (0..9).collect();
-        let weights = Weights { q: 1.0, v: 5.0 };
-        supports.add_tangent(
-            &state().motion(&[]),
-            weights,
-            &mut Blocks::add_to(&places, &mut tangent),
-        );
-        let mut force = [0.0; 4];
-        supports.add_force(&state().motion(&[]), &mut force);
-        let h = 1e-4; // a quadratic energy: no truncation error
-        for i in 1..4 {
-            let (mut plus, mut minus) = (state(), state());
-            plus.q[i] += h;
-            minus.q[i] -= h;
-            let slope = (supports.energy(&plus.motion(&[])) - supports.energy(&minus.motion(&[]))) / (2.0 * h);
-            assert!((slope + force[i]).abs() < 1e-6 * 1.7e4);
-            let (mut high, mut low) = ([0.0; 4], [0.0; 4]);
-            supports.add_force(&plus.motion(&[]), &mut high);
-            supports.add_force(&minus.motion(&[]), &mut low);
-            for j in 1..4 {
-                let difference = -(high[j] - low[j]) / (2.0 * h);
-                assert!((difference - tangent[3 * (j - 1) + i - 1]).abs() < 1e-6 * 5e5);
-            }
-        }
+        assert_law(&mut supports(), &plain_layout(4), &state());
     }
 }

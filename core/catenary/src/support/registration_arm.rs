@@ -71,6 +71,7 @@ mod tests {
     use super::*;
     use crate::Attachment;
     use dynamics::State;
+    use dynamics::testing::{assert_law, plain_layout};
     use nalgebra::Vector3;
 
     fn arms() -> RegistrationArms {
@@ -91,29 +92,8 @@ mod tests {
 
     #[test]
     fn force_is_the_gradient_of_the_energy_and_the_tangent_its_jacobian() {
-        let mut arms = arms();
         let mut state = State::at_rest(3, 0, Vec::new());
         state.q.copy_from_slice(&[0.01, 0.02, 0.05]);
-        let mut force = [0.0; 3];
-        arms.add_force(&state.motion(&[]), &mut force);
-        let mut tangent = [0.0; 9];
-        let places: Vec<u32> = (0..9).collect();
-        let weights = Weights { q: 1.0, v: 0.0 };
-        arms.add_tangent(&state.motion(&[]), weights, &mut Blocks::add_to(&places, &mut tangent));
-        let h = 1e-4; // a quadratic energy: no truncation error
-        for i in 0..3 {
-            let (mut plus, mut minus) = (state.clone(), state.clone());
-            plus.q[i] += h;
-            minus.q[i] -= h;
-            let slope = (arms.energy(&plus.motion(&[])) - arms.energy(&minus.motion(&[]))) / (2.0 * h);
-            assert!((slope + force[i]).abs() < 1e-6 * 600.0);
-            let (mut high, mut low) = ([0.0; 3], [0.0; 3]);
-            arms.add_force(&plus.motion(&[]), &mut high);
-            arms.add_force(&minus.motion(&[]), &mut low);
-            for j in 0..3 {
-                let difference = -(high[j] - low[j]) / (2.0 * h);
-                assert!((difference - tangent[3 * j + i]).abs() < 1e-6 * 3e4);
-            }
-        }
+        assert_law(&mut arms(), &plain_layout(3), &state);
     }
 }

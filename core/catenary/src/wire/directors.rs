@@ -204,6 +204,7 @@ mod tests {
     use crate::ancf::BeamStiffness;
     use crate::wire::NodeMap;
     use dynamics::State;
+    use dynamics::testing::{LawTrio, plain_layout};
 
     const STIFFNESS: BeamStiffness = BeamStiffness {
         axial: 2.0e3,
@@ -240,6 +241,13 @@ mod tests {
         state
     }
 
+    /// Rounding 1e-16 U/h against truncation h².
+    const TRIO: LawTrio = LawTrio {
+        q_step: 1e-5,
+        v_step: 1e-5,
+        tolerance: 1e-7,
+    };
+
     fn force(wire: &mut WireDirectors, state: &State) -> SVector<f64, 36> {
         let mut force = SVector::<f64, 36>::zeros();
         wire.add_force(&state.motion(&[]), force.as_mut_slice());
@@ -256,43 +264,11 @@ mod tests {
 
     #[test]
     fn the_force_at_rest_is_the_negative_gradient_of_the_energy() {
-        let (mut wire, mut state) = (wire(), state());
-        state.v.fill(0.0);
-        let found = force(&mut wire, &state);
-        for i in 0..36 {
-            let h = 1e-5; // rounding 1e-16 U/h against truncation h²
-            let energy = |side: f64| {
-                let mut moved = state.clone();
-                moved.q[i] += side * h;
-                wire.energy(&moved.motion(&[]))
-            };
-            let difference = (energy(-1.0) - energy(1.0)) / (2.0 * h);
-            assert!((difference - found[i]).abs() < 1e-7 * found.amax(), "coordinate {i}");
-        }
+        TRIO.assert_energy(&mut wire(), &plain_layout(36), &state());
     }
 
     #[test]
     fn the_tangent_is_the_derivative_of_the_force_by_positions_and_velocities() {
-        let (mut wire, state) = (wire(), state());
-        for weights in [Weights { q: 1.0, v: 0.0 }, Weights { q: 0.0, v: 1.0 }] {
-            let mut places = Vec::new();
-            wire.add_tangent(&state.motion(&[]), weights, &mut Blocks::record(&mut places));
-            let positions: Vec<u32> = places.iter().map(|&(row, column)| column * 36 + row).collect();
-            let mut tangent = SMatrix::<f64, 36, 36>::zeros();
-            let mut blocks = Blocks::add_to(&positions, tangent.as_mut_slice());
-            wire.add_tangent(&state.motion(&[]), weights, &mut blocks);
-            for i in 0..36 {
-                let h = 1e-5;
-                let mut moved = |side: f64| {
-                    let mut moved = state.clone();
-                    moved.q[i] += side * h * weights.q;
-                    moved.v[i] += side * h * weights.v;
-                    force(&mut wire, &moved)
-                };
-                let difference = (moved(-1.0) - moved(1.0)) / (2.0 * h);
-                let error = (difference - tangent.column(i)).amax();
-                assert!(error < 1e-7 * tangent.amax(), "{weights:?}, coordinate {i}: {error}");
-            }
-        }
+        TRIO.assert(&mut wire(), &plain_layout(36), &state());
     }
 }

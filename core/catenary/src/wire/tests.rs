@@ -2,8 +2,9 @@ use super::enrichment::{End, LayerIntegrals, Products};
 use super::*;
 use crate::ancf::{AxialLaw, BendingLaw, bending_matrix, tension_matrix};
 use crate::{CurveColumns, WireCurve};
-use dynamics::{Blocks, Columns, Force, Marker, Motion, OnePass, Weights};
-use nalgebra::{DMatrix, DVector, Vector3, Vector4};
+use dynamics::testing::{LawTrio, assert_energy, assert_mass, dense, plain_layout};
+use dynamics::{Columns, Force, Marker, Motion, OnePass, State, Weights};
+use nalgebra::{DVector, Vector3, Vector4};
 use std::sync::Arc;
 
 const SECTION: WireSection = WireSection {
@@ -23,16 +24,6 @@ fn motion<'a>(q: &'a [f64], v: &'a [f64]) -> Motion<'a> {
         rotation: &[],
         u: &[],
     }
-}
-
-/// Dense matrix of the blocks that `add` writes.
-fn dense(n: usize, add: &mut dyn FnMut(&mut Blocks<'_>)) -> DMatrix<f64> {
-    let mut places = Vec::new();
-    add(&mut Blocks::record(&mut places));
-    let positions: Vec<u32> = places.iter().map(|&(row, column)| column * n as u32 + row).collect();
-    let mut values = vec![0.0; n * n];
-    add(&mut Blocks::add_to(&positions, &mut values));
-    DMatrix::from_vec(n, n, values)
 }
 
 /// Uneven elements in space, far from the origin, two layers on one element, one of them lateral.
@@ -78,54 +69,38 @@ fn wave(n: usize, amplitude: f64, phase: f64) -> Vec<f64> {
     (0..n).map(|i| amplitude * (1.7 * i as f64 + phase).sin()).collect()
 }
 
+/// A state of a wire that is bent and moves.
+fn bent(n: usize) -> State {
+    let mut state = State::at_rest(n, 0, Vec::new());
+    (state.q, state.v) = (wave(n, 0.02, 0.4), wave(n, 0.5, 1.0));
+    state
+}
+
 #[test]
 fn the_force_at_rest_is_minus_the_gradient_of_the_energy() {
     for (mut wire, n) in [spatial(), planar()] {
-        let (q, rest) = (wave(n, 0.02, 0.4), vec![0.0; n]);
-        let mut force = vec![0.0; n];
-        wire.add_force(&motion(&q, &rest), &mut force);
-        let scale = force.iter().fold(0.0_f64, |a, f| a.max(f.abs()));
-        for i in 0..n {
-            let h = 1e-5;
-            let (mut plus, mut minus) = (q.clone(), q.clone());
-            plus[i] += h;
-            minus[i] -= h;
-            let difference = (wire.energy(&motion(&plus, &rest)) - wire.energy(&motion(&minus, &rest))) / (2.0 * h);
-            assert!(
-                (difference + force[i]).abs() < 1e-6 * scale,
-                "coordinate {i}: {difference} against {}",
-                -force[i]
-            );
-        }
+        assert_energy(&mut wire, &plain_layout(n), &bent(n));
     }
 }
 
 #[test]
 fn the_tangent_is_minus_the_jacobian_of_the_force() {
+    let trio = LawTrio {
+        q_step: 1e-6,
+        v_step: 3e-4,
+        tolerance: 1e-6,
+    };
     for (mut wire, n) in [spatial(), planar()] {
-        let (q, v) = (wave(n, 0.02, 0.4), wave(n, 0.5, 1.0));
+        let state = bent(n);
         let weights = Weights { q: 1.0, v: 300.0 };
-        let tangent = dense(n, &mut |blocks| wire.add_tangent(&motion(&q, &v), weights, blocks));
+        let tangent = dense(n, &mut |blocks| wire.add_tangent(&state.motion(&[]), weights, blocks));
         let mass = dense(n, &mut |blocks| wire.add_mass(blocks));
         let both = dense(n, &mut |blocks| {
-            wire.add_dynamic_tangent(&motion(&q, &v), weights, 2e5, blocks)
+            wire.add_dynamic_tangent(&state.motion(&[]), weights, 2e5, blocks)
         });
         let sum = &tangent + mass * 2e5;
         assert!((&both - &sum).amax() < 1e-12 * sum.amax());
-        for i in 0..n {
-            let h = 1e-6;
-            let mut difference = DVector::zeros(n);
-            for sign in [1.0, -1.0] {
-                let (mut q, mut v) = (q.clone(), v.clone());
-                q[i] += sign * h * weights.q;
-                v[i] += sign * h * weights.v;
-                let mut force = vec![0.0; n];
-                wire.add_force(&motion(&q, &v), &mut force);
-                difference -= DVector::from_vec(force) * (sign / (2.0 * h));
-            }
-            let error = (difference - tangent.column(i)).amax();
-            assert!(error < 1e-6 * tangent.amax(), "column {i}: {error}");
-        }
+        trio.assert_tangent(&mut wire, &plain_layout(n), &state, &[]);
     }
 }
 
@@ -133,7 +108,7 @@ fn the_tangent_is_minus_the_jacobian_of_the_force() {
 fn the_mass_is_symmetric_and_sums_to_the_total_mass() {
     for (wire, n) in [spatial(), planar()] {
         let mass = dense(n, &mut |blocks| wire.add_mass(blocks));
-        assert!((&mass - mass.transpose()).amax() < 1e-14 * mass.amax());
+        assert_mass(&wire, n);
         for axis in 0..3 {
             let mut shift = DVector::zeros(n);
             for node in wire.geometry().nodes() {

@@ -2,13 +2,13 @@
 use crate::capability::visit_histories;
 use crate::integrate::convergence_estimate::ConvergenceEstimate;
 use crate::integrate::formulation::{Formulation, Stepped};
-use crate::integrate::memory::{Linearisation, restore_history};
+use crate::integrate::memory::{Linearisation, Memory, restore_history};
 use crate::integrate::newton::name;
 use crate::integrate::passes::{Apply, Predict};
 use crate::integrate::residual::Since;
 use crate::integrate::scheme::Scheme;
 use crate::integrate::workspace::Workspace;
-use crate::{Counters, Jacobian, Memory, Motion, NewtonOptions, Stage, State, StepError, System, Weights};
+use crate::{Counters, Jacobian, Motion, NewtonOptions, Stage, State, StepError, System, Weights};
 use nalgebra::{UnitQuaternion, Vector3};
 use pulp::Arch;
 use std::sync::Arc;
@@ -428,7 +428,7 @@ impl GeneralizedAlpha {
     }
 
     /// Call after a change of the state that no step has made.
-    pub fn begin_anew(&mut self) {
+    pub(crate) fn begin_anew(&mut self) {
         self.memory.moving.clear();
     }
 

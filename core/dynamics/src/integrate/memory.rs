@@ -21,7 +21,7 @@ pub(super) struct Linearisation {
 
 /// Memory of a [`GeneralizedAlpha`] beside the [`State`]; cheap to clone.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Memory {
+pub(crate) struct Memory {
     pub(super) linearisation: Option<Arc<Linearisation>>,
     pub(super) history: Vec<f64>,
     pub(super) last_h: Option<f64>,
@@ -31,7 +31,7 @@ pub struct Memory {
 
 impl GeneralizedAlpha {
     /// Adapts to a system that has changed since the last step; see [`Continuity`].
-    pub fn continue_with(&mut self, continuity: Continuity) {
+    pub(crate) fn continue_with(&mut self, continuity: Continuity) {
         match continuity {
             Continuity::Kept => {}
             Continuity::Moved => {
@@ -47,7 +47,7 @@ impl GeneralizedAlpha {
     }
 
     /// Stores all that a restored run needs beside the [`State`] to repeat bit for bit.
-    pub fn save(&self, system: &mut dyn System, memory: &mut Memory) {
+    pub(crate) fn save(&self, system: &mut dyn System, memory: &mut Memory) {
         memory.linearisation.clone_from(&self.memory.linearisation);
         memory.last_h = self.memory.last_h;
         memory.moving.copy_from(&self.memory.moving);
@@ -62,7 +62,7 @@ impl GeneralizedAlpha {
     ///
     /// # Errors
     /// When the matrix of the saved state cannot be factored again.
-    pub fn restore(
+    pub(crate) fn restore(
         &mut self,
         system: &mut dyn System,
         state: &State,

@@ -1,5 +1,5 @@
 //! Multipliers of constraints that move: held by the time steps, and reported.
-use crate::Scheme;
+use crate::integrate::scheme::Scheme;
 use serde::{Deserialize, Serialize};
 
 /// The multipliers of constraints that move along the coordinates of a system, [`crate::Constraint::moves`], in

@@ -8,7 +8,7 @@ pub(crate) struct Predict<'a> {
     pub end: &'a mut State,
     /// Step, s.
     pub h: f64,
-    /// See [`crate::Scheme`].
+    /// See [`crate::integrate::scheme::Scheme`].
     pub alpha_f: f64,
     /// Ratio of this step to the one that `a` belongs to.
     pub stretch: f64,

@@ -3,7 +3,7 @@
 /// Coefficients of generalized-α for a spectral radius at infinite frequency `rho_inf` in 0…1
 /// [Chung & Hulbert 1993; Arnold & Brüls 2007, Eq. (8)].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scheme {
+pub(crate) struct Scheme {
     /// Weight of the old auxiliary acceleration, –.
     pub alpha_m: f64,
     /// Weight of the old acceleration, –.

@@ -1,8 +1,9 @@
 //! A system in time: sub-steps inside a communication step, with its state saved and restored as a whole.
 use crate::capability::visit_histories;
+use crate::integrate::memory::Memory;
 use crate::linear::iteration_matrix::mass_matrix;
 use crate::{
-    Continuity, Counters, EnergyBalance, GeneralizedAlpha, Memory, NewtonOptions, SparseMatrix, State, StaticOptions,
+    Continuity, Counters, EnergyBalance, GeneralizedAlpha, NewtonOptions, SparseMatrix, State, StaticOptions,
     StaticReport, StepError, System, solve_static,
 };
 use serde::{Deserialize, Serialize};

@@ -6,6 +6,14 @@
 //!
 //! The field depends on nothing but its own numbers, so that two programs that hold the same scene see the same wind,
 //! bit for bit.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `gust` | discrete gusts |
+//! | `turbulence` | seeded turbulence, tabulated once |
+//! | `spectrum` | spectra of atmospheric turbulence |
+//! | `record` | wind given as numbers over time |
+//! | `aerodynamic` | forces of the air on bodies and cylinders |
 mod aerodynamic;
 mod gust;
 mod record;

@@ -1,6 +1,7 @@
 //! Drag on a wire: sums, differences, power.
 use super::*;
 use crate::NodeMap;
+use dynamics::testing::{LawTrio, plain_layout, tangent};
 use dynamics::{ByRange, OnePass, State};
 
 const LENGTHS: [f64; 4] = [3.0, 2.5, 4.0, 1.5];
@@ -60,34 +61,15 @@ fn the_whole_force_is_pressure_times_area_and_acts_in_the_middle() {
 fn the_tangent_is_the_derivative_by_the_velocities_and_symmetric() {
     let mut drag = drag(Vector3::new(-20.0, 15.0, 2.0));
     let state = moving();
-    let motion = state.motion(&[]);
-    let weights = Weights { q: 0.0, v: 1.0 };
-    let mut places = Vec::new();
-    drag.add_tangent(&motion, weights, &mut Blocks::record(&mut places));
-    let order: Vec<u32> = (0..places.len() as u32).collect();
-    let mut values = vec![0.0; places.len()];
-    drag.add_tangent(&motion, weights, &mut Blocks::add_to(&order, &mut values));
-    let mut tangent = [[0.0; 30]; 30];
-    for (&(row, column), value) in places.iter().zip(&values) {
-        tangent[row as usize][column as usize] += value;
-    }
-    let h = 1e-5;
-    for column in 0..30 {
-        let mut side = |h: f64| {
-            let mut state = state.clone();
-            state.v[column] += h;
-            let mut force = vec![0.0; 30];
-            drag.add_force(&state.motion(&[]), &mut force);
-            force
-        };
-        let (up, down) = (side(h), side(-h));
-        for (row, of_row) in tangent.iter().enumerate() {
-            let difference = (down[row] - up[row]) / (2.0 * h);
-            // Rounding 1e-15/h of forces of some 10 N, and h².
-            assert!((of_row[column] - difference).abs() < 1e-8, "({row}, {column})");
-            assert!((of_row[column] - tangent[column][row]).abs() < 1e-14);
-        }
-    }
+    // Rounding 1e-15/h of forces of some 10 N, and h².
+    let trio = LawTrio {
+        v_step: 1e-5,
+        tolerance: 1e-8,
+        ..LawTrio::default()
+    };
+    trio.assert_damping(&mut drag, &plain_layout(30), &state, &[]);
+    let damping = tangent(&mut drag, 30, &state.motion(&[]), Weights { q: 0.0, v: 1.0 });
+    assert!((&damping - damping.transpose()).amax() < 1e-14);
 }
 
 #[test]

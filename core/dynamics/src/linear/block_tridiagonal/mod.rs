@@ -10,6 +10,13 @@
 //!
 //! so that a solution consists of products of small dense blocks in SIMD lanes. Elimination runs from both ends to the
 //! middle block: two chains of dependent products that hide each other's latency.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `structure` | cut of the unknowns into blocks |
+//! | `factor` | assembly into blocks and their factorisation |
+//! | `sweep` | elimination and substitution |
+//! | `kernel` | products of small dense blocks in SIMD lanes |
 mod factor;
 mod kernel;
 mod structure;

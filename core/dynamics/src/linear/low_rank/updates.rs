@@ -43,7 +43,7 @@ pub struct Updates {
 
 impl Updates {
     /// Forgets all terms, keeping the memory.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.rows.clear();
         self.indices.clear();
         self.values.clear();
@@ -53,7 +53,7 @@ impl Updates {
     }
 
     /// Sets the contribution that pushes next; the system calls it.
-    pub fn set_owner(&mut self, owner: usize) {
+    pub(crate) fn set_owner(&mut self, owner: usize) {
         self.owner = (owner as u64) << 32;
     }
 

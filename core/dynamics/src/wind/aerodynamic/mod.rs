@@ -14,6 +14,11 @@
 //! α = atan2(w₃, −w₁),   w = Aᵀ v_r          0: from ahead, along −axis 1;  positive: from below, along +axis 3
 //! ```
 //!
+//! | file | subject |
+//! | --- | --- |
+//! | `polar` | drag and lift coefficients by angle of attack |
+//! | `cross_flow` | drag of a slender cylinder across its axis |
+//!
 //! # Sources
 //! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois
 //!   at Chicago, 2016.

@@ -1,6 +1,7 @@
 //! Forces of the air against hand calculations and differences.
 use super::*;
-use crate::{Frame, rotation};
+use crate::testing::LawTrio;
+use crate::{Frame, Layout, rotation};
 use nalgebra::UnitQuaternion;
 
 const DENSITY: f64 = 1.225;
@@ -170,80 +171,20 @@ fn the_tangent_is_the_derivative_of_the_force() {
         AerodynamicLaw::Polar(Polar::constant(0.07, 0.02)),
         AerodynamicLaw::Uplift { coefficient: 0.01 },
     ] {
-        let mut force = force(law.clone());
-        let q = [0.1, -0.2, 0.3, 0.0, 0.0, 0.0];
-        let v = [1.0, -2.0, 3.0, 4.0, -5.0, 6.0];
-        let orientation = rotation::exp(&Vector3::new(0.3, 0.4, -0.2));
-        let mut value = |q: &[f64], v: &[f64], turn: Vector3<f64>| {
-            let rotation = [orientation * rotation::exp(&turn)];
-            let motion = Motion {
-                t: 0.0,
-                q,
-                v,
-                rotation: &rotation,
-                u: &[],
-            };
-            let mut out = vec![0.0; 6];
-            force.add_force(&motion, &mut out);
-            out
+        let mut layout = Layout::new();
+        layout.add_coordinates(3, "body");
+        layout.add_rotation(rotation::exp(&Vector3::new(0.3, 0.4, -0.2)), "body");
+        let mut state = layout.state_at_rest();
+        state.q[..3].copy_from_slice(&[0.1, -0.2, 0.3]);
+        state.v.copy_from_slice(&[1.0, -2.0, 3.0, 4.0, -5.0, 6.0]);
+        // Central difference: h² of a smooth function of the order of 100, rounding 1e-14/h.
+        let trio = LawTrio {
+            q_step: 1e-6,
+            v_step: 1e-6,
+            tolerance: 1e-8,
         };
-        let h = 1e-6;
-        let mut differences = [[[0.0; 6]; 6]; 2];
-        for l in 0..6 {
-            let sides = [h, -h].map(|h| {
-                let (mut q, mut turn) = (q, Vector3::zeros());
-                if l < 3 {
-                    q[l] += h;
-                } else {
-                    turn[l - 3] = h;
-                }
-                let by_q = value(&q, &v, turn);
-                let mut v = v;
-                v[l] += h;
-                [by_q, value(&self::q(&q, l, h), &v, Vector3::zeros())]
-            });
-            for (which, difference) in differences.iter_mut().enumerate() {
-                for (k, row) in difference.iter_mut().enumerate() {
-                    row[l] = -(sides[0][which][k] - sides[1][which][k]) / (2.0 * h);
-                }
-            }
-        }
-        let rotation = [orientation];
-        let motion = Motion {
-            t: 0.0,
-            q: &q,
-            v: &v,
-            rotation: &rotation,
-            u: &[],
-        };
-        for (which, weights) in [Weights { q: 1.0, v: 0.0 }, Weights { q: 0.0, v: 1.0 }]
-            .into_iter()
-            .enumerate()
-        {
-            let mut places = Vec::new();
-            force.add_tangent(&motion, weights, &mut Blocks::record(&mut places));
-            let order: Vec<u32> = (0..places.len() as u32).collect();
-            let mut values = vec![0.0; places.len()];
-            force.add_tangent(&motion, weights, &mut Blocks::add_to(&order, &mut values));
-            for (&(row, column), value) in places.iter().zip(&values) {
-                let expected = differences[which][row as usize][column as usize];
-                // Central difference: h² of a smooth function of the order of 100, rounding 1e-14/h.
-                assert!(
-                    (value - expected).abs() < 1e-6,
-                    "{law:?} {weights:?} ({row}, {column}): {value} {expected}"
-                );
-            }
-        }
+        trio.assert_tangent(&mut force(law), &layout, &state, &[]);
     }
-}
-
-/// Displacements without the step that the derivative by a displacement takes.
-fn q(q: &[f64; 6], l: usize, h: f64) -> [f64; 6] {
-    let mut q = *q;
-    if l < 3 {
-        q[l] -= h;
-    }
-    q
 }
 
 #[test]

@@ -1,5 +1,5 @@
 use super::Alone;
-use crate::check::{assert_energy, assert_tangent, awkward, force};
+use crate::check::{assert_law, awkward, force};
 use crate::multibody::AppliedForce;
 use crate::pantograph::{ChainElement, Lumped};
 use crate::{PantographModel, Placement, VehicleError};
@@ -229,8 +229,7 @@ fn the_tangent_of_a_chain_element_is_the_derivative_of_its_force() {
     }
     state.q[1] = -0.01; // pushes
     for mut element in elements {
-        assert_tangent(&mut element, &layout, &state, &[]);
-        assert_energy(&mut element, &layout, &state);
+        assert_law(&mut element, &layout, &state);
     }
 }
 

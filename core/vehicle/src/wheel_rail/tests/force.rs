@@ -1,8 +1,9 @@
 //! The law trio of the contact force.
 use super::support::{CurvedRail, Design, Wheelset};
-use crate::check::{dense, force, moved};
+use crate::check::{LawTrio, force};
 use crate::wheel_rail::{CreepLaw, Fastsim, RailLine, WheelRail};
-use dynamics::{Force, Layout, State, StepHistory, Weights};
+use dynamics::testing::moved;
+use dynamics::{Force, Layout, State, StepHistory};
 use nalgebra::Vector3;
 
 const LAWS: [CreepLaw; 4] = [
@@ -29,32 +30,15 @@ fn moving(law: CreepLaw, left: f64) -> (Wheelset, State) {
     (set, state)
 }
 
-/// The tangent of a contact is compared with central differences over 10 nm and 20 µm/s: the penetration is some 30 µm,
-/// so that h² is 1e-8; rounding of 1e-16 m of it by h is the same.
+/// Asserts the tangent by central differences over 10 nm and 20 µm/s: the penetration is some 30 µm, so that h² is 1e-8,
+/// and rounding of 1e-16 m of it by h is the same.
 pub(super) fn assert_tangent(wheel: &mut WheelRail, layout: &Layout, state: &State) {
-    let n = layout.coordinates();
-    let h = 1e-8;
-    for weights in [Weights { q: 1.0, v: 0.0 }, Weights { q: 0.0, v: 1.0 }] {
-        let tangent = dense(n, &mut |blocks| wheel.add_tangent(&state.motion(&[]), weights, blocks));
-        for index in 0..n {
-            let mut side = |sign: f64| {
-                let mut state = state.clone();
-                if weights.q == 1.0 {
-                    state = moved(layout, &state, index, sign * h);
-                } else {
-                    state.v[index] += sign * 2000.0 * h;
-                }
-                force(wheel, &state.motion(&[]))
-            };
-            let difference = (side(1.0) - side(-1.0)) / (2.0 * h * if weights.q == 1.0 { 1.0 } else { 2000.0 });
-            let error = (tangent.column(index) + difference).amax();
-            assert!(
-                error <= 2e-7 * tangent.amax(),
-                "{weights:?}, {index}: error {error} of {}",
-                tangent.amax()
-            );
-        }
-    }
+    let trio = LawTrio {
+        q_step: 1e-8,
+        v_step: 2e-5,
+        tolerance: 2e-7,
+    };
+    trio.assert_tangent(wheel, layout, state, &[]);
 }
 
 #[test]
