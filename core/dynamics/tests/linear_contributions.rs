@@ -292,7 +292,7 @@ struct Run {
     left: f64,
     model: Model,
     iterations: u64,
-    foreseen: u64,
+    estimated: u64,
 }
 
 fn run(is_linear: bool, bed: impl Iterator<Item = usize>, tolerance: f64) -> Run {
@@ -342,7 +342,7 @@ fn run(is_linear: bool, bed: impl Iterator<Item = usize>, tolerance: f64) -> Run
         left,
         model,
         iterations: integrator.counters().newton_iterations,
-        foreseen: integrator.counters().foreseen,
+        estimated: integrator.counters().estimated,
     }
 }
 
@@ -424,7 +424,7 @@ fn a_first_correction_ends_a_step_unevaluated_only_where_it_leaves_less_than_the
     // goes.
     for tolerance in [1.0, 0.1, 1e-2, 1e-3, 1e-4] {
         let run = run(true, 0..0, tolerance);
-        assert!(run.foreseen > 200, "{tolerance} N: {} steps of 600", run.foreseen);
+        assert!(run.estimated > 200, "{tolerance} N: {} steps of 600", run.estimated);
         assert!(run.left <= tolerance, "{tolerance} N: {} N are left", run.left);
     }
 }

@@ -230,7 +230,7 @@ fn run(evaluates_ranges: bool, tolerance: f64) -> (Vec<[f64; 2]>, Model, State, 
     let mut integrator = GeneralizedAlpha::new(0.9, options(tolerance));
     let (mut path, mut judge, mut above) = (Vec::new(), Model::new(false), 0);
     for step in 1..=STEPS {
-        let foreseen = integrator.counters().foreseen;
+        let estimated = integrator.counters().estimated;
         integrator
             .step(&mut model, &mut state, &[], step as f64 * H, H)
             .unwrap();
@@ -238,7 +238,7 @@ fn run(evaluates_ranges: bool, tolerance: f64) -> (Vec<[f64; 2]>, Model, State, 
         let residuals = integrator.residuals();
         assert!(residuals[residuals.len() - 1] <= tolerance, "{residuals:?}");
         let left = left(&mut judge, &state);
-        let most = if integrator.counters().foreseen > foreseen {
+        let most = if integrator.counters().estimated > estimated {
             5.0
         } else {
             1.001
@@ -280,7 +280,7 @@ fn local_corrections_reach_what_whole_evaluations_reach() {
     // The first correction of a step reaches far; those after it do not.
     let [work, more] = [integrator.counters(), reference.counters()];
     assert!(work.newton_iterations < more.newton_iterations);
-    assert!(work.foreseen > STEPS as u64 / 10, "{work:?}");
+    assert!(work.estimated > STEPS as u64 / 10, "{work:?}");
     assert_eq!(local.chain.whole, STEPS);
     let whole_evaluations = work.newton_iterations as usize * NODES;
     println!("{} nodes of {whole_evaluations}, {work:?}", local.chain.within);

@@ -29,7 +29,7 @@ const UNSEEN: u32 = 16;
 /// with `Θ_i` the largest contraction by correction `i` in the steps that were evaluated; `Θ_i` decays with each step.
 /// Every [`UNSEEN`] steps the last residual is evaluated, and `Θ` measured.
 ///
-/// Only `Θ_0` is known of the first correction of a step. This suffices on linear wires: contact, droppers and
+/// Only `Θ_0` is known of the first correction of a step. `Θ_0` suffices on linear wires: contact, droppers and
 /// pantographs report themselves when they leave the branch of their law, see [`crate::StepHistory::continues_to`], and
 /// a contraction across such a change does not enter `Θ_0`. `Θ_0` of a nonlinear wire grows with the motion: it is not
 /// used there.
@@ -72,13 +72,13 @@ impl ConvergenceEstimate {
     /// last one: `ratio` is the residual before the correction, `last` the one before that, infinite if there is none.
     pub fn last_residual(&self, i: usize, ratio: f64, last: f64) -> Option<f64> {
         let known = self.contractions.get(i).filter(|_| self.unseen < UNSEEN)?;
-        let foreseen = known.max(ratio / last) * ratio;
-        (foreseen <= SURE).then_some(foreseen)
+        let estimated = known.max(ratio / last) * ratio;
+        (estimated <= SURE).then_some(estimated)
     }
 
-    /// Records the end of a step, whose last residual was evaluated or `foreseen` (estimated).
-    pub fn end_step(&mut self, foreseen: bool) {
-        self.unseen = if foreseen { self.unseen + 1 } else { 0 };
+    /// Records the end of a step, whose last residual was evaluated, or `estimated`.
+    pub fn end_step(&mut self, estimated: bool) {
+        self.unseen = if estimated { self.unseen + 1 } else { 0 };
     }
 }
 
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn what_contracts_alike_in_each_step_is_foreseen() {
+    fn what_contracts_alike_in_each_step_is_estimated() {
         let mut convergence_estimate = ConvergenceEstimate::default();
         assert_eq!(
             convergence_estimate.last_residual(1, 40.0, 1e4),
@@ -103,8 +103,8 @@ mod tests {
             "nothing is known yet"
         );
         observe(&mut convergence_estimate, &[1e4, 40.0, 0.2]);
-        let foreseen = convergence_estimate.last_residual(1, 40.0, 1e4).unwrap();
-        assert!((foreseen - 0.2).abs() < 1e-12, "{foreseen}");
+        let estimated = convergence_estimate.last_residual(1, 40.0, 1e4).unwrap();
+        assert!((estimated - 0.2).abs() < 1e-12, "{estimated}");
         assert_eq!(
             convergence_estimate.last_residual(1, 120.0, 3e4),
             None,

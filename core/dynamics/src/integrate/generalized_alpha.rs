@@ -216,7 +216,7 @@ impl GeneralizedAlpha {
                 moving.end(workspace.moving(), &self.scheme, (h, stretch), &mut state.lambda);
                 return Ok(());
             }
-            let foreseen = if damping == 1.0 && workspace.moving().is_empty() {
+            let estimated = if damping == 1.0 && workspace.moving().is_empty() {
                 let convergence_estimate = &self.memory.convergence_estimate;
                 convergence_estimate.last_residual(iteration, residual.ratio, last_ratio)
             } else {
@@ -253,11 +253,11 @@ impl GeneralizedAlpha {
             self.apply(workspace, damping, (mass_rate, velocity_rate), system, state);
             // The contraction of a first correction predicts that of the next step only if no law changes its branch.
             let tells = iteration == 0 && workspace.is_linear();
-            let continues = (foreseen.is_some() || tells) && continues_to(system, &state.motion(u));
-            if let Some(left) = foreseen
+            let continues = (estimated.is_some() || tells) && continues_to(system, &state.motion(u));
+            if let Some(left) = estimated
                 && continues
             {
-                self.counters.foreseen += 1;
+                self.counters.estimated += 1;
                 self.memory.convergence_estimate.end_step(true);
                 visit_histories(system, &mut |kept| kept.end_step(&state.motion(u)));
                 self.residuals.push(residual.value * left / residual.ratio);

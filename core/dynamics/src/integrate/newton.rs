@@ -117,7 +117,7 @@ pub struct Counters {
     pub most_iterations: u64,
     /// Time steps whose last residual was estimated and not evaluated.
     #[serde(default)]
-    pub foreseen: u64,
+    pub estimated: u64,
 }
 
 /// Name of constraint equations in messages.

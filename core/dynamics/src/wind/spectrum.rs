@@ -21,7 +21,7 @@ pub enum TurbulenceSpectrum {
 
 impl TurbulenceSpectrum {
     /// `S(f)/σ²` in 1/Hz at the frequency `f` (Hz, positive) of component 0, 1, 2 (along the mean wind, across,
-    /// vertical), for `time_scale = L/U` in s. Its integral over all frequencies is 1.
+    /// vertical), for `time_scale = L/U` in s. The integral over all frequencies is 1.
     #[must_use]
     pub fn density(self, component: usize, f: f64, time_scale: f64) -> f64 {
         let n = f * time_scale;
