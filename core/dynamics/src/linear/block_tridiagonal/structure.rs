@@ -7,8 +7,8 @@ pub(super) const LARGEST: usize = 48;
 /// (compressed columns, row indices ascending) lies in a block or between two neighbouring ones. Returns the first
 /// unknown of each block and the number of unknowns; `None` if blocks would be large.
 ///
-/// The first block decides: each further block ends with the last unknown that the block before it couples with. Among all
-/// first blocks the one with the least storage is taken, with rows filled up to a multiple of `lanes`.
+/// The first block decides: each further block ends with the last unknown that the block before it couples with. Among
+/// all first blocks the one with the least storage is taken, with rows filled up to a multiple of `lanes`.
 pub(super) fn cut(column_starts: &[usize], row_indices: &[usize], lanes: usize) -> Option<Vec<usize>> {
     let size = column_starts.len() - 1;
     let reach: Vec<usize> = (0..size)
