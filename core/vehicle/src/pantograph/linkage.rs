@@ -12,7 +12,7 @@ use crate::{Base, Travel, Travelling, VehicleError};
 use builder::Builder;
 #[cfg(test)]
 use dynamics::State;
-use dynamics::{AerodynamicLaw, Constraint, Force, Layout, Marker, Motion, PartVisitor};
+use dynamics::{AerodynamicLaw, Constraint, Layout, Marker, Motion, PartVisitor};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use scene::Linkage as Entry;
 

@@ -8,7 +8,7 @@ use super::interface::Pantograph;
 use crate::{Base, Travel, Travelling, VehicleError};
 pub(super) use chain::{ChainElement, ChainInertia, HeadMarker};
 use chain::{ChainMasses, Foot};
-use dynamics::{AerodynamicLaw, Force, Layout, Marker, Motion, PartVisitor};
+use dynamics::{AerodynamicLaw, Layout, Marker, Motion, PartVisitor};
 use nalgebra::{Matrix3, Vector3};
 
 /// A vertical chain of masses, collector head first, each on a spring–damper, the last one on the base.

@@ -15,7 +15,7 @@ use super::linkage::Linkage;
 use crate::error::Irreducible;
 use crate::{Base, Travelling, VehicleError};
 use curve::{MotionCurve, Node, Path};
-use dynamics::{AerodynamicLaw, Force, Layout, Marker, Motion, PartVisitor};
+use dynamics::{AerodynamicLaw, Layout, Marker, Motion, PartVisitor};
 use nalgebra::{DVector, Matrix3, UnitQuaternion, Vector3};
 pub(crate) use one_motion::ReducedStrip;
 use one_motion::{OneMotion, StripBodyPosition};
