@@ -55,7 +55,7 @@ impl Scene {
         let jointed = |pantograph: &Pantograph| matches!(pantograph.model, PantographModel::Linkage(_));
         if moved && self.solver.formulation == Formulation::Index1Baumgarte && self.pantographs.iter().any(jointed) {
             let expected =
-                "must be \"default\": the joints of a linkage on a base with vehicle.motion change with time";
+                "must be \"index_3\": the joints of a linkage on a base with vehicle.motion change with time";
             let value = format!("{:?}", self.solver.formulation.name());
             refuse(found, "solver.formulation", value, expected);
         }

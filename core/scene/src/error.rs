@@ -48,6 +48,13 @@ pub enum What {
         /// All keys known there.
         known: Vec<String>,
     },
+    /// A key or word that has another name now.
+    Renamed {
+        /// The old word, where the key's value is one; the key itself is renamed otherwise.
+        value: Option<String>,
+        /// The new word, or the full path of the new key.
+        new: String,
+    },
     /// A key or table that must be there is not.
     Missing {
         /// What it must hold.
@@ -135,6 +142,11 @@ impl fmt::Display for Problem {
                     }
                 }
             }
+            What::Renamed { value: None, new } => write!(f, "{key}: renamed, use {new}"),
+            What::Renamed {
+                value: Some(value),
+                new,
+            } => write!(f, "{key} = \"{value}\": renamed, use \"{new}\""),
             What::Missing { expected } => write!(f, "{key} is missing: must be {expected}"),
             What::WrongType { value, expected } => write!(f, "{key} = {value}: must be {expected}"),
             What::UnknownWord {

@@ -5,6 +5,7 @@
 //! problem goes to the report, a placeholder comes back, and [`read`] lets no scene with problems out.
 
 use crate::error::{Problem, SceneError, What};
+use crate::renames;
 use crate::tree::{At, Node, Sources, Table, Value};
 use crate::write::{shown, shown_key};
 
@@ -38,10 +39,10 @@ pub(crate) fn read<T: Entry>(root: &Table, sources: Sources) -> Result<T, SceneE
     };
     let value = T::entry(&mut keys, None);
     keys.finish();
-    // A misspelt key is also a missing one: once is enough.
+    // A misspelt or renamed key is also a missing one: once is enough.
     if report
         .iter()
-        .any(|(_, _, what)| matches!(what, What::UnknownKey { .. }))
+        .any(|(_, _, what)| matches!(what, What::UnknownKey { .. } | What::Renamed { value: None, .. }))
     {
         report.retain(|(_, _, what)| !matches!(what, What::Missing { .. }));
     }
@@ -241,8 +242,13 @@ impl Keys<'_> {
             .map(|(name, node)| (name.clone(), node.at))
             .collect();
         for (name, at) in unknown {
-            let nearest = nearest(&name, known.iter().map(String::as_str));
             let key = self.key(&name);
+            if let Some(new) = renames::new_key(&key) {
+                let new = new.to_owned();
+                self.problem(at, key, What::Renamed { value: None, new });
+                continue;
+            }
+            let nearest = nearest(&name, known.iter().map(String::as_str));
             self.problem(
                 at,
                 key,

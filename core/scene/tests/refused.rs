@@ -102,7 +102,7 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, max = 9.0 }", &["coupling.macro_step.max = 9 s: must be at most run.duration = 7 s"]),
     ("macro_step = 0.001", "macro_step = { tolerance = 1.0, maximum = 1e-2 }", &["coupling.macro_step.maximum", "did you mean"]),
     ("macro_step = 0.001", "macro_step = 0.001\nparallel = \"on\"", &["coupling.parallel = \"on\": unknown word", "\"auto\", \"always\", \"never\""]),
-    ("rho_inf = 0.9", "formulation = \"augmented_lagrange\"", &["solver.formulation = \"augmented_lagrange\": unknown word, did you mean \"index_1_baumgarte\"?"]),
+    ("rho_inf = 0.9", "formulation = \"index_1_baumgart\"", &["solver.formulation = \"index_1_baumgart\": unknown word, did you mean \"index_1_baumgarte\"?"]),
     ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle.model is missing: must be one of \"rigid_motion\", \"vertical\", \"full\""]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], z = [0.0] }\n[coupling]", &["vehicle.motion.z = [0.0]: has 1 entries, must be a list of numbers in m, 2 of them"]),
     ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 0.0] }\n[coupling]", &["vehicle.motion.time[2] = 0 s: must be greater than the entry before it, 0 s"]),
@@ -820,7 +820,7 @@ fn joints_that_change_with_time_need_constraints_of_positions() {
     let error = Scene::from_toml(THESIS, "thesis.toml", &overrides.map(str::to_owned)).unwrap_err();
     holds(
         &error.to_string(),
-        &["solver.formulation = \"index_1_baumgarte\": must be \"default\""],
+        &["solver.formulation = \"index_1_baumgarte\": must be \"index_3\""],
     );
 }
 
@@ -897,5 +897,42 @@ point = [10.58842934, 0.0, 4.26522551]"#,
         let told = reduced_thesis(from, to, "[\"planar\",\"linkage\"]").unwrap_err();
         let expected = format!("model.reduce = \"linkage\": must be left out: pantograph[1]: {reason}");
         assert!(told.contains(&expected), "{told}");
+    }
+}
+
+#[test]
+fn no_word_is_suggested_that_is_spelt_far_from_what_was_typed() {
+    for (key, value) in [("stitch_wires", "1"), ("gradient", "0.01")] {
+        let told = message(
+            &edited(EN, "[catenary]\n", &format!("[catenary]\n{key} = {value}\n")),
+            &[],
+        );
+        holds(&told, &[&format!("catenary.{key}: unknown key; known keys here: ")]);
+    }
+    let near = message(&edited(EN, "[catenary]\n", "[catenary]\ngravty = 9.81\n"), &[]);
+    holds(&near, &["catenary.gravty: unknown key, did you mean \"gravity\"?"]);
+}
+
+#[test]
+fn an_old_key_or_word_is_refused_with_the_new_one() {
+    let old = edited(EN, "corrections = \"auto\"", "cures = \"auto\"");
+    assert_eq!(
+        message(&old, &[]),
+        format!(
+            "{}catenary.mesh.cures: renamed, use catenary.mesh.corrections",
+            at(&old, "cures")
+        )
+    );
+    assert_eq!(
+        message(EN, &["catenary.mesh.cures=none"]),
+        "x.toml: --set catenary.mesh.cures=none: catenary.mesh.cures: renamed, use catenary.mesh.corrections"
+    );
+    for (word, new) in [("default", "index_3"), ("augmented_lagrangian", "index_1_baumgarte")] {
+        let old = edited(EN, "rho_inf = 0.9", &format!("rho_inf = 0.9\nformulation = \"{word}\""));
+        let refusal = format!("solver.formulation = \"{word}\": renamed, use \"{new}\"");
+        assert_eq!(message(&old, &[]), format!("{}{refusal}", at(&old, "formulation")));
+        let set = format!("solver.formulation={word}");
+        assert_eq!(message(EN, &[&set]), format!("x.toml: --set {set}: {refusal}"));
+        assert_eq!(message(EN, &[&format!("solver.formulation={new}")]), "accepted");
     }
 }

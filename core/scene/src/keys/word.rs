@@ -3,6 +3,7 @@
 use super::Keys;
 use crate::choice::Choice;
 use crate::error::What;
+use crate::renames;
 use crate::tree::{Node, Value};
 use crate::write::shown;
 
@@ -46,7 +47,13 @@ impl Keys<'_> {
                     .find(|(word, _)| *word == typed)
                     .map(|(_, meaning)| *meaning);
                 if found.is_none() {
-                    let what = wrong_word(&typed, &available(names), unavailable);
+                    let what = match renames::new_word(&self.key(name), &typed) {
+                        Some(new) => What::Renamed {
+                            value: Some(typed),
+                            new: new.to_owned(),
+                        },
+                        None => wrong_word(&typed, &available(names), unavailable),
+                    };
                     self.report(name, what);
                 }
                 found
@@ -169,10 +176,22 @@ fn wrong_word(typed: &str, available: &[&'static str], unavailable: &[&'static s
     }
 }
 
+/// Jaro-Winkler similarity from which a candidate may be meant; most unrelated names of the format stay below.
+const NEAR: f64 = 0.7;
+/// Largest share of the longer name's letters that may be wrong: names that merely begin alike differ in more.
+const MOST_WRONG: f64 = 0.4;
+
+/// True where so few letters differ that one name may be the other misspelt, or where one is the beginning of the other.
+fn may_be_meant(typed: &str, candidate: &str) -> bool {
+    let longer = typed.chars().count().max(candidate.chars().count());
+    let wrong = strsim::damerau_levenshtein(typed, candidate);
+    wrong as f64 <= MOST_WRONG * longer as f64 || typed.starts_with(candidate) || candidate.starts_with(typed)
+}
+
 /// The candidate nearest in spelling, where one is near at all.
 pub(crate) fn nearest<'a>(typed: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
-    const NEAR: f64 = 0.7; // Jaro-Winkler similarity; unrelated key names of the format stay below
     candidates
+        .filter(|candidate| may_be_meant(typed, candidate))
         .map(|candidate| (strsim::jaro_winkler(typed, candidate), candidate))
         .filter(|(similarity, _)| *similarity >= NEAR)
         .max_by(|a, b| a.0.total_cmp(&b.0))
