@@ -316,6 +316,7 @@ impl Catenary {
     fn check(&self, found: &mut Found) {
         self.contact_wire.check("catenary.contact_wire", found);
         self.messenger_wire.check("catenary.messenger_wire", found);
+        self.check_units(found);
         self.check_beam(found);
         if self.presag >= self.contact_wire_height {
             let expected = format!("must be less than contact_wire_height = {} m", self.contact_wire_height);
@@ -408,6 +409,7 @@ impl Catenary {
 
 impl Wire {
     fn check(&self, path: &str, found: &mut Found) {
+        self.check_unit_of_tension(path, found);
         if let Some(breaking_force) = self.breaking_force
             && self.tension >= breaking_force
         {

@@ -48,6 +48,7 @@ mod mesh_error;
 mod model;
 mod one_motion;
 mod pantograph;
+mod plausible;
 mod renames;
 mod run;
 mod scene;

@@ -242,6 +242,7 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
         return Err(syntax(FORM));
     };
     walked.push_str(&shown_key(&first));
+    let mut last_is_new = root.node(&first).is_none();
     let mut node = entry(root, first, at);
     for step in steps {
         let refused = |value: &Value, expected: String| {
@@ -253,11 +254,15 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
                 },
             )
         };
+        let is_new = std::mem::take(&mut last_is_new);
         node = match (&mut node.value, step) {
+            // A list that the file does not have: reading it reports the key, with the known ones beside it.
+            (Value::Table(_), Step::Entry(_)) if is_new => return Ok(()),
             (Value::Table(table), Step::Key(key)) => {
                 drop_replaced(table, &walked, &key);
                 walked.push('.');
                 walked.push_str(&shown_key(&key));
+                last_is_new = table.node(&key).is_none();
                 entry(table, key, at)
             }
             (Value::List(list), step) => {

@@ -34,6 +34,7 @@ fn every_shipped_scene_is_accepted() {
             let scene =
                 Scene::from_toml(&text, &path.display().to_string(), &[]).unwrap_or_else(|error| panic!("{error}"));
             assert!(scene.source.is_some(), "{} names no source", path.display());
+            assert_eq!(scene.questions(), Vec::<String>::new(), "{}", path.display());
             read_scenes += 1;
         }
     }
@@ -324,6 +325,32 @@ fn defaults_are_resolved_and_written_out() {
             written.lines().any(|written| written == line),
             "{line} is not in\n{written}"
         );
+    }
+}
+
+#[test]
+fn a_long_stretch_without_a_dropper_is_questioned_and_accepted() {
+    let scene = read(EN_250, &["catenary.droppers.positions=[5, 23, 41, 55]"]);
+    assert_eq!(
+        scene.questions(),
+        [
+            "catenary.droppers.positions = [5.0, 23.0, 41.0, 55.0] m: 18 m of span 1, from 5 m to 23 m, are without a dropper, and lines \
+          have one every 4 to 12 m; is a position missing?"
+        ]
+    );
+    assert!(read(EN_250, &[]).questions().is_empty());
+}
+
+#[test]
+fn reductions_joined_by_plus_are_those_of_a_list() {
+    let reductions = |value: &str| read(EN_250, &[&format!("model.reduce={value}")]).model.reductions;
+    let expected = [Reduction::Linearised, Reduction::Window];
+    for value in [
+        "linearised+window",
+        "\"linearised + window\"",
+        "[\"linearised\", \"window\"]",
+    ] {
+        assert_eq!(reductions(value), expected, "{value}");
     }
 }
 

@@ -914,6 +914,53 @@ fn no_word_is_suggested_that_is_spelt_far_from_what_was_typed() {
 }
 
 #[test]
+fn a_pantograph_is_named_as_the_file_names_it() {
+    let told = message(EN, &["pantographs[1].static_force=100"]);
+    holds(&told, &["pantographs: unknown key, did you mean \"pantograph\"?"]);
+    assert_eq!(told.lines().count(), 1, "{told}");
+    assert!(!told.contains("pantographs[1]:"), "{told}");
+}
+
+#[test]
+fn a_list_of_reductions_may_be_joined_by_plus() {
+    for (word, told) in [
+        ("linearised+linearised", "must name \"linearised\" once"),
+        ("none+window", "model.reduce = \"none\": unknown word"),
+        (
+            "linearised+widow",
+            "model.reduce = \"widow\": unknown word, did you mean \"window\"?",
+        ),
+        ("linearised+window", "accepted"),
+    ] {
+        holds(&message(EN, &[&format!("model.reduce={word}")]), &[told]);
+    }
+}
+
+#[test]
+fn values_in_another_unit_are_refused_with_what_was_likely_meant() {
+    for (set, told) in [
+        (
+            "catenary.contact_wire_height=5300",
+            "catenary.contact_wire_height = 5300 m: must be at most 20 m above the top of rail; 5300 mm are 5.3 m",
+        ),
+        (
+            "catenary.contact_wire_height=530",
+            "catenary.contact_wire_height = 530 m: must be at most 20 m above the top of rail; 530 cm are 5.3 m",
+        ),
+        (
+            "catenary.contact_wire.tension=15",
+            "catenary.contact_wire.tension = 15 N: must be at least 100 N for a wire to hang straight; 15 kN are 15000 N",
+        ),
+        (
+            "catenary.messenger_wire.tension=16",
+            "catenary.messenger_wire.tension = 16 N: must be at least 100 N for a wire to hang straight; 16 kN are 16000 N",
+        ),
+    ] {
+        assert_eq!(message(EN, &[set]), format!("x.toml: --set {set}: {told}"));
+    }
+}
+
+#[test]
 fn an_old_key_or_word_is_refused_with_the_new_one() {
     let old = edited(EN, "corrections = \"auto\"", "cures = \"auto\"");
     assert_eq!(

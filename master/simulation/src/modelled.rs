@@ -95,7 +95,7 @@ impl Prepared {
     /// Remarks on what the results of internal steps of `step` s are worth.
     #[must_use]
     pub fn notes(&self, step: f64) -> Vec<String> {
-        let mut notes = Vec::new();
+        let mut notes = self.scene.questions();
         notes.extend(mesh::expected_error(&self.scene, step));
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {
             if let (PantographModel::Supplied(_), Some(start)) = (&pantograph.model, pantograph.start) {

@@ -71,7 +71,8 @@ impl Keys<'_> {
         }
     }
 
-    /// `"none"` (the empty list), one word, or a list of words without repetition; `None` where it is `"auto"` or left out.
+    /// `"none"` (the empty list), one word, several joined by `+`, or a list of words, without repetition; `None` where
+    /// the key is `"auto"` or left out.
     pub(crate) fn words<T: Choice>(&mut self, name: &str, was: Option<&[T]>) -> Option<Vec<T>> {
         let word_of = |value: &T| {
             T::NAMES
@@ -104,22 +105,33 @@ impl Keys<'_> {
         } else {
             format!("\"auto\", \"none\", or one or a list of {}", available.join(", "))
         };
+        let meaning_of = |typed: &str| {
+            let found = T::NAMES
+                .iter()
+                .find(|(word, _)| *word == typed && available.contains(word));
+            found.map(|(_, meaning)| *meaning)
+        };
         let mut found = Vec::new();
         match self.node(name).cloned().map(|node| node.value) {
             None => return None,
             Some(Value::String(word)) if word == "auto" => return None,
             Some(Value::String(word)) if word == "none" => {}
-            Some(Value::String(typed)) if available.contains(&typed.as_str()) => {
-                found.extend(
-                    T::NAMES
-                        .iter()
-                        .filter(|(word, _)| *word == typed)
-                        .map(|(_, meaning)| *meaning),
-                );
-            }
             Some(Value::String(typed)) => {
-                let known: Vec<&'static str> = ["auto", "none"].into_iter().chain(available.iter().copied()).collect();
-                self.report(name, wrong_word(&typed, &known, T::UNAVAILABLE));
+                let joined = typed.contains('+');
+                for part in typed.split('+').map(str::trim) {
+                    match meaning_of(part) {
+                        Some(meaning) if found.contains(&meaning) => {
+                            self.refuse(name, format!("must name \"{part}\" once"));
+                        }
+                        Some(meaning) => found.push(meaning),
+                        None if joined => self.report(name, wrong_word(part, &available, T::UNAVAILABLE)),
+                        None => {
+                            let known = ["auto", "none"].into_iter().chain(available.iter().copied());
+                            let known: Vec<&'static str> = known.collect();
+                            self.report(name, wrong_word(part, &known, T::UNAVAILABLE));
+                        }
+                    }
+                }
             }
             Some(Value::List(list)) => {
                 for (i, node) in list.iter().enumerate() {
@@ -133,14 +145,11 @@ impl Keys<'_> {
                         self.problem(node.at, key, what);
                         continue;
                     };
-                    let meaning = T::NAMES
-                        .iter()
-                        .find(|(word, _)| word == typed && available.contains(word));
-                    match meaning {
-                        Some((_, meaning)) if found.contains(meaning) => {
+                    match meaning_of(typed) {
+                        Some(meaning) if found.contains(&meaning) => {
                             self.refuse(name, format!("must name \"{typed}\" once"));
                         }
-                        Some((_, meaning)) => found.push(*meaning),
+                        Some(meaning) => found.push(meaning),
                         None => self.problem(node.at, key, wrong_word(typed, &available, T::UNAVAILABLE)),
                     }
                 }
