@@ -35,7 +35,7 @@ pub struct Catenary {
     pub registration_arms: RegistrationArms,
     /// `[catenary.damping]`.
     pub damping: Damping,
-    /// `[catenary.mesh]`.
+    /// `[catenary.mesh]`; left out it is chosen as for `error_percent = 1.0`.
     pub mesh: Mesh,
 }
 
@@ -239,7 +239,7 @@ impl Entry for Catenary {
             supports: keys.table("supports", was.map(|line| &line.supports)),
             registration_arms: keys.table("registration_arms", was.map(|line| &line.registration_arms)),
             damping: keys.table("damping", was.map(|line| &line.damping)),
-            mesh: keys.table("mesh", was.map(|line| &line.mesh)),
+            mesh: keys.table_or_empty("mesh", was.map(|line| &line.mesh)),
         }
     }
 }

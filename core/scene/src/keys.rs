@@ -165,6 +165,11 @@ impl Keys<'_> {
         );
     }
 
+    /// True where the table that is read has no key at all.
+    pub(crate) fn is_empty(&self) -> bool {
+        matches!(&self.side, Side::Read { table, .. } if table.entries.is_empty())
+    }
+
     /// Whether a key is there; `writing` says so when writing.
     pub(crate) fn has(&mut self, name: &str, writing: bool) -> bool {
         self.node(name).is_some() || writing

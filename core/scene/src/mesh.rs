@@ -34,8 +34,17 @@ pub(crate) enum Open {
     Corrections,
     /// Elements, corrections and, where it is not given, the micro step, for an error of the filtered force of at most this, % of its
     /// standard deviation.
-    Error(f64),
+    Error {
+        /// %.
+        percent: f64,
+        /// True where the scene has no mesh at all.
+        by_default: bool,
+    },
 }
+
+/// The error of the filtered force that a mesh is chosen for where a scene has none, % of its standard deviation: far
+/// below the scatter of measured contact forces.
+const DEFAULT_ERROR: f64 = 1.0;
 
 choice! {
     /// `catenary.mesh.element`.
@@ -183,14 +192,21 @@ impl Scene {
         match catenary.mesh.open.take().filter(|_| !keys.has_problems()) {
             None => {}
             Some(Open::Corrections) => self.choose_corrections(),
-            Some(Open::Error(error)) => match self.mesh_for(error, step_is_given) {
+            Some(Open::Error { percent, by_default }) => match self.mesh_for(percent, step_is_given) {
                 Ok(choice) => {
                     self.set_division(choice.division);
                     self.set_corrections(choice.corrections);
                     self.solver.micro_step = choice.micro_step;
                 }
+                Err(reason) if by_default => {
+                    let expected = format!(
+                        "a table with elements_per_interval or element_length, as none can be chosen for the default \
+                         error_percent = {percent}: {reason}"
+                    );
+                    keys.report_path("catenary.mesh", What::Missing { expected });
+                }
                 Err(expected) => {
-                    let value = shown_number(error, "%");
+                    let value = shown_number(percent, "%");
                     keys.report_path("catenary.mesh.error_percent", What::Refused { value, expected });
                 }
             },
@@ -304,6 +320,18 @@ fn layers_obstacle(catenary: &Catenary) -> Option<String> {
     })
 }
 
+/// A mesh whose elements and corrections are still to be chosen.
+fn chosen_later(element: Element, axial_strain: AxialStrain) -> Mesh {
+    Mesh {
+        element,
+        division: Division::PerInterval(1),
+        axial_strain,
+        corrections: Vec::new(),
+        contact_speed: 0.0,
+        open: None,
+    }
+}
+
 impl Entry for Mesh {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let element = keys.word("element", was.map(|mesh| mesh.element), Some(Element::Cable));
@@ -336,14 +364,23 @@ impl Entry for Mesh {
                 keys.report("error_percent", What::Refused { value, expected });
             }
             // What is no error at all is refused already, and nothing is chosen for it.
-            let open = (error > 0.0).then_some(Open::Error(error));
+            let open = Open::Error {
+                percent: error,
+                by_default: false,
+            };
             return Self {
-                element,
-                division: Division::PerInterval(1),
-                axial_strain,
-                corrections: Vec::new(),
-                contact_speed: 0.0,
-                open,
+                open: (error > 0.0).then_some(open),
+                ..chosen_later(element, axial_strain)
+            };
+        }
+        if keys.is_empty() {
+            let open = Open::Error {
+                percent: DEFAULT_ERROR,
+                by_default: true,
+            };
+            return Self {
+                open: Some(open),
+                ..chosen_later(element, axial_strain)
             };
         }
         let division = Division::entry(keys, was.map(|mesh| mesh.division));

@@ -778,6 +778,42 @@ fn a_mesh_follows_the_error_that_is_asked_for() {
     assert_eq!(given.solver.micro_step, 5e-4);
 }
 
+#[test]
+fn a_scene_without_a_mesh_gets_the_one_for_an_error_of_one_percent() {
+    let (before, rest) = EN_300.split_once("[catenary.mesh]").unwrap();
+    let after = &rest[rest.find("\n[").unwrap()..];
+    let without = format!("{before}{after}");
+    let free_step = without.replace("micro_step = 0.001", "# micro_step left out");
+    for text in [&without, &free_step, &format!("{before}[catenary.mesh]\n{after}")] {
+        let scene = read(text, &[]);
+        assert_eq!(scene, read(text, &["catenary.mesh={error_percent=1.0}"]));
+        assert_eq!(read(&scene.to_toml(), &[]), scene);
+    }
+    // A division that is set takes the place of the choice.
+    assert_eq!(
+        elements(&read(&without, &["catenary.mesh.elements_per_interval=3"])),
+        30
+    );
+    // A joint has a rule of its own.
+    let joined = read(&without, &["contact={law=\"sliding_joint\"}"]);
+    assert!(joined.expected_mesh_error().unwrap().total() <= 1.0);
+    let refusal = |overrides: &[&str]| {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_string()).collect();
+        Scene::from_toml(&without, "x.toml", &overrides)
+            .unwrap_err()
+            .to_string()
+    };
+    let slow = refusal(&["run.speed_kmh=30", "run.evaluate={time=[1,4]}"]);
+    let told = "catenary.mesh is missing: must be a table with elements_per_interval or element_length, as none can be chosen for the \
+                default error_percent = 1: no rule is known for run.speed_kmh = 30 km/h";
+    assert!(slow.contains(told), "{slow}");
+    let beam = refusal(&[BEAM[1]]);
+    assert!(
+        beam.contains("catenary.contact_wire.beam = { … }: must be left out with catenary.mesh.element = \"cable\""),
+        "{beam}"
+    );
+}
+
 /// Keys of a run at `kmh` that is filtered at `hz`, long enough to be read.
 fn slow_run(kmh: f64, hz: f64) -> [String; 4] {
     [
