@@ -1,8 +1,10 @@
 //! `[catenary]`: the overhead line.
 
+use crate::check::LONGEST_SPAN;
 use crate::choice::choice;
-use crate::keys::{Entry, Keys, Length, Number};
+use crate::keys::{Entry, Keys, Length, Number, Sentences};
 use crate::mesh::Mesh;
+use crate::plausible::{HIGHEST_WIRE, LEAST_TENSION};
 
 /// `[catenary]`, the line as this program models it.
 #[derive(Clone, Debug, PartialEq)]
@@ -208,19 +210,61 @@ impl Wire {
 pub const MAX_SPANS: usize = 5000;
 
 impl Entry for Catenary {
+    const SENTENCES: Sentences = &[
+        ("spans", "Number of spans, counted from 1 in the other keys."),
+        ("span_length", "Length of every span, or of each span in turn."),
+        (
+            "contact_wire_height",
+            "Height of the contact wire at the supports above the top of rail.",
+        ),
+        (
+            "encumbrance",
+            "Height of the messenger wire above the contact wire at the supports.",
+        ),
+        ("presag", "Lowering of the contact wire at mid-span."),
+        (
+            "stagger",
+            "Lateral position of the contact wire at the supports in turn, positive to the left; repeated \
+             cyclically.",
+        ),
+        (
+            "wire_ends",
+            "Ends of both wires: sliding under the force of tensioning weights, or fixed.",
+        ),
+        (
+            "statics",
+            "Way to the static state: the contact wire is held at its heights and dropper lengths follow, or \
+             dropper lengths are given.",
+        ),
+        ("gravity", "Acceleration of gravity."),
+        ("contact_wire", "Contact wire."),
+        ("messenger_wire", "Messenger wire."),
+        ("droppers", "Droppers, the same in every span."),
+        ("supports", "Springs that hold the messenger wire."),
+        (
+            "registration_arms",
+            "Steady arms that hold the contact wire at the supports.",
+        ),
+        ("damping", "Rayleigh damping of the wires."),
+        (
+            "mesh",
+            "Elements of the wires; left out, the mesh is chosen as for `error_percent = 1.0`.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let spans = keys.count("spans", was.map(Self::spans), 1..=MAX_SPANS, None);
         Self {
             span_lengths: keys.number_or_numbers(
                 "span_length",
                 was.map(|line| line.span_lengths.as_slice()),
-                Number::positive("m"),
+                Number::positive("m").at_most(LONGEST_SPAN),
                 spans,
             ),
             contact_wire_height: keys.number(
                 "contact_wire_height",
                 was.map(|line| line.contact_wire_height),
-                Number::positive("m"),
+                Number::positive("m").at_most(HIGHEST_WIRE),
             ),
             encumbrance: keys.number("encumbrance", was.map(|line| line.encumbrance), Number::positive("m")),
             presag: keys.number("presag", was.map(|line| line.presag), Number::any("m")),
@@ -245,6 +289,18 @@ impl Entry for Catenary {
 }
 
 impl Entry for Wire {
+    const SENTENCES: Sentences = &[
+        ("mass_per_length", "Mass per length."),
+        ("tension", "Horizontal tension in the static state."),
+        ("axial_stiffness", "Axial stiffness `EA`."),
+        ("bending_stiffness", "Bending stiffness `EI`; 0 is a string."),
+        ("breaking_force", "Tension above which the scene is refused."),
+        (
+            "beam",
+            "Stiffnesses of a shear-deformable beam; of the contact wire with `mesh.element = \"beam\"` only.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             mass_per_length: keys.number(
@@ -252,7 +308,11 @@ impl Entry for Wire {
                 was.map(|wire| wire.mass_per_length),
                 Number::positive("kg/m"),
             ),
-            tension: keys.number("tension", was.map(|wire| wire.tension), Number::positive("N")),
+            tension: keys.number(
+                "tension",
+                was.map(|wire| wire.tension),
+                Number::positive("N").at_least(LEAST_TENSION),
+            ),
             axial_stiffness: keys.number(
                 "axial_stiffness",
                 was.map(|wire| wire.axial_stiffness),
@@ -274,6 +334,15 @@ impl Entry for Wire {
 }
 
 impl Entry for Beam {
+    const SENTENCES: Sentences = &[
+        (
+            "shear_stiffness",
+            "Shear stiffness `k G A`, shear correction factor included.",
+        ),
+        ("torsional_stiffness", "Torsional stiffness `G J`."),
+        ("rotary_inertia", "Rotary inertia per length about a diameter, `ρ I`."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             shear_stiffness: keys.number(
@@ -296,6 +365,20 @@ impl Entry for Beam {
 }
 
 impl Entry for Droppers {
+    const SENTENCES: Sentences = &[
+        (
+            "positions",
+            "Distances from the left support of each span, ascending, inside every span.",
+        ),
+        ("stiffness", "Stiffness in tension; a dropper bears no compression."),
+        ("damping", "Damping while in tension."),
+        ("mass", "Mass of a dropper, half of it at each end."),
+        (
+            "lengths",
+            "Unstressed lengths, one per position; only with `statics = \"nodal_displacement\"`.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let lengths = was.map(|droppers| droppers.lengths.as_deref());
         Self {
@@ -324,6 +407,21 @@ impl Entry for Droppers {
 }
 
 impl Entry for Supports {
+    const SENTENCES: Sentences = &[
+        (
+            "messenger_vertical_stiffness",
+            "Vertical stiffness of a support of the messenger wire.",
+        ),
+        (
+            "messenger_lateral_stiffness",
+            "Lateral stiffness of a support of the messenger wire.",
+        ),
+        (
+            "messenger_longitudinal_stiffness",
+            "Stiffness along the track; 0 lets the messenger wire slide freely.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             messenger_vertical_stiffness: keys.number(
@@ -346,6 +444,24 @@ impl Entry for Supports {
 }
 
 impl Entry for RegistrationArms {
+    const SENTENCES: Sentences = &[
+        (
+            "vertical_stiffness",
+            "Vertical stiffness about the static height, at which the static reaction is carried.",
+        ),
+        ("lateral_stiffness", "Lateral stiffness about the stagger."),
+        ("mass", "Mass lumped on the contact wire."),
+        (
+            "free_uplift",
+            "Rise of the contact wire at a support that the steady arm leaves free; not modelled, a limit for the \
+             uplift of a run.",
+        ),
+        (
+            "uplift_stop",
+            "True where a stop limits the rise of the steady arm [EN 50119, 5.10.2]; not modelled.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             vertical_stiffness: keys.number(
@@ -366,6 +482,8 @@ impl Entry for RegistrationArms {
 }
 
 impl Entry for Damping {
+    const SENTENCES: Sentences = &[("alpha", "Damping on the mass."), ("beta", "Damping on the stiffness.")];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             alpha: keys.number("alpha", was.map(|damping| damping.alpha), Number::not_negative("1/s")),

@@ -15,7 +15,7 @@ const ROUNDING: f64 = 1e-9;
 /// A run of more steps or rows than this is a mistake in a key.
 const MAX_STEPS: f64 = 1e8;
 /// Longest span, m: far beyond any real one, so that a single wire as good as endless can be tried, and short of a slip in a power of ten.
-const LONGEST_SPAN: f64 = 5000.0;
+pub(crate) const LONGEST_SPAN: f64 = 5000.0;
 /// Shortest distance of droppers from each other and from supports, m: less than their clamps need, and so short that the elements
 /// between them are too stiff for the statics to close to their tolerance.
 const SHORTEST_INTERVAL: f64 = 0.1;

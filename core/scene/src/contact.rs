@@ -1,7 +1,7 @@
 //! `[contact]`: the law between contact wire and collector strip.
 
 use crate::choice::choice;
-use crate::keys::{Entry, Keys, Number};
+use crate::keys::{Entry, Keys, Number, Sentences};
 
 /// `[contact]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +32,11 @@ struct Penalty {
 }
 
 impl Entry for Penalty {
+    const SENTENCES: Sentences = &[
+        ("stiffness", "Contact stiffness; left out under a sliding joint."),
+        ("damping", "Contact damping; left out under a sliding joint."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             stiffness: keys.number("stiffness", was.map(|law| law.stiffness), Number::positive("N/m")),
@@ -41,12 +46,17 @@ impl Entry for Penalty {
 }
 
 impl Entry for Contact {
+    const SENTENCES: Sentences = &[(
+        "law",
+        "Contact law: a unilateral spring and damper on the penetration, or a strip held on the wire.",
+    )];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let law = keys.word("law", was.map(|contact| contact.law), None);
         let Penalty { stiffness, damping } = match law {
             ContactLaw::Penalty => {
                 let was = was.map(|&Self { stiffness, damping, .. }| Penalty { stiffness, damping });
-                Penalty::entry(keys, was.as_ref())
+                keys.part(was.as_ref())
             }
             ContactLaw::SlidingJoint => {
                 keys.leave_out::<Penalty>(

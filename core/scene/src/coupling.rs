@@ -1,7 +1,7 @@
 //! `[coupling]`: how the two sides exchange values.
 
 use crate::choice::choice;
-use crate::keys::{Entry, Keys, Number};
+use crate::keys::{Entry, Keys, Number, Sentences};
 
 /// `[coupling]`.
 #[derive(Clone, Debug)]
@@ -85,6 +85,15 @@ impl StepControl {
 }
 
 impl Entry for StepControl {
+    const SENTENCES: Sentences = &[
+        (
+            "tolerance",
+            "Estimated error of the contact force that a step may make.",
+        ),
+        ("min", "Shortest macro step, taken whatever its error."),
+        ("max", "Longest macro step."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let control = Self {
             tolerance: keys.number("tolerance", was.map(|control| control.tolerance), Number::positive("N")),
@@ -180,6 +189,42 @@ impl Algorithm {
 }
 
 impl Entry for Coupling {
+    const SENTENCES: Sentences = &[
+        (
+            "algorithm",
+            "Exchange algorithm; `\"auto\"` takes what suits the slaves.",
+        ),
+        (
+            "order",
+            "Side that steps first where the sides step in turn; the default suits the algorithm.",
+        ),
+        (
+            "force",
+            "Force given to the pantograph over a step: mean, interpolated or end value of the contact force; the \
+             default suits the algorithm.",
+        ),
+        (
+            "extrapolation",
+            "Degree of the polynomial that inputs follow inside a step; the default suits the algorithm.",
+        ),
+        (
+            "macro_step",
+            "Communication step, or a table that lets the step follow the error made.",
+        ),
+        (
+            "parallel",
+            "Threads for slaves that may step at the same time; results are the same.",
+        ),
+        (
+            "max_iterations",
+            "Most passes of a macro step with `\"iterated\"` and `\"interface_jacobian\"`.",
+        ),
+        (
+            "force_tolerance",
+            "Change of the contact force by a further pass below which no pass follows.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let algorithm = keys.word(
             "algorithm",
@@ -187,6 +232,9 @@ impl Entry for Coupling {
             Some(Algorithm::Auto),
         );
         let (order, force, extrapolation) = algorithm.defaults();
+        if keys.describes() {
+            keys.inline_table::<StepControl>("macro_step", None);
+        }
         let controlled = keys.holds_table("macro_step") || was.is_some_and(|coupling| coupling.step_control.is_some());
         let step_control = controlled.then(|| {
             let was = was.and_then(|coupling| coupling.step_control.as_ref());

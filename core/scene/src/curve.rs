@@ -2,7 +2,7 @@
 
 use crate::check::{Found, refuse};
 use crate::choice::choice;
-use crate::keys::{Entry, Keys, Number};
+use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::write::shown_number;
 use crate::{Scene, Train};
 
@@ -144,12 +144,33 @@ const LARGEST_CANT: f64 = 0.2;
 const STEEPEST_RAMP: f64 = 7e-3;
 
 impl Entry for Curve {
+    const SENTENCES: Sentences = &[
+        ("radius", "Radius of the middle of the track."),
+        ("direction", "Side to which the track turns."),
+        ("cant", "Height of the outer rail above the inner one in the arc."),
+        ("start", "Place where the transition into the curve begins."),
+        ("transition", "Length of each transition."),
+        ("length", "Length of the arc."),
+        (
+            "rounding",
+            "Length over which the slope of the outer rail changes at both ends of each cant ramp.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let length = Number::positive("m");
         Self {
-            radius: keys.number("radius", was.map(|curve| curve.radius), length),
+            radius: keys.number(
+                "radius",
+                was.map(|curve| curve.radius),
+                length.at_least(SMALLEST_RADIUS),
+            ),
             direction: keys.word("direction", was.map(|curve| curve.direction), None),
-            cant: keys.number("cant", was.map(|curve| curve.cant), Number::not_negative("m")),
+            cant: keys.number(
+                "cant",
+                was.map(|curve| curve.cant),
+                Number::not_negative("m").at_most(LARGEST_CANT),
+            ),
             start: keys.number("start", was.map(|curve| curve.start), Number::any("m")),
             transition: keys.number("transition", was.map(|curve| curve.transition), length),
             length: keys.number("length", was.map(|curve| curve.length), length),

@@ -43,6 +43,9 @@ impl Division {
         };
         let (name, other) = ("elements_per_interval", "element_length");
         let has_count = keys.has(name, count.is_some());
+        if keys.describes() {
+            keys.count(name, None, 1..=MOST, None);
+        }
         if keys.has(other, limit.is_some()) {
             if has_count {
                 let because = format!("catenary.mesh.{name} divides the intervals; one of the two");

@@ -10,17 +10,22 @@ use crate::tree::{At, Node, Sources, Table, Value};
 use crate::write::{shown, shown_key};
 
 mod columns;
+mod describe;
 mod number;
 mod plain;
 mod table;
 mod word;
 
+pub(crate) use describe::{Default, Described, Section, Sentences, describe};
 pub(crate) use number::{Length, Number};
 pub(crate) use table::placeholder;
 use word::nearest;
 
 /// A table of the scene.
 pub(crate) trait Entry: Sized {
+    /// One sentence for each key, by its name.
+    const SENTENCES: Sentences;
+
     /// Names the keys; `was` is the value when writing, `None` when reading.
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self;
 }
@@ -31,6 +36,7 @@ pub(crate) fn read<T: Entry>(root: &Table, sources: Sources) -> Result<T, SceneE
     let mut keys = Keys {
         path: String::new(),
         known: Vec::new(),
+        sentences: vec![T::SENTENCES],
         side: Side::Read {
             table: root,
             at: At::File,
@@ -63,6 +69,7 @@ pub(crate) fn write<T: Entry>(value: &T) -> Table {
     let mut keys = Keys {
         path: String::new(),
         known: Vec::new(),
+        sentences: vec![T::SENTENCES],
         side: Side::Write(Table::default()),
     };
     T::entry(&mut keys, Some(value));
@@ -72,10 +79,12 @@ pub(crate) fn write<T: Entry>(value: &T) -> Table {
 /// Problems found so far: where, the full path of the key, and what is wrong with it.
 type Report = Vec<(At, String, What)>;
 
-/// The keys of one table, being read or written.
+/// The keys of one table, being read, written or described.
 pub(crate) struct Keys<'a> {
     path: String,
     known: Vec<String>,
+    /// Sentences of the keys, the latest last.
+    sentences: Vec<Sentences>,
     side: Side<'a>,
 }
 
@@ -86,6 +95,7 @@ enum Side<'a> {
         report: &'a mut Report,
     },
     Write(Table),
+    Describe(describe::Describing<'a>),
 }
 
 impl Keys<'_> {
@@ -102,7 +112,7 @@ impl Keys<'_> {
         self.known.push(name.to_string());
         match &self.side {
             Side::Read { table, .. } => table.node(name),
-            Side::Write(_) => None,
+            Side::Write(_) | Side::Describe(_) => None,
         }
     }
 
@@ -145,16 +155,20 @@ impl Keys<'_> {
         );
     }
 
-    /// Whether something was reported so far.
+    /// True where something was reported so far, or where keys are described and there are no values at all.
     pub(crate) fn has_problems(&self) -> bool {
-        matches!(&self.side, Side::Read { report, .. } if !report.is_empty())
+        match &self.side {
+            Side::Read { report, .. } => !report.is_empty(),
+            Side::Write(_) => false,
+            Side::Describe(_) => true,
+        }
     }
 
     /// Reports an impossible value.
     pub(crate) fn refuse(&mut self, name: &str, expected: impl Into<String>) {
         let value = match &self.side {
             Side::Read { table, .. } => table.node(name).map_or_else(String::new, |node| shown(&node.value)),
-            Side::Write(_) => return,
+            Side::Write(_) | Side::Describe(_) => return,
         };
         self.report(
             name,
@@ -170,8 +184,25 @@ impl Keys<'_> {
         matches!(&self.side, Side::Read { table, .. } if table.entries.is_empty())
     }
 
-    /// Whether a key is there; `writing` says so when writing.
+    /// Keys of `T` in this table itself.
+    pub(crate) fn part<T: Entry>(&mut self, was: Option<&T>) -> T {
+        self.with(T::SENTENCES, |keys| T::entry(keys, was))
+    }
+
+    /// Keys whose sentences are these.
+    pub(crate) fn with<T>(&mut self, sentences: Sentences, read: impl FnOnce(&mut Self) -> T) -> T {
+        self.sentences.push(sentences);
+        let value = read(self);
+        self.sentences.pop();
+        value
+    }
+
+    /// True where a key is there; `writing` says so when writing. A key that is asked for in this way may be left out.
     pub(crate) fn has(&mut self, name: &str, writing: bool) -> bool {
+        if self.describes() {
+            self.may_be_left_out(name);
+            return true;
+        }
         self.node(name).is_some() || writing
     }
 
@@ -268,7 +299,7 @@ impl Keys<'_> {
     fn into_table(self) -> Table {
         match self.side {
             Side::Write(table) => table,
-            Side::Read { .. } => Table::default(),
+            Side::Read { .. } | Side::Describe(_) => Table::default(),
         }
     }
 }

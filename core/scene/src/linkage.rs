@@ -1,6 +1,6 @@
 //! `model = "linkage"`: a pantograph of rigid bodies and joints.
 
-use crate::keys::{Entry, Keys, Number};
+use crate::keys::{Entry, Keys, Number, Sentences};
 
 /// `model = "linkage"`.
 ///
@@ -131,6 +131,21 @@ impl Linkage {
 }
 
 impl Entry for Linkage {
+    const SENTENCES: Sentences = &[
+        ("strip", "Collector strip."),
+        (
+            "base",
+            "Reference point of the mechanism's base in its own coordinates; z is above the top of rail.",
+        ),
+        (
+            "collector_suspension",
+            "Spring and damper along the prismatic joint of the strip's body.",
+        ),
+        ("uplift", "Constant vertical force that raises the mechanism."),
+        ("bodies", "Rigid bodies in their tabulated position."),
+        ("joints", "Ideal joints between two bodies, or a body and `base`."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             strip: keys.inline_table("strip", was.map(|linkage| &linkage.strip)),
@@ -147,6 +162,15 @@ impl Entry for Linkage {
 const A_BODY: &str = "the name of a body";
 
 impl Entry for LinkageStrip {
+    const SENTENCES: Sentences = &[
+        ("width", "Lateral width of the strip."),
+        ("body", "Name of the body that carries the strip."),
+        (
+            "offset",
+            "Middle of the strip relative to the body's centre of mass, in the body's axes.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             width: keys.number("width", was.map(|strip| strip.width), Number::positive("m")),
@@ -157,6 +181,8 @@ impl Entry for LinkageStrip {
 }
 
 impl Entry for CollectorSuspension {
+    const SENTENCES: Sentences = &[("stiffness", "Stiffness."), ("damping", "Damping.")];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             stiffness: keys.number("stiffness", was.map(|spring| spring.stiffness), Number::positive("N/m")),
@@ -170,6 +196,15 @@ impl Entry for CollectorSuspension {
 }
 
 impl Entry for Uplift {
+    const SENTENCES: Sentences = &[
+        ("force", "Upward force."),
+        ("body", "Name of the body that the force acts on."),
+        (
+            "distance",
+            "Distance of its point from the body's joint with the base, through the centre of mass.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             force: keys.number("force", was.map(|uplift| uplift.force), Number::positive("N")),
@@ -180,6 +215,17 @@ impl Entry for Uplift {
 }
 
 impl Entry for Body {
+    const SENTENCES: Sentences = &[
+        ("name", "Unique name; `base` is taken."),
+        ("mass", "Mass."),
+        ("position", "Centre of mass (x, y, z)."),
+        (
+            "orientation",
+            "Euler angles of the principal axes in the sequence Z-X-Z.",
+        ),
+        ("inertia", "Principal moments of inertia about the centre of mass."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             name: keys.text("name", was.map(|body| body.name.as_str()), "a name"),
@@ -206,6 +252,17 @@ const KINDS: [(&str, Kind); 3] = [
 ];
 
 impl Entry for Joint {
+    const SENTENCES: Sentences = &[
+        ("kind", "Motion that the joint leaves free."),
+        ("first", "Name of a body, or `base`."),
+        ("second", "Name of another body, or `base`."),
+        ("point", "Place of the joint in the tabulated position."),
+        (
+            "axis",
+            "Axis of a revolute or prismatic joint, of any length; left out with `\"spherical\"`.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let (kind, axis) = match was.map(|joint| joint.kind) {
             Some(JointKind::Revolute { axis }) => (Some(Kind::Revolute), Some(axis)),
@@ -217,6 +274,9 @@ impl Entry for Joint {
         let first = keys.text("first", was.map(|joint| joint.first.as_str()), A_BODY);
         let second = keys.text("second", was.map(|joint| joint.second.as_str()), A_BODY);
         let point = keys.vector("point", was.map(|joint| joint.point), Number::any("m"));
+        if keys.describes() {
+            keys.has("axis", false);
+        }
         let kind = match kind {
             Some(Kind::Revolute) => JointKind::Revolute {
                 axis: keys.vector("axis", axis, Number::any("")),

@@ -3,7 +3,7 @@
 use crate::check::{Found, refuse};
 use crate::choice::choice;
 use crate::error::What;
-use crate::keys::{Entry, Keys, Number};
+use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::mesh_error;
 use crate::write::shown_number;
 use crate::{Catenary, ContactLaw, Division, Scene, WireEnds};
@@ -320,6 +320,9 @@ fn layers_obstacle(catenary: &Catenary) -> Option<String> {
     })
 }
 
+/// `error_percent`.
+const ERROR: Number = Number::positive("%").at_least(mesh_error::LEAST);
+
 /// A mesh whose elements and corrections are still to be chosen.
 fn chosen_later(element: Element, axial_strain: AxialStrain) -> Mesh {
     Mesh {
@@ -333,6 +336,34 @@ fn chosen_later(element: Element, axial_strain: AxialStrain) -> Mesh {
 }
 
 impl Entry for Mesh {
+    const SENTENCES: Sentences = &[
+        (
+            "element",
+            "Element of the contact wire: ANCF cable, or fully parameterised ANCF beam.",
+        ),
+        (
+            "axial_strain",
+            "Axial strain measure: mean of the element, or the strain at five Gauss points.",
+        ),
+        (
+            "error_percent",
+            "Error of the filtered force, in percent of its standard deviation, that elements, corrections and a \
+             micro step left out are chosen for; the default holds where no key of the mesh is given.",
+        ),
+        (
+            "elements_per_interval",
+            "Elements between neighbouring droppers or supports; this key, `element_length` or `error_percent`.",
+        ),
+        (
+            "element_length",
+            "Longest element; this key, `elements_per_interval` or `error_percent`.",
+        ),
+        (
+            "corrections",
+            "Sub-grid terms that make up for coarse elements; `\"auto\"` takes all that the scene can have.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let element = keys.word("element", was.map(|mesh| mesh.element), Some(Element::Cable));
         let axial_strain = keys.word(
@@ -340,6 +371,12 @@ impl Entry for Mesh {
             was.map(|mesh| mesh.axial_strain),
             Some(AxialStrain::Mean),
         );
+        if keys.describes() {
+            keys.number("error_percent", None, ERROR.default(DEFAULT_ERROR));
+            Division::entry(keys, None);
+            keys.words::<Correction>("corrections", None);
+            return chosen_later(element, axial_strain);
+        }
         if keys.has("error_percent", false) && element == Element::Beam {
             keys.refuse(
                 "error_percent",
@@ -353,7 +390,7 @@ impl Entry for Mesh {
                     keys.report(name, What::LeaveOut { because });
                 }
             }
-            let error = keys.number("error_percent", None, Number::positive("%"));
+            let error = keys.number("error_percent", None, ERROR);
             if error > 0.0 && error < mesh_error::LEAST {
                 let expected = format!(
                     "must be at least {} %: below, no rule was measured; give elements_per_interval or element_length, and \

@@ -2,7 +2,7 @@
 
 use crate::check::{Found, refuse};
 use crate::choice::choice;
-use crate::keys::{Entry, Keys};
+use crate::keys::{Entry, Keys, Sentences};
 use crate::{PantographModel, Scene};
 
 /// `[model]`.
@@ -41,6 +41,11 @@ choice! {
 }
 
 impl Entry for Model {
+    const SENTENCES: Sentences = &[(
+        "reduce",
+        "Reductions in use; `\"auto\"` takes those that change nothing.",
+    )];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let chosen = keys.words("reduce", was.map(|model| model.reductions.as_slice()));
         Self {

@@ -1,7 +1,7 @@
 //! `[[pantograph]]`: one table per pantograph, the first one leads.
 
 use crate::error::What;
-use crate::keys::{Entry, Keys, Length, Number, placeholder};
+use crate::keys::{Entry, Keys, Length, Number, Sentences, placeholder};
 use crate::{Linkage, Supplied};
 
 /// `[[pantograph]]`.
@@ -88,12 +88,30 @@ enum Kind {
 const KINDS: [(&str, Kind); 2] = [("lumped", Kind::Lumped), ("linkage", Kind::Linkage)];
 
 impl Entry for Pantograph {
+    const SENTENCES: Sentences = &[
+        (
+            "offset_x",
+            "Place of the strip relative to `run.start_x`, negative behind.",
+        ),
+        (
+            "model",
+            "Masses one above the other, or a mechanism of rigid bodies; left out with `fmu`.",
+        ),
+        (
+            "start",
+            "State at t = 0 where it is known; the program writes it into resolved scenes.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let offset_x = keys.number(
             "offset_x",
             was.map(|pantograph| pantograph.offset_x),
             Number::any("m").default(0.0),
         );
+        if keys.describes() {
+            return Self::described(keys, offset_x);
+        }
         // `model` or `fmu` says which other keys there are.
         let model = was.map(|pantograph| &pantograph.model);
         let supplied = model.and_then(|model| match model {
@@ -124,13 +142,13 @@ impl Entry for Pantograph {
             keys.word_among("model", kind, &KINDS, &[], None)
                 .map(|kind| match (kind, model) {
                     (Kind::Lumped, Some(PantographModel::Lumped(lumped))) => {
-                        PantographModel::Lumped(Lumped::entry(keys, Some(lumped)))
+                        PantographModel::Lumped(keys.part(Some(lumped)))
                     }
-                    (Kind::Lumped, _) => PantographModel::Lumped(Lumped::entry(keys, None)),
+                    (Kind::Lumped, _) => PantographModel::Lumped(keys.part(None)),
                     (Kind::Linkage, Some(PantographModel::Linkage(linkage))) => {
-                        PantographModel::Linkage(Linkage::entry(keys, Some(linkage)))
+                        PantographModel::Linkage(keys.part(Some(linkage)))
                     }
-                    (Kind::Linkage, _) => PantographModel::Linkage(Linkage::entry(keys, None)),
+                    (Kind::Linkage, _) => PantographModel::Linkage(keys.part(None)),
                 })
         };
         let model = model.unwrap_or_else(|| {
@@ -145,7 +163,28 @@ impl Entry for Pantograph {
     }
 }
 
+impl Pantograph {
+    /// The keys of every model in turn.
+    fn described(keys: &mut Keys, offset_x: f64) -> Self {
+        keys.word_among("model", None, &KINDS, &[], None);
+        let start = keys.optional_inline_table("start", None);
+        let lumped = keys.only("`model = \"lumped\"`", |keys| keys.part(None));
+        keys.only("`model = \"linkage\"`", |keys| keys.part::<Linkage>(None));
+        keys.only("`fmu`", |keys| Supplied::pantograph(keys, None));
+        Self {
+            offset_x,
+            model: PantographModel::Lumped(lumped),
+            start,
+        }
+    }
+}
+
 impl Entry for Start {
+    const SENTENCES: Sentences = &[
+        ("height", "Height of the strip above the top of rail."),
+        ("force", "Contact force."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             height: keys.number("height", was.map(|start| start.height), Number::positive("m")),
@@ -155,6 +194,8 @@ impl Entry for Start {
 }
 
 impl Entry for Strip {
+    const SENTENCES: Sentences = &[("width", "Lateral width of the strip, centred on the track.")];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             width: keys.number("width", was.map(|strip| strip.width), Number::positive("m")),
@@ -163,6 +204,30 @@ impl Entry for Strip {
 }
 
 impl Entry for Lumped {
+    const SENTENCES: Sentences = &[
+        ("masses", "Masses, collector head first."),
+        ("strip", "Collector strip, on the first mass."),
+        (
+            "static_force",
+            "Upward force that the raised pantograph exerts at rest.",
+        ),
+        ("stiffnesses", "Spring under each mass, the last one to the base."),
+        ("dampings", "Damper under each mass."),
+        (
+            "reference_height",
+            "Height of the strip with all springs unstretched; left out, the static height of the contact wire over \
+             the start.",
+        ),
+        (
+            "unilateral",
+            "True where the element under a mass pushes only, one per mass; all false where left out.",
+        ),
+        (
+            "friction",
+            "Coulomb friction force under each mass; all 0 where left out.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let masses = keys.numbers(
             "masses",

@@ -7,11 +7,11 @@ use crate::write::shown_number;
 use crate::{Catenary, Scene, Wire};
 
 /// Highest contact wire, m: above any road crossing or double-stack clearance, and below a height typed in cm.
-const HIGHEST_WIRE: f64 = 20.0;
+pub(crate) const HIGHEST_WIRE: f64 = 20.0;
 /// Heights that contact wires have, m.
 const USUAL_HEIGHTS: std::ops::RangeInclusive<f64> = 3.0..=9.0;
 /// Least tension, N: below that of any wire, and above a tension typed in kN.
-const LEAST_TENSION: f64 = 100.0;
+pub(crate) const LEAST_TENSION: f64 = 100.0;
 /// Longest part of a span without a dropper that is not questioned, m; lines have one every 4 to 12 m.
 const LONGEST_GAP: f64 = 15.0;
 

@@ -3,7 +3,7 @@
 use crate::catenary::MAX_SPANS;
 use crate::choice::choice;
 use crate::error::What;
-use crate::keys::{Entry, Keys, Number};
+use crate::keys::{Entry, Keys, Number, Sentences};
 
 /// `[run]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +77,34 @@ choice! {
 }
 
 impl Entry for Run {
+    const SENTENCES: Sentences = &[
+        ("speed_kmh", "Speed of the train."),
+        ("duration", "Simulated time from t = 0."),
+        (
+            "start_x",
+            "Place of a strip with `offset_x = 0` at t = 0, from the first support.",
+        ),
+        ("evaluate", "Range that statistics are taken over."),
+        (
+            "low_pass_hz",
+            "Cut-off frequency of the zero-phase low-pass filter of the contact force [EN 50317].",
+        ),
+        ("output_step", "Time between two rows of the time series."),
+        (
+            "initialise",
+            "State at t = 0: static balance of both sides under the contact force, or as the tables describe each \
+             side.",
+        ),
+        (
+            "allow_supercritical",
+            "True accepts a speed above the wave speed of the contact wire.",
+        ),
+        (
+            "electrification",
+            "Power supply [EN 50163] that limits of standards depend on; without it such limits are not applied.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             speed: keys.number("speed_kmh", was.map(|run| kmh(run.speed)), Number::positive("km/h")) / KMH,
@@ -126,6 +154,17 @@ pub(crate) fn kmh(speed: f64) -> f64 {
 }
 
 impl Entry for Evaluate {
+    const SENTENCES: Sentences = &[
+        (
+            "spans",
+            "First and last span, both included; for each pantograph the time of its own strip there.",
+        ),
+        (
+            "time",
+            "First and last time, the same for every pantograph; in place of `spans`.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let spans = was.and_then(|evaluate| match evaluate {
             Self::Spans { first, last } => Some([*first, *last]),
@@ -146,6 +185,9 @@ impl Entry for Evaluate {
                     expected: expected.to_string(),
                 },
             );
+        }
+        if keys.describes() {
+            keys.pair_of_counts("spans", None, 1..=MAX_SPANS);
         }
         if by_time {
             let [from, to] = keys.pair("time", time, Number::not_negative("s"));

@@ -1,7 +1,7 @@
 //! The whole scene.
 
 use crate::error::{SceneError, What};
-use crate::keys::{Entry, Keys, read, write};
+use crate::keys::{Entry, Keys, Sentences, read, write};
 use crate::tree::{Sources, parse};
 use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, Supplied, Track, Vehicle, Wind};
 use std::sync::Arc;
@@ -207,6 +207,31 @@ impl Scene {
 }
 
 impl Entry for Scene {
+    const SENTENCES: Sentences = &[
+        ("title", "One line that says what the scene is."),
+        ("source", "One line that says where the values come from."),
+        ("run", "Train, time and what is evaluated."),
+        ("catenary", "The overhead line."),
+        (
+            "contact",
+            "Law between contact wire and collector strip; left out where the line is a supplied FMU, which has its \
+             own.",
+        ),
+        ("pantograph", "Pantographs, the leading one first."),
+        (
+            "vehicle",
+            "Vehicle under each pantograph; without it the base travels straight ahead.",
+        ),
+        (
+            "track",
+            "Track under the wheels of the vehicle; without it straight and even.",
+        ),
+        ("wind", "Air; without this table no force of the air is modelled."),
+        ("model", "Reductions that make a run faster."),
+        ("coupling", "Exchange between line and pantographs."),
+        ("solver", "Time integration of each side."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let title = keys.text(
             "title",
@@ -222,7 +247,7 @@ impl Entry for Scene {
         let catenary = keys.table("catenary", was.map(|scene| &scene.catenary));
         let modelled = matches!(catenary, Line::Modelled(_));
         let contact = was.map(|scene| scene.contact.as_ref());
-        let contact_is_there = keys.has("contact", contact.flatten().is_some());
+        let contact_is_there = !keys.describes() && keys.has("contact", contact.flatten().is_some());
         if contact_is_there && !modelled {
             let because = "an FMU given as catenary has its own contact law".to_string();
             keys.report("contact", What::LeaveOut { because });
@@ -255,16 +280,23 @@ impl Entry for Scene {
 }
 
 impl Entry for Line {
+    const SENTENCES: Sentences = &[];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         match was {
-            Some(Self::Modelled(catenary)) => Self::Modelled(Catenary::entry(keys, Some(catenary))),
+            Some(Self::Modelled(catenary)) => Self::Modelled(keys.part(Some(catenary))),
             Some(Self::Supplied(side)) => Self::Supplied(Supplied::line(keys, Some(side))),
+            None if keys.describes() => {
+                let line = keys.part(None);
+                keys.only("`fmu`", |keys| Supplied::line(keys, None));
+                Self::Modelled(line)
+            }
             None if keys.has("fmu", false) => {
                 let side = Supplied::line(keys, None);
                 keys.leave_out::<Catenary>("fmu is given, which describes the whole line");
                 Self::Supplied(side)
             }
-            None => Self::Modelled(Catenary::entry(keys, None)),
+            None => Self::Modelled(keys.part(None)),
         }
     }
 }

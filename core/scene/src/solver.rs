@@ -2,7 +2,7 @@
 
 use crate::check::{Found, refuse};
 use crate::choice::choice;
-use crate::keys::{Entry, Keys, Number};
+use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::write::shown_number;
 
 /// Largest residual that may end Newton's method, N: it moves the filtered force by 0.03 % of its standard deviation on the line of
@@ -53,6 +53,26 @@ choice! {
 }
 
 impl Entry for Solver {
+    const SENTENCES: Sentences = &[
+        (
+            "micro_step",
+            "Longest internal step of both sides, which divides the macro step evenly; left out with \
+             `error_percent`, it is chosen too.",
+        ),
+        ("rho_inf", "Spectral radius of generalised-α at infinite frequency."),
+        (
+            "formulation",
+            "Constraints of positions with multipliers (index 3), or of accelerations with Baumgarte stabilisation \
+             (index 1).",
+        ),
+        ("newton_tolerance", "Residual that ends Newton's method."),
+        ("max_iterations", "Most Newton iterations per step."),
+        (
+            "jacobian",
+            "Factorisation of the iteration matrix: kept until convergence slows down, or in every iteration.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let given = keys.has("micro_step", was.is_some());
         Self {
@@ -75,7 +95,7 @@ impl Entry for Solver {
             newton_tolerance: keys.number(
                 "newton_tolerance",
                 was.map(|solver| solver.newton_tolerance),
-                Number::positive("N").default(1e-3),
+                Number::positive("N").at_most(LARGEST_TOLERANCE).default(1e-3),
             ),
             max_iterations: keys.count(
                 "max_iterations",

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::keys::{Entry, Keys, Number};
+use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::tree::Value;
 
 /// Wall time that a call of an isolated FMU may take where a scene does not say it, s.
@@ -115,6 +115,28 @@ fn line_names() -> [Vec<String>; 2] {
 }
 
 impl Supplied {
+    pub(crate) const SENTENCES: Sentences = &[
+        ("fmu", "Path of the FMU, relative to the scene file."),
+        ("isolate", "True runs the FMU in a process of its own."),
+        ("step_timeout", "Wall time after which a call of the FMU is given up."),
+        (
+            "environment",
+            "Environment variables of its process; with `isolate` only.",
+        ),
+        (
+            "parameters",
+            "Values set before initialisation, by the FMU's variable names.",
+        ),
+        (
+            "inputs",
+            "Variables that the FMU is given, by this program's names; left out, they are found by name.",
+        ),
+        (
+            "outputs",
+            "Variables that are read from the FMU, by this program's names; left out, they are found by name.",
+        ),
+    ];
+
     /// `[[pantograph]]` with `fmu`.
     pub(crate) fn pantograph(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self::wired(
@@ -130,7 +152,7 @@ impl Supplied {
     }
 
     fn wired(keys: &mut Keys, was: Option<&Self>, [inputs, outputs]: &[Vec<String>; 2]) -> Self {
-        Self {
+        keys.with(Self::SENTENCES, |keys| Self {
             fmu: keys.text(
                 "fmu",
                 was.map(|side| side.fmu.as_str()),
@@ -159,7 +181,7 @@ impl Supplied {
             ),
             inputs: keys.map("inputs", was.map(|side| &side.inputs), inputs),
             outputs: keys.map("outputs", was.map(|side| &side.outputs), outputs),
-        }
+        })
     }
 }
 
@@ -184,6 +206,19 @@ impl ParameterValue {
 }
 
 impl Entry for Connection {
+    const SENTENCES: Sentences = &[
+        ("variable", "Name of the variable in the FMU."),
+        (
+            "factor",
+            "Factor between the FMU's value and ours; left out, the units of both sides say it.",
+        ),
+        (
+            "offset",
+            "Offset after the factor; `\"align\"` on a pantograph's output `height` puts the strip's start on the \
+             wire.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let offset = was.map(|connection| connection.offset);
         Self {
@@ -196,6 +231,10 @@ impl Entry for Connection {
             offset: match offset {
                 Some(Offset::Align) => align(keys, Some(Offset::Align)),
                 Some(Offset::Value(value)) => Offset::Value(keys.number("offset", Some(value), Number::any(""))),
+                None if keys.describes() => {
+                    align(keys, None);
+                    Offset::Value(keys.number("offset", None, Number::any("").default(0.0)))
+                }
                 None if keys.holds_text("offset") => align(keys, None),
                 None => Offset::Value(keys.number("offset", None, Number::any("").default(0.0))),
             },

@@ -2,7 +2,7 @@
 
 use crate::Curve;
 use crate::curve::curves;
-use crate::keys::{Entry, Keys, Length, Number};
+use crate::keys::{Entry, Keys, Length, Number, Sentences};
 
 /// `[track]`: level track, straight but for its curves.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,12 +103,27 @@ impl Track {
 }
 
 impl Entry for Track {
+    const SENTENCES: Sentences = &[
+        (
+            "rail",
+            "Cross-section of the rails; only for `vehicle.model = \"full\"`.",
+        ),
+        (
+            "curve",
+            "Curve, or a list of curves in their order along the track; only for `vehicle.model = \"full\"`.",
+        ),
+        ("irregularities", "Deviation of the rails from their ideal lines."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let rail = keys.optional_table("rail", was.map(|track| track.rail.as_ref()));
         let curves = curves(keys, was.map(|track| track.curves.as_slice()));
         let inline = was
             .map(|track| &track.irregularities)
             .filter(|given| **given != Irregularities::None);
+        if keys.describes() {
+            keys.inline_table::<Irregularities>("irregularities", None);
+        }
         let irregularities = if keys.holds_table("irregularities") || inline.is_some() {
             keys.inline_table("irregularities", inline)
         } else {
@@ -124,6 +139,16 @@ impl Entry for Track {
 }
 
 impl Entry for RailSection {
+    const SENTENCES: Sentences = &[
+        ("gauge", "Distance of the gauge faces, 14 mm below the top."),
+        ("inclination", "Inward inclination of a rail, such as 1/40."),
+        (
+            "profile",
+            "Cross-section from the gauge face outward: (outward, up) from the middle of its top, without the \
+             inclination.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             gauge: keys.number("gauge", was.map(|rail| rail.gauge), Number::positive("m")),
@@ -141,26 +166,37 @@ enum Kind {
 }
 
 impl Entry for Irregularities {
+    const SENTENCES: Sentences = &[(
+        "model",
+        "Realisation of power spectral densities [ORE B176], or measured points.",
+    )];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let kind = was.map(|given| match given {
             Self::Points(_) => Kind::Points,
             _ => Kind::Spectrum,
         });
         let names = [("spectrum", Kind::Spectrum), ("points", Kind::Points)];
-        match keys.word_among("model", kind, &names, &[], None) {
+        let kind = keys.word_among("model", kind, &names, &[], None);
+        if keys.describes() {
+            keys.only("`model = \"spectrum\"`", |keys| keys.part::<Spectrum>(None));
+            let points = keys.only("`model = \"points\"`", |keys| keys.part(None));
+            return Self::Points(points);
+        }
+        match kind {
             Some(Kind::Spectrum) => {
                 let was = was.and_then(|given| match given {
                     Self::Spectrum(spectrum) => Some(spectrum),
                     _ => None,
                 });
-                Self::Spectrum(Spectrum::entry(keys, was))
+                Self::Spectrum(keys.part(was))
             }
             Some(Kind::Points) => {
                 let was = was.and_then(|given| match given {
                     Self::Points(points) => Some(points),
                     _ => None,
                 });
-                Self::Points(Points::entry(keys, was))
+                Self::Points(keys.part(was))
             }
             None => {
                 keys.abandon();
@@ -171,6 +207,18 @@ impl Entry for Irregularities {
 }
 
 impl Entry for Spectrum {
+    const SENTENCES: Sentences = &[
+        ("seed", "Number of the realisation."),
+        ("wavelengths", "Shortest and longest wavelength."),
+        ("vertical_roughness", "Roughness `A_v` of rise and cant."),
+        ("lateral_roughness", "Roughness `A_a` of the alignment."),
+        ("corners", "Corner frequencies `Ω_r`, `Ω_c`, `Ω_s`."),
+        (
+            "fade",
+            "Length over which the irregularities grow from nothing, from the start of the foremost wheel.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let roughness = Number::not_negative("rad m");
         let corners = was.map(|spectrum| spectrum.corners);
@@ -198,6 +246,18 @@ impl Entry for Spectrum {
 }
 
 impl Entry for Points {
+    const SENTENCES: Sentences = &[
+        (
+            "file",
+            "Path of a CSV file with the lists as columns, relative to the scene file.",
+        ),
+        ("x", "Places along the track, ascending."),
+        ("z_left", "Rise of the left rail; 0 where left out."),
+        ("z_right", "Rise of the right rail; 0 where left out."),
+        ("y_left", "Lateral displacement of the left rail; 0 where left out."),
+        ("y_right", "Lateral displacement of the right rail; 0 where left out."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let file = was.map(|points| points.file.as_deref());
         if let file @ Some(_) = keys.column_file(file, &["x", "z_left", "z_right", "y_left", "y_right"]) {

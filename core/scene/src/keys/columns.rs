@@ -16,14 +16,14 @@ impl Keys<'_> {
                 self.report(name, What::LeaveOut { because });
             }
         }
-        Some(path)
+        (!self.describes()).then_some(path)
     }
 
     /// A list of `n` numbers that may be left out: all zero.
     pub(crate) fn column(&mut self, name: &str, was: Option<&[f64]>, unit: &'static str, n: usize) -> Vec<f64> {
         let written = was.is_some_and(|values| values.iter().any(|value| *value != 0.0));
         if self.has(name, written) {
-            self.numbers(name, was, Number::any(unit), Length::Exactly(n))
+            self.numbers(name, was, Number::any(unit).default(0.0), Length::Exactly(n))
         } else {
             vec![0.0; n]
         }

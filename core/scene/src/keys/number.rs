@@ -11,6 +11,9 @@ pub(crate) struct Number {
     unit: &'static str,
     range: Range,
     default: Option<f64>,
+    /// Bounds that are checked with a reason of their own, for the description.
+    least: Option<f64>,
+    most: Option<f64>,
 }
 
 #[derive(Clone, Copy)]
@@ -28,6 +31,8 @@ impl Number {
             unit,
             range,
             default: None,
+            least: None,
+            most: None,
         }
     }
 
@@ -54,6 +59,39 @@ impl Number {
     pub(crate) const fn default(mut self, value: f64) -> Self {
         self.default = Some(value);
         self
+    }
+
+    /// Names a lower bound that is checked elsewhere.
+    pub(crate) const fn at_least(mut self, bound: f64) -> Self {
+        self.least = Some(bound);
+        self
+    }
+
+    /// Names an upper bound that is checked elsewhere.
+    pub(crate) const fn at_most(mut self, bound: f64) -> Self {
+        self.most = Some(bound);
+        self
+    }
+
+    /// What the range is in the reference.
+    fn range(&self) -> String {
+        let range = match (self.range, self.least) {
+            (Range::Between(from, to), _) => format!("from {from} to {to}"),
+            (_, Some(least)) => format!("≥ {least}"),
+            (Range::Any, None) => "any number".to_owned(),
+            (Range::Positive, None) => "> 0".to_owned(),
+            (Range::NotNegative, None) => "≥ 0".to_owned(),
+            (Range::NotZero, None) => "≠ 0".to_owned(),
+        };
+        match self.most {
+            Some(most) if matches!(self.range, Range::Any) => format!("≤ {most}"),
+            Some(most) => format!("{range}, ≤ {most}"),
+            None => range,
+        }
+    }
+
+    fn default_shown(&self) -> Option<String> {
+        self.default.map(|value| shown_number(value, ""))
     }
 
     /// `a positive number in km/h`, after "must be".
@@ -96,6 +134,16 @@ pub(crate) enum Length {
 }
 
 impl Length {
+    /// What the number of entries is in the reference.
+    fn range(self) -> String {
+        match self {
+            Self::Any => "list".to_owned(),
+            Self::NotEmpty => "list, at least one entry".to_owned(),
+            Self::Exactly(0 | 1) => "list, as long as the first one".to_owned(),
+            Self::Exactly(n) => format!("list of {n}"),
+        }
+    }
+
     fn described(self) -> String {
         match self {
             Self::Any => String::new(),
@@ -119,6 +167,9 @@ impl Keys<'_> {
         if let Some(value) = was {
             self.push(name, Value::Float(value));
             return value;
+        }
+        if self.record(name, number.unit, number.range(), number.default_shown()) {
+            return number.default.unwrap_or(f64::NAN);
         }
         match self.node(name).cloned() {
             Some(node) => self.checked(self.key(name), &node, number),
@@ -176,6 +227,13 @@ impl Keys<'_> {
             );
             return values.to_vec();
         }
+        let range = format!("{}, each {}", length.range(), number.range());
+        if self.record(name, number.unit, range, number.default_shown()) {
+            return match length {
+                Length::Exactly(n) => vec![f64::NAN; n],
+                Length::Any | Length::NotEmpty => vec![f64::NAN],
+            };
+        }
         match self.node(name).cloned() {
             Some(Node {
                 value: Value::List(list),
@@ -207,6 +265,10 @@ impl Keys<'_> {
 
     /// One number for all of `n`, or a list of `n` numbers.
     pub(crate) fn number_or_numbers(&mut self, name: &str, was: Option<&[f64]>, number: Number, n: usize) -> Vec<f64> {
+        let range = format!("one number, or one for each in a list, each {}", number.range());
+        if was.is_none() && self.record(name, number.unit, range, number.default_shown()) {
+            return vec![f64::NAN; n];
+        }
         match was {
             Some(values) if values.iter().all(|value| *value == values[0]) => {
                 vec![self.number(name, Some(values[0]), number); n]
@@ -219,6 +281,10 @@ impl Keys<'_> {
 
     /// One number, or a list of at least one.
     pub(crate) fn one_or_more(&mut self, name: &str, was: Option<&[f64]>, number: Number) -> Vec<f64> {
+        let range = format!("one number or a list, each {}", number.range());
+        if was.is_none() && self.record(name, number.unit, range, number.default_shown()) {
+            return vec![f64::NAN];
+        }
         match was {
             Some([value]) => vec![self.number(name, Some(*value), number)],
             Some(values) => self.numbers(name, Some(values), number, Length::NotEmpty),
@@ -235,6 +301,10 @@ impl Keys<'_> {
                 self.push(name, Value::List(rows.iter().map(|row| list(row).into()).collect()));
             }
             return rows.to_vec();
+        }
+        self.may_be_left_out(name);
+        if self.record(name, "", "list of rows, each a list of numbers", None) {
+            return Vec::new();
         }
         let Some(node) = self.node(name).cloned() else {
             return Vec::new();
@@ -296,6 +366,10 @@ impl Keys<'_> {
             let value = Value::List(points.iter().map(|point| list(point).into()).collect());
             self.push(name, value);
             return points.to_vec();
+        }
+        let range = format!("list of points, {N} numbers each, at least one");
+        if self.record(name, number.unit, range, None) {
+            return Vec::new();
         }
         let node = self.node(name).cloned();
         let entries = match &node {

@@ -20,6 +20,9 @@ impl Keys<'_> {
             self.push(name, Value::Integer(value as i64));
             return value;
         }
+        if self.record(name, "", described(&range), default.map(|value| value.to_string())) {
+            return default.unwrap_or(*range.start());
+        }
         match self.node(name).cloned() {
             Some(node) => self.checked_count(self.key(name), &node, &range),
             None => default.unwrap_or_else(|| {
@@ -67,6 +70,9 @@ impl Keys<'_> {
             );
             return pair;
         }
+        if self.record(name, "", format!("list of 2, each {}", described(&range)), None) {
+            return [*range.start(); 2];
+        }
         match self.node(name).cloned() {
             Some(Node {
                 value: Value::List(list),
@@ -88,6 +94,9 @@ impl Keys<'_> {
         if let Some(flag) = was {
             self.push(name, Value::Boolean(flag));
             return flag;
+        }
+        if self.record(name, "", "true or false", Some(default.to_string())) {
+            return default;
         }
         match self.node(name).cloned() {
             Some(Node {
@@ -111,6 +120,10 @@ impl Keys<'_> {
             );
             return Some(flags.to_vec());
         }
+        self.may_be_left_out(name);
+        if self.record(name, "", "list of true and false", None) {
+            return None;
+        }
         let node = self.node(name).cloned()?;
         let flags = match &node.value {
             Value::List(list) => list
@@ -133,6 +146,9 @@ impl Keys<'_> {
         if let Some(text) = was {
             self.push(name, Value::String(text.to_string()));
             return text.to_string();
+        }
+        if self.record(name, "", "text", None) {
+            return String::new();
         }
         match self.node(name).cloned() {
             Some(Node {

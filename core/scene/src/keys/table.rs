@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::describe::Form;
 use super::{Entry, Keys, Report, Side, nearest};
 use crate::error::What;
 use crate::tree::{At, Node, Table, Value};
@@ -44,6 +45,10 @@ impl Keys<'_> {
         if was.is_some() {
             let (value, table) = written(was, inline);
             self.push(name, Value::Table(table));
+            return value;
+        }
+        let form = if inline { Form::Inline } else { Form::Header };
+        if let Some(value) = self.record_table(name, form) {
             return value;
         }
         self.known.push(name.to_string());
@@ -89,6 +94,9 @@ impl Keys<'_> {
                 .collect();
             self.push(name, Value::List(list));
             return copies;
+        }
+        if let Some(value) = self.record_table(name, Form::List) {
+            return vec![value];
         }
         self.known.push(name.to_string());
         let path = self.key(name);
@@ -149,6 +157,10 @@ impl Keys<'_> {
             self.push(name, Value::Table(table));
             return copies;
         }
+        self.may_be_left_out(name);
+        if self.record_table::<T>(name, Form::Names).is_some() {
+            return BTreeMap::new();
+        }
         self.each(name, |keys, key, node, values| {
             if !known.is_empty() && !known.contains(key) {
                 let path = format!("{}.{}", keys.key(name), shown_key(key));
@@ -195,6 +207,10 @@ impl Keys<'_> {
             self.push(name, Value::Table(Table { inline: true, entries }));
             return values.clone();
         }
+        self.may_be_left_out(name);
+        if self.record(name, "", "table `{ name = value, … }`", None) {
+            return BTreeMap::new();
+        }
         self.each(name, |keys, key, node, values| match from(&node.value) {
             Ok(value) => {
                 values.insert(key.clone(), value);
@@ -240,6 +256,7 @@ fn read_table<T: Entry>(table: &Table, at: At, path: String, report: &mut Report
     let mut keys = Keys {
         path,
         known: Vec::new(),
+        sentences: vec![T::SENTENCES],
         side: Side::Read { table, at, report },
     };
     let value = T::entry(&mut keys, None);
@@ -255,6 +272,7 @@ fn written<T: Entry>(was: Option<&T>, inline: bool) -> (T, Table) {
     let mut keys = Keys {
         path: String::new(),
         known: Vec::new(),
+        sentences: vec![T::SENTENCES],
         side: Side::Write(table),
     };
     let value = T::entry(&mut keys, was);
@@ -277,6 +295,7 @@ pub(super) fn keys_of<T: Entry>() -> Vec<String> {
     let mut keys = Keys {
         path: String::new(),
         known: Vec::new(),
+        sentences: vec![T::SENTENCES],
         side,
     };
     T::entry(&mut keys, None);

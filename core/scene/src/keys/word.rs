@@ -37,6 +37,11 @@ impl Keys<'_> {
             }
             return was;
         }
+        let shown = default.and_then(|value| names.iter().find(|(_, meaning)| *meaning == value));
+        let shown = shown.map(|(word, _)| format!("\"{word}\""));
+        if self.record(name, "", quoted(&available(names)), shown) {
+            return default.or_else(|| names.first().map(|(_, meaning)| *meaning));
+        }
         match self.node(name).cloned() {
             Some(Node {
                 value: Value::String(typed),
@@ -105,6 +110,9 @@ impl Keys<'_> {
         } else {
             format!("\"auto\", \"none\", or one or a list of {}", available.join(", "))
         };
+        if self.record(name, "", expected.clone(), Some("\"auto\"".to_owned())) {
+            return None;
+        }
         let meaning_of = |typed: &str| {
             let found = T::NAMES
                 .iter()

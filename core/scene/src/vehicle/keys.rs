@@ -3,9 +3,17 @@
 use super::{
     BearingEntry, BushingEntry, GivenMotion, Kind, Pivot, Stop, Train, Vehicle, VehicleBody, WheelContact, Wheels,
 };
-use crate::keys::{Entry, Keys, Length, Number, placeholder};
+use crate::keys::{Entry, Keys, Length, Number, Sentences, placeholder};
 
 impl Entry for Vehicle {
+    const SENTENCES: Sentences = &[
+        (
+            "model",
+            "Given motion of the base, bodies in the plane along the track, or bodies on wheels that roll on rails.",
+        ),
+        ("motion", "Motion of the base relative to straight travel."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let kind = was.map(|vehicle| match vehicle {
             Self::RigidMotion(_) => Kind::RigidMotion,
@@ -16,6 +24,11 @@ impl Entry for Vehicle {
         let unavailable = <Kind as crate::choice::Choice>::UNAVAILABLE;
         let kind = keys.word_among("model", kind, names, unavailable, None);
         let train = was.and_then(Self::train);
+        if keys.describes() {
+            let motion = keys.only("`model = \"rigid_motion\"`", |keys| keys.inline_table("motion", None));
+            keys.only("`model = \"vertical\"` or `\"full\"`", |keys| keys.part::<Train>(None));
+            return Self::RigidMotion(motion);
+        }
         match kind {
             Some(Kind::RigidMotion) => {
                 let motion = was.and_then(|vehicle| match vehicle {
@@ -24,8 +37,8 @@ impl Entry for Vehicle {
                 });
                 Self::RigidMotion(keys.inline_table("motion", motion))
             }
-            Some(Kind::Vertical) => Self::Vertical(Train::entry(keys, train)),
-            Some(Kind::Full) => Self::Full(Train::entry(keys, train)),
+            Some(Kind::Vertical) => Self::Vertical(keys.part(train)),
+            Some(Kind::Full) => Self::Full(keys.part(train)),
             None => {
                 keys.abandon();
                 Self::RigidMotion(placeholder())
@@ -35,6 +48,26 @@ impl Entry for Vehicle {
 }
 
 impl Entry for GivenMotion {
+    const SENTENCES: Sentences = &[
+        (
+            "file",
+            "Path of a CSV file with the lists as columns, relative to the scene file.",
+        ),
+        (
+            "time",
+            "Times, ascending; the base rests before the first and after the last one.",
+        ),
+        ("x", "Displacement along the track; 0 where left out."),
+        ("y", "Lateral displacement, positive to the left; 0 where left out."),
+        ("z", "Rise; 0 where left out."),
+        ("roll", "Roll angle, positive lowers the right side; 0 where left out."),
+        ("pitch", "Pitch angle, positive lowers the front; 0 where left out."),
+        (
+            "yaw",
+            "Yaw angle, positive turns the front to the left; 0 where left out.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let file = was.map(|motion| motion.file.as_deref());
         if let file @ Some(_) = keys.column_file(file, &Self::COLUMNS) {
@@ -76,7 +109,7 @@ fn optional_tables<T: Entry>(keys: &mut Keys, name: &str, was: Option<&[T]>) -> 
 /// Three numbers that are 0 where they are left out.
 fn vector_or_zero(keys: &mut Keys, name: &str, was: Option<[f64; 3]>, number: Number) -> [f64; 3] {
     if keys.has(name, was.is_some()) {
-        keys.vector(name, was, number)
+        keys.vector(name, was, number.default(0.0))
     } else {
         [0.0; 3]
     }
@@ -85,6 +118,23 @@ fn vector_or_zero(keys: &mut Keys, name: &str, was: Option<[f64; 3]>, number: Nu
 const BODIES: &str = "the name of bodies of the vehicle";
 
 impl Entry for Train {
+    const SENTENCES: Sentences = &[
+        ("carrier", "Name of the body that carries the pantograph."),
+        (
+            "pantograph_base",
+            "Base of the pantograph on it in the tabulated position.",
+        ),
+        ("wheels", "Wheels, two on every wheelset."),
+        ("contact", "Contact of wheels and rails; only for `model = \"full\"`."),
+        ("bodies", "Rigid bodies whose principal axes are those of the track."),
+        ("bushings", "Spring-dampers between bodies."),
+        (
+            "bearings",
+            "Axle bearings: stiff in all directions but about the lateral axle.",
+        ),
+        ("joints", "Ideal revolute joints about the vertical."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             carrier: keys.text("carrier", was.map(|train| train.carrier.as_str()), BODIES),
@@ -104,6 +154,19 @@ impl Entry for Train {
 }
 
 impl Entry for Wheels {
+    const SENTENCES: Sentences = &[
+        ("wheelset", "Name of the bodies that carry the wheels."),
+        ("radius", "Rolling radius."),
+        ("distance", "Lateral distance of both nominal contact points."),
+        ("stiffness", "Linearised vertical stiffness of one contact."),
+        ("damping", "Vertical damping of one contact."),
+        (
+            "profile",
+            "Cross-section from the flange outward: (outward, up) from the nominal rolling circle; only for `model \
+             = \"full\"`.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             wheelset: keys.text("wheelset", was.map(|wheels| wheels.wheelset.as_str()), BODIES),
@@ -127,6 +190,14 @@ fn optional_points(keys: &mut Keys, name: &str, was: Option<Option<&[[f64; 2]]>>
 }
 
 impl Entry for WheelContact {
+    const SENTENCES: Sentences = &[
+        ("shear_modulus", "Shear modulus of wheel and rail."),
+        ("poisson", "Poisson's ratio of both."),
+        ("damping", "Damping of the normal force per penetration."),
+        ("friction", "Friction coefficient."),
+        ("creep", "Creep force law."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             shear_modulus: keys.number(
@@ -151,6 +222,13 @@ impl Entry for WheelContact {
 }
 
 impl Entry for VehicleBody {
+    const SENTENCES: Sentences = &[
+        ("name", "Unique name."),
+        ("mass", "Mass of one body."),
+        ("inertia", "Principal moments of inertia about the centre of mass."),
+        ("positions", "Centres of mass, one body for each."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             name: keys.text("name", was.map(|body| body.name.as_str()), "a name"),
@@ -162,6 +240,29 @@ impl Entry for VehicleBody {
 }
 
 impl Entry for BushingEntry {
+    const SENTENCES: Sentences = &[
+        ("name", "Name in reports."),
+        ("first", "Name of bodies; forces act along their axes."),
+        ("second", "Name of other bodies."),
+        (
+            "points",
+            "Places in the tabulated position, one bushing for each between the nearest bodies of both names.",
+        ),
+        (
+            "orientation",
+            "Euler angles of its axes in the sequence Z-X-Z; 0 where left out.",
+        ),
+        ("stiffness", "Stiffness along its axes."),
+        ("damping", "Damping along its axes; 0 where left out."),
+        ("rotational_stiffness", "Stiffness about its axes; 0 where left out."),
+        ("rotational_damping", "Damping about its axes; 0 where left out."),
+        (
+            "preload",
+            "Force on the second body in the tabulated position; 0 where left out.",
+        ),
+        ("stop", "Characteristic beside the linear stiffness of one axis."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let [spring, damper] = [Number::not_negative("N/m"), Number::not_negative("N s/m")];
         let [turning, turning_damper] = [Number::not_negative("N m/rad"), Number::not_negative("N m s/rad")];
@@ -197,6 +298,12 @@ impl Entry for BushingEntry {
 }
 
 impl Entry for Stop {
+    const SENTENCES: Sentences = &[
+        ("axis", "Axis of the bushing."),
+        ("displacement", "Displacements, ascending, at least two."),
+        ("force", "Force against each displacement, not falling."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let axis = keys.word("axis", was.map(|stop| stop.axis), None);
         let displacement = keys.numbers(
@@ -215,6 +322,15 @@ impl Entry for Stop {
 }
 
 impl Entry for BearingEntry {
+    const SENTENCES: Sentences = &[
+        ("first", "Name of the bodies that the axle turns in."),
+        ("second", "Name of the wheelsets."),
+        ("points", "Places in the tabulated position, one bearing for each."),
+        ("stiffness", "Stiffness along the axes of the track."),
+        ("damping", "Damping along the axes of the track; 0 where left out."),
+        ("tilting_stiffness", "Stiffness about x and z."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             first: keys.text("first", was.map(|entry| entry.first.as_str()), BODIES),
@@ -237,6 +353,12 @@ impl Entry for BearingEntry {
 }
 
 impl Entry for Pivot {
+    const SENTENCES: Sentences = &[
+        ("first", "Name of bodies."),
+        ("second", "Name of other bodies."),
+        ("points", "Places in the tabulated position, one joint for each."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             first: keys.text("first", was.map(|entry| entry.first.as_str()), BODIES),

@@ -3,14 +3,39 @@ use super::{
     AerodynamicMarker, GustExtent, Wind, WindGust, WindOnPantograph, WindOnWires, WindSurface, WindTurbulence,
 };
 use crate::error::What;
-use crate::keys::{Entry, Keys, Length, Number};
+use crate::keys::{Entry, Keys, Length, Number, Sentences};
 
 /// Faster than any wind that was measured at the ground, m/s.
 const FASTEST: f64 = 120.0;
 
 impl Entry for Wind {
+    const SENTENCES: Sentences = &[
+        ("speed", "Speed of the mean wind over the ground; 0 is still air."),
+        (
+            "yaw_deg",
+            "Direction the wind comes from: 0 is a head wind, 90 comes from the left.",
+        ),
+        ("air_density", "Density of the air."),
+        ("gust", "Gust on top of the mean wind."),
+        ("turbulence", "Seeded turbulence on top of the mean wind."),
+        (
+            "file",
+            "Path of a CSV file of wind that is added to the mean wind, relative to the scene file.",
+        ),
+        (
+            "record",
+            "Rows of such a file: time, vx, vy, vz and, for several places, x.",
+        ),
+        ("pantograph", "Action of the air on pantographs; without it none."),
+        ("wires", "Drag on contact and messenger wire; without it none."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
-        let speed = keys.number("speed", was.map(|wind| wind.speed), Number::not_negative("m/s"));
+        let speed = keys.number(
+            "speed",
+            was.map(|wind| wind.speed),
+            Number::not_negative("m/s").at_most(FASTEST),
+        );
         if speed > FASTEST {
             keys.refuse("speed", format!("must be a speed in m/s, at most {FASTEST} m/s"));
         }
@@ -33,6 +58,17 @@ impl Entry for Wind {
 }
 
 impl Entry for WindGust {
+    const SENTENCES: Sentences = &[
+        ("velocity", "Velocity added at the peak (x, y, z)."),
+        ("start", "Begin of a gust that is everywhere at once."),
+        ("duration", "Duration of that gust."),
+        (
+            "start_x",
+            "Begin of a gust that stands over the track, in place of `start` and `duration`.",
+        ),
+        ("length", "Length of that gust."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let velocity = keys.vector("velocity", was.map(|gust| gust.velocity), Number::any("m/s"));
         let extent = was.map(|gust| gust.extent);
@@ -41,6 +77,13 @@ impl Entry for WindGust {
             Some(GustExtent::Place { start_x, length }) => (None, Some((start_x, length))),
             None => (None, None),
         };
+        if keys.describes() {
+            for name in ["start", "duration", "length"] {
+                keys.has(name, false);
+            }
+            keys.number("start", None, Number::any("s"));
+            keys.number("duration", None, Number::positive("s"));
+        }
         let extent = if keys.has("start_x", place.is_some()) {
             if keys.has("start", false) {
                 let because = "start_x is given, where the gust stands".to_owned();
@@ -61,6 +104,26 @@ impl Entry for WindGust {
 }
 
 impl Entry for WindTurbulence {
+    const SENTENCES: Sentences = &[
+        ("spectrum", "Shape of the spectra."),
+        (
+            "intensities",
+            "Standard deviation by the mean speed: along, across, vertical.",
+        ),
+        ("length_scales", "Length scales: along, across, vertical."),
+        (
+            "coherence_decays",
+            "Decay `C` of the coherence `exp(-C f |Δx| / speed)`: along, across, vertical.",
+        ),
+        ("seed", "Number of the realisation."),
+        ("time_step", "Step of the field in time."),
+        ("steps", "Steps until the field repeats itself, a power of two."),
+        (
+            "spacing",
+            "Distance of the places between which the field is interpolated.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let steps = keys.count("steps", was.map(|wind| wind.steps), 2..=1 << 20, Some(1024));
         if !steps.is_power_of_two() {
@@ -103,6 +166,18 @@ impl Entry for WindTurbulence {
 }
 
 impl Entry for WindOnPantograph {
+    const SENTENCES: Sentences = &[
+        (
+            "uplift",
+            "Quasi-steady uplift of the strip by the square of the air's relative speed along the track, one for \
+             all pantographs or one for each.",
+        ),
+        (
+            "surfaces",
+            "Bodies of a linkage that the air acts on, in place of `uplift`.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let uplift = was.map(|wind| wind.uplift.as_slice());
         let surfaces = was.map(|wind| wind.surfaces.as_slice());
@@ -138,6 +213,27 @@ impl Entry for WindOnPantograph {
 }
 
 impl Entry for WindSurface {
+    const SENTENCES: Sentences = &[
+        ("body", "Name of the body."),
+        (
+            "angles_deg",
+            "Angles of attack of the coefficients, ascending; left out, they hold at all angles.",
+        ),
+        (
+            "drag",
+            "Drag coefficient, or drag area where the markers' areas are 1, one per angle.",
+        ),
+        ("lift", "Lift coefficient likewise."),
+        (
+            "markers",
+            "Points that the force is spread over: rows of position, nine direction cosines and area.",
+        ),
+        (
+            "marker_file",
+            "Path of a CSV file of such rows, relative to the scene file.",
+        ),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let body = keys.text("body", was.map(|surface| surface.body.as_str()), "the name of a body");
         let angles = was.map(|surface| surface.angles_deg.as_slice());
@@ -199,6 +295,12 @@ impl Entry for WindSurface {
 }
 
 impl Entry for WindOnWires {
+    const SENTENCES: Sentences = &[
+        ("drag_coefficient", "Drag coefficient by the diameter."),
+        ("contact_wire_diameter", "Diameter of the contact wire."),
+        ("messenger_wire_diameter", "Diameter of the messenger wire."),
+    ];
+
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
             drag_coefficient: keys.number(
