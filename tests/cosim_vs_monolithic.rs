@@ -293,7 +293,7 @@ fn a_scene_with_the_automatic_choice_runs_again_bit_for_bit_from_what_was_writte
         let first = run(scene, Mode::Inprocess, "coupling");
         let written = &first.written;
         assert!(written.contains("algorithm = \"auto\""), "{written}");
-        let again = scene::Scene::from_toml(written, "scene.toml", &[]).unwrap();
+        let again = system::load(written, "scene.toml", &[]).unwrap();
         let second = run(again, Mode::Inprocess, "coupling");
         assert_eq!(first.summary.coupling.reason, second.summary.coupling.reason);
         assert!(

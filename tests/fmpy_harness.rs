@@ -150,7 +150,7 @@ fn write_other_scenes(scene: &Scene, plain: &str, folder: &Path) {
         scene::Line::Supplied(_) => unreachable!("the shipped scenes have lines of their own"),
     };
     let overrides = [format!("catenary.spans={spans}")];
-    let longer = Scene::from_toml(&scene.to_toml(), "longer.toml", &overrides).unwrap();
+    let longer = system::load(&scene.to_toml(), "longer.toml", &overrides).unwrap();
     fs::write(folder.join("longer.toml"), longer.to_toml()).unwrap();
 }
 

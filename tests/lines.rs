@@ -1,6 +1,6 @@
 //! Lines of the shipped scenes for the tests of statics and motion.
 use catenary::{LineOptions, StaticLine};
-use scene::{Catenary, Scene};
+use scene::Catenary;
 
 /// The reference model of EN 50318 at 300 km/h.
 pub const EN: &str = include_str!("../scenes/en50318-300.toml");
@@ -14,7 +14,7 @@ pub const THESIS: &str = include_str!("../scenes/thesis-pantograph.toml");
 #[must_use]
 pub fn scene_line(text: &str, overrides: &[&str]) -> Catenary {
     let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
-    let scene = Scene::from_toml(text, "scene.toml", &overrides).unwrap();
+    let scene = system::load(text, "scene.toml", &overrides).unwrap();
     scene.modelled_line().unwrap().0.clone()
 }
 

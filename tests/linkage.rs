@@ -4,7 +4,6 @@ use dynamics::{
     System, Weights,
 };
 use nalgebra::Vector3;
-use scene::Scene;
 use vehicle::{PantographModel, Placement};
 
 /// A vertical spring between strip and a point that stays `height` high, as long as it is.
@@ -70,7 +69,7 @@ const CONTACT: f64 = 5e4;
 /// The thesis pantograph at rest against a spring whose other end has jumped by `jump` m; `damping` in the suspension.
 fn released(jump: f64, damping: f64) -> (Pantograph, State) {
     let text = include_str!("../scenes/thesis-pantograph.toml");
-    let mut scene = Scene::from_toml(text, "thesis.toml", &[]).unwrap();
+    let mut scene = system::load(text, "thesis.toml", &[]).unwrap();
     if let scene::PantographModel::Linkage(entry) = &mut scene.pantographs[0].model {
         entry.collector_suspension.damping = damping;
     }

@@ -91,7 +91,7 @@ pub fn rms(a: &[f64], b: &[f64]) -> f64 {
 #[must_use]
 pub fn scene_with(text: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
-    Scene::from_toml(text, "scene.toml", &overrides).unwrap()
+    system::load(text, "scene.toml", &overrides).unwrap()
 }
 
 /// The scene with its statics and its start.

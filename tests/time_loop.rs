@@ -25,7 +25,7 @@ fn scene(text: &str, more: &[&str]) -> Scene {
     .map(String::from)
     .to_vec();
     overrides.extend(more.iter().map(ToString::to_string));
-    Scene::from_toml(text, "scene.toml", &overrides).unwrap()
+    system::load(text, "scene.toml", &overrides).unwrap()
 }
 
 fn starts(scene: &Scene, height: f64) -> [StripStart; 1] {

@@ -3,7 +3,7 @@ use crate::table::{WORK, variables};
 use component::{Component, Parameter, Role, Signal};
 use fmi2::model_description::Variable;
 use fmi2::slave::{Model, ModelError, ModelResult};
-use scene::{Evaluate, PantographModel, Scene, Start};
+use scene::{Evaluate, MeshChoice, PantographModel, Scene, Start};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -56,7 +56,7 @@ pub struct SceneSlave<C: Component> {
 
 impl<C: Component> SceneSlave<C> {
     fn with_scene(text: String, origin: &str) -> ModelResult<Self> {
-        let packaged = Scene::from_toml(&text, origin, &[]).map_err(ModelError::unusable)?;
+        let packaged = load::<C>(&text, origin)?;
         let mut slave = Self {
             signals: C::signals(&packaged),
             parameters: C::parameters(&packaged),
@@ -86,7 +86,7 @@ impl<C: Component> SceneSlave<C> {
             "" => SCENE_RESOURCE,
             path => path,
         };
-        let mut scene = Scene::from_toml(&self.choices.scene_text, origin, &[]).map_err(ModelError::unusable)?;
+        let mut scene = load::<C>(&self.choices.scene_text, origin)?;
         fill_start(&mut scene, &self.packaged);
         let own = C::parameters(&scene);
         for (parameter, &value) in self.parameters.iter().zip(&self.choices.parameters) {
@@ -100,7 +100,7 @@ impl<C: Component> SceneSlave<C> {
                 parameter.set(&mut scene, value);
             }
         }
-        check(&scene)?;
+        check::<C>(&scene)?;
         Ok(scene)
     }
 
@@ -153,7 +153,7 @@ impl<C: Component> SceneSlave<C> {
             }
             std::fs::read_to_string(path).map_err(|error| ModelError::unusable(format!("scene = {path:?}: {error}")))?
         };
-        let scene = Scene::from_toml(&text, path, &[]).map_err(ModelError::unusable)?;
+        let scene = load::<C>(&text, path)?;
         let (mine, other) = (size(&self.packaged), size(&scene));
         if mine != other {
             return Err(ModelError::unusable(format!(
@@ -201,7 +201,7 @@ fn fill_start(scene: &mut Scene, packaged: &Scene) {
 
 /// Checks a scene changed by parameters as strictly as a scene from a file. Length and end of the run are the
 /// importer's, so the run of the scene is fitted to them; a strip may also stand still.
-fn check(scene: &Scene) -> ModelResult<()> {
+fn check<C: Component>(scene: &Scene) -> ModelResult<()> {
     const SLOW: f64 = 1.0; // m/s
     let mut alone = scene.clone();
     if let Some((key, file)) = alone.unread_files_mut().first() {
@@ -224,8 +224,24 @@ fn check(scene: &Scene) -> ModelResult<()> {
         from: 0.0,
         to: alone.run.duration,
     };
-    let checked = Scene::from_toml(&alone.to_toml(), "parameters of the FMU", &[]);
-    checked.map(|_| ()).map_err(ModelError::unusable)
+    load::<C>(&alone.to_toml(), "parameters of the FMU").map(|_| ())
+}
+
+/// Reads a scene for a component. Its micro step must be known: both sides take the same one.
+fn load<C: Component>(text: &str, origin: &str) -> ModelResult<Scene> {
+    let scene = C::load(text, origin).map_err(ModelError::unusable)?;
+    let mesh = scene.modelled_line().map(|(line, _)| line.mesh.choice);
+    if let Some(MeshChoice::Error {
+        choose_micro_step: true,
+        ..
+    }) = mesh
+    {
+        return Err(ModelError::unusable(format!(
+            "{origin}: catenary.mesh leaves the micro step to be chosen, which this FMU cannot: give solver.micro_step, or the \
+             scene.toml that a run writes"
+        )));
+    }
+    Ok(scene)
 }
 
 /// Number of strips and of supports.

@@ -16,7 +16,7 @@ const SCENES: [(&str, &str); 2] = [
 const PARTS: [&str; 6] = ["contact wire", "messenger wire", "droppers", "supports", "arms", "ends"];
 
 fn statics(text: &str) -> (Scene, StaticLine) {
-    let scene = Scene::from_toml(text, "bench.toml", &[]).expect("the shipped scene is good");
+    let scene = catenary::load(text, "bench.toml", &[]).expect("the shipped scene is good");
     let line = static_line(&scene).expect("the shipped line has an equilibrium");
     (scene, line)
 }

@@ -34,6 +34,7 @@ mod ancf;
 mod contact;
 mod dropper;
 mod line;
+pub mod mesh;
 mod simd;
 mod statics;
 mod subsystem;
@@ -56,6 +57,7 @@ pub use line::{
     LinearForce, LinearLine, MassCorrection, OverheadLine, Topology, WindowSize, WindowedLine, WireName, adopt_state,
     follow_strips,
 };
+pub use mesh::load;
 pub use statics::{
     DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport, SupportReport,
     TensionReport,

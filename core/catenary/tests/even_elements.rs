@@ -9,7 +9,7 @@ const SCENE: &str = include_str!("../../../scenes/en50318-300.toml");
 
 fn scene(overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
-    Scene::from_toml(SCENE, "en50318-300.toml", &overrides).expect("the scene is good")
+    catenary::load(SCENE, "en50318-300.toml", &overrides).expect("the scene is good")
 }
 
 fn line(division: Division) -> Catenary {

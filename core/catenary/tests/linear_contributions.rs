@@ -2,7 +2,6 @@
 //! these.
 use catenary::{scene_line, static_line};
 use dynamics::{Blocks, Force, Layout, Motion, SparseMatrix, Weights};
-use scene::Scene;
 
 const SCENE: &str = include_str!("../../../scenes/en50318-300.toml");
 
@@ -47,7 +46,7 @@ fn check_sum(force: &mut dyn Force, n: usize, motion: &Motion<'_>) {
 /// Checks the contributions of a line that call themselves linear, and counts them.
 fn check(overrides: &[&str]) -> usize {
     let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
-    let scene = Scene::from_toml(SCENE, "en50318-300.toml", &overrides).expect("the shipped scene is good");
+    let scene = catenary::load(SCENE, "en50318-300.toml", &overrides).expect("the shipped scene is good");
     let statics = static_line(&scene).expect("the shipped line has an equilibrium");
     let mut layout = Layout::new();
     let mut line = scene_line(&scene, &statics, &mut layout).expect("the reductions are possible");

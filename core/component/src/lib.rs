@@ -21,7 +21,7 @@ pub use point::Point;
 pub use share::Share;
 pub use signal::{Kind, Role, Signal};
 
-use scene::Scene;
+use scene::{Scene, SceneError};
 use serde::{Serialize, de::DeserializeOwned};
 use std::error::Error;
 
@@ -61,6 +61,15 @@ pub trait Component: Sized + Send + 'static {
     const IDENTIFIER: &'static str;
     /// One sentence that describes the component.
     const DESCRIPTION: &'static str;
+
+    /// Reads a scene from the text of a file; `origin` is its name in messages. A component whose rules choose what a scene
+    /// leaves open does so here.
+    ///
+    /// # Errors
+    /// Every problem found.
+    fn load(text: &str, origin: &str) -> Result<Scene, SceneError> {
+        Scene::from_toml(text, origin, &[])
+    }
 
     /// Inputs and outputs for a scene, sized from the scene; start values of inputs are the values of the equilibrium.
     fn signals(scene: &Scene) -> Vec<Signal>;

@@ -7,8 +7,8 @@ use crate::{
     Statics, Supplied, Wire,
 };
 
-/// Contradictions found so far: the key and what is wrong with it.
-pub(crate) type Found = Vec<(String, What)>;
+/// Problems found so far: the path of the key and what is wrong with it.
+pub type Found = Vec<(String, What)>;
 
 /// Room for rounding where a time or a place may lie on the edge of its range, in s and m.
 const ROUNDING: f64 = 1e-9;
@@ -48,7 +48,9 @@ pub(crate) fn check_inertia(found: &mut Found, path: &str, inertia: &[f64; 3], r
 
 impl Scene {
     /// Everything that contradicts something else.
-    pub(crate) fn contradictions(&self) -> Found {
+    ///
+    /// `further` gives what is known beyond the values alone.
+    pub(crate) fn contradictions(&self, further: &dyn Fn(&Self) -> Found) -> Found {
         let mut found = Found::new();
         match &self.catenary {
             Line::Modelled(catenary) => catenary.check(&mut found),
@@ -70,7 +72,7 @@ impl Scene {
         // What follows multiplies lengths, speeds and times, which must themselves be right.
         if found.is_empty() {
             self.check_speed(&mut found);
-            self.check_corrections(&mut found);
+            found.extend(further(self));
             self.check_window(&mut found);
             self.check_strips_on_the_line(&mut found);
             self.check_evaluation(&mut found);

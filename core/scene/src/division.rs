@@ -114,22 +114,8 @@ impl Catenary {
         ))
     }
 
-    /// The division with the fewest elements that are no longer than those of `count` in the longest interval, but for a tenth of a
-    /// millimetre: as many in each interval where all need as many.
-    #[must_use]
-    pub fn evenly_divided(&self, count: usize) -> Division {
-        // A limit with few digits is one that can be typed.
-        let longest = self.longest_interval() / count as f64;
-        let even = Division::UpTo((1e4 * longest - 1e-6).ceil() / 1e4);
-        if self.intervals().all(|length| even.elements(length) == count) {
-            Division::PerInterval(count)
-        } else {
-            even
-        }
-    }
-
     /// Length of the elements of each interval along the track, m, and their number.
-    pub(crate) fn elements(&self) -> impl Iterator<Item = (f64, usize)> + '_ {
+    pub fn elements(&self) -> impl Iterator<Item = (f64, usize)> + '_ {
         self.intervals().map(|length| {
             let count = self.mesh.division.elements(length);
             (length / count as f64, count)

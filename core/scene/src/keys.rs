@@ -155,15 +155,6 @@ impl Keys<'_> {
         );
     }
 
-    /// True where something was reported so far, or where keys are described and there are no values at all.
-    pub(crate) fn has_problems(&self) -> bool {
-        match &self.side {
-            Side::Read { report, .. } => !report.is_empty(),
-            Side::Write(_) => false,
-            Side::Describe(_) => true,
-        }
-    }
-
     /// Reports an impossible value.
     pub(crate) fn refuse(&mut self, name: &str, expected: impl Into<String>) {
         let value = match &self.side {
@@ -238,18 +229,26 @@ impl Keys<'_> {
         }
     }
 
+    /// True where the key with this path below the table was typed.
+    pub(crate) fn is_given(&self, path: &str) -> bool {
+        matches!(&self.side, Side::Read { table, .. } if table.has(path))
+    }
+
+    /// Takes a key out of a table of this one that is already written.
+    pub(crate) fn leave_unwritten(&mut self, table: &str, key: &str) {
+        if let Side::Write(all) = &mut self.side
+            && let Some((_, node)) = all.entries.iter_mut().find(|(name, _)| name == table)
+            && let Value::Table(inner) = &mut node.value
+        {
+            inner.entries.retain(|(name, _)| name != key);
+        }
+    }
+
     /// Gives up on the keys of this table, so that none of them counts as unknown.
     pub(crate) fn abandon(&mut self) {
         if let Side::Read { table, .. } = &self.side {
             let names: Vec<String> = table.entries.iter().map(|(name, _)| name.clone()).collect();
             self.known.extend(names);
-        }
-    }
-
-    /// Reports a problem with the key of this `path` below this table, at its place.
-    pub(crate) fn report_path(&mut self, path: &str, what: What) {
-        if let Side::Read { table, report, .. } = &mut self.side {
-            report.push((table.place_of(path), path.to_owned(), what));
         }
     }
 

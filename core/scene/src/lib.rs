@@ -44,7 +44,6 @@ mod error;
 mod keys;
 mod linkage;
 mod mesh;
-mod mesh_error;
 mod model;
 mod one_motion;
 mod pantograph;
@@ -63,19 +62,19 @@ mod wind;
 mod write;
 
 pub use catenary::{Beam, Catenary, Damping, Droppers, MAX_SPANS, RegistrationArms, Statics, Supports, Wire, WireEnds};
+pub use check::Found;
 pub use contact::{Contact, ContactLaw};
 pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};
 pub use curve::{Curve, Direction, millimetres_up};
 pub use division::Division;
 pub use error::{Place, Problem, SceneError, What};
 pub use linkage::{Body, CollectorSuspension, Joint, JointKind, Linkage, LinkageStrip, Uplift};
-pub use mesh::{AxialStrain, Correction, Element, Mesh};
-pub use mesh_error::MeshError;
+pub use mesh::{AxialStrain, Correction, Element, LEAST_ERROR, Mesh, MeshChoice};
 pub use model::{Model, Reduction};
 pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
 pub use reference::reference;
-pub use run::{Electrification, Evaluate, Initialise, Run};
-pub use scene::{Line, Scene};
+pub use run::{Electrification, Evaluate, Initialise, Run, kmh};
+pub use scene::{Line, Scene, SceneFile};
 pub use solver::{Formulation, Jacobian, Solver};
 pub use supplied::{Connection, Offset, ParameterValue, STEP_TIMEOUT, Supplied};
 pub use track::{Irregularities, Points, RailSection, Spectrum, Track};
@@ -87,3 +86,4 @@ pub use wind::{
     AerodynamicMarker, GustExtent, Wind, WindGust, WindOnPantograph, WindOnWires, WindSpectrum, WindSurface,
     WindTableError, WindTurbulence,
 };
+pub use write::shown_number;

@@ -137,7 +137,8 @@ const KMH: f64 = 3.6;
 
 /// The value of `speed_kmh` that is read as exactly `speed` in m/s: of the candidates within rounding, the first
 /// one that is, with a short decimal number tried before all others.
-pub(crate) fn kmh(speed: f64) -> f64 {
+#[must_use]
+pub fn kmh(speed: f64) -> f64 {
     let near = speed * KMH;
     let short = (near * 1e6).round() / 1e6;
     [

@@ -1,9 +1,12 @@
 //! The whole scene.
 
+use crate::check::Found;
 use crate::error::{SceneError, What};
 use crate::keys::{Entry, Keys, Sentences, read, write};
-use crate::tree::{Sources, parse};
-use crate::{Catenary, Contact, Coupling, Evaluate, Model, Pantograph, Run, Solver, Supplied, Track, Vehicle, Wind};
+use crate::tree::{Sources, Table, parse};
+use crate::{
+    Catenary, Contact, Coupling, Evaluate, MeshChoice, Model, Pantograph, Run, Solver, Supplied, Track, Vehicle, Wind,
+};
 use std::sync::Arc;
 
 /// A scene: every value present, checked and in SI units.
@@ -45,8 +48,67 @@ pub enum Line {
     Supplied(Supplied),
 }
 
+/// A scene as read from a file: its values, and where each was typed.
+pub struct SceneFile<'a> {
+    /// Every key read; not yet checked across keys, and with what it leaves to be chosen.
+    pub scene: Scene,
+    root: Table,
+    sources: Sources<'a>,
+}
+
+impl<'a> SceneFile<'a> {
+    /// Reads every key, see [`Scene::from_toml`].
+    ///
+    /// # Errors
+    ///
+    /// Text that is not TOML; keys that are unknown, missing, of the wrong type or out of range.
+    pub fn read(text: &str, origin: &'a str, overrides: &'a [String]) -> Result<Self, SceneError> {
+        let sources = Sources { origin, overrides };
+        let root = parse(text, sources).map_err(|problems| SceneError { problems })?;
+        let scene = read(&root, sources)?;
+        Ok(Self { scene, root, sources })
+    }
+
+    /// True where the key with this path was typed.
+    #[must_use]
+    pub fn says(&self, path: &str) -> bool {
+        self.root.has(path)
+    }
+
+    /// Problems found with the scene, at their places.
+    ///
+    /// # Errors
+    ///
+    /// All of them, where there are any.
+    pub fn refuse(&self, found: Found) -> Result<(), SceneError> {
+        let mut found: Vec<_> = found
+            .into_iter()
+            .map(|(key, what)| (self.root.place_of(&key), key, what))
+            .collect();
+        found.sort_by_key(|(at, _, _)| *at);
+        if found.is_empty() {
+            return Ok(());
+        }
+        let problems = found
+            .into_iter()
+            .map(|(at, key, what)| self.sources.problem(at, key, what))
+            .collect();
+        Err(SceneError { problems })
+    }
+
+    /// Checks across keys, see [`Scene::check_with`].
+    ///
+    /// # Errors
+    ///
+    /// Every contradiction found.
+    pub fn check(&self, further: &dyn Fn(&Scene) -> Found) -> Result<(), SceneError> {
+        self.refuse(self.scene.contradictions(further))
+    }
+}
+
 impl Scene {
-    /// Reads a scene from the text of a file, with overrides in the form `key.path=value` applied in turn.
+    /// Reads a scene from the text of a file, with overrides in the form `key.path=value` applied in turn. A mesh that the
+    /// file leaves to be chosen is not chosen yet ([`MeshChoice`]): `catenary::load` does both.
     ///
     /// `origin` is the name of the file in messages. A path is written `coupling.macro_step`,
     /// `pantograph[1].static_force` (counted from 1) or `pantograph.0.static_force` (counted from 0); a value is any TOML
@@ -57,23 +119,9 @@ impl Scene {
     /// Every problem found: text that is not TOML; keys that are unknown, missing, of the wrong type or out of range; and,
     /// where there is none of these, values that contradict each other ([`Scene::check`]).
     pub fn from_toml(text: &str, origin: &str, overrides: &[String]) -> Result<Self, SceneError> {
-        let sources = Sources { origin, overrides };
-        let root = parse(text, sources).map_err(|problems| SceneError { problems })?;
-        let scene: Self = read(&root, sources)?;
-        let mut found: Vec<_> = scene
-            .contradictions()
-            .into_iter()
-            .map(|(key, what)| (root.place_of(&key), key, what))
-            .collect();
-        found.sort_by_key(|(at, _, _)| *at);
-        if found.is_empty() {
-            return Ok(scene);
-        }
-        let problems = found
-            .into_iter()
-            .map(|(at, key, what)| sources.problem(at, key, what))
-            .collect();
-        Err(SceneError { problems })
+        let file = SceneFile::read(text, origin, overrides)?;
+        file.check(&|_| Found::new())?;
+        Ok(file.scene)
     }
 
     /// The scene as TOML text with every default written out.
@@ -85,14 +133,23 @@ impl Scene {
     }
 
     /// Checks that the values are physically possible together, as [`Scene::from_toml`] has done; `origin` is the name of the
-    /// scene in messages. For a scene that was changed since.
+    /// scene in messages. For a scene that was built or changed since.
     ///
     /// # Errors
     ///
     /// Every contradiction found.
     pub fn check(&self, origin: &str) -> Result<(), SceneError> {
+        self.check_with(origin, &|_| Found::new())
+    }
+
+    /// The same with contradictions that `further` finds beyond those of the scene alone, where values may be multiplied.
+    ///
+    /// # Errors
+    ///
+    /// Every contradiction found.
+    pub fn check_with(&self, origin: &str, further: &dyn Fn(&Self) -> Found) -> Result<(), SceneError> {
         let sources = Sources { origin, overrides: &[] };
-        let found = self.contradictions();
+        let found = self.contradictions(further);
         if found.is_empty() {
             return Ok(());
         }
@@ -272,8 +329,15 @@ impl Entry for Scene {
             coupling: keys.table_or_empty("coupling", was.map(|scene| &scene.coupling)),
             solver: keys.table_or_empty("solver", was.map(|scene| &scene.solver)),
         };
+        let step_is_given = keys.is_given("solver.micro_step");
+        if let Some(MeshChoice::Error { choose_micro_step, .. }) = scene.mesh_mut().map(|mesh| &mut mesh.choice) {
+            if was.is_none() {
+                *choose_micro_step = !step_is_given;
+            } else if *choose_micro_step {
+                keys.leave_unwritten("solver", "micro_step");
+            }
+        }
         scene.choose_reductions();
-        scene.choose_mesh(keys);
         scene.keep_contact_speed();
         scene
     }

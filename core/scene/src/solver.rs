@@ -14,8 +14,6 @@ const LARGEST_TOLERANCE: f64 = 1.0;
 pub struct Solver {
     /// Longest time step of both sides, s; divides the macro step evenly where that is longer. 1 ms by default.
     pub micro_step: f64,
-    /// Whether the file leaves `micro_step` open; only while a scene is read.
-    pub(crate) open_step: bool,
     /// Spectral radius of generalised-α at infinite frequency (–), 0 to 1; 0.9 by default, which costs no accuracy below
     /// 20 Hz.
     pub rho_inf: f64,
@@ -74,9 +72,7 @@ impl Entry for Solver {
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
-        let given = keys.has("micro_step", was.is_some());
         Self {
-            open_step: !given,
             micro_step: keys.number(
                 "micro_step",
                 was.map(|solver| solver.micro_step),

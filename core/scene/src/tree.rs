@@ -54,6 +54,19 @@ impl Table {
         self.entries.iter().find(|(name, _)| name == key).map(|(_, node)| node)
     }
 
+    /// True where the key with a path such as `solver.micro_step` was typed, in tables alone.
+    pub(crate) fn has(&self, path: &str) -> bool {
+        let mut table = Some(self);
+        path.split('.').all(|key| {
+            let node = table.and_then(|table| table.node(key));
+            table = node.and_then(|node| match &node.value {
+                Value::Table(inner) => Some(inner),
+                _ => None,
+            });
+            node.is_some()
+        })
+    }
+
     /// Where the key with a path such as `pantograph[1].masses[2]` was typed, or else the nearest table above it.
     pub(crate) fn place_of(&self, path: &str) -> At {
         let mut at = At::File;

@@ -86,7 +86,8 @@ pub(crate) fn shown_key(key: &str) -> String {
 }
 
 /// A number in a message: `-250 km/h`, `1e300 s`.
-pub(crate) fn shown_number(number: f64, unit: &str) -> String {
+#[must_use]
+pub fn shown_number(number: f64, unit: &str) -> String {
     let size = number.abs();
     let number = if number.is_finite() && size != 0.0 && !(1e-6..1e16).contains(&size) {
         format!("{number:e}")

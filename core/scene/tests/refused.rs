@@ -243,16 +243,6 @@ fn one_mistake_is_one_line() {
 }
 
 #[test]
-fn macro_steps_of_many_parts_are_refused_where_they_are_longer_than_the_run() {
-    for step in ["1000", "1e6", "6e13", "1e300"] {
-        let mesh = ["catenary.mesh={error_percent=1.0}", "solver={}"];
-        let told = message(EN, &[&mesh[..], &[&format!("coupling.macro_step={step}")]].concat());
-        holds(&told, &["coupling.macro_step = ", "must be at most run.duration"]);
-        assert_eq!(told.lines().count(), 1, "{told}");
-    }
-}
-
-#[test]
 fn a_line_counts_the_same_with_carriage_returns() {
     let text = edited(EN, "duration = 7.0", "duration = -8.0").replace('\n', "\r\n");
     assert_eq!(
@@ -660,85 +650,6 @@ fn a_line_of_somebody_else_cannot_be_reduced() {
         .to_string();
     let expected = "model.reduce = \"linearised\": must be left out: the line is an FMU of somebody else";
     assert!(error.contains(expected), "{error}");
-}
-
-#[test]
-fn a_correction_that_cannot_be_is_refused_with_its_reason() {
-    let corrections = "catenary.mesh.corrections=[\"contact_compliance\", \"bending_layers\", \"mass_correction\"]";
-    for (more, what, reason) in [
-        (
-            &["solver.micro_step=0.002", "coupling.macro_step=0.002"][..],
-            "\"mass_correction\": must be left out: internal steps of 2.0000 ms are longer than 1.2778 ms",
-            "the corrected mass would not be positive",
-        ),
-        (
-            &["solver.rho_inf=0.5"],
-            "\"mass_correction\": must be left out: solver.rho_inf = 0.5",
-            "below 0.9",
-        ),
-        (
-            &[
-                "run.speed_kmh=450",
-                "run.allow_supercritical=true",
-                "run.duration=4",
-                "run.evaluate={time=[1,3]}",
-            ],
-            "\"contact_compliance\": must be left out: the strip at 125.00 m/s",
-            "√(tension / mass_per_length)",
-        ),
-        (
-            &["catenary.mesh.elements_per_interval=64"],
-            "\"bending_layers\": must be left out: the shortest element, 0.0781 m",
-            "contact wire",
-        ),
-    ] {
-        let message = message(EN, &[&[corrections], more].concat());
-        holds(&message, &["catenary.mesh.corrections = ", what, reason]);
-    }
-}
-
-#[test]
-fn an_error_that_no_mesh_makes_is_refused() {
-    let mesh = "catenary.mesh={error_percent=1.0}";
-    let fast = [
-        "run.speed_kmh=450",
-        "run.allow_supercritical=true",
-        "run.duration=4",
-        "run.evaluate={time=[1,3]}",
-    ];
-    holds(
-        &message(EN, &[&[mesh], &fast[..]].concat()),
-        &["catenary.mesh.error_percent = 1 %: no rule is known for 450.0 km/h on wires with waves of 438.2"],
-    );
-    let slow = ["run.speed_kmh=20", "run.duration=4", "run.evaluate={time=[1,3]}"];
-    let cases: [(&[&str], &str); 4] = [
-        (
-            &["run.low_pass_hz=1"],
-            "run.low_pass_hz = 1 Hz: must be at least 1.16 Hz, at which spans of 60.00 m pass at 250.0 km/h",
-        ),
-        (&slow, "run.speed_kmh = 20 km/h: must be at least 60 km/h"),
-        (
-            &["catenary.damping.beta=0"],
-            "catenary.damping.beta = 0 s: must be at least 0.00002 s",
-        ),
-        (&["solver.rho_inf=0.7"], "solver.rho_inf = 0.7: must be at least 0.8"),
-    ];
-    for (keys, why) in cases {
-        let refused = "catenary.mesh.error_percent = 1 %: no rule is known for ";
-        let found = message(EN, &[&[mesh], keys].concat());
-        holds(
-            &found,
-            &[refused, why, "give elements_per_interval or element_length instead"],
-        );
-    }
-    let long = ["solver.micro_step=0.005", "coupling.macro_step=0.005"];
-    holds(
-        &message(EN, &[&[mesh], &long[..]].concat()),
-        &[
-            "catenary.mesh.error_percent = 1 %: must be at least",
-            "with solver.micro_step = 5 ms",
-        ],
-    );
 }
 
 /// The scene with a vehicle, its text changed in one place.

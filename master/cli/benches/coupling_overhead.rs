@@ -12,7 +12,6 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use results::LineGeometry;
 use results::recorder::Recorder;
 use results::report::{Progress, Show};
-use scene::Scene;
 use system::run::{Schedule, Watch};
 
 const H: f64 = 1e-3;
@@ -104,7 +103,7 @@ fn time_loop(coupling: &scene::Coupling, steps: u64, output_step: f64) -> Durati
 
 fn overhead(criterion: &mut Criterion) {
     let overrides = ["coupling.algorithm=\"gauss_seidel\"".to_owned()];
-    let scene = Scene::from_toml(SCENE, "en50318-300.toml", &overrides).expect("the shipped scene is good");
+    let scene = system::load(SCENE, "en50318-300.toml", &overrides).expect("the shipped scene is good");
     let mean = scene.coupling.clone();
     let parabola = scene::Coupling {
         order: scene::Order::PantographFirst,

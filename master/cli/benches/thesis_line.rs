@@ -15,7 +15,6 @@ use cosim::package;
 use floor::Floors;
 use results::RunInfo;
 use results::report::{Progress, Show};
-use scene::Scene;
 use simulation::{FmuSource, Mode, Prepared, prepare};
 use system::one_system::OneSystem;
 use system::run::Watch;
@@ -33,7 +32,7 @@ fn prepared((name, text, duration): (&str, &str, f64)) -> Prepared {
         format!("run.duration={duration}"),
         format!("run.evaluate={{time=[1.0,{duration}]}}"),
     ];
-    let scene = Scene::from_toml(text, &format!("{name}.toml"), &overrides).expect("the shipped scene is good");
+    let scene = system::load(text, &format!("{name}.toml"), &overrides).expect("the shipped scene is good");
     prepare(scene, name, Path::new("."), false).expect("the shipped scene has an equilibrium")
 }
 

@@ -182,7 +182,7 @@ fn own_pantograph() -> Vec<u8> {
         "catenary.mesh.elements_per_interval=1",
         "run.duration=0.1",
     ];
-    let mut scene = scene::Scene::from_toml(
+    let mut scene = system::load(
         &text,
         "en50318-250.toml",
         &keys

@@ -25,7 +25,7 @@ fn scene(overrides: &[&str]) -> Scene {
         "run.evaluate={ time = [0.1, 0.5] }".to_owned(),
     ];
     all.extend(overrides.iter().map(|key| (*key).to_owned()));
-    Scene::from_toml(&text, "en50318-250.toml", &all).unwrap()
+    system::load(&text, "en50318-250.toml", &all).unwrap()
 }
 
 fn resolved() -> Scene {
@@ -302,7 +302,7 @@ fn with_supplied(own: &Scene, more: &str) -> Scene {
                   inputs = { force = { variable = \"contact[1].fz\", factor = -1.0 } }\n\
                   outputs = { height = { variable = \"strip[1].z\" }, velocity = { variable = \"strip[1].vz\" } }\n\n";
     let text = format!("{}{wiring}{more}\n{}", &toml[..first], &toml[rest..]);
-    Scene::from_toml(&text, "other.toml", &[]).unwrap()
+    system::load(&text, "other.toml", &[]).unwrap()
 }
 
 /// The record, the remarks, and where the first pantograph starts.
@@ -353,7 +353,7 @@ fn a_supplied_pantograph_comes_to_rest_before_the_run() {
 fn the_committed_model_descriptions_are_those_of_the_variable_tables() {
     let tree = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let text = std::fs::read_to_string(tree.join("scenes/thesis.toml")).unwrap();
-    let thesis = Scene::from_toml(&text, "scenes/thesis.toml", &[]).unwrap();
+    let thesis = system::load(&text, "scenes/thesis.toml", &[]).unwrap();
     let tables = [
         ("Catenary", fmu::description::<catenary::Subsystem>(&thesis)),
         ("Pantograph", fmu::description::<vehicle::Subsystem>(&thesis)),

@@ -128,7 +128,7 @@ fn base() -> Scene {
         "run.duration=0.4",
         "run.evaluate={ time = [0.1, 0.4] }",
     ];
-    Scene::from_toml(&text, "en50318-250.toml", &short.map(str::to_owned)).unwrap()
+    system::load(&text, "en50318-250.toml", &short.map(str::to_owned)).unwrap()
 }
 
 /// The text of a scene with the table that begins with `header`, and its sub-tables, replaced.
@@ -156,7 +156,7 @@ const WIRED: &str = "[[pantograph]]\nfmu = \"Somebody.fmu\"\n\
 fn scene(table: &str, overrides: &[&str]) -> Scene {
     let text = replaced(&base(), "[[pantograph]]", table);
     let overrides: Vec<String> = overrides.iter().map(|key| (*key).to_owned()).collect();
-    Scene::from_toml(&text, "scene.toml", &overrides).unwrap()
+    system::load(&text, "scene.toml", &overrides).unwrap()
 }
 
 fn finished(folder: &Path, scene: Scene, mode: Mode) -> Result<Finished, String> {
@@ -448,7 +448,7 @@ fn our_own_line_as_somebody_elses_gives_the_same_force() {
     let (expected, _) = run(folder.path(), own.clone());
     let without_contact = |table: &str| {
         let text = replaced(&own, "[catenary]", table);
-        let scene = Scene::from_toml(&text.replace("[contact]", "[unused]"), "line.toml", &[]);
+        let scene = system::load(&text.replace("[contact]", "[unused]"), "line.toml", &[]);
         assert!(scene.is_err(), "only to see that the table is there");
         let (mut kept, mut skipping) = (String::new(), false);
         for line in text.lines() {
@@ -460,7 +460,7 @@ fn our_own_line_as_somebody_elses_gives_the_same_force() {
                 kept.push('\n');
             }
         }
-        Scene::from_toml(&kept, "line.toml", &[]).unwrap()
+        system::load(&kept, "line.toml", &[]).unwrap()
     };
     // All that it offers, by the names that are guessed.
     let whole = without_contact("[catenary]\nfmu = \"Catenary.fmu\"\n");

@@ -500,7 +500,7 @@ mod tests {
         const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
         let read = |macro_step: &str| {
             let overrides = [macro_step.to_owned(), "solver.micro_step=0.00125".to_owned()];
-            Scene::from_toml(EN_300, "scene.toml", &overrides).unwrap()
+            system::load(EN_300, "scene.toml", &overrides).unwrap()
         };
         let made = |scene: &Scene, (smallest, largest): (f64, f64), mean: f64| {
             let mut steps = Steps::default();

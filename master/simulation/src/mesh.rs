@@ -9,8 +9,7 @@ pub fn described(scene: &Scene) -> String {
         return String::new();
     };
     let mesh = &catenary.mesh;
-    let without: Vec<String> = scene
-        .corrections_left_out()
+    let without: Vec<String> = catenary::mesh::corrections_left_out(scene)
         .into_iter()
         .filter(|(correction, _)| *correction != scene::Correction::DropperCompliance)
         .map(|(correction, reason)| format!("without {correction}: {reason}"))
@@ -53,7 +52,7 @@ pub fn expected_error(scene: &Scene, step: f64) -> Option<String> {
         catenary.longest_element(),
         (c - v) / f
     );
-    Some(match scene.expected_mesh_error_at(step) {
+    Some(match catenary::mesh::expected_error_at(scene, step) {
         Err(why) => format!("mesh: {mesh}; no rule is known for its error with {why}"),
         Ok(error) if error.total() >= 30.0 => format!(
             "this mesh is far from converged: {mesh}; the filtered force may be wrong by more than its own standard deviation"
@@ -65,7 +64,7 @@ pub fn expected_error(scene: &Scene, step: f64) -> Option<String> {
             error.space,
             error.time,
             1e3 * step,
-            if scene.mesh_error_goes_by_waves() {
+            if catenary::mesh::error_goes_by_waves(scene) {
                 "good to a factor of two"
             } else {
                 "seldom more than twice that, often far less"
@@ -83,7 +82,7 @@ mod tests {
 
     fn said(text: &str, overrides: &[&str]) -> String {
         let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
-        let scene = Scene::from_toml(text, "scene.toml", &overrides).unwrap();
+        let scene = system::load(text, "scene.toml", &overrides).unwrap();
         expected_error(&scene, scene.internal_step()).unwrap()
     }
 
@@ -125,7 +124,7 @@ mod tests {
     #[test]
     fn a_step_is_judged_as_it_is_made() {
         let overrides = ["coupling.macro_step={tolerance=1.0}", "solver.micro_step=0.00125"].map(str::to_owned);
-        let scene = Scene::from_toml(EN_300, "scene.toml", &overrides).unwrap();
+        let scene = system::load(EN_300, "scene.toml", &overrides).unwrap();
         for (step, said) in [
             (1.25e-3, "0.3 % by steps of 1.250 ms"),
             (1e-3, "1.3 % by steps of 1.000 ms"),
@@ -138,15 +137,15 @@ mod tests {
     #[test]
     fn what_a_line_does_without_is_said_with_its_reason() {
         let overrides = ["solver.rho_inf=0.5".to_owned()];
-        let scene = Scene::from_toml(EN_300, "scene.toml", &overrides).unwrap();
+        let scene = system::load(EN_300, "scene.toml", &overrides).unwrap();
         let text = described(&scene);
         assert!(
             text.starts_with("8 elements between droppers, contact_compliance + bending_layers (without mass_correction: solver.rho_inf = 0.5"),
             "{text}"
         );
-        let plain = Scene::from_toml(THESIS, "scene.toml", &[]).unwrap();
+        let plain = system::load(THESIS, "scene.toml", &[]).unwrap();
         assert_eq!(described(&plain), "1 elements between droppers, plain");
-        let even = Scene::from_toml(THESIS, "scene.toml", &["catenary.mesh.element_length=0.93".to_owned()]).unwrap();
+        let even = system::load(THESIS, "scene.toml", &["catenary.mesh.element_length=0.93".to_owned()]).unwrap();
         assert_eq!(described(&even), "elements of up to 0.93 m between droppers, plain");
     }
 }

@@ -159,7 +159,7 @@ mod tests {
             "run.evaluate={ time = [0, 1] }",
             key,
         ];
-        let scene = Scene::from_toml(text, "scene.toml", &keys.map(str::to_owned)).unwrap();
+        let scene = system::load(text, "scene.toml", &keys.map(str::to_owned)).unwrap();
         let refused = prepare(scene, "scene", Path::new("."), false).err().unwrap();
         assert!(refused.is_input());
         chain(&refused)
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn where_nothing_is_unusual_all_of_them_are_named() {
         let text = include_str!("../../../scenes/thesis-pantograph.toml");
-        let scene = Scene::from_toml(text, "scene.toml", &[]).unwrap();
+        let scene = system::load(text, "scene.toml", &[]).unwrap();
         let named = named(&scene);
         assert!(
             named.starts_with("look first at catenary.span_length = 56.25 m, ")

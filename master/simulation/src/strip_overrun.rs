@@ -170,7 +170,7 @@ mod tests {
     /// The thesis' linkage on a base that is moved aside by this much, m.
     fn moved(motion: &str) -> Scene {
         let text = include_str!("../../../scenes/thesis-pantograph.toml");
-        Scene::from_toml(text, "scene.toml", &[moved_by(motion)]).unwrap()
+        system::load(text, "scene.toml", &[moved_by(motion)]).unwrap()
     }
 
     fn moved_by(motion: &str) -> String {
@@ -192,7 +192,7 @@ mod tests {
         assert_eq!(foreseen(&moved("y = [0, 0.7, 0]")), Vec::<String>::new());
         // A lumped pantograph does not follow.
         let text = include_str!("../../../scenes/thesis-lumped.toml");
-        let lumped = Scene::from_toml(text, "scene.toml", &[moved_by("y = [0, 3, 0]")]).unwrap();
+        let lumped = system::load(text, "scene.toml", &[moved_by("y = [0, 3, 0]")]).unwrap();
         assert_eq!(foreseen(&lumped), Vec::<String>::new());
         // At the height of the wire a roll of 0.2 rad is a metre.
         assert_eq!(foreseen(&moved("roll = [0, 0.2, 0]")).len(), 1);

@@ -37,7 +37,7 @@ mod tests {
             "wind.file=\"wind.csv\"",
             "wind.pantograph.surfaces.3.marker_file=\"head.csv\"",
         ];
-        Scene::from_toml(text, "scene.toml", &keys.map(str::to_owned)).unwrap()
+        system::load(text, "scene.toml", &keys.map(str::to_owned)).unwrap()
     }
 
     #[test]
@@ -61,7 +61,7 @@ mod tests {
         let wind = scene.wind.as_ref().unwrap();
         assert_eq!(wind.record, [[0.0, 1.0, 2.0, 3.0], [5.0, 2.0, 3.0, 4.0]]);
         assert_eq!(wind.pantograph.as_ref().unwrap().surfaces[3].markers, [marker, marker]);
-        let again = Scene::from_toml(&scene.to_toml(), "again", &[]).unwrap();
+        let again = system::load(&scene.to_toml(), "again", &[]).unwrap();
         assert_eq!(again, scene);
     }
 

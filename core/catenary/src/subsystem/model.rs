@@ -21,6 +21,12 @@ pub enum CatenaryError {
          must be \"penalty\""
     )]
     SlidingJoint,
+    /// The scene was read and its mesh not yet chosen.
+    #[error(
+        "catenary.mesh leaves elements or corrections to be chosen: a resolved scene is needed, such as the scene.toml that a \
+         run writes"
+    )]
+    OpenMesh,
     /// Values set since the scene was read contradict its mesh.
     #[error("catenary.mesh.corrections = \"{correction}\": must be left out: {obstacle}")]
     Correction {
@@ -92,10 +98,13 @@ impl System for Model {
 /// See [`CatenaryError`].
 pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
     let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::SuppliedLine)?;
-    if let Some((correction, obstacle)) = scene.impossible_corrections().into_iter().next() {
+    if let Some((correction, obstacle)) = crate::mesh::impossible_corrections(scene).into_iter().next() {
         return Err(CatenaryError::Correction { correction, obstacle });
     }
     let mesh = &catenary.mesh;
+    if !mesh.is_given() {
+        return Err(CatenaryError::OpenMesh);
+    }
     let options = LineOptions {
         dimension: if scene.is_planar() {
             Dimension::Planar

@@ -109,6 +109,10 @@ impl Component for Subsystem {
     const IDENTIFIER: &'static str = "Catenary";
     const DESCRIPTION: &'static str = "Overhead line of ANCF wires under collector strips that are given from outside.";
 
+    fn load(text: &str, origin: &str) -> Result<Scene, scene::SceneError> {
+        crate::mesh::load(text, origin, &[])
+    }
+
     fn signals(scene: &Scene) -> Vec<Signal> {
         let mut signals = Vec::new();
         for strip in 0..scene.pantographs.len() {

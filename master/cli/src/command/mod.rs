@@ -230,8 +230,7 @@ impl SceneFile {
             });
         }
         let text = scene_text(&found, path)?;
-        let scene =
-            Scene::from_toml(&text, &path.display().to_string(), &common.overrides).map_err(SetupError::from)?;
+        let scene = system::load(&text, &path.display().to_string(), &common.overrides).map_err(SetupError::from)?;
         let base = found.parent().unwrap_or(Path::new("")).to_owned();
         Ok(Self {
             scene,

@@ -33,8 +33,7 @@ pub fn thesis(quick: bool, common: &Common) -> Result<(), CommandError> {
     // The same message for all runs, before the first.
     for case in &CASES {
         let origin = path(case.scene).display().to_string();
-        scene::Scene::from_toml(&texts[case.scene], &origin, &common.overrides)
-            .map_err(simulation::SetupError::from)?;
+        system::load(&texts[case.scene], &origin, &common.overrides).map_err(simulation::SetupError::from)?;
     }
     let directory = common.out.clone().unwrap_or_else(|| "results/reproduce".into());
     let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;

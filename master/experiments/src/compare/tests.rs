@@ -99,7 +99,7 @@ fn the_keys_of_a_scene_belong_to_the_algorithm_that_it_names() {
     );
     let plan = plan(&groups(&[1e-3], 1e-3), 1.0, &keys);
     for run in plan {
-        let scene = Scene::from_toml(
+        let scene = system::load(
             &short(&["coupling.algorithm=jacobi", "coupling.force=end"]).to_toml(),
             "",
             &run.variant.overrides,
@@ -124,7 +124,7 @@ fn short(overrides: &[&str]) -> Scene {
     ];
     keys.extend(overrides);
     let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
-    Scene::from_toml(text, "scene.toml", &keys).unwrap()
+    system::load(text, "scene.toml", &keys).unwrap()
 }
 
 /// Compares in this process alone: what is tested here does not depend on the FMUs, and the comparison with them is an

@@ -114,7 +114,7 @@ fn the_wind_on_the_pan_head_stands_beside_the_hand_calculation() {
     let of = |keys: &[&str]| {
         let text = include_str!("../../../../scenes/thesis-wind-pantograph.toml");
         let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
-        let scene = scene::Scene::from_toml(text, "thesis-wind-pantograph.toml", &keys).unwrap();
+        let scene = system::load(text, "thesis-wind-pantograph.toml", &keys).unwrap();
         wind::on_even_head(&scene)
     };
     let [drag, lift] = of(&[]).unwrap();
@@ -187,7 +187,7 @@ fn the_keys_of_a_reading_make_the_air_that_it_says() {
     let all: Vec<_> = std::iter::once(wind::own()).chain(wind::readings()).collect();
     assert_eq!(all.len(), expected.len());
     for (reading, expected) in all.into_iter().zip(expected) {
-        let scene = scene::Scene::from_toml(text, "thesis-wind-pantograph.toml", &reading.keys).unwrap();
+        let scene = system::load(text, "thesis-wind-pantograph.toml", &reading.keys).unwrap();
         let over_ground = scene.wind_field().unwrap().velocity(0.0, 0.0);
         let air = [over_ground.x - scene.run.speed, over_ground.y];
         match expected {
@@ -234,7 +234,7 @@ fn every_open_quantity_changes_the_scene_of_its_case() {
         include_str!("../../../../scenes/thesis-wind-both.toml"),
     ];
     for open in OPEN {
-        let read = |keys: &[String]| scene::Scene::from_toml(texts[open.case], CASES[open.case].scene, keys);
+        let read = |keys: &[String]| system::load(texts[open.case], CASES[open.case].scene, keys);
         let own = read(&[]).unwrap();
         for value in open.values() {
             match read(&value.keys) {
@@ -249,7 +249,7 @@ fn every_open_quantity_changes_the_scene_of_its_case() {
 fn the_suspensions_are_scaled_as_they_say() {
     let read = |keys: &[String]| {
         let text = include_str!("../../../../scenes/thesis.toml");
-        let scene = scene::Scene::from_toml(text, "thesis.toml", keys).unwrap();
+        let scene = system::load(text, "thesis.toml", keys).unwrap();
         match scene.vehicle.as_deref() {
             Some(scene::Vehicle::Full(train)) => train.bushings.clone(),
             _ => panic!("the thesis scene has a full vehicle"),

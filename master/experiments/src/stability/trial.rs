@@ -138,7 +138,7 @@ fn overrides(case: &Case, way: &Way, keys: &[String]) -> Vec<String> {
 
 /// The scene of a case.
 pub(super) fn scene(case: &Case, way: &Way, keys: &[String]) -> Result<Scene, SetupError> {
-    Ok(Scene::from_toml(case.base, &case.name, &overrides(case, way, keys))?)
+    Ok(system::load(case.base, &case.name, &overrides(case, way, keys))?)
 }
 
 /// The micro step of a case with these keys, s; `None` where the scene is refused.

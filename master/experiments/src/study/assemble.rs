@@ -249,7 +249,7 @@ fn asked_for(script: &Script, planned: &Planned, mut row: Row) -> Row {
 fn planned_row(script: &Script, planned: &Planned) -> Row {
     let ground = &script.ground;
     let variant = &planned.variant;
-    match scene::Scene::from_toml(ground.text_of(&planned.recipe), &ground.name, &variant.overrides) {
+    match system::load(ground.text_of(&planned.recipe), &ground.name, &variant.overrides) {
         Ok(scene) => Row::planned(&ground.name, &scene, variant.mode, &variant.algorithm),
         Err(_) => {
             let row = Row {

@@ -1,7 +1,5 @@
 //! Which runs a study is made of: a base case, sweeps that change one thing at a time, and a ladder of balanced recipes.
 
-use scene::Scene;
-
 use super::recipe::{Class, Exchange, Ground, Mesh, Recipe};
 use super::vehicle::OWN;
 use crate::compare::algorithms;
@@ -168,7 +166,7 @@ impl Planned {
     #[must_use]
     pub fn new(ground: &Ground, recipe: Recipe, sweep: Sweep) -> Self {
         let variant = ground.variant(&recipe);
-        let scene = Scene::from_toml(ground.text_of(&recipe), &ground.name, &variant.overrides);
+        let scene = system::load(ground.text_of(&recipe), &ground.name, &variant.overrides);
         Self {
             work: ground.work(&recipe),
             scene: scene.ok().map(|scene| scene.to_toml()),

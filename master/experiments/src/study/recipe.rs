@@ -254,7 +254,7 @@ impl Ground {
     /// Whether the scene can be read with these keys too.
     #[must_use]
     pub fn takes(&self, overrides: &[String]) -> bool {
-        Scene::from_toml(&self.text, &self.name, overrides).is_ok()
+        system::load(&self.text, &self.name, overrides).is_ok()
     }
 
     /// Whether the scene takes a set of reductions.
@@ -303,7 +303,7 @@ impl Ground {
     #[must_use]
     pub fn even_mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
         self.scene.modelled_line().map_or(Mesh::Scene, |(line, _)| Mesh::Of {
-            division: line.evenly_divided(elements),
+            division: catenary::mesh::evenly_divided(line, elements),
             corrections,
         })
     }
@@ -407,7 +407,7 @@ impl Ground {
 
 /// Element length per wave ahead of the pantograph at which a plain mesh comes down to a few percent: 0.8 m for 1.9 m, from
 /// convergence studies of tensioned beams with cubic elements. It is where a study begins, not what its results are worth: that is
-/// measured, and the rule of [`Scene::expected_mesh_error`] is not asked.
+/// measured, and the rule of [`catenary::mesh::expected_error`] is not asked.
 const FINE: f64 = 0.42;
 
 /// Elements per dropper interval, a power of two, that are short enough for the waves ahead of the pantograph.

@@ -26,7 +26,7 @@ fn short(overrides: &[&str]) -> Scene {
     ];
     keys.extend(overrides);
     let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
-    Scene::from_toml(text, "scene.toml", &keys).unwrap()
+    system::load(text, "scene.toml", &keys).unwrap()
 }
 
 /// As little as a study can be.
@@ -118,7 +118,7 @@ fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
 #[test]
 fn the_ladder_has_elements_of_one_length_and_the_steps_that_they_take() {
     let text = include_str!("../../../../scenes/en50318-300.toml");
-    let scene = Scene::from_toml(text, "scene.toml", &[]).unwrap();
+    let scene = system::load(text, "scene.toml", &[]).unwrap();
     let script = scripted(scene, Options::default());
     let division = |run: &Planned| match &run.recipe.mesh {
         Mesh::Of { division, .. } => Some(*division),
@@ -135,7 +135,7 @@ fn the_ladder_has_elements_of_one_length_and_the_steps_that_they_take() {
     // What is doubled to be judged stays so many in each interval.
     assert!(of(Sweep::Mesh).all(|run| !matches!(division(run), Some(Division::UpTo(_)))));
     let row = |run: &Planned| {
-        let scene = Scene::from_toml(run.scene.as_ref().unwrap(), "scene.toml", &[]).unwrap();
+        let scene = system::load(run.scene.as_ref().unwrap(), "scene.toml", &[]).unwrap();
         Row::planned("", &scene, run.variant.mode, "")
     };
     let said = |run: &Planned| outcome::label(&row(run), script.ground.intervals);
@@ -213,7 +213,7 @@ fn a_table_counts_by_its_content_wherever_it_is() {
         std::fs::write(folder.path().join(file), content).unwrap();
         let more = format!("[vehicle]\nmodel = \"rigid_motion\"\nmotion = {{ file = \"{file}\" }}\n");
         let text = format!("{}\n{more}", short(&[]).to_toml());
-        identity(&Scene::from_toml(&text, "short", &[]).unwrap(), folder.path())
+        identity(&system::load(&text, "short", &[]).unwrap(), folder.path())
     };
     let own = identity("a.csv", "time,z\n0,0\n1,0.01\n");
     assert_eq!(identity("b.csv", "time,z\n0,0\n1,0.01\n"), own);
@@ -263,7 +263,7 @@ fn what_is_left_out_of_a_scene_is_left_out_where_it_stands_only() {
     let of = |more: &str, keys: &[&str]| {
         let text = format!("{}\n{more}", include_str!("../../../../scenes/thesis.toml"));
         let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
-        identity(&Scene::from_toml(&text, "thesis.toml", &keys).unwrap(), Path::new("."))
+        identity(&system::load(&text, "thesis.toml", &keys).unwrap(), Path::new("."))
     };
     let curves = |starts: [f64; 2]| {
         let curve = |start: f64| {
@@ -289,7 +289,7 @@ fn somebody_elses_fmu_is_what_it_holds_and_not_where_it_is() {
         let text = include_str!("../../../../scenes/en50318-250.toml");
         let (line, _) = text.split_once("[[pantograph]]").unwrap();
         let text = format!("{line}[[pantograph]]\nfmu = {fmu:?}\n");
-        identity(&Scene::from_toml(&text, "scene.toml", &[]).unwrap(), folder.path())
+        identity(&system::load(&text, "scene.toml", &[]).unwrap(), folder.path())
     };
     assert_eq!(of("a.fmu"), of("b.fmu"));
     assert_ne!(of("a.fmu"), of("c.fmu"));
@@ -632,7 +632,7 @@ fn short_thesis(vehicle: &str) -> Scene {
         "catenary.mesh.elements_per_interval=1",
         "solver.micro_step=0.002",
     ];
-    Scene::from_toml(toml, "thesis.toml", &keys.map(str::to_owned)).unwrap()
+    system::load(toml, "thesis.toml", &keys.map(str::to_owned)).unwrap()
 }
 
 #[test]

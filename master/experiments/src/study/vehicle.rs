@@ -107,7 +107,7 @@ pub fn standings(scene: &Scene, micro_step: f64) -> Standings {
 fn on_track(scene: &Scene, own: &Vehicle, track: &'static str, micro_step: f64, found: &mut Standings) {
     let mut add = |vehicle: &'static str, scene: &Scene| -> Result<(), String> {
         let text = unreduced(scene);
-        Scene::from_toml(&text, vehicle, &["model.reduce=auto".to_owned()]).map_err(|error| error.to_string())?;
+        system::load(&text, vehicle, &["model.reduce=auto".to_owned()]).map_err(|error| error.to_string())?;
         let name = StandingName { vehicle, track };
         let text = text.into();
         found.all.push(Standing { name, text });
@@ -185,7 +185,7 @@ fn base_motion(scene: &Scene, micro_step: f64) -> Result<GivenMotion, String> {
         ));
     };
     let text = unreduced(scene);
-    let read = Scene::from_toml(&text, "vehicle", &["model.reduce=auto".to_owned()]);
+    let read = system::load(&text, "vehicle", &["model.reduce=auto".to_owned()]);
     let scene = read.map_err(|error| error.to_string())?;
     let vehicle = scene.vehicle.as_deref();
     let straight = vehicle.is_none_or(|vehicle| vehicle.leaves_the_plane(scene.track.as_deref()).is_none());

@@ -59,7 +59,7 @@ impl Variant {
     /// # Errors
     /// What is wrong with the values of the overrides.
     pub fn scene(&self, stage: &Stage<'_>) -> Result<Scene, SetupError> {
-        Ok(Scene::from_toml(&stage.scene, stage.name, &self.overrides)?)
+        Ok(system::load(&stage.scene, stage.name, &self.overrides)?)
     }
 
     /// Its row before it is run; a refused one where the scene does not allow it.

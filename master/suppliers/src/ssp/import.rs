@@ -48,7 +48,7 @@ pub fn import(path: &Path, overrides: &[String]) -> Result<Imported, SspError> {
         let text = String::from_utf8_lossy(&text);
         let origin = format!("{}: {}", path.display(), own.scene);
         if digest(&description, unpacked)? == own.digest {
-            let scene = Scene::from_toml(&text, &origin, overrides)?;
+            let scene = system::load(&text, &origin, overrides)?;
             let base = unpacked.file(&own.scene).ok();
             let base = base
                 .as_deref()
@@ -78,7 +78,7 @@ pub fn import(path: &Path, overrides: &[String]) -> Result<Imported, SspError> {
     let origin = format!("{} as a scene", path.display());
     let scene = match &description.own {
         Some(own) => foreign.in_place_of(own, &description, unpacked, &origin, overrides)?,
-        None => Scene::from_toml(&foreign.to_toml(&description), &origin, overrides)?,
+        None => system::load(&foreign.to_toml(&description), &origin, overrides)?,
     };
     Ok(Imported {
         scene,

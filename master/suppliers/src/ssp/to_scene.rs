@@ -20,7 +20,7 @@ impl Foreign {
         overrides: &[String],
     ) -> Result<Scene, SspError> {
         let text = unpacked.content(&own.scene, 1)?;
-        let mut scene = Scene::from_toml(&String::from_utf8_lossy(&text), origin, &[])?;
+        let mut scene = system::load(&String::from_utf8_lossy(&text), origin, &[])?;
         let (from, to) = scene.evaluation_time(0);
         if let Some(stop) = description.experiment.stop {
             scene.run.duration = stop;
@@ -48,7 +48,7 @@ impl Foreign {
             })
             .collect();
         scene.run.initialise = scene::Initialise::AsGiven;
-        Ok(Scene::from_toml(&scene.to_toml(), origin, overrides)?)
+        Ok(system::load(&scene.to_toml(), origin, overrides)?)
     }
 
     /// The scene as far as the system says it; what is missing is for the command line.

@@ -11,7 +11,7 @@ fn thesis(overrides: &[&str]) -> Scene {
     ];
     keys.extend(overrides);
     let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
-    Scene::from_toml(text, "thesis.toml", &keys).unwrap()
+    system::load(text, "thesis.toml", &keys).unwrap()
 }
 
 fn names(standings: &[Standing]) -> Vec<(&'static str, &'static str)> {
@@ -68,7 +68,7 @@ fn made(found: &Standings, track: &str, vehicle: &str) -> Scene {
     let mut all = found.all.iter();
     let standing = all.find(|found| found.name.track == track && found.name.vehicle == vehicle);
     let keys = ["model.reduce=auto".to_owned(), "solver.micro_step=0.001".to_owned()];
-    let scene = Scene::from_toml(&standing.unwrap().text, vehicle, &keys).unwrap();
+    let scene = system::load(&standing.unwrap().text, vehicle, &keys).unwrap();
     prepare(scene, vehicle, std::path::Path::new(""), false).unwrap().scene
 }
 

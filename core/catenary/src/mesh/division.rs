@@ -1,0 +1,150 @@
+//! Elements and micro step for an error that is asked for.
+
+use scene::{Catenary, Correction, Division, MeshChoice, Scene, What, shown_number};
+
+use super::corrections::choose_corrections;
+use super::error_model::expected_error;
+
+/// Micro steps that the rule chooses from where the macro step is controlled, s, and its longest and shortest where it is fixed: those
+/// between 1 and 2 ms are what the mass correction of even elements takes.
+const STEPS: [f64; 8] = [2e-3, 1.6e-3, 1.25e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5];
+/// Parts of a macro step above which those next to the list are enough: they differ from it by less than a twentieth.
+const MOST_PARTS: f64 = 1000.0;
+/// Most elements in an interval that the rule chooses.
+const MOST_ELEMENTS: usize = 100;
+
+/// Elements, corrections and micro step for an error.
+#[derive(Clone, Debug, PartialEq)]
+struct Choice {
+    division: Division,
+    corrections: Vec<Correction>,
+    micro_step: f64,
+}
+
+/// Chooses what a scene leaves open of its mesh; does nothing where all is given or the line is a supplied one.
+///
+/// # Errors
+/// The key and why no mesh can be chosen.
+pub fn resolve(scene: &mut Scene) -> Result<(), (String, What)> {
+    let Some(choice) = scene.mesh_mut().map(|mesh| mesh.choice) else {
+        return Ok(());
+    };
+    match choice {
+        MeshChoice::Given => return Ok(()),
+        MeshChoice::Corrections => choose_corrections(scene),
+        MeshChoice::Error {
+            percent,
+            choose_micro_step,
+        } => {
+            let chosen = mesh_for(scene, percent, !choose_micro_step).map_err(|expected| {
+                let value = shown_number(percent, "%");
+                let key = "catenary.mesh.error_percent".to_owned();
+                (key, What::Refused { value, expected })
+            })?;
+            scene.solver.micro_step = chosen.micro_step;
+            if let Some(mesh) = scene.mesh_mut() {
+                mesh.division = chosen.division;
+                mesh.corrections = chosen.corrections;
+            }
+        }
+    }
+    if let Some(mesh) = scene.mesh_mut() {
+        mesh.choice = MeshChoice::Given;
+    }
+    Ok(())
+}
+
+/// The division with the fewest elements that are no longer than those of `count` in the longest interval, but for a tenth of a
+/// millimetre: as many in each interval where all need as many.
+#[must_use]
+pub fn evenly_divided(catenary: &Catenary, count: usize) -> Division {
+    // A limit with few digits is one that can be typed.
+    let longest = catenary.longest_interval() / count as f64;
+    let even = Division::UpTo((1e4 * longest - 1e-6).ceil() / 1e4);
+    if catenary.intervals().all(|length| even.elements(length) == count) {
+        Division::PerInterval(count)
+    } else {
+        even
+    }
+}
+
+/// The cheapest mesh and step of those that the rule knows whose error is at most `error` %; `Err` says why there is none.
+fn mesh_for(scene: &Scene, error: f64, micro_step_is_given: bool) -> Result<Choice, String> {
+    let no_rule =
+        |of: String| format!("no rule is known for {of}; give elements_per_interval or element_length instead");
+    let line = scene.modelled_line().ok_or("a line that is an FMU of somebody else");
+    let (catenary, _) = line.map_err(|of| no_rule(of.to_owned()))?;
+    expected_error(scene).map_err(no_rule)?;
+    // The longest element makes the error: what is shorter costs for nothing.
+    let divisions: Vec<Division> = (1..=MOST_ELEMENTS)
+        .map(|count| evenly_divided(catenary, count))
+        .collect();
+    let mut best: Option<(f64, Choice)> = None;
+    let mut trial = scene.clone();
+    let steps = if micro_step_is_given {
+        vec![scene.solver.micro_step]
+    } else {
+        steps_to_choose_from(scene)
+    };
+    let mut least = f64::INFINITY;
+    for micro_step in steps {
+        trial.solver.micro_step = micro_step;
+        let cost = |division: Division| catenary.elements_per_span(division) as f64 / micro_step;
+        // Shorter steps cost more at the same elements.
+        if best.as_ref().is_some_and(|(other, _)| cost(divisions[0]) >= *other) {
+            break;
+        }
+        for division in &divisions {
+            let expected = expected_error(&trial).map_err(no_rule)?;
+            least = least.min(expected.total());
+            if expected.total() > error {
+                continue;
+            }
+            let cost = cost(*division);
+            let cheaper = best.as_ref().is_none_or(|(other, _)| cost < other * (1.0 - 1e-9));
+            if cheaper {
+                let corrections = trial.corrections().to_vec();
+                let choice = Choice {
+                    division: *division,
+                    corrections,
+                    micro_step,
+                };
+                best = Some((cost, choice));
+            }
+            // More elements cost more at the same step.
+            break;
+        }
+    }
+    best.map(|(_, choice)| choice).ok_or_else(|| {
+        let step = 1e3 * scene.solver.micro_step;
+        let with = if micro_step_is_given {
+            format!(" with solver.micro_step = {step} ms")
+        } else {
+            String::new()
+        };
+        format!("must be at least {least:.2} %{with}: no mesh of up to {MOST_ELEMENTS} elements between droppers comes below")
+    })
+}
+
+/// Micro steps that the rule chooses from, s, the longest first: what a fixed macro step is evenly divided into, of long ones what
+/// is next to the list, or the list.
+fn steps_to_choose_from(scene: &Scene) -> Vec<f64> {
+    let (longest, shortest) = (STEPS[0], STEPS[STEPS.len() - 1]);
+    if let Some(control) = scene.coupling.step_control {
+        let taken: Vec<f64> = STEPS.into_iter().filter(|step| *step <= control.max).collect();
+        return if taken.is_empty() { vec![control.max] } else { taken };
+    }
+    // A rest of rounding is no part, and a part that is one of the list is written as that.
+    let macro_step = scene.coupling.macro_step;
+    let parts = |step: f64| (macro_step / step - 1e-9).ceil().max(1.0);
+    if parts(shortest) > MOST_PARTS {
+        return STEPS.map(|step| macro_step / parts(step)).to_vec();
+    }
+    let fewest = parts(longest);
+    let most = (macro_step / shortest + 1e-9).floor().max(fewest);
+    let listed = |part: f64| STEPS.into_iter().find(|step| (step / part - 1.0).abs() < 1e-9);
+    (fewest as u64..=most as u64)
+        .map(|parts| macro_step / parts as f64)
+        .map(|part| listed(part).unwrap_or(part))
+        .collect()
+}

@@ -1,0 +1,49 @@
+//! The mesh of a line: what a scene leaves to be chosen of it, and what error it makes.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `division` | elements and micro step for an error |
+//! | `corrections` | which corrections a line can have |
+//! | `error_model` | the expected error of mesh and time step |
+
+mod corrections;
+mod division;
+mod error_model;
+
+pub use corrections::{contradictions, corrections_left_out, impossible_corrections};
+pub use division::{evenly_divided, resolve};
+pub use error_model::{MeshError, error_goes_by_waves, expected_error, expected_error_at};
+
+use scene::{Scene, SceneError, SceneFile, What};
+
+/// Reads a scene from the text of a file with overrides, see [`Scene::from_toml`], chooses what it leaves open of its mesh,
+/// and checks it.
+///
+/// # Errors
+/// Every problem found; see [`Scene::from_toml`], [`resolve`] and [`contradictions`].
+pub fn load(text: &str, origin: &str, overrides: &[String]) -> Result<Scene, SceneError> {
+    let mut file = SceneFile::read(text, origin, overrides)?;
+    if let Err((key, what)) = resolve(&mut file.scene) {
+        let problem = match what {
+            What::Refused { value, expected } if !file.says(&key) => {
+                let expected = format!(
+                    "a table with elements_per_interval or element_length, as none can be chosen for the default error_percent \
+                     = {value}: {expected}"
+                );
+                ("catenary.mesh".to_owned(), What::Missing { expected })
+            }
+            what => (key, what),
+        };
+        file.refuse(vec![problem])?;
+    }
+    file.check(&contradictions)?;
+    Ok(file.scene)
+}
+
+/// Checks a scene that was built or changed, its corrections included; `origin` is its name in messages.
+///
+/// # Errors
+/// Every contradiction found.
+pub fn check(scene: &Scene, origin: &str) -> Result<(), SceneError> {
+    scene.check_with(origin, &contradictions)
+}
