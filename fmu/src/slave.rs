@@ -224,7 +224,7 @@ fn check<C: Component>(scene: &Scene) -> ModelResult<()> {
         from: 0.0,
         to: alone.run.duration,
     };
-    load::<C>(&alone.to_toml(), "parameters of the FMU").map(|_| ())
+    C::check(&alone, "parameters of the FMU").map_err(ModelError::unusable)
 }
 
 /// Reads a scene for a component. Its micro step must be known: both sides take the same one.

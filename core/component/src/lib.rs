@@ -71,6 +71,14 @@ pub trait Component: Sized + Send + 'static {
         Scene::from_toml(text, origin, &[])
     }
 
+    /// Checks a scene that was changed as strictly as one from a file; `origin` is its name in messages.
+    ///
+    /// # Errors
+    /// Every problem found.
+    fn check(scene: &Scene, origin: &str) -> Result<(), SceneError> {
+        scene.check(origin)
+    }
+
     /// Inputs and outputs for a scene, sized from the scene; start values of inputs are the values of the equilibrium.
     fn signals(scene: &Scene) -> Vec<Signal>;
 

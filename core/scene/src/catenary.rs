@@ -192,7 +192,50 @@ impl Catenary {
     }
 }
 
+impl Droppers {
+    /// Droppers at `positions` (m) with a stiffness in N/m, without mass and damping, whose lengths follow.
+    #[must_use]
+    pub fn new(positions: &[f64], stiffness: f64) -> Self {
+        Self {
+            positions: positions.to_vec(),
+            stiffness,
+            damping: 0.0,
+            mass: 0.0,
+            lengths: None,
+        }
+    }
+}
+
+impl RegistrationArms {
+    /// Arms with a vertical and a lateral stiffness in N/m and a mass in kg, whose uplift is free.
+    #[must_use]
+    pub fn new(vertical_stiffness: f64, lateral_stiffness: f64, mass: f64) -> Self {
+        Self {
+            vertical_stiffness,
+            lateral_stiffness,
+            mass,
+            free_uplift: None,
+            uplift_stop: false,
+        }
+    }
+}
+
 impl Wire {
+    /// A wire of cable elements that never breaks.
+    ///
+    /// `mass_per_length` in kg/m, `tension` in the static state in N, `axial_stiffness` `EA` in N, `bending_stiffness` `EI` in N·m².
+    #[must_use]
+    pub fn new(mass_per_length: f64, tension: f64, axial_stiffness: f64, bending_stiffness: f64) -> Self {
+        Self {
+            mass_per_length,
+            tension,
+            axial_stiffness,
+            bending_stiffness,
+            breaking_force: None,
+            beam: None,
+        }
+    }
+
     /// Bending length `√(EI/T)`, m: what a point force bends a tensioned wire over.
     #[must_use]
     pub fn bending_length(&self) -> f64 {

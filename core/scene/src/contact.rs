@@ -25,6 +25,28 @@ choice! {
     unavailable: []
 }
 
+impl Contact {
+    /// The penalty law: a spring of `stiffness` N/m and a damper of `damping` N·s/m on the penetration.
+    #[must_use]
+    pub fn penalty(stiffness: f64, damping: f64) -> Self {
+        Self {
+            law: ContactLaw::Penalty,
+            stiffness,
+            damping,
+        }
+    }
+
+    /// A strip that is held on the wire.
+    #[must_use]
+    pub fn sliding_joint() -> Self {
+        Self {
+            law: ContactLaw::SlidingJoint,
+            stiffness: f64::INFINITY,
+            damping: 0.0,
+        }
+    }
+}
+
 /// The keys of the penalty law.
 struct Penalty {
     stiffness: f64,

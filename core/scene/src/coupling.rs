@@ -1,10 +1,10 @@
 //! `[coupling]`: how the two sides exchange values.
 
 use crate::choice::choice;
-use crate::keys::{Entry, Keys, Number, Sentences};
+use crate::keys::{Entry, Keys, Number, Sentences, placeholder};
 
 /// `[coupling]`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Coupling {
     /// Which algorithm; with `"auto"` the other keys say what it begins with, which goes by the slaves.
     pub algorithm: Algorithm,
@@ -28,34 +28,6 @@ pub struct Coupling {
     /// a micro step of 0.5 ms, macro steps of 1 ms are done in one pass, 5 ms in two or three with an error below 0.1 % of the standard
     /// deviation.
     pub force_tolerance: f64,
-    /// Why this algorithm: named in the scene, or what `"auto"` went by. Not in the file and not compared.
-    pub reason: &'static str,
-}
-
-impl PartialEq for Coupling {
-    fn eq(&self, other: &Self) -> bool {
-        let Self {
-            algorithm,
-            order,
-            force,
-            extrapolation,
-            macro_step,
-            step_control,
-            parallel,
-            max_iterations,
-            force_tolerance,
-            reason: _,
-        } = self;
-        *algorithm == other.algorithm
-            && *order == other.order
-            && *force == other.force
-            && *extrapolation == other.extrapolation
-            && *macro_step == other.macro_step
-            && *step_control == other.step_control
-            && *parallel == other.parallel
-            && *max_iterations == other.max_iterations
-            && *force_tolerance == other.force_tolerance
-    }
 }
 
 /// `coupling.macro_step = { tolerance = …, min = …, max = … }`: the macro step follows the error that it makes.
@@ -175,8 +147,12 @@ choice! {
     unavailable: []
 }
 
-const NAMED: &str = "named in the scene";
-const AUTO: &str = "auto";
+impl Default for Coupling {
+    /// An empty table.
+    fn default() -> Self {
+        placeholder()
+    }
+}
 
 impl Algorithm {
     /// What `order`, `force` and `extrapolation` are where they are left out: what the algorithm is best with.
@@ -271,11 +247,6 @@ impl Entry for Coupling {
                 was.map(|coupling| coupling.force_tolerance),
                 Number::positive("N").default(2e-3),
             ),
-            reason: match (algorithm, was) {
-                (_, Some(coupling)) => coupling.reason,
-                (Algorithm::Auto, None) => AUTO,
-                (_, None) => NAMED,
-            },
         }
     }
 }

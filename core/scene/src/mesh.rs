@@ -2,7 +2,7 @@
 
 use crate::choice::choice;
 use crate::error::What;
-use crate::keys::{Entry, Keys, Number, Sentences};
+use crate::keys::{Entry, Keys, Number, Sentences, placeholder};
 use crate::write::shown_number;
 use crate::{Division, Scene};
 
@@ -85,7 +85,27 @@ choice! {
     unavailable: ["dropper_compliance"]
 }
 
+impl Default for Mesh {
+    /// An empty table.
+    fn default() -> Self {
+        placeholder()
+    }
+}
+
 impl Mesh {
+    /// Cable elements with every correction that the scene can have, which is to be chosen.
+    #[must_use]
+    pub fn new(division: Division) -> Self {
+        Self {
+            element: Element::Cable,
+            division,
+            axial_strain: AxialStrain::Mean,
+            corrections: Vec::new(),
+            contact_speed: 0.0,
+            choice: MeshChoice::Corrections,
+        }
+    }
+
     /// A mesh whose elements, corrections and, where the scene leaves it open, micro step are to be chosen for an error of the
     /// filtered force of at most `percent` % of its standard deviation.
     #[must_use]

@@ -2,16 +2,24 @@
 
 use crate::check::{Found, refuse};
 use crate::choice::choice;
-use crate::keys::{Entry, Keys, Sentences};
+use crate::keys::{Entry, Keys, Sentences, placeholder};
 use crate::{PantographModel, Scene};
 
 /// `[model]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Model {
-    /// Reductions in use, without repetition; empty is the full model. `"auto"` is already resolved.
+    /// Reductions in use, without repetition; empty is the full model.
     pub reductions: Vec<Reduction>,
-    /// Whether `reduce` is `"auto"` and still to be resolved; only while a scene is read.
-    pub(crate) unresolved: bool,
+    /// True where those that change nothing are still to be added, see [`Scene::choose_reductions`]; a scene that was read has
+    /// them.
+    pub auto: bool,
+}
+
+impl Default for Model {
+    /// An empty table.
+    fn default() -> Self {
+        placeholder()
+    }
 }
 
 impl Model {
@@ -47,9 +55,12 @@ impl Entry for Model {
     )];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        if let Some(model) = was.filter(|model| model.auto) {
+            return model.clone();
+        }
         let chosen = keys.words("reduce", was.map(|model| model.reductions.as_slice()));
         Self {
-            unresolved: chosen.is_none(),
+            auto: chosen.is_none(),
             reductions: chosen.unwrap_or_default(),
         }
     }
@@ -98,8 +109,8 @@ impl Scene {
     /// a percent and five percent of the standard deviation of the force on the shipped lines): it must be asked for. So must a window:
     /// its error is at most 0.5 % on the lines of 10 and 20 spans it was measured on, but it grows with the time run, with droppers that go
     /// slack beyond it and with echoes of far ends, which no rule bounds beforehand.
-    pub(crate) fn choose_reductions(&mut self) {
-        if !std::mem::take(&mut self.model.unresolved) {
+    pub fn choose_reductions(&mut self) {
+        if !std::mem::take(&mut self.model.auto) {
             return;
         }
         let can_be_planar = self.pushed_sideways().is_none() && self.element_obstacle().is_none();

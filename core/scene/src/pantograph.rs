@@ -66,6 +66,41 @@ pub struct Lumped {
     pub friction: Vec<f64>,
 }
 
+impl Lumped {
+    /// Masses (kg), springs (N/m) and dampers (N·s/m) one above the other, collector head first, without friction, pushing and
+    /// pulling, under a strip of `strip_width` m; the raised pantograph exerts `static_force` N at rest.
+    #[must_use]
+    pub fn new(strip_width: f64, static_force: f64, masses: &[f64], stiffnesses: &[f64], dampings: &[f64]) -> Self {
+        Self {
+            strip: Strip { width: strip_width },
+            static_force,
+            masses: masses.to_vec(),
+            stiffnesses: stiffnesses.to_vec(),
+            dampings: dampings.to_vec(),
+            reference_height: None,
+            unilateral: vec![false; masses.len()],
+            friction: vec![0.0; masses.len()],
+        }
+    }
+}
+
+impl From<Lumped> for Pantograph {
+    fn from(lumped: Lumped) -> Self {
+        PantographModel::Lumped(lumped).into()
+    }
+}
+
+impl From<PantographModel> for Pantograph {
+    /// The leading pantograph.
+    fn from(model: PantographModel) -> Self {
+        Self {
+            offset_x: 0.0,
+            model,
+            start: None,
+        }
+    }
+}
+
 impl Pantograph {
     /// Lateral width of the strip, m, where the scene says it.
     #[must_use]

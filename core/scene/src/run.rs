@@ -3,7 +3,7 @@
 use crate::catenary::MAX_SPANS;
 use crate::choice::choice;
 use crate::error::What;
-use crate::keys::{Entry, Keys, Number, Sentences};
+use crate::keys::{Entry, Keys, Number, Sentences, placeholder};
 
 /// `[run]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,6 +74,21 @@ choice! {
         Dc1_5Kv = "dc_1_5kv",
     }
     unavailable: []
+}
+
+impl Run {
+    /// A run at `speed` m/s for `duration` s, from `start_x` m on, of which `evaluate` is evaluated; all else as where it is left
+    /// out in a file.
+    #[must_use]
+    pub fn new(speed: f64, duration: f64, start_x: f64, evaluate: Evaluate) -> Self {
+        Self {
+            speed,
+            duration,
+            start_x,
+            evaluate,
+            ..placeholder()
+        }
+    }
 }
 
 impl Entry for Run {

@@ -107,6 +107,46 @@ impl<'a> SceneFile<'a> {
 }
 
 impl Scene {
+    /// A scene of a modelled line under pantographs, the first one leading, on straight and even track in still air; coupling,
+    /// solver and model as where they are left out in a file. Nothing is checked yet ([`Scene::checked`]).
+    #[must_use]
+    pub fn new(
+        title: impl Into<String>,
+        run: Run,
+        (line, contact): (Catenary, Contact),
+        pantographs: Vec<Pantograph>,
+    ) -> Self {
+        let mut scene = Self {
+            title: title.into(),
+            source: None,
+            run,
+            catenary: Line::Modelled(line),
+            contact: Some(contact),
+            pantographs,
+            vehicle: None,
+            track: None,
+            wind: None,
+            model: Model::default(),
+            coupling: Coupling::default(),
+            solver: Solver::default(),
+        };
+        scene.keep_contact_speed();
+        scene
+    }
+
+    /// The scene with the reductions that change nothing, checked; its title is its name in messages. A mesh that is to be
+    /// chosen is chosen before, by `catenary::mesh::resolve`.
+    ///
+    /// # Errors
+    ///
+    /// Every problem found, the same as of a scene from a file.
+    pub fn checked(mut self) -> Result<Self, SceneError> {
+        self.check(&self.title)?;
+        self.choose_reductions();
+        self.check(&self.title)?;
+        Ok(self)
+    }
+
     /// Reads a scene from the text of a file, with overrides in the form `key.path=value` applied in turn. A mesh that the
     /// file leaves to be chosen is not chosen yet ([`MeshChoice`]): `catenary::load` does both.
     ///
@@ -132,7 +172,7 @@ impl Scene {
         crate::write::file(&write(self))
     }
 
-    /// Checks that the values are physically possible together, as [`Scene::from_toml`] has done; `origin` is the name of the
+    /// Checks that every value is in its range and that the values are physically possible together, as [`Scene::from_toml`] has done; `origin` is the name of the
     /// scene in messages. For a scene that was built or changed since.
     ///
     /// # Errors
@@ -149,6 +189,8 @@ impl Scene {
     /// Every contradiction found.
     pub fn check_with(&self, origin: &str, further: &dyn Fn(&Self) -> Found) -> Result<(), SceneError> {
         let sources = Sources { origin, overrides: &[] };
+        // Values of single keys are those of a file that holds them.
+        read::<Self>(&write(self), sources)?;
         let found = self.contradictions(further);
         if found.is_empty() {
             return Ok(());

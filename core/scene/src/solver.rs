@@ -2,7 +2,7 @@
 
 use crate::check::{Found, refuse};
 use crate::choice::choice;
-use crate::keys::{Entry, Keys, Number, Sentences};
+use crate::keys::{Entry, Keys, Number, Sentences, placeholder};
 use crate::write::shown_number;
 
 /// Largest residual that may end Newton's method, N: it moves the filtered force by 0.03 % of its standard deviation on the line of
@@ -101,6 +101,13 @@ impl Entry for Solver {
             ),
             jacobian: keys.word("jacobian", was.map(|solver| solver.jacobian), Some(Jacobian::Modified)),
         }
+    }
+}
+
+impl Default for Solver {
+    /// An empty table.
+    fn default() -> Self {
+        placeholder()
     }
 }
 

@@ -241,9 +241,8 @@ fn defaults_are_resolved_and_written_out() {
         (coupling.extrapolation, coupling.macro_step, coupling.max_iterations),
         (2, 0.001, 20)
     );
-    assert!(coupling.reason.starts_with("auto"), "{}", coupling.reason);
     let named = read(EN_250, &["coupling.algorithm=jacobi"]);
-    assert_eq!(named.coupling.reason, "named in the scene");
+    assert_eq!(named.coupling.algorithm, Algorithm::Jacobi);
     assert_eq!(
         (
             scene.solver.micro_step,

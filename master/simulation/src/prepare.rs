@@ -68,7 +68,7 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
         (None, Line::Supplied(entry)) => Some(start_line(&mut scene, entry, base, logging)?),
         (None, Line::Modelled(_)) => None,
     };
-    scene.check(name)?;
+    catenary::mesh::check(&scene, name)?;
     let others = others(&scene, line.as_ref(), &supplied);
     Ok(Prepared {
         scene,

@@ -21,7 +21,7 @@ pub fn read(scene: &mut Scene, name: &str, base: &Path) -> Result<(), SetupError
     };
     scene.fill_tables(&open).map_err(SetupError::NotAvailable)?;
     if any.get() {
-        scene.check(name)?;
+        catenary::mesh::check(scene, name)?;
     }
     Ok(())
 }

@@ -113,6 +113,10 @@ impl Component for Subsystem {
         crate::mesh::load(text, origin, &[])
     }
 
+    fn check(scene: &Scene, origin: &str) -> Result<(), scene::SceneError> {
+        crate::mesh::check(scene, origin)
+    }
+
     fn signals(scene: &Scene) -> Vec<Signal> {
         let mut signals = Vec::new();
         for strip in 0..scene.pantographs.len() {

@@ -375,7 +375,6 @@ mod tests {
             parallel: scene::Parallel::Never,
             max_iterations: 50,
             force_tolerance: 1e-4,
-            reason: "named",
         };
         let (mut line, head) = oscillator::closed(1.0, preload);
         let mut pantographs: Vec<Box<dyn Slave>> = vec![Box::new(head)];

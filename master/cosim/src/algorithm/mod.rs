@@ -219,28 +219,29 @@ pub trait Algorithm {
 /// needs more than the slaves can do; all else as it is.
 ///
 /// What it decides on in the run, see [`Auto`], it decides on again when the scene as written is run.
-fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> Coupling {
+fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> (Coupling, &'static str) {
     let mut resolved = coupling.clone();
+    let mut reason = "named in the scene";
     if coupling.algorithm == scene::Algorithm::Iterated && !sides.can_roll_back() {
         resolved.algorithm = scene::Algorithm::GaussSeidel;
-        resolved.reason = "gauss_seidel in place of iterated, which the scene names";
+        reason = "gauss_seidel in place of iterated, which the scene names";
     }
     if coupling.algorithm != scene::Algorithm::Auto {
-        return resolved;
+        return (resolved, reason);
     }
     if auto::follows(sides) {
         (resolved.order, resolved.force, resolved.extrapolation) = (Order::PantographFirst, Force::Interpolated, 2);
-        resolved.reason = if sides.can_roll_back() && coupling.max_iterations > 1 {
+        reason = if sides.can_roll_back() && coupling.max_iterations > 1 {
             "auto: Newton with the interface Jacobian, a step is repeated where that is worth it"
         } else {
             "auto: one pass, whose error is made up for in the next step; long steps pass the line's mean force on"
         };
     } else {
         (resolved.order, resolved.force, resolved.extrapolation) = (Order::CatenaryFirst, Force::Mean, 1);
-        resolved.reason = "auto: a pantograph holds its inputs: Gauss-Seidel, the line first, passes the line's mean force on, \
+        reason = "auto: a pantograph holds its inputs: Gauss-Seidel, the line first, passes the line's mean force on, \
                            which conserves the impulse";
     }
-    resolved
+    (resolved, reason)
 }
 
 /// What was made of `[coupling]`.
@@ -258,10 +259,10 @@ pub fn build(coupling: &Coupling, sides: &Sides<'_>) -> (Box<dyn Algorithm>, Cho
         scene::Algorithm::Jacobi | scene::Algorithm::GaussSeidel => false,
         scene::Algorithm::Iterated | scene::Algorithm::InterfaceJacobian | scene::Algorithm::Auto => true,
     };
-    let resolved = resolve(coupling, sides);
+    let (resolved, why) = resolve(coupling, sides);
     let coupling = &resolved;
     let strips = sides.pantographs.len();
-    let mut reason = coupling.reason.to_owned();
+    let mut reason = why.to_owned();
     let rollback = sides.can_roll_back();
     if let Some(slave) = sides.without_rollback()
         && repeats

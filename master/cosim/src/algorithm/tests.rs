@@ -21,7 +21,6 @@ fn coupling(algorithm: scene::Algorithm, order: Order, force: Force, extrapolati
         parallel: scene::Parallel::Never,
         max_iterations: 50,
         force_tolerance: 1e-12,
-        reason: "named",
     }
 }
 

@@ -24,7 +24,6 @@ fn coupling(algorithm: scene::Algorithm) -> Coupling {
         parallel: scene::Parallel::Always,
         max_iterations: 20,
         force_tolerance: 1e-4,
-        reason: "named",
     }
 }
 

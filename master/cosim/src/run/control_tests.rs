@@ -35,7 +35,6 @@ fn coupling(algorithm: scene::Algorithm) -> scene::Coupling {
         parallel: scene::Parallel::Never,
         max_iterations: 20,
         force_tolerance: 1e-4,
-        reason: "named",
     }
 }
 

@@ -162,7 +162,6 @@ fn run_of(
         parallel: scene::Parallel::Never,
         max_iterations: 20,
         force_tolerance: 1e-6,
-        reason: "named",
     };
     let (mut algorithm, _) = crate::algorithm::build(&coupling, &sides);
     let mut exchange = Exchange::start(&mut sides, 0.0, contact::COUNT).unwrap();
