@@ -78,7 +78,6 @@ fn coupling(algorithm: scene::Algorithm, order: Order, force: Force, extrapolati
         parallel: scene::Parallel::Never,
         max_iterations: 20,
         force_tolerance: 2e-3,
-        reason: "test problem",
     }
 }
 
