@@ -1,4 +1,4 @@
-//! What a scene leaves to be chosen of its mesh, and what is refused of it.
+//! Mesh, corrections and micro step chosen for a scene, and refusals of those that cannot be.
 
 use catenary::mesh::{MeshError, corrections_left_out, expected_error, expected_error_at, load};
 use scene::{Correction, Division, Scene};
@@ -35,7 +35,8 @@ fn holds(message: &str, fragments: &[&str]) {
 }
 
 /// The mesh of the scene.
-const MESH: &str = "elements_per_interval = 8               # chosen with the corrections: the force is 0.5 % of its standard deviation from the converged one\ncorrections = \"auto\"";
+const MESH: &str = "elements_per_interval = 8               # chosen with the corrections: the force is 0.5 % of its \
+                    standard deviation from the converged one\ncorrections = \"auto\"";
 
 const BEAM: [&str; 2] = [
     "catenary.mesh.element=beam",
@@ -285,7 +286,8 @@ fn a_scene_without_a_mesh_gets_the_one_for_an_error_of_one_percent() {
         load(&without, "x.toml", &overrides).unwrap_err().to_string()
     };
     let slow = refusal(&["run.speed_kmh=30", "run.evaluate={time=[1,4]}"]);
-    let told = "catenary.mesh is missing: must be a table with elements_per_interval or element_length, as none can be chosen for the \
+    let told = "catenary.mesh is missing: must be a table with elements_per_interval or element_length, as none can \
+                be chosen for the \
                 default error_percent = 1 %: no rule is known for run.speed_kmh = 30 km/h";
     assert!(slow.contains(told), "{slow}");
     let beam = refusal(&[BEAM[1]]);
@@ -314,7 +316,8 @@ fn expected(text: &str, (kmh, hz): (f64, f64), more: &[&str]) -> MeshError {
 
 #[test]
 fn expected_errors_are_those_that_were_measured() {
-    // Speed in km/h, filter in Hz, elements, step in ms, and the error measured against 16 corrected elements at 0.25 ms, %.
+    // Speed in km/h, filter in Hz, elements, step in ms, and the error measured against 16 corrected elements at 0.25
+    // ms, %.
     type Case = (f64, f64, usize, f64, f64);
     let en: &[Case] = &[
         (300.0, 3.0, 4, 1.0, 0.65),
@@ -563,7 +566,8 @@ fn a_window_over_spans_that_are_divided_differently_is_refused() {
         message(EN, &[lengths, reduce, &format!("catenary.mesh={{ {mesh} }}")])
     };
     let refused = line("element_length = 0.93");
-    let reason = "model.reduce = \"window\": must be left out: catenary.mesh divides each wire into 66 elements in span 1 and otherwise";
+    let reason = "model.reduce = \"window\": must be left out: catenary.mesh divides each wire into 66 elements in \
+                  span 1 and otherwise";
     holds(
         &refused,
         &[reason, "in span 7; elements_per_interval divides all spans alike"],
@@ -650,7 +654,7 @@ fn an_error_that_no_mesh_makes_is_refused() {
     );
 }
 
-/// What the mesh lacks under a joint has no spring to be in series with.
+/// No spring under a joint that more flexibility could be in series with.
 #[test]
 fn a_sliding_joint_takes_no_compliance_of_the_contact() {
     let corrected = read(JOINT, &["catenary.mesh.corrections=\"auto\""]);

@@ -54,7 +54,7 @@ pub struct Wire {
     pub bending_stiffness: f64,
     /// Tension above which the scene is refused, N.
     pub breaking_force: Option<f64>,
-    /// What a beam has beyond a cable; of the contact wire with `mesh.element = "beam"` only.
+    /// Stiffnesses that a beam has beyond a cable; of the contact wire with `mesh.element = "beam"` only.
     pub beam: Option<Beam>,
 }
 
@@ -104,10 +104,10 @@ pub struct RegistrationArms {
     pub lateral_stiffness: f64,
     /// kg, lumped on the contact wire.
     pub mass: f64,
-    /// Rise of the contact wire at a support that the steady arm leaves free, m. Not modelled: what the uplift of a run is held
-    /// against.
+    /// Rise of the contact wire at a support that the steady arm leaves free, m. Not modelled: what the uplift of a run
+    /// is held against.
     pub free_uplift: Option<f64>,
-    /// Whether a stop limits the rise of the steady arm; not modelled either. [EN 50119:2009, 5.10.2]
+    /// True where a stop limits the rise of the steady arm; not modelled either. [EN 50119:2009, 5.10.2]
     pub uplift_stop: bool,
 }
 
@@ -157,7 +157,7 @@ impl Catenary {
 
     /// x of support `index`, m; counted from 0, at most [`Catenary::spans`].
     ///
-    /// Where all spans are equally long this is a product, not a sum, so that nothing accumulates.
+    /// A product and not a sum for spans of one length, so that nothing accumulates.
     #[must_use]
     pub fn support_x(&self, index: usize) -> f64 {
         let first = self.span_lengths[0];
@@ -223,7 +223,8 @@ impl RegistrationArms {
 impl Wire {
     /// A wire of cable elements that never breaks.
     ///
-    /// `mass_per_length` in kg/m, `tension` in the static state in N, `axial_stiffness` `EA` in N, `bending_stiffness` `EI` in N·m².
+    /// `mass_per_length` in kg/m, `tension` in the static state in N, `axial_stiffness` `EA` in N, `bending_stiffness`
+    /// `EI` in N·m².
     #[must_use]
     pub fn new(mass_per_length: f64, tension: f64, axial_stiffness: f64, bending_stiffness: f64) -> Self {
         Self {

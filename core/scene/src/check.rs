@@ -1,4 +1,4 @@
-//! Values that are possible alone but not together, or not in this world.
+//! Checks across keys: values that are valid alone but contradict each other or physics.
 
 use crate::error::What;
 use crate::write::{shown_key, shown_number};
@@ -14,12 +14,14 @@ pub type Found = Vec<(String, What)>;
 const ROUNDING: f64 = 1e-9;
 /// A run of more steps or rows than this is a mistake in a key.
 const MAX_STEPS: f64 = 1e8;
-/// Longest span, m: far beyond any real one, so that a single wire as good as endless can be tried, and short of a slip in a power of ten.
+/// Longest span, m: far beyond any real one, so that a single wire as good as endless can be tried, and short of a slip
+/// in a power of ten.
 pub(crate) const LONGEST_SPAN: f64 = 5000.0;
-/// Shortest distance of droppers from each other and from supports, m: less than their clamps need, and so short that the elements
-/// between them are too stiff for the statics to close to their tolerance.
+/// Shortest distance of droppers from each other and from supports, m: less than their clamps need, and so short that
+/// the elements between them are too stiff for the statics to close to their tolerance.
 const SHORTEST_INTERVAL: f64 = 0.1;
-/// Distance from the end of the line from which a strip on the shipped lines finds its balance, m; at 1 mm not on all, at 0 on none.
+/// Least distance of a strip from the end of the line for its static balance, m: closer by, the wire has nothing to
+/// yield with.
 const END_OF_LINE: f64 = 0.01;
 
 pub(crate) fn refuse(found: &mut Found, key: impl Into<String>, value: impl Into<String>, expected: impl Into<String>) {
@@ -32,8 +34,8 @@ pub(crate) fn refuse(found: &mut Found, key: impl Into<String>, value: impl Into
     ));
 }
 
-/// Refuses principal moments of inertia (kg m²) of which one is more than the other two together; equality is a flat plate, `room` a
-/// share for what tables have beyond it.
+/// Refuses principal moments of inertia (kg m²) of which one is more than the other two together; equality is a flat
+/// plate, `room` a share for what tables have beyond it.
 pub(crate) fn check_inertia(found: &mut Found, path: &str, inertia: &[f64; 3], room: f64) {
     let &[xx, yy, zz] = inertia;
     for (largest, others) in [(xx, yy + zz), (yy, xx + zz), (zz, xx + yy)] {
@@ -100,7 +102,8 @@ impl Scene {
         let other = |pantograph: &Pantograph| matches!(pantograph.model, PantographModel::Supplied(_));
         if let Some(index) = self.pantographs.iter().position(other).filter(|_| joined) {
             let expected = format!(
-                "must be \"penalty\" where pantograph[{}] is an FMU: line and pantograph are one system under a sliding joint, and an \
+                "must be \"penalty\" where pantograph[{}] is an FMU: line and pantograph are one system under a \
+                 sliding joint, and an \
                  FMU gives no equations",
                 index + 1
             );
@@ -170,7 +173,8 @@ impl Scene {
                 "run.speed_kmh",
                 shown_number(crate::run::kmh(self.run.speed), "km/h"),
                 format!(
-                    "must be below {:.1} km/h: {:.2} m/s is not below the contact wire's wave speed √(tension / mass_per_length) \
+                    "must be below {:.1} km/h: {:.2} m/s is not below the contact wire's wave speed √(tension / \
+                     mass_per_length) \
                      = {wave_speed:.2} m/s; or set run.allow_supercritical = true",
                     crate::run::kmh(wave_speed),
                     self.run.speed,
@@ -179,8 +183,9 @@ impl Scene {
         }
     }
 
-    /// Displacement (m) of a given motion and its time (s) at which the strip of pantograph `index` (from 0) is not on the line; between
-    /// two samples it is no further off than at one of them, but for the overshoot of the curve through them.
+    /// Displacement (m) of a given motion and its time (s) at which the strip of pantograph `index` (from 0) is not on
+    /// the line; between two samples it is no further off than at one of them, but for the overshoot of the curve
+    /// through them.
     fn moved_off_the_line(&self, index: usize, length: f64) -> Option<(f64, f64)> {
         let Some(crate::Vehicle::RigidMotion(motion)) = self.vehicle.as_deref() else {
             return None;
@@ -212,7 +217,8 @@ impl Scene {
                     "run.start_x",
                     shown_number(self.run.start_x, "m"),
                     format!(
-                        "{strip} starts at x = {start} m, must be {END_OF_LINE} m or more from the end of the line at 0 m: at rest there, \
+                        "{strip} starts at x = {start} m, must be {END_OF_LINE} m or more from the end of the line at \
+                         0 m: at rest there, \
                          the wire has nothing to yield with; or run.initialise = \"as_given\""
                     ),
                 );
@@ -229,7 +235,8 @@ impl Scene {
                     "run.duration",
                     shown_number(self.run.duration, "s"),
                     format!(
-                        "must be at most {:.3} s: {strip} would leave the line, which ends at {length} m, for x = {end:.3} m",
+                        "must be at most {:.3} s: {strip} would leave the line, which ends at {length} m, for x = \
+                         {end:.3} m",
                         (length - start) / self.run.speed
                     ),
                 );
@@ -239,7 +246,8 @@ impl Scene {
                     "vehicle.motion.x",
                     shown_number(x, "m"),
                     format!(
-                        "takes {strip} off the line, which is from 0 to {length} m, at t = {time:.3} s: must keep it there"
+                        "takes {strip} off the line, which is from 0 to {length} m, at t = {time:.3} s: must keep it \
+                         there"
                     ),
                 );
             }
@@ -300,7 +308,8 @@ impl Scene {
                     if from < -ROUNDING || to > duration + ROUNDING {
                         let (x_from, x_to) = self.evaluation_x(i);
                         let expected = format!(
-                            "must lie within the run: these spans reach from {x_from} m to {x_to} m, and the strip of pantograph[{}] \
+                            "must lie within the run: these spans reach from {x_from} m to {x_to} m, and the strip of \
+                             pantograph[{}] \
                              runs from {:.3} m to {:.3} m",
                             i + 1,
                             self.strip_start_x(i),

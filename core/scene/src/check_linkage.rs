@@ -1,4 +1,4 @@
-//! Whether bodies and joints make a mechanism that can carry a strip.
+//! Checks of bodies and joints: they make a mechanism that can carry a strip.
 
 use crate::check::{Found, check_inertia, refuse};
 use crate::write::shown_number;
@@ -24,7 +24,7 @@ impl Linkage {
         }
     }
 
-    /// What a name must be.
+    /// Names that a body may have, in a message.
     fn names(&self) -> String {
         let names: Vec<String> = self.bodies.iter().map(|body| format!("{:?}", body.name)).collect();
         format!("no such body: must be one of {}", names.join(", "))
@@ -131,7 +131,8 @@ impl Linkage {
             (Some(joint), Some(body)) => {
                 let arm = [0, 1, 2].map(|i| body.position[i] - joint.point[i]);
                 if length(arm) < NO_LENGTH {
-                    let expected = "must have its centre of mass away from its joint with the base, or there is no direction to measure uplift.distance in";
+                    let expected = "must have its centre of mass away from its joint with the base, or there is no \
+                                    direction to measure uplift.distance in";
                     refuse(found, key, name, expected);
                 } else if self.uplift.distance > 2.0 * length(arm) * (1.0 + NO_LENGTH) {
                     let expected = format!(
@@ -177,8 +178,8 @@ impl Linkage {
             .find(|joint| joins(joint, Self::BASE, &self.uplift.body) || joins(joint, &self.uplift.body, Self::BASE))
     }
 
-    /// Where the uplift acts in the tabulated position, m: `uplift.distance` from its joint with the base, towards the centre
-    /// of mass of its body and beyond.
+    /// Point of the uplift in the tabulated position, m: `uplift.distance` from its joint with the base, towards the
+    /// centre of mass of its body and beyond.
     #[must_use]
     pub fn uplift_point(&self) -> Option<[f64; 3]> {
         let (joint, body): (&Joint, &Body) = (self.uplift_joint()?, self.body(&self.uplift.body)?);

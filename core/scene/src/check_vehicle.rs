@@ -1,4 +1,4 @@
-//! Whether bodies, bushings and wheels make a vehicle, and whether there is something for them to run on.
+//! Checks of bodies, bushings and wheels: they make a vehicle that has a track to run on.
 
 use crate::check::{Found, check_inertia, refuse};
 use crate::curve;
@@ -25,7 +25,8 @@ impl Scene {
         }
         let curved = self.track.as_deref().is_some_and(|track| !track.curves.is_empty());
         if let (Some(Vehicle::Vertical(_)), true) = (self.vehicle.as_deref(), curved) {
-            let because = "the bodies of vehicle.model = \"vertical\" stay in the plane along the track, which is straight; a curve needs \
+            let because = "the bodies of vehicle.model = \"vertical\" stay in the plane along the track, which is \
+                           straight; a curve needs \
                            vehicle.model = \"full\""
                 .to_owned();
             found.push(("track.curve".to_owned(), What::LeaveOut { because }));
@@ -85,7 +86,8 @@ fn check_ascending(found: &mut Found, key: &str, values: &[f64], unit: &str) {
     }
 }
 
-/// Largest angle of a given motion, rad: far more than any vehicle has on rails, and less than what was meant in degrees.
+/// Largest angle of a given motion, rad: far more than any vehicle has on rails, and less than what was meant in
+/// degrees.
 const STEEPEST: f64 = 0.5;
 
 impl GivenMotion {

@@ -10,23 +10,22 @@ pub struct Coupling {
     pub algorithm: Algorithm,
     /// Which side steps first where they step in turn.
     pub order: Order,
-    /// What force the pantograph is given over a step.
+    /// Force that the pantograph is given over a step.
     pub force: Force,
     /// Degree of the polynomial that inputs follow inside a step, 0 to 2 (–).
     pub extrapolation: usize,
-    /// Communication step, s; 1 ms by default. Where it is controlled, the first one, and the only one where a slave takes no
-    /// other: 1 ms or what `min` and `max` leave of it.
+    /// Communication step, s; 1 ms by default. Where it is controlled, the first one, and the only one where a slave
+    /// takes no other: 1 ms or what `min` and `max` leave of it.
     pub macro_step: f64,
     /// How the macro step is controlled; `None` where all steps are equal.
     pub step_control: Option<StepControl>,
-    /// Whether slaves that may step at the same time do.
+    /// Use of threads for slaves that may step at the same time.
     pub parallel: Parallel,
-    /// Most passes of a macro step with [`Algorithm::Iterated`] and [`Algorithm::InterfaceJacobian`]; 20 by default: they
-    /// contract by more than half each time, or do not converge at all. With 1 no slave is taken back.
+    /// Most passes of a macro step with [`Algorithm::Iterated`] and [`Algorithm::InterfaceJacobian`]; 20 by default:
+    /// they contract by more than half each time, or do not converge at all. With 1 no slave is taken back.
     pub max_iterations: usize,
-    /// Change of the contact force by a further pass that is not worth it, N; 2e-3 by default: with the line of EN 50318 and
-    /// a micro step of 0.5 ms, macro steps of 1 ms are done in one pass, 5 ms in two or three with an error below 0.1 % of the standard
-    /// deviation.
+    /// Change of the contact force by a further pass that is not worth that pass, N; 2e-3 by default: short macro steps
+    /// are then done in one pass, long ones in a few, with an error far below that of the mesh.
     pub force_tolerance: f64,
 }
 
@@ -37,13 +36,14 @@ pub struct StepControl {
     pub tolerance: f64,
     /// Shortest macro step, s; 0.1 ms by default. A step of this length is taken whatever its error.
     pub min: f64,
-    /// Longest macro step, s; 10 ms by default, beyond which no exchange without iterations follows a collector head on its
-    /// contact stiffness.
+    /// Longest macro step, s; 10 ms by default, beyond which no exchange without iterations follows a collector head on
+    /// its contact stiffness.
     pub max: f64,
 }
 
 impl StepControl {
-    /// The micro step, s, or the longest of its halves, quarters, … between `min` and `max` where macro steps are shorter than it.
+    /// The micro step, s, or the longest of its halves, quarters, … between `min` and `max` where macro steps are
+    /// shorter than it.
     #[must_use]
     pub fn longest_part(&self, micro_step: f64) -> f64 {
         // A rest of rounding is no difference; the shortest step is taken even where it is above the longest.
@@ -96,7 +96,7 @@ impl Entry for StepControl {
 choice! {
     /// `coupling.algorithm`.
     pub enum Algorithm {
-        /// What suits the slaves.
+        /// The algorithm that suits the slaves.
         Auto = "auto",
         /// Both sides step at once from the values of the last communication point.
         Jacobi = "jacobi",
@@ -122,7 +122,7 @@ choice! {
 }
 
 choice! {
-    /// `coupling.force`: what the pantograph is given over a step.
+    /// `coupling.force`: force that the pantograph is given over a step.
     pub enum Force {
         /// The mean of the contact force over the line's step: the impulse is the same on both sides.
         Mean = "mean",
@@ -135,9 +135,9 @@ choice! {
 }
 
 choice! {
-    /// `coupling.parallel`: whether slaves that may step at the same time do, on threads of their own. Results are the same.
+    /// `coupling.parallel`: threads for slaves that may step at the same time. Results are the same.
     pub enum Parallel {
-        /// Where that pays: pantographs of model `"linkage"` with all their bodies.
+        /// For slaves that make it pay: pantographs of model `"linkage"` with all their bodies.
         Auto = "auto",
         /// All pantographs, FMUs of others included.
         Always = "always",
@@ -155,7 +155,7 @@ impl Default for Coupling {
 }
 
 impl Algorithm {
-    /// What `order`, `force` and `extrapolation` are where they are left out: what the algorithm is best with.
+    /// Defaults of `order`, `force` and `extrapolation`: the best ones for the algorithm.
     fn defaults(self) -> (Order, Force, usize) {
         match self {
             Self::Auto | Self::InterfaceJacobian => (Order::PantographFirst, Force::Interpolated, 2),

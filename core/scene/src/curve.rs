@@ -10,20 +10,22 @@ use crate::{Scene, Train};
 ///
 /// ```text
 /// κ(s)   0, rising linearly over the transition to ±1/R, constant, falling linearly to 0                 [clothoid]
-/// D(s)   0, rising linearly over the transition to the cant, constant, falling linearly to 0; corners rounded by parabolas
+/// D(s)   0, rising linearly over the transition to the cant, constant, falling linearly to 0
+///        corners of D rounded by parabolas
 /// ```
 ///
-/// `s` is the length along the middle of the track in plan, which is the x of the line. The inner rail stays level, the outer one
-/// is raised by `D` [EN 13803]: the plane of the rails leans by `asin(D/e)`, `e` the distance of the nominal contact points.
+/// `s` is the length along the middle of the track in plan, which is the x of the line. The inner rail stays level, the
+/// outer one is raised by `D` [EN 13803]: the plane of the rails leans by `asin(D/e)`, `e` the distance of the nominal
+/// contact points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Curve {
-    /// Of the middle of the track, m.
+    /// Radius of the middle of the track, m.
     pub radius: f64,
-    /// To which side it turns.
+    /// Side to which the track turns.
     pub direction: Direction,
     /// Height of the outer rail above the inner one in the arc, m.
     pub cant: f64,
-    /// Where the transition in begins, m.
+    /// Begin of the transition in, m.
     pub start: f64,
     /// Length of each transition, m.
     pub transition: f64,
@@ -56,21 +58,23 @@ impl Direction {
 }
 
 impl Curve {
-    /// Where curvature and nominal cant change their slope, m: begin and end of the transition in, and of the one out.
+    /// Places of a change of slope of curvature and nominal cant, m: begin and end of the transition in, and of the one
+    /// out.
     #[must_use]
     pub fn corners(&self) -> [f64; 4] {
         let end = self.start + self.transition;
         [self.start, end, end + self.length, end + self.length + self.transition]
     }
 
-    /// Angle by which the plane of the rails leans in the arc, rad, for the distance (m) of the nominal contact points; positive.
+    /// Angle by which the plane of the rails leans in the arc, rad, for the distance (m) of the nominal contact points;
+    /// positive.
     #[must_use]
     pub fn cant_angle(&self, distance: f64) -> f64 {
         (self.cant / distance).asin()
     }
 
-    /// Acceleration along the plane of the rails towards the outside of the arc that the cant leaves uncompensated, m/s²:
-    /// `v²/R cos φ − g sin φ` [EN 14363]. Negative where the cant is in excess.
+    /// Acceleration along the plane of the rails towards the outside of the arc that the cant leaves uncompensated,
+    /// m/s²: `v²/R cos φ − g sin φ` [EN 14363]. Negative where the cant is in excess.
     #[must_use]
     pub fn uncompensated_acceleration(&self, speed: f64, gravity: f64, distance: f64) -> f64 {
         let (sine, cosine) = self.cant_angle(distance).sin_cos();
@@ -109,7 +113,8 @@ impl Curve {
         for (name, part) in [("transition", self.transition), ("rounding", self.rounding)] {
             if part < shortest {
                 let expected = format!(
-                    "must be {shortest:.3} m or more, {STEPS_OF_RAMP} internal steps of {:.3} ms at run.speed_kmh = {:.1}: shorter ones are \
+                    "must be {shortest:.3} m or more, {STEPS_OF_RAMP} internal steps of {:.3} ms at run.speed_kmh = \
+                     {:.1}: shorter ones are \
                      stepped over",
                     1e3 * scene.internal_step(),
                     3.6 * speed
@@ -119,7 +124,8 @@ impl Curve {
         }
         if self.cant <= LARGEST_CANT && self.cant > STEEPEST_RAMP * self.transition {
             let expected = format!(
-                "must be {:.3} m or more: with cant = {} m the track is twisted by {:.1} mm per m, and vehicles are made for {}",
+                "must be {:.3} m or more: with cant = {} m the track is twisted by {:.1} mm per m, and vehicles are \
+                 made for {}",
                 self.cant / STEEPEST_RAMP,
                 self.cant,
                 1e3 * self.cant / self.transition,
@@ -130,8 +136,8 @@ impl Curve {
     }
 }
 
-/// Least internal steps on which a ramp of curvature or cant is felt: changes of the frame's rates reach the bodies as forces at
-/// the ends of steps.
+/// Least internal steps on which a ramp of curvature or cant is felt: changes of the frame's rates reach the bodies as
+/// forces at the ends of steps.
 const STEPS_OF_RAMP: f64 = 10.0;
 
 /// m [EN 13803-2:2006, 7.3].
@@ -235,8 +241,8 @@ impl Train {
         moment / mass
     }
 
-    /// The vehicle as one rigid body on two rails: it topples where the resultant of weight and centrifugal force passes outside
-    /// of a rail, `|a_y| h > a_z e/2`.
+    /// The vehicle as one rigid body on two rails: it topples where the resultant of weight and centrifugal force
+    /// passes outside of a rail, `|a_y| h > a_z e/2`.
     fn check_toppling(&self, scene: &Scene, curve: &Curve, path: &str, found: &mut Found) {
         let (speed, gravity, distance) = (scene.run.speed, scene.gravity(), self.wheels.distance);
         let height = self.centre_height();
@@ -249,7 +255,8 @@ impl Train {
         if outward.abs() * height > 0.5 * upward * distance {
             let over = if outward > 0.0 { "outer" } else { "inner" };
             let expected = format!(
-                "must leave less than {:.2} m/s² along the plane of the rails: with run.speed_kmh = {:.1} and cant = {} m it leaves {:.2} \
+                "must leave less than {:.2} m/s² along the plane of the rails: with run.speed_kmh = {:.1} and cant = \
+                 {} m it leaves {:.2} \
                  m/s², and the vehicle topples over the {over} rail, its centre of mass being {height:.2} m above them",
                 0.5 * upward * distance / height,
                 3.6 * speed,

@@ -142,7 +142,8 @@ impl Catenary {
         let longest = self.longest_interval();
         if self.mesh.division.elements(longest) > MOST {
             let expected = format!(
-                "must be at least {} m: an interval between droppers, here up to {longest} m, has at most {MOST} elements",
+                "must be at least {} m: an interval between droppers, here up to {longest} m, has at most {MOST} \
+                 elements",
                 longest / MOST as f64
             );
             refuse(

@@ -13,16 +13,16 @@ pub struct SceneError {
 /// One problem: where, what, and what would be right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// Where it was typed.
+    /// Place of the key in the file or the overrides.
     pub place: Place,
     /// Full path of the key, such as `catenary.contact_wire.tension` or `pantograph[1].masses[2]`; empty where the
     /// problem is not about one key.
     pub key: String,
-    /// What is wrong.
+    /// The problem.
     pub what: What,
 }
 
-/// Where something was typed.
+/// Place of something that was typed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
     /// A file as a whole.
@@ -33,12 +33,12 @@ pub enum Place {
     Override(String, String),
 }
 
-/// What is wrong with a key.
+/// Problem with a key.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
     /// The text is not TOML, or an override is not `key.path=value`.
     Syntax {
-        /// What the parser says.
+        /// Message of the parser.
         message: String,
     },
     /// No such key or table.
@@ -57,14 +57,14 @@ pub enum What {
     },
     /// A key or table that must be there is not.
     Missing {
-        /// What it must hold.
+        /// Value that the key must hold.
         expected: String,
     },
     /// A value of another type than expected.
     WrongType {
         /// The value as typed.
         value: String,
-        /// What would be right.
+        /// Value that would be right.
         expected: String,
     },
     /// A word that is none of the allowed ones.
@@ -92,7 +92,7 @@ pub enum What {
     Refused {
         /// The value with its unit.
         value: String,
-        /// What would be right.
+        /// Value that would be right.
         expected: String,
     },
 }

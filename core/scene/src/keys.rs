@@ -197,7 +197,7 @@ impl Keys<'_> {
         self.node(name).is_some() || writing
     }
 
-    /// Whether a key is there and holds a table; always false when writing.
+    /// True where a key is there and holds a table; always false when writing.
     pub(crate) fn holds_table(&mut self, name: &str) -> bool {
         matches!(
             self.node(name),
@@ -208,7 +208,7 @@ impl Keys<'_> {
         )
     }
 
-    /// Whether a key is there and holds a string; always false when writing.
+    /// True where a key is there and holds a string; always false when writing.
     pub(crate) fn holds_text(&mut self, name: &str) -> bool {
         matches!(
             self.node(name),

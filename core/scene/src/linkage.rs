@@ -78,7 +78,7 @@ pub struct Joint {
     pub first: String,
     /// Name of another body, or `base`.
     pub second: String,
-    /// Where it is in the tabulated position, m, 3 entries.
+    /// Place of the joint in the tabulated position, m, 3 entries.
     pub point: [f64; 3],
 }
 

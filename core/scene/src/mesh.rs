@@ -15,17 +15,16 @@ pub struct Mesh {
     pub division: Division,
     /// Axial strain measure.
     pub axial_strain: AxialStrain,
-    /// What makes up for the coarseness of the mesh, in the order of [`Correction::ALL`]; empty is the plain mesh. `"auto"` is already
-    /// resolved.
+    /// Terms that make up for the coarseness of the mesh, in the order of [`Correction::ALL`]; empty is the plain mesh.
     pub corrections: Vec<Correction>,
-    /// Speed of the strips when the scene was read, m/s: that of the contact's residual compliance. A standstill before the run, or
-    /// another speed set later, is not another mesh.
+    /// Speed of the strips when the scene was read, m/s: that of the contact's residual compliance. A standstill before
+    /// the run, or another speed set later, is not another mesh.
     pub contact_speed: f64,
-    /// What is left to be chosen by the rules of the line's physics; until then nothing runs.
+    /// Choice that is left to the rules of the line's physics; until it is made nothing runs.
     pub choice: MeshChoice,
 }
 
-/// What a scene leaves to be chosen of its mesh.
+/// Part of a mesh that a scene leaves to be chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeshChoice {
     /// Nothing: elements and corrections are given.
@@ -52,8 +51,8 @@ choice! {
     pub enum Element {
         /// ANCF cable element: position and one gradient per node.
         Cable = "cable",
-        /// Fully parameterised ANCF beam element: position and three gradients per node, in the contact wire; the messenger wire is of
-        /// cable elements.
+        /// Fully parameterised ANCF beam element: position and three gradients per node, in the contact wire; the
+        /// messenger wire is of cable elements.
         Beam = "beam",
     }
     unavailable: []
@@ -106,8 +105,8 @@ impl Mesh {
         }
     }
 
-    /// A mesh whose elements, corrections and, where the scene leaves it open, micro step are to be chosen for an error of the
-    /// filtered force of at most `percent` % of its standard deviation.
+    /// A mesh whose elements, corrections and, where the scene leaves it open, micro step are to be chosen for an error
+    /// of the filtered force of at most `percent` % of its standard deviation.
     #[must_use]
     pub fn for_error(element: Element, axial_strain: AxialStrain, percent: f64) -> Self {
         Self {
@@ -129,7 +128,7 @@ impl Mesh {
         self.choice == MeshChoice::Given
     }
 
-    /// Whether a correction is in use.
+    /// True where a correction is in use.
     #[must_use]
     pub fn has(&self, correction: Correction) -> bool {
         self.corrections.contains(&correction)
@@ -231,7 +230,8 @@ impl Entry for Mesh {
         if keys.has("error_percent", false) && element == Element::Beam {
             keys.refuse(
                 "error_percent",
-                "must be left out: the rule was measured with cable elements, and catenary.mesh.element = \"beam\"; give \
+                "must be left out: the rule was measured with cable elements, and catenary.mesh.element = \"beam\"; \
+                 give \
                  elements_per_interval or element_length",
             );
         } else if keys.has("error_percent", false) {

@@ -10,8 +10,8 @@ use crate::{PantographModel, Scene};
 pub struct Model {
     /// Reductions in use, without repetition; empty is the full model.
     pub reductions: Vec<Reduction>,
-    /// True where those that change nothing are still to be added, see [`Scene::choose_reductions`]; a scene that was read has
-    /// them.
+    /// True where those that change nothing are still to be added, see [`Scene::choose_reductions`]; a scene that was
+    /// read has them.
     pub auto: bool,
 }
 
@@ -23,7 +23,7 @@ impl Default for Model {
 }
 
 impl Model {
-    /// Whether a reduction is in use.
+    /// True where a reduction is in use.
     #[must_use]
     pub fn has(&self, reduction: Reduction) -> bool {
         self.reductions.contains(&reduction)
@@ -37,10 +37,11 @@ choice! {
         Planar = "planar",
         /// The line linearised about its static, sagging state: exact for small motion only.
         Linearised = "linearised",
-        /// The line as straight wires with small slopes that move up and down: what two-dimensional programs take for a line. It
-        /// is not the linearisation of the real one, whose sag couples lift and tension.
+        /// The line as straight wires with small slopes that move up and down: what two-dimensional programs take for a
+        /// line. It is not the linearisation of the real one, whose sag couples lift and tension.
         Flat = "flat",
-        /// Only the spans around the pantographs in full; those beyond linear and reduced to their supports and lowest modes.
+        /// Only the spans around the pantographs in full; those beyond linear and reduced to their supports and lowest
+        /// modes.
         Window = "window",
         /// The mechanism reduced to its one motion.
         Linkage = "linkage",
@@ -67,7 +68,7 @@ impl Entry for Model {
 }
 
 impl Reduction {
-    /// Whether it is about the line.
+    /// True for a reduction of the line.
     fn of_the_line(self) -> bool {
         matches!(self, Self::Planar | Self::Linearised | Self::Flat | Self::Window)
     }
@@ -97,7 +98,7 @@ impl Scene {
         })
     }
 
-    /// Whether the line has no lateral coordinates; a flat line never has any.
+    /// True for a line without lateral coordinates; a flat line never has any.
     #[must_use]
     pub fn is_planar(&self) -> bool {
         self.model.has(Reduction::Planar) || self.model.has(Reduction::Flat)
@@ -105,10 +106,9 @@ impl Scene {
 
     /// Resolves `model.reduce = "auto"`: only what changes nothing is left out.
     ///
-    /// A linearised line is another line, and its distance from the nonlinear one is known from a run of both only (between half
-    /// a percent and five percent of the standard deviation of the force on the shipped lines): it must be asked for. So must a window:
-    /// its error is at most 0.5 % on the lines of 10 and 20 spans it was measured on, but it grows with the time run, with droppers that go
-    /// slack beyond it and with echoes of far ends, which no rule bounds beforehand.
+    /// A linearised line must be asked for: its distance from the nonlinear one is known from a run of both only. So
+    /// must a window: its error grows with the time run, with droppers that go slack beyond the window and with echoes
+    /// of far ends, which no rule bounds beforehand.
     pub fn choose_reductions(&mut self) {
         if !std::mem::take(&mut self.model.auto) {
             return;
@@ -127,11 +127,12 @@ impl Scene {
         let mut left_out = |reduction: Reduction, reason: String| leave_out(found, reduction, &reason);
         for &reduction in &self.model.reductions {
             if reduction == Reduction::Planar && self.modelled_line().is_none() {
-                // It asks nothing of a line that is not modelled, and resolved scenes of systems whose line was replaced name it.
+                // The word asks nothing of a line that is not modelled, and resolved scenes whose line was replaced
+                // name it.
                 continue;
             }
             if reduction.of_the_line() && self.modelled_line().is_none() {
-                left_out(reduction, "the line is an FMU of somebody else".to_owned());
+                left_out(reduction, "the line is a supplied FMU".to_owned());
                 continue;
             }
             let of_the_line = reduction.of_the_line();

@@ -1,4 +1,4 @@
-//! Whether a mechanism has only one motion that a contact force can excite.
+//! Mechanisms with only one motion that a contact force can excite.
 
 use crate::{JointKind, Linkage, PantographModel, Scene};
 
@@ -9,12 +9,13 @@ const NOTHING: f64 = 1e-9;
 const UPRIGHT: f64 = 0.7;
 
 impl Linkage {
-    /// Why the mechanism may move otherwise than by one motion in its plane and the collector suspension; `None` where these two
-    /// are all that a force on the strip can excite, in whatever direction and wherever on the strip it acts.
+    /// Why the mechanism may move otherwise than by one motion in its plane and the collector suspension; `None` where
+    /// these two are all that a force on the strip can excite, in whatever direction and wherever on the strip it acts.
     ///
-    /// The mechanism is then symmetric to the plane through its middle along the track, so that only a lateral force could make it
-    /// leave the plane; and revolute and prismatic joints between base and strip hold the latter in the plane, so that lateral
-    /// forces and rolling moments on it do no work. Bars between two spherical joints may spin about themselves: nothing turns them.
+    /// The mechanism is then symmetric to the plane through its middle along the track, so that only a lateral force
+    /// could make it leave the plane; and revolute and prismatic joints between base and strip hold the latter in the
+    /// plane, so that lateral forces and rolling moments on it do no work. Bars between two spherical joints may spin
+    /// about themselves: nothing turns them.
     #[must_use]
     pub fn motions_beyond_one(&self) -> Option<String> {
         self.out_of_plane()
@@ -22,7 +23,7 @@ impl Linkage {
             .or_else(|| self.other_motions())
     }
 
-    /// What is not symmetric to the plane.
+    /// Part that is not symmetric to the plane.
     fn out_of_plane(&self) -> Option<String> {
         let middle = self.base[1];
         for body in &self.bodies {

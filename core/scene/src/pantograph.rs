@@ -9,7 +9,7 @@ use crate::{Linkage, Supplied};
 pub struct Pantograph {
     /// x of its strip relative to `run.start_x`, m; negative behind.
     pub offset_x: f64,
-    /// What it is made of.
+    /// Model of the pantograph.
     pub model: PantographModel,
     /// The state at t = 0 where it is already known; the program writes it into the resolved scene.
     pub start: Option<Start>,
@@ -22,7 +22,7 @@ pub enum PantographModel {
     Lumped(Lumped),
     /// `model = "linkage"`: a mechanism of rigid bodies.
     Linkage(Linkage),
-    /// `fmu = "…"`: somebody else's model.
+    /// `fmu = "…"`: a supplied model.
     Supplied(Supplied),
 }
 
@@ -57,18 +57,18 @@ pub struct Lumped {
     pub stiffnesses: Vec<f64>,
     /// N·s/m, not negative, n entries.
     pub dampings: Vec<f64>,
-    /// Height of the strip at which all springs of the chain, without any force, are unstretched, m; `None` stands for the
-    /// static height of the contact wire over the strip's start.
+    /// Height of the strip at which all springs of the chain, without any force, are unstretched, m; `None` stands for
+    /// the static height of the contact wire over the strip's start.
     pub reference_height: Option<f64>,
-    /// Whether element i pushes only, n entries; all false by default.
+    /// True where element i pushes only, n entries; all false by default.
     pub unilateral: Vec<bool>,
     /// Coulomb friction force of element i, N, not negative, n entries; all 0 by default.
     pub friction: Vec<f64>,
 }
 
 impl Lumped {
-    /// Masses (kg), springs (N/m) and dampers (N·s/m) one above the other, collector head first, without friction, pushing and
-    /// pulling, under a strip of `strip_width` m; the raised pantograph exerts `static_force` N at rest.
+    /// Masses (kg), springs (N/m) and dampers (N·s/m) one above the other, collector head first, without friction,
+    /// pushing and pulling, under a strip of `strip_width` m; the raised pantograph exerts `static_force` N at rest.
     #[must_use]
     pub fn new(strip_width: f64, static_force: f64, masses: &[f64], stiffnesses: &[f64], dampings: &[f64]) -> Self {
         Self {
@@ -166,7 +166,7 @@ impl Entry for Pantograph {
             }
             Some(PantographModel::Supplied(side))
         } else if was.is_none() && !keys.has("model", false) {
-            let expected = "\"lumped\" or \"linkage\", or else fmu = \"path\" for somebody else's model".to_string();
+            let expected = "\"lumped\" or \"linkage\", or else fmu = \"path\" for a supplied FMU".to_string();
             keys.report("model", What::Missing { expected });
             None
         } else {

@@ -78,7 +78,8 @@ impl Scene {
         {
             let short = |value: f64| (1e3 * value).round() / 1e3;
             asked.push(format!(
-                "catenary.droppers.positions = {:?} m: {} m of span {}, from {} m to {} m, are without a dropper, and lines have one \
+                "catenary.droppers.positions = {:?} m: {} m of span {}, from {} m to {} m, are without a dropper, and \
+                 lines have one \
                  every 4 to 12 m; is a position missing?",
                 line.droppers.positions,
                 short(length),

@@ -8,9 +8,9 @@ use crate::keys::{Default, Described, Section, describe};
 const INTRODUCTION: &str = "\
 # Reference of the scene file
 
-Every table and key of a scene with unit, range, default and meaning. Values are in SI units; a key in another unit names
-it. x runs along the track from the first support, y to the left, z up from the top of rail; entries of lists and spans
-are counted from 1. A key without a default and without \"optional\" must be given.
+Every table and key of a scene with unit, range, default and meaning. Values are in SI units; a key in another unit
+names it. x runs along the track from the first support, y to the left, z up from the top of rail; entries of lists and
+spans are counted from 1. A key without a default and without \"optional\" must be given.
 
 This file is generated from the code that reads scenes; after a change of a key it is written anew by
 

@@ -14,7 +14,7 @@ pub struct Run {
     pub duration: f64,
     /// x of a strip with `offset_x` = 0 at t = 0, m.
     pub start_x: f64,
-    /// What statistics are taken over.
+    /// Range that statistics are taken over.
     pub evaluate: Evaluate,
     /// Cut-off frequency of the zero-phase low-pass filter of the contact force, Hz; 20 Hz by default, as in
     /// EN 50317.
@@ -23,10 +23,10 @@ pub struct Run {
     pub output_step: f64,
     /// State at t = 0.
     pub initialise: Initialise,
-    /// Whether a speed above the contact wire's transverse wave speed is accepted.
+    /// True accepts a speed above the contact wire's transverse wave speed.
     pub allow_supercritical: bool,
-    /// What feeds the line. It changes no motion, only the limits of standards that a run is held against; without it those that
-    /// depend on it are not applied.
+    /// Power supply of the line: no part of the motion, only of the limits of standards that a run is held against;
+    /// without it those that depend on it are not applied.
     pub electrification: Option<Electrification>,
 }
 
@@ -77,8 +77,8 @@ choice! {
 }
 
 impl Run {
-    /// A run at `speed` m/s for `duration` s, from `start_x` m on, of which `evaluate` is evaluated; all else as where it is left
-    /// out in a file.
+    /// A run at `speed` m/s for `duration` s, from `start_x` m on, of which `evaluate` is evaluated; all else as where
+    /// it is left out in a file.
     #[must_use]
     pub fn new(speed: f64, duration: f64, start_x: f64, evaluate: Evaluate) -> Self {
         Self {

@@ -12,15 +12,15 @@ use std::sync::Arc;
 /// A scene: every value present, checked and in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// What it is, one line.
+    /// One line that says what the scene is.
     pub title: String,
-    /// Where its values come from.
+    /// Source of the values.
     pub source: Option<String>,
     /// `[run]`.
     pub run: Run,
     /// `[catenary]`.
     pub catenary: Line,
-    /// `[contact]`; absent only where somebody else's line computes the contact force itself.
+    /// `[contact]`; absent only where a supplied line computes the contact force itself.
     pub contact: Option<Contact>,
     /// `[[pantograph]]`, at least one, the first one leads.
     pub pantographs: Vec<Pantograph>,
@@ -38,7 +38,7 @@ pub struct Scene {
     pub solver: Solver,
 }
 
-/// `[catenary]`: this program's line, or somebody else's.
+/// `[catenary]`: this program's line, or a supplied one.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "one per scene")]
 pub enum Line {
@@ -107,8 +107,8 @@ impl<'a> SceneFile<'a> {
 }
 
 impl Scene {
-    /// A scene of a modelled line under pantographs, the first one leading, on straight and even track in still air; coupling,
-    /// solver and model as where they are left out in a file. Nothing is checked yet ([`Scene::checked`]).
+    /// A scene of a modelled line under pantographs, the first one leading, on straight and even track in still air;
+    /// coupling, solver and model as where they are left out in a file. Nothing is checked yet ([`Scene::checked`]).
     #[must_use]
     pub fn new(
         title: impl Into<String>,
@@ -134,8 +134,8 @@ impl Scene {
         scene
     }
 
-    /// The scene with the reductions that change nothing, checked; its title is its name in messages. A mesh that is to be
-    /// chosen is chosen before, by `catenary::mesh::resolve`.
+    /// The scene with the reductions that change nothing, checked; its title is its name in messages. A mesh that is to
+    /// be chosen is chosen before, by `catenary::mesh::resolve`.
     ///
     /// # Errors
     ///
@@ -147,17 +147,17 @@ impl Scene {
         Ok(self)
     }
 
-    /// Reads a scene from the text of a file, with overrides in the form `key.path=value` applied in turn. A mesh that the
-    /// file leaves to be chosen is not chosen yet ([`MeshChoice`]): `catenary::load` does both.
+    /// Reads a scene from the text of a file, with overrides in the form `key.path=value` applied in turn. A mesh that
+    /// the file leaves to be chosen is not chosen yet ([`MeshChoice`]): `catenary::load` does both.
     ///
     /// `origin` is the name of the file in messages. A path is written `coupling.macro_step`,
-    /// `pantograph[1].static_force` (counted from 1) or `pantograph.0.static_force` (counted from 0); a value is any TOML
-    /// value, or a bare word as a string.
+    /// `pantograph[1].static_force` (counted from 1) or `pantograph.0.static_force` (counted from 0); a value is any
+    /// TOML value, or a bare word as a string.
     ///
     /// # Errors
     ///
-    /// Every problem found: text that is not TOML; keys that are unknown, missing, of the wrong type or out of range; and,
-    /// where there is none of these, values that contradict each other ([`Scene::check`]).
+    /// Every problem found: text that is not TOML; keys that are unknown, missing, of the wrong type or out of range;
+    /// and, where there is none of these, values that contradict each other ([`Scene::check`]).
     pub fn from_toml(text: &str, origin: &str, overrides: &[String]) -> Result<Self, SceneError> {
         let file = SceneFile::read(text, origin, overrides)?;
         file.check(&|_| Found::new())?;
@@ -172,8 +172,9 @@ impl Scene {
         crate::write::file(&write(self))
     }
 
-    /// Checks that every value is in its range and that the values are physically possible together, as [`Scene::from_toml`] has done; `origin` is the name of the
-    /// scene in messages. For a scene that was built or changed since.
+    /// Checks that every value is in its range and that the values are physically possible together, as
+    /// [`Scene::from_toml`] has done; `origin` is the name of the scene in messages. For a scene that was built or
+    /// changed since.
     ///
     /// # Errors
     ///
@@ -182,7 +183,8 @@ impl Scene {
         self.check_with(origin, &|_| Found::new())
     }
 
-    /// The same with contradictions that `further` finds beyond those of the scene alone, where values may be multiplied.
+    /// The same with contradictions that `further` finds beyond those of the scene alone, where values may be
+    /// multiplied.
     ///
     /// # Errors
     ///
@@ -202,7 +204,7 @@ impl Scene {
         Err(SceneError { problems })
     }
 
-    /// The line and the contact law that this program models, unless the line is an FMU of somebody else.
+    /// The line and the contact law that this program models, unless the line is a supplied FMU.
     #[must_use]
     pub fn modelled_line(&self) -> Option<(&Catenary, &Contact)> {
         match (&self.catenary, &self.contact) {
@@ -211,7 +213,7 @@ impl Scene {
         }
     }
 
-    /// The FMUs of somebody else: that of the line, then those of pantographs.
+    /// The supplied FMUs: that of the line, then those of pantographs.
     pub fn supplied_sides_mut(&mut self) -> impl Iterator<Item = &mut Supplied> {
         let line = match &mut self.catenary {
             Line::Supplied(side) => Some(side),
@@ -231,8 +233,9 @@ impl Scene {
         self.modelled_line().map_or(9.81, |(line, _)| line.gravity)
     }
 
-    /// Internal time step of both sides, s: the macro step evenly divided into steps of at most `solver.micro_step`; where the
-    /// macro step is controlled, that of all macro steps that are not shorter than it, or the longest of those that there are.
+    /// Internal time step of both sides, s: the macro step evenly divided into steps of at most `solver.micro_step`;
+    /// where the macro step is controlled, that of all macro steps that are not shorter than it, or the longest of
+    /// those that there are.
     #[must_use]
     pub fn internal_step(&self) -> f64 {
         match self.coupling.step_control {
@@ -285,7 +288,7 @@ impl Scene {
                 (time(catenary.support_x(first - 1)), time(catenary.support_x(last)))
             }
             (Evaluate::Time { from, to }, _) => (from, to),
-            // Refused by `from_toml`: the spans of somebody else's line are not known.
+            // Refused by `from_toml`: the spans of a supplied line are not known.
             (Evaluate::Spans { .. }, Line::Supplied(_)) => (0.0, self.run.duration),
         }
     }

@@ -5,8 +5,8 @@ use crate::choice::choice;
 use crate::keys::{Entry, Keys, Number, Sentences, placeholder};
 use crate::write::shown_number;
 
-/// Largest residual that may end Newton's method, N: it moves the filtered force by 0.03 % of its standard deviation on the line of
-/// EN 50318 at 300 km/h and by 0.5 % on the thesis' line; 10 N move it by 1.7 and 2.8 %, 100 N by 25 and 29 %.
+/// Largest residual that may end Newton's method, N: the error of the filtered force stays small against that of a
+/// mesh.
 const LARGEST_TOLERANCE: f64 = 1.0;
 
 /// `[solver]`.
@@ -14,13 +14,12 @@ const LARGEST_TOLERANCE: f64 = 1.0;
 pub struct Solver {
     /// Longest time step of both sides, s; divides the macro step evenly where that is longer. 1 ms by default.
     pub micro_step: f64,
-    /// Spectral radius of generalised-α at infinite frequency (–), 0 to 1; 0.9 by default, which costs no accuracy below
-    /// 20 Hz.
+    /// Spectral radius of generalised-α at infinite frequency (–), 0 to 1; 0.9 by default, which costs no accuracy
+    /// below 20 Hz.
     pub rho_inf: f64,
     /// How constraints are treated.
     pub formulation: Formulation,
-    /// Residual that ends Newton's method, N; 1e-3 by default: on the thesis line that changes the filtered force by 1e-4 % of its
-    /// standard deviation; at most 1 N.
+    /// Residual that ends Newton's method, N; 1e-3 by default, far below any effect on the filtered force; at most 1 N.
     pub newton_tolerance: f64,
     /// Most Newton iterations per step; 30 by default: switching droppers need a few, more is divergence.
     pub max_iterations: usize,
@@ -115,7 +114,8 @@ impl Solver {
     pub(crate) fn check(&self, found: &mut Found) {
         if self.newton_tolerance > LARGEST_TOLERANCE {
             let expected = format!(
-                "must be at most {LARGEST_TOLERANCE} N, which moves the filtered force by up to 0.5 % of its standard deviation; 10 N \
+                "must be at most {LARGEST_TOLERANCE} N, which moves the filtered force by up to 0.5 % of its standard \
+                 deviation; 10 N \
                  move it by 3 %, 100 N by 30 %"
             );
             refuse(

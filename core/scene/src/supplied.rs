@@ -1,4 +1,4 @@
-//! `fmu = "…"`: a subsystem that somebody else modelled.
+//! `fmu = "…"`: a subsystem modelled elsewhere and supplied as an FMU.
 
 use std::collections::BTreeMap;
 
@@ -12,14 +12,14 @@ pub const STEP_TIMEOUT: f64 = 60.0;
 ///
 /// Inputs and outputs are keyed by this program's names. A pantograph's inputs are `force`, `force_x`, `force_y`,
 /// `force_z`, `time`, `x`, its outputs `height`, `velocity`, `x`, `y`, `vx`, `vy`, `roll`, `roll_rate` (accepted and
-/// not read: a line takes the rate of `roll` itself). A line's are those of `Catenary.fmu`: `strip[i].…`, `contact[i].…`,
-/// `support[k].uplift`, and `time` (`contact[i].closed` is accepted and not read: it follows from the force). Empty maps
-/// leave the wiring to be guessed from the FMU's variables.
+/// not read: a line takes the rate of `roll` itself). A line's are those of `Catenary.fmu`: `strip[i].…`,
+/// `contact[i].…`, `support[k].uplift`, and `time` (`contact[i].closed` is accepted and not read: it follows from the
+/// force). Empty maps leave the wiring to be guessed from the FMU's variables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Supplied {
     /// Path of the archive, relative to the scene file.
     pub fmu: String,
-    /// Whether it runs in a child process.
+    /// True where the FMU runs in a child process.
     pub isolate: bool,
     /// Wall time after which a call of the FMU is given up, s; 60 by default: no step of a working FMU takes that long.
     pub step_timeout: f64,
@@ -27,9 +27,9 @@ pub struct Supplied {
     pub environment: BTreeMap<String, String>,
     /// Values set before initialisation, by the FMU's variable names.
     pub parameters: BTreeMap<String, ParameterValue>,
-    /// What the FMU is given, by this program's names.
+    /// Variables that the FMU is given, by this program's names.
     pub inputs: BTreeMap<String, Connection>,
-    /// What is read from the FMU, by this program's names.
+    /// Variables read from the FMU, by this program's names.
     pub outputs: BTreeMap<String, Connection>,
 }
 
@@ -67,8 +67,8 @@ pub struct Connection {
 pub enum Offset {
     /// In the unit of the side that the map leads to.
     Value(f64),
-    /// Chosen so that the FMU's start height is the static height of the wire over its strip under its start force; only on
-    /// the output `height`.
+    /// Chosen so that the FMU's start height is the static height of the wire over its strip under its start force;
+    /// only on the output `height`.
     Align,
 }
 

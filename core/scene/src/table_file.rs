@@ -19,7 +19,8 @@ fn marker_file_key(surface: usize) -> String {
 /// Gives the text of a file, or why it cannot.
 type Open<'a> = &'a dyn Fn(&str) -> Result<String, String>;
 
-/// The columns `names` of comma-separated text whose first line names them; a column that is not there is zero, but for the first.
+/// The columns `names` of comma-separated text whose first line names them; a column that is not there is zero, but for
+/// the first.
 ///
 /// Lines that begin with `#` and empty lines are left out.
 fn columns(text: &str, names: &[&str]) -> Result<Vec<Vec<f64>>, String> {
@@ -126,8 +127,8 @@ impl Scene {
         found
     }
 
-    /// Reads the files that tables are left to and writes their content into the scene in their place; `open` gives the text of a
-    /// file, whose path is as the scene has it. What is read has still to be checked ([`Scene::check`]).
+    /// Reads the files that tables are left to and writes their content into the scene in their place; `open` gives the
+    /// text of a file, whose path is as the scene has it. What is read has still to be checked ([`Scene::check`]).
     ///
     /// # Errors
     /// The key, the file and what is wrong with it.

@@ -22,7 +22,8 @@ pub struct RailSection {
     pub gauge: f64,
     /// How far a rail leans inward, – (1/40, 1/20).
     pub inclination: f64,
-    /// Cross-section from the gauge face outward: (outward, up) relative to the middle of its top, m, without the inclination.
+    /// Cross-section from the gauge face outward: (outward, up) relative to the middle of its top, m, without the
+    /// inclination.
     pub profile: Vec<[f64; 2]>,
 }
 
@@ -88,7 +89,7 @@ impl Track {
         }
     }
 
-    /// Whether both rails are alike and stay where they are sideways.
+    /// True where both rails are alike and stay in place sideways.
     #[must_use]
     pub fn is_symmetric(&self) -> bool {
         match &self.irregularities {

@@ -5,7 +5,7 @@ use toml::de::{DeTable, DeValue};
 use crate::error::{Place, Problem, What};
 use crate::write::{shown, shown_key};
 
-/// Where something was typed; indices into the text and the overrides that a [`Sources`] holds.
+/// Place of something that was typed; indices into the text and the overrides that a [`Sources`] holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum At {
     /// Nowhere in particular.
@@ -38,7 +38,7 @@ pub(crate) enum Value {
 /// A table; entries in the order of their keys' spelling when parsed, in the order of writing when written.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Table {
-    /// Whether it is written as `{ … }` instead of under a header of its own.
+    /// True for a table that is written as `{ … }` instead of under a header of its own.
     pub(crate) inline: bool,
     pub(crate) entries: Vec<(String, Node)>,
 }
@@ -67,7 +67,7 @@ impl Table {
         })
     }
 
-    /// Where the key with a path such as `pantograph[1].masses[2]` was typed, or else the nearest table above it.
+    /// Place of the key with a path such as `pantograph[1].masses[2]`, or else of the nearest table above.
     pub(crate) fn place_of(&self, path: &str) -> At {
         let mut at = At::File;
         let mut table = Some(self);
@@ -94,7 +94,7 @@ impl Table {
     }
 }
 
-/// What a scene is read from: the names that messages give to places.
+/// Sources of a scene: the names that messages give to places.
 #[derive(Clone, Copy)]
 pub(crate) struct Sources<'a> {
     pub(crate) origin: &'a str,
@@ -210,7 +210,7 @@ enum Step {
     Entry(usize),
 }
 
-/// Of a table each key whose override takes the place of others, and these.
+/// Table, key whose override takes the place of others, and these others.
 const REPLACED: [(&str, &str, &[&str]); 3] = [
     (
         "catenary.mesh",

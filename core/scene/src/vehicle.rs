@@ -19,12 +19,12 @@ pub enum Vehicle {
     Full(Train),
 }
 
-/// `vehicle.motion`: motion of the base relative to straight travel, interpolated by a cubic spline that starts and ends at rest; before
-/// the first and after the last time the base stays where it is.
+/// `vehicle.motion`: motion of the base relative to straight travel, interpolated by a cubic spline that starts and
+/// ends at rest; before the first and after the last time the base stays where it is.
 ///
-/// It is that of a rigid body that the base is fixed to: displacements of its point at the top of rail under the base, and angles about
-/// axes through that point, each positive by the right-hand rule. Roll is about the direction of travel, then pitch about the lateral axis,
-/// then yaw about the vertical.
+/// It is that of a rigid body that the base is fixed to: displacements of its point at the top of rail under the base,
+/// and angles about axes through that point, each positive by the right-hand rule. Roll is about the direction of
+/// travel, then pitch about the lateral axis, then yaw about the vertical.
 ///
 /// All lists have the same length; one that is left out is zero.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,13 +47,14 @@ pub struct GivenMotion {
     pub file: Option<String>,
 }
 
-/// A vehicle of rigid bodies. Positions are in coordinates of the vehicle, whose axes are those of the track, whose z is above the top
-/// of rail, and whose origin along the track is free.
+/// A vehicle of rigid bodies. Positions are in coordinates of the vehicle, whose axes are those of the track, whose z
+/// is above the top of rail, and whose origin along the track is free.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Train {
     /// The body that carries the pantograph.
     pub carrier: String,
-    /// Where the base of the pantograph stands on it in the tabulated position, m, 3 entries (x, y, z); y is from the middle of the track.
+    /// Base of the pantograph on that body in the tabulated position, m, 3 entries (x, y, z); y is from the middle of
+    /// the track.
     pub pantograph_base: [f64; 3],
     /// `vehicle.wheels`.
     pub wheels: Wheels,
@@ -82,7 +83,8 @@ pub struct Wheels {
     pub stiffness: f64,
     /// Vertical damping of one contact, N·s/m.
     pub damping: f64,
-    /// Cross-section from the flange outward: (outward, up) relative to the nominal rolling circle, m; only for `model = "full"`.
+    /// Cross-section from the flange outward: (outward, up) relative to the nominal rolling circle, m; only for `model
+    /// = "full"`.
     pub profile: Option<Vec<[f64; 2]>>,
 }
 
@@ -129,10 +131,11 @@ pub struct VehicleBody {
     pub positions: Vec<[f64; 3]>,
 }
 
-/// `[[vehicle.bushings]]`: equal spring–dampers, one at each of the points, between the bodies of both names that are nearest to it.
+/// `[[vehicle.bushings]]`: equal spring–dampers, one at each of the points, between the bodies of both names that are
+/// nearest to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BushingEntry {
-    /// What it is.
+    /// Name in reports.
     pub name: String,
     /// Name of bodies; forces act along their axes.
     pub first: String,
@@ -180,7 +183,8 @@ choice! {
     unavailable: []
 }
 
-/// `[[vehicle.bearings]]`: bearings of axles, one at each of the points: stiff in all directions but about the axle, which is lateral.
+/// `[[vehicle.bearings]]`: bearings of axles, one at each of the points: stiff in all directions but about the axle,
+/// which is lateral.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BearingEntry {
     /// Name of the bodies that the axle turns in.
@@ -219,8 +223,8 @@ impl Vehicle {
         }
     }
 
-    /// Why the pantograph's base may leave the plane along the track; `None` where it cannot: a symmetric vehicle on rails that
-    /// are alike has nothing that would push it to one side rather than to the other.
+    /// Why the pantograph's base may leave the plane along the track; `None` where it cannot: a symmetric vehicle on
+    /// rails that are alike has nothing that would push it to one side rather than to the other.
     #[must_use]
     pub fn leaves_the_plane(&self, track: Option<&Track>) -> Option<&'static str> {
         let moves = |values: &Vec<f64>| values.iter().any(|value| *value != 0.0);
@@ -286,7 +290,8 @@ impl Train {
         foremost - self.pantograph_base[0]
     }
 
-    /// Whether everything stands symmetric to the plane along the track: each point beside it has its mirror image.
+    /// True where everything is symmetric to the plane along the track: each point beside the plane has its mirror
+    /// image.
     #[must_use]
     pub fn is_symmetric(&self) -> bool {
         let mirrored = |points: &[[f64; 3]]| {

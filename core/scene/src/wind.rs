@@ -1,7 +1,7 @@
-//! `[wind]`: how the air moves, and what it acts on.
+//! `[wind]`: motion of the air, and what the air acts on.
 //!
-//! A scene without this table has no air: no force of it is modelled. With it pantographs and wires feel the air relative to
-//! themselves, the train's own travel included; `speed = 0` is still air.
+//! A scene without this table has no air: no force of it is modelled. With it pantographs and wires feel the air
+//! relative to themselves, the train's own travel included; `speed = 0` is still air.
 mod check;
 mod entry;
 mod field;
@@ -17,9 +17,9 @@ use crate::choice::choice;
 pub struct Wind {
     /// Speed of the mean wind over the ground, m/s.
     pub speed: f64,
-    /// Where the mean wind comes from, degrees from the direction of travel (+x): 0 is a head wind, 90 comes from the left (+y) and
-    /// blows to the right, ±180 is a tail wind. The velocity over the ground is `−speed (cos yaw, sin yaw, 0)`; no part of it
-    /// depends on the speed of the train.
+    /// Direction that the mean wind comes from, degrees from the direction of travel (+x): 0 is a head wind, 90 comes
+    /// from the left (+y) and blows to the right, ±180 is a tail wind. The velocity over the ground is `−speed (cos
+    /// yaw, sin yaw, 0)`; no part of it depends on the speed of the train.
     pub yaw_deg: f64,
     /// `ρ`, kg/m³.
     pub air_density: f64,
@@ -27,18 +27,19 @@ pub struct Wind {
     pub gust: Option<WindGust>,
     /// Seeded turbulence on top of the mean wind.
     pub turbulence: Option<WindTurbulence>,
-    /// A CSV file of wind (time, vx, vy, vz and, where there are several places, x), relative to the scene file, that is added to
-    /// the mean wind. In a resolved scene its rows stand in [`Wind::record`].
+    /// A CSV file of wind (time, vx, vy, vz and, where there are several places, x), relative to the scene file, that
+    /// is added to the mean wind. In a resolved scene its rows stand in [`Wind::record`].
     pub file: Option<String>,
     /// Rows of such a file.
     pub record: Vec<Vec<f64>>,
-    /// What the air does to pantographs; `None`: nothing.
+    /// Action of the air on pantographs; `None`: nothing.
     pub pantograph: Option<WindOnPantograph>,
-    /// What the air does to contact and messenger wire; `None`: nothing.
+    /// Action of the air on contact and messenger wire; `None`: nothing.
     pub wires: Option<WindOnWires>,
 }
 
-/// `wind.gust`: a velocity that rises and falls as `(1 − cos)/2`, either everywhere during a time or standing over a stretch.
+/// `wind.gust`: a velocity that rises and falls as `(1 − cos)/2`, either everywhere during a time or standing over a
+/// stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindGust {
     /// Velocity that it adds at its peak, m/s, 3 entries (x, y, z).
@@ -101,8 +102,8 @@ pub struct WindTurbulence {
 /// `wind.pantograph`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindOnPantograph {
-    /// Quasi-steady uplift of the strip by the square of the air's speed along the track relative to it, N/(m/s)²: one for all
-    /// pantographs or one for each. Empty where there are surfaces.
+    /// Quasi-steady uplift of the strip by the square of the air's speed along the track relative to it, N/(m/s)²: one
+    /// for all pantographs or one for each. Empty where there are surfaces.
     pub uplift: Vec<f64>,
     /// `[[wind.pantograph.surfaces]]`: bodies of a linkage that the air acts on.
     pub surfaces: Vec<WindSurface>,
@@ -119,8 +120,8 @@ pub struct WindSurface {
     pub drag: Vec<f64>,
     /// `C_L` likewise.
     pub lift: Vec<f64>,
-    /// The points that the force is spread over by their areas: rows of 13 numbers, see [`AerodynamicMarker`]. Where there are
-    /// none, the body's centre of mass with the axes of the track in the tabulated position and the area 1.
+    /// The points that the force is spread over by their areas: rows of 13 numbers, see [`AerodynamicMarker`]. Where
+    /// there are none, the body's centre of mass with the axes of the track in the tabulated position and the area 1.
     pub markers: Vec<AerodynamicMarker>,
     /// A CSV file of such rows, relative to the scene file; in a resolved scene they stand in `markers`.
     pub marker_file: Option<String>,

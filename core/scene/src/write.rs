@@ -39,7 +39,7 @@ fn body(text: &mut String, path: &str, table: &Table) {
     }
 }
 
-/// Whether a value is written under a header of its own.
+/// True for a value that is written under a header of its own.
 fn has_header(value: &Value) -> bool {
     match value {
         Value::Table(table) => !table.inline,

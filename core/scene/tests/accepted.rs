@@ -1,4 +1,4 @@
-//! What is read is what was typed, and what is written reads again as the same.
+//! A scene that is read is the one that was typed, and a written one reads again as the same.
 
 use scene::{
     Algorithm, ContactLaw, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Reduction, Scene,
@@ -53,14 +53,17 @@ fn a_written_scene_reads_again_as_an_equal_one() {
 
 #[test]
 fn a_vehicle_and_its_track_survive_writing() {
-    let motion = "vehicle={ model = \"rigid_motion\", motion = { time = [0.0, 0.5], z = [0.0, 0.01], roll = [0.0, -0.1], \
+    let motion = "vehicle={ model = \"rigid_motion\", motion = { time = [0.0, 0.5], z = [0.0, 0.01], roll = [0.0, \
+                  -0.1], \
          pitch = [2e-3, -1e-3], x = [0.0, 0.03], yaw = [1e-3, 0.0] } }";
     let spectrum = "track.irregularities={ model = \"spectrum\", seed = 7, wavelengths = [3.0, 80.0], \
-                    vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }";
+                    vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], \
+                    fade = 20.0 }";
     let points =
         "track.irregularities={ model = \"points\", x = [0.0, 10.0], z_left = [0.0, 0.01], z_right = [0.0, 0.02] }";
     let file = "track.irregularities={ model = \"points\", file = \"track.csv\" }";
-    let curve = "track.curve={ radius = 1500.0, direction = \"left\", cant = 0.1, start = 100.0, transition = 80.0, length = 200.0, \
+    let curve = "track.curve={ radius = 1500.0, direction = \"left\", cant = 0.1, start = 100.0, transition = 80.0, \
+                 length = 200.0, \
                  rounding = 6.0 }";
     let table = curve.trim_start_matches("track.curve=");
     let reverse = table.replace("left", "right").replace("100.0", "500.0");
@@ -83,14 +86,16 @@ fn a_line_is_planar_under_a_symmetric_vehicle_on_rails_that_are_alike() {
     let planar = |overrides: &[&str]| read(VEHICLE, overrides).is_planar();
     let bump = |right: &str| {
         format!(
-            "track.irregularities={{ model = \"points\", x = [0.0, 10.0], z_left = [0.0, 0.01], z_right = [0.0, {right}] }}"
+            "track.irregularities={{ model = \"points\", x = [0.0, 10.0], z_left = [0.0, 0.01], z_right = [0.0, \
+             {right}] }}"
         )
     };
     assert!(planar(&[]));
     assert!(planar(&[&bump("0.01")]));
     assert!(!planar(&[&bump("0.02")]));
     assert!(!planar(&[
-        "track.curve={ radius = 1500.0, direction = \"left\", cant = 0.0, start = 100.0, transition = 80.0, length = 200.0, \
+        "track.curve={ radius = 1500.0, direction = \"left\", cant = 0.0, start = 100.0, transition = 80.0, length = \
+         200.0, \
                        rounding = 6.0 }"
     ]));
     assert!(!planar(&["vehicle.bodies[2].positions[1]=[1.2954, 0.1, 0.7088]"]));
@@ -158,7 +163,7 @@ outputs = {{ height = {{ variable = "z1", offset = "align" }}, velocity = {{ var
     assert_eq!(read(&scene.to_toml(), &[]), scene);
     assert!(scene.contact.is_none() && scene.modelled_line().is_none());
     let PantographModel::Supplied(side) = &scene.pantographs[0].model else {
-        panic!("somebody else's")
+        panic!("a supplied FMU")
     };
     assert_eq!(
         (side.fmu.as_str(), side.isolate, side.step_timeout),
@@ -290,7 +295,8 @@ fn a_long_stretch_without_a_dropper_is_questioned_and_accepted() {
     assert_eq!(
         scene.questions(),
         [
-            "catenary.droppers.positions = [5.0, 23.0, 41.0, 55.0] m: 18 m of span 1, from 5 m to 23 m, are without a dropper, and lines \
+            "catenary.droppers.positions = [5.0, 23.0, 41.0, 55.0] m: 18 m of span 1, from 5 m to 23 m, are without a \
+             dropper, and lines \
           have one every 4 to 12 m; is a position missing?"
         ]
     );
@@ -351,7 +357,7 @@ fn a_quoted_key_of_an_override_may_hold_dots_and_signs() {
     let text = format!("{before}[[pantograph]]\nfmu = \"p.fmu\"\n{after}");
     let scene = read(&text, &["pantograph[1].parameters.\"static.force=\"=110"]);
     let PantographModel::Supplied(side) = &scene.pantographs[0].model else {
-        panic!("somebody else's")
+        panic!("a supplied FMU")
     };
     assert_eq!(side.parameters["static.force="], ParameterValue::Number(110.0));
     assert_eq!(read(&scene.to_toml(), &[]), scene);
@@ -535,7 +541,8 @@ speed = 20.5
 yaw_deg = -35.0
 air_density = 1.225
 gust = { velocity = [0, 8, 0.5], start_x = 100, length = 60 }
-turbulence = { spectrum = \"kaimal\", intensities = [0.15, 0.12, 0.08], length_scales = [120, 60, 20], coherence_decays = [10, 7, 7], seed = 4 }
+turbulence = { spectrum = \"kaimal\", intensities = [0.15, 0.12, 0.08], length_scales = [120, 60, 20], \
+                            coherence_decays = [10, 7, 7], seed = 4 }
 record = [[0, 1, 2, 3, 100], [1, 1, 2, 3, 100]]
 wires = { drag_coefficient = 1.2, contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011 }
 

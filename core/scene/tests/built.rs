@@ -74,7 +74,8 @@ fn a_wrong_value_of_a_built_scene_is_refused_as_that_of_a_file() {
         ),
         (
             refusal(&|scene| line(scene, &|line| line.contact_wire.tension = 15.0)),
-            "built: catenary.contact_wire.tension = 15 N: must be at least 100 N for a wire to hang straight; 15 kN are 15000 N",
+            "built: catenary.contact_wire.tension = 15 N: must be at least 100 N for a wire to hang straight; 15 kN \
+             are 15000 N",
         ),
         (
             refusal(&|scene| line(scene, &|line| line.stagger.clear())),

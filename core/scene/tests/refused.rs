@@ -292,7 +292,7 @@ fn a_wrong_linkage_is_refused() {
 }
 
 #[test]
-fn a_wrong_third_party_pantograph_is_refused() {
+fn a_wrong_supplied_pantograph_is_refused() {
     let supplied = |keys: &str| {
         let (before, rest) = EN.split_once("[[pantograph]]").expect("one pantograph");
         let after = rest.split_once("[coupling]").expect("coupling follows").1;
@@ -641,14 +641,14 @@ fn a_window_over_spans_that_are_divided_differently_is_refused() {
 }
 
 #[test]
-fn a_line_of_somebody_else_cannot_be_reduced() {
+fn a_supplied_line_cannot_be_reduced() {
     let (before, rest) = EN.split_once("[catenary]").unwrap();
     let pantograph = &rest[rest.find("[[pantograph]]").unwrap()..];
     let other = format!("{before}[catenary]\nfmu = \"line.fmu\"\n[model]\nreduce = [\"linearised\"]\n{pantograph}");
     let error = Scene::from_toml(&other, "scene.toml", &["run.evaluate={ time = [2, 3] }".to_owned()])
         .unwrap_err()
         .to_string();
-    let expected = "model.reduce = \"linearised\": must be left out: the line is an FMU of somebody else";
+    let expected = "model.reduce = \"linearised\": must be left out: the line is a supplied FMU";
     assert!(error.contains(expected), "{error}");
 }
 

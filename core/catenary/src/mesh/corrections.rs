@@ -2,17 +2,15 @@
 
 use scene::{Catenary, ContactLaw, Correction, Element, Found, Scene, What, WireEnds};
 
-/// Least spectral radius of the integrator for the mass correction: below, numerical damping and not dispersion is the leading
-/// error of a step.
+/// Least spectral radius of the integrator for the mass correction: below, numerical damping and not dispersion is the
+/// leading error of a step.
 const LEAST_RHO_INF: f64 = 0.9;
 
-/// Longest step for the mass correction: a share of the time that a wave takes through an element, and the length of that element,
-/// m, of the dropper interval that takes the shortest step. Beyond, the corrected mass matrix is not positive definite. With as many
-/// elements in each interval its smallest eigenvalue vanishes at 0.38 of the time through the shortest one without bending layers and
-/// with ends that are held; with layers at the attachments of the standard's line and elements of up to 40 bending lengths at 0.21,
-/// 0.26, 0.28, 0.29, 0.30 for 1, 2, 3, 4, 6 elements between them; along a wire whose end moves freely, as under a constant tension,
-/// at 0.2545 for four elements and 0.2565 for many. With other numbers in each interval the bound is that of the interval by itself:
-/// tested for elements of one length in `core/catenary/tests/even_elements.rs`.
+/// Longest step for the mass correction: a share of the time that a wave takes through an element, and the length of
+/// that element, m, of the dropper interval that takes the shortest step. Beyond, the corrected mass matrix is not
+/// positive definite: the shares stay below those at which its smallest eigenvalue vanishes, which are lower with
+/// bending layers, with few elements between them, and along a wire whose end moves freely. With other numbers in each
+/// interval the bound is that of the interval by itself, tested in `core/catenary/tests/even_elements.rs`.
 fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64) {
     let of_interval = |(length, elements): (f64, usize)| {
         let inner: f64 = match (layers, elements) {
@@ -41,7 +39,8 @@ fn obstacle_of(scene: &Scene, correction: Correction, others: &[Correction]) -> 
         Correction::ContactCompliance => {
             if contact.law == ContactLaw::SlidingJoint {
                 return Some(
-                    "contact.law is \"sliding_joint\", which holds the strip on the wire that the mesh has, without a spring that \
+                    "contact.law is \"sliding_joint\", which holds the strip on the wire that the mesh has, without a \
+                     spring that \
                      more flexibility could be in series with"
                         .to_owned(),
                 );
@@ -49,7 +48,8 @@ fn obstacle_of(scene: &Scene, correction: Correction, others: &[Correction]) -> 
             let (v, c) = (scene.run.speed, catenary.contact_wire.wave_speed());
             (v >= c).then(|| {
                 format!(
-                    "the strip at {v:.2} m/s is not slower than the waves of the contact wire, √(tension / mass_per_length) = \
+                    "the strip at {v:.2} m/s is not slower than the waves of the contact wire, √(tension / \
+                     mass_per_length) = \
                      {c:.2} m/s: no part of the wire answers it at once"
                 )
             })
@@ -60,7 +60,8 @@ fn obstacle_of(scene: &Scene, correction: Correction, others: &[Correction]) -> 
             let rho_inf = scene.solver.rho_inf;
             if rho_inf < LEAST_RHO_INF {
                 return Some(format!(
-                    "solver.rho_inf = {rho_inf} is below {LEAST_RHO_INF}: the integrator's damping, not its dispersion, is the \
+                    "solver.rho_inf = {rho_inf} is below {LEAST_RHO_INF}: the integrator's damping, not its \
+                     dispersion, is the \
                      error of a step"
                 ));
             }
@@ -72,7 +73,8 @@ fn obstacle_of(scene: &Scene, correction: Correction, others: &[Correction]) -> 
             let (step, limit) = (scene.internal_step(), share * length / c);
             (step > limit).then(|| {
                 format!(
-                    "internal steps of {:.4} ms are longer than {:.4} ms, {share} of the time that a wave of {c:.1} m/s takes \
+                    "internal steps of {:.4} ms are longer than {:.4} ms, {share} of the time that a wave of {c:.1} \
+                     m/s takes \
                      through an element of {length:.3} m: the corrected mass would not be positive",
                     1e3 * step,
                     1e3 * limit
@@ -114,7 +116,8 @@ pub fn corrections_left_out(scene: &Scene) -> Vec<(Correction, String)> {
         .collect()
 }
 
-/// The corrections in use that this scene cannot have, each with why not: none in a scene that was read and not changed.
+/// The corrections in use that this scene cannot have, each with why not: none in a scene that was read and not
+/// changed.
 #[must_use]
 pub fn impossible_corrections(scene: &Scene) -> Vec<(Correction, String)> {
     let Some((catenary, _)) = scene.modelled_line() else {
@@ -144,14 +147,19 @@ fn layers_obstacle(catenary: &Catenary) -> Option<String> {
         ("messenger wire", &catenary.messenger_wire),
     ];
     if wires.iter().all(|(_, wire)| wire.bending_stiffness == 0.0) {
-        return Some("both wires are strings, bending_stiffness = 0: their kinks have no inside".to_owned());
+        return Some(
+            "both wires are strings, bending_stiffness = 0 for both wires, so there is no bending layer to \
+                     resolve"
+                .to_owned(),
+        );
     }
     let shortest = catenary.shortest_element();
     wires.iter().find_map(|(name, wire)| {
         let layer = wire.bending_length();
         (layer > shortest).then(|| {
             format!(
-                "the shortest element, {shortest:.4} m, is below the bending length of the {name}, √(bending_stiffness / tension) \
+                "the shortest element, {shortest:.4} m, is below the bending length of the {name}, \
+                 √(bending_stiffness / tension) \
                  = {layer:.4} m: the elements follow the bend themselves"
             )
         })

@@ -5,8 +5,8 @@ use scene::{Catenary, Correction, Division, MeshChoice, Scene, What, shown_numbe
 use super::corrections::choose_corrections;
 use super::error_model::expected_error;
 
-/// Micro steps that the rule chooses from where the macro step is controlled, s, and its longest and shortest where it is fixed: those
-/// between 1 and 2 ms are what the mass correction of even elements takes.
+/// Micro steps that the rule chooses from where the macro step is controlled, s, and its longest and shortest where it
+/// is fixed: those between 1 and 2 ms are what the mass correction of even elements takes.
 const STEPS: [f64; 8] = [2e-3, 1.6e-3, 1.25e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5];
 /// Parts of a macro step above which those next to the list are enough: they differ from it by less than a twentieth.
 const MOST_PARTS: f64 = 1000.0;
@@ -54,8 +54,8 @@ pub fn resolve(scene: &mut Scene) -> Result<(), (String, What)> {
     Ok(())
 }
 
-/// The division with the fewest elements that are no longer than those of `count` in the longest interval, but for a tenth of a
-/// millimetre: as many in each interval where all need as many.
+/// The division with the fewest elements that are no longer than those of `count` in the longest interval, but for a
+/// tenth of a millimetre: as many in each interval where all need as many.
 #[must_use]
 pub fn evenly_divided(catenary: &Catenary, count: usize) -> Division {
     // A limit with few digits is one that can be typed.
@@ -68,11 +68,12 @@ pub fn evenly_divided(catenary: &Catenary, count: usize) -> Division {
     }
 }
 
-/// The cheapest mesh and step of those that the rule knows whose error is at most `error` %; `Err` says why there is none.
+/// The cheapest mesh and step of those that the rule knows whose error is at most `error` %; `Err` says why there is
+/// none.
 fn mesh_for(scene: &Scene, error: f64, micro_step_is_given: bool) -> Result<Choice, String> {
     let no_rule =
         |of: String| format!("no rule is known for {of}; give elements_per_interval or element_length instead");
-    let line = scene.modelled_line().ok_or("a line that is an FMU of somebody else");
+    let line = scene.modelled_line().ok_or("a line that is a supplied FMU");
     let (catenary, _) = line.map_err(|of| no_rule(of.to_owned()))?;
     expected_error(scene).map_err(no_rule)?;
     // The longest element makes the error: what is shorter costs for nothing.
@@ -122,12 +123,15 @@ fn mesh_for(scene: &Scene, error: f64, micro_step_is_given: bool) -> Result<Choi
         } else {
             String::new()
         };
-        format!("must be at least {least:.2} %{with}: no mesh of up to {MOST_ELEMENTS} elements between droppers comes below")
+        format!(
+            "must be at least {least:.2} %{with}: no mesh of up to {MOST_ELEMENTS} elements between droppers \
+                 comes below"
+        )
     })
 }
 
-/// Micro steps that the rule chooses from, s, the longest first: what a fixed macro step is evenly divided into, of long ones what
-/// is next to the list, or the list.
+/// Micro steps that the rule chooses from, s, the longest first: what a fixed macro step is evenly divided into, of
+/// long ones what is next to the list, or the list.
 fn steps_to_choose_from(scene: &Scene) -> Vec<f64> {
     let (longest, shortest) = (STEPS[0], STEPS[STEPS.len() - 1]);
     if let Some(control) = scene.coupling.step_control {

@@ -1,7 +1,8 @@
-//! What error a mesh is expected to make, and the mesh for an error.
+//! Expected error of mesh and time step in the filtered contact force.
 //!
-//! The rule is interpolated between measurements, and good to a factor of about two. An element of length `l` is measured against the
-//! waves that carry a force of the low-pass frequency `f`: `c/f` behind a source at rest, `(c − v)/f` ahead of one that moves,
+//! The rule is interpolated between measurements, and good to a factor of about two. An element of length `l` is
+//! measured against the waves that carry a force of the low-pass frequency `f`: `c/f` behind a source at rest, `(c −
+//! v)/f` ahead of one that moves,
 //!
 //! ```text
 //! μ = l f / √(c (c − v))
@@ -15,48 +16,37 @@
 //! error of the filtered force, % of its standard deviation: √(space² + time²)
 //! ```
 //!
-//! with the slower wave of the two wires, the longest element and the internal step `h`. From `f₀` = 20 Hz and `v₀` = 200 km/h on, that
-//! is `W` and `d (h f)²`. Below, a mesh is wrong in what waves do not tell: in the flexibility of the line, whose error is felt at every
-//! frequency, and in what the strip feels as it passes elements, against a standard deviation that goes with the speed.
+//! with the slower wave of the two wires, the longest element and the internal step `h`. From `f₀` = 20 Hz and `v₀` =
+//! 200 km/h on, that is `W` and `d (h f)²`. Below, a mesh is wrong in what waves do not tell: in the flexibility of the
+//! line, whose error is felt at every frequency, and in what the strip feels as it passes elements, against a standard
+//! deviation that goes with the speed.
 //!
-//! Measured below `f₀` and `v₀` against 16 corrected elements at 0.25 ms, at 2, 3, 5, 7, 10, 15 and 20 Hz, on the lines of EN 50318 at 60,
-//! 120, 200 and 300 km/h and of the thesis at 60, 120 and 200 km/h under a lumped pantograph, with 2 to 8 elements between droppers and
-//! steps of 0.5 to 2 ms: nothing makes twice what the rule says, but meshes without both corrections on the line of EN 50318 at 120 and
-//! 200 km/h up to 2.3 times from 15 Hz on. The other way the rule is less exact: on the line of EN 50318 coarse elements make down to an
-//! eighth of it at 3 Hz and a twentieth at 2 Hz. Corrected elements of 0.81, 1.6 and 3.3 m at 1 ms, %, measured (expected):
-//!
-//! ```text
-//! EN 50318       3 Hz                                 5 Hz                                  10 Hz
-//! 300 km/h       0.06 (0.4)  0.6 (1.4)  2.7 (5.6)     0.08 (0.4)  1.0 (1.6)  3.9 (6.2)      0.2 (0.6)  2.9 (2.2)  6.8 (10)
-//! 120 km/h       0.07 (0.3)  0.2 (1.4)  0.8 (5.6)     0.10 (0.3)  0.3 (1.6)  1.1 (6.2)      0.2 (0.3)  0.9 (2.2)  5.7 (8.9)
-//!  60 km/h       0.1  (0.4)  0.4 (1.4)  1.0 (5.6)     0.2  (0.4)  0.5 (1.6)  1.5 (6.2)      0.2 (0.6)  1.3 (2.2)  2.7 (8.9)
-//! ```
+//! The constants were fitted to runs on the lines of EN 50318 and of the thesis under a lumped pantograph, each against
+//! a much finer corrected mesh at a quarter of the step; the tests of `core/catenary/tests/mesh_choice.rs` hold the
+//! rule against them. Below `f₀` and `v₀` the rule is an upper bound rather than an estimate.
 
 use scene::{Catenary, ContactLaw, Correction, Scene, Wire, kmh};
 
-/// Of the plain mesh, %. Measured with 4, 8 and 16 elements between droppers at 0.5 and 1 ms, against 12 corrected ones at 0.25 ms, on
-/// seven spans of EN 50318 at 250 and 300 km/h and eight of the thesis' line at 200 km/h under a lumped pantograph: 67 to 102.
+/// Factor `a` of the plain mesh, %.
 const PLAIN: f64 = 80.0;
-/// Share of it that is left with one correction; measured 0.44 to 0.73.
+/// Share of the plain error that is left with one correction, –.
 const WITH_ONE_CORRECTION: f64 = 0.5;
-/// Of the mesh with both corrections, %. Measured with 4, 6 and 8 elements likewise: 89 to 250.
+/// Factor `b` of the mesh with both corrections, %.
 const CORRECTED: f64 = 200.0;
-/// Of the time step, %: at 1 ms and 20 Hz 2 %.
+/// Factor `d` of the time step, %·(1/(s Hz))².
 const STEP: f64 = 5000.0;
-/// Of the time step with the mass correction, %: at 1 ms and 20 Hz 0.2 %. Measured with 8 elements of up to 0.81 m on the line of
-/// EN 50318 at 300 and 250 km/h between 1 and 1.5 ms: 0.12 to 0.2 % per ms²; on that of the thesis between 0.5 and 1.5 ms 0.3 to 0.35.
+/// Factor `d₁` of the time step with the mass correction, %·(1/(s Hz))².
 const CORRECTED_STEP: f64 = 500.0;
-/// The same of a sliding joint, whose force is not corrected as it moves, %: at 1 ms and 20 Hz 0.3 %.
+/// Factor `d₁` under a sliding joint, whose force is not corrected as the joint moves, %·(1/(s Hz))².
 const CORRECTED_STEP_OF_JOINT: f64 = 750.0;
-/// Of elements by their length, with both corrections, % per m² at low frequency: measured 0.1 to 0.4 on the line of EN 50318 and 0.2 to 1.0
-/// on that of the thesis up to 5 Hz, 0.2 to 1.1 at 10 Hz.
+/// Factor `g` of elements by their length with both corrections, %/m².
 const CORRECTED_LENGTH: f64 = 0.5;
-/// The same with one correction: 0.3 to 3.9 up to 5 Hz, compliance more than layers.
+/// Factor `g` with one correction, %/m².
 const LENGTH_WITH_ONE_CORRECTION: f64 = 1.8;
-/// The same of the plain mesh: 0.5 to 4 from 120 km/h on up to 5 Hz, 2.0 to 5.3 at 60 km/h.
+/// Factor `g` of the plain mesh, %/m².
 const PLAIN_LENGTH: f64 = 3.0;
-/// Speed below which those without both corrections go with 1/v, as the standard deviation goes down with v and what the strip feels of an
-/// element does not, m/s.
+/// Speed below which meshes without both corrections err as 1/v, m/s: the standard deviation of the force falls with
+/// the speed, and the force of passing an element does not.
 const SLOW: f64 = 120.0 / 3.6;
 /// Frequency `f₁` from which that error grows with the frequency, Hz.
 const RISE: f64 = 12.0;
@@ -64,14 +54,11 @@ const RISE: f64 = 12.0;
 const WAVES_FROM: f64 = 20.0;
 /// Speed `v₀` at and above which they do, m/s.
 const WAVES_FROM_SPEED: f64 = 200.0 / 3.6;
-/// The lowest speed that was measured with all meshes, m/s. At 20 km/h the standard deviation at 20 Hz is 1 N: corrected elements of 1.6 m
-/// make a fifth of what the rule would say, plain ones twice.
+/// Lowest speed that the rule was fitted at with all meshes, m/s; the force varies too little at lower ones.
 const LEAST_SPEED: f64 = 60.0 / 3.6;
-/// The least damping of the wires that was measured to converge, `catenary.damping.beta` in s. Without any, on the line of EN 50318 at
-/// 300 km/h, eight corrected elements at 1 ms are 5 % from sixteen at 0.25 ms, and at 0.5 ms 8 %.
+/// Least damping of the wires, `catenary.damping.beta` in s: with less the force does not settle with finer meshes.
 const LEAST_DAMPING: f64 = 2e-5;
-/// Damping below which errors go with its root, s: those of eight corrected elements at 1 ms (of a step of 2 ms without correction) at 20 Hz
-/// are 0.4 (5.3) % with 1e-4 s, 0.6 (9.6) % with 5e-5 s and 1.2 (14.7) % with 2e-5 s, on the line of EN 50318 at 300 km/h.
+/// Damping below which errors grow with the inverse of its root, s.
 const DAMPED_FROM: f64 = 5e-5;
 /// Spectral radius of the integrator below which its damping is the error of a step (–).
 const LEAST_RHO_INF: f64 = 0.8;
@@ -95,13 +82,13 @@ impl MeshError {
     }
 }
 
-/// The error that mesh and time step of this scene's line are expected to make of the low-pass filtered contact force; `Err` says
-/// for what no rule is known.
+/// The error that mesh and time step of this scene's line are expected to make of the low-pass filtered contact force;
+/// `Err` says for what no rule is known.
 ///
 /// # Errors
 ///
-/// Faster than the waves of a wire or slower than measured, with a damping integrator, wires hardly damped, a filter below the
-/// passing of spans, or somebody else's line.
+/// Faster than the waves of a wire or slower than measured, with a damping integrator, wires hardly damped, a filter
+/// below the passing of spans, or a supplied line.
 pub fn expected_error(scene: &Scene) -> Result<MeshError, String> {
     expected_error_at(scene, scene.internal_step())
 }
@@ -112,7 +99,7 @@ pub fn expected_error(scene: &Scene) -> Result<MeshError, String> {
 ///
 /// As [`expected_error`].
 pub fn expected_error_at(scene: &Scene, step: f64) -> Result<MeshError, String> {
-    let (catenary, contact) = scene.modelled_line().ok_or("a line that is an FMU of somebody else")?;
+    let (catenary, contact) = scene.modelled_line().ok_or("a line that is a supplied FMU")?;
     has_a_rule(scene, catenary)?;
     let (f, corrected) = (scene.run.low_pass_hz, scene.internal_step());
     let squares = match (catenary.mesh.has(Correction::MassCorrection), contact.law) {
@@ -134,7 +121,7 @@ pub fn expected_error_at(scene: &Scene, step: f64) -> Result<MeshError, String> 
     })
 }
 
-/// Whether the rule is good to a factor of two both ways; else errors may be far below what it says.
+/// True where the rule is good to a factor of two both ways; else errors may be far below its value.
 #[must_use]
 pub fn error_goes_by_waves(scene: &Scene) -> bool {
     scene.run.low_pass_hz >= WAVES_FROM && scene.run.speed >= WAVES_FROM_SPEED
@@ -167,14 +154,16 @@ fn has_a_rule(scene: &Scene, catenary: &Catenary) -> Result<(), String> {
     let beta = catenary.damping.beta;
     if beta < LEAST_DAMPING {
         return Err(format!(
-            "catenary.damping.beta = {beta} s: must be at least {LEAST_DAMPING} s, as measured; the force of wires that are hardly \
+            "catenary.damping.beta = {beta} s: must be at least {LEAST_DAMPING} s, as measured; the force of wires \
+             that are hardly \
              damped does not settle with finer meshes"
         ));
     }
     let span = catenary.span_lengths.iter().sum::<f64>() / catenary.spans() as f64;
     if f < v / span {
         return Err(format!(
-            "run.low_pass_hz = {f} Hz: must be at least {:.2} Hz, at which spans of {span:.2} m pass at {:.1} km/h; below, hardly \
+            "run.low_pass_hz = {f} Hz: must be at least {:.2} Hz, at which spans of {span:.2} m pass at {:.1} km/h; \
+             below, hardly \
              any force is left",
             v / span,
             kmh(v)
@@ -221,8 +210,8 @@ fn force_corrections(catenary: &Catenary) -> usize {
         .count()
 }
 
-/// Geometric mean of the waves that a force of frequency `f` Hz sends out at rest and ahead of itself at the speed `v`, m, on the wire
-/// where it is shorter. `v` is below both waves' speeds.
+/// Geometric mean of the waves that a force of frequency `f` Hz sends out at rest and ahead of itself at the speed `v`,
+/// m, on the wire where it is shorter. `v` is below both waves' speeds.
 fn shortest_wave(catenary: &Catenary, v: f64, f: f64) -> f64 {
     let c = (catenary.contact_wire.wave_speed()).min(catenary.messenger_wire.wave_speed());
     (c * (c - v)).sqrt() / f

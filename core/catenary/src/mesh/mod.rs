@@ -16,8 +16,8 @@ pub use error_model::{MeshError, error_goes_by_waves, expected_error, expected_e
 
 use scene::{Scene, SceneError, SceneFile, What};
 
-/// Reads a scene from the text of a file with overrides, see [`Scene::from_toml`], chooses what it leaves open of its mesh,
-/// and checks it.
+/// Reads a scene from the text of a file with overrides, see [`Scene::from_toml`], chooses what it leaves open of its
+/// mesh, and checks it.
 ///
 /// # Errors
 /// Every problem found; see [`Scene::from_toml`], [`resolve`] and [`contradictions`].
@@ -27,7 +27,8 @@ pub fn load(text: &str, origin: &str, overrides: &[String]) -> Result<Scene, Sce
         let problem = match what {
             What::Refused { value, expected } if !file.says(&key) => {
                 let expected = format!(
-                    "a table with elements_per_interval or element_length, as none can be chosen for the default error_percent \
+                    "a table with elements_per_interval or element_length, as none can be chosen for the default \
+                     error_percent \
                      = {value}: {expected}"
                 );
                 ("catenary.mesh".to_owned(), What::Missing { expected })

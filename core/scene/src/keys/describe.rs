@@ -1,4 +1,4 @@
-//! What the keys of a scene file are: recorded from the calls that read them.
+//! Descriptions of the keys of a scene file, recorded from the calls that read them.
 
 use super::{Entry, Keys, Side};
 
@@ -10,7 +10,7 @@ pub(crate) type Sentences = &'static [(&'static str, &'static str)];
 pub(crate) struct Described {
     pub(crate) name: String,
     pub(crate) unit: String,
-    /// What its value may be.
+    /// Values that the key may have.
     pub(crate) range: String,
     /// Value where it is left out.
     pub(crate) default: Default,
@@ -33,7 +33,7 @@ impl Described {
     }
 }
 
-/// What stands for a key that is left out.
+/// Value that stands for a key that is left out.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Default {
     /// Nothing: the scene is refused.

@@ -5,7 +5,7 @@ use crate::error::What;
 use crate::tree::{Node, Value};
 use crate::write::{shown, shown_number};
 
-/// What a number must be.
+/// Unit, range and default of a number.
 #[derive(Clone, Copy)]
 pub(crate) struct Number {
     unit: &'static str,
@@ -73,7 +73,7 @@ impl Number {
         self
     }
 
-    /// What the range is in the reference.
+    /// The range in words of the reference.
     fn range(&self) -> String {
         let range = match (self.range, self.least) {
             (Range::Between(from, to), _) => format!("from {from} to {to}"),
@@ -110,7 +110,7 @@ impl Number {
         }
     }
 
-    /// What is wrong with a value, if anything.
+    /// Complaint about a value, if there is any.
     fn complaint(&self, value: f64) -> Option<String> {
         let (holds, expected) = match self.range {
             Range::Any => (true, "must be finite".to_string()),
@@ -134,7 +134,7 @@ pub(crate) enum Length {
 }
 
 impl Length {
-    /// What the number of entries is in the reference.
+    /// The number of entries in words of the reference.
     fn range(self) -> String {
         match self {
             Self::Any => "list".to_owned(),
@@ -258,7 +258,7 @@ impl Keys<'_> {
         }
     }
 
-    /// Whether a list was typed.
+    /// True where a list was typed.
     fn is_list(&mut self, name: &str) -> bool {
         self.node(name).is_some_and(|node| matches!(node.value, Value::List(_)))
     }

@@ -133,7 +133,7 @@ impl Keys<'_> {
         values
     }
 
-    /// A table whose keys are names of somebody else's; absent is empty. `known` lists the names that are allowed, or is
+    /// A table whose keys are names of a supplied FMU; absent is empty. `known` lists the names that are allowed, or is
     /// empty where all are.
     pub(crate) fn map<T: Entry>(
         &mut self,
@@ -191,7 +191,7 @@ impl Keys<'_> {
         })
     }
 
-    /// A table of plain values whose keys are names of somebody else's; absent is empty.
+    /// A table of plain values whose keys are names of a supplied FMU; absent is empty.
     pub(crate) fn plain_map<T: Clone>(
         &mut self,
         name: &str,
@@ -279,7 +279,7 @@ fn written<T: Entry>(was: Option<&T>, inline: bool) -> (T, Table) {
     (value, keys.into_table())
 }
 
-/// What an empty table is read as; problems with it are not reported.
+/// Value that an empty table is read as; its problems are not reported.
 pub(crate) fn placeholder<T: Entry>() -> T {
     read_table(&Table::default(), At::File, String::new(), &mut Vec::new())
 }

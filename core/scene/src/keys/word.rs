@@ -198,7 +198,8 @@ const NEAR: f64 = 0.7;
 /// Largest share of the longer name's letters that may be wrong: names that merely begin alike differ in more.
 const MOST_WRONG: f64 = 0.4;
 
-/// True where so few letters differ that one name may be the other misspelt, or where one is the beginning of the other.
+/// True where so few letters differ that one name may be the other misspelt, or where one is the beginning of the
+/// other.
 fn may_be_meant(typed: &str, candidate: &str) -> bool {
     let longer = typed.chars().count().max(candidate.chars().count());
     let wrong = strsim::damerau_levenshtein(typed, candidate);

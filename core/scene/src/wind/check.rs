@@ -1,4 +1,4 @@
-//! What a wind asks of the rest of the scene.
+//! Checks of a wind against the rest of the scene.
 use super::{Wind, WindOnPantograph, WindTurbulence};
 use crate::check::{Found, refuse};
 use crate::write::shown_number;
@@ -8,7 +8,7 @@ use crate::{Line, PantographModel, Reduction, Scene};
 const LARGEST_TABLE: usize = 4_000_000;
 
 impl Scene {
-    /// What of the wind pushes the wires sideways; `None` where nothing does.
+    /// Part of the wind that pushes the wires sideways; `None` where nothing does.
     pub(crate) fn wind_pushes_sideways(&self) -> Option<String> {
         let wind = self.wind.as_ref()?;
         wind.wires?;
@@ -28,7 +28,7 @@ impl Scene {
         part.map(|(_, part)| format!("wind.{part} pushes the wires sideways"))
     }
 
-    /// What a wind asks of the rest of the scene.
+    /// Checks a wind against the rest of the scene.
     pub(crate) fn check_wind(&self, found: &mut Found) {
         let Some(wind) = &self.wind else { return };
         if let Some(turbulence) = &wind.turbulence {
@@ -45,7 +45,7 @@ impl Scene {
             refuse(found, "wind.record", rows, error.to_string());
         }
         if wind.wires.is_some() && matches!(self.catenary, Line::Supplied(_)) {
-            let expected = "must be left out: the line is an FMU of somebody else";
+            let expected = "must be left out: the line is a supplied FMU";
             refuse(found, "wind.wires", "{ … }", expected);
         }
         if let Some(on_pantograph) = &wind.pantograph {
@@ -75,7 +75,8 @@ impl Scene {
         let places = self.wind_stations(turbulence);
         if turbulence.steps.saturating_mul(places) > LARGEST_TABLE {
             let expected = format!(
-                "must be longer: wind.turbulence.steps = {} times {places} places along the line are more than {LARGEST_TABLE}",
+                "must be longer: wind.turbulence.steps = {} times {places} places along the line are more than \
+                 {LARGEST_TABLE}",
                 turbulence.steps
             );
             refuse(
@@ -127,7 +128,7 @@ impl Scene {
             }
         }
         if !modelled {
-            let expected = "must be left out: every pantograph is an FMU of somebody else";
+            let expected = "must be left out: every pantograph is a supplied FMU";
             refuse(found, "wind.pantograph", "{ … }", expected);
         }
     }

@@ -27,8 +27,8 @@ impl super::WindSurface {
 }
 
 impl Scene {
-    /// The wind over the track, where the scene has one. It depends on `[wind]` alone; how far along the track it is tabulated
-    /// depends on the line.
+    /// The wind over the track, where the scene has one. It depends on `[wind]` alone; how far along the track it is
+    /// tabulated depends on the line.
     #[must_use]
     pub fn wind_field(&self) -> Option<dynamics::Wind> {
         let wind = self.wind.as_ref()?;
@@ -76,7 +76,7 @@ impl Scene {
         })
     }
 
-    /// Places along the line, or along the run where the line is somebody else's.
+    /// Places along the line, or along the run where the line is a supplied one.
     pub(crate) fn wind_stations(&self, turbulence: &WindTurbulence) -> usize {
         let length = match &self.catenary {
             Line::Modelled(catenary) => catenary.length(),

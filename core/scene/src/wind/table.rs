@@ -8,8 +8,8 @@
 /// area                       m²; 1 where coefficients are those times area
 /// ```
 ///
-/// The thesis names the numbers and not the order of the cosines; row by row is chosen. The first axis of a marker points ahead
-/// along the chord, the third one to the side of positive lift.
+/// The thesis names the numbers and not the order of the cosines; row by row is chosen. The first axis of a marker
+/// points ahead along the chord, the third one to the side of positive lift.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AerodynamicMarker {
     /// m, 3 entries.
@@ -41,7 +41,8 @@ pub enum WindTableError {
     },
     /// Cosines that are none of three perpendicular axes.
     #[error(
-        "row {row}: the nine direction cosines must be those of three right-handed perpendicular axes; they miss it by {error:.1e}"
+        "row {row}: the nine direction cosines must be those of three right-handed perpendicular axes; they miss it \
+         by {error:.1e}"
     )]
     NotAxes {
         /// From 1.
@@ -62,8 +63,8 @@ pub enum WindTableError {
     Empty,
 }
 
-/// Rows of numbers separated by commas, semicolons or blanks; a first line that is a heading, empty lines and what follows a `#` are
-/// passed over.
+/// Rows of numbers separated by commas, semicolons or blanks; a first line that is a heading, empty lines and what
+/// follows a `#` are passed over.
 ///
 /// # Errors
 /// [`WindTableError::NotANumber`], [`WindTableError::Empty`].
