@@ -96,6 +96,10 @@ fn mesh_for(scene: &Scene, error: f64, micro_step_is_given: bool) -> Result<Choi
             break;
         }
         for division in &divisions {
+            if let Some(mesh) = trial.mesh_mut() {
+                mesh.division = *division;
+            }
+            choose_corrections(&mut trial);
             let expected = expected_error(&trial).map_err(no_rule)?;
             least = least.min(expected.total());
             if expected.total() > error {
