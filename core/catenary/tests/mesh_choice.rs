@@ -688,8 +688,8 @@ fn an_open_mesh_survives_writing() {
         for step in ["micro_step = 0.0005", "# micro_step left out"] {
             let text = EN_300.replace("micro_step = 0.001", step);
             let overrides = [format!("catenary.mesh={mesh}")];
-            let open = catenary::load(&text, "x.toml", &overrides).unwrap();
-            let again = catenary::load(&open.to_toml(), "x.toml", &[]).unwrap();
+            let open = Scene::from_toml(&text, "x.toml", &overrides).unwrap();
+            let again = Scene::from_toml(&open.to_toml(), "x.toml", &[]).unwrap();
             assert_eq!(again, open, "{mesh}, {step}");
             assert_eq!(read(&open.to_toml(), &[]), load(&text, "x.toml", &overrides).unwrap());
         }
@@ -698,7 +698,7 @@ fn an_open_mesh_survives_writing() {
 
 #[test]
 fn a_mesh_that_is_not_chosen_is_no_line() {
-    let open = catenary::load(EN_300, "x.toml", &["catenary.mesh={error_percent=1.0}".to_owned()]).unwrap();
+    let open = Scene::from_toml(EN_300, "x.toml", &["catenary.mesh={error_percent=1.0}".to_owned()]).unwrap();
     let error = catenary::static_line(&open).map(|_| ()).unwrap_err().to_string();
     assert!(error.contains("a resolved scene is needed"), "{error}");
 }
