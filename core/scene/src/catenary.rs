@@ -95,6 +95,18 @@ pub struct Supports {
     pub messenger_longitudinal_stiffness: f64,
 }
 
+impl Supports {
+    /// Stiffnesses of the messenger wire at its supports, N/m: vertical, lateral, longitudinal.
+    #[must_use]
+    pub fn new(vertical: f64, lateral: f64, longitudinal: f64) -> Self {
+        Self {
+            messenger_vertical_stiffness: vertical,
+            messenger_lateral_stiffness: lateral,
+            messenger_longitudinal_stiffness: longitudinal,
+        }
+    }
+}
+
 /// `[catenary.registration_arms]`: what holds the contact wire at the supports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegistrationArms {
@@ -118,6 +130,14 @@ pub struct Damping {
     pub alpha: f64,
     /// On the stiffness, s.
     pub beta: f64,
+}
+
+impl Damping {
+    /// Rayleigh damping with `alpha` (1/s) on the mass and `beta` (s) on the stiffness.
+    #[must_use]
+    pub fn new(alpha: f64, beta: f64) -> Self {
+        Self { alpha, beta }
+    }
 }
 
 choice! {

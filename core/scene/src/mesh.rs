@@ -105,6 +105,15 @@ impl Mesh {
         }
     }
 
+    /// Cable elements without corrections.
+    #[must_use]
+    pub fn plain(division: Division) -> Self {
+        Self {
+            choice: MeshChoice::Given,
+            ..Self::new(division)
+        }
+    }
+
     /// A mesh whose elements, corrections and, where the scene leaves it open, micro step are to be chosen for an error
     /// of the filtered force of at most `percent` % of its standard deviation.
     #[must_use]
