@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use component::{Component, Role};
+use component::{Causality, Component};
 use fmi2::archive::{LIBRARY_EXTENSION, Package, binary_entry};
 use fmi2::import::Fmu;
 use scene::{Line, PantographModel, Scene};
@@ -219,22 +219,26 @@ fn documentation<C: Component>(scene: &Scene) -> String {
         escape(C::DESCRIPTION),
         escape(&scene.title),
     );
-    let role = |role: Role| match role {
-        Role::Input => "input",
-        Role::Output => "output",
-        Role::Setting => "parameter",
+    let causality = |causality: Causality| match causality {
+        Causality::Input => "input",
+        Causality::Output => "output",
+        Causality::Parameter => "parameter",
     };
     let signals = C::signals(scene);
     let parameters = C::parameters(scene);
-    let signals = signals
-        .iter()
-        .map(|signal| (signal.name.as_str(), role(signal.role), signal.description.as_str()));
+    let signals = signals.iter().map(|signal| {
+        (
+            signal.name.as_str(),
+            causality(signal.causality),
+            signal.description.as_str(),
+        )
+    });
     let parameters = parameters
         .iter()
         .map(|parameter| (parameter.name.as_str(), "parameter", parameter.description.as_str()));
-    for (name, role, text) in signals.chain(parameters) {
+    for (name, causality, text) in signals.chain(parameters) {
         page.push_str(&format!(
-            "<tr><td>{}</td><td>{role}</td><td>{}</td></tr>\n",
+            "<tr><td>{}</td><td>{causality}</td><td>{}</td></tr>\n",
             escape(name),
             escape(text)
         ));

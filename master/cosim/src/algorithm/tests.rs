@@ -472,7 +472,7 @@ fn the_cubic_reaches_both_positions_and_velocities() {
         assert!(
             (polynomial.at(i, h) - to).abs() < rounding,
             "{}: {}",
-            strip::NAMES[i],
+            strip::SIGNALS[i].name,
             polynomial.at(i, h)
         );
     }
