@@ -165,7 +165,7 @@ fn inputs_of<C>(groups: &[SignalGroup<C>], member: usize) -> Vec<usize> {
 /// Positions of `declared` in each of `members` (from 0) of the group of this name, in order.
 ///
 /// # Panics
-/// A component without such a signal.
+/// A component without such a member or signal.
 pub fn positions<C>(
     groups: &[SignalGroup<C>],
     name: &str,
@@ -175,7 +175,7 @@ pub fn positions<C>(
     let before = groups.iter().take_while(|group| group.name != Some(name));
     let first: usize = before.map(SignalGroup::len).sum();
     let group = groups.iter().find(|group| group.name == Some(name));
-    let entries = group.map_or(&[][..], |group| group.entries);
+    let (entries, count) = group.map_or((&[][..], 0), |group| (group.entries, group.members));
     let own: Vec<usize> = declared
         .iter()
         .map(|declared| {
@@ -185,6 +185,7 @@ pub fn positions<C>(
         .collect();
     let members = members.into_iter();
     members
+        .inspect(|member| assert!(*member < count, "{name}[{}] of {count}", member + 1))
         .flat_map(|member| own.iter().map(move |index| first + member * entries.len() + index))
         .collect()
 }

@@ -314,14 +314,14 @@ fn line(inputs: &Candidates<'_>, outputs: &Candidates<'_>) -> [Vec<Guess>; 2] {
     let (mut given, mut read) = (Vec::new(), Vec::new());
     for i in 1.. {
         let before = (given.len(), read.len());
-        for name in &strip::NAMES[..strip::MOTION] {
-            let name = format!("strip[{i}].{name}");
+        for signal in &strip::SIGNALS[..strip::MOTION] {
+            let name = signal.of(strip::GROUP, i);
             if let Some(variable) = inputs.named(&[&name]) {
                 given.push(guess_of(name, variable, "name"));
             }
         }
-        for name in contact::NAMES {
-            let name = format!("contact[{i}].{name}");
+        for signal in &contact::SIGNALS[..contact::COUNT] {
+            let name = signal.of(contact::GROUP, i);
             if let Some(variable) = outputs.named(&[&name]) {
                 read.push(guess_of(name, variable, "name"));
             }

@@ -5,7 +5,7 @@ use scene::{ParameterValue, Scene, Supplied};
 
 use super::driven::{Driven, Setting, fixed_step, pieces, start_value};
 use super::probe::{Probe, Request, isolation, probe};
-use super::quantity::{Place, Side, input, output};
+use super::quantity::{Side, WiredValue, input, output};
 use super::wiring::Wiring;
 use super::{SupplierError, check_step, told_duration};
 use component::exchange::{contact, line_output_count, strip};
@@ -49,7 +49,7 @@ impl State {
 /// and way.
 pub struct SuppliedLine {
     driven: Driven,
-    inputs: Vec<Place>,
+    inputs: Vec<WiredValue>,
     /// Entry of the outputs and sign of each wire; `None` where nothing is used.
     outputs: Vec<Option<(usize, f64)>>,
     /// By entry of the outputs: whether the FMU offers it.
@@ -122,7 +122,7 @@ impl SuppliedLine {
     ) -> Result<Self, SupplierError> {
         let strips = starts.len();
         check_step(fixed_step(fmu.description()), scene.coupling.macro_step)?;
-        let inputs: Vec<Place> = wiring.inputs.iter().map(|wire| input(Side::Line, &wire.name)).collect();
+        let inputs: Vec<WiredValue> = wiring.inputs.iter().map(|wire| input(Side::Line, &wire.name)).collect();
         let mut motions = vec![0.0; strips * strip::MOTION];
         for (i, at) in starts.iter().enumerate() {
             let motion = &mut motions[i * strip::MOTION..(i + 1) * strip::MOTION];
@@ -132,7 +132,7 @@ impl SuppliedLine {
         }
         let initial = wiring.inputs.iter().zip(&inputs).map(|(wire, place)| {
             let ours = match place {
-                Place::Entry(entry, sign) => sign * motions[*entry],
+                WiredValue::Entry(entry, sign) => sign * motions[*entry],
                 _ => 0.0,
             };
             wire.factor * ours + wire.offset
@@ -165,7 +165,7 @@ impl SuppliedLine {
             .outputs
             .iter()
             .filter_map(|wire| match output(Side::Line, &wire.name) {
-                Place::Uplift(k) => Some(k),
+                WiredValue::Uplift(k) => Some(k),
                 _ => None,
             })
             .collect();
@@ -175,8 +175,8 @@ impl SuppliedLine {
             .outputs
             .iter()
             .map(|wire| match output(Side::Line, &wire.name) {
-                Place::Entry(entry, sign) => Some((entry, sign)),
-                Place::Uplift(k) => {
+                WiredValue::Entry(entry, sign) => Some((entry, sign)),
+                WiredValue::Uplift(k) => {
                     let place = supports.iter().position(|known| *known == k)?;
                     Some((strips * contact::COUNT + place, 1.0))
                 }
@@ -270,7 +270,10 @@ impl SuppliedLine {
     /// Whether it can be kept under strips that do not travel: where it moves them itself, it cannot.
     #[must_use]
     pub fn can_stand(&self) -> bool {
-        (0..self.start_x.len()).all(|i| self.inputs.contains(&Place::Entry(i * strip::MOTION + strip::X, 1.0)))
+        (0..self.start_x.len()).all(|i| {
+            self.inputs
+                .contains(&WiredValue::Entry(i * strip::MOTION + strip::X, 1.0))
+        })
     }
 
     /// Keeps the strips' places as they are.
@@ -348,9 +351,9 @@ impl SuppliedLine {
             self.standing,
         );
         self.driven.set(order, |k| match (inputs[k], order) {
-            (Place::Entry(entry, sign), _) => sign * values[entry],
-            (Place::Time, 0) => time,
-            (Place::Time, 1) if !standing => 1.0,
+            (WiredValue::Entry(entry, sign), _) => sign * values[entry],
+            (WiredValue::Time, 0) => time,
+            (WiredValue::Time, 1) if !standing => 1.0,
             _ => 0.0,
         });
     }

@@ -5,7 +5,7 @@ use scene::{Offset, Scene, Supplied};
 
 use super::driven::{Driven, Setting, start_value};
 use super::probe::{Probe, Request, isolation, probe};
-use super::quantity::{Place, Side, input, output};
+use super::quantity::{Side, WiredValue, input, output};
 use super::velocity::Rate;
 use super::wiring::Wiring;
 use super::{SupplierError, check_step, told_duration};
@@ -32,8 +32,8 @@ struct State {
 /// A pantograph FMU seen as a pantograph.
 pub struct SuppliedPantograph {
     driven: Driven,
-    inputs: Vec<Place>,
-    outputs: Vec<Place>,
+    inputs: Vec<WiredValue>,
+    outputs: Vec<WiredValue>,
     start_x: f64,
     speed: f64,
     macro_step: f64,
@@ -101,17 +101,17 @@ impl SuppliedPantograph {
             .inputs
             .iter()
             .find_map(|wire| {
-                let Place::Entry(load::FZ, sign) = input(Side::Pantograph, &wire.name) else {
+                let WiredValue::Entry(load::FZ, sign) = input(Side::Pantograph, &wire.name) else {
                     return None;
                 };
                 Some(-sign * start_value(description, wire)?)
             })
             .unwrap_or(0.0);
-        let places = |wires: &[super::Wire], place: fn(Side, &str) -> Place| -> Vec<Place> {
+        let places = |wires: &[super::Wire], place: fn(Side, &str) -> WiredValue| -> Vec<WiredValue> {
             wires.iter().map(|wire| place(Side::Pantograph, &wire.name)).collect()
         };
         let (inputs, outputs) = (places(&wiring.inputs, input), places(&wiring.outputs, output));
-        let offered = |entry: usize| outputs.contains(&Place::Entry(entry, 1.0));
+        let offered = |entry: usize| outputs.contains(&WiredValue::Entry(entry, 1.0));
         let rates = std::array::from_fn(|axis| {
             let mass = if axis == strip::Z { probe.effective_mass } else { None };
             (offered(strip::X + axis) && !offered(strip::VX + axis)).then(|| Rate::of_mass(mass))
@@ -214,7 +214,7 @@ impl SuppliedPantograph {
 
     fn shift(&mut self, entry: usize, offset: f64) {
         for k in 0..self.outputs.len() {
-            if self.outputs[k] == Place::Entry(entry, 1.0) {
+            if self.outputs[k] == WiredValue::Entry(entry, 1.0) {
                 self.driven.shift(k, offset);
             }
         }
@@ -272,7 +272,7 @@ impl SuppliedPantograph {
         motion[strip::X] = x;
         motion[strip::VX] = speed;
         self.driven.read(|k, value| {
-            if let Place::Entry(entry, _) = outputs[k]
+            if let WiredValue::Entry(entry, _) = outputs[k]
                 && !(standing && matches!(entry, strip::X | strip::VX))
             {
                 motion[entry] = value;
@@ -304,11 +304,11 @@ impl SuppliedPantograph {
         let (time, x) = (self.time(), self.x());
         let (inputs, speed, standing) = (&self.inputs, self.speed, self.standing);
         self.driven.set(order, |k| match (inputs[k], order) {
-            (Place::Entry(entry, sign), _) => sign * values[entry],
-            (Place::Time, 0) => time,
-            (Place::X, 0) => x,
-            (Place::Time, 1) if !standing => 1.0,
-            (Place::X, 1) if !standing => speed,
+            (WiredValue::Entry(entry, sign), _) => sign * values[entry],
+            (WiredValue::Time, 0) => time,
+            (WiredValue::X, 0) => x,
+            (WiredValue::Time, 1) if !standing => 1.0,
+            (WiredValue::X, 1) if !standing => speed,
             _ => 0.0,
         });
     }

@@ -222,8 +222,8 @@ impl Side {
     fn own_line(model: ModelDescription, strips: usize) -> Self {
         let (mut inputs, mut outputs) = (BTreeMap::new(), BTreeMap::new());
         for i in 1..=strips {
-            for name in &strip::NAMES[..strip::MOTION] {
-                let name = format!("strip[{i}].{name}");
+            for signal in &strip::SIGNALS[..strip::MOTION] {
+                let name = signal.of(strip::GROUP, i);
                 inputs.insert(name.clone(), identity(name));
             }
             for name in ["fx", "fy", "fz", "force", "x", "y"] {
@@ -262,12 +262,12 @@ impl Side {
     }
 
     fn own_pantograph(model: ModelDescription, name: String) -> Self {
-        let inputs = load::NAMES
+        let inputs = load::SIGNALS
             .iter()
-            .map(|name| ((*name).to_owned(), identity(format!("contact[1].{name}"))));
-        let outputs = strip::NAMES[..strip::MOTION]
+            .map(|signal| (signal.name.to_owned(), identity(signal.of(load::GROUP, 1))));
+        let outputs = strip::SIGNALS[..strip::MOTION]
             .iter()
-            .map(|name| ((*name).to_owned(), identity(format!("strip[1].{name}"))));
+            .map(|signal| (signal.name.to_owned(), identity(signal.of(strip::GROUP, 1))));
         Self {
             description: model.description.clone().unwrap_or_default(),
             inputs: inputs.collect(),
@@ -437,11 +437,12 @@ fn connections(line: &Side, pantographs: &[Side], notes: &mut Vec<String>) -> Ve
     };
     for (index, pantograph) in pantographs.iter().enumerate() {
         let i = index + 1;
-        for name in &strip::NAMES[..strip::MOTION] {
-            let to = line.inputs.get(&format!("strip[{i}].{name}"));
-            match (pantograph.outputs.get(*name), to) {
+        for signal in &strip::SIGNALS[..strip::MOTION] {
+            let name = signal.name;
+            let to = line.inputs.get(&signal.of(strip::GROUP, i));
+            match (pantograph.outputs.get(name), to) {
                 (Some(from), Some(to)) => connect((pantograph, from), (line, to)),
-                (None, Some(to)) if *name == "z" || (*name == "x" && line.model.variable("scene").is_none()) => {
+                (None, Some(to)) if name == "z" || (name == "x" && line.model.variable("scene").is_none()) => {
                     notes.push(format!("{}.{}: nothing in the system gives it", line.name, to.variable));
                 }
                 _ => {}

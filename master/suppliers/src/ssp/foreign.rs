@@ -245,11 +245,11 @@ impl Pair<'_> {
                 entry.or_insert_with(|| plain(&own, Linear::IDENTITY));
             }
         }
-        for name in contact::NAMES.into_iter().chain(["mean_force"]) {
-            let own = format!("contact[{strip}].{name}");
+        for signal in &contact::SIGNALS[..=contact::MEAN_FORCE] {
+            let own = signal.of(contact::GROUP, strip);
             if is_there(&own, Causality::Output) {
                 let output = plain(&own, Linear::IDENTITY);
-                self.line.outputs.insert(format!("contact[{i}].{name}"), output);
+                self.line.outputs.insert(signal.of(contact::GROUP, i), output);
             }
         }
     }
