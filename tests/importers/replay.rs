@@ -48,7 +48,7 @@ trait Core {
 
 struct Alone<C: Component> {
     component: C,
-    names: Vec<(String, Role)>,
+    names: Vec<(String, Causality)>,
     saved: C::Checkpoint,
 }
 

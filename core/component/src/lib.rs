@@ -157,9 +157,12 @@ pub trait Component: Sized + Send + 'static {
         let groups = self.groups();
         let (output, input) = (located(groups.as_ref(), output), located(groups.as_ref(), input));
         match (&output.entry.access, &input.entry.access) {
-            (Access::Output { partial: Some(partial), .. }, Access::Input { .. }) if output.member == input.member => {
-                partial(self, output.member, input.index)
-            }
+            (
+                Access::Output {
+                    partial: Some(partial), ..
+                },
+                Access::Input { .. },
+            ) if output.member == input.member => partial(self, output.member, input.index),
             _ => 0.0,
         }
     }

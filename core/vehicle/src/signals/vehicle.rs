@@ -173,7 +173,12 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
 /// Parameters of the curves of the track.
 fn curves(scene: &Scene) -> Vec<Parameter> {
     /// Name, meaning and access of a length of a curve.
-    struct CurveLength(&'static str, &'static str, fn(&TrackCurve) -> f64, fn(&mut TrackCurve, f64));
+    struct CurveLength(
+        &'static str,
+        &'static str,
+        fn(&TrackCurve) -> f64,
+        fn(&mut TrackCurve, f64),
+    );
     macro_rules! length {
         ($field:ident, $text:literal) => {
             CurveLength(
