@@ -3,7 +3,7 @@
 //!
 //! | side | inputs | outputs |
 //! | --- | --- | --- |
-//! | line | [`strip`] motion of each strip | [`contact`] of each strip, then [`support`] uplift of each recorded support |
+//! | line | [`strip`] motion of each strip | [`contact`] of each strip, then [`support`] uplift of each support |
 //! | pantograph | [`load`] | [`strip`] motion, work and wind |
 //!
 //! The names are those of the FMU variables.
@@ -69,8 +69,8 @@ group! {
 }
 
 group! {
-    /// Outputs of the line per strip. The first [`COUNT`](contact::COUNT) are exchanged; the others are variables of the
-    /// FMU only.
+    /// Outputs of the line per strip. The first [`COUNT`](contact::COUNT) are exchanged; the others are variables of
+    /// the FMU only.
     ///
     /// The components x, y, z of forces follow each other.
     contact: "contact" {

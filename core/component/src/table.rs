@@ -2,8 +2,8 @@
 use crate::{Causality, DeclaredSignal, Signal};
 use scene::Scene;
 
-/// Functions behind a signal of a component `C`. The arguments `member` and `entry` count from 0: the member of the group
-/// and the entry of the group's table.
+/// Functions behind a signal of a component `C`. The arguments `member` and `entry` count from 0: the member of the
+/// group and the entry of the group's table.
 pub enum Access<C> {
     /// Real input.
     Input {

@@ -16,7 +16,7 @@ pub struct Guess {
     pub name: String,
     /// The FMU's.
     pub variable: String,
-    /// What speaks for it.
+    /// Reason of the guess.
     pub because: String,
 }
 
@@ -150,7 +150,7 @@ const STRIP: [&str; 14] = [
     "schleif",
 ];
 
-/// What a guess is sure of, from which on it is taken.
+/// Score from which on a guess is taken.
 const ENOUGH: u32 = 20;
 
 /// Candidates of one causality.

@@ -1,4 +1,4 @@
-//! Somebody else's line.
+//! Supplied FMU as a line.
 
 use fmi2::import::Fmu;
 use scene::{ParameterValue, Scene, Supplied};
@@ -23,7 +23,7 @@ pub struct StripAtStart {
     pub force: f64,
 }
 
-/// What changes from step to step.
+/// State that changes from step to step.
 #[derive(Clone, Debug, Default)]
 struct State {
     /// Time of the run, s.
@@ -44,9 +44,9 @@ impl State {
 
 /// A line FMU seen as a line.
 ///
-/// What it does not offer is derived: the force from its vertical component or the other way round, means over a step and
-/// samples inside it from the forces at both ends (trapezoid), the contact point from the strip, the work from mean force
-/// and way.
+/// Outputs that the FMU lacks are derived: the force from its vertical component or the other way round, means over a
+/// step and samples inside it from the forces at both ends (trapezoid), the contact point from the strip, the work from
+/// mean force and way.
 pub struct SuppliedLine {
     driven: Driven,
     inputs: Vec<WiredValue>,
@@ -80,8 +80,8 @@ pub fn own_heights(fmu: &Fmu, wiring: &Wiring, strips: usize) -> Vec<Option<f64>
         .collect()
 }
 
-/// Parameters of the FMU that say where strip `i` (from 0) starts, as ours have them, where the FMU has them and the scene
-/// does not set them.
+/// Parameters of the FMU that say where strip `i` (from 0) starts, as ours have them, where the FMU has them and the
+/// scene does not set them.
 fn start_parameters(
     fmu: &Fmu,
     entry: &Supplied,
@@ -226,7 +226,7 @@ impl SuppliedLine {
         self.driven.wiring()
     }
 
-    /// What was found when it was tried.
+    /// Result of the trial of the FMU.
     #[must_use]
     pub fn probe(&self) -> &Probe {
         &self.probe
@@ -238,7 +238,7 @@ impl SuppliedLine {
         self.driven.unit()
     }
 
-    /// What a user should know of how it is run.
+    /// Notes for the user on how the FMU is run.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks: Vec<String> = self
@@ -253,8 +253,8 @@ impl SuppliedLine {
         }
         if !self.offered[contact::MEAN_FZ] {
             remarks.push(
-                "it offers no mean force: the mean over a step is that of the forces at both ends, with an error of order 2 in \
-                 the step, and so is its work"
+                "it offers no mean force: the mean over a step is that of the forces at both ends, with an error of \
+                 order 2 in the step, and so is its work"
                     .to_owned(),
             );
         }
@@ -267,7 +267,7 @@ impl SuppliedLine {
         remarks
     }
 
-    /// Whether it can be kept under strips that do not travel: where it moves them itself, it cannot.
+    /// True where the line can be kept under strips that do not travel; a line that moves the strips itself cannot.
     #[must_use]
     pub fn can_stand(&self) -> bool {
         (0..self.start_x.len()).all(|i| {
@@ -284,7 +284,7 @@ impl SuppliedLine {
     /// Ends a settling of `duration` s: the run's time is 0 now.
     ///
     /// # Errors
-    /// What the FMU reports.
+    /// Error reported by the FMU.
     pub fn depart(&mut self, duration: f64) -> Result<(), SlaveError> {
         self.standing = false;
         self.driven.ahead += duration;

@@ -10,8 +10,8 @@ use scene::Scene;
 
 const _: () = assert!(STRIP_INPUTS == strip::MOTION && SAMPLES == contact::SAMPLE_COUNT);
 
-/// An output of a contact: its value from the [`ContactOutputs`](crate::ContactOutputs), and for one that depends on the
-/// strip's motion without a step in between, its change from the [`Sensitivity`].
+/// An output of a contact: its value from the [`ContactOutputs`](crate::ContactOutputs), and for one that depends on
+/// the strip's motion without a step in between, its change from the [`Sensitivity`].
 macro_rules! contact_output {
     ($index:expr, |$contact:ident| $value:expr) => {
         SignalEntry::output(contact::SIGNALS[$index], |line: &mut Subsystem, strip| {

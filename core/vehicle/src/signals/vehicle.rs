@@ -87,7 +87,8 @@ pub(super) fn wheel_count(scene: &Scene) -> usize {
     wheelsets.map_or(0, |body| 2 * body.positions.len())
 }
 
-/// Parameter of the vehicle at an expression on its entry in the scene, which gives an `Option` of the field; 0 without it.
+/// Parameter of the vehicle at an expression on its entry in the scene, which gives an `Option` of the field; 0 without
+/// it.
 macro_rules! parameter {
     ($name:expr, $unit:literal, $text:expr, |$parts:ident| $read:expr, $write:expr) => {
         Parameter::new(
@@ -235,7 +236,8 @@ mod tests {
         let base = "vehicle.pantograph_base=[11.95005378, 0.3, 3.425]".to_owned();
         let full = Scene::from_toml(text, "thesis.toml", &[base]).unwrap();
         let text = include_str!("../../../../scenes/thesis-pantograph.toml");
-        let motion = "vehicle={ model = \"rigid_motion\", motion = { time = [0.0], roll = [0.01], pitch = [0.02], yaw = [0.03] } }";
+        let motion = "vehicle={ model = \"rigid_motion\", \
+             motion = { time = [0.0], roll = [0.01], pitch = [0.02], yaw = [0.03] } }";
         let given = Scene::from_toml(text, "x.toml", &[motion.to_owned(), "model.reduce=none".to_owned()]).unwrap();
         for (scene, wheels) in [(full, 8), (given, 0)] {
             let signals = Subsystem::signals(&scene);

@@ -16,7 +16,7 @@ const SUBSTEP: f64 = 5e-5;
 pub struct Switches {
     /// Highest order of input derivatives that it follows.
     pub input_derivatives: usize,
-    /// Whether it can go back.
+    /// True where the slave can go back.
     pub rollback: bool,
 }
 

@@ -1,4 +1,4 @@
-//! A system of anybody's FMUs as a line and pantographs: which component is what, and how they are wired.
+//! A system of supplied FMUs as a line and pantographs: role and wiring of each component.
 
 use std::collections::BTreeMap;
 
@@ -98,7 +98,7 @@ fn unwired(fmu: String) -> Supplied {
     }
 }
 
-/// Where a pantograph stands.
+/// Position of a pantograph.
 struct Place {
     /// x of its strip at the start, m.
     x: Option<f64>,
@@ -156,8 +156,8 @@ struct Pair<'a> {
 impl Pair<'_> {
     fn untold(&self, wire: &Wire) -> SspError {
         let problem = format!(
-            "cannot tell what the connection between \"{}\" of the line and \"{}\" of \"{}\" carries: expected names that \
-             say it, such as strip[1].z, strip[1].vz, contact[1].fz, or units",
+            "cannot tell what the connection between \"{}\" of the line and \"{}\" of \"{}\" carries: expected names \
+             that say it, such as strip[1].z, strip[1].vz, contact[1].fz, or units",
             wire.line.variable, wire.pantograph.variable, self.component.name
         );
         self.file.refuse(wire.at, problem)
@@ -200,7 +200,8 @@ impl Pair<'_> {
                 "time" => "time",
                 _ => {
                     notes.push(format!(
-                        "{name}.{variable} keeps its start value: a pantograph that is not modelled here is not given {load}"
+                        "{name}.{variable} keeps its start value: a pantograph that is not modelled here is not given \
+                         {load}"
                     ));
                     continue;
                 }
