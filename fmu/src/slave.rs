@@ -237,8 +237,8 @@ fn load<C: Component>(text: &str, origin: &str) -> ModelResult<Scene> {
     }) = mesh
     {
         return Err(ModelError::unusable(format!(
-            "{origin}: catenary.mesh leaves the micro step to be chosen, which this FMU cannot: give solver.micro_step, \
-             or the scene.toml that a run writes"
+            "{origin}: catenary.mesh leaves the micro step to be chosen, which this FMU cannot: give \
+             solver.micro_step, or the scene.toml that a run writes"
         )));
     }
     Ok(scene)

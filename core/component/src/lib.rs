@@ -67,8 +67,8 @@ pub trait Component: Sized + Send + 'static {
     /// One sentence that describes the component.
     const DESCRIPTION: &'static str;
 
-    /// Reads a scene from the text of a file; `origin` is its name in messages. A component whose rules choose what a scene
-    /// leaves open does so here.
+    /// Reads a scene from the text of a file; `origin` is its name in messages. A component whose rules choose what a
+    /// scene leaves open does so here.
     ///
     /// # Errors
     /// Every problem found.

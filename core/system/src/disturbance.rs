@@ -4,9 +4,9 @@
 /// One smooth ramp of a [`Lift`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp {
-    /// When it begins, s.
+    /// Begin, s.
     pub start: f64,
-    /// How long it takes, s.
+    /// Length, s.
     pub duration: f64,
     /// By what it raises the strip, m; negative lowers it.
     pub rise: f64,
@@ -67,7 +67,7 @@ pub struct Disturbance {
 pub(crate) struct Lifted {
     /// The strip on its pantograph.
     pub marker: Box<dyn dynamics::Marker>,
-    /// How it moves.
+    /// Motion.
     pub lift: Lift,
 }
 

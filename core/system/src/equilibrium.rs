@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 1e-6;
 /// The correction contracts by a hundred and more each time, by three where two strips share a span.
 const ITERATIONS: usize = 60;
 
-/// Why there is no state to start from.
+/// Reason why there is no state to start from.
 #[derive(Debug, thiserror::Error)]
 pub enum EquilibriumError {
     /// The line cannot be solved under its strips.
@@ -188,7 +188,7 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// How far strips must rise per newton that is missing, m/N, by Broyden's method [Broyden, Math. Comp. 19 (1965)]; with
+/// Rise of the strips per newton that is missing, m/N, by Broyden's method [Broyden, Math. Comp. 19 (1965)]; with
 /// one strip a secant.
 struct Compliance {
     rows: Vec<Vec<f64>>,

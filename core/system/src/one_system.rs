@@ -21,7 +21,7 @@ use crate::time_shares::{self, Profile};
 /// Difference of forces below which the start counts as rest, N.
 const AT_REST: f64 = 1e-3;
 
-/// Why there is no single system.
+/// Reason why there is no single system.
 #[derive(Debug, thiserror::Error)]
 pub enum OneSystemError {
     /// The line.
@@ -64,7 +64,7 @@ struct Audit {
 pub struct Evidence {
     /// Energy that nothing accounts for at the end, J; positive where the integration has made it.
     pub residual: f64,
-    /// Its largest amount, J.
+    /// Largest amount of the energy, J.
     pub worst_residual: f64,
     /// Work of prescribed motion and heat, their amounts summed step by step, J.
     pub exchanged: f64,

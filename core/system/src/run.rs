@@ -69,7 +69,7 @@ impl<'a> Watch<'a> {
 /// Result of a run, complete or not.
 #[derive(Debug)]
 pub struct Outcome<E: std::error::Error + 'static> {
-    /// Why it did not reach its end.
+    /// Reason why the run did not reach its end.
     pub failure: Option<Failure<E>>,
     /// Energy that the coupling added, J.
     pub energy_residual: f64,

@@ -63,13 +63,13 @@ pub struct Profile {
     looks: bool,
     /// Time of each part in the steps that were looked at.
     parts: Vec<(&'static str, Duration)>,
-    /// Which part is under way, and since when, as far as it is not in `parts` yet.
+    /// Part under way, and since when, as far as it is not in `parts` yet.
     present: usize,
     since: Instant,
     /// Since when the matrix is being factored, where it is.
     factoring: Option<Instant>,
     factorization: Duration,
-    /// When the present advance has begun, and the time of those that have ended; what is done outside of them is no
+    /// Begin of the present advance, and the time of those that have ended; what is done outside of them is no
     /// step.
     begun: Option<Instant>,
     advancing: Duration,

@@ -5,7 +5,7 @@ use fmi2::import::{Fmu, StepOutcome};
 use fmi2::model_description::{BaseType, Causality, Variable};
 use scene::{ParameterValue, Scene};
 
-use crate::parameter::ExpectedValue;
+pub use crate::parameter::ExpectedValue;
 use crate::slave::{Abilities, Slave, SlaveError, finite};
 use component::Frame;
 use component::Work;
@@ -19,16 +19,16 @@ use drawing::{CoreDrawing, Drawing};
 pub use start::check_names;
 use start::{find, initialised, references};
 
-/// Why an FMU cannot take part.
+/// Reason why an FMU cannot take part.
 #[derive(Debug, thiserror::Error)]
 pub enum CosimulationError {
     /// The FMU itself reports it.
     #[error(transparent)]
     Fmi(#[from] fmi2::Error),
-    /// It runs in a process of its own, which reports it or has ended.
+    /// Report or end of the process in which the FMU is isolated.
     #[error(transparent)]
     Isolation(#[from] IsolationError),
-    /// It gives no usable outputs at the start.
+    /// No usable outputs at the start.
     #[error(transparent)]
     Slave(#[from] SlaveError),
     /// A variable that the wiring names.
@@ -130,7 +130,7 @@ pub struct Role {
     pub input_derivatives: usize,
     /// True to ask for the FMU's debug messages.
     pub logging: bool,
-    /// How it is isolated; `None` where it runs in this process.
+    /// Isolation of the FMU; `None` where the FMU runs in this process.
     pub isolation: Option<Isolation>,
 }
 

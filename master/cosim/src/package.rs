@@ -25,7 +25,7 @@ const LICENSES: [&str; 2] = [
 /// The libraries of the shells.
 const SHELLS: [&str; 2] = ["catenary_fmu", "pantograph_fmu"];
 
-/// Why the FMUs cannot be made.
+/// Reason why the FMUs cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum PackageError {
     /// A library is not there.

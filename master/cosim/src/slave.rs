@@ -105,10 +105,10 @@ pub fn finite(slave: &str, names: &[String], values: &[f64], t: f64) -> Result<(
     }
 }
 
-/// Why a slave did not do what it was asked for.
+/// Reason why a slave did not do a call.
 #[derive(Debug, thiserror::Error)]
 pub enum SlaveError {
-    /// It could not complete a step.
+    /// Step not completed.
     #[error("{slave}: the step from t = {t} s over {h} s failed")]
     Step {
         /// Name of the slave.

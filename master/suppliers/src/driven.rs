@@ -77,7 +77,7 @@ pub(super) struct Driven {
 pub(super) struct Setting<'a> {
     /// Name of the instance: ASCII.
     pub name: String,
-    /// Its table in the scene.
+    /// Table of the FMU in the scene.
     pub entry: &'a Supplied,
     /// Values of inputs during the initialisation, in the FMU's units; none leaves its own.
     pub initial: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Which variables of an FMU are probably what a coupling needs.
+//! Guess of the variables of an FMU that a coupling needs.
 //!
 //! A variable counts by its causality, its type and its unit, which must not contradict; then by its name, as models in
 //! several languages have it, by its description, and by being the only one of its unit.

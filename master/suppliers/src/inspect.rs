@@ -85,11 +85,11 @@ const HEIGHTS: std::ops::Range<f64> = 3.5..8.0;
 
 /// An FMU as a side of the coupling.
 pub struct Inspection {
-    /// Which one it seems to be.
+    /// Side that the FMU seems to be.
     pub side: Option<Side>,
     /// The guessed wiring of that side, or of a pantograph.
     pub guesses: [Vec<Guess>; 2],
-    /// It with units, or why it cannot be used.
+    /// Wiring with units, or the reason against it.
     pub wiring: Result<Wiring, WiringError>,
     /// Trial of the FMU; nothing without wiring.
     pub probe: Option<Probe>,

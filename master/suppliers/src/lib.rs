@@ -32,12 +32,15 @@ mod units;
 mod velocity;
 mod wiring;
 
-pub use guess::{Guess, guess, side};
-pub use isolated::{isolation_of, time_limit};
+pub use guess::Guess;
+use guess::{guess, side};
+pub use isolated::time_limit;
 pub use line::{StripAtStart, SuppliedLine, own_heights};
 pub use pantograph::{SuppliedPantograph, aligned};
-pub use probe::{Finding, Probe, Request, isolation, probe};
-pub use quantity::{Side, unit};
+pub use probe::{Finding, Probe};
+use probe::{Request, isolation, probe};
+pub use quantity::Side;
+use quantity::unit;
 pub use wiring::{Wire, Wiring, WiringError};
 
 use cosim::fmu_slave::CosimulationError;
@@ -45,10 +48,10 @@ use cosim::fmu_slave::CosimulationError;
 /// Reason why a supplied FMU cannot take part.
 #[derive(Debug, thiserror::Error)]
 pub enum SupplierError {
-    /// Its variables, or what it reports.
+    /// Variables of the FMU, or an error reported by the FMU.
     #[error(transparent)]
     Fmu(#[from] CosimulationError),
-    /// Its wiring.
+    /// Wiring of the FMU.
     #[error(transparent)]
     Wiring(#[from] WiringError),
     /// A force on its strip moves it the wrong way.

@@ -220,7 +220,7 @@ impl SuppliedLine {
         &self.supports
     }
 
-    /// Its wires.
+    /// Wires of the FMU.
     #[must_use]
     pub fn wiring(&self) -> &Wiring {
         self.driven.wiring()

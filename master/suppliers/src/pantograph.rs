@@ -155,7 +155,7 @@ impl SuppliedPantograph {
         self.start_force
     }
 
-    /// Its wires.
+    /// Wires of the FMU.
     #[must_use]
     pub fn wiring(&self) -> &Wiring {
         self.driven.wiring()

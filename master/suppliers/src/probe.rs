@@ -6,7 +6,7 @@
 //! | --- | --- |
 //! | `canGetAndSetFMUstate` | three steps, back, the same steps: the outputs must be the same |
 //! | `canHandleVariableCommunicationStepSize` | a step, half of it, a third of it |
-//! | `canInterpolateInputs` | a step with a derivative of order 1, 2, 3 against pieces with the input held at its mean |
+//! | `canInterpolateInputs` | a step with derivatives of order 1, 2, 3 against pieces with the input held at its mean |
 //! | (the wiring) | more force must push the strip down; a strip that rises must press harder |
 //!
 //! `providesDirectionalDerivative` and dependencies are not tested: this program builds on neither.
@@ -33,7 +33,7 @@ pub struct Finding {
     pub claimed: String,
     /// `holds`, `does not hold`, `not claimed`, or what was found.
     pub found: String,
-    /// How that was found.
+    /// Trial behind the finding.
     pub how: String,
 }
 
@@ -59,7 +59,7 @@ pub struct Probe {
     pub start_height: Option<f64>,
     /// Stiffness with which a line answers a rising strip, N/m.
     pub stiffness: Option<f64>,
-    /// Why it came to no end.
+    /// Reason why the trial came to no end.
     pub failure: Option<String>,
 }
 
@@ -74,7 +74,7 @@ pub struct Request {
     pub duration: f64,
     /// Values of parameters.
     pub parameters: Vec<(String, ParameterValue)>,
-    /// How the instances are isolated; nothing where they are tried in this process.
+    /// Isolation of the instances; nothing for a trial in this process.
     pub isolation: Option<Isolation>,
     /// Values of inputs during the initialisation, in the FMU's units; none leaves its own.
     pub initial: Vec<f64>,
@@ -120,7 +120,7 @@ impl Probe {
     }
 }
 
-/// How instances are tried: in processes of their own where this program can start such; each call may take
+/// Isolation of a trial: in processes of their own where this program can start such; each call may take
 /// as long as `entry` says.
 #[must_use]
 pub fn isolation(entry: &Supplied) -> Option<Isolation> {

@@ -1,10 +1,10 @@
 //! The phase before t = 0 in which a supplied pantograph or line comes to rest with the other side.
 //!
-//! How such a side is at rest is known to its FMU only, so line and pantographs are run without travelling until the
-//! contact force stays the same. A line of this program is that of the core with more damping on its masses, which does
-//! not enter where it comes to rest; what is handed on is the height of the strip, from which the statics of the line
-//! follow as for any other start. An FMU goes on from where it has come to: its clock is then ahead of the run's by the
-//! length of the phase.
+//! The state of rest of such a side is known to its FMU only, so line and pantographs are run without travelling until
+//! the contact force stays the same. A line of this program is that of the core with more damping on its masses, which
+//! does not enter where it comes to rest; what is handed on is the height of the strip, from which the statics of the
+//! line follow as for any other start. An FMU goes on from where it has come to: its clock is then ahead of the run's
+//! by the length of the phase.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -75,10 +75,10 @@ impl SettlingError {
     }
 }
 
-/// How a phase ended.
+/// End of a phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settling {
-    /// How long it took, s.
+    /// Length of the phase, s.
     pub duration: f64,
     /// Communication steps taken.
     pub steps: u64,

@@ -24,7 +24,7 @@ pub struct Wire {
     pub text: String,
 }
 
-/// Why an FMU does not fit what the scene says of it.
+/// Reason why an FMU does not fit its table in the scene.
 #[derive(Debug, thiserror::Error)]
 pub enum WiringError {
     /// The units are of different dimensions, or a factor contradicts them.
@@ -81,7 +81,7 @@ impl WiringError {
 /// Inputs and outputs of an FMU, wired.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Wiring {
-    /// Which side it is.
+    /// Side of the FMU.
     pub side: Side,
     /// Inputs of the FMU.
     pub inputs: Vec<Wire>,

@@ -88,7 +88,7 @@ impl Exchange {
         &self.points[back]
     }
 
-    /// How many points can be looked at.
+    /// Number of points that can be looked at.
     #[must_use]
     pub fn known(&self) -> usize {
         self.known

@@ -28,7 +28,7 @@ const UNKNOWNS: usize = 3;
 
 /// `ω = √(k/m)` of each strip, rad/s: the contact's spring under the mass that the strip feels like.
 ///
-/// Both come from differences over closed steps, by least squares with fading weights:
+/// Stiffness and mass come from differences over closed steps, by least squares with fading weights:
 ///
 /// ```text
 /// k = Σ ΔF Δδ / Σ Δδ²             δ penetration: the line's gap, or the height of the strip of a line without gap

@@ -20,13 +20,13 @@ const SOUNDING: f64 = 1.0;
 /// A secant over a smaller change of the mean force is noise, N.
 const SMALLEST_SECANT: f64 = 1e-3;
 
-/// How a single pass' prediction of the curvature and its correction of the position give way as `ωh` grows:
+/// Factors by which the prediction of the curvature and the correction of the position give way as `ωh` grows:
 /// `1/(1 + c (ωh)²)` (–).
 ///
 /// The curvature that a parabola carries on is too large for an oscillation, and the correction of a position error
-/// acts as a spring of its own. Without both factors the oscillation grows at small `ωh` already; with both the spectral
-/// radius ([`super::stability`]) stays below 1 up to `ωh` = 1.2, also with a wrong `ω`. Both are of second order in `h`
-/// beside 1, so that the order of convergence stays.
+/// acts as a spring of its own. Without both factors the oscillation grows at small `ωh` already; with both the
+/// spectral radius ([`super::stability`]) stays below 1 up to `ωh` = 1.2, also with a wrong `ω`. Both are of second
+/// order in `h` beside 1, so that the order of convergence stays.
 const GIVES_WAY: (f64, f64) = (2.0, 0.3);
 
 /// Values that a secant may have: positive ones come from the contact's opening and closing only, and 1 has no

@@ -20,7 +20,7 @@
 //!
 //! A prediction does not look past a point at which the contact was open.
 //!
-//! Order and stability limit of the algorithms on an undamped head on a spring (ω its frequency, h the macro step; largest `ωh`
+//! Order and stability limit of the algorithms on an undamped head on a spring (ω frequency, h macro step; largest `ωh`
 //! as [`stability`] finds them; "–": grows slowly at any step):
 //!
 //! | algorithm | line gets | pantograph gets | order | stable to `ωh` | needs |
@@ -35,7 +35,7 @@
 //! | interface_jacobian, one pass, `end` | cubic | straight line through the end forces | 2 | – | derivatives 3, 1 |
 //! | interface_jacobian, one pass, 1 | cubic | extrapolated line, and last defect | 4 | 1.26 | derivatives 3, 1 |
 //! | interface_jacobian, one pass, 2 | cubic | extrapolated parabola, and last defect | 4 | 1.33 | derivatives 3, 2 |
-//! | interface_jacobian, repeated | cubic | parabola of mean and moment of the force | 4 | 2.9, neutral | same, rollback |
+//! | interface_jacobian, repeated | cubic | mean and moment of the force | 4 | 2.9, neutral | same, rollback |
 //! | auto, one pass | as chosen | as chosen | 4, then 2 | 2.0, beyond in parts | the same |
 //!
 //! `iterated` keeps Aitken's relaxation: one strip is one stiff direction, and it settles in 3 to 5 passes wherever the
@@ -60,7 +60,7 @@ mod predict;
 pub mod stability;
 #[cfg(test)]
 mod tests;
-pub mod waveform;
+mod waveform;
 
 pub use auto::Auto;
 pub use exchange::{Defect, Exchange};
@@ -136,7 +136,7 @@ impl Sides<'_> {
     }
 }
 
-/// Why a macro step was not completed.
+/// Reason why a macro step was not completed.
 #[derive(Debug, thiserror::Error)]
 pub enum CouplingError {
     /// A slave failed.
@@ -241,7 +241,7 @@ fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> (Coupling, &'static str) {
 pub struct Choice {
     /// The keys in use.
     pub coupling: Coupling,
-    /// Why these, and what the slaves cannot do, for the summary.
+    /// Reason of the choice, and abilities that slaves lack, for the summary.
     pub reason: String,
 }
 

@@ -16,7 +16,7 @@ use super::{Exchange, Polynomial};
 /// a = (4 vₙ + 2 vₙ₋₁ − 6 (zₙ − zₙ₋₁)/h)/h        (derived here)
 /// ```
 ///
-/// It is exact where the force on the strip was constant or linear over the last step.
+/// Exact where the force on the strip was constant or linear over the last step.
 pub fn strips(exchange: &Exchange, order: usize, polynomial: &mut Polynomial) {
     // Degree 0 is sent with a first derivative of zero: without any, the line would follow the velocity.
     polynomial.clear(order.max(1));

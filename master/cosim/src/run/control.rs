@@ -68,8 +68,8 @@ const REST: (u32, u32) = (8, 512);
 /// Part of the step that is tried after the contact has opened or closed.
 const AFTER_EVENT: f64 = 0.25;
 
-/// Factor for errors that come back in the next steps with the same phase: such an error stretches the period of the head on its
-/// contact, which rings for some 30 rad after a blow. Half of them count (–).
+/// Factor for errors that come back in the next steps with the same phase: such an error stretches the period of the
+/// head on its contact, which rings for some 30 rad after a blow. Half of them count (–).
 const ADDED_UP: f64 = 16.0;
 
 /// Part of a step that counts as rounding.
@@ -158,9 +158,9 @@ impl Grid {
 /// Outcome of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It stands.
+    /// Step accepted.
     Accepted,
-    /// It is to be taken back and repeated with the controller's next step.
+    /// Step to be taken back and repeated with the controller's next step.
     Refused,
 }
 
@@ -232,7 +232,7 @@ impl Controller {
             Estimate::Prediction { degree } => self.off_prediction(exchange, degree, h),
             Estimate::Course => (off_course(exchange, h), false),
         };
-        // Who cannot go back must not meet the end of a flight with a long step.
+        // A slave that cannot go back must not meet the end of a flight with a long step.
         let flies =
             !self.can_refuse && (0..exchange.strip_count()).any(|i| exchange.reached.contact(i)[contact::FORCE] <= 0.0);
         self.judge_error(self.control.stiffness * height / self.control.tolerance, event, flies)
@@ -348,7 +348,7 @@ impl Controller {
     }
 }
 
-/// How a strip answers to the contact force: `1/m` as the slope of acceleration against force, least squares over the
+/// Response of a strip to the contact force: `1/m` as the slope of acceleration against force, least squares over the
 /// changes from step to step.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mobility {

@@ -2,18 +2,18 @@
 
 use crate::algorithm::{Algorithm, CouplingError, Exchange, Sides};
 
-/// How often a macro step that fails is halved before it is given up: 1 ms becomes 16 µs.
+/// Number of halvings of a macro step that fails, before the step is given up: 1 ms becomes 16 µs.
 const HALVINGS: u32 = 6;
 
-/// How often a part that cannot be halved any more is tried again before the step is given up: an FMU may discard a
+/// Number of further tries of a part that cannot be halved any more, before the step is given up: an FMU may discard a
 /// step for a reason of its own that does not come back.
 const RETRIES: u32 = 8;
 
-/// Both sides between two communication points.
+/// Stepper of both sides between two communication points.
 pub struct Stepper<'a, 'b> {
     /// Line and pantographs.
     pub sides: &'a mut Sides<'b>,
-    /// How they are coupled.
+    /// Coupling of the sides.
     pub algorithm: &'a mut dyn Algorithm,
     /// Outputs of the slaves.
     pub exchange: &'a mut Exchange,

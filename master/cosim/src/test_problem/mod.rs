@@ -64,7 +64,7 @@ pub struct Outcome {
     pub energy_note: Option<String>,
     /// Account of the algorithm.
     pub report: Option<String>,
-    /// Why it did not come to its end.
+    /// Reason why the run did not come to its end.
     pub failure: Option<String>,
 }
 

@@ -162,7 +162,7 @@ impl Truth {
         self.forces[before] + part * (self.forces[before + 1] - self.forces[before])
     }
 
-    /// How far it goes, s.
+    /// Duration, s.
     #[must_use]
     pub fn duration(&self) -> f64 {
         (self.forces.len() - 1) as f64 * TRUTH_STEP

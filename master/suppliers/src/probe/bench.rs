@@ -21,7 +21,7 @@ const EXACT: f64 = 1e-11;
 /// Part of its effect by which a followed derivative may miss the pieces.
 const FOLLOWED: f64 = 0.25;
 
-/// How often a first step that is discarded is halved, as in a run.
+/// Number of halvings of a discarded first step, as in a run.
 const HALVINGS: i32 = 6;
 
 /// Pieces of a step.

@@ -89,7 +89,7 @@ pub(super) enum Type {
     Real {
         unit: Option<String>,
     },
-    /// Its name.
+    /// Name.
     Other(String),
 }
 

@@ -99,16 +99,16 @@ fn unwired(fmu: String) -> Supplied {
 }
 
 /// Position of a pantograph.
-struct Place {
+struct PantographPlace {
     /// x of its strip at the start, m.
     x: Option<f64>,
     component: usize,
-    /// Its strip on the line, where the line's names count them.
+    /// Strip on the line, where the line's names count them.
     strip: Option<usize>,
 }
 
 /// The pantographs, the first one leads where all places are known, and their speed in m/s.
-fn places(fmus: &[Fmu], sides: &[Supplied], flows: &[Flow], line: usize) -> (Vec<Place>, Option<f64>) {
+fn places(fmus: &[Fmu], sides: &[Supplied], flows: &[Flow], line: usize) -> (Vec<PantographPlace>, Option<f64>) {
     // Start values: set in the system, else those of the FMU.
     let number = |component: usize, name: &str| match sides[component].parameters.get(name) {
         Some(ParameterValue::Number(number)) => Some(*number),
@@ -117,22 +117,22 @@ fn places(fmus: &[Fmu], sides: &[Supplied], flows: &[Flow], line: usize) -> (Vec
             variable.and_then(|variable| variable.real_start())
         }
     };
-    let of_pantograph = |place: &Place, own: &str, of_line: &str| {
+    let of_pantograph = |place: &PantographPlace, own: &str, of_line: &str| {
         let at_line = |strip: usize| number(line, &format!("strip[{strip}].{of_line}"));
         number(place.component, own).or_else(|| place.strip.and_then(at_line))
     };
-    let mut places: Vec<Place> = (0..fmus.len())
+    let mut places: Vec<PantographPlace> = (0..fmus.len())
         .filter(|component| *component != line)
         .map(|component| {
             let mut up = flows.iter().filter(|flow| flow.from == component && flow.to == line);
             let strip = up.find_map(|flow| Some(flow.target.structured("strip")?.0));
-            let place = Place {
+            let place = PantographPlace {
                 x: None,
                 component,
                 strip,
             };
             let x = of_pantograph(&place, "start.x", "start.x");
-            Place { x, ..place }
+            PantographPlace { x, ..place }
         })
         .collect();
     let speed = places.iter().find_map(|place| of_pantograph(place, "speed", "speed"));

@@ -55,7 +55,7 @@ const NAMESPACES: [(&str, &str); 4] = [
     ("ssm", "http://ssp-standard.org/SSP1/SystemStructureParameterMapping"),
 ];
 
-/// Why an `.ssp` cannot be made or run.
+/// Reason why an `.ssp` cannot be made or run.
 #[derive(Debug, thiserror::Error)]
 pub enum SspError {
     /// The archive is refused or cannot be written.

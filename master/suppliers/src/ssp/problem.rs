@@ -4,7 +4,7 @@ use super::document::{ConnectorKind, End};
 use fmi2::archive::ArchiveError;
 use fmi2::model_description::BaseType;
 
-/// Why the file behind a URI is not read.
+/// Reason why the file behind a URI is not read.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum FileProblem {
     #[error("source \"{uri}\": the decoded URI is not UTF-8")]
@@ -17,7 +17,7 @@ pub(super) enum FileProblem {
     Unreadable { uri: String, source: std::io::Error },
 }
 
-/// Why an end of a connection leads to no real input or output.
+/// Reason why an end of a connection leads to no real input or output.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum EndProblem {
     #[error("there is no component \"{element}\", only \"{}\"", .known.join("\", \""))]
@@ -44,7 +44,7 @@ pub(super) struct UnitProblem {
     pub to: String,
 }
 
-/// Why a value does not fit the variable of a parameter.
+/// Reason why a value does not fit the variable of a parameter.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum ValueProblem {
     #[error(transparent)]

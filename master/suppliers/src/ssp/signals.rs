@@ -1,4 +1,4 @@
-//! Which quantity a connection between a line and a pantograph carries.
+//! Quantity carried by a connection between a line and a pantograph.
 //!
 //! The names of our own FMUs say it on either end. Else the unit tells heights from velocities and forces, and among
 //! several of one kind the words in the names decide.
