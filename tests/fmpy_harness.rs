@@ -1,5 +1,5 @@
 //! The two FMUs in FMPy: packages them, writes down the core's results for the same inputs, and runs `tests/fmpy`.
-use component::{Component, Role};
+use component::{Causality, Component};
 use cosim::package::{Libraries, archives};
 use integration_tests::fmus::{COARSE, DEFAULT, Packaged, THESIS, tree};
 use integration_tests::python::{environment, run};
@@ -78,8 +78,8 @@ const PLANS: [Plan; 2] = [
 /// Writes inputs and the outputs of the core, at the same times, as two tables.
 fn write_trajectory<C: Component>(scene: &Scene, plan: Plan, stimulus: Stimulus, folder: &Path) {
     let signals = C::signals(scene);
-    let of = |role: Role| -> Vec<usize> { (0..signals.len()).filter(|&k| signals[k].role == role).collect() };
-    let (inputs, outputs) = (of(Role::Input), of(Role::Output));
+    let of = |role: Causality| -> Vec<usize> { (0..signals.len()).filter(|&k| signals[k].causality == role).collect() };
+    let (inputs, outputs) = (of(Causality::Input), of(Causality::Output));
     let mut component = C::build(scene).unwrap();
     let (mut given, mut expected) = (String::from("time"), String::from("time"));
     for &input in &inputs {

@@ -1,6 +1,6 @@
 //! The slave behind an FMU: parameters and inputs as set by the importer, the component built on demand.
 use crate::table::{WORK, variables};
-use component::{Component, Parameter, Role, Signal};
+use component::{Causality, Component, Parameter, Signal};
 use fmi2::model_description::Variable;
 use fmi2::slave::{Model, ModelError, ModelResult};
 use scene::{Evaluate, MeshChoice, PantographModel, Scene, Start};
@@ -109,9 +109,9 @@ impl<C: Component> SceneSlave<C> {
         if self.component.is_none() {
             let mut component = C::build(&self.scene()?).map_err(ModelError::unusable)?;
             for (position, signal) in self.signals.iter().enumerate() {
-                match (signal.role, self.choices.early_inputs[position]) {
-                    (Role::Setting, _) => component.set_input(position, self.choices.settings[position]),
-                    (Role::Input, Some(value)) => component.set_input(position, value),
+                match (signal.causality, self.choices.early_inputs[position]) {
+                    (Causality::Parameter, _) => component.set_input(position, self.choices.settings[position]),
+                    (Causality::Input, Some(value)) => component.set_input(position, value),
                     _ => {}
                 }
                 for (order, value) in (1..).zip(self.choices.early_derivatives[position]) {
@@ -135,10 +135,10 @@ impl<C: Component> SceneSlave<C> {
         if position >= count {
             return Ok(self.choices.parameters[position - count]);
         }
-        match self.signals[position].role {
-            Role::Setting => Ok(self.choices.settings[position]),
-            Role::Input => Ok(self.built()?.input(position)),
-            Role::Output => Ok(self.built()?.output(position)),
+        match self.signals[position].causality {
+            Causality::Parameter => Ok(self.choices.settings[position]),
+            Causality::Input => Ok(self.built()?.input(position)),
+            Causality::Output => Ok(self.built()?.output(position)),
         }
     }
 
@@ -237,8 +237,8 @@ fn load<C: Component>(text: &str, origin: &str) -> ModelResult<Scene> {
     }) = mesh
     {
         return Err(ModelError::unusable(format!(
-            "{origin}: catenary.mesh leaves the micro step to be chosen, which this FMU cannot: give solver.micro_step, or the \
-             scene.toml that a run writes"
+            "{origin}: catenary.mesh leaves the micro step to be chosen, which this FMU cannot: give \
+             solver.micro_step, or the scene.toml that a run writes"
         )));
     }
     Ok(scene)

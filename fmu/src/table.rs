@@ -1,5 +1,5 @@
 //! Signals and parameters of a component as the variables of an FMU.
-use component::{Component, Kind, Role, Signal};
+use component::{Causality, Component, Signal, SignalKind};
 use fmi2::model_description::{DefaultExperiment, ModelDescription, Variable};
 use scene::Scene;
 
@@ -39,13 +39,19 @@ pub(crate) fn variables<C: Component>(scene: &Scene) -> Vec<Variable> {
 
 fn variable(signal: &Signal) -> Variable {
     let (name, text) = (signal.name.as_str(), signal.description.as_str());
-    match (signal.role, signal.kind) {
-        (Role::Input, Kind::Real(unit)) => Variable::input(name, unit, signal.start, text),
-        (Role::Output, Kind::Real(unit)) => Variable::output(name, unit, text).depends_on(&signal.feedthrough),
-        (Role::Output, Kind::Integer) => Variable::integer_output(name, text).depends_on(&signal.feedthrough),
-        (Role::Output, Kind::Boolean) => Variable::boolean_output(name, text).depends_on(&signal.feedthrough),
-        (Role::Setting, Kind::Boolean) => Variable::boolean_parameter(name, signal.start != 0.0, text),
-        (role, kind) => unreachable!("no component has a {kind:?} {role:?}: {name}"),
+    match (signal.causality, signal.kind) {
+        (Causality::Input, SignalKind::Real(unit)) => Variable::input(name, unit, signal.start, text),
+        (Causality::Output, SignalKind::Real(unit)) => {
+            Variable::output(name, unit, text).depends_on(&signal.feedthrough)
+        }
+        (Causality::Output, SignalKind::Integer) => {
+            Variable::integer_output(name, text).depends_on(&signal.feedthrough)
+        }
+        (Causality::Output, SignalKind::Boolean) => {
+            Variable::boolean_output(name, text).depends_on(&signal.feedthrough)
+        }
+        (Causality::Parameter, SignalKind::Boolean) => Variable::boolean_parameter(name, signal.start != 0.0, text),
+        (causality, kind) => unreachable!("no component has a {kind:?} {causality:?}: {name}"),
     }
 }
 

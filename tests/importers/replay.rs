@@ -1,7 +1,7 @@
 //! The calls of importers that do not install everywhere, in their order and with their arguments, against the core
 //! without any FMI in between.
 use catenary::Subsystem as Line;
-use component::{Component, Role};
+use component::{Causality, Component};
 use fmi2::abi::{
     DirectionalDerivativeFn, DoStepFn, FALSE, GetFn, OutputDerivativesFn, PlainFn, SetFn, SetInputDerivativesFn,
     SetStateFn, SetupExperimentFn, StatePointerFn, Status, TRUE, fmi2Component, fmi2FMUstate,
@@ -48,13 +48,15 @@ trait Core {
 
 struct Alone<C: Component> {
     component: C,
-    names: Vec<(String, Role)>,
+    names: Vec<(String, Causality)>,
     saved: C::Checkpoint,
 }
 
 impl<C: Component> Alone<C> {
     fn new(scene: &Scene) -> Self {
-        let names = C::signals(scene).into_iter().map(|signal| (signal.name, signal.role));
+        let names = C::signals(scene)
+            .into_iter()
+            .map(|signal| (signal.name, signal.causality));
         Self {
             component: C::build(scene).unwrap(),
             names: names.collect(),
@@ -62,7 +64,7 @@ impl<C: Component> Alone<C> {
         }
     }
 
-    fn position(&self, name: &str, role: Role) -> usize {
+    fn position(&self, name: &str, role: Causality) -> usize {
         let found = self
             .names
             .iter()
@@ -73,15 +75,15 @@ impl<C: Component> Alone<C> {
 
 impl<C: Component> Core for Alone<C> {
     fn output(&mut self, name: &str) -> f64 {
-        self.component.output(self.position(name, Role::Output))
+        self.component.output(self.position(name, Causality::Output))
     }
 
     fn rate(&mut self, name: &str) -> f64 {
-        self.component.output_rate(self.position(name, Role::Output))
+        self.component.output_rate(self.position(name, Causality::Output))
     }
 
     fn set(&mut self, name: &str, values: &[f64]) {
-        let at = self.position(name, Role::Input);
+        let at = self.position(name, Causality::Input);
         self.component.set_input(at, values[0]);
         for (order, &value) in values.iter().enumerate().skip(1) {
             self.component.set_input_derivative(at, order, value);

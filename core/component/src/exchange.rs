@@ -1,120 +1,132 @@
-//! Values that cross the coupling: names and order of the values in the flat slices of a slave of the master.
+//! Values that cross the coupling, declared once: name, unit, meaning and order in the flat slices of a
+//! [`Slave`](cosim::slave::Slave).
 //!
 //! | side | inputs | outputs |
 //! | --- | --- | --- |
-//! | line | [`strip`] motion of each strip | [`contact`] of each strip, then the uplift of each recorded support |
+//! | line | [`strip`] motion of each strip | [`contact`] of each strip, then [`support`] uplift of each support |
 //! | pantograph | [`load`] | [`strip`] motion, work and wind |
 //!
 //! The names are those of the FMU variables.
 
-/// Motion of a collector strip: inputs of the line, and with work and wind the outputs of a pantograph.
-pub mod strip {
-    /// Position along the track, m.
-    pub const X: usize = 0;
-    /// Lateral position, m.
-    pub const Y: usize = 1;
-    /// Height above the top of rail, m.
-    pub const Z: usize = 2;
-    /// Velocity along the track, m/s; `VX + i` is the rate of `X + i`.
-    pub const VX: usize = 3;
-    /// Lateral velocity, m/s.
-    pub const VY: usize = 4;
-    /// Vertical velocity, m/s.
-    pub const VZ: usize = 5;
-    /// Roll angle, rad.
-    pub const ROLL: usize = 6;
-    /// Values of a motion.
-    pub const MOTION: usize = 7;
-    /// Work done by the contact on the strip since the start, J; an output only.
-    pub const WORK: usize = 7;
-    /// Drag of the wind on the body of the strip, N; an output only.
-    pub const WIND_DRAG: usize = 8;
-    /// Lift of the wind on the body of the strip, N, positive upward; an output only.
-    pub const WIND_LIFT: usize = 9;
-    /// Outputs of a pantograph.
-    pub const OUTPUTS: usize = 10;
-    /// Names, in order.
-    pub const NAMES: [&str; OUTPUTS] = [
-        "x",
-        "y",
-        "z",
-        "vx",
-        "vy",
-        "vz",
-        "roll",
-        "work",
-        "wind.drag",
-        "wind.lift",
-    ];
+/// Declares a group of signals: index, name, unit and meaning of each in the order of the flat slices. A signal without
+/// unit is a Boolean.
+macro_rules! group {
+    (
+        $(#[$doc:meta])*
+        $module:ident: $group:literal {
+            $($index:ident: $name:literal [$($unit:literal)?], $text:literal;)+
+        }
+        $($rest:item)*
+    ) => {
+        $(#[$doc])*
+        pub mod $module {
+            use crate::DeclaredSignal;
+
+            #[allow(non_camel_case_types, clippy::upper_case_acronyms, reason = "names of the constants below")]
+            enum Index {
+                $($index),+
+            }
+
+            /// Name of the group in names of signals.
+            pub const GROUP: &str = $group;
+            /// Signals of a member, by index.
+            pub const SIGNALS: [DeclaredSignal; [$($name),+].len()] = [
+                $(DeclaredSignal { name: $name, kind: group!(@kind $($unit)?), description: $text }),+
+            ];
+            $(
+                #[doc = concat!("Index: ", $text $(, ", ", $unit)?, ".")]
+                pub const $index: usize = Index::$index as usize;
+            )+
+            $($rest)*
+        }
+    };
+    (@kind $unit:literal) => { crate::SignalKind::Real($unit) };
+    (@kind) => { crate::SignalKind::Boolean };
 }
 
-/// Outputs of the line per strip.
-pub mod contact {
-    /// Force on the strip along the track, N; `FX`, `FX + 1`, `FX + 2` are x, y, z.
-    pub const FX: usize = 0;
-    /// Vertical force on the strip, N, not positive on a level strip.
-    pub const FZ: usize = 2;
-    /// Mean over the last communication step of the force on the strip, N; three components.
-    pub const MEAN_FX: usize = 3;
-    /// Vertical component of the mean, N.
-    pub const MEAN_FZ: usize = 5;
-    /// Lateral position of the contact point, m.
-    pub const Y: usize = 6;
-    /// Contact force, N, not negative.
-    pub const FORCE: usize = 7;
-    /// Contact force at j/10 of the last communication step, j = 1…10, N.
-    pub const SAMPLES: usize = 8;
-    /// Number of samples.
-    pub const SAMPLE_COUNT: usize = 10;
-    /// Contact point along the track, m.
-    pub const X: usize = 18;
-    /// Height of the wire at the contact point, m.
-    pub const WIRE_Z: usize = 19;
-    /// Gap between strip and wire, m, positive when open.
-    pub const GAP: usize = 20;
-    /// Work done by the strip on the line since the start, J.
-    pub const WORK: usize = 21;
-    /// Outputs per strip.
-    pub const COUNT: usize = 22;
-    /// Names, in order.
-    pub const NAMES: [&str; COUNT] = [
-        "fx",
-        "fy",
-        "fz",
-        "mean_fx",
-        "mean_fy",
-        "mean_fz",
-        "y",
-        "force",
-        "sample[1]",
-        "sample[2]",
-        "sample[3]",
-        "sample[4]",
-        "sample[5]",
-        "sample[6]",
-        "sample[7]",
-        "sample[8]",
-        "sample[9]",
-        "sample[10]",
-        "x",
-        "wire.z",
-        "gap",
-        "work",
-    ];
+group! {
+    /// Motion of a collector strip: inputs of the line, and with work and wind the outputs of a pantograph.
+    ///
+    /// The components x, y, z of position and velocity follow each other.
+    strip: "strip" {
+        X: "x" ["m"], "Position of the strip's middle along the track";
+        Y: "y" ["m"], "Lateral position of the strip's middle, positive to the left";
+        Z: "z" ["m"], "Height of the strip's middle above the top of rail";
+        VX: "vx" ["m/s"], "Velocity of the strip along the track";
+        VY: "vy" ["m/s"], "Lateral velocity of the strip";
+        VZ: "vz" ["m/s"], "Vertical velocity of the strip";
+        ROLL: "roll" ["rad"], "Roll angle of the strip about the direction of travel";
+        WORK: "work" ["J"], "Work done by the contact on the strip since the start";
+        WIND_DRAG: "wind.drag" ["N"], "Drag of the wind on the body of the strip, along the air that meets it";
+        WIND_LIFT: "wind.lift" ["N"],
+            "Lift of the wind on the body of the strip, across the air that meets it, positive upward";
+    }
+
+    /// Number of values of a motion.
+    pub const MOTION: usize = WORK;
+    /// Number of outputs of a pantograph.
+    pub const OUTPUTS: usize = SIGNALS.len();
 }
 
-/// Inputs of a pantograph.
-pub mod load {
-    /// Force on the strip along the track, N; `FX`, `FX + 1`, `FX + 2` are x, y, z.
-    pub const FX: usize = 0;
-    /// Vertical force on the strip, N.
-    pub const FZ: usize = 2;
-    /// Lateral position of the contact point, m.
-    pub const Y: usize = 3;
-    /// Inputs.
-    pub const COUNT: usize = 4;
-    /// Names, in order.
-    pub const NAMES: [&str; COUNT] = ["fx", "fy", "fz", "y"];
+group! {
+    /// Outputs of the line per strip. The first [`COUNT`](contact::COUNT) are exchanged; the others are variables of
+    /// the FMU only.
+    ///
+    /// The components x, y, z of forces follow each other.
+    contact: "contact" {
+        FX: "fx" ["N"], "Force on the strip in x";
+        FY: "fy" ["N"], "Force on the strip in y";
+        FZ: "fz" ["N"], "Force on the strip in z";
+        MEAN_FX: "mean_fx" ["N"], "Mean of the force on the strip in x over the last communication step";
+        MEAN_FY: "mean_fy" ["N"], "Mean of the force on the strip in y over the last communication step";
+        MEAN_FZ: "mean_fz" ["N"], "Mean of the force on the strip in z over the last communication step";
+        Y: "y" ["m"], "Lateral position of the contact point";
+        FORCE: "force" ["N"], "Normal contact force, compression positive";
+        SAMPLES: "sample[1]" ["N"], "Normal contact force at 1/10 of the last communication step";
+        SAMPLE_2: "sample[2]" ["N"], "Normal contact force at 2/10 of the last communication step";
+        SAMPLE_3: "sample[3]" ["N"], "Normal contact force at 3/10 of the last communication step";
+        SAMPLE_4: "sample[4]" ["N"], "Normal contact force at 4/10 of the last communication step";
+        SAMPLE_5: "sample[5]" ["N"], "Normal contact force at 5/10 of the last communication step";
+        SAMPLE_6: "sample[6]" ["N"], "Normal contact force at 6/10 of the last communication step";
+        SAMPLE_7: "sample[7]" ["N"], "Normal contact force at 7/10 of the last communication step";
+        SAMPLE_8: "sample[8]" ["N"], "Normal contact force at 8/10 of the last communication step";
+        SAMPLE_9: "sample[9]" ["N"], "Normal contact force at 9/10 of the last communication step";
+        SAMPLE_10: "sample[10]" ["N"], "Normal contact force at 10/10 of the last communication step";
+        X: "x" ["m"], "Position of the contact point along the track";
+        WIRE_Z: "wire.z" ["m"], "Height of the contact wire at the contact point";
+        GAP: "gap" ["m"], "Gap between strip and wire, positive when open";
+        WORK: "work" ["J"], "Work done by the strip on the line since the start";
+        MEAN_FORCE: "mean_force" ["N"], "Mean of the normal contact force over the last communication step";
+        WIRE_VZ: "wire.vz" ["m/s"], "Vertical velocity of the contact wire at the contact point";
+        CLOSED: "closed" [], "Whether strip and wire touch";
+    }
+
+    /// Number of force samples in a communication step, from [`SAMPLES`] on.
+    pub const SAMPLE_COUNT: usize = X - SAMPLES;
+    /// Number of exchanged values per strip.
+    pub const COUNT: usize = MEAN_FORCE;
+}
+
+group! {
+    /// Outputs of the line per recorded support.
+    support: "support" {
+        UPLIFT: "uplift" ["m"], "Rise of the contact wire at support {} above its height at the start";
+    }
+}
+
+group! {
+    /// Inputs of a pantograph, as its contact 1.
+    ///
+    /// The components x, y, z of the force follow each other.
+    load: "contact" {
+        FX: "fx" ["N"], "Force on the strip along the track";
+        FY: "fy" ["N"], "Lateral force on the strip";
+        FZ: "fz" ["N"], "Vertical force on the strip, negative when the wire presses it down";
+        Y: "y" ["m"], "Lateral position of the contact";
+    }
+
+    /// Number of inputs.
+    pub const COUNT: usize = SIGNALS.len();
 }
 
 /// Number of outputs of a line with `strips` strips and `supports` recorded supports.
@@ -128,9 +140,8 @@ pub fn line_output_count(strips: usize, supports: usize) -> usize {
 pub fn line_inputs(strips: usize) -> Vec<String> {
     (1..=strips)
         .flat_map(|i| {
-            strip::NAMES[..strip::MOTION]
-                .iter()
-                .map(move |name| format!("strip[{i}].{name}"))
+            let motion = strip::SIGNALS[..strip::MOTION].iter();
+            motion.map(move |signal| signal.of(strip::GROUP, i))
         })
         .collect()
 }
@@ -138,22 +149,26 @@ pub fn line_inputs(strips: usize) -> Vec<String> {
 /// Names of the line's outputs; `supports` are the numbers (from 1) of the recorded supports.
 #[must_use]
 pub fn line_outputs(strips: usize, supports: &[usize]) -> Vec<String> {
+    let uplift = support::SIGNALS[support::UPLIFT];
     (1..=strips)
-        .flat_map(|i| contact::NAMES.iter().map(move |name| format!("contact[{i}].{name}")))
-        .chain(supports.iter().map(|k| format!("support[{k}].uplift")))
+        .flat_map(|i| {
+            let exchanged = contact::SIGNALS[..contact::COUNT].iter();
+            exchanged.map(move |signal| signal.of(contact::GROUP, i))
+        })
+        .chain(supports.iter().map(|&k| uplift.of(support::GROUP, k)))
         .collect()
 }
 
 /// Names of a pantograph's inputs.
 #[must_use]
 pub fn pantograph_inputs() -> Vec<String> {
-    load::NAMES.iter().map(|name| format!("contact[1].{name}")).collect()
+    load::SIGNALS.iter().map(|signal| signal.of(load::GROUP, 1)).collect()
 }
 
 /// Names of a pantograph's outputs.
 #[must_use]
 pub fn pantograph_outputs() -> Vec<String> {
-    strip::NAMES.iter().map(|name| format!("strip[1].{name}")).collect()
+    strip::SIGNALS.iter().map(|signal| signal.of(strip::GROUP, 1)).collect()
 }
 
 #[cfg(test)]
@@ -176,5 +191,21 @@ mod tests {
         assert_eq!(pantograph_inputs()[load::FZ], "contact[1].fz");
         assert_eq!(pantograph_outputs()[strip::WORK], "strip[1].work");
         assert_eq!(pantograph_outputs()[strip::WIND_LIFT], "strip[1].wind.lift");
+    }
+
+    #[test]
+    fn counts_and_components_follow_from_the_order_of_the_rows() {
+        assert_eq!(
+            (strip::MOTION, strip::OUTPUTS, contact::COUNT, load::COUNT),
+            (7, 10, 22, 4)
+        );
+        assert_eq!(contact::SAMPLE_COUNT, 10);
+        assert_eq!([strip::VX, strip::VY, strip::VZ], [3, 4, 5]);
+        assert_eq!(
+            [contact::FX, contact::FZ, contact::MEAN_FX, contact::MEAN_FZ],
+            [0, 2, 3, 5]
+        );
+        let units = contact::SIGNALS[contact::COUNT..].iter().map(|signal| signal.unit());
+        assert!(units.eq([Some("N"), Some("m/s"), None]));
     }
 }

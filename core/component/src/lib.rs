@@ -12,6 +12,7 @@ mod picture;
 mod point;
 mod share;
 mod signal;
+mod table;
 
 pub use common::{of_pantograph, solver_parameters, start_parameters};
 pub use observer::{Observer, Progress};
@@ -19,7 +20,9 @@ pub use parameter::Parameter;
 pub use picture::{DropperLine, Frame};
 pub use point::Point;
 pub use share::Share;
-pub use signal::{Kind, Role, Signal};
+pub use signal::{Causality, DeclaredSignal, Signal, SignalKind};
+use table::located;
+pub use table::{Access, SignalEntry, SignalGroup, positions};
 
 use scene::{Scene, SceneError};
 use serde::{Serialize, de::DeserializeOwned};
@@ -56,14 +59,16 @@ pub trait Component: Sized + Send + 'static {
     type Checkpoint: Clone + Default + Send + Serialize + DeserializeOwned + 'static;
     /// Reason why construction failed.
     type Error: Error + Send + Sync + 'static;
+    /// Array of [`SignalGroup`]s.
+    type Groups: AsRef<[SignalGroup<Self>]>;
 
     /// Short name, a C identifier.
     const IDENTIFIER: &'static str;
     /// One sentence that describes the component.
     const DESCRIPTION: &'static str;
 
-    /// Reads a scene from the text of a file; `origin` is its name in messages. A component whose rules choose what a scene
-    /// leaves open does so here.
+    /// Reads a scene from the text of a file; `origin` is its name in messages. A component whose rules choose what a
+    /// scene leaves open does so here.
     ///
     /// # Errors
     /// Every problem found.
@@ -80,7 +85,15 @@ pub trait Component: Sized + Send + 'static {
     }
 
     /// Inputs and outputs for a scene, sized from the scene; start values of inputs are the values of the equilibrium.
-    fn signals(scene: &Scene) -> Vec<Signal>;
+    fn signals(scene: &Scene) -> Vec<Signal> {
+        table::signals(Self::groups_of(scene).as_ref(), scene)
+    }
+
+    /// Groups of signals of a component made from `scene`, in the order of the signals.
+    fn groups_of(scene: &Scene) -> Self::Groups;
+
+    /// The same groups for the component itself.
+    fn groups(&self) -> Self::Groups;
 
     /// Physical values of the scene on which this component depends.
     fn parameters(scene: &Scene) -> Vec<Parameter>;
@@ -92,22 +105,67 @@ pub trait Component: Sized + Send + 'static {
     fn build(scene: &Scene) -> Result<Self, Self::Error>;
 
     /// Sets an input; the derivatives of the input become zero.
-    fn set_input(&mut self, signal: usize, value: f64);
+    fn set_input(&mut self, signal: usize, value: f64) {
+        let at = located(self.groups().as_ref(), signal);
+        match at.entry.access {
+            Access::Input { set, .. } => set(self, at.member, at.index, value),
+            Access::Parameter { set, .. } => set(self, value),
+            Access::Output { .. } => panic!("{} is an output", at.entry.declared.name),
+        }
+    }
 
     /// Present value of an input.
-    fn input(&self, signal: usize) -> f64;
+    fn input(&self, signal: usize) -> f64 {
+        let at = located(self.groups().as_ref(), signal);
+        match at.entry.access {
+            Access::Input { get, .. } => get(self, at.member, at.index),
+            Access::Parameter { get, .. } => get(self),
+            Access::Output { .. } => panic!("{} is an output", at.entry.declared.name),
+        }
+    }
 
     /// Sets the derivative of order 1 to 3 of a continuous input at the start of the next step.
-    fn set_input_derivative(&mut self, signal: usize, order: usize, value: f64);
+    fn set_input_derivative(&mut self, signal: usize, order: usize, value: f64) {
+        let at = located(self.groups().as_ref(), signal);
+        match at.entry.access {
+            Access::Input { set_derivative, .. } => set_derivative(self, at.member, at.index, order, value),
+            _ => panic!("{} is no continuous input", at.entry.declared.name),
+        }
+    }
 
     /// Value of an output, with the inputs set since the last step.
-    fn output(&mut self, signal: usize) -> f64;
+    fn output(&mut self, signal: usize) -> f64 {
+        let at = located(self.groups().as_ref(), signal);
+        match at.entry.access {
+            Access::Output { get, .. } => get(self, at.member),
+            Access::Input { get, .. } => get(self, at.member, at.index),
+            Access::Parameter { get, .. } => get(self),
+        }
+    }
 
     /// First derivative of an output with respect to time, if known to the component, else 0.
-    fn output_rate(&mut self, signal: usize) -> f64;
+    fn output_rate(&mut self, signal: usize) -> f64 {
+        let at = located(self.groups().as_ref(), signal);
+        match at.entry.access {
+            Access::Output { rate, .. } => rate(self, at.member),
+            _ => 0.0,
+        }
+    }
 
     /// Partial derivative of an output with respect to an input, states frozen.
-    fn sensitivity(&mut self, output: usize, input: usize) -> f64;
+    fn sensitivity(&mut self, output: usize, input: usize) -> f64 {
+        let groups = self.groups();
+        let (output, input) = (located(groups.as_ref(), output), located(groups.as_ref(), input));
+        match (&output.entry.access, &input.entry.access) {
+            (
+                Access::Output {
+                    partial: Some(partial), ..
+                },
+                Access::Input { .. },
+            ) if output.member == input.member => partial(self, output.member, input.index),
+            _ => 0.0,
+        }
+    }
 
     /// Advances from `t` to `t + h`, s.
     ///

@@ -1,71 +1,78 @@
 //! Inputs and outputs by name.
 
-/// Type of a signal's values.
+/// Type of a signal's values, with the unit of a real number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SignalKind {
     /// A real number in this unit.
     Real(&'static str),
     /// A whole number.
     Integer,
-    /// Yes or no.
+    /// True or false.
     Boolean,
 }
 
-/// Direction of a signal.
+/// Direction of a signal, with the words of FMI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum Causality {
     /// Set from outside between steps.
     Input,
     /// Read from outside.
     Output,
     /// A switch that is set before the start.
-    Setting,
+    Parameter,
 }
 
-/// One named signal.
+/// Name, unit and meaning of a signal, the same for every member of its group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DeclaredSignal {
+    /// Name within the group: `wire.z` of `contact[1].wire.z`.
+    pub name: &'static str,
+    /// See [`SignalKind`].
+    pub kind: SignalKind,
+    /// One sentence; `{}` stands for the number of the member.
+    pub description: &'static str,
+}
+
+impl DeclaredSignal {
+    /// A real signal.
+    #[must_use]
+    pub const fn real(name: &'static str, unit: &'static str, description: &'static str) -> Self {
+        Self {
+            name,
+            kind: SignalKind::Real(unit),
+            description,
+        }
+    }
+
+    /// Unit of a real signal.
+    #[must_use]
+    pub const fn unit(&self) -> Option<&'static str> {
+        match self.kind {
+            SignalKind::Real(unit) => Some(unit),
+            _ => None,
+        }
+    }
+
+    /// Full name in member `number` (from 1) of `group`: `contact[1].wire.z`.
+    #[must_use]
+    pub fn of(&self, group: &str, number: usize) -> String {
+        format!("{group}[{number}].{}", self.name)
+    }
+}
+
+/// One named signal of a component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signal {
     /// Structured name, `strip[1].z`.
     pub name: String,
-    /// See [`Role`].
-    pub role: Role,
-    /// See [`Kind`].
-    pub kind: Kind,
+    /// See [`Causality`].
+    pub causality: Causality,
+    /// See [`SignalKind`].
+    pub kind: SignalKind,
     /// One sentence.
     pub description: String,
-    /// Start value of an input or setting.
+    /// Start value of an input or parameter; 0 for an output.
     pub start: f64,
-    /// Positions of the inputs an output depends on without a step in between.
+    /// Positions of the inputs on which an output depends without a step in between.
     pub feedthrough: Vec<usize>,
-}
-
-impl Signal {
-    /// A real input.
-    pub fn input(name: impl Into<String>, unit: &'static str, start: f64, description: impl Into<String>) -> Self {
-        Self::new(name, Role::Input, Kind::Real(unit), start, description)
-    }
-
-    /// A real output.
-    pub fn output(name: impl Into<String>, unit: &'static str, description: impl Into<String>) -> Self {
-        Self::new(name, Role::Output, Kind::Real(unit), 0.0, description)
-    }
-
-    /// A signal of any kind.
-    pub fn new(name: impl Into<String>, role: Role, kind: Kind, start: f64, description: impl Into<String>) -> Self {
-        Self {
-            name: name.into(),
-            role,
-            kind,
-            description: description.into(),
-            start,
-            feedthrough: Vec::new(),
-        }
-    }
-
-    /// Declares the inputs on which an output depends directly.
-    #[must_use]
-    pub fn fed_by(mut self, inputs: &[usize]) -> Self {
-        self.feedthrough = inputs.to_vec();
-        self
-    }
 }

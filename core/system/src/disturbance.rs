@@ -1,18 +1,19 @@
-//! Disturbances put on a run to test its stability: moved strips, discarded and repeated steps, a start out of equilibrium.
+//! Disturbances put on a run to test its stability: moved strips, discarded and repeated steps, a start out of
+//! equilibrium.
 
 /// One smooth ramp of a [`Lift`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ramp {
-    /// When it begins, s.
+    /// Begin, s.
     pub start: f64,
-    /// How long it takes, s.
+    /// Length, s.
     pub duration: f64,
     /// By what it raises the strip, m; negative lowers it.
     pub rise: f64,
 }
 
-/// A motion of every strip relative to its pantograph: lowering and raising, or, the other way round, steps in the height of
-/// the wire.
+/// A motion of every strip relative to its pantograph: lowering and raising, or, the other way round, steps in the
+/// height of the wire.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lift(pub Vec<Ramp>);
 
@@ -39,15 +40,15 @@ pub struct Discards {
     pub one_in: u64,
 }
 
-/// A start of the line at rest out of its equilibrium: half a sine in each span, neighbours against each other, both wires
-/// alike. That is nearly the first mode of a line of equal spans.
+/// A start of the line at rest out of its equilibrium: half a sine in each span, neighbours against each other, both
+/// wires alike. That is nearly the first mode of a line of equal spans.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deflection {
     /// m.
     pub amplitude: f64,
 }
 
-/// What is done to a run.
+/// Kind of disturbance of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Disturbance {
     /// Moves the strips.
@@ -58,7 +59,7 @@ pub struct Disturbance {
     pub repeated: bool,
     /// Starts the line of one system out of its equilibrium.
     pub deflection: Option<Deflection>,
-    /// Whether the energy of the one system is followed; its macro step is then its micro step.
+    /// True to follow the energy of the one system; its macro step is then its micro step.
     pub audited: bool,
 }
 
@@ -66,7 +67,7 @@ pub struct Disturbance {
 pub(crate) struct Lifted {
     /// The strip on its pantograph.
     pub marker: Box<dyn dynamics::Marker>,
-    /// How it moves.
+    /// Motion.
     pub lift: Lift,
 }
 

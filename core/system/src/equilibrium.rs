@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 1e-6;
 /// The correction contracts by a hundred and more each time, by three where two strips share a span.
 const ITERATIONS: usize = 60;
 
-/// Why there is no state to start from.
+/// Reason why there is no state to start from.
 #[derive(Debug, thiserror::Error)]
 pub enum EquilibriumError {
     /// The line cannot be solved under its strips.
@@ -39,8 +39,8 @@ pub enum EquilibriumError {
     },
     /// The wire is too high.
     #[error(
-        "pantograph[{pantograph}]: at the height of the wire over its start, {height:.4} m, it exerts {force:.3} N: it must \
-         push up there"
+        "pantograph[{pantograph}]: at the height of the wire over its start, {height:.4} m, it exerts {force:.3} N: \
+         it must push up there"
     )]
     OutOfReach {
         /// From 1.
@@ -52,15 +52,15 @@ pub enum EquilibriumError {
     },
     /// The correction does not settle.
     #[error(
-        "run.start_x = {start_x} m: no balance between the line and pantograph {pantograph}, whose strip starts at x = {x} m: \
-         {residual:.3e} N remain after {iterations} iterations, tolerance {TOLERANCE:.0e} N"
+        "run.start_x = {start_x} m: no balance between the line and pantograph {pantograph}, whose strip starts at x \
+         = {x} m: {residual:.3e} N remain after {iterations} iterations, tolerance {TOLERANCE:.0e} N"
     )]
     NotConverged {
         /// Key of the scene, m.
         start_x: f64,
         /// From 1, the one with the largest difference.
         pantograph: usize,
-        /// Of its strip, m.
+        /// Height of its strip, m.
         x: f64,
         /// Largest difference of forces, N.
         residual: f64,
@@ -112,7 +112,7 @@ pub fn wire_height(scene: &Scene, statics: &StaticLine, index: usize, force: f64
 /// Writes into the scene what a start needs and the file leaves open: `reference_height` of lumped pantographs and
 /// `pantograph.start` of all pantographs modelled here.
 ///
-/// What the scene already says is kept, so that a resolved scene resolves to itself.
+/// Values that the scene already gives are kept, so that a resolved scene resolves to itself.
 ///
 /// # Errors
 /// See [`EquilibriumError`].
@@ -188,14 +188,14 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// How far strips must rise per newton that is missing, m/N, by Broyden's method [Broyden, Math. Comp. 19 (1965)]; with one strip a
-/// secant.
+/// Rise of the strips per newton that is missing, m/N, by Broyden's method [Broyden, Math. Comp. 19 (1965)]; with
+/// one strip a secant.
 struct Compliance {
     rows: Vec<Vec<f64>>,
 }
 
 impl Compliance {
-    /// Of strips that do not see each other, on these stiffnesses (N/m).
+    /// Equilibrium of strips that do not see each other, on these stiffnesses (N/m).
     fn diagonal(stiffness: &[f64]) -> Self {
         let row = |i: usize| {
             (0..stiffness.len())
@@ -212,8 +212,8 @@ impl Compliance {
         self.rows.iter().map(product).collect()
     }
 
-    /// Takes in that a rise (m) has changed the missing forces by `change` (N), where that tells more than rounding and more than
-    /// a contact that has just closed.
+    /// Takes in that a rise (m) has changed the missing forces by `change` (N), where that tells more than rounding and
+    /// more than a contact that has just closed.
     fn learn(&mut self, rise: &[f64], change: &[f64]) {
         let square: f64 = rise.iter().map(|s| s * s).sum();
         let expected = self.times(change);
@@ -234,8 +234,8 @@ impl Compliance {
 
 /// Moves the strips of `sides` until the line presses on each as hard as its pantograph pushes.
 ///
-/// The first correction takes the line's own stiffness under each strip, contact included; how strips in one span see each other
-/// is learnt from the corrections.
+/// The first correction takes the line's own stiffness under each strip, contact included; how strips in one span see
+/// each other is learnt from the corrections.
 fn balance(
     scene: &Scene,
     statics: &StaticLine,

@@ -21,7 +21,7 @@ use crate::time_shares::{self, Profile};
 /// Difference of forces below which the start counts as rest, N.
 const AT_REST: f64 = 1e-3;
 
-/// Why there is no single system.
+/// Reason why there is no single system.
 #[derive(Debug, thiserror::Error)]
 pub enum OneSystemError {
     /// The line.
@@ -52,19 +52,19 @@ pub struct OneSystem {
     crossed: f64,
 }
 
-/// What is followed besides the contact.
+/// Observed values besides the contact.
 struct Audit {
     balance: EnergyBalance,
     deflected: f64,
     slack: usize,
 }
 
-/// What was seen of one system.
+/// Observations of one system.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Evidence {
     /// Energy that nothing accounts for at the end, J; positive where the integration has made it.
     pub residual: f64,
-    /// Its largest amount, J.
+    /// Largest amount of the energy, J.
     pub worst_residual: f64,
     /// Work of prescribed motion and heat, their amounts summed step by step, J.
     pub exchanged: f64,
@@ -162,7 +162,7 @@ impl OneSystem {
         })
     }
 
-    /// Puts a disturbance on the run to come; steps are not discarded, as nobody could take them back.
+    /// Puts a disturbance on the run to come; steps are not discarded, as there is no way to take them back.
     ///
     /// # Errors
     /// A deflected line without accelerations at the start.
@@ -223,7 +223,7 @@ impl OneSystem {
         self.simulator.start_accelerations().map_err(OneSystemError::Start)
     }
 
-    /// What was seen of the run so far, where it was audited.
+    /// Observations of the run so far, where the run is audited.
     #[must_use]
     pub fn evidence(&self) -> Option<Evidence> {
         let Audit {
@@ -246,23 +246,23 @@ impl OneSystem {
         })
     }
 
-    /// What a reader must be told on the energy that the time steps have made at the droppers; nothing where it is a small share of
-    /// the work that crossed the contact.
+    /// Note for the reader on the energy that the time steps have made at the droppers; nothing where the energy is a
+    /// small share of the work that crossed the contact.
     #[must_use]
     pub fn energy_note(&self) -> Option<String> {
         let made = self.simulator.system.slackening.made();
         (made > ENERGY_SHARE * self.crossed).then(|| {
             format!(
-                "the time steps made {made:.3} J at droppers that go slack and taut ({:.1} % of the {:.1} J of work that crossed the \
-                 contact), so that the force may vary more than it should: a shorter solver.micro_step or some \
-                 catenary.droppers.damping leaves less",
+                "the time steps made {made:.3} J at droppers that go slack and taut ({:.1} % of the {:.1} J of work \
+                 that crossed the contact), so that the force may vary more than it should: a shorter \
+                 solver.micro_step or some catenary.droppers.damping leaves less",
                 100.0 * made / self.crossed,
                 self.crossed
             )
         })
     }
 
-    /// Whether every pantograph of a scene is modelled here.
+    /// True where every pantograph of a scene is modelled here.
     #[must_use]
     pub fn can(scene: &Scene) -> bool {
         let own = |pantograph: &scene::Pantograph| !matches!(pantograph.model, Entry::Supplied(_));
@@ -276,7 +276,7 @@ impl OneSystem {
         (layout.coordinates(), layout.constraints())
     }
 
-    /// What is exchanged between the two sides, as a communication point at `t` in s.
+    /// Values exchanged between the two sides, as a communication point at `t` in s.
     #[must_use]
     pub fn point(&mut self, t: f64) -> Point {
         let strips = self.simulator.system.contacts.len();

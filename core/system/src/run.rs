@@ -18,7 +18,7 @@ pub struct Schedule {
     pub duration: f64,
     /// Communication step, s.
     pub macro_step: f64,
-    /// Whether the last step may be shorter than the others; where not, it may pass the duration.
+    /// True where the last step may be shorter than the others; else the last step may pass the duration.
     pub may_shorten: bool,
 }
 
@@ -66,16 +66,16 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// What a run left behind, complete or not.
+/// Result of a run, complete or not.
 #[derive(Debug)]
 pub struct Outcome<E: std::error::Error + 'static> {
-    /// Why it did not reach its end.
+    /// Reason why the run did not reach its end.
     pub failure: Option<Failure<E>>,
     /// Energy that the coupling added, J.
     pub energy_residual: f64,
     /// The same as a share of the work that crossed the contact (–).
     pub energy_share: f64,
-    /// What a reader must be told on the coupling, or on the time integration of one system.
+    /// Notes for the reader on the coupling, or on the time integration of one system.
     pub notes: Vec<String>,
     /// Simulated time, s.
     pub simulated: f64,
@@ -89,7 +89,7 @@ pub struct Outcome<E: std::error::Error + 'static> {
     pub steps: Steps,
     /// Work of all slaves during the run.
     pub work: Work,
-    /// What `wall` was spent on; empty where nobody takes the slaves' time.
+    /// Shares of `wall`; empty where the slaves' time is not taken.
     pub shares: Vec<Share>,
 }
 

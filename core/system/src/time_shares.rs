@@ -1,8 +1,8 @@
-//! Where the wall time of a run goes: shares of its time loop.
+//! Shares of the parts of a run in the wall time of its time loop.
 //!
 //! | what runs | parts | how they are measured |
 //! | --- | --- | --- |
-//! | coupled sides | `catenary`, `pantograph[i]` with its vehicle | every call of a side, see [`Timed`](cosim::timed::Timed) |
+//! | coupled sides | `catenary`, `pantograph[i]` with its vehicle | calls of a side: [`Timed`](cosim::timed::Timed) |
 //! | one system | contributions, solver | an [`Profile`]: one step in [`EVERY`], factorisations always |
 //!
 //! The last share is always [`MASTER`]: what is left of the time loop, coupling and recording above all.
@@ -13,7 +13,7 @@ use dynamics::Stage;
 
 use component::Share;
 
-/// What is left.
+/// Remainder.
 pub const MASTER: &str = "master";
 
 /// The pattern, assembly and factors of the iteration matrix.
@@ -25,15 +25,15 @@ pub const LINEAR_SOLUTION: &str = "linear_solution";
 /// Prediction, sums, applied corrections: what a step does beside its parts.
 pub const TIME_INTEGRATION: &str = "time_integration";
 
-/// One step in so many is looked at: some hundred looks at a clock, 30 ns each, cost a step of 30 µs 10 % and so a run 0.3 %. Prime, so
-/// that it does not keep pace with communication points and rows of output.
+/// One step in so many is timed, because reading the clock costs a noticeable part of a short step. Prime, so that the
+/// timed steps do not keep pace with communication points and rows of output.
 pub const EVERY: u64 = 31;
 
 /// More parts than a scene has: no memory is asked for later.
 const PARTS: usize = 32;
 
-/// Shares of `wall` s from the times (s) of parts that exclude one another; what is left is the [`MASTER`]'s. None where nothing was
-/// measured.
+/// Shares of `wall` s from the times (s) of parts that exclude one another; what is left is the [`MASTER`]'s. None
+/// where nothing was measured.
 #[must_use]
 pub fn shares(wall: f64, times: impl IntoIterator<Item = (String, f64)>) -> Vec<Share> {
     let mut shares: Vec<Share> = times
@@ -55,21 +55,22 @@ pub fn shares(wall: f64, times: impl IntoIterator<Item = (String, f64)>) -> Vec<
     shares
 }
 
-/// What the steps of one system are spent on.
+/// Parts on which the steps of one system spend their time.
 pub struct Profile {
     /// Steps that have ended.
     steps: u64,
-    /// Whether the present step is looked at.
+    /// True where the present step is timed.
     looks: bool,
     /// Time of each part in the steps that were looked at.
     parts: Vec<(&'static str, Duration)>,
-    /// Which part is under way, and since when, as far as it is not in `parts` yet.
+    /// Part under way, and since when, as far as it is not in `parts` yet.
     present: usize,
     since: Instant,
     /// Since when the matrix is being factored, where it is.
     factoring: Option<Instant>,
     factorization: Duration,
-    /// When the present advance has begun, and the time of those that have ended; what is done outside of them is no step.
+    /// Begin of the present advance, and the time of those that have ended; what is done outside of them is no
+    /// step.
     begun: Option<Instant>,
     advancing: Duration,
 }
@@ -94,7 +95,7 @@ impl Profile {
         }
     }
 
-    /// Whether it is worth telling what part is under way.
+    /// True where telling the part under way is worth its cost.
     #[must_use]
     pub fn looks(&self) -> bool {
         self.looks && self.begun.is_some() && self.factoring.is_none()
@@ -152,8 +153,8 @@ impl Profile {
         });
     }
 
-    /// What was under way comes too seldom, and takes too long where it does, for one step in [`EVERY`] to stand for others: it is left
-    /// out, as if it were spread over all parts.
+    /// Leaves out the part under way, as if spread over all parts: too rare, and too long, for one step in [`EVERY`] to
+    /// stand for others.
     pub fn leave_out(&mut self) {
         self.since = Instant::now();
     }
@@ -330,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn time_between_advances_is_nobodys_but_the_masters() {
+    fn time_between_advances_belongs_to_the_master_alone() {
         let mut profile = Profile::new();
         let begin = Instant::now();
         for _ in 0..2 {

@@ -227,6 +227,13 @@ impl Subsystem {
         pantograph.base_displaced(&motion)
     }
 
+    /// Number of wheels of the vehicle under the pantograph; 0 without vehicle.
+    #[must_use]
+    pub fn wheels(&self) -> usize {
+        let vehicle = self.simulator.system.pantograph.vehicle();
+        vehicle.map_or(0, |vehicle| 2 * vehicle.wheel_count())
+    }
+
     /// Vertical force of the rail on a wheel (from 0: left and right wheel of each wheelset in turn), N; 0 if there is
     /// no such wheel.
     pub fn wheel_load(&mut self, wheel: usize) -> f64 {

@@ -28,15 +28,15 @@ pub fn disturb(
 }
 
 fn wrap(slave: &mut Box<dyn Slave>, disturbance: &Disturbance, outputs: usize, number: u64) {
-    let free: Box<dyn Slave> = Box::new(Nobody);
+    let free: Box<dyn Slave> = Box::new(Absent);
     let inner = std::mem::replace(slave, free);
     *slave = Box::new(Disturbed::new(inner, disturbance, outputs, number));
 }
 
 /// Stands in for a slave while it is wrapped.
-struct Nobody;
+struct Absent;
 
-impl Slave for Nobody {
+impl Slave for Absent {
     fn name(&self) -> &str {
         ""
     }
@@ -118,7 +118,7 @@ impl Disturbed {
         }
     }
 
-    /// Whether this call is to fail.
+    /// True where this call is to fail.
     fn fails(&mut self) -> bool {
         let dice = self.dice.as_mut();
         dice.is_some_and(|(random, one_in)| random.next() % *one_in == 0)

@@ -5,6 +5,7 @@ use fmi2::import::{Fmu, StepOutcome};
 use fmi2::model_description::{BaseType, Causality, Variable};
 use scene::{ParameterValue, Scene};
 
+pub use crate::parameter::ExpectedValue;
 use crate::slave::{Abilities, Slave, SlaveError, finite};
 use component::Frame;
 use component::Work;
@@ -18,16 +19,16 @@ use drawing::{CoreDrawing, Drawing};
 pub use start::check_names;
 use start::{find, initialised, references};
 
-/// Why an FMU cannot take part.
+/// Reason why an FMU cannot take part.
 #[derive(Debug, thiserror::Error)]
 pub enum CosimulationError {
     /// The FMU itself reports it.
     #[error(transparent)]
     Fmi(#[from] fmi2::Error),
-    /// It runs in a process of its own, which reports it or has ended.
+    /// Report or end of the process in which the FMU is isolated.
     #[error(transparent)]
     Isolation(#[from] IsolationError),
-    /// It gives no usable outputs at the start.
+    /// No usable outputs at the start.
     #[error(transparent)]
     Slave(#[from] SlaveError),
     /// A variable that the wiring names.
@@ -51,8 +52,8 @@ pub enum CosimulationError {
         variable: String,
         /// Value of the scene.
         value: ParameterValue,
-        /// What it should be.
-        expected: String,
+        /// Value that the parameter takes.
+        expected: ExpectedValue,
     },
 }
 
@@ -66,13 +67,13 @@ impl From<InstanceError> for CosimulationError {
 }
 
 impl CosimulationError {
-    /// Whether what was asked for is to blame, and not what the FMU did.
+    /// True where the request is to blame, not the behaviour of the FMU.
     #[must_use]
     pub fn is_input(&self) -> bool {
         matches!(self, Self::NoVariable { .. } | Self::WrongType { .. }) || self.is_unfit()
     }
 
-    /// Whether the FMU cannot be used on this system at all.
+    /// True where the FMU cannot be used on this system at all.
     #[must_use]
     pub fn is_unfit(&self) -> bool {
         matches!(
@@ -87,7 +88,7 @@ impl CosimulationError {
         )
     }
 
-    /// Whether a call of the FMU returned a bad status, so that another one may still be tried.
+    /// True where a call of the FMU returned a bad status, so that another call may still be tried.
     #[must_use]
     pub fn is_refusal(&self) -> bool {
         matches!(
@@ -110,7 +111,7 @@ fn shown(value: &ParameterValue) -> String {
     }
 }
 
-/// What an FMU is to do in a run.
+/// Task of an FMU in a run.
 #[derive(Clone, Debug, Default)]
 pub struct Role {
     /// Name of the instance and of the slave.
@@ -127,9 +128,9 @@ pub struct Role {
     pub duration: f64,
     /// Highest order of input derivatives that the FMU is known to follow; the standard has no word for it.
     pub input_derivatives: usize,
-    /// Whether the FMU's debug messages are asked for.
+    /// True to ask for the FMU's debug messages.
     pub logging: bool,
-    /// How it is isolated; `None` where it runs in this process.
+    /// Isolation of the FMU; `None` where the FMU runs in this process.
     pub isolation: Option<Isolation>,
 }
 
@@ -242,14 +243,14 @@ impl FmuSlave {
         self
     }
 
-    /// What was done differently for its sake.
+    /// Notes on exceptions made for the FMU.
     #[must_use]
     pub fn remarks(&self) -> &[String] {
         &self.remarks
     }
 
-    /// Makes it draw itself with a component of the core, built from `scene`, that takes over the FMU's states; for FMUs
-    /// packaged from that scene only.
+    /// Makes it draw itself with a component of the core, built from `scene`, that takes over the FMU's states; for
+    /// FMUs packaged from that scene only.
     #[must_use]
     pub fn drawn_by<C: Component>(mut self, scene: Scene, draw: fn(&mut C, &mut Frame)) -> Self {
         self.drawing = Some(Box::new(CoreDrawing {

@@ -1,12 +1,12 @@
 //! Slaves made of the core components, in this process and without any protocol.
 
-use component::{Component, Role};
 use scene::Scene;
 
 use crate::slave::{Abilities, Slave, SlaveError, finite};
 use component::Frame;
 use component::Work;
-use component::exchange;
+use component::exchange::{contact, load, strip, support};
+use component::{Component, positions};
 use system::picture;
 
 /// A component as a slave.
@@ -29,9 +29,13 @@ impl InProcess<catenary::Subsystem> {
     /// A line without static equilibrium.
     pub fn line(scene: &Scene, supports: &[usize]) -> Result<Self, catenary::CatenaryError> {
         let component = catenary::Subsystem::build(scene)?;
-        let strips = scene.pantographs.len();
-        let names = (exchange::line_inputs(strips), exchange::line_outputs(strips, supports));
-        Ok(Self::new("line", component, scene, names, draw_line))
+        let groups = component.groups();
+        let strips = 0..scene.pantographs.len();
+        let inputs = positions(&groups, strip::GROUP, strips.clone(), &strip::SIGNALS[..strip::MOTION]);
+        let mut outputs = positions(&groups, contact::GROUP, strips, &contact::SIGNALS[..contact::COUNT]);
+        let recorded = supports.iter().map(|number| number - 1);
+        outputs.extend(positions(&groups, support::GROUP, recorded, &support::SIGNALS));
+        Ok(Self::new("line", component, scene, [inputs, outputs], draw_line))
     }
 }
 
@@ -43,9 +47,11 @@ impl InProcess<vehicle::Subsystem> {
     pub fn pantograph(scene: &Scene, index: usize) -> Result<Self, vehicle::VehicleError> {
         let own = component::of_pantograph(scene, index);
         let component = vehicle::Subsystem::build(&own)?;
-        let names = (exchange::pantograph_inputs(), exchange::pantograph_outputs());
+        let groups = component.groups();
+        let inputs = positions(&groups, load::GROUP, [0], &load::SIGNALS);
+        let outputs = positions(&groups, strip::GROUP, [0], &strip::SIGNALS);
         let name = format!("pantograph {}", index + 1);
-        Ok(Self::new(&name, component, &own, names, draw_pantograph))
+        Ok(Self::new(&name, component, &own, [inputs, outputs], draw_pantograph))
     }
 }
 
@@ -54,22 +60,17 @@ impl<C: Component> InProcess<C> {
         name: &str,
         component: C,
         scene: &Scene,
-        (inputs, outputs): (Vec<String>, Vec<String>),
+        [inputs, outputs]: [Vec<usize>; 2],
         draw: fn(&mut C, &mut Frame),
     ) -> Self {
         let signals = C::signals(scene);
-        let place = |name: &String, role: Role| {
-            let found = signals
-                .iter()
-                .position(|signal| signal.name == *name && signal.role == role);
-            found.unwrap_or_else(|| panic!("{} has no {role:?} {name}", C::IDENTIFIER))
-        };
+        let output_names = outputs.iter().map(|&position| signals[position].name.clone());
         Self {
             name: name.to_owned(),
             component,
-            inputs: inputs.iter().map(|name| place(name, Role::Input)).collect(),
-            outputs: outputs.iter().map(|name| place(name, Role::Output)).collect(),
-            output_names: outputs,
+            output_names: output_names.collect(),
+            inputs,
+            outputs,
             kept: C::Checkpoint::default(),
             t: 0.0,
             draw,

@@ -6,7 +6,7 @@
 //! | `algorithm` | who steps when, and from which values |
 //! | `run` | time loop, with a controlled macro step where asked for |
 //! | `inprocess` | slaves made of the core components |
-//! | `fmu_slave`, `parameter` | slaves made of FMUs, parameters of any type |
+//! | `fmu_slave`, `parameter` | slaves made of FMUs, values of their parameters |
 //! | `package` | FMUs made from a scene |
 //! | `timed` | slave whose time is taken |
 //! | `parallel` | slaves on threads of their own |
@@ -21,7 +21,7 @@ pub mod fmu_slave;
 pub mod inprocess;
 pub mod package;
 pub mod parallel;
-pub mod parameter;
+mod parameter;
 pub mod run;
 pub mod slave;
 pub mod test_problem;

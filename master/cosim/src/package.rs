@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use component::{Component, Role};
+use component::{Causality, Component};
 use fmi2::archive::{LIBRARY_EXTENSION, Package, binary_entry};
 use fmi2::import::Fmu;
 use scene::{Line, PantographModel, Scene};
@@ -16,7 +16,7 @@ mod needs;
 
 pub use needs::Needs;
 
-/// Of what is inside: this program's own, and those of the libraries it is made of.
+/// Licences of the content: this program's own, and those of the libraries it is made of.
 const LICENSES: [&str; 2] = [
     include_str!("../../../LICENSE"),
     include_str!("../../../fmu/licenses.txt"),
@@ -25,13 +25,13 @@ const LICENSES: [&str; 2] = [
 /// The libraries of the shells.
 const SHELLS: [&str; 2] = ["catenary_fmu", "pantograph_fmu"];
 
-/// Why the FMUs cannot be made.
+/// Reason why the FMUs cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum PackageError {
     /// A library is not there.
     #[error(
-        "{missing} is not beside this program ({folder}): run `cargo build --release` in the source tree, which builds program \
-         and libraries, and copy the library beside a program that is installed elsewhere"
+        "{missing} is not beside this program ({folder}): run `cargo build --release` in the source tree, which \
+         builds program and libraries, and copy the library beside a program that is installed elsewhere"
     )]
     NoLibrary {
         /// File name.
@@ -77,8 +77,8 @@ pub fn folder(scene: &str) -> PathBuf {
 }
 
 impl Libraries {
-    /// The libraries beside the program, where `cargo build --release`, `cargo test --release` and an installation put them;
-    /// looked for once per process.
+    /// The libraries beside the program, where `cargo build --release`, `cargo test --release` and an installation put
+    /// them; looked for once per process.
     ///
     /// # Errors
     /// [`PackageError::NoLibrary`].
@@ -98,7 +98,8 @@ impl Libraries {
     }
 }
 
-/// The newest file `name` beside the program, or in the folders where cargo leaves libraries that nobody asked for by name.
+/// The newest file `name` beside the program, or in the folders where cargo leaves libraries that were not asked for by
+/// name.
 fn newest(folder: &Path, name: &str) -> Result<PathBuf, PackageError> {
     let mut folders = vec![folder.to_owned(), folder.join("deps")];
     if folder.ends_with("deps") {
@@ -186,7 +187,7 @@ fn archive<C: Component>(scene: &Scene, library: Vec<u8>) -> Package {
     }
 }
 
-/// What the system has to bring along [FMI 2.0, 2.3].
+/// Needs from the system [FMI 2.0, 2.3].
 fn dependencies(identifier: &str, needs: &Needs) -> String {
     let mut text = format!("{} needs from the system", binary_entry(identifier));
     if let Some((major, minor)) = needs.glibc() {
@@ -205,36 +206,41 @@ fn dependencies(identifier: &str, needs: &Needs) -> String {
 /// The page that importers show.
 fn documentation<C: Component>(scene: &Scene) -> String {
     let mut page = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title></head><body>\n<h1>{0}</h1>\n\
-         <p>{1}</p>\n<p>Scene: {2}</p>\n<p>x runs along the track in the direction of travel, 0 at the first support, y to the \
-         left, z up from the top of rail; SI units. <i>contact.force</i> is positive in compression, <i>fx, fy, fz</i> act on \
-         the strip.</p>\n\
-         <p>Inside a step an input follows the derivatives given with fmi2SetRealInputDerivatives (orders 1 to 3, at the start of \
-         the step). Without them a strip position follows its velocity input while inputs.follow_velocity is true, and \
-         everything else is held. After the step the input keeps the value it has reached, and its derivatives are 0.</p>\n\
-         <p>fmi2GetDirectionalDerivative gives partial derivatives of outputs with respect to inputs at the communication \
-         point, states frozen; it is not what a change of the input does over a step.</p>\n\
-         <table border=\"1\" cellspacing=\"0\" cellpadding=\"3\"><tr><th>name</th><th></th><th>meaning</th></tr>\n",
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta \
+         charset=\"utf-8\"><title>{0}</title></head><body>\n<h1>{0}</h1>\n<p>{1}</p>\n<p>Scene: {2}</p>\n<p>x runs \
+         along the track in the direction of travel, 0 at the first support, y to the left, z up from the top of \
+         rail; SI units. <i>contact.force</i> is positive in compression, <i>fx, fy, fz</i> act on the strip.</p>\n\
+         <p>Inside a step an input follows the derivatives given with fmi2SetRealInputDerivatives (orders 1 to 3, at \
+         the start of the step). Without them a strip position follows its velocity input while \
+         inputs.follow_velocity is true, and everything else is held. After the step the input keeps the value it has \
+         reached, and its derivatives are 0.</p>\n<p>fmi2GetDirectionalDerivative gives partial derivatives of \
+         outputs with respect to inputs at the communication point, states frozen; it is not what a change of the \
+         input does over a step.</p>\n<table border=\"1\" cellspacing=\"0\" \
+         cellpadding=\"3\"><tr><th>name</th><th></th><th>meaning</th></tr>\n",
         C::IDENTIFIER,
         escape(C::DESCRIPTION),
         escape(&scene.title),
     );
-    let role = |role: Role| match role {
-        Role::Input => "input",
-        Role::Output => "output",
-        Role::Setting => "parameter",
+    let causality = |causality: Causality| match causality {
+        Causality::Input => "input",
+        Causality::Output => "output",
+        Causality::Parameter => "parameter",
     };
     let signals = C::signals(scene);
     let parameters = C::parameters(scene);
-    let signals = signals
-        .iter()
-        .map(|signal| (signal.name.as_str(), role(signal.role), signal.description.as_str()));
+    let signals = signals.iter().map(|signal| {
+        (
+            signal.name.as_str(),
+            causality(signal.causality),
+            signal.description.as_str(),
+        )
+    });
     let parameters = parameters
         .iter()
         .map(|parameter| (parameter.name.as_str(), "parameter", parameter.description.as_str()));
-    for (name, role, text) in signals.chain(parameters) {
+    for (name, causality, text) in signals.chain(parameters) {
         page.push_str(&format!(
-            "<tr><td>{}</td><td>{role}</td><td>{}</td></tr>\n",
+            "<tr><td>{}</td><td>{causality}</td><td>{}</td></tr>\n",
             escape(name),
             escape(text)
         ));

@@ -1,8 +1,9 @@
 //! Slaves that step on a thread of their own.
 //!
-//! A [`Parallel`] slave hands itself to its thread when it is asked to step, and is waited for when it is next asked for
-//! anything: an algorithm that steps several slaves before it reads them has them step side by side without knowing. Every slave
-//! does the same operations in the same order as without threads, so that results are the same bit for bit.
+//! A [`Parallel`] slave hands itself to its thread when it is asked to step, and is waited for when it is next asked
+//! for anything: an algorithm that steps several slaves before it reads them has them step side by side without
+//! knowing. Every slave does the same operations in the same order as without threads, so that results are the same bit
+//! for bit.
 
 #[cfg(test)]
 mod tests;
@@ -25,7 +26,7 @@ const ASKED: u8 = 1;
 const DONE: u8 = 2;
 const ENDED: u8 = 3;
 
-/// What goes to the thread and comes back.
+/// Data that goes to the thread and comes back.
 enum Parcel {
     Step(Box<dyn Slave>, f64, f64, Thread),
     Stepped(Box<dyn Slave>, Result<(), SlaveError>),
@@ -48,7 +49,7 @@ impl Post {
         self.parcel.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    /// Waits for a state that `is_it`, first awake, then asleep until somebody wakes this thread.
+    /// Waits for a state that `is_it`, first awake, then asleep until another thread wakes this one.
     fn wait(&self, is_it: impl Fn(u8) -> bool) -> u8 {
         let mut looks = 0;
         loop {
@@ -130,7 +131,7 @@ impl Parallel {
     }
 }
 
-/// What the thread does.
+/// Loop of the thread.
 fn serve(post: &Post) {
     loop {
         if post.wait(|state| state == ASKED || state == ENDED) == ENDED {

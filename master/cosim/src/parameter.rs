@@ -1,11 +1,11 @@
 //! Parameters of any type, as a scene writes them.
 
-use fmi2::model_description::{BaseType, Kind, ModelDescription, TypeShape, Variable};
+use fmi2::model_description::{BaseType, EnumerationItem, Kind, ModelDescription, TypeShape, Variable};
 use scene::ParameterValue;
 
 /// A value as the C interface takes it.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Typed {
+pub(crate) enum Typed {
     /// `fmi2SetReal`.
     Real(f64),
     /// `fmi2SetInteger`, also for an enumeration.
@@ -16,11 +16,40 @@ pub enum Typed {
     String(String),
 }
 
+/// Value that a variable takes in place of a refused one.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ExpectedValue {
+    /// Real variable.
+    #[error("a number")]
+    Number,
+    /// Integer variable.
+    #[error("a whole number")]
+    WholeNumber,
+    /// Boolean variable.
+    #[error("true or false")]
+    Boolean,
+    /// String variable.
+    #[error("a text")]
+    Text,
+    /// Enumeration.
+    #[error("one of {}", listed(.0))]
+    Item(Vec<EnumerationItem>),
+}
+
+fn listed(items: &[EnumerationItem]) -> String {
+    let names = items.iter().map(|item| format!("\"{}\" ({})", item.name, item.value));
+    names.collect::<Vec<_>>().join(", ")
+}
+
 /// The value of `variable`: an enumeration by name or number, a Boolean also as 0 or 1.
 ///
 /// # Errors
-/// What the value should be.
-pub fn typed(description: &ModelDescription, variable: &Variable, value: &ParameterValue) -> Result<Typed, String> {
+/// [`ExpectedValue`] where the variable does not take the value.
+pub(crate) fn typed(
+    description: &ModelDescription,
+    variable: &Variable,
+    value: &ParameterValue,
+) -> Result<Typed, ExpectedValue> {
     let whole = |number: f64| (number.fract() == 0.0 && number.abs() <= f64::from(i32::MAX)).then_some(number as i32);
     if matches!(variable.kind, Kind::Enumeration { .. }) {
         let items = variable
@@ -40,34 +69,30 @@ pub fn typed(description: &ModelDescription, variable: &Variable, value: &Parame
             }
             ParameterValue::Boolean(_) => None,
         };
-        let names: Vec<String> = items
-            .iter()
-            .map(|item| format!("\"{}\" ({})", item.name, item.value))
-            .collect();
         return found
             .map(Typed::Integer)
-            .ok_or_else(|| format!("one of {}", names.join(", ")));
+            .ok_or_else(|| ExpectedValue::Item(items.to_vec()));
     }
     match (variable.base_type(), value) {
         (BaseType::Real, ParameterValue::Number(number)) => Ok(Typed::Real(*number)),
-        (BaseType::Real, _) => Err("a number".to_owned()),
-        (BaseType::Integer, ParameterValue::Number(number)) => whole(*number)
-            .map(Typed::Integer)
-            .ok_or_else(|| "a whole number".to_owned()),
-        (BaseType::Integer, _) => Err("a whole number".to_owned()),
+        (BaseType::Real, _) => Err(ExpectedValue::Number),
+        (BaseType::Integer, ParameterValue::Number(number)) => {
+            whole(*number).map(Typed::Integer).ok_or(ExpectedValue::WholeNumber)
+        }
+        (BaseType::Integer, _) => Err(ExpectedValue::WholeNumber),
         (BaseType::Boolean, ParameterValue::Boolean(flag)) => Ok(Typed::Boolean(*flag)),
         (BaseType::Boolean, ParameterValue::Number(number)) if [0.0, 1.0].contains(number) => {
             Ok(Typed::Boolean(*number == 1.0))
         }
-        (BaseType::Boolean, _) => Err("true or false".to_owned()),
+        (BaseType::Boolean, _) => Err(ExpectedValue::Boolean),
         (BaseType::String, ParameterValue::String(text)) => Ok(Typed::String(text.clone())),
-        (BaseType::String, _) => Err("a text".to_owned()),
+        (BaseType::String, _) => Err(ExpectedValue::Text),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use fmi2::model_description::{EnumerationItem, TypeDefinition};
+    use fmi2::model_description::TypeDefinition;
 
     use super::*;
 
@@ -93,9 +118,9 @@ mod tests {
         let text = |text: &str| ParameterValue::String(text.to_owned());
         assert_eq!(set(0, text("lowered")), Ok(Typed::Integer(3)));
         assert_eq!(set(0, ParameterValue::Number(1.0)), Ok(Typed::Integer(1)));
-        let refused = Err("one of \"raised\" (1), \"lowered\" (3)".to_owned());
-        assert_eq!(set(0, ParameterValue::Number(2.0)), refused);
-        assert_eq!(set(0, text("up")), refused);
+        let refused = "one of \"raised\" (1), \"lowered\" (3)";
+        assert_eq!(set(0, ParameterValue::Number(2.0)).unwrap_err().to_string(), refused);
+        assert_eq!(set(0, text("up")).unwrap_err().to_string(), refused);
         assert_eq!(set(1, ParameterValue::Number(1.0)), Ok(Typed::Boolean(true)));
         assert!(set(1, ParameterValue::Number(2.0)).is_err());
         assert!(set(2, ParameterValue::Number(2.5)).is_err());

@@ -1,18 +1,18 @@
-//! What a coupling algorithm sees of a subsystem.
+//! Subsystem as a coupling algorithm sees it.
 
 use std::error::Error;
 use std::time::Duration;
 
 use component::{Frame, Work};
 
-/// What a slave can do besides stepping forward.
+/// Abilities of a slave besides stepping forward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Abilities {
-    /// Whether it can go back to a saved state.
+    /// True where the slave can go back to a saved state.
     pub rollback: bool,
     /// Highest order of input derivatives that it follows inside a step; 0 where inputs are held.
     pub input_derivatives: usize,
-    /// Whether it takes steps of any length.
+    /// True where the slave takes steps of any length.
     pub variable_step: bool,
 }
 
@@ -26,13 +26,13 @@ pub struct Abilities {
 /// 4. [`do_step`](Self::do_step), which starts where the last one ended,
 /// 5. [`outputs`](Self::outputs).
 ///
-/// After an error that [`SlaveError::is_retryable`], the slave is where it was before the step. No call allocates memory
-/// after the first step.
+/// After an error that [`SlaveError::is_retryable`], the slave is where it was before the step. No call allocates
+/// memory after the first step.
 pub trait Slave: Send {
     /// Name for messages.
     fn name(&self) -> &str;
 
-    /// What it can do.
+    /// Abilities of the slave.
     fn abilities(&self) -> Abilities;
 
     /// Sets all inputs at the start of the next step, and clears their derivatives.
@@ -41,7 +41,8 @@ pub trait Slave: Send {
     /// [`SlaveError`] where the slave refuses them.
     fn set_inputs(&mut self, values: &[f64]) -> Result<(), SlaveError>;
 
-    /// Sets the derivatives of `order` (1 to [`Abilities::input_derivatives`]) of all inputs at the start of the next step.
+    /// Sets the derivatives of `order` (1 to [`Abilities::input_derivatives`]) of all inputs at the start of the next
+    /// step.
     ///
     /// # Errors
     /// [`SlaveError`] where the slave refuses them.
@@ -71,12 +72,12 @@ pub trait Slave: Send {
     /// [`SlaveError`] where the slave cannot.
     fn restore(&mut self) -> Result<(), SlaveError>;
 
-    /// What it has done so far; zeros where it does not say.
+    /// Work done so far; zeros where the slave does not count.
     fn work(&mut self) -> Work {
         Work::default()
     }
 
-    /// Wall time that its caller has spent in it so far, where somebody takes it; see [`crate::timed::Timed`].
+    /// Wall time that the caller has spent in the slave so far, where the time is taken; see [`crate::timed::Timed`].
     fn spent(&self) -> Option<Duration> {
         None
     }
@@ -104,10 +105,10 @@ pub fn finite(slave: &str, names: &[String], values: &[f64], t: f64) -> Result<(
     }
 }
 
-/// Why a slave did not do what it was asked for.
+/// Reason why a slave did not do a call.
 #[derive(Debug, thiserror::Error)]
 pub enum SlaveError {
-    /// It could not complete a step.
+    /// Step not completed.
     #[error("{slave}: the step from t = {t} s over {h} s failed")]
     Step {
         /// Name of the slave.
@@ -116,9 +117,9 @@ pub enum SlaveError {
         t: f64,
         /// Length of the step, s.
         h: f64,
-        /// Whether a shorter step may succeed; the slave is then where it was before the step.
+        /// True where a shorter step may succeed; the slave is then in the state before the step.
         retryable: bool,
-        /// What the slave says.
+        /// Message of the slave.
         #[source]
         source: Box<dyn Error + Send + Sync>,
     },
@@ -142,16 +143,16 @@ pub enum SlaveError {
     Call {
         /// Name of the slave.
         slave: String,
-        /// What was attempted, as a verb: `set inputs`, `restore its state`.
+        /// Attempted action, as a verb: `set inputs`, `restore its state`.
         action: &'static str,
-        /// What the slave says.
+        /// Message of the slave.
         #[source]
         source: Box<dyn Error + Send + Sync>,
     },
 }
 
 impl SlaveError {
-    /// Whether the step may be tried again with a smaller length.
+    /// True where the step may be tried again with a smaller length.
     #[must_use]
     pub fn is_retryable(&self) -> bool {
         matches!(self, Self::Step { retryable: true, .. })

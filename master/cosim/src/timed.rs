@@ -6,10 +6,11 @@ use crate::slave::{Abilities, Slave, SlaveError};
 use component::Frame;
 use component::Work;
 
-/// A slave that knows how long its caller has waited for it: in steps, for outputs, and while it kept and took back its state.
+/// A slave that knows how long its caller has waited for it: in steps, for outputs, and while it kept and took back its
+/// state.
 ///
-/// Inputs are not looked at: they are handed over in less time than a look at the clock is worth. Slaves that step side by side are
-/// waited for one after the other, so that the times of all never add up to more than the caller's own.
+/// Inputs are not looked at: they are handed over in less time than a look at the clock is worth. Slaves that step side
+/// by side are waited for one after the other, so that the times of all never add up to more than the caller's own.
 pub struct Timed {
     slave: Box<dyn Slave>,
     spent: Duration,

@@ -1,5 +1,6 @@
 //! The record of a run.
 
+use component::exchange::{contact, strip, support};
 use serde::{Deserialize, Serialize};
 
 use super::{Animation, ResultsError};
@@ -71,21 +72,21 @@ pub struct LineGeometry {
 }
 
 impl StripRecord {
-    /// The series in the order of the time series file, each with the pattern of its name.
-    pub(super) fn columns(&self) -> [(&'static str, &Vec<f64>); 7] {
+    /// Series in the order of the time series file.
+    pub(super) fn columns(&self) -> [&Vec<f64>; COLUMNS] {
         [
-            ("contact[].force", &self.force),
-            ("contact[].x", &self.contact_x),
-            ("contact[].y", &self.contact_y),
-            ("contact[].wire.z", &self.wire_z),
-            ("strip[].z", &self.strip_z),
-            ("strip[].vz", &self.strip_vz),
-            ("contact[].gap", &self.gap),
+            &self.force,
+            &self.contact_x,
+            &self.contact_y,
+            &self.wire_z,
+            &self.strip_z,
+            &self.strip_vz,
+            &self.gap,
         ]
     }
 
     /// Builds a record from its seven series in the order of the time series file.
-    pub(super) fn from_columns(columns: [Vec<f64>; 7]) -> Self {
+    pub(super) fn from_columns(columns: [Vec<f64>; COLUMNS]) -> Self {
         let [force, contact_x, contact_y, wire_z, strip_z, strip_vz, gap] = columns;
         Self {
             force,
@@ -101,9 +102,32 @@ impl StripRecord {
     }
 }
 
+/// Number of series of a pantograph besides the wind.
+pub(super) const COLUMNS: usize = 7;
+
+/// Names of the series of pantograph `i` (from 1) in the order of the time series file.
+pub(super) fn strip_names(i: usize) -> [String; COLUMNS] {
+    let of_contact = |index: usize| contact::SIGNALS[index].of(contact::GROUP, i);
+    let of_strip = |index: usize| strip::SIGNALS[index].of(strip::GROUP, i);
+    [
+        of_contact(contact::FORCE),
+        of_contact(contact::X),
+        of_contact(contact::Y),
+        of_contact(contact::WIRE_Z),
+        of_strip(strip::Z),
+        of_strip(strip::VZ),
+        of_contact(contact::GAP),
+    ]
+}
+
 /// Names of the series of the wind on strip `i` (from 1).
 pub(super) fn wind_names(i: usize) -> [String; 2] {
-    ["drag", "lift"].map(|force| format!("strip[{i}].wind.{force}"))
+    [strip::WIND_DRAG, strip::WIND_LIFT].map(|index| strip::SIGNALS[index].of(strip::GROUP, i))
+}
+
+/// Name of the series of support `number` (from 1).
+pub(super) fn support_name(number: usize) -> String {
+    support::SIGNALS[support::UPLIFT].of(support::GROUP, number)
 }
 
 impl Record {
@@ -111,12 +135,10 @@ impl Record {
     pub(super) fn columns(&self) -> Vec<(String, &Vec<f64>)> {
         let mut columns = Vec::new();
         for (i, pantograph) in self.pantographs.iter().enumerate() {
-            for (pattern, values) in pantograph.columns() {
-                columns.push((pattern.replace("[]", &format!("[{}]", i + 1)), values));
-            }
+            columns.extend(strip_names(i + 1).into_iter().zip(pantograph.columns()));
         }
         for support in &self.supports {
-            columns.push((format!("support[{}].uplift", support.number), &support.uplift));
+            columns.push((support_name(support.number), &support.uplift));
         }
         for (i, pantograph) in self.pantographs.iter().enumerate() {
             if let Some(wind) = &pantograph.wind {

@@ -2,15 +2,8 @@
 
 use std::path::Path;
 
-use super::record::wind_names;
+use super::record::{COLUMNS, strip_names, support_name, wind_names};
 use super::{Record, ResultsError, StripRecord, SupportRecord, WindRecord};
-
-/// Names of the seven series of pantograph `i` (from 1).
-fn strip_names(i: usize) -> [String; 7] {
-    StripRecord::default()
-        .columns()
-        .map(|(pattern, _)| pattern.replace("[]", &format!("[{i}]")))
-}
 
 /// Writes the series of `record` as CSV to `out`; `path` is named in errors.
 ///
@@ -103,7 +96,7 @@ pub fn read_timeseries(path: &Path) -> Result<Record, ResultsError> {
         }
         let series = std::array::from_fn(|_| columns.next().unwrap_or_default());
         record.pantographs.push(StripRecord::from_columns(series));
-        at += 7;
+        at += COLUMNS;
     }
     let winds = names
         .iter()
@@ -111,19 +104,20 @@ pub fn read_timeseries(path: &Path) -> Result<Record, ResultsError> {
         .unwrap_or(names.len());
     for (name, uplift) in names[at..winds].iter().zip(&mut columns) {
         let number = name
-            .strip_prefix("support[")
-            .and_then(|rest| rest.strip_suffix("].uplift"))
+            .split(['[', ']'])
+            .nth(1)
             .and_then(|number| number.parse().ok())
+            .filter(|&number| support_name(number) == *name)
             .ok_or_else(|| wrong(at + record.supports.len(), "support[k].uplift"))?;
         record.supports.push(SupportRecord { number, uplift });
     }
     at = winds;
     for (i, pantograph) in record.pantographs.iter_mut().enumerate() {
         let expected = wind_names(i + 1);
-        if names.get(at..at + 2) == Some(&expected) {
+        if names.get(at..at + expected.len()) == Some(&expected) {
             let [drag, lift] = std::array::from_fn(|_| columns.next().unwrap_or_default());
             pantograph.wind = Some(WindRecord { drag, lift });
-            at += 2;
+            at += expected.len();
         }
     }
     if at < names.len() {

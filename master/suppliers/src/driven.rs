@@ -69,15 +69,15 @@ pub(super) struct Driven {
     degree: usize,
     sent: Vec<f64>,
     read: Vec<f64>,
-    /// What its clock is ahead of the run's, s.
+    /// Lead of the FMU's clock over that of the run, s.
     pub ahead: f64,
 }
 
-/// What the FMU is told besides its wiring.
+/// Settings of the FMU besides its wiring.
 pub(super) struct Setting<'a> {
     /// Name of the instance: ASCII.
     pub name: String,
-    /// Its table in the scene.
+    /// Table of the FMU in the scene.
     pub entry: &'a Supplied,
     /// Values of inputs during the initialisation, in the FMU's units; none leaves its own.
     pub initial: Vec<f64>,
@@ -85,7 +85,7 @@ pub(super) struct Setting<'a> {
     pub parameters: Vec<(String, scene::ParameterValue)>,
     /// Stop time, s.
     pub duration: f64,
-    /// Whether its debug messages are asked for.
+    /// True to ask for the FMU's debug messages.
     pub logging: bool,
 }
 
@@ -138,7 +138,7 @@ impl Driven {
         self.slave.name()
     }
 
-    /// What was done differently for its sake.
+    /// Notes on exceptions made for the FMU.
     pub fn remarks(&self) -> &[String] {
         self.slave.remarks()
     }
@@ -152,7 +152,7 @@ impl Driven {
         self.unit
     }
 
-    /// What it can do in macro steps of `h` s: a step that is cut into pieces follows its inputs from piece to piece.
+    /// Abilities in macro steps of `h` s: a step that is cut into pieces follows its inputs from piece to piece.
     pub fn abilities(&self, h: f64) -> Abilities {
         let cut = self
             .unit
@@ -181,7 +181,7 @@ impl Driven {
     /// Advances by `h` s from `t` s of the run.
     ///
     /// # Errors
-    /// What the FMU reports, and a step that it does not take.
+    /// Error reported by the FMU, and a step that the FMU does not take.
     pub fn do_step(&mut self, t: f64, h: f64) -> Result<(), SlaveError> {
         let t = t + self.ahead;
         let (count, piece) = match self.unit {
@@ -249,7 +249,7 @@ impl Driven {
     /// Reads all outputs, in our units, and hands them to `take` with their wire.
     ///
     /// # Errors
-    /// What the FMU reports, and values that are no numbers.
+    /// Error reported by the FMU, and values that are no numbers.
     pub fn read(&mut self, mut take: impl FnMut(usize, f64)) -> Result<(), SlaveError> {
         self.slave.outputs(&mut self.read)?;
         for (k, (wire, value)) in self.wiring.outputs.iter().zip(&self.read).enumerate() {

@@ -1,4 +1,4 @@
-//! Which variables of an FMU are probably what a coupling needs.
+//! Guess of the variables of an FMU that a coupling needs.
 //!
 //! A variable counts by its causality, its type and its unit, which must not contradict; then by its name, as models in
 //! several languages have it, by its description, and by being the only one of its unit.
@@ -16,7 +16,7 @@ pub struct Guess {
     pub name: String,
     /// The FMU's.
     pub variable: String,
-    /// What speaks for it.
+    /// Reason of the guess.
     pub because: String,
 }
 
@@ -150,7 +150,7 @@ const STRIP: [&str; 14] = [
     "schleif",
 ];
 
-/// What a guess is sure of, from which on it is taken.
+/// Score from which on a guess is taken.
 const ENOUGH: u32 = 20;
 
 /// Candidates of one causality.
@@ -314,14 +314,14 @@ fn line(inputs: &Candidates<'_>, outputs: &Candidates<'_>) -> [Vec<Guess>; 2] {
     let (mut given, mut read) = (Vec::new(), Vec::new());
     for i in 1.. {
         let before = (given.len(), read.len());
-        for name in &strip::NAMES[..strip::MOTION] {
-            let name = format!("strip[{i}].{name}");
+        for signal in &strip::SIGNALS[..strip::MOTION] {
+            let name = signal.of(strip::GROUP, i);
             if let Some(variable) = inputs.named(&[&name]) {
                 given.push(guess_of(name, variable, "name"));
             }
         }
-        for name in contact::NAMES {
-            let name = format!("contact[{i}].{name}");
+        for signal in &contact::SIGNALS[..contact::COUNT] {
+            let name = signal.of(contact::GROUP, i);
             if let Some(variable) = outputs.named(&[&name]) {
                 read.push(guess_of(name, variable, "name"));
             }

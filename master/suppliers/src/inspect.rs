@@ -1,4 +1,4 @@
-//! What `master inspect` says about an FMU: its description, what it can do when it is tried, and how it would be wired.
+//! Report of `master inspect` on an FMU: description, abilities found by trial, and guessed wiring.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -7,7 +7,7 @@ use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, Causality, Kind, ModelDescription, Variability, Variable};
 use serde_json::{Value, json};
 
-use crate::{Guess, Probe, Request, Side, Wire, Wiring, guess, isolation, probe, side, unit};
+use crate::{Guess, Probe, Request, Side, Wire, Wiring, WiringError, guess, isolation, probe, side, unit};
 
 fn causality(variable: &Variable) -> &'static str {
     match variable.causality {
@@ -85,13 +85,13 @@ const HEIGHTS: std::ops::Range<f64> = 3.5..8.0;
 
 /// An FMU as a side of the coupling.
 pub struct Inspection {
-    /// Which one it seems to be.
+    /// Side that the FMU seems to be.
     pub side: Option<Side>,
     /// The guessed wiring of that side, or of a pantograph.
     pub guesses: [Vec<Guess>; 2],
-    /// It with units, or why it cannot be used.
-    pub wiring: Result<Wiring, String>,
-    /// What was tried; nothing where there is no wiring.
+    /// Wiring with units, or the reason against it.
+    pub wiring: Result<Wiring, WiringError>,
+    /// Trial of the FMU; nothing without wiring.
     pub probe: Option<Probe>,
 }
 
@@ -116,8 +116,7 @@ impl Inspection {
             inputs: std::collections::BTreeMap::new(),
             outputs: std::collections::BTreeMap::new(),
         };
-        let wiring = Wiring::resolve(description, &mut entry, side.unwrap_or(Side::Pantograph), strips)
-            .map_err(|error| error.to_string());
+        let wiring = Wiring::resolve(description, &mut entry, side.unwrap_or(Side::Pantograph), strips);
         let experiment = description.default_experiment.unwrap_or_default();
         let probe = wiring.as_ref().ok().map(|wiring| {
             let request = Request {
@@ -138,7 +137,7 @@ impl Inspection {
         }
     }
 
-    /// Whether a force on the strip moves it the wrong way.
+    /// True where a force on the strip moves it the wrong way.
     fn is_turned(&self) -> bool {
         let mass = self.probe.as_ref().and_then(|probe| probe.effective_mass);
         mass.is_some_and(|mass| mass < 0.0)
@@ -232,18 +231,22 @@ pub fn json(path: &Path, description: &ModelDescription, inspection: &Inspection
         guesses.iter().map(pair).collect()
     };
     let guesses: Vec<&Guess> = inputs.iter().chain(outputs).collect();
+    let capabilities = capabilities(description).into_iter();
+    let capabilities: Value = capabilities
+        .map(|(name, value)| (name.to_owned(), Value::from(value)))
+        .collect();
     json!({
         "model_name": description.model_name,
         "guid": description.guid,
         "generation_tool": description.generation_tool,
-        "capabilities": capabilities(description).into_iter().map(|(name, value)| (name.to_owned(), Value::from(value))).collect::<serde_json::Map<_, _>>(),
+        "capabilities": capabilities,
         "default_experiment": experiment,
         "variables": variables,
         "side": inspection.side,
         "wiring": { "inputs": pairs(inputs), "outputs": pairs(outputs) },
         "guesses": guesses,
         "maps": inspection.wiring.as_ref().map_or_else(
-            |refusal| json!({ "refused": refusal }),
+            |refusal| json!({ "refused": refusal.to_string() }),
             |wiring| wiring.lines().map(Value::from).collect(),
         ),
         "probe": inspection.probe,
@@ -344,7 +347,7 @@ fn write(path: &Path, description: &ModelDescription, inspection: &Inspection, o
     wiring(path, inspection, out)
 }
 
-/// What was tried, claim by claim.
+/// Trials, claim by claim.
 fn tried(inspection: &Inspection, out: &mut String) -> std::fmt::Result {
     let Some(probe) = &inspection.probe else {
         return writeln!(out, "\ntried: nothing, as there is no wiring to drive it by");

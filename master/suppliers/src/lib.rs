@@ -32,23 +32,26 @@ mod units;
 mod velocity;
 mod wiring;
 
-pub use guess::{Guess, guess, side};
-pub use isolated::{isolation_of, time_limit};
+pub use guess::Guess;
+use guess::{guess, side};
+pub use isolated::time_limit;
 pub use line::{StripAtStart, SuppliedLine, own_heights};
 pub use pantograph::{SuppliedPantograph, aligned};
-pub use probe::{Finding, Probe, Request, isolation, probe};
-pub use quantity::{Side, unit};
+pub use probe::{Finding, Probe};
+use probe::{Request, isolation, probe};
+pub use quantity::Side;
+use quantity::unit;
 pub use wiring::{Wire, Wiring, WiringError};
 
 use cosim::fmu_slave::CosimulationError;
 
-/// Why somebody else's FMU cannot take part.
+/// Reason why a supplied FMU cannot take part.
 #[derive(Debug, thiserror::Error)]
 pub enum SupplierError {
-    /// Its variables, or what it reports.
+    /// Variables of the FMU, or an error reported by the FMU.
     #[error(transparent)]
     Fmu(#[from] CosimulationError),
-    /// Its wiring.
+    /// Wiring of the FMU.
     #[error(transparent)]
     Wiring(#[from] WiringError),
     /// A force on its strip moves it the wrong way.
@@ -60,20 +63,20 @@ pub enum SupplierError {
         name: String,
         /// The FMU's name.
         variable: String,
-        /// What was tried, N.
+        /// Force tried, N.
         force: f64,
         /// Factor that would push down.
         factor: f64,
     },
     /// The macro step is no multiple of the FMU's own.
     #[error(
-        "coupling.macro_step = {macro_step} s: the FMU takes steps of {unit} s only (stepSize of its default experiment, \
-         canHandleVariableCommunicationStepSize = false): must be a multiple of that, such as {nearest}"
+        "coupling.macro_step = {macro_step} s: the FMU takes steps of {unit} s only (stepSize of its default \
+         experiment, canHandleVariableCommunicationStepSize = false): must be a multiple of that, such as {nearest}"
     )]
     Step {
-        /// Of the scene, s.
+        /// Step of the scene, s.
         macro_step: f64,
-        /// Of the FMU, s.
+        /// Step of the FMU, s.
         unit: f64,
         /// A multiple, s.
         nearest: f64,
@@ -81,13 +84,13 @@ pub enum SupplierError {
     /// The strip starts far above the wire.
     #[error(
         "the strip starts at a height of {height:.3} m, where it would press with more than {force} N: the wire, at \
-         {wire:.3} m without a strip, would be at {lifted:.3} m then; must be nearer the wire, by the FMU's parameters, a \
-         number of metres as offset, or offset = \"align\""
+         {wire:.3} m without a strip, would be at {lifted:.3} m then; must be nearer the wire, by the FMU's \
+         parameters, a number of metres as offset, or offset = \"align\""
     )]
     Height {
-        /// Of the strip at its start, m.
+        /// Height of the strip at its start, m.
         height: f64,
-        /// Of the wire without a strip, m.
+        /// Height of the wire without a strip, m.
         wire: f64,
         /// Force that no strip starts with, N.
         force: f64,
@@ -97,7 +100,7 @@ pub enum SupplierError {
 }
 
 impl SupplierError {
-    /// Whether the scene or the file is to blame, and not what was made of it.
+    /// True where the scene or the file is to blame, not the program.
     #[must_use]
     pub fn is_input(&self) -> bool {
         match self {
@@ -107,8 +110,8 @@ impl SupplierError {
     }
 }
 
-/// Simulated time that an FMU is told for a run of `duration` s: the phase at rest before it, and a last step that is no
-/// shorter than the others, included.
+/// Simulated time that an FMU is told for a run of `duration` s: the phase at rest before it, and a last step that is
+/// no shorter than the others, included.
 fn told_duration(scene: &scene::Scene) -> f64 {
     scene.run.duration + crate::settling::LONGEST + 2.0 * scene.coupling.macro_step
 }

@@ -1,11 +1,11 @@
-//! Somebody else's line.
+//! Supplied FMU as a line.
 
 use fmi2::import::Fmu;
 use scene::{ParameterValue, Scene, Supplied};
 
 use super::driven::{Driven, Setting, fixed_step, pieces, start_value};
 use super::probe::{Probe, Request, isolation, probe};
-use super::quantity::{Place, Side, input, output};
+use super::quantity::{Side, WiredValue, input, output};
 use super::wiring::Wiring;
 use super::{SupplierError, check_step, told_duration};
 use component::exchange::{contact, line_output_count, strip};
@@ -23,7 +23,7 @@ pub struct StripAtStart {
     pub force: f64,
 }
 
-/// What changes from step to step.
+/// State that changes from step to step.
 #[derive(Clone, Debug, Default)]
 struct State {
     /// Time of the run, s.
@@ -44,12 +44,12 @@ impl State {
 
 /// A line FMU seen as a line.
 ///
-/// What it does not offer is derived: the force from its vertical component or the other way round, means over a step and
-/// samples inside it from the forces at both ends (trapezoid), the contact point from the strip, the work from mean force
-/// and way.
+/// Outputs that the FMU lacks are derived: the force from its vertical component or the other way round, means over a
+/// step and samples inside it from the forces at both ends (trapezoid), the contact point from the strip, the work from
+/// mean force and way.
 pub struct SuppliedLine {
     driven: Driven,
-    inputs: Vec<Place>,
+    inputs: Vec<WiredValue>,
     /// Entry of the outputs and sign of each wire; `None` where nothing is used.
     outputs: Vec<Option<(usize, f64)>>,
     /// By entry of the outputs: whether the FMU offers it.
@@ -80,8 +80,8 @@ pub fn own_heights(fmu: &Fmu, wiring: &Wiring, strips: usize) -> Vec<Option<f64>
         .collect()
 }
 
-/// Parameters of the FMU that say where strip `i` (from 0) starts, as ours have them, where the FMU has them and the scene
-/// does not set them.
+/// Parameters of the FMU that say where strip `i` (from 0) starts, as ours have them, where the FMU has them and the
+/// scene does not set them.
 fn start_parameters(
     fmu: &Fmu,
     entry: &Supplied,
@@ -122,7 +122,7 @@ impl SuppliedLine {
     ) -> Result<Self, SupplierError> {
         let strips = starts.len();
         check_step(fixed_step(fmu.description()), scene.coupling.macro_step)?;
-        let inputs: Vec<Place> = wiring.inputs.iter().map(|wire| input(Side::Line, &wire.name)).collect();
+        let inputs: Vec<WiredValue> = wiring.inputs.iter().map(|wire| input(Side::Line, &wire.name)).collect();
         let mut motions = vec![0.0; strips * strip::MOTION];
         for (i, at) in starts.iter().enumerate() {
             let motion = &mut motions[i * strip::MOTION..(i + 1) * strip::MOTION];
@@ -132,7 +132,7 @@ impl SuppliedLine {
         }
         let initial = wiring.inputs.iter().zip(&inputs).map(|(wire, place)| {
             let ours = match place {
-                Place::Entry(entry, sign) => sign * motions[*entry],
+                WiredValue::Entry(entry, sign) => sign * motions[*entry],
                 _ => 0.0,
             };
             wire.factor * ours + wire.offset
@@ -165,7 +165,7 @@ impl SuppliedLine {
             .outputs
             .iter()
             .filter_map(|wire| match output(Side::Line, &wire.name) {
-                Place::Uplift(k) => Some(k),
+                WiredValue::Uplift(k) => Some(k),
                 _ => None,
             })
             .collect();
@@ -175,8 +175,8 @@ impl SuppliedLine {
             .outputs
             .iter()
             .map(|wire| match output(Side::Line, &wire.name) {
-                Place::Entry(entry, sign) => Some((entry, sign)),
-                Place::Uplift(k) => {
+                WiredValue::Entry(entry, sign) => Some((entry, sign)),
+                WiredValue::Uplift(k) => {
                     let place = supports.iter().position(|known| *known == k)?;
                     Some((strips * contact::COUNT + place, 1.0))
                 }
@@ -220,13 +220,13 @@ impl SuppliedLine {
         &self.supports
     }
 
-    /// Its wires.
+    /// Wires of the FMU.
     #[must_use]
     pub fn wiring(&self) -> &Wiring {
         self.driven.wiring()
     }
 
-    /// What was found when it was tried.
+    /// Result of the trial of the FMU.
     #[must_use]
     pub fn probe(&self) -> &Probe {
         &self.probe
@@ -238,7 +238,7 @@ impl SuppliedLine {
         self.driven.unit()
     }
 
-    /// What a user should know of how it is run.
+    /// Notes for the user on how the FMU is run.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks: Vec<String> = self
@@ -253,8 +253,8 @@ impl SuppliedLine {
         }
         if !self.offered[contact::MEAN_FZ] {
             remarks.push(
-                "it offers no mean force: the mean over a step is that of the forces at both ends, with an error of order 2 in \
-                 the step, and so is its work"
+                "it offers no mean force: the mean over a step is that of the forces at both ends, with an error of \
+                 order 2 in the step, and so is its work"
                     .to_owned(),
             );
         }
@@ -267,10 +267,13 @@ impl SuppliedLine {
         remarks
     }
 
-    /// Whether it can be kept under strips that do not travel: where it moves them itself, it cannot.
+    /// True where the line can be kept under strips that do not travel; a line that moves the strips itself cannot.
     #[must_use]
     pub fn can_stand(&self) -> bool {
-        (0..self.start_x.len()).all(|i| self.inputs.contains(&Place::Entry(i * strip::MOTION + strip::X, 1.0)))
+        (0..self.start_x.len()).all(|i| {
+            self.inputs
+                .contains(&WiredValue::Entry(i * strip::MOTION + strip::X, 1.0))
+        })
     }
 
     /// Keeps the strips' places as they are.
@@ -281,7 +284,7 @@ impl SuppliedLine {
     /// Ends a settling of `duration` s: the run's time is 0 now.
     ///
     /// # Errors
-    /// What the FMU reports.
+    /// Error reported by the FMU.
     pub fn depart(&mut self, duration: f64) -> Result<(), SlaveError> {
         self.standing = false;
         self.driven.ahead += duration;
@@ -348,9 +351,9 @@ impl SuppliedLine {
             self.standing,
         );
         self.driven.set(order, |k| match (inputs[k], order) {
-            (Place::Entry(entry, sign), _) => sign * values[entry],
-            (Place::Time, 0) => time,
-            (Place::Time, 1) if !standing => 1.0,
+            (WiredValue::Entry(entry, sign), _) => sign * values[entry],
+            (WiredValue::Time, 0) => time,
+            (WiredValue::Time, 1) if !standing => 1.0,
             _ => 0.0,
         });
     }

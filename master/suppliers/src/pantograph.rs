@@ -1,11 +1,11 @@
-//! Somebody else's pantograph.
+//! Supplied FMU as a pantograph.
 
 use fmi2::import::Fmu;
 use scene::{Offset, Scene, Supplied};
 
 use super::driven::{Driven, Setting, start_value};
 use super::probe::{Probe, Request, isolation, probe};
-use super::quantity::{Place, Side, input, output};
+use super::quantity::{Side, WiredValue, input, output};
 use super::velocity::Rate;
 use super::wiring::Wiring;
 use super::{SupplierError, check_step, told_duration};
@@ -19,21 +19,21 @@ const HALF_STRIP: f64 = 0.25;
 /// Highest order of derivatives of the load.
 const HIGHEST: usize = dynamics::MAX_ORDER;
 
-/// What changes from step to step.
+/// State that changes from step to step.
 #[derive(Clone, Copy, Debug)]
 struct State {
     /// Time of the run, s.
     t: f64,
     motion: [f64; strip::OUTPUTS],
-    /// Of x, y, z, where the FMU offers the position and not its rate.
+    /// Rates of x, y, z, where the FMU offers the position and not its rate.
     rates: [Option<Rate>; 3],
 }
 
 /// A pantograph FMU seen as a pantograph.
 pub struct SuppliedPantograph {
     driven: Driven,
-    inputs: Vec<Place>,
-    outputs: Vec<Place>,
+    inputs: Vec<WiredValue>,
+    outputs: Vec<WiredValue>,
     start_x: f64,
     speed: f64,
     macro_step: f64,
@@ -42,7 +42,7 @@ pub struct SuppliedPantograph {
     degree: usize,
     state: State,
     kept: State,
-    /// Whether it stands at its start: x stays, and so does its clock.
+    /// True while the pantograph stands at its start: x stays, and so does the clock.
     standing: bool,
     start_force: f64,
     probe: Probe,
@@ -101,17 +101,17 @@ impl SuppliedPantograph {
             .inputs
             .iter()
             .find_map(|wire| {
-                let Place::Entry(load::FZ, sign) = input(Side::Pantograph, &wire.name) else {
+                let WiredValue::Entry(load::FZ, sign) = input(Side::Pantograph, &wire.name) else {
                     return None;
                 };
                 Some(-sign * start_value(description, wire)?)
             })
             .unwrap_or(0.0);
-        let places = |wires: &[super::Wire], place: fn(Side, &str) -> Place| -> Vec<Place> {
+        let places = |wires: &[super::Wire], place: fn(Side, &str) -> WiredValue| -> Vec<WiredValue> {
             wires.iter().map(|wire| place(Side::Pantograph, &wire.name)).collect()
         };
         let (inputs, outputs) = (places(&wiring.inputs, input), places(&wiring.outputs, output));
-        let offered = |entry: usize| outputs.contains(&Place::Entry(entry, 1.0));
+        let offered = |entry: usize| outputs.contains(&WiredValue::Entry(entry, 1.0));
         let rates = std::array::from_fn(|axis| {
             let mass = if axis == strip::Z { probe.effective_mass } else { None };
             (offered(strip::X + axis) && !offered(strip::VX + axis)).then(|| Rate::of_mass(mass))
@@ -148,20 +148,20 @@ impl SuppliedPantograph {
         self.state.motion[strip::Z]
     }
 
-    /// Contact force at which the FMU starts, N: the start value of its force input, seen through the wiring; 0 where it has
-    /// none.
+    /// Contact force at which the FMU starts, N: the start value of its force input, seen through the wiring; 0 where
+    /// it has none.
     #[must_use]
     pub fn start_force(&self) -> f64 {
         self.start_force
     }
 
-    /// Its wires.
+    /// Wires of the FMU.
     #[must_use]
     pub fn wiring(&self) -> &Wiring {
         self.driven.wiring()
     }
 
-    /// What was found when it was tried.
+    /// Result of the trial of the FMU.
     #[must_use]
     pub fn probe(&self) -> &Probe {
         &self.probe
@@ -173,7 +173,7 @@ impl SuppliedPantograph {
         self.driven.unit()
     }
 
-    /// What a user should know of how it is run.
+    /// Notes for the user on how the FMU is run.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks: Vec<String> = self
@@ -192,10 +192,11 @@ impl SuppliedPantograph {
         if self.state.rates[strip::Z].is_some() {
             let from = match self.probe.effective_mass {
                 Some(mass) if mass > 0.0 => format!(
-                    "its last three heights and the change of the force on its effective mass, {mass:.2} kg; the error is of \
-                     order 2 in the step, h²/3 times the rate of the other forces' acceleration"
+                    "its last three heights and the change of the force on its effective mass, {mass:.2} kg; the \
+                     error is of order 2 in the step, h²/3 times the rate of the other forces' acceleration"
                 ),
-                _ => "its last three heights; the error is of order 2 in the step, h²/3 times the third derivative of the height"
+                _ => "its last three heights; the error is of order 2 in the step, h²/3 times the third derivative of \
+                the height"
                     .to_owned(),
             };
             remarks.push(format!("it offers no velocity: derived from {from}"));
@@ -206,7 +207,7 @@ impl SuppliedPantograph {
     /// Puts its height under a wire at `height` m: `offset = "align"`.
     ///
     /// # Errors
-    /// What the FMU reports.
+    /// Error reported by the FMU.
     pub fn align(&mut self, height: f64) -> Result<(), SlaveError> {
         self.shift(strip::Z, height - self.height());
         self.restart()
@@ -214,7 +215,7 @@ impl SuppliedPantograph {
 
     fn shift(&mut self, entry: usize, offset: f64) {
         for k in 0..self.outputs.len() {
-            if self.outputs[k] == Place::Entry(entry, 1.0) {
+            if self.outputs[k] == WiredValue::Entry(entry, 1.0) {
                 self.driven.shift(k, offset);
             }
         }
@@ -223,7 +224,7 @@ impl SuppliedPantograph {
     /// Keeps it at its start while it steps; what its FMU says about x is not heard.
     ///
     /// # Errors
-    /// What the FMU reports.
+    /// Error reported by the FMU.
     pub fn stand(&mut self) -> Result<(), SlaveError> {
         self.standing = true;
         self.restart()
@@ -232,7 +233,7 @@ impl SuppliedPantograph {
     /// Ends a settling of `duration` s: the run's time is 0 now, and x counts from the start.
     ///
     /// # Errors
-    /// What the FMU reports.
+    /// Error reported by the FMU.
     pub fn depart(&mut self, duration: f64) -> Result<(), SlaveError> {
         self.standing = false;
         self.driven.ahead += duration;
@@ -272,7 +273,7 @@ impl SuppliedPantograph {
         motion[strip::X] = x;
         motion[strip::VX] = speed;
         self.driven.read(|k, value| {
-            if let Place::Entry(entry, _) = outputs[k]
+            if let WiredValue::Entry(entry, _) = outputs[k]
                 && !(standing && matches!(entry, strip::X | strip::VX))
             {
                 motion[entry] = value;
@@ -304,11 +305,11 @@ impl SuppliedPantograph {
         let (time, x) = (self.time(), self.x());
         let (inputs, speed, standing) = (&self.inputs, self.speed, self.standing);
         self.driven.set(order, |k| match (inputs[k], order) {
-            (Place::Entry(entry, sign), _) => sign * values[entry],
-            (Place::Time, 0) => time,
-            (Place::X, 0) => x,
-            (Place::Time, 1) if !standing => 1.0,
-            (Place::X, 1) if !standing => speed,
+            (WiredValue::Entry(entry, sign), _) => sign * values[entry],
+            (WiredValue::Time, 0) => time,
+            (WiredValue::X, 0) => x,
+            (WiredValue::Time, 1) if !standing => 1.0,
+            (WiredValue::X, 1) if !standing => speed,
             _ => 0.0,
         });
     }
@@ -377,7 +378,7 @@ impl Slave for SuppliedPantograph {
     }
 }
 
-/// Whether a scene asks for the height to be aligned with the wire.
+/// True where a scene asks for the height to be aligned with the wire.
 #[must_use]
 pub fn aligned(entry: &Supplied) -> bool {
     entry

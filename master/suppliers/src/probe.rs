@@ -1,4 +1,4 @@
-//! What an FMU can do, tried out on instances of their own.
+//! Abilities of an FMU, tried out on instances of their own.
 //!
 //! A description may claim too much. Each claim that a coupling builds on is put to the test once:
 //!
@@ -6,7 +6,7 @@
 //! | --- | --- |
 //! | `canGetAndSetFMUstate` | three steps, back, the same steps: the outputs must be the same |
 //! | `canHandleVariableCommunicationStepSize` | a step, half of it, a third of it |
-//! | `canInterpolateInputs` | a step with a derivative of order 1, 2, 3 against pieces in which the input is held at its mean |
+//! | `canInterpolateInputs` | a step with derivatives of order 1, 2, 3 against pieces with the input held at its mean |
 //! | (the wiring) | more force must push the strip down; a strip that rises must press harder |
 //!
 //! `providesDirectionalDerivative` and dependencies are not tested: this program builds on neither.
@@ -27,43 +27,43 @@ use bench::Bench;
 /// One claim.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// What it is about.
+    /// Ability in question.
     pub subject: String,
-    /// What the description says.
+    /// Claim of the description.
     pub claimed: String,
     /// `holds`, `does not hold`, `not claimed`, or what was found.
     pub found: String,
-    /// How that was found.
+    /// Trial behind the finding.
     pub how: String,
 }
 
-/// What is found of a response that there is none of.
+/// Finding on a response that does not exist.
 const NOT_SEEN: &str = "not seen";
 
-/// What was found.
+/// Finding.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Probe {
-    /// What is tried at present, or was when it ended.
+    /// Trial under way, or the last one.
     pub stage: String,
     /// One per claim tried.
     pub findings: Vec<Finding>,
-    /// Whether it goes back to a saved state exactly.
+    /// True where the FMU goes back to a saved state exactly.
     pub rollback: Option<bool>,
-    /// Whether it takes steps of different lengths.
+    /// True where the FMU takes steps of different lengths.
     pub variable_step: Option<bool>,
     /// Highest order of input derivatives that it follows.
     pub input_derivatives: Option<usize>,
-    /// What the strip's motion over a step resists a force with, kg; negative where a force on the strip lifts it.
+    /// Effective mass of the strip over a step, kg; negative where a force on the strip lifts it.
     pub effective_mass: Option<f64>,
     /// Height of the strip at its start, in our unit and without a scene's offset, m.
     pub start_height: Option<f64>,
-    /// What a line answers a rising strip with, N/m.
+    /// Stiffness with which a line answers a rising strip, N/m.
     pub stiffness: Option<f64>,
-    /// Why it came to no end.
+    /// Reason why the trial came to no end.
     pub failure: Option<String>,
 }
 
-/// What is tried.
+/// Request for a trial.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The FMU behind its wires.
@@ -74,14 +74,14 @@ pub struct Request {
     pub duration: f64,
     /// Values of parameters.
     pub parameters: Vec<(String, ParameterValue)>,
-    /// How the instances are isolated; nothing where they are tried in this process.
+    /// Isolation of the instances; nothing for a trial in this process.
     pub isolation: Option<Isolation>,
     /// Values of inputs during the initialisation, in the FMU's units; none leaves its own.
     pub initial: Vec<f64>,
 }
 
 impl Probe {
-    /// What is left of the abilities that a description claims.
+    /// Declared abilities that passed the trial.
     #[must_use]
     pub fn abilities(&self, claimed: Abilities) -> Abilities {
         let broken = self.failure.is_some();
@@ -120,7 +120,7 @@ impl Probe {
     }
 }
 
-/// How instances are tried: in processes of their own where this program can start such; each call may take
+/// Isolation of a trial: in processes of their own where this program can start such; each call may take
 /// as long as `entry` says.
 #[must_use]
 pub fn isolation(entry: &Supplied) -> Option<Isolation> {

@@ -1,8 +1,9 @@
-//! What this program's names in `inputs` and `outputs` stand for.
+//! Meaning of this program's names in `inputs` and `outputs`: values and units, read from the table of signals.
 
-use component::exchange::{contact, load, strip};
+use component::DeclaredSignal;
+use component::exchange::{contact, load, strip, support};
 
-/// Which side of the coupling an FMU is.
+/// Side of the coupling that an FMU takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
@@ -12,101 +13,135 @@ pub enum Side {
     Line,
 }
 
-/// Where a value goes to or comes from.
+/// Value behind a name of this program in the wiring of an FMU.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Place {
+pub(super) enum WiredValue {
     /// Entry of the flat slice of this side, times a sign.
     Entry(usize, f64),
-    /// Entry of a line's outputs that belongs to a support, by its number (from 1).
+    /// Entry of a line's outputs that belongs to a support, by the support's number (from 1).
     Uplift(usize),
     /// Time of the run, s.
     Time,
-    /// Position of a pantograph along the track where no output says it, m.
+    /// Position of a pantograph along the track where no output gives the position, m.
     X,
     /// Accepted, and used by nothing.
     Unused,
 }
 
+/// Name of this program in the wiring of an FMU: value and unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Quantity {
+    value: WiredValue,
+    unit: Option<&'static str>,
+}
+
+impl Quantity {
+    /// Value and unit of entry `index` of a table of signals; `sign` turns the entry into the value of this name.
+    fn of(signals: &[DeclaredSignal], index: usize, sign: f64) -> Self {
+        Self {
+            value: WiredValue::Entry(index, sign),
+            unit: signals[index].unit(),
+        }
+    }
+
+    /// Accepted, and used by nothing.
+    fn unused(unit: Option<&'static str>) -> Self {
+        let value = WiredValue::Unused;
+        Self { value, unit }
+    }
+
+    fn input(side: Side, name: &str) -> Option<Self> {
+        Some(match (side, name) {
+            (_, "time") => Self {
+                value: WiredValue::Time,
+                unit: Some("s"),
+            },
+            (Side::Pantograph, "force") => Self::of(&load::SIGNALS, load::FZ, -1.0),
+            (Side::Pantograph, "force_x") => Self::of(&load::SIGNALS, load::FX, 1.0),
+            (Side::Pantograph, "force_y") => Self::of(&load::SIGNALS, load::FY, 1.0),
+            (Side::Pantograph, "force_z") => Self::of(&load::SIGNALS, load::FZ, 1.0),
+            (Side::Pantograph, "x") => Self {
+                value: WiredValue::X,
+                unit: strip::SIGNALS[strip::X].unit(),
+            },
+            (Side::Pantograph, _) => return None,
+            (Side::Line, name) => {
+                let (i, name) = indexed(name, strip::GROUP)?;
+                let entry = found(&strip::SIGNALS[..strip::MOTION], name)?;
+                Self {
+                    value: WiredValue::Entry(i * strip::MOTION + entry, 1.0),
+                    unit: strip::SIGNALS[entry].unit(),
+                }
+            }
+        })
+    }
+
+    fn output(side: Side, name: &str) -> Option<Self> {
+        let motion = &strip::SIGNALS[..strip::MOTION];
+        Some(match (side, name) {
+            (Side::Pantograph, "height") => Self::of(motion, strip::Z, 1.0),
+            (Side::Pantograph, "velocity") => Self::of(motion, strip::VZ, 1.0),
+            // A line takes the rate of the roll itself.
+            (Side::Pantograph, "roll_rate") => Self::unused(Some("rad/s")),
+            (Side::Pantograph, name) => Self::of(motion, found(motion, name)?, 1.0),
+            (Side::Line, name) => {
+                if let Some((k, name)) = indexed(name, support::GROUP) {
+                    let entry = found(&support::SIGNALS, name)?;
+                    return Some(Self {
+                        value: WiredValue::Uplift(k + 1),
+                        unit: support::SIGNALS[entry].unit(),
+                    });
+                }
+                let (i, name) = indexed(name, contact::GROUP)?;
+                let entry = found(&contact::SIGNALS, name)?;
+                let unit = contact::SIGNALS[entry].unit();
+                let first = i * contact::COUNT;
+                let value = match entry {
+                    // The mean of the force is that of its vertical component on a level strip.
+                    contact::MEAN_FORCE => WiredValue::Entry(first + contact::MEAN_FZ, -1.0),
+                    entry if entry < contact::COUNT => WiredValue::Entry(first + entry, 1.0),
+                    _ => WiredValue::Unused,
+                };
+                Self { value, unit }
+            }
+        })
+    }
+}
+
+/// Index of the signal of this name.
+fn found(signals: &[DeclaredSignal], name: &str) -> Option<usize> {
+    signals.iter().position(|signal| signal.name == name)
+}
+
 /// Strip (from 0) and name behind the dot: `strip[2].vz` → (1, `vz`).
-fn indexed<'a>(name: &'a str, table: &str) -> Option<(usize, &'a str)> {
-    let (index, rest) = name.strip_prefix(table)?.strip_prefix('[')?.split_once("].")?;
+fn indexed<'a>(name: &'a str, group: &str) -> Option<(usize, &'a str)> {
+    let (index, rest) = name.strip_prefix(group)?.strip_prefix('[')?.split_once("].")?;
     Some((index.parse::<usize>().ok()?.checked_sub(1)?, rest))
 }
 
-/// Place of an input.
-pub(super) fn input(side: Side, name: &str) -> Place {
-    match (side, name) {
-        (_, "time") => Place::Time,
-        (Side::Pantograph, "force") => Place::Entry(load::FZ, -1.0),
-        (Side::Pantograph, "force_x") => Place::Entry(load::FX, 1.0),
-        (Side::Pantograph, "force_y") => Place::Entry(load::FX + 1, 1.0),
-        (Side::Pantograph, "force_z") => Place::Entry(load::FZ, 1.0),
-        (Side::Pantograph, _) => Place::X,
-        (Side::Line, name) => indexed(name, "strip")
-            .and_then(|(i, name)| {
-                let entry = strip::NAMES[..strip::MOTION].iter().position(|known| *known == name)?;
-                Some(Place::Entry(i * strip::MOTION + entry, 1.0))
-            })
-            .unwrap_or(Place::Unused),
-    }
+/// Value of an input.
+pub(super) fn input(side: Side, name: &str) -> WiredValue {
+    Quantity::input(side, name).map_or(WiredValue::Unused, |quantity| quantity.value)
 }
 
-/// Place of an output.
-pub(super) fn output(side: Side, name: &str) -> Place {
-    match side {
-        Side::Pantograph => {
-            let ours = match name {
-                "height" => "z",
-                "velocity" => "vz",
-                other => other,
-            };
-            strip::NAMES[..strip::MOTION]
-                .iter()
-                .position(|known| *known == ours)
-                .map_or(Place::Unused, |entry| Place::Entry(entry, 1.0))
-        }
-        Side::Line => {
-            if let Some((k, "uplift")) = indexed(name, "support") {
-                return Place::Uplift(k + 1);
-            }
-            let Some((i, name)) = indexed(name, "contact") else {
-                return Place::Unused;
-            };
-            // The mean of the force is that of its vertical component on a level strip.
-            let (name, sign) = if name == "mean_force" {
-                ("mean_fz", -1.0)
-            } else {
-                (name, 1.0)
-            };
-            contact::NAMES
-                .iter()
-                .position(|known| *known == name)
-                .map_or(Place::Unused, |entry| Place::Entry(i * contact::COUNT + entry, sign))
-        }
-    }
+/// Value of an output.
+pub(super) fn output(side: Side, name: &str) -> WiredValue {
+    Quantity::output(side, name).map_or(WiredValue::Unused, |quantity| quantity.value)
 }
 
-/// Strip (from 0) that a name of a line's wiring belongs to.
+/// Strip (from 0) to which a name of a line's wiring belongs.
 pub(super) fn strip_of(name: &str) -> Option<usize> {
-    indexed(name, "strip")
-        .or_else(|| indexed(name, "contact"))
+    indexed(name, strip::GROUP)
+        .or_else(|| indexed(name, contact::GROUP))
         .map(|(i, _)| i)
 }
 
-/// SI unit of a quantity; `None` where it has none.
+/// SI unit of a quantity; `None` for a Boolean, and for a name without meaning.
 #[must_use]
 pub fn unit(side: Side, name: &str) -> Option<&'static str> {
-    let last = name.split_once("].").map_or(name, |(_, rest)| rest);
-    Some(match (side, last) {
-        (_, "time") => "s",
-        (_, "roll") => "rad",
-        (_, "roll_rate") => "rad/s",
-        (_, "work") => "J",
-        (_, "closed") => return None,
-        (_, "velocity" | "vx" | "vy" | "vz" | "wire.vz") => "m/s",
-        (_, name) if name.starts_with('f') || name.starts_with("mean_") || name.starts_with("sample[") => "N",
-        _ => "m",
-    })
+    Quantity::input(side, name)
+        .or_else(|| Quantity::output(side, name))
+        .and_then(|quantity| quantity.unit)
 }
 
 #[cfg(test)]
@@ -115,15 +150,18 @@ mod tests {
 
     #[test]
     fn names_find_their_place_and_unit() {
-        assert_eq!(input(Side::Pantograph, "force"), Place::Entry(load::FZ, -1.0));
-        assert_eq!(output(Side::Pantograph, "velocity"), Place::Entry(strip::VZ, 1.0));
-        assert_eq!(output(Side::Pantograph, "roll_rate"), Place::Unused);
+        assert_eq!(input(Side::Pantograph, "force"), WiredValue::Entry(load::FZ, -1.0));
+        assert_eq!(output(Side::Pantograph, "velocity"), WiredValue::Entry(strip::VZ, 1.0));
+        assert_eq!(output(Side::Pantograph, "roll_rate"), WiredValue::Unused);
         let second = strip::MOTION + strip::VZ;
-        assert_eq!(input(Side::Line, "strip[2].vz"), Place::Entry(second, 1.0));
+        assert_eq!(input(Side::Line, "strip[2].vz"), WiredValue::Entry(second, 1.0));
         let mean = contact::COUNT + contact::MEAN_FZ;
-        assert_eq!(output(Side::Line, "contact[2].mean_force"), Place::Entry(mean, -1.0));
-        assert_eq!(output(Side::Line, "support[7].uplift"), Place::Uplift(7));
-        assert_eq!(output(Side::Line, "contact[1].closed"), Place::Unused);
+        assert_eq!(
+            output(Side::Line, "contact[2].mean_force"),
+            WiredValue::Entry(mean, -1.0)
+        );
+        assert_eq!(output(Side::Line, "support[7].uplift"), WiredValue::Uplift(7));
+        assert_eq!(output(Side::Line, "contact[1].closed"), WiredValue::Unused);
         assert_eq!(strip_of("contact[3].wire.z"), Some(2));
         for (side, name, expected) in [
             (Side::Pantograph, "force_x", "N"),
@@ -135,9 +173,14 @@ mod tests {
             (Side::Line, "contact[1].mean_fz", "N"),
             (Side::Line, "contact[1].sample[3]", "N"),
             (Side::Line, "strip[1].vx", "m/s"),
+            (Side::Line, "contact[1].mean_force", "N"),
+            (Side::Line, "contact[2].work", "J"),
             (Side::Line, "support[4].uplift", "m"),
+            (Side::Line, "time", "s"),
         ] {
             assert_eq!(unit(side, name), Some(expected), "{name}");
         }
+        assert_eq!(unit(Side::Line, "contact[1].closed"), None);
+        assert_eq!(unit(Side::Line, "fence[1].height"), None, "no unit is guessed");
     }
 }

@@ -1,9 +1,10 @@
-//! The phase before t = 0 in which somebody else's pantograph or line comes to rest with the other side.
+//! The phase before t = 0 in which a supplied pantograph or line comes to rest with the other side.
 //!
-//! How such a side is at rest is known to its FMU only, so line and pantographs are run without travelling until the contact
-//! force stays the same. A line of this program is that of the core with more damping on its masses, which does not enter
-//! where it comes to rest; what is handed on is the height of the strip, from which the statics of the line follow as for any
-//! other start. An FMU goes on from where it has come to: its clock is then ahead of the run's by the length of the phase.
+//! The state of rest of such a side is known to its FMU only, so line and pantographs are run without travelling until
+//! the contact force stays the same. A line of this program is that of the core with more damping on its masses, which
+//! does not enter where it comes to rest; what is handed on is the height of the strip, from which the statics of the
+//! line follow as for any other start. An FMU goes on from where it has come to: its clock is then ahead of the run's
+//! by the length of the phase.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -55,7 +56,8 @@ pub enum SettlingError {
     Step(#[source] SlaveError),
     /// An end was asked for meanwhile.
     #[error(
-        "interrupted after {t:.3} s of at most {longest} s in which line and pantographs come to rest before t = 0: nothing is written"
+        "interrupted after {t:.3} s of at most {longest} s in which line and pantographs come to rest before t = 0: \
+         nothing is written"
     )]
     Interrupted {
         /// Simulated time at rest, s.
@@ -66,17 +68,17 @@ pub enum SettlingError {
 }
 
 impl SettlingError {
-    /// Whether the input is to blame, and not what was made of it.
+    /// True where the input is to blame, not the program.
     #[must_use]
     pub fn is_input(&self) -> bool {
         matches!(self, Self::Line(_) | Self::Equilibrium(_))
     }
 }
 
-/// How a phase ended.
+/// End of a phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settling {
-    /// How long it took, s.
+    /// Length of the phase, s.
     pub duration: f64,
     /// Communication steps taken.
     pub steps: u64,
@@ -174,7 +176,7 @@ fn step(macro_step: f64, units: &[Option<f64>], any_step: bool) -> f64 {
     }
 }
 
-/// Brings `supplied` pantographs, and a line of somebody else, to rest and writes into the scene where they have come to,
+/// Brings `supplied` pantographs, and a supplied line, to rest and writes into the scene where they have come to,
 /// and the start of the others beside them.
 ///
 /// # Errors
@@ -187,8 +189,8 @@ pub fn settle(
     interrupted: &AtomicBool,
 ) -> Result<Settling, SettlingError> {
     if let Some(statics) = statics {
-        // What the scene says of the others was found beside the pantographs at rest: a resolved scene takes the same way
-        // again.
+        // What the scene says of the others was found beside the pantographs at rest: a resolved scene takes the same
+        // way again.
         forget_own_starts(scene);
         system::equilibrium::resolve(scene, statics)?;
     }

@@ -2,7 +2,8 @@
 
 use fmi2::model_description::{BaseUnit, ModelDescription, Unit, Variable};
 
-/// Names of units that are not coherent, for files that name a unit without defining it: name, SI unit, SI units in one of them.
+/// Names of units that are not coherent, for files that name a unit without defining it: name, SI unit, SI units in one
+/// of them.
 const NAMED: [(&str, &str, f64); 18] = [
     ("mm", "m", 1e-3),
     ("cm", "m", 1e-2),
@@ -24,7 +25,7 @@ const NAMED: [(&str, &str, f64); 18] = [
     ("h", "s", 3600.0),
 ];
 
-/// What a variable says about its unit.
+/// Unit declared by a variable.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Declared {
     /// Nothing.
@@ -36,7 +37,7 @@ pub(super) enum Declared {
 }
 
 impl Declared {
-    /// Of a variable, own or inherited.
+    /// Unit of a variable, own or inherited.
     pub fn of(description: &ModelDescription, variable: &Variable) -> Self {
         let Some(name) = description.real_attributes(variable).and_then(|real| real.unit) else {
             return Self::Nothing;
@@ -56,7 +57,8 @@ impl Declared {
         }
     }
 
-    /// `(a, b)` of `SI value = a · value + b`, where it is a unit of the same dimension as `ours`; an angle counts as a number.
+    /// `(a, b)` of `SI value = a · value + b`, where it is a unit of the same dimension as `ours`; an angle counts as a
+    /// number.
     pub fn to_si(&self, ours: &str) -> Option<(f64, f64)> {
         let (Self::Unit(_, theirs), Some(ours)) = (self, named(ours)) else {
             return None;

@@ -12,9 +12,9 @@ const BELIEVED: std::ops::Range<f64> = 0.01..1e4;
 /// v₂ = d₂ + h₂ (d₂ − d₁)/(h₁ + h₂) + h₁ h₂ (f₂ − f₁)/(2 m (h₁ + h₂))        (derived here)
 /// ```
 ///
-/// The first two terms alone are the backward differentiation formula of order 2, whose error is `h² z‴/3`; with the last
-/// one a force that jumps from step to step makes none, and what is left is `h² ġ/3`. Where the mass is not known, the last
-/// term is left out. After one step the formula is the difference quotient.
+/// The first two terms alone are the backward differentiation formula of order 2, whose error is `h² z‴/3`; with the
+/// last one a force that jumps from step to step makes none, and what is left is `h² ġ/3`. Where the mass is not known,
+/// the last term is left out. After one step the formula is the difference quotient.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Rate {
     /// Last positions, newest first, in m or rad.
@@ -48,7 +48,8 @@ impl Rate {
         };
     }
 
-    /// Velocity at the end of a step of `h` s that ends at `z`, under the mean force `force` in N in the direction of z.
+    /// Velocity at the end of a step of `h` s that ends at `z`, under the mean force `force` in N in the direction of
+    /// z.
     pub fn next(&mut self, z: f64, h: f64, force: f64) -> f64 {
         let last = (z - self.z[0]) / h;
         let velocity = if self.known < 2 {

@@ -24,7 +24,7 @@ pub struct Wire {
     pub text: String,
 }
 
-/// Why an FMU does not fit what the scene says of it.
+/// Reason why an FMU does not fit its table in the scene.
 #[derive(Debug, thiserror::Error)]
 pub enum WiringError {
     /// The units are of different dimensions, or a factor contradicts them.
@@ -38,12 +38,13 @@ pub enum WiringError {
         variable: String,
         /// Our unit.
         ours: &'static str,
-        /// What is wrong, and what would be right.
+        /// Problem and remedy.
         problem: String,
     },
     /// A quantity that cannot do without.
     #[error(
-        "{fmu}: nothing is wired to {needed}, and no variable is recognised for it: name it under {table}, see `master inspect`"
+        "{fmu}: nothing is wired to {needed}, and no variable is recognised for it: name it under {table}, see \
+         `master inspect`"
     )]
     Missing {
         /// Name of the model.
@@ -80,17 +81,17 @@ impl WiringError {
 /// Inputs and outputs of an FMU, wired.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Wiring {
-    /// Which side it is.
+    /// Side of the FMU.
     pub side: Side,
-    /// What it is given.
+    /// Inputs of the FMU.
     pub inputs: Vec<Wire>,
-    /// What is read from it.
+    /// Outputs of the FMU.
     pub outputs: Vec<Wire>,
 }
 
 impl Wiring {
-    /// The wiring of `entry`, guessed where it is left open; both are written into `entry`, factors included. `strips` is
-    /// the number of strips of the scene.
+    /// The wiring of `entry`, guessed where it is left open; both are written into `entry`, factors included. `strips`
+    /// is the number of strips of the scene.
     ///
     /// # Errors
     /// [`WiringError`].
@@ -216,7 +217,8 @@ fn wire(
         },
         (Some(factor), _) if contradicts && factor.abs() == 1.0 => {
             return Err(refused(format!(
-                "these are different quantities, and factor = {factor} turns neither into the other; wire another variable"
+                "these are different quantities, and factor = {factor} turns neither into the other; wire another \
+                 variable"
             )));
         }
         (Some(factor), Some((scale, _))) if factor.abs() == 1.0 && (scale.abs() - 1.0).abs() > 1e-12 => {

@@ -1,110 +1,161 @@
-//! The line as a component: names, units and dependencies of its inputs and outputs.
+//! The line as a component: table of its signals, and its parameters.
 use super::SAMPLES;
 use crate::contact::STRIP_INPUTS;
 use crate::{CatenaryError, Checkpoint, Sensitivity, StripStart, Subsystem, static_line};
-use component::{Component, Kind, Parameter, Role, Signal, StepFailure};
+use component::exchange::{contact, strip, support};
+use component::{Access, Component, DeclaredSignal, Parameter, SignalEntry, SignalGroup, SignalKind, StepFailure};
 use dynamics::StepError;
 use nalgebra::Vector3;
 use scene::Scene;
 
-/// Outputs of one contact, in order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ContactSignal {
-    Force,
-    OnStrip(usize),
-    MeanForce,
-    MeanOnStrip(usize),
-    Sample(usize),
-    Work,
-    Position(usize),
-    WireZ,
-    WireVz,
-    Gap,
-    Closed,
-}
+const _: () = assert!(STRIP_INPUTS == strip::MOTION && SAMPLES == contact::SAMPLE_COUNT);
 
-const CONTACT_SIGNALS: usize = 23;
-
-impl ContactSignal {
-    fn at(offset: usize) -> Self {
-        match offset {
-            0 => Self::Force,
-            1..=3 => Self::OnStrip(offset - 1),
-            4 => Self::MeanForce,
-            5..=7 => Self::MeanOnStrip(offset - 5),
-            8..=17 => Self::Sample(offset - 8),
-            18 => Self::Work,
-            19..=20 => Self::Position(offset - 19),
-            21 => Self::WireZ,
-            22 => Self::WireVz,
-            _ => unreachable!("a contact has {} signals", CONTACT_SIGNALS + 2),
-        }
-    }
-}
-
-/// Meaning of a position in the table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum LineSignal {
-    Input { strip: usize, input: usize },
-    Contact { strip: usize, signal: ContactSignal },
-    Uplift(usize),
-    Slack,
-    Energy,
-    FollowVelocity,
-}
-
-/// Signals per contact: those by offset, then gap and closed.
-const PER_CONTACT: usize = CONTACT_SIGNALS + 2;
-
-impl Subsystem {
-    fn place(&self, signal: usize) -> LineSignal {
-        let strips = self.strips();
-        let outputs = strips * STRIP_INPUTS;
-        let supports = outputs + strips * PER_CONTACT;
-        let rest = supports + self.supports();
-        if signal < outputs {
-            LineSignal::Input {
-                strip: signal / STRIP_INPUTS,
-                input: signal % STRIP_INPUTS,
-            }
-        } else if signal < supports {
-            let offset = (signal - outputs) % PER_CONTACT;
-            LineSignal::Contact {
-                strip: (signal - outputs) / PER_CONTACT,
-                signal: match offset {
-                    CONTACT_SIGNALS => ContactSignal::Gap,
-                    offset if offset > CONTACT_SIGNALS => ContactSignal::Closed,
-                    offset => ContactSignal::at(offset),
+/// An output of a contact: its value from the [`ContactOutputs`](crate::ContactOutputs), and for one that depends on
+/// the strip's motion without a step in between, its change from the [`Sensitivity`].
+macro_rules! contact_output {
+    ($index:expr, |$contact:ident| $value:expr) => {
+        SignalEntry::output(contact::SIGNALS[$index], |line: &mut Subsystem, strip| {
+            let $contact = line.contact(strip);
+            $value
+        })
+    };
+    ($index:expr, |$contact:ident| $value:expr, |$change:pat_param| $direct:expr) => {
+        SignalEntry {
+            declared: contact::SIGNALS[$index],
+            access: Access::Output {
+                get: |line: &mut Subsystem, strip| {
+                    let $contact = line.contact(strip);
+                    $value
                 },
-            }
-        } else if signal < rest {
-            LineSignal::Uplift(signal - supports)
-        } else {
-            match signal - rest {
-                0 => LineSignal::Slack,
-                1 => LineSignal::Energy,
-                _ => LineSignal::FollowVelocity,
-            }
+                rate: |line, strip| line.contact_rates(strip).map_or(0.0, |$change: Sensitivity| $direct),
+                partial: Some(|line, strip, input| {
+                    line.contact_sensitivity(strip, input)
+                        .map_or(0.0, |$change: Sensitivity| $direct)
+                }),
+            },
         }
+    };
+}
+
+/// Contact force at sample `J` of the last communication step.
+const fn sample<const J: usize>() -> SignalEntry<Subsystem> {
+    SignalEntry::output(contact::SIGNALS[contact::SAMPLES + J], |line: &mut Subsystem, strip| {
+        line.contact(strip).samples[J]
+    })
+}
+
+/// Motion of a strip; the inputs of the subsystem have the order of [`strip`].
+const fn motion(index: usize, start: fn(&Scene, usize) -> f64) -> SignalEntry<Subsystem> {
+    SignalEntry {
+        declared: strip::SIGNALS[index],
+        access: Access::Input {
+            start,
+            get: Subsystem::strip_input,
+            set: Subsystem::set_strip_input,
+            set_derivative: Subsystem::set_strip_input_derivative,
+        },
     }
 }
 
-/// Picks the change of a contact output per unit of a change of the contact.
-fn pick(signal: ContactSignal, change: &Sensitivity) -> f64 {
-    match signal {
-        ContactSignal::Force => change.force,
-        ContactSignal::OnStrip(axis) => change.force_on_strip[axis],
-        ContactSignal::Position(axis) => change.position[axis],
-        ContactSignal::WireZ => change.position.z,
-        ContactSignal::WireVz => change.velocity.z,
-        ContactSignal::Gap => change.gap,
-        _ => 0.0,
-    }
+static STRIP: [SignalEntry<Subsystem>; strip::MOTION] = [
+    motion(strip::X, |scene, index| strip_start(scene, index).x),
+    motion(strip::Y, |_, _| 0.0),
+    motion(strip::Z, |scene, index| strip_start(scene, index).height),
+    motion(strip::VX, |scene, index| strip_start(scene, index).speed),
+    motion(strip::VY, |_, _| 0.0),
+    motion(strip::VZ, |_, _| 0.0),
+    motion(strip::ROLL, |_, _| 0.0),
+];
+
+static CONTACT: [SignalEntry<Subsystem>; contact::SIGNALS.len()] = [
+    contact_output!(contact::FORCE, |contact| contact.force, |change| change.force),
+    contact_output!(contact::FX, |contact| contact.on_strip.x, |change| change
+        .force_on_strip
+        .x),
+    contact_output!(contact::FY, |contact| contact.on_strip.y, |change| change
+        .force_on_strip
+        .y),
+    contact_output!(contact::FZ, |contact| contact.on_strip.z, |change| change
+        .force_on_strip
+        .z),
+    contact_output!(contact::MEAN_FORCE, |contact| contact.mean_force),
+    contact_output!(contact::MEAN_FX, |contact| contact.mean_on_strip.x),
+    contact_output!(contact::MEAN_FY, |contact| contact.mean_on_strip.y),
+    contact_output!(contact::MEAN_FZ, |contact| contact.mean_on_strip.z),
+    sample::<0>(),
+    sample::<1>(),
+    sample::<2>(),
+    sample::<3>(),
+    sample::<4>(),
+    sample::<5>(),
+    sample::<6>(),
+    sample::<7>(),
+    sample::<8>(),
+    sample::<9>(),
+    contact_output!(contact::WORK, |contact| contact.work),
+    contact_output!(contact::X, |contact| contact.position.x, |change| change.position.x),
+    contact_output!(contact::Y, |contact| contact.position.y, |change| change.position.y),
+    contact_output!(contact::WIRE_Z, |contact| contact.position.z, |change| change
+        .position
+        .z),
+    contact_output!(contact::WIRE_VZ, |contact| contact.wire_vz, |change| change.velocity.z),
+    contact_output!(contact::GAP, |contact| contact.gap, |change| change.gap),
+    contact_output!(contact::CLOSED, |contact| f64::from(u8::from(contact.closed)), |_| 0.0),
+];
+
+static SUPPORT: [SignalEntry<Subsystem>; 1] = [SignalEntry::output_with_rate(
+    support::SIGNALS[support::UPLIFT],
+    Subsystem::support_uplift,
+    Subsystem::support_uplift_rate,
+)];
+
+/// Signals of the line as a whole.
+static LINE: [SignalEntry<Subsystem>; 3] = [
+    SignalEntry::output(
+        DeclaredSignal {
+            name: "droppers.slack",
+            kind: SignalKind::Integer,
+            description: "Number of droppers without force",
+        },
+        |line, _| line.slack_droppers() as f64,
+    ),
+    SignalEntry::output(
+        DeclaredSignal::real(
+            "energy",
+            "J",
+            "Kinetic and potential energy of the line above its static state without strips",
+        ),
+        |line, _| line.energy(),
+    ),
+    SignalEntry {
+        declared: DeclaredSignal {
+            name: "inputs.follow_velocity",
+            kind: SignalKind::Boolean,
+            description: "Whether a strip without input derivatives moves on with its velocity inside a step",
+        },
+        access: Access::Parameter {
+            start: 1.0,
+            get: |line| f64::from(u8::from(line.follows_velocity())),
+            set: |line, value| line.set_follow_velocity(value != 0.0),
+        },
+    },
+];
+
+/// Signals of a line with this many strips and supports.
+fn groups(strips: usize, supports: usize) -> [SignalGroup<Subsystem>; 4] {
+    let group = |name, entries, members| SignalGroup { name, entries, members };
+    [
+        group(Some(strip::GROUP), &STRIP[..], strips),
+        group(Some(contact::GROUP), &CONTACT[..], strips),
+        group(Some(support::GROUP), &SUPPORT[..], supports),
+        group(None, &LINE[..], 1),
+    ]
 }
 
 impl Component for Subsystem {
     type Checkpoint = Checkpoint;
     type Error = CatenaryError;
+    type Groups = [SignalGroup<Self>; 4];
 
     const IDENTIFIER: &'static str = "Catenary";
     const DESCRIPTION: &'static str = "Overhead line of ANCF wires under collector strips that are given from outside.";
@@ -117,39 +168,13 @@ impl Component for Subsystem {
         crate::mesh::check(scene, origin)
     }
 
-    fn signals(scene: &Scene) -> Vec<Signal> {
-        let mut signals = Vec::new();
-        for strip in 0..scene.pantographs.len() {
-            signals.extend(strip_inputs(scene, strip));
-        }
-        for strip in 0..scene.pantographs.len() {
-            contact_outputs(strip, &mut signals);
-        }
+    fn groups_of(scene: &Scene) -> Self::Groups {
         let supports = scene.modelled_line().map_or(0, |(line, _)| line.spans() + 1);
-        signals.extend((1..=supports).map(|k| {
-            let text = format!("Rise of the contact wire at support {k} above its height at the start");
-            Signal::output(format!("support[{k}].uplift"), "m", text)
-        }));
-        signals.push(Signal::new(
-            "droppers.slack",
-            Role::Output,
-            Kind::Integer,
-            0.0,
-            "Number of droppers without force",
-        ));
-        signals.push(Signal::output(
-            "energy",
-            "J",
-            "Kinetic and potential energy of the line above its static state without strips",
-        ));
-        signals.push(Signal::new(
-            "inputs.follow_velocity",
-            Role::Setting,
-            Kind::Boolean,
-            1.0,
-            "Whether a strip without input derivatives moves on with its velocity inside a step",
-        ));
-        signals
+        groups(scene.pantographs.len(), supports)
+    }
+
+    fn groups(&self) -> Self::Groups {
+        groups(self.strips(), self.supports())
     }
 
     fn parameters(scene: &Scene) -> Vec<Parameter> {
@@ -164,74 +189,6 @@ impl Component for Subsystem {
             .collect();
         subsystem.start(&starts)?;
         Ok(subsystem)
-    }
-
-    fn set_input(&mut self, signal: usize, value: f64) {
-        match self.place(signal) {
-            LineSignal::Input { strip, input } => self.set_strip_input(strip, input, value),
-            LineSignal::FollowVelocity => self.set_follow_velocity(value != 0.0),
-            place => unreachable!("{place:?} is not an input"),
-        }
-    }
-
-    fn input(&self, signal: usize) -> f64 {
-        match self.place(signal) {
-            LineSignal::Input { strip, input } => self.strip_input(strip, input),
-            place => unreachable!("{place:?} is not an input"),
-        }
-    }
-
-    fn set_input_derivative(&mut self, signal: usize, order: usize, value: f64) {
-        match self.place(signal) {
-            LineSignal::Input { strip, input } => self.set_strip_input_derivative(strip, input, order, value),
-            place => unreachable!("{place:?} is not an input"),
-        }
-    }
-
-    fn output(&mut self, signal: usize) -> f64 {
-        match self.place(signal) {
-            LineSignal::Contact { strip, signal } => {
-                let contact = self.contact(strip);
-                match signal {
-                    ContactSignal::Force => contact.force,
-                    ContactSignal::OnStrip(axis) => contact.on_strip[axis],
-                    ContactSignal::MeanForce => contact.mean_force,
-                    ContactSignal::MeanOnStrip(axis) => contact.mean_on_strip[axis],
-                    ContactSignal::Sample(j) => contact.samples[j],
-                    ContactSignal::Work => contact.work,
-                    ContactSignal::Position(axis) => contact.position[axis],
-                    ContactSignal::WireZ => contact.position.z,
-                    ContactSignal::WireVz => contact.wire_vz,
-                    ContactSignal::Gap => contact.gap,
-                    ContactSignal::Closed => f64::from(u8::from(contact.closed)),
-                }
-            }
-            LineSignal::Uplift(k) => self.support_uplift(k),
-            LineSignal::Slack => self.slack_droppers() as f64,
-            LineSignal::Energy => self.energy(),
-            LineSignal::FollowVelocity => f64::from(u8::from(self.follows_velocity())),
-            LineSignal::Input { strip, input } => self.strip_input(strip, input),
-        }
-    }
-
-    fn output_rate(&mut self, signal: usize) -> f64 {
-        match self.place(signal) {
-            LineSignal::Contact { strip, signal } => {
-                self.contact_rates(strip).map_or(0.0, |rates| pick(signal, &rates))
-            }
-            LineSignal::Uplift(k) => self.support_uplift_rate(k),
-            _ => 0.0,
-        }
-    }
-
-    fn sensitivity(&mut self, output: usize, input: usize) -> f64 {
-        match (self.place(output), self.place(input)) {
-            (LineSignal::Contact { strip, signal }, LineSignal::Input { strip: other, input }) if strip == other => {
-                self.contact_sensitivity(strip, input)
-                    .map_or(0.0, |change| pick(signal, &change))
-            }
-            _ => 0.0,
-        }
     }
 
     fn do_step(&mut self, t: f64, h: f64) -> Result<(), StepFailure> {
@@ -271,230 +228,24 @@ fn strip_start(scene: &Scene, strip: usize) -> StripStart {
     StripStart::of(scene, strip, height)
 }
 
-fn strip_inputs(scene: &Scene, strip: usize) -> [Signal; STRIP_INPUTS] {
-    let start = strip_start(scene, strip);
-    let i = strip + 1;
-    [
-        ("x", "m", start.x, "Position of the strip's middle along the track"),
-        (
-            "y",
-            "m",
-            0.0,
-            "Lateral position of the strip's middle, positive to the left",
-        ),
-        (
-            "z",
-            "m",
-            start.height,
-            "Height of the strip's middle above the top of rail",
-        ),
-        ("vx", "m/s", start.speed, "Velocity of the strip along the track"),
-        ("vy", "m/s", 0.0, "Lateral velocity of the strip"),
-        ("vz", "m/s", 0.0, "Vertical velocity of the strip"),
-        (
-            "roll",
-            "rad",
-            0.0,
-            "Roll angle of the strip about the direction of travel",
-        ),
-    ]
-    .map(|(name, unit, start, text)| Signal::input(format!("strip[{i}].{name}"), unit, start, text))
-}
-
-fn contact_outputs(strip: usize, signals: &mut Vec<Signal>) {
-    let i = strip + 1;
-    let inputs: Vec<usize> = (strip * STRIP_INPUTS..(strip + 1) * STRIP_INPUTS).collect();
-    let mut add = |name: String, unit, text: String, direct: bool| {
-        let fed: &[usize] = if direct { &inputs } else { &[] };
-        signals.push(Signal::output(format!("contact[{i}].{name}"), unit, text).fed_by(fed));
-    };
-    let axes = ["x", "y", "z"];
-    add(
-        "force".into(),
-        "N",
-        "Normal contact force, compression positive".into(),
-        true,
-    );
-    for axis in axes {
-        add(format!("f{axis}"), "N", format!("Force on the strip in {axis}"), true);
-    }
-    add(
-        "mean_force".into(),
-        "N",
-        "Mean of the normal contact force over the last communication step".into(),
-        false,
-    );
-    for axis in axes {
-        let text = format!("Mean of the force on the strip in {axis} over the last communication step");
-        add(format!("mean_f{axis}"), "N", text, false);
-    }
-    for j in 1..=SAMPLES {
-        let text = format!("Normal contact force at {j}/{SAMPLES} of the last communication step");
-        add(format!("sample[{j}]"), "N", text, false);
-    }
-    add(
-        "work".into(),
-        "J",
-        "Work done by the strip on the line since the start".into(),
-        false,
-    );
-    add(
-        "x".into(),
-        "m",
-        "Position of the contact point along the track".into(),
-        true,
-    );
-    add("y".into(), "m", "Lateral position of the contact point".into(), true);
-    add(
-        "wire.z".into(),
-        "m",
-        "Height of the contact wire at the contact point".into(),
-        true,
-    );
-    add(
-        "wire.vz".into(),
-        "m/s",
-        "Vertical velocity of the contact wire at the contact point".into(),
-        true,
-    );
-    add(
-        "gap".into(),
-        "m",
-        "Gap between strip and wire, positive when open".into(),
-        true,
-    );
-    signals.push(
-        Signal::new(
-            format!("contact[{i}].closed"),
-            Role::Output,
-            Kind::Boolean,
-            0.0,
-            "Whether strip and wire touch",
+/// Parameter of the modelled line or of its contact at a field of the entry in the scene; 0 without a modelled line.
+macro_rules! parameter {
+    ($name:literal, $unit:literal, $text:literal, $entry:ident.$($field:ident).+) => {
+        Parameter::new(
+            $name,
+            $unit,
+            $text,
+            |scene| scene.modelled_line().map_or(0.0, |line| parameter!(@entry $entry line).$($field).+),
+            |scene, value| {
+                if let Some(line) = modelled(scene) {
+                    parameter!(@entry $entry line).$($field).+ = value;
+                }
+            },
         )
-        .fed_by(&inputs),
-    );
+    };
+    (@entry catenary $line:ident) => { $line.0 };
+    (@entry contact $line:ident) => { $line.1 };
 }
-
-/// Value of the modelled line: name, unit, meaning, and access.
-type LineValue = (
-    &'static str,
-    &'static str,
-    &'static str,
-    fn(&mut scene::Catenary) -> &mut f64,
-);
-
-/// Values of the line that an importer can set.
-const LINE_VALUES: [LineValue; 21] = [
-    (
-        "contact_wire_height",
-        "m",
-        "Height of the contact wire at the supports above the top of rail",
-        |c| &mut c.contact_wire_height,
-    ),
-    (
-        "encumbrance",
-        "m",
-        "Height of the messenger wire above the contact wire at the supports",
-        |c| &mut c.encumbrance,
-    ),
-    ("presag", "m", "Lowering of the contact wire at mid-span", |c| {
-        &mut c.presag
-    }),
-    ("gravity", "m/s2", "Gravitational acceleration", |c| &mut c.gravity),
-    (
-        "contact_wire.mass_per_length",
-        "kg/m",
-        "Mass per length of the contact wire",
-        |c| &mut c.contact_wire.mass_per_length,
-    ),
-    ("contact_wire.tension", "N", "Tension of the contact wire", |c| {
-        &mut c.contact_wire.tension
-    }),
-    (
-        "contact_wire.axial_stiffness",
-        "N",
-        "Axial stiffness EA of the contact wire",
-        |c| &mut c.contact_wire.axial_stiffness,
-    ),
-    (
-        "contact_wire.bending_stiffness",
-        "N.m2",
-        "Bending stiffness EI of the contact wire",
-        |c| &mut c.contact_wire.bending_stiffness,
-    ),
-    (
-        "messenger_wire.mass_per_length",
-        "kg/m",
-        "Mass per length of the messenger wire",
-        |c| &mut c.messenger_wire.mass_per_length,
-    ),
-    ("messenger_wire.tension", "N", "Tension of the messenger wire", |c| {
-        &mut c.messenger_wire.tension
-    }),
-    (
-        "messenger_wire.axial_stiffness",
-        "N",
-        "Axial stiffness EA of the messenger wire",
-        |c| &mut c.messenger_wire.axial_stiffness,
-    ),
-    (
-        "messenger_wire.bending_stiffness",
-        "N.m2",
-        "Bending stiffness EI of the messenger wire",
-        |c| &mut c.messenger_wire.bending_stiffness,
-    ),
-    ("droppers.stiffness", "N/m", "Stiffness of a taut dropper", |c| {
-        &mut c.droppers.stiffness
-    }),
-    ("droppers.damping", "N.s/m", "Damping of a taut dropper", |c| {
-        &mut c.droppers.damping
-    }),
-    ("droppers.mass", "kg", "Mass of a dropper", |c| &mut c.droppers.mass),
-    (
-        "supports.messenger_vertical_stiffness",
-        "N/m",
-        "Vertical stiffness of a messenger support",
-        |c| &mut c.supports.messenger_vertical_stiffness,
-    ),
-    (
-        "supports.messenger_longitudinal_stiffness",
-        "N/m",
-        "Longitudinal stiffness of a messenger support",
-        |c| &mut c.supports.messenger_longitudinal_stiffness,
-    ),
-    (
-        "registration_arms.vertical_stiffness",
-        "N/m",
-        "Vertical stiffness of a registration arm",
-        |c| &mut c.registration_arms.vertical_stiffness,
-    ),
-    (
-        "registration_arms.mass",
-        "kg",
-        "Mass of a registration arm on the contact wire",
-        |c| &mut c.registration_arms.mass,
-    ),
-    (
-        "damping.alpha",
-        "1/s",
-        "Rayleigh damping of the wires in proportion to mass",
-        |c| &mut c.damping.alpha,
-    ),
-    (
-        "damping.beta",
-        "s",
-        "Rayleigh damping of the wires in proportion to transverse stiffness",
-        |c| &mut c.damping.beta,
-    ),
-];
-
-/// Value of the contact with its signal.
-type ContactValue = (
-    &'static str,
-    &'static str,
-    &'static str,
-    fn(&mut scene::Contact) -> &mut f64,
-);
 
 fn modelled(scene: &mut Scene) -> Option<(&mut scene::Catenary, &mut scene::Contact)> {
     match (&mut scene.catenary, &mut scene.contact) {
@@ -504,41 +255,146 @@ fn modelled(scene: &mut Scene) -> Option<(&mut scene::Catenary, &mut scene::Cont
 }
 
 fn parameters(scene: &Scene) -> Vec<Parameter> {
-    let mut parameters = Vec::new();
-    for (name, unit, text, field) in LINE_VALUES {
-        parameters.push(Parameter::new(
-            format!("catenary.{name}"),
-            unit,
-            text,
-            move |scene| modelled(&mut scene.clone()).map_or(0.0, |(line, _)| *field(line)),
-            move |scene, value| {
-                if let Some((line, _)) = modelled(scene) {
-                    *field(line) = value;
-                }
-            },
-        ));
-    }
-    let contact: [ContactValue; 2] = [
-        ("contact.stiffness", "N/m", "Penalty stiffness of the contact", |c| {
-            &mut c.stiffness
-        }),
-        ("contact.damping", "N.s/m", "Penalty damping of the contact", |c| {
-            &mut c.damping
-        }),
+    let mut parameters = vec![
+        parameter!(
+            "catenary.contact_wire_height",
+            "m",
+            "Height of the contact wire at the supports above the top of rail",
+            catenary.contact_wire_height
+        ),
+        parameter!(
+            "catenary.encumbrance",
+            "m",
+            "Height of the messenger wire above the contact wire at the supports",
+            catenary.encumbrance
+        ),
+        parameter!(
+            "catenary.presag",
+            "m",
+            "Lowering of the contact wire at mid-span",
+            catenary.presag
+        ),
+        parameter!(
+            "catenary.gravity",
+            "m/s2",
+            "Gravitational acceleration",
+            catenary.gravity
+        ),
+        parameter!(
+            "catenary.contact_wire.mass_per_length",
+            "kg/m",
+            "Mass per length of the contact wire",
+            catenary.contact_wire.mass_per_length
+        ),
+        parameter!(
+            "catenary.contact_wire.tension",
+            "N",
+            "Tension of the contact wire",
+            catenary.contact_wire.tension
+        ),
+        parameter!(
+            "catenary.contact_wire.axial_stiffness",
+            "N",
+            "Axial stiffness EA of the contact wire",
+            catenary.contact_wire.axial_stiffness
+        ),
+        parameter!(
+            "catenary.contact_wire.bending_stiffness",
+            "N.m2",
+            "Bending stiffness EI of the contact wire",
+            catenary.contact_wire.bending_stiffness
+        ),
+        parameter!(
+            "catenary.messenger_wire.mass_per_length",
+            "kg/m",
+            "Mass per length of the messenger wire",
+            catenary.messenger_wire.mass_per_length
+        ),
+        parameter!(
+            "catenary.messenger_wire.tension",
+            "N",
+            "Tension of the messenger wire",
+            catenary.messenger_wire.tension
+        ),
+        parameter!(
+            "catenary.messenger_wire.axial_stiffness",
+            "N",
+            "Axial stiffness EA of the messenger wire",
+            catenary.messenger_wire.axial_stiffness
+        ),
+        parameter!(
+            "catenary.messenger_wire.bending_stiffness",
+            "N.m2",
+            "Bending stiffness EI of the messenger wire",
+            catenary.messenger_wire.bending_stiffness
+        ),
+        parameter!(
+            "catenary.droppers.stiffness",
+            "N/m",
+            "Stiffness of a taut dropper",
+            catenary.droppers.stiffness
+        ),
+        parameter!(
+            "catenary.droppers.damping",
+            "N.s/m",
+            "Damping of a taut dropper",
+            catenary.droppers.damping
+        ),
+        parameter!(
+            "catenary.droppers.mass",
+            "kg",
+            "Mass of a dropper",
+            catenary.droppers.mass
+        ),
+        parameter!(
+            "catenary.supports.messenger_vertical_stiffness",
+            "N/m",
+            "Vertical stiffness of a messenger support",
+            catenary.supports.messenger_vertical_stiffness
+        ),
+        parameter!(
+            "catenary.supports.messenger_longitudinal_stiffness",
+            "N/m",
+            "Longitudinal stiffness of a messenger support",
+            catenary.supports.messenger_longitudinal_stiffness
+        ),
+        parameter!(
+            "catenary.registration_arms.vertical_stiffness",
+            "N/m",
+            "Vertical stiffness of a registration arm",
+            catenary.registration_arms.vertical_stiffness
+        ),
+        parameter!(
+            "catenary.registration_arms.mass",
+            "kg",
+            "Mass of a registration arm on the contact wire",
+            catenary.registration_arms.mass
+        ),
+        parameter!(
+            "catenary.damping.alpha",
+            "1/s",
+            "Rayleigh damping of the wires in proportion to mass",
+            catenary.damping.alpha
+        ),
+        parameter!(
+            "catenary.damping.beta",
+            "s",
+            "Rayleigh damping of the wires in proportion to transverse stiffness",
+            catenary.damping.beta
+        ),
+        parameter!(
+            "contact.stiffness",
+            "N/m",
+            "Penalty stiffness of the contact",
+            contact.stiffness
+        ),
+        parameter!(
+            "contact.damping",
+            "N.s/m",
+            "Penalty damping of the contact",
+            contact.damping
+        ),
     ];
-    for (name, unit, text, field) in contact {
-        parameters.push(Parameter::new(
-            name,
-            unit,
-            text,
-            move |scene| modelled(&mut scene.clone()).map_or(0.0, |(_, contact)| *field(contact)),
-            move |scene, value| {
-                if let Some((_, contact)) = modelled(scene) {
-                    *field(contact) = value;
-                }
-            },
-        ));
-    }
     parameters.extend(component::solver_parameters());
     for strip in 0..scene.pantographs.len() {
         parameters.extend(component::start_parameters(strip, &format!("strip[{}].", strip + 1)));

@@ -1,119 +1,122 @@
 //! Additional signals and parameters of scenes with a vehicle.
 use crate::Subsystem;
-use component::{Parameter, Signal};
+use component::{DeclaredSignal, Parameter, SignalEntry, SignalGroup};
 use scene::{Curve as TrackCurve, Scene, Train as VehicleParts, Vehicle};
 use std::sync::Arc;
 
 /// Outputs of the base before those of the wheels; `base.z` is an output of every pantograph.
-const BASE_OUTPUTS: [(&str, &str, &str); 3] = [
-    ("base.x", "m", "Position of the pantograph's base along the track"),
-    (
-        "base.y",
-        "m",
-        "Lateral position of the pantograph's base, positive to the left",
+static BASE: [SignalEntry<Subsystem>; 3] = [
+    SignalEntry::output(
+        DeclaredSignal::real("base.x", "m", "Position of the pantograph's base along the track"),
+        |side, _| side.base().position.x,
     ),
-    (
-        "base.roll",
-        "rad",
-        "Roll angle of the pantograph's base about the direction of travel",
+    SignalEntry::output(
+        DeclaredSignal::real(
+            "base.y",
+            "m",
+            "Lateral position of the pantograph's base, positive to the left",
+        ),
+        |side, _| side.base().position.y,
+    ),
+    SignalEntry::output(
+        DeclaredSignal::real(
+            "base.roll",
+            "rad",
+            "Roll angle of the pantograph's base about the direction of travel",
+        ),
+        |side, _| side.base_roll(),
+    ),
+];
+
+static WHEEL: [SignalEntry<Subsystem>; 2] = [
+    SignalEntry::output(
+        DeclaredSignal::real(
+            "load",
+            "N",
+            "Force of the rail, perpendicular to the plane of the rails, on wheel {}, left and right wheel of each \
+             wheelset in turn",
+        ),
+        Subsystem::wheel_load,
+    ),
+    SignalEntry::output(
+        DeclaredSignal::real(
+            "derailment_quotient",
+            "1",
+            "Y/Q of wheel {}, left and right wheel of each wheelset in turn: force outward on the rail in the plane of \
+             the rails over the one perpendicular to it",
+        ),
+        Subsystem::derailment_quotient,
     ),
 ];
 
 /// Outputs of the base after those of the wheels, so that value references of older models stay.
-const MORE_BASE_OUTPUTS: [(&str, &str, &str); 2] = [
-    (
-        "base.pitch",
-        "rad",
-        "Pitch angle of the pantograph's base about the lateral axis, positive where its front is lowered",
+static MORE_BASE: [SignalEntry<Subsystem>; 2] = [
+    SignalEntry::output(
+        DeclaredSignal::real(
+            "base.pitch",
+            "rad",
+            "Pitch angle of the pantograph's base about the lateral axis, positive where its front is lowered",
+        ),
+        |side, _| side.base_angles()[1],
     ),
-    (
-        "base.yaw",
-        "rad",
-        "Yaw angle of the pantograph's base about the vertical, positive where its front is turned to the left",
+    SignalEntry::output(
+        DeclaredSignal::real(
+            "base.yaw",
+            "rad",
+            "Yaw angle of the pantograph's base about the vertical, positive where its front is turned to the left",
+        ),
+        |side, _| side.base_angles()[2],
     ),
 ];
 
+/// Additional signals on a vehicle with this many wheels; empty groups without vehicle.
+pub(super) fn groups(wheels: Option<usize>) -> [SignalGroup<Subsystem>; 3] {
+    let group = |name, entries, members| SignalGroup { name, entries, members };
+    let base = usize::from(wheels.is_some());
+    [
+        group(None, &BASE[..], base),
+        group(Some("wheel"), &WHEEL[..], wheels.unwrap_or(0)),
+        group(None, &MORE_BASE[..], base),
+    ]
+}
+
 /// Number of wheels of the scene's vehicle.
-fn wheel_count(scene: &Scene) -> usize {
-    let parts = scene.vehicle.as_deref().and_then(scene::Vehicle::train);
+pub(super) fn wheel_count(scene: &Scene) -> usize {
+    let parts = scene.vehicle.as_deref().and_then(Vehicle::train);
     let wheelsets = parts.and_then(|parts| parts.body(&parts.wheels.wheelset));
     wheelsets.map_or(0, |body| 2 * body.positions.len())
 }
 
-/// Additional outputs of scenes with a vehicle.
-pub(super) fn outputs(scene: &Scene) -> Vec<Signal> {
-    if scene.vehicle.is_none() {
-        return Vec::new();
-    }
-    let signal = |(name, unit, text): (&'static str, &'static str, &'static str)| Signal::output(name, unit, text);
-    let (base, more) = (BASE_OUTPUTS.map(signal), MORE_BASE_OUTPUTS.map(signal));
-    let wheels = (1..=wheel_count(scene)).flat_map(|i| {
-        let which = format!("wheel {i}, left and right wheel of each wheelset in turn");
-        [
-            Signal::output(
-                format!("wheel[{i}].load"),
-                "N",
-                format!("Force of the rail, perpendicular to the plane of the rails, on {which}"),
-            ),
-            Signal::output(
-                format!("wheel[{i}].derailment_quotient"),
-                "1",
-                format!(
-                    "Y/Q of {which}: force outward on the rail in the plane of the rails over the one perpendicular \
-                     to it"
-                ),
-            ),
-        ]
-    });
-    base.into_iter().chain(wheels).chain(more).collect()
+/// Parameter of the vehicle at an expression on its entry in the scene, which gives an `Option` of the field; 0 without
+/// it.
+macro_rules! parameter {
+    ($name:expr, $unit:literal, $text:expr, |$parts:ident| $read:expr, $write:expr) => {
+        Parameter::new(
+            $name,
+            $unit,
+            $text,
+            move |scene: &Scene| {
+                let parts = scene.vehicle.as_deref().and_then(Vehicle::train);
+                parts.and_then(|$parts| $read).unwrap_or_default()
+            },
+            move |scene: &mut Scene, value| {
+                let parts = scene
+                    .vehicle
+                    .as_mut()
+                    .and_then(|vehicle| parts_mut(Arc::make_mut(vehicle)));
+                if let Some(field) = parts.and_then(|$parts| $write) {
+                    *field = value;
+                }
+            },
+        )
+    };
 }
 
-impl Subsystem {
-    /// Values of the outputs after `base.roll`: load and derailment quotient of each wheel in turn, then pitch and yaw.
-    pub(super) fn vehicle_output(&mut self, output: usize) -> f64 {
-        let parts = self.pantograph().0.vehicle();
-        let wheels = 2 * parts.map_or(0, |parts| parts.wheel_count());
-        match output.checked_sub(wheels) {
-            Some(angle) => self.base_angles()[1 + angle],
-            None if output.is_multiple_of(2) => self.wheel_load(output / 2),
-            None => self.derailment_quotient(output / 2),
-        }
+fn parts_mut(vehicle: &mut Vehicle) -> Option<&mut VehicleParts> {
+    match vehicle {
+        Vehicle::Vertical(parts) | Vehicle::Full(parts) => Some(parts),
+        Vehicle::RigidMotion(_) => None,
     }
-}
-
-/// Parameter of the vehicle at the field that `field` returns.
-fn parameter(
-    name: String,
-    unit: &'static str,
-    text: String,
-    field: impl Fn(&mut VehicleParts) -> Option<&mut f64> + Clone + Send + Sync + 'static,
-) -> Parameter {
-    fn parts_of(vehicle: &mut Vehicle) -> Option<&mut VehicleParts> {
-        match vehicle {
-            Vehicle::Vertical(parts) | Vehicle::Full(parts) => Some(parts),
-            Vehicle::RigidMotion(_) => None,
-        }
-    }
-    let read = field.clone();
-    Parameter::new(
-        name,
-        unit,
-        text,
-        move |scene| {
-            let mut vehicle = scene.vehicle.as_deref().cloned();
-            let parts = vehicle.as_mut().and_then(parts_of);
-            parts.and_then(&read).copied().unwrap_or_default()
-        },
-        move |scene, value| {
-            let parts = scene
-                .vehicle
-                .as_mut()
-                .and_then(|vehicle| parts_of(Arc::make_mut(vehicle)));
-            if let Some(place) = parts.and_then(&field) {
-                *place = value;
-            }
-        },
-    )
 }
 
 /// Masses, stiffnesses and dampers of the scene's vehicle.
@@ -124,41 +127,45 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
         return parameters;
     };
     for (i, body) in parts.bodies.iter().enumerate() {
-        parameters.push(parameter(
+        parameters.push(parameter!(
             format!("vehicle.bodies[{}].mass", i + 1),
             "kg",
             format!("Mass of each {}", body.name),
-            move |parts| parts.bodies.get_mut(i).map(|body| &mut body.mass),
+            |parts| parts.bodies.get(i).map(|body| body.mass),
+            parts.bodies.get_mut(i).map(|body| &mut body.mass)
         ));
     }
     for (i, bushing) in parts.bushings.iter().enumerate() {
         let path = format!("vehicle.bushings[{}]", i + 1);
         for (axis, title) in AXES.into_iter().enumerate() {
             if bushing.stiffness[axis] != 0.0 {
-                parameters.push(parameter(
+                parameters.push(parameter!(
                     format!("{path}.stiffness[{}]", axis + 1),
                     "N/m",
                     format!("Stiffness of each {} along {title}", bushing.name),
-                    move |parts| parts.bushings.get_mut(i).map(|bushing| &mut bushing.stiffness[axis]),
+                    |parts| parts.bushings.get(i).map(|bushing| bushing.stiffness[axis]),
+                    parts.bushings.get_mut(i).map(|bushing| &mut bushing.stiffness[axis])
                 ));
             }
             if bushing.damping[axis] != 0.0 {
-                parameters.push(parameter(
+                parameters.push(parameter!(
                     format!("{path}.damping[{}]", axis + 1),
                     "N.s/m",
                     format!("Damping of each {} along {title}", bushing.name),
-                    move |parts| parts.bushings.get_mut(i).map(|bushing| &mut bushing.damping[axis]),
+                    |parts| parts.bushings.get(i).map(|bushing| bushing.damping[axis]),
+                    parts.bushings.get_mut(i).map(|bushing| &mut bushing.damping[axis])
                 ));
             }
         }
     }
     parameters.extend(curves(scene));
     if parts.contact.is_some() {
-        parameters.push(parameter(
+        parameters.push(parameter!(
             "vehicle.contact.friction".to_owned(),
             "1",
             "Friction coefficient between wheels and rails".to_owned(),
-            |parts| parts.contact.as_mut().map(|contact| &mut contact.friction),
+            |parts| parts.contact.as_ref().map(|contact| contact.friction),
+            parts.contact.as_mut().map(|contact| &mut contact.friction)
         ));
     }
     parameters
@@ -166,22 +173,30 @@ pub(super) fn parameters(scene: &Scene) -> Vec<Parameter> {
 
 /// Parameters of the curves of the track.
 fn curves(scene: &Scene) -> Vec<Parameter> {
-    type Field = fn(&mut TrackCurve) -> &mut f64;
-    const FIELDS: [(&str, &str, Field); 6] = [
-        ("radius", "Radius of the curve", |curve| &mut curve.radius),
-        ("cant", "Height of the outer rail above the inner one", |curve| {
-            &mut curve.cant
-        }),
-        ("start", "Begin of the transition into the curve", |curve| {
-            &mut curve.start
-        }),
-        ("transition", "Length of each transition", |curve| &mut curve.transition),
-        ("length", "Length of the arc", |curve| &mut curve.length),
-        (
-            "rounding",
-            "Length over which the ends of cant ramps are rounded",
-            |curve| &mut curve.rounding,
-        ),
+    /// Name, meaning and access of a length of a curve.
+    struct CurveLength(
+        &'static str,
+        &'static str,
+        fn(&TrackCurve) -> f64,
+        fn(&mut TrackCurve, f64),
+    );
+    macro_rules! length {
+        ($field:ident, $text:literal) => {
+            CurveLength(
+                stringify!($field),
+                $text,
+                |curve| curve.$field,
+                |curve, value| curve.$field = value,
+            )
+        };
+    }
+    const LENGTHS: [CurveLength; 6] = [
+        length!(radius, "Radius of the curve"),
+        length!(cant, "Height of the outer rail above the inner one"),
+        length!(start, "Begin of the transition into the curve"),
+        length!(transition, "Length of each transition"),
+        length!(length, "Length of the arc"),
+        length!(rounding, "Length over which the ends of cant ramps are rounded"),
     ];
     let Some(track) = scene.track.as_deref() else {
         return Vec::new();
@@ -189,19 +204,19 @@ fn curves(scene: &Scene) -> Vec<Parameter> {
     let mut parameters = Vec::new();
     for i in 0..track.curves.len() {
         let path = track.curve_key(i);
-        for (name, text, field) in FIELDS {
+        for CurveLength(name, text, get, set) in LENGTHS {
             parameters.push(Parameter::new(
                 format!("{path}.{name}"),
                 "m",
                 text,
                 move |scene| {
                     let curve = scene.track.as_deref().and_then(|track| track.curves.get(i));
-                    curve.map_or(0.0, |curve| *field(&mut curve.clone()))
+                    curve.map_or(0.0, get)
                 },
                 move |scene, value| {
                     let track = scene.track.as_mut().map(Arc::make_mut);
                     if let Some(curve) = track.and_then(|track| track.curves.get_mut(i)) {
-                        *field(curve) = value;
+                        set(curve, value);
                     }
                 },
             ));

@@ -4,14 +4,15 @@ use scene::{Coupling, Force, Order};
 
 use super::{Algorithm, CouplingError, Exchange, GaussSeidel, InterfaceJacobian, Sides};
 
-/// `ωh` (–) above which a single pass is Gauss-Seidel with the mean force, and below which it is the predicted parabola again.
+/// `ωh` (–) above which a single pass is Gauss-Seidel with the mean force, and below which it is the predicted parabola
+/// again.
 ///
-/// With the standard line and its lumped pantograph (83 rad/s) the parabola has a third of the other's error at 5 ms, twice as
-/// much at 10 ms.
+/// With the standard line and its lumped pantograph (83 rad/s) the parabola has a third of the other's error at 5 ms,
+/// twice as much at 10 ms.
 const ONE_PASS: Switch = Switch { up: 0.7, down: 0.6 };
 
-/// `ωh` (–) of a part above which a step is done in more parts, and that fewer parts must keep below. Gauss-Seidel with the mean
-/// force is neutral up to 2, Newton's repeated pass up to 2.9.
+/// `ωh` (–) of a part above which a step is done in more parts, and that fewer parts must keep below. Gauss-Seidel with
+/// the mean force is neutral up to 2, Newton's repeated pass up to 2.9.
 const PARTS: [Switch; 2] = [Switch { up: 1.8, down: 1.4 }, Switch { up: 2.5, down: 2.0 }];
 
 /// Most parts of a step.
@@ -23,19 +24,20 @@ struct Switch {
     down: f64,
 }
 
-/// Newton with the interface Jacobian where the pantographs follow a force inside the step; where the step cannot be repeated
-/// and `ωh` is too large for a prediction, Gauss-Seidel with the mean force; where it is too large for that, the step in parts.
+/// Newton with the interface Jacobian where the pantographs follow a force inside the step; where the step cannot be
+/// repeated and `ωh` is too large for a prediction, Gauss-Seidel with the mean force; where it is too large for that,
+/// the step in parts.
 ///
 /// `ω` is that of the interface Jacobian where the step is repeated, else that of [`Frequency`](super::Frequency).
 pub struct Auto {
     newton: InterfaceJacobian,
     neutral: GaussSeidel,
-    /// Whether every pantograph follows a force inside the step.
+    /// True where every pantograph follows a force inside the step.
     follows: bool,
     repeats: bool,
     /// The slave that takes steps of one length only.
     fixed: Option<String>,
-    /// Whether the last step was Gauss-Seidel.
+    /// True where the last step was Gauss-Seidel.
     is_neutral: bool,
     parts: usize,
     /// Steps by Newton and by Gauss-Seidel.
@@ -79,7 +81,7 @@ impl Auto {
     }
 }
 
-/// Whether every pantograph follows a force inside the step.
+/// True where every pantograph follows a force inside the step.
 pub(super) fn follows(sides: &Sides<'_>) -> bool {
     let mut pantographs = sides.pantographs.iter();
     pantographs.all(|slave| slave.abilities().input_derivatives > 0)
@@ -157,8 +159,8 @@ impl Algorithm for Auto {
         let slave = self.fixed.as_deref().unwrap_or_default();
         let bound = self.part_switch().up;
         Some(format!(
-            "omega h reached {number:.2} with the macro step of {h} s, beyond {bound}, and {slave} takes steps of one length \
-             only: coupling.macro_step should be at most {:.1e} s",
+            "omega h reached {number:.2} with the macro step of {h} s, beyond {bound}, and {slave} takes steps of one \
+             length only: coupling.macro_step should be at most {:.1e} s",
             bound * h / number
         ))
     }

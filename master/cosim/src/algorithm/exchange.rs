@@ -1,4 +1,4 @@
-//! What both sides have put out at the last communication points.
+//! Outputs of both sides at the last communication points.
 
 use crate::slave::SlaveError;
 use component::exchange::{contact, strip};
@@ -15,7 +15,7 @@ const DEPTH: usize = 3;
 /// Force components of a defect.
 const AXES: usize = 3;
 
-/// What the load on a strip has left undone so far: the force of the line less that of the load, integrated once and twice.
+/// Defect of the load on a strip so far: the force of the line less that of the load, integrated once and twice.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Defect {
     /// Momentum that the strip still has to get, N s.
@@ -25,8 +25,8 @@ pub struct Defect {
 }
 
 impl Defect {
-    /// The straight line that, added to the load of the next `h` s, takes the momentum to zero and the share `position` of the
-    /// position defect at its end; only the momentum with `degree` 0.
+    /// The straight line that, added to the load of the next `h` s, takes the momentum to zero and the share `position`
+    /// of the position defect at its end; only the momentum with `degree` 0.
     ///
     /// In terms of [`Shape`]: mean `p/h`, moment `(q + h p)/h²`.
     #[must_use]
@@ -43,7 +43,7 @@ impl Defect {
 pub struct Exchange {
     points: [Point; DEPTH],
     known: usize,
-    /// What the step under way has reached; becomes the present point by [`Exchange::accept`].
+    /// Point reached by the step under way; becomes the present point by [`Exchange::accept`].
     pub reached: Point,
     start_work: f64,
     /// Sum of the amounts of work that crossed the contact, step by step, J.
@@ -57,7 +57,7 @@ impl Exchange {
     /// Reads the outputs of both sides at the start, `t` in s.
     ///
     /// # Errors
-    /// What a slave reports.
+    /// Error reported by a slave.
     pub fn start(sides: &mut Sides<'_>, t: f64, line_outputs: usize) -> Result<Self, SlaveError> {
         let point = Point::new(t, sides.pantographs.len(), line_outputs);
         let mut exchange = Self {
@@ -88,7 +88,7 @@ impl Exchange {
         &self.points[back]
     }
 
-    /// How many points can be looked at.
+    /// Number of points that can be looked at.
     #[must_use]
     pub fn known(&self) -> usize {
         self.known
@@ -121,7 +121,7 @@ impl Exchange {
         }
     }
 
-    /// What a reader must be told on the energy that the coupling added; nothing where it is a small share
+    /// Note for the reader on the energy that the coupling added; nothing where the energy is a small share
     /// of the work that crossed the contact.
     #[must_use]
     pub fn energy_note(&self) -> Option<String> {
@@ -142,7 +142,7 @@ impl Exchange {
     /// Reads the outputs of the line into [`Exchange::reached`].
     ///
     /// # Errors
-    /// What the line reports.
+    /// Error reported by the line.
     pub fn read_line(&mut self, sides: &mut Sides<'_>) -> Result<(), SlaveError> {
         sides.line.outputs(&mut self.reached.line)
     }
@@ -150,7 +150,7 @@ impl Exchange {
     /// Reads the outputs of all pantographs into [`Exchange::reached`].
     ///
     /// # Errors
-    /// What a pantograph reports.
+    /// Error reported by a pantograph.
     pub fn read_pantographs(&mut self, sides: &mut Sides<'_>) -> Result<(), SlaveError> {
         let outputs = self.reached.strips.chunks_exact_mut(strip::OUTPUTS);
         sides

@@ -19,7 +19,8 @@ const SMALLEST_PIVOT: f64 = 1e-9;
 /// A mass whose standard error is a larger part of it is not known (–).
 const LARGEST_ERROR: f64 = 0.03;
 
-/// Share of the frequency found at which the strip must be seen to oscillate, where mass and stiffness cannot be told apart (–).
+/// Share of the frequency found at which the strip must be seen to oscillate, where mass and stiffness cannot be told
+/// apart (–).
 const OWN: f64 = 0.7;
 
 /// Unknowns of a strip's regression: effective mass, damping and stiffness of what carries it.
@@ -27,16 +28,17 @@ const UNKNOWNS: usize = 3;
 
 /// `ω = √(k/m)` of each strip, rad/s: the contact's spring under the mass that the strip feels like.
 ///
-/// Both come from differences over closed steps, by least squares with fading weights:
+/// Stiffness and mass come from differences over closed steps, by least squares with fading weights:
 ///
 /// ```text
-/// k = Σ ΔF Δδ / Σ Δδ²                          δ penetration: the line's gap, or the height of the strip where it has none
-/// Δ²F̄ = m Δ²a + d Δ²v + c Δ²z                  F̄ mean force given in a step, a, v, z mean acceleration, velocity and height in it
+/// k = Σ ΔF Δδ / Σ Δδ²             δ penetration: the line's gap, or the height of the strip of a line without gap
+/// Δ²F̄ = m Δ²a + d Δ²v + c Δ²z     F̄ mean force, a, v, z mean acceleration, velocity and height of a step
 /// ```
 ///
-/// (derived here; `d` and `c` take in what the suspension of the head does, which is not mass; the second difference leaves
-/// fast motions only). A mass counts as known while its standard error is small: where nothing oscillates fast there is
-/// nothing to be seen, and nothing that could become unstable. Computed values only: a run made again finds the same.
+/// (derived here; `d` and `c` take in what the suspension of the head does, which is not mass; the second difference
+/// leaves fast motions only). A mass counts as known while its standard error is small: where nothing oscillates fast
+/// there is nothing to be seen, and nothing that could become unstable. Computed values only: a run made again finds
+/// the same.
 #[derive(Clone, Debug)]
 pub struct Frequency {
     strips: Vec<Sums>,
@@ -76,7 +78,7 @@ impl Frequency {
         }
     }
 
-    /// What a sounding of strip `i` has found, rad/s: holds until more is seen.
+    /// Frequency found by a sounding of strip `i`, rad/s: valid until a better estimate.
     pub fn sounded(&mut self, i: usize, frequency: f64) {
         self.strips[i].found.get_or_insert(frequency);
     }
@@ -161,7 +163,8 @@ impl Sums {
         if let Some(mass) = self.mass(UNKNOWNS) {
             self.found = Some(found(mass));
         } else if let Some(mass) = self.mass(UNKNOWNS - 1) {
-            // One oscillation alone cannot tell mass from stiffness; where it is the contact's own, the suspension is small.
+            // One oscillation alone cannot tell mass from stiffness; where it is the contact's own, the suspension is
+            // small.
             let [heights, accelerations] = [UNKNOWNS - 1, 0].map(|k| self.matrix[k][k]);
             let seen = (accelerations / heights).powf(0.25) / SCALE;
             if seen > OWN * found(mass) {
@@ -170,8 +173,8 @@ impl Sums {
         }
     }
 
-    /// The first unknown with the first `unknowns` of them, by elimination from the last one on; `None` where it is not known
-    /// well enough.
+    /// The first unknown with the first `unknowns` of them, by elimination from the last one on; `None` where it is not
+    /// known well enough.
     fn mass(&self, unknowns: usize) -> Option<f64> {
         let (mut matrix, mut right, mut square) = (self.matrix, self.right, self.square);
         for k in (1..unknowns).rev() {

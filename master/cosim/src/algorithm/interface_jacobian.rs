@@ -20,30 +20,32 @@ const SOUNDING: f64 = 1.0;
 /// A secant over a smaller change of the mean force is noise, N.
 const SMALLEST_SECANT: f64 = 1e-3;
 
-/// How a single pass' prediction of the curvature and its correction of the position give way as `ωh` grows:
+/// Factors by which the prediction of the curvature and the correction of the position give way as `ωh` grows:
 /// `1/(1 + c (ωh)²)` (–).
 ///
-/// The curvature that a parabola carries on is too large for an oscillation, and the correction of a position error acts as a
-/// spring of its own. With 0 and 0 the oscillation grows from `ωh` = 0.28 on (2e-4 per step at 0.5), with these nowhere below
-/// 1.2, with `ω` wrong by 30 % neither (spectral radius, [`super::stability`]); both are of second order in `h` beside 1, so
-/// that the order of convergence stays.
+/// The curvature that a parabola carries on is too large for an oscillation, and the correction of a position error
+/// acts as a spring of its own. Without both factors the oscillation grows at small `ωh` already; with both the
+/// spectral radius ([`super::stability`]) stays below 1 up to `ωh` = 1.2, also with a wrong `ω`. Both are of second
+/// order in `h` beside 1, so that the order of convergence stays.
 const GIVES_WAY: (f64, f64) = (2.0, 0.3);
 
-/// Values that a secant may have: positive ones come from the contact's opening and closing only, and 1 has no solution.
+/// Values that a secant may have: positive ones come from the contact's opening and closing only, and 1 has no
+/// solution.
 const SECANTS: std::ops::RangeInclusive<f64> = -100.0..=0.0;
 
-/// Part of the Jacobian that a head on a spring has, `(ωh)²/6`, which the one that steps are accepted by does not go below (–).
+/// Part of the Jacobian that a head on a spring has, `(ωh)²/6`, which the one that steps are accepted by does not go
+/// below (–).
 ///
-/// Secants of later passes, where the moment changes with the mean, come out near zero now and then. Such a one would accept every
-/// first pass from then on, however far off, and with no further pass nothing would ever correct it: at `ωh` = 0.8 the contact's
-/// oscillation then grew to 40 N on the line of EN 50318.
+/// Secants of later passes, where the moment changes with the mean, come out near zero now and then. Such a one would
+/// accept every first pass from then on, however far off, and with no further pass nothing would ever correct it.
 const LEAST_GAIN: f64 = 0.05;
 
-/// The pantographs first, under the predicted force; the line follows the cubic of their motion; then both again from the
-/// start of the step, with the force that Newton's method gives, until nothing is left to gain.
+/// The pantographs first, under the predicted force; the line follows the cubic of their motion; then both again from
+/// the start of the step, with the force that Newton's method gives, until nothing is left to gain.
 ///
-/// The load over a step has a mean and a moment (see [`Waveform`]), and so has the force that the line answers with. What is
-/// left between the two when the step is accepted is not lost: it is a *defect* of the head's momentum and position,
+/// The load over a step has a mean and a moment (see [`Waveform`]), and so has the force that the line answers with.
+/// The difference between the two at the accepted step is not lost: it is a *defect* of the head's momentum and
+/// position,
 ///
 /// ```text
 /// p′ = p + h (mean − mean given),   q′ = q + h p + h² (moment − moment given)
@@ -57,9 +59,9 @@ const LEAST_GAIN: f64 = 0.05;
 ///
 /// so that errors of the prediction act for one step only. One pass with this needs no rollback.
 ///
-/// Unknown of Newton's method is the mean over the step, `r = mean answered − mean given`, and the Jacobian
-/// `J = d(mean answered)/d(mean given)` of the whole loop over the step, `−(ωh)²/6` for a head on a spring, is sounded once
-/// by a rollback difference, updated by secants and kept from step to step (scaled by h²). The step is accepted when a
+/// Unknown of Newton's method is the mean over the step, `r = mean answered − mean given`, and the Jacobian `J = d(mean
+/// answered)/d(mean given)` of the whole loop over the step, `−(ωh)²/6` for a head on a spring, is sounded once by a
+/// rollback difference, updated by secants and kept from step to step (scaled by h²). The step is accepted when a
 /// further pass would change the force by no more than the tolerance: `|J r| ≤ tolerance`.
 pub struct InterfaceJacobian {
     force: Force,
@@ -217,12 +219,13 @@ impl InterfaceJacobian {
         self.jacobian_step = h;
     }
 
-    /// What a further pass would change, N; where the Jacobian is not known, what the last one has left.
+    /// Change by a further pass, N; without known Jacobian, residual of the last pass.
     fn to_gain(&self, sides: &Sides<'_>, exchange: &Exchange, h: f64) -> f64 {
         let mut gain = 0.0_f64;
         for (i, given) in self.given.iter().enumerate() {
             let held = self.degree.min(sides.pantographs[i].abilities().input_derivatives) == 0;
-            // What is not made up for in the next step must itself be small, and the Jacobian is that of a closed contact.
+            // What is not made up for in the next step must itself be small, and the Jacobian is that of a closed
+            // contact.
             let known = self.carries && waveform::closed(exchange.point(0), &exchange.reached, i);
             let floor = self
                 .strip_stiffness(i, h)
@@ -261,7 +264,7 @@ impl InterfaceJacobian {
         }
     }
 
-    /// What is left between the loads given and the forces answered.
+    /// Residual between the loads given and the forces answered.
     fn keep_defects(&self, sides: &Sides<'_>, exchange: &mut Exchange, h: f64) {
         if !self.carries {
             return;
@@ -286,7 +289,8 @@ impl InterfaceJacobian {
     }
 }
 
-/// Course of a force over the step between two points: by its moments, or with [`Force::End`] the straight line from end to end.
+/// Course of a force over the step between two points: by its moments, or with [`Force::End`] the straight line from
+/// end to end.
 fn answer(from: &Point, to: &Point, i: usize, axis: usize, force: Force) -> Waveform {
     if force == Force::End {
         let [start, end] = [from, to].map(|point| point.contact(i)[contact::FX + axis]);
@@ -360,8 +364,8 @@ mod tests {
     use crate::slave::Slave;
     use component::exchange::line_output_count;
 
-    /// The bare oscillator, ω = 1, with the Jacobian of every first pass taken for nearly nothing. A first pass alone makes it grow
-    /// or fall at this `ωh`.
+    /// The bare oscillator, ω = 1, with the Jacobian of every first pass taken for nearly nothing. A first pass alone
+    /// makes it grow or fall at this `ωh`.
     #[test]
     fn a_secant_near_zero_does_not_accept_first_passes_that_are_far_off() {
         let (h, preload) = (0.9, 10.0);

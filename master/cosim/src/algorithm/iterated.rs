@@ -20,8 +20,8 @@ const RELAXATION: (f64, f64) = (0.05, 2.0);
 ///
 /// with velocities scaled by the step. It ends when the force handed over changes by no more than the tolerance.
 ///
-/// With `order = "pantograph_first"` the first motion that the line is given is that of the pantographs under the predicted
-/// force, with `catenary_first` it is extrapolated.
+/// With `order = "pantograph_first"` the first motion that the line is given is that of the pantographs under the
+/// predicted force, with `catenary_first` it is extrapolated.
 pub struct Iterated {
     order: Order,
     force: Force,

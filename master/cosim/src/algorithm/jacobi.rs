@@ -6,7 +6,7 @@ use component::exchange::{load, strip};
 
 use super::{Algorithm, CouplingError, Exchange, Polynomial, Sides, predict};
 
-/// Both sides step from the values of the last communication points; neither waits for the other.
+/// Sides step from the values of the last communication points; neither waits for the other.
 pub struct Jacobi {
     force: Force,
     extrapolation: usize,

@@ -10,7 +10,7 @@
 //! | 1 | `z + v τ` | held |
 //! | 2 | `z + v τ + a τ²/2` | `v + a τ`, with `a` from the last two positions and velocities |
 //!
-//! What a pantograph is given, by `coupling.force` (steps in turn, the line first / where the force is not known yet):
+//! Force given to a pantograph, by `coupling.force` (steps in turn, the line first / where the force is not known yet):
 //!
 //! | force | force known | force predicted |
 //! | --- | --- | --- |
@@ -20,37 +20,30 @@
 //!
 //! A prediction does not look past a point at which the contact was open.
 //!
-//! What the algorithms are worth on an undamped head on a spring (ω its frequency, h the macro step; order and largest `ωh`
+//! Order and stability limit of the algorithms on an undamped head on a spring (ω frequency, h macro step; largest `ωh`
 //! as [`stability`] finds them; "–": grows slowly at any step):
 //!
 //! | algorithm | line gets | pantograph gets | order | stable to `ωh` | needs |
 //! | --- | --- | --- | --- | --- | --- |
 //! | jacobi, `mean`, 1 | `z + v τ` | extrapolated mean | 2 | – | nothing |
 //! | jacobi, `interpolated`, 2 | `z + v τ + a τ²/2` | extrapolated parabola | 3 | 0.6 | derivatives 2, 2 |
-//! | gauss_seidel, line first, `mean`, 1 | `z + v τ` | mean of the step | 2 | 2.0, neutral | a line that follows velocities |
+//! | gauss_seidel, line first, `mean`, 1 | `z + v τ` | mean of the step | 2 | 2.0, neutral | line follows velocities |
 //! | gauss_seidel, line first, `interpolated`, 2 | `z + v τ + a τ²/2` | straight line | 2 | 1.5 | derivatives 2, 1 |
 //! | gauss_seidel, pantograph first, `interpolated`, 2 | cubic | extrapolated parabola | 3 | 0.9 | derivatives 3, 2 |
 //! | iterated | cubic | mean, or straight line | 2 | 3.4, neutral | derivatives 3, 1, rollback |
-//! | interface_jacobian, one pass, `mean` | cubic | held mean and what the last step left over | 2 | 1.2 | derivatives 3, 0 |
+//! | interface_jacobian, one pass, `mean` | cubic | held mean, and last defect | 2 | 1.2 | derivatives 3, 0 |
 //! | interface_jacobian, one pass, `end` | cubic | straight line through the end forces | 2 | – | derivatives 3, 1 |
-//! | interface_jacobian, one pass, 1 | cubic | extrapolated line and what the last step left over | 4 | 1.26 | derivatives 3, 1 |
-//! | interface_jacobian, one pass, 2 | cubic | extrapolated parabola and what the last step left over | 4 | 1.33 | derivatives 3, 2 |
-//! | interface_jacobian, repeated | cubic | parabola with mean and moment of the line's force | 4 | 2.9, neutral | the same and rollback |
+//! | interface_jacobian, one pass, 1 | cubic | extrapolated line, and last defect | 4 | 1.26 | derivatives 3, 1 |
+//! | interface_jacobian, one pass, 2 | cubic | extrapolated parabola, and last defect | 4 | 1.33 | derivatives 3, 2 |
+//! | interface_jacobian, repeated | cubic | mean and moment of the force | 4 | 2.9, neutral | same, rollback |
 //! | auto, one pass | as chosen | as chosen | 4, then 2 | 2.0, beyond in parts | the same |
 //!
-//! `iterated` keeps Aitken's relaxation: one strip is one stiff direction, and it settles in 3 to 5 passes wherever the repeated
-//! step has a solution; `interface_jacobian` is the one with a Jacobian. `order` means nothing to `interface_jacobian`, which
-//! always steps the pantographs first, and says so.
+//! `iterated` keeps Aitken's relaxation: one strip is one stiff direction, and it settles in 3 to 5 passes wherever the
+//! repeated step has a solution; `interface_jacobian` is the one with a Jacobian. `order` means nothing to
+//! `interface_jacobian`, which always steps the pantographs first, and says so.
 //!
-//! `auto` ([`Auto`]) takes `interface_jacobian` where the pantographs follow a force inside the step and `ωh` allows it, else
-//! `gauss_seidel` with the mean. On the line of EN 50318 at 300 km/h with its lumped pantograph, rms error of the filtered
-//! force against one system, % of its standard deviation, and passes per step:
-//!
-//! | macro step | one pass | repeated where worth it |
-//! | --- | --- | --- |
-//! | 1 ms | 0.005 | 0.005, 1.00 |
-//! | 5 ms | 0.36 | 0.05, 1.8 |
-//! | 10 ms | 2.6 (Gauss-Seidel) | 0.16, 3.2 |
+//! `auto` ([`Auto`]) takes `interface_jacobian` where the pantographs follow a force inside the step and `ωh` allows
+//! it, else `gauss_seidel` with the mean.
 
 mod auto;
 mod exchange;
@@ -67,7 +60,7 @@ mod predict;
 pub mod stability;
 #[cfg(test)]
 mod tests;
-pub mod waveform;
+mod waveform;
 
 pub use auto::Auto;
 pub use exchange::{Defect, Exchange};
@@ -92,7 +85,7 @@ pub struct Sides<'a> {
 }
 
 impl Sides<'_> {
-    /// Whether every slave can go back to a saved state.
+    /// True where every slave can go back to a saved state.
     #[must_use]
     pub fn can_roll_back(&self) -> bool {
         self.without_rollback().is_none()
@@ -108,7 +101,7 @@ impl Sides<'_> {
             .map(Slave::name)
     }
 
-    /// Whether every slave takes steps of any length.
+    /// True where every slave takes steps of any length.
     #[must_use]
     pub fn can_vary_step(&self) -> bool {
         self.line.abilities().variable_step && self.pantographs.iter().all(|slave| slave.abilities().variable_step)
@@ -143,7 +136,7 @@ impl Sides<'_> {
     }
 }
 
-/// Why a macro step was not completed.
+/// Reason why a macro step was not completed.
 #[derive(Debug, thiserror::Error)]
 pub enum CouplingError {
     /// A slave failed.
@@ -169,7 +162,7 @@ pub enum CouplingError {
 }
 
 impl CouplingError {
-    /// Whether the step may be tried again with a smaller length.
+    /// True where the step may be tried again with a smaller length.
     #[must_use]
     pub fn is_retryable(&self) -> bool {
         match self {
@@ -190,13 +183,13 @@ pub trait Algorithm {
     /// [`CouplingError`]; the slaves may then stand anywhere inside the step, `exchange` is unchanged.
     fn step(&mut self, sides: &mut Sides<'_>, exchange: &mut Exchange, h: f64) -> Result<u64, CouplingError>;
 
-    /// Whether it saves the slaves at the start of a step itself.
+    /// True where the algorithm itself saves the slaves at the start of a step.
     fn saves(&self) -> bool {
         false
     }
 
-    /// In how many equal parts a step of `h` s from the present point should be done, each a step of its own; asked before
-    /// each step where every slave takes any.
+    /// In how many equal parts a step of `h` s from the present point should be done, each a step of its own; asked
+    /// before each step where every slave takes any.
     fn parts(&mut self, _exchange: &Exchange, _h: f64) -> usize {
         1
     }
@@ -204,21 +197,21 @@ pub trait Algorithm {
     /// Tells the circular frequency of the contact, rad/s, where it is known beforehand.
     fn know(&mut self, _frequency: f64) {}
 
-    /// What it has done, for the summary, where that is not plain.
+    /// Account for the summary, where the name of the algorithm does not tell.
     fn report(&self) -> Option<String> {
         None
     }
 
-    /// What a reader must be told.
+    /// Notes for the reader.
     fn warning(&self) -> Option<String> {
         None
     }
 }
 
-/// `[coupling]` with the keys that `"auto"` decides on before the run, and with the algorithm that stands in for one that
-/// needs more than the slaves can do; all else as it is.
+/// `[coupling]` with the keys that `"auto"` decides on before the run, and with the algorithm that stands in for one
+/// that needs more than the slaves can do; all else as it is.
 ///
-/// What it decides on in the run, see [`Auto`], it decides on again when the scene as written is run.
+/// Decisions taken in the run, see [`Auto`], are taken again when the scene as written is run.
 fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> (Coupling, &'static str) {
     let mut resolved = coupling.clone();
     let mut reason = "named in the scene";
@@ -239,16 +232,16 @@ fn resolve(coupling: &Coupling, sides: &Sides<'_>) -> (Coupling, &'static str) {
     } else {
         (resolved.order, resolved.force, resolved.extrapolation) = (Order::CatenaryFirst, Force::Mean, 1);
         reason = "auto: a pantograph holds its inputs: Gauss-Seidel, the line first, passes the line's mean force on, \
-                           which conserves the impulse";
+                  which conserves the impulse";
     }
     (resolved, reason)
 }
 
-/// What was made of `[coupling]`.
+/// Algorithm built from `[coupling]`.
 pub struct Choice {
     /// The keys in use.
     pub coupling: Coupling,
-    /// Why these, and what the slaves cannot do, for the summary.
+    /// Reason of the choice, and abilities that slaves lack, for the summary.
     pub reason: String,
 }
 

@@ -102,7 +102,7 @@ pub(super) struct Spring {
     pub(super) able: usize,
     pub(super) mean: f64,
     pub(super) end: f64,
-    /// What `contact.force` shows, positive where the contact counts as closed, without samples; `None`: the force of the
+    /// Value of `contact.force`, positive where the contact counts as closed, without samples; `None`: the force of the
     /// spring, and samples of it.
     pub(super) shown: Option<f64>,
     samples: [f64; contact::SAMPLE_COUNT],
@@ -188,8 +188,8 @@ impl Slave for Spring {
     }
 }
 
-/// The bare oscillator of unit mass and stiffness (ω = 1), `away` m from rest under a preload in N: while the contact stays
-/// closed, what is a line's force can be told from what is open.
+/// The bare oscillator of unit mass and stiffness (ω = 1), `away` m from rest under a preload in N: while the contact
+/// stays closed, what is a line's force can be told from what is open.
 pub(super) fn closed(away: f64, preload: f64) -> (Spring, Head) {
     let mut line = Spring::new(1.0, preload + away);
     line.shown = None;

@@ -66,11 +66,11 @@ impl Polynomial {
 
     /// Sets the inputs of `slave` for a step of `h` s.
     ///
-    /// Where the slave takes derivatives of a lower order than the degree, it is given the polynomial of that order that
+    /// A slave that takes derivatives of a lower order than the degree is given the polynomial of that order that
     /// reaches the same end, or the mean where it takes none.
     ///
     /// # Errors
-    /// What the slave reports.
+    /// Error reported by the slave.
     pub fn send(&mut self, slave: &mut dyn Slave, h: f64) -> Result<(), SlaveError> {
         let able = slave.abilities().input_derivatives;
         if able >= self.degree {

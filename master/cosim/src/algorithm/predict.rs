@@ -16,7 +16,7 @@ use super::{Exchange, Polynomial};
 /// a = (4 vₙ + 2 vₙ₋₁ − 6 (zₙ − zₙ₋₁)/h)/h        (derived here)
 /// ```
 ///
-/// It is exact where the force on the strip was constant or linear over the last step.
+/// Exact where the force on the strip was constant or linear over the last step.
 pub fn strips(exchange: &Exchange, order: usize, polynomial: &mut Polynomial) {
     // Degree 0 is sent with a first derivative of zero: without any, the line would follow the velocity.
     polynomial.clear(order.max(1));
@@ -51,7 +51,8 @@ pub fn strips(exchange: &Exchange, order: usize, polynomial: &mut Polynomial) {
 /// positions and velocities, and its derivative as velocity.
 ///
 /// ```text
-/// p = z₀ + v₀ τ + a τ²/2 + b τ³/6,   a = (6 Δ − 4 v₀ − 2 v₁)/h,   b = (6 v₀ + 6 v₁ − 12 Δ)/h²,   Δ = (z₁ − z₀)/h    (derived here)
+/// p = z₀ + v₀ τ + a τ²/2 + b τ³/6,   Δ = (z₁ − z₀)/h                                            (derived here)
+/// a = (6 Δ − 4 v₀ − 2 v₁)/h,   b = (6 v₀ + 6 v₁ − 12 Δ)/h²
 /// ```
 ///
 /// Roll is a straight line.

@@ -1,8 +1,8 @@
 //! Stability of an algorithm, found from the algorithm itself.
 //!
-//! On a free head and a massless spring a coupled step maps what the exchange remembers (heights, velocities, forces, means
-//! of the last points, defects) linearly to the same a step later. The columns of that matrix are found by stepping from unit
-//! vectors; its spectral radius is the growth of the contact's oscillation per macro step.
+//! On a free head and a massless spring a coupled step maps what the exchange remembers (heights, velocities, forces,
+//! means of the last points, defects) linearly to the same a step later. The columns of that matrix are found by
+//! stepping from unit vectors; its spectral radius is the growth of the contact's oscillation per macro step.
 
 use scene::Coupling;
 
@@ -29,7 +29,7 @@ type Matrix = Vec<[f64; SIZE]>;
 /// slaves that can do everything.
 ///
 /// # Errors
-/// Where the algorithm does not settle.
+/// Region in which the algorithm does not settle.
 pub fn spectral_radius(coupling: &Coupling, number: f64) -> Result<f64, CouplingError> {
     spectral_radius_known_as(coupling, number, 1.0)
 }
@@ -37,7 +37,7 @@ pub fn spectral_radius(coupling: &Coupling, number: f64) -> Result<f64, Coupling
 /// The same for an algorithm that takes the contact's frequency for `factor` times what it is (–).
 ///
 /// # Errors
-/// Where the algorithm does not settle.
+/// Region in which the algorithm does not settle.
 pub fn spectral_radius_known_as(coupling: &Coupling, number: f64, factor: f64) -> Result<f64, CouplingError> {
     // Unit mass and stiffness: the step is ωh. Rows are columns here: the radius is that of the transpose.
     let mut coupling = coupling.clone();
@@ -52,7 +52,7 @@ pub fn spectral_radius_known_as(coupling: &Coupling, number: f64, factor: f64) -
     Ok(radius(columns))
 }
 
-/// What is remembered after a step of `h` s from rest under a preload, with value `moved` of the memory moved by one.
+/// Memory after a step of `h` s from rest under a preload, with value `moved` of the memory moved by one.
 fn step_from(coupling: &Coupling, h: f64, frequency: f64, moved: Option<usize>) -> Result<[f64; SIZE], CouplingError> {
     let mut memory = [0.0; SIZE];
     for point in memory[..SIZE - 2].chunks_exact_mut(4) {

@@ -24,7 +24,7 @@ fn coupling(algorithm: scene::Algorithm, order: Order, force: Force, extrapolati
     }
 }
 
-/// Whether the algorithm looks at whether the contact is closed.
+/// True where the algorithm depends on an open or closed contact.
 fn preloaded(coupling: &Coupling) -> bool {
     [scene::Algorithm::InterfaceJacobian, scene::Algorithm::Auto].contains(&coupling.algorithm)
 }
@@ -121,8 +121,8 @@ fn mean_force_is_neutral_with_the_strip_extrapolated_to_degree_one() {
     table_row(Order::CatenaryFirst, Force::Mean, 1, [1.0; 6]);
 }
 
-/// The published row (1.0000, 1.0000, 0.9999, 0.9988, 0.9865, 1.2306) takes the acceleration from the end force, which a
-/// strip does not put out; these numbers are of the same recurrence with `a = (vₙ − vₙ₋₁)/h`, iterated independently.
+/// The published row (1.0000, 1.0000, 0.9999, 0.9988, 0.9865, 1.2306) takes the acceleration from the end force, which
+/// a strip does not put out; these numbers are of the same recurrence with `a = (vₙ − vₙ₋₁)/h`, iterated independently.
 #[test]
 fn mean_force_loses_little_with_the_strip_extrapolated_to_degree_two() {
     table_row(
@@ -472,7 +472,7 @@ fn the_cubic_reaches_both_positions_and_velocities() {
         assert!(
             (polynomial.at(i, h) - to).abs() < rounding,
             "{}: {}",
-            strip::NAMES[i],
+            strip::SIGNALS[i].name,
             polynomial.at(i, h)
         );
     }

@@ -6,8 +6,8 @@
 //! mean = ∫ F ds,   moment = ∫ (1 − s) F ds
 //! ```
 //!
-//! A free mass under `F` ends with the velocity `v₀ + h·mean/m` at the position `z₀ + h v₀ + h²·moment/m`: two loads of equal
-//! mean and moment lead a rigid head to the same end.
+//! A free mass under `F` ends with the velocity `v₀ + h·mean/m` at the position `z₀ + h v₀ + h²·moment/m`: two loads of
+//! equal mean and moment lead a rigid head to the same end.
 
 use component::exchange::{contact, load};
 
@@ -66,8 +66,8 @@ impl Waveform {
 
     /// Component `component` (0 to 2) of the force on strip `i` over the step from `from` to `to`.
     ///
-    /// Where the line gives samples of the contact force, the moment has their centroid (Simpson's rule), else that of
-    /// [`Waveform::parabola`].
+    /// A line that gives samples of the contact force yields the centroid of the moment from them (Simpson's rule),
+    /// else that of [`Waveform::parabola`].
     #[must_use]
     pub fn of(from: &Point, to: &Point, i: usize, component: usize) -> Self {
         let (from, to) = (from.contact(i), to.contact(i));
@@ -97,7 +97,7 @@ fn centroid(start: f64, samples: &[f64]) -> Option<f64> {
     (samples.iter().any(|force| *force > 0.0) && impulse > 0.0).then(|| moment / impulse)
 }
 
-/// Whether the contact of strip `i` was closed all over the step between two points.
+/// True where the contact of strip `i` was closed all over the step between two points.
 #[must_use]
 pub fn closed(from: &Point, to: &Point, i: usize) -> bool {
     let (from, to) = (from.contact(i), to.contact(i));
@@ -108,8 +108,8 @@ pub fn closed(from: &Point, to: &Point, i: usize) -> bool {
 
 /// A load component over a step in shifted Legendre polynomials: `a₀ + a₁ (2s − 1) + a₂ (6s² − 6s + 1)`, N.
 ///
-/// Mean and moment are `a₀` and `a₀/2 − a₁/6`; `a₂` changes neither, so that a slave that follows a lower degree only is
-/// given the first terms.
+/// Mean and moment are `a₀` and `a₀/2 − a₁/6`; `a₂` changes neither, so that a slave that follows a lower degree only
+/// is given the first terms.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shape(pub [f64; 3]);
 
@@ -126,8 +126,9 @@ impl Shape {
         Self([mean, 6.0 * (0.5 * mean - moment), 0.5 * (start + end) - mean])
     }
 
-    /// The parabola through start, mean and end of a step of `last` s, carried on over the next `h` s with degree `order`
-    /// (0: the end, 1: with the slope that end and mean give, 2: the share `curvature` of itself and the rest as 1).
+    /// The parabola through start, mean and end of a step of `last` s, carried on over the next `h` s with degree
+    /// `order` (0: the end, 1: with the slope that end and mean give, 2: the share `curvature` of itself and the rest
+    /// as 1).
     #[must_use]
     pub fn carried_on(waveform: &Waveform, last: f64, h: f64, order: usize, curvature: f64) -> Self {
         let Waveform { start, end, mean, .. } = *waveform;

@@ -1,4 +1,4 @@
-//! What a role asks of an FMU, found in its description, and an instance that is given it.
+//! Variables of a role, found in the description of an FMU, and an instance started for the role.
 
 use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, Causality, ModelDescription, Variable};

@@ -1,4 +1,4 @@
-//! What a shared library needs from the system it is loaded on, read from its own tables.
+//! Needs of a shared library from the system that loads it, read from its own tables.
 
 use std::collections::BTreeSet;
 

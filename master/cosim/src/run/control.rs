@@ -1,18 +1,18 @@
 //! The macro step follows the error that it makes.
 //!
-//! The error of a step is estimated without a further pass, as a height δ of the strip that is wrong, times the contact's
-//! stiffness k. What is wrong depends on the exchange ([`Estimate`]).
+//! The error of a step is estimated without a further pass, as a height δ of the strip that is wrong, times the
+//! contact's stiffness k. What is wrong depends on the exchange ([`Estimate`]).
 //!
-//! Where the line is given the cubic through both ends of the strip's step, and what the loads leave undone is made up for, all that
-//! is missed is the part of the strip's course that is no cubic. In the mean over the step
+//! With the cubic through both ends of the strip's step given to the line, and with defects of the loads made up for,
+//! the error left is the part of the strip's motion that is no cubic. In the mean over the step
 //!
 //! ```text
 //! δ = c h⁴/720 |z⁗|,   z⁗ = (j − j₋)/(h/2 + h₋/2)                                                (derived here)
 //! ```
 //!
-//! with the jerks j and j₋ of the cubics of this step and the last one. It goes with h⁴ for a smooth force, with h³ where the
-//! contact opens or closes within the step, and takes no more than heights and velocities of the strip. The factor c is for what
-//! adds up in an oscillation that lasts.
+//! with the jerks j and j₋ of the cubics of this step and the last one. It goes with h⁴ for a smooth force, with h³
+//! where the contact opens or closes within the step, and takes no more than heights and velocities of the strip. The
+//! factor c is for what adds up in an oscillation that lasts.
 //!
 //! Elsewhere it is the larger of two:
 //!
@@ -20,34 +20,33 @@
 //! δ = max(|z − z_p|, h²/(6 m) |F − F_p|)                                                       (derived here)
 //! ```
 //!
-//! against what the last communication points, extrapolated with the degree of the exchange itself, had promised. The first is
-//! what the line sees when it learns where the strip has gone. The second is what a force that grows wrong by F − F_p over the step
-//! does to the height of the strip. Where the contact has just opened or closed the deviation is of one sign, and not taken back
-//! in the next step: there its impulse counts, `k δ = h √(k/m)/2 |F − F_p|`, which the strip swings with.
+//! against what the last communication points, extrapolated with the degree of the exchange itself, had promised. The
+//! first is what the line sees when it learns where the strip has gone. The second is what a force that grows wrong by
+//! F − F_p over the step does to the height of the strip. Where the contact has just opened or closed the deviation is
+//! of one sign, and not taken back in the next step: there its impulse counts, `k δ = h √(k/m)/2 |F − F_p|`, which the
+//! strip swings with.
 //!
-//! The mass m is the ratio of the changes of mean force and mean acceleration from step to step, fitted over the run. The force
-//! itself is no measure: droppers and the mesh of a line leave vibrations in it that no macro step resolves and that a collector
-//! head does not follow.
+//! The mass m is the ratio of the changes of mean force and mean acceleration from step to step, fitted over the run.
+//! The force itself is no measure: droppers and the mesh of a line leave vibrations in it that no macro step resolves
+//! and that a collector head does not follow.
 //!
-//! The controller goes by the root mean square of the last errors, not by each of them, for errors that swing through zero would
-//! make it swing as well; the mean is carried over to other step lengths by the order of the error. Steps are whole multiples of
-//! the micro step, or its halves, quarters, …, so that no slave takes more micro steps than it would in one go.
+//! The controller goes by the root mean square of the last errors, not by each of them, for errors that swing through
+//! zero would make it swing as well; the mean is carried over to other step lengths by the order of the error. Steps
+//! are whole multiples of the micro step, or its halves, quarters, …, so that no slave takes more micro steps than it
+//! would in one go.
 //!
-//! A step is refused for what happens within it only, an opening or a closing most often: once its time has passed in shorter steps, the
-//! step is what it was before.
+//! A step is refused for what happens within it only, an opening or a closing most often: once its time has passed in
+//! shorter steps, the step is what it was before.
 //!
-//! What it is good for: an error that is known, with a contact that is lost again and again as well. It does not save steps on a line
-//! of even spans: on that of EN 50318 at 300 km/h (auto, micro step 0.5 ms) the error of fixed steps of 5 to 20 ms is spread so
-//! evenly along the track that the best possible distribution of steps would save 1 to 5 % of them for the raw force (19 % at
-//! 5 ms for the filtered one), and vibrations of the droppers make the controller more careful than it need be: 0.15 % of the
-//! filtered force's deviation in 1018 steps, where 350 steps of 10 ms reach 0.07 %.
+//! Purpose of the controller: a known error, also with a contact that is lost again and again. On a line of even spans
+//! error-controlled steps save nothing, because the error of fixed steps is spread evenly along the track.
 
 use crate::algorithm::{Exchange, Polynomial, predicted_strips};
 use component::Point;
 use component::exchange::{contact, strip};
 
-/// Error in units of the tolerance above which a step is refused: the mean is held at the tolerance, and three times as much is a
-/// rare deviation from a mean but a common one after a blow.
+/// Error in units of the tolerance above which a step is refused: the mean is held at the tolerance, and three times as
+/// much is a rare deviation from a mean but a common one after a blow.
 const REFUSED: f64 = 4.0;
 
 /// A step is refused this often at most; then it is taken as it is.
@@ -62,21 +61,21 @@ const DEAD_BAND: (f64, f64) = (0.85, 1.25);
 /// Share of the newest error in the mean square: when it is larger than the mean, and when it is smaller.
 const WEIGHT: (f64, f64) = (0.3, 0.1);
 
-/// Steps between a change and one upwards, at least and at most. It doubles whenever a longer step has to be taken back to a
-/// shorter one before it has lasted that long, and halves when it has lasted for four times as long.
+/// Steps between a change and one upwards, at least and at most. It doubles whenever a longer step has to be taken back
+/// to a shorter one before it has lasted that long, and halves when it has lasted for four times as long.
 const REST: (u32, u32) = (8, 512);
 
 /// Part of the step that is tried after the contact has opened or closed.
 const AFTER_EVENT: f64 = 0.25;
 
-/// What misses in one step comes back in the next ones with the same phase: it stretches the period of the head on its contact, which
-/// rings for some 30 rad after a blow. Half of them count (–).
+/// Factor for errors that come back in the next steps with the same phase: such an error stretches the period of the
+/// head on its contact, which rings for some 30 rad after a blow. Half of them count (–).
 const ADDED_UP: f64 = 16.0;
 
 /// Part of a step that counts as rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// What a controlled macro step goes by.
+/// Settings of a controlled macro step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Control {
     /// Simulated time, s.
@@ -93,11 +92,11 @@ pub struct Control {
     pub micro_step: f64,
     /// Contact stiffness, N/m.
     pub stiffness: f64,
-    /// What the exchange leaves an error in.
+    /// Value in which the exchange leaves an error.
     pub estimate: Estimate,
 }
 
-/// What the error of a step is estimated from.
+/// Basis of the estimate of a step's error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimate {
     /// Strips and forces against their extrapolation.
@@ -105,7 +104,8 @@ pub enum Estimate {
         /// Degree with which the exchange extrapolates, 0 to 2 (–).
         degree: usize,
     },
-    /// The strip's course over the step, where the line gets the cubic through it and defects of the load are made up for.
+    /// The strip's course over the step, where the line gets the cubic through it and defects of the load are made up
+    /// for.
     Course,
 }
 
@@ -155,12 +155,12 @@ impl Grid {
     }
 }
 
-/// What became of a step.
+/// Outcome of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It stands.
+    /// Step accepted.
     Accepted,
-    /// It is to be taken back and repeated with the controller's next step.
+    /// Step to be taken back and repeated with the controller's next step.
     Refused,
 }
 
@@ -169,7 +169,7 @@ pub enum Verdict {
 pub struct Controller {
     control: Control,
     grid: Grid,
-    /// Whether steps can be taken back.
+    /// True where steps can be taken back.
     can_refuse: bool,
     predicted: Polynomial,
     mobilities: Vec<Mobility>,
@@ -182,7 +182,7 @@ pub struct Controller {
     rest: u32,
     /// Steps after a change before the step may grow.
     patience: u32,
-    /// Whether the last change was upwards.
+    /// True where the last change was upwards.
     grew: bool,
     /// Refusals of the step under way.
     refusals: u32,
@@ -232,7 +232,7 @@ impl Controller {
             Estimate::Prediction { degree } => self.off_prediction(exchange, degree, h),
             Estimate::Course => (off_course(exchange, h), false),
         };
-        // Who cannot go back must not meet the end of a flight with a long step.
+        // A slave that cannot go back must not meet the end of a flight with a long step.
         let flies =
             !self.can_refuse && (0..exchange.strip_count()).any(|i| exchange.reached.contact(i)[contact::FORCE] <= 0.0);
         self.judge_error(self.control.stiffness * height / self.control.tolerance, event, flies)
@@ -348,8 +348,8 @@ impl Controller {
     }
 }
 
-/// How a strip answers to the contact force: `1/m` as the slope of acceleration against force, least squares over the changes from
-/// step to step.
+/// Response of a strip to the contact force: `1/m` as the slope of acceleration against force, least squares over the
+/// changes from step to step.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mobility {
     along: f64,
@@ -379,8 +379,8 @@ impl Mobility {
     }
 }
 
-/// Contact force reached at strip `i` against its extrapolation with `degree` over `h` s, N; it looks back to where the contact
-/// was open last. With it the degree that this leaves.
+/// Contact force reached at strip `i` against its extrapolation with `degree` over `h` s, N; it looks back to where the
+/// contact was open last. With it the degree that this leaves.
 fn force_deviation(exchange: &Exchange, i: usize, degree: usize, h: f64) -> (f64, usize) {
     let now = exchange.point(0).t;
     let force = |back: usize| exchange.point(back).contact(i)[contact::FORCE];
@@ -418,7 +418,7 @@ fn jerk(from: &Point, to: &Point, i: usize, h: f64) -> f64 {
     (from[strip::VZ] + to[strip::VZ] - 2.0 * mean) * 6.0 / (h * h)
 }
 
-/// Whether the contact of strip `i` opens or closes within the step just made.
+/// True where the contact of strip `i` opens or closes within the step just made.
 fn switches(exchange: &Exchange, i: usize) -> bool {
     let was_closed = exchange.point(0).contact(i)[contact::FORCE] > 0.0;
     (exchange.reached.contact(i)[contact::FORCE] > 0.0) != was_closed

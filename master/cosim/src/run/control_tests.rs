@@ -94,7 +94,7 @@ fn controlled(parameters: Parameters, control: Control, switches: Switches) -> O
     perform(parameters, control, switches).outcome
 }
 
-/// What a run gave.
+/// Result of a run.
 struct Found {
     outcome: Outcome<CouplingError>,
     record: Record,
@@ -202,8 +202,9 @@ fn the_error_is_that_of_the_tolerance_while_contact_is_lost_again_and_again() {
 
 #[test]
 fn without_rollback_the_error_follows_the_tolerance_from_extrapolation() {
-    // Measured: 0.1 to 0.2 tolerances with the contact closed, 0.6 to 1.2 where it is lost, for errors that are not seen before
-    // they are made. The longest steps, of omega h above 0.7, are another exchange, which the estimate does not know: there 3.
+    // Well below the tolerance with the contact closed, about the tolerance where it is lost, for errors that are not
+    // seen before they are made. The longest steps, of omega h above 0.7, are another exchange, which the estimate does
+    // not know: there 3.
     for (tolerance, most, error) in [
         (0.3, 1500, 4.0),
         (0.03, 1400, 0.4),
@@ -219,7 +220,7 @@ fn without_rollback_the_error_follows_the_tolerance_from_extrapolation() {
     }
 }
 
-/// 0.018 N took 2500 passes with the exchange that was best before; measured: 0.0043 N in 2164.
+/// The bound on passes is that of the exchange which was best before.
 #[test]
 fn a_hundredth_of_a_newton_takes_few_passes() {
     let control = control(0.01, 10.0, Estimate::Course);
@@ -251,7 +252,8 @@ fn no_tolerance_ends_a_run_that_loses_contact() {
 
 #[test]
 fn equal_steps_are_as_exact_as_steps_of_any_length() {
-    // A change of step length must not cost what the exchange has gained: between the errors of the longest and the shortest.
+    // A change of step length must not cost what the exchange has gained: between the errors of the longest and the
+    // shortest.
     let along = |pattern: &[f64]| {
         let (mut line, mut pantographs) = slaves(Parameters::CLOSED, Switches::ALL);
         let mut sides = Sides {

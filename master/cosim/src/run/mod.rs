@@ -105,7 +105,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
         }
     }
 
-    /// Whether somebody has asked for an end.
+    /// True where an end has been asked for.
     fn interrupted(&mut self) -> bool {
         let interrupted = self.watch.interrupted.load(Ordering::Relaxed);
         if interrupted {
@@ -214,7 +214,7 @@ impl<'a, 'b> UnderWay<'a, 'b> {
     }
 }
 
-/// Time spent in each slave so far, the line first; none of one whose time nobody takes.
+/// Time spent in each slave so far, the line first; none of a slave whose time is not taken.
 fn spent(sides: &Sides<'_>) -> Vec<Option<Duration>> {
     let pantographs = sides.pantographs.iter().map(|slave| slave.spent());
     std::iter::once(sides.line.spent()).chain(pantographs).collect()

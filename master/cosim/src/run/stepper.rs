@@ -2,27 +2,27 @@
 
 use crate::algorithm::{Algorithm, CouplingError, Exchange, Sides};
 
-/// How often a macro step that fails is halved before it is given up: 1 ms becomes 16 µs.
+/// Number of halvings of a macro step that fails, before the step is given up: 1 ms becomes 16 µs.
 const HALVINGS: u32 = 6;
 
-/// How often a part that cannot be halved any more is tried again before the step is given up: an FMU may discard a step for a
-/// reason of its own that does not come back.
+/// Number of further tries of a part that cannot be halved any more, before the step is given up: an FMU may discard a
+/// step for a reason of its own that does not come back.
 const RETRIES: u32 = 8;
 
-/// Both sides between two communication points.
+/// Stepper of both sides between two communication points.
 pub struct Stepper<'a, 'b> {
     /// Line and pantographs.
     pub sides: &'a mut Sides<'b>,
-    /// How they are coupled.
+    /// Coupling of the sides.
     pub algorithm: &'a mut dyn Algorithm,
-    /// What they have put out.
+    /// Outputs of the slaves.
     pub exchange: &'a mut Exchange,
     /// Times that they were taken back.
     pub rollbacks: u64,
-    /// Whether every slave can go back and takes any step.
+    /// True where every slave can go back and takes any step.
     can_roll_back: bool,
     can_vary_step: bool,
-    /// Whether going back takes a save before each step.
+    /// True where going back takes a save before each step.
     must_save: bool,
 }
 
@@ -42,7 +42,7 @@ impl<'a, 'b> Stepper<'a, 'b> {
         }
     }
 
-    /// Whether a step that ended with `error` can be taken back and done in shorter ones.
+    /// True where a step that ended with `error` can be taken back and done in shorter ones.
     #[must_use]
     pub fn can_retry(&self, error: &CouplingError) -> bool {
         self.can_roll_back && error.is_retryable()
@@ -63,14 +63,15 @@ impl<'a, 'b> Stepper<'a, 'b> {
     /// Takes both sides back to the present point.
     ///
     /// # Errors
-    /// What a slave reports.
+    /// Error reported by a slave.
     pub fn take_back(&mut self) -> Result<(), CouplingError> {
         self.sides.restore()?;
         self.rollbacks += 1;
         Ok(())
     }
 
-    /// Advances to `end` over `h` s, in as many parts as the algorithm asks for; `accepted` sees each point that is reached.
+    /// Advances to `end` over `h` s, in as many parts as the algorithm asks for; `accepted` sees each point that is
+    /// reached.
     ///
     /// # Errors
     /// That of the last try.

@@ -1,8 +1,9 @@
-//! The coupling test problem: two small slaves that integrate so well that a run shows nothing but the coupling's error.
+//! The coupling test problem: two small slaves that integrate so well that a run shows nothing but the coupling's
+//! error.
 //!
 //! A two-mass pantograph (EN 50318) under a wire of one mode with a stiffness that changes in time, unilateral penalty
-//! contact on the wire's side, 10 s from rest. The truth is the same as one system, by Runge-Kutta in steps of 10 µs. The
-//! contact's oscillation (17 Hz) is nearly undamped: the coupling itself must neither add nor remove energy.
+//! contact on the wire's side, 10 s from rest. The truth is the same as one system, by Runge-Kutta in steps of 10 µs.
+//! The contact's oscillation (17 Hz) is nearly undamped: the coupling itself must neither add nor remove energy.
 
 mod slaves;
 mod system;
@@ -30,7 +31,7 @@ const DIVERGED: f64 = 10.0;
 /// One row of the table: an algorithm between slaves of certain abilities.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What is run, for people.
+    /// Description of the case, for people.
     pub name: String,
     /// Algorithm and exchange; its `macro_step` is that of the run.
     pub coupling: Coupling,
@@ -42,12 +43,12 @@ pub struct Case {
     pub parameters: Parameters,
 }
 
-/// What a run of a case gave.
+/// Result of a run of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
     /// Communication step, s.
     pub macro_step: f64,
-    /// Whether it came to its end with a bounded force, and lost contact only where the truth does.
+    /// True where the run came to its end with a bounded force, and lost contact only where the reference does.
     pub stable: bool,
     /// rms error of the raw force at the communication points against the truth, N; not finite where it diverged.
     pub rms_error: f64,
@@ -59,11 +60,11 @@ pub struct Outcome {
     pub energy_residual: f64,
     /// The same as a share of the work that crossed the contact (–).
     pub energy_share: f64,
-    /// What the coupling says of the energy that it added.
+    /// Note of the coupling on the energy that it added.
     pub energy_note: Option<String>,
-    /// What the algorithm says that it has done.
+    /// Account of the algorithm.
     pub report: Option<String>,
-    /// Why it did not come to its end.
+    /// Reason why the run did not come to its end.
     pub failure: Option<String>,
 }
 
@@ -81,7 +82,8 @@ fn coupling(algorithm: scene::Algorithm, order: Order, force: Force, extrapolati
     }
 }
 
-/// The standard set: every algorithm as it is commonly used and at its best, and `auto` between slaves of all abilities.
+/// The standard set: every algorithm as it is commonly used and at its best, and `auto` between slaves of all
+/// abilities.
 #[must_use]
 pub fn cases() -> Vec<Case> {
     use scene::Algorithm::{Auto, GaussSeidel, InterfaceJacobian, Iterated, Jacobi};

@@ -11,12 +11,12 @@ use super::system::{PantographState, Parameters, WireState, rk4};
 /// Longest step of the fourth-order Runge-Kutta method inside a slave, s: ω h < 0.006.
 const SUBSTEP: f64 = 5e-5;
 
-/// Which abilities a slave shows.
+/// Abilities that a slave shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Switches {
     /// Highest order of input derivatives that it follows.
     pub input_derivatives: usize,
-    /// Whether it can go back.
+    /// True where the slave can go back.
     pub rollback: bool,
 }
 

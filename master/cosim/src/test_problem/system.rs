@@ -11,10 +11,10 @@ pub type WireState = [f64; 2];
 /// Step of the solution taken for the truth, s.
 const TRUTH_STEP: f64 = 1e-5;
 
-/// What the test problem is made of.
+/// Parameters of the test problem.
 ///
-/// The pantograph is that of EN 50318 (two masses), the wire one mode whose stiffness changes as under a pantograph that
-/// travels from span to span, `k(t) = k₀ (1 + a sin 2π f t)`.
+/// The pantograph is that of EN 50318 (two masses), the wire one mode whose stiffness changes as under a pantograph
+/// that travels from span to span, `k(t) = k₀ (1 + a sin 2π f t)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
     /// Masses of head and frame, kg.
@@ -162,7 +162,7 @@ impl Truth {
         self.forces[before] + part * (self.forces[before + 1] - self.forces[before])
     }
 
-    /// How far it goes, s.
+    /// Duration, s.
     #[must_use]
     pub fn duration(&self) -> f64 {
         (self.forces.len() - 1) as f64 * TRUTH_STEP

@@ -1,4 +1,4 @@
-//! What the algorithms reach on the test problem.
+//! Accuracy of the algorithms on the test problem.
 
 use super::*;
 
@@ -88,8 +88,8 @@ fn a_stiff_contact_under_a_light_head_is_stable() {
     reaches("auto, head 1 kg, contact 500 kN/m", &[(2.0, 0.1, 2.0)]);
 }
 
-/// The prototypes measured with the problem: h321 is Gauss-Seidel, the pantograph first, with parabolic forces; "held" the common
-/// exchange.
+/// The prototypes measured with the problem: h321 is Gauss-Seidel, the pantograph first, with parabolic forces; "held"
+/// the common exchange.
 #[test]
 fn the_common_exchanges_have_the_published_errors() {
     reaches(
@@ -125,7 +125,7 @@ fn the_coupling_with_held_values_adds_energy_and_the_best_adds_none() {
     assert!(run(&case("auto"), 1e-3).energy_residual.abs() < 1e-7);
 }
 
-/// What is seen in the run is the head on the contact: √(k/m) h, with and without sounding.
+/// Frequency seen in the run is that of the head on the contact: √(k/m) h, with and without sounding.
 #[test]
 fn auto_sees_the_contact_of_the_test_problem() {
     for (name, expected) in [

@@ -14,13 +14,14 @@ const FORCE: f64 = 20.0;
 /// Change of a height, m: what presses some 50 N more on a stiff contact.
 const HEIGHT: f64 = 1e-3;
 
-/// Difference after going back that counts as none, relative to the value and at least to 1: some 1e-6 N of contact force.
+/// Difference after going back that counts as none, relative to the value and at least to 1: some 1e-6 N of contact
+/// force.
 const EXACT: f64 = 1e-11;
 
 /// Part of its effect by which a followed derivative may miss the pieces.
 const FOLLOWED: f64 = 0.25;
 
-/// How often a first step that is discarded is halved, as in a run.
+/// Number of halvings of a discarded first step, as in a run.
 const HALVINGS: i32 = 6;
 
 /// Pieces of a step.
@@ -29,7 +30,7 @@ const PIECES: usize = 16;
 /// Steps that a response is watched over.
 const WATCHED: usize = 4;
 
-/// What is watched on an instance.
+/// Values watched on an instance.
 #[derive(Clone, Debug, PartialEq)]
 struct Seen(Vec<f64>);
 
@@ -48,7 +49,7 @@ pub(super) struct Bench<'a> {
     /// The output that is watched: velocity, or else height; the force of a line.
     watched: usize,
     slave: Option<FmuSlave>,
-    /// Whether `slave` has its first state saved and can be trusted to go back.
+    /// True where the first state of `slave` is saved and going back can be relied on.
     can_return: bool,
 }
 
@@ -259,7 +260,7 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Whether the same steps after going back end in the same outputs.
+    /// True where the same steps after going back end in the same outputs.
     fn goes_back(&mut self) -> (bool, String) {
         let worst = self.returned();
         match worst {
@@ -274,7 +275,8 @@ impl<'a> Bench<'a> {
             Ok(worst) => (
                 false,
                 format!(
-                    "the same three steps after going back end elsewhere, by {worst:.1e} of the outputs: it is not taken back"
+                    "the same three steps after going back end elsewhere, by {worst:.1e} of the outputs: it is not \
+                     taken back"
                 ),
             ),
             Err(error) => (false, cosim::chain(&error)),
@@ -341,7 +343,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// What a change of the input does: in which direction, and against what.
+    /// Response to a change of the input: direction, and resistance.
     fn response(&mut self, found: &mut Probe) -> Result<(), CosimulationError> {
         let h = self.h;
         let left_alone = self.watch(&[0.0; WATCHED], h)?;

@@ -1,4 +1,4 @@
-//! What a system means, as one number: whether an archive is still the one that was exported.
+//! Digest of a system: tells an archive that was changed after the export.
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! What a system structure description, a parameter set and a parameter mapping say, as far as it is used here.
+//! System structure description, parameter set and parameter mapping, as far as they are used here.
 
 use scene::ParameterValue;
 
@@ -58,21 +58,21 @@ pub(super) struct Component {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Connector {
     pub name: String,
-    pub kind: Kind,
+    pub kind: ConnectorKind,
     pub value: Option<Type>,
     pub line: usize,
 }
 
 /// `kind` of a connector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ConnectorKind {
     Input,
     Output,
     Parameter,
     CalculatedParameter,
 }
 
-impl Kind {
+impl ConnectorKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Input => "input",
@@ -89,7 +89,7 @@ pub(super) enum Type {
     Real {
         unit: Option<String>,
     },
-    /// Its name.
+    /// Name.
     Other(String),
 }
 
@@ -167,7 +167,7 @@ pub(super) struct Binding {
     pub line: usize,
 }
 
-/// Where parameters or their mapping are.
+/// Location of parameters or of their mapping.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Source<T> {
     Inline(T),
@@ -208,7 +208,7 @@ pub(super) enum Value {
 }
 
 impl Value {
-    /// Of a value of a scene; `integer` where the variable is one.
+    /// Value of a scene; `integer` for an integer variable.
     pub fn of(value: &ParameterValue, integer: bool) -> Self {
         match value {
             ParameterValue::Number(number) if integer => Self::Integer(*number as i32),

@@ -10,18 +10,19 @@ use scene::{Line, Offset, PantographModel, Scene, Supplied};
 
 use super::digest::digest_of;
 use super::document::{
-    Binding, Component, Connection, Connector, Description, End, Experiment, Kind, Linear, Own, Parameter,
+    Binding, Component, Connection, Connector, ConnectorKind, Description, End, Experiment, Linear, Own, Parameter,
     ParameterSet, Source, System, Type, Value,
 };
 use super::{STRUCTURE_FILE, SspError, write};
 use component::exchange::{load, strip};
 
-/// What every tool is told about the exchange.
-const EXCHANGE: &str = "The line hands over the force on the strip at the communication point (fx, fy, fz): of what a tool \
-    can hold over a step in which all components advance at once, this is the youngest, and adds the least energy to the \
-    contact. A tool that steps the catenary first and hands its new outputs over to a pantograph that has not stepped yet should \
-    connect the mean over the last step (mean_fx, mean_fy, mean_fz) instead: the impulse is then the same on both sides. x runs \
-    along the track, y to the left, z up from the top of rail; SI units. Steps of 1 ms or less are advised.";
+/// Note on the exchange for every tool.
+const EXCHANGE: &str = "The line hands over the force on the strip at the communication point (fx, fy, fz): of what a \
+    tool can hold over a step in which all components advance at once, this is the youngest, and adds the least \
+    energy to the contact. A tool that steps the catenary first and hands its new outputs over to a pantograph that \
+    has not stepped yet should connect the mean over the last step (mean_fx, mean_fy, mean_fz) instead: the impulse \
+    is then the same on both sides. x runs along the track, y to the left, z up from the top of rail; SI units. Steps \
+    of 1 ms or less are advised.";
 
 /// Name of the resource with the resolved scene.
 const SCENE: &str = "resources/scene.toml";
@@ -30,11 +31,11 @@ const SCENE: &str = "resources/scene.toml";
 pub struct Exported {
     /// The bytes of the archive.
     pub archive: Vec<u8>,
-    /// What a plain tool cannot know or connect.
+    /// Limits of a plain tool: data that cannot be told or connected.
     pub notes: Vec<String>,
 }
 
-/// What an FMU gives or takes, and the map between its value and ours (`to ours` on outputs, `from ours` on inputs).
+/// Variable of an FMU, and the map between its value and ours (`to ours` on outputs, `from ours` on inputs).
 struct Tap {
     variable: String,
     map: Linear,
@@ -54,7 +55,7 @@ struct Side {
 }
 
 /// Makes the archive of a resolved scene; `own` are the FMUs made of it and their file names, `base` is the folder that
-/// paths of somebody else's FMUs are relative to, `aligned` the offset in m of each pantograph's height where the scene leaves
+/// paths of supplied FMUs are relative to, `aligned` the offset in m of each pantograph's height where the scene leaves
 /// it open.
 ///
 /// # Errors
@@ -222,8 +223,8 @@ impl Side {
     fn own_line(model: ModelDescription, strips: usize) -> Self {
         let (mut inputs, mut outputs) = (BTreeMap::new(), BTreeMap::new());
         for i in 1..=strips {
-            for name in &strip::NAMES[..strip::MOTION] {
-                let name = format!("strip[{i}].{name}");
+            for signal in &strip::SIGNALS[..strip::MOTION] {
+                let name = signal.of(strip::GROUP, i);
                 inputs.insert(name.clone(), identity(name));
             }
             for name in ["fx", "fy", "fz", "force", "x", "y"] {
@@ -262,12 +263,12 @@ impl Side {
     }
 
     fn own_pantograph(model: ModelDescription, name: String) -> Self {
-        let inputs = load::NAMES
+        let inputs = load::SIGNALS
             .iter()
-            .map(|name| ((*name).to_owned(), identity(format!("contact[1].{name}"))));
-        let outputs = strip::NAMES[..strip::MOTION]
+            .map(|signal| (signal.name.to_owned(), identity(signal.of(load::GROUP, 1))));
+        let outputs = strip::SIGNALS[..strip::MOTION]
             .iter()
-            .map(|name| ((*name).to_owned(), identity(format!("strip[1].{name}"))));
+            .map(|signal| (signal.name.to_owned(), identity(signal.of(strip::GROUP, 1))));
         Self {
             description: model.description.clone().unwrap_or_default(),
             inputs: inputs.collect(),
@@ -341,9 +342,9 @@ impl Side {
             connectors.push(Connector {
                 name: variable.name.clone(),
                 kind: if variable.causality == Causality::Input {
-                    Kind::Input
+                    ConnectorKind::Input
                 } else {
-                    Kind::Output
+                    ConnectorKind::Output
                 },
                 value: Some(Type::Real {
                     unit: unit.map(|unit| unit.name.clone()),
@@ -361,7 +362,7 @@ impl Side {
         }
     }
 
-    /// The parameters of the FMU with their values; of somebody else's FMU those that the scene sets.
+    /// The parameters of the FMU with their values; of a supplied FMU those that the scene sets.
     fn parameters(&self) -> ParameterSet {
         let mut parameters = Vec::new();
         let mut units = BTreeMap::new();
@@ -437,11 +438,12 @@ fn connections(line: &Side, pantographs: &[Side], notes: &mut Vec<String>) -> Ve
     };
     for (index, pantograph) in pantographs.iter().enumerate() {
         let i = index + 1;
-        for name in &strip::NAMES[..strip::MOTION] {
-            let to = line.inputs.get(&format!("strip[{i}].{name}"));
-            match (pantograph.outputs.get(*name), to) {
+        for signal in &strip::SIGNALS[..strip::MOTION] {
+            let name = signal.name;
+            let to = line.inputs.get(&signal.of(strip::GROUP, i));
+            match (pantograph.outputs.get(name), to) {
                 (Some(from), Some(to)) => connect((pantograph, from), (line, to)),
-                (None, Some(to)) if *name == "z" || (*name == "x" && line.model.variable("scene").is_none()) => {
+                (None, Some(to)) if name == "z" || (name == "x" && line.model.variable("scene").is_none()) => {
                     notes.push(format!("{}.{}: nothing in the system gives it", line.name, to.variable));
                 }
                 _ => {}

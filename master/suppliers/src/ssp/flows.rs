@@ -4,8 +4,9 @@ use fmi2::import::Fmu;
 use fmi2::model_description::{BaseType, Causality, Unit};
 
 use super::SspError;
-use super::document::{Connector, Description, End, Kind, Linear, Type};
+use super::document::{ConnectorKind, Description, End, Linear, Type};
 use super::parameters::convert;
+use super::problem::EndProblem;
 use super::signals::{Tap, Wire, is_vertical, loads, motions};
 use super::unpacked::Unpacked;
 
@@ -44,6 +45,7 @@ pub(super) fn flows(
     for connection in &system.connections {
         let (start, end) = (&connection.start, &connection.end);
         let refuse = |problem: String| file.refuse(connection.line, format!("connection {start} – {end}: {problem}"));
+        let lost = |problem: EndProblem| refuse(problem.to_string());
         if start.element.is_none() || end.element.is_none() {
             let connectors = &system.connectors;
             for side in [start, end].into_iter().filter(|side| side.element.is_none()) {
@@ -54,11 +56,11 @@ pub(super) fn flows(
             notes.push(format!("connection {start} – {end}: leads out of the system, not used"));
             continue;
         }
-        let (a, kind_a, tap_a) = terminal(description, fmus, start).map_err(&refuse)?;
-        let (b, kind_b, tap_b) = terminal(description, fmus, end).map_err(&refuse)?;
+        let (a, kind_a, tap_a) = terminal(description, fmus, start).map_err(lost)?;
+        let (b, kind_b, tap_b) = terminal(description, fmus, end).map_err(lost)?;
         let (from, to, source, target) = match (kind_a, kind_b) {
-            (Kind::Output, Kind::Input) => (a, b, tap_a, tap_b),
-            (Kind::Input, Kind::Output) => (b, a, tap_b, tap_a),
+            (ConnectorKind::Output, ConnectorKind::Input) => (a, b, tap_a, tap_b),
+            (ConnectorKind::Input, ConnectorKind::Output) => (b, a, tap_b, tap_a),
             _ => {
                 let problem = format!(
                     "it joins an {} to an {}, expected an output and an input",
@@ -77,7 +79,8 @@ pub(super) fn flows(
         }
         let conversion = match (&source.unit, &target.unit) {
             (Some(from), Some(to)) if !connection.suppress_unit_conversion => {
-                convert((&from.name, Some(from)), (Some(&to.name), Some(to))).map_err(refuse)?
+                convert((&from.name, Some(from)), (Some(&to.name), Some(to)))
+                    .map_err(|problem| refuse(problem.to_string()))?
             }
             _ => Linear::IDENTITY,
         };
@@ -94,53 +97,39 @@ pub(super) fn flows(
 }
 
 /// Component, kind and variable of one end of a connection.
-fn terminal(description: &Description, fmus: &[Fmu], end: &End) -> Result<(usize, Kind, Tap), String> {
+fn terminal(description: &Description, fmus: &[Fmu], end: &End) -> Result<(usize, ConnectorKind, Tap), EndProblem> {
     let components = &description.system.components;
     let element = end.element.as_deref().unwrap_or_default();
     let found = components.iter().position(|component| component.name == element);
-    let Some(index) = found else {
-        let names: Vec<&str> = components.iter().map(|component| component.name.as_str()).collect();
-        return Err(format!(
-            "there is no component \"{element}\", only \"{}\"",
-            names.join("\", \"")
-        ));
-    };
-    let connector: Option<&Connector> = components[index]
-        .connectors
-        .iter()
-        .find(|connector| connector.name == end.connector);
-    let Some(connector) = connector else {
-        return Err(format!(
-            "component \"{element}\" has no connector \"{}\"",
-            end.connector
-        ));
-    };
+    let element = || element.to_owned();
+    let index = found.ok_or_else(|| EndProblem::NoComponent {
+        element: element(),
+        known: components.iter().map(|component| component.name.clone()).collect(),
+    })?;
+    let mut connectors = components[index].connectors.iter();
+    let connector = connectors.find(|connector| connector.name == end.connector);
+    let connector = connector.ok_or_else(|| EndProblem::NoConnector {
+        element: element(),
+        connector: end.connector.clone(),
+    })?;
     let model = fmus[index].description();
-    let Some(variable) = model.variable(&connector.name) else {
-        return Err(format!(
-            "the FMU of component \"{element}\" has no variable \"{}\"",
-            connector.name
-        ));
-    };
-    let fits = match connector.kind {
-        Kind::Input => variable.causality == Causality::Input,
-        Kind::Output => variable.causality == Causality::Output,
-        _ => {
-            return Err(format!(
-                "{end} is a {}, only inputs and outputs are connected",
-                connector.kind.name()
-            ));
-        }
+    let variable = model.variable(&connector.name);
+    let variable = variable.ok_or_else(|| EndProblem::NoVariable {
+        element: element(),
+        variable: connector.name.clone(),
+    })?;
+    let (end, kind) = (|| end.clone(), connector.kind);
+    let fits = match kind {
+        ConnectorKind::Input => variable.causality == Causality::Input,
+        ConnectorKind::Output => variable.causality == Causality::Output,
+        _ => return Err(EndProblem::Unconnectable { end: end(), kind }),
     };
     if !fits {
-        return Err(format!(
-            "{end} is an {} in the system, but its variable in the FMU is none",
-            connector.kind.name()
-        ));
+        return Err(EndProblem::OtherCausality { end: end(), kind });
     }
     let real = !matches!(connector.value, Some(Type::Other(_))) && variable.base_type() == BaseType::Real;
     if !real {
-        return Err(format!("{end} is not real; only real signals are connected"));
+        return Err(EndProblem::NotReal { end: end() });
     }
     let named = match &connector.value {
         Some(Type::Real { unit }) => unit.as_deref(),
@@ -150,11 +139,10 @@ fn terminal(description: &Description, fmus: &[Fmu], end: &End) -> Result<(usize
         Some(name) => {
             let own = description.units.iter().find(|unit| unit.name == name);
             let of_fmu = || model.unit_of(variable).filter(|unit| unit.name == name);
-            Some(
-                own.or_else(of_fmu)
-                    .cloned()
-                    .ok_or_else(|| format!("the unit {name} of {end} is not defined"))?,
-            )
+            Some(own.or_else(of_fmu).cloned().ok_or_else(|| EndProblem::NoUnit {
+                end: end(),
+                unit: name.to_owned(),
+            })?)
         }
         None => model.unit_of(variable).cloned(),
     };
@@ -206,15 +194,16 @@ pub(super) fn line_of(description: &Description, flows: &[Flow], unpacked: Unpac
     match lines[..] {
         [line] => Ok(line),
         [] => Err(refuse(
-            "no component is a line: expected one that is connected to all others, gives each a contact force [N] and takes \
-             the height of its strip [m]; signals are told by their units and by names such as contact[1].fz and strip[1].z"
+            "no component is a line: expected one that is connected to all others, gives each a contact force [N] and \
+             takes the height of its strip [m]; signals are told by their units and by names such as contact[1].fz \
+             and strip[1].z"
                 .to_owned(),
         )),
         _ => {
             let names: Vec<&str> = lines.iter().map(|line| components[*line].name.as_str()).collect();
             Err(refuse(format!(
-                "cannot tell which component is the line: \"{}\" all give a force and take a height; units of the connectors \
-                 would say it",
+                "cannot tell which component is the line: \"{}\" all give a force and take a height; units of the \
+                 connectors would say it",
                 names.join("\", \"")
             )))
         }

@@ -1,4 +1,4 @@
-//! A system of anybody's FMUs as a line and pantographs: which component is what, and how they are wired.
+//! A system of supplied FMUs as a line and pantographs: role and wiring of each component.
 
 use std::collections::BTreeMap;
 
@@ -98,17 +98,17 @@ fn unwired(fmu: String) -> Supplied {
     }
 }
 
-/// Where a pantograph stands.
-struct Place {
+/// Position of a pantograph.
+struct PantographPlace {
     /// x of its strip at the start, m.
     x: Option<f64>,
     component: usize,
-    /// Its strip on the line, where the line's names count them.
+    /// Strip on the line, where the line's names count them.
     strip: Option<usize>,
 }
 
 /// The pantographs, the first one leads where all places are known, and their speed in m/s.
-fn places(fmus: &[Fmu], sides: &[Supplied], flows: &[Flow], line: usize) -> (Vec<Place>, Option<f64>) {
+fn places(fmus: &[Fmu], sides: &[Supplied], flows: &[Flow], line: usize) -> (Vec<PantographPlace>, Option<f64>) {
     // Start values: set in the system, else those of the FMU.
     let number = |component: usize, name: &str| match sides[component].parameters.get(name) {
         Some(ParameterValue::Number(number)) => Some(*number),
@@ -117,22 +117,22 @@ fn places(fmus: &[Fmu], sides: &[Supplied], flows: &[Flow], line: usize) -> (Vec
             variable.and_then(|variable| variable.real_start())
         }
     };
-    let of_pantograph = |place: &Place, own: &str, of_line: &str| {
+    let of_pantograph = |place: &PantographPlace, own: &str, of_line: &str| {
         let at_line = |strip: usize| number(line, &format!("strip[{strip}].{of_line}"));
         number(place.component, own).or_else(|| place.strip.and_then(at_line))
     };
-    let mut places: Vec<Place> = (0..fmus.len())
+    let mut places: Vec<PantographPlace> = (0..fmus.len())
         .filter(|component| *component != line)
         .map(|component| {
             let mut up = flows.iter().filter(|flow| flow.from == component && flow.to == line);
             let strip = up.find_map(|flow| Some(flow.target.structured("strip")?.0));
-            let place = Place {
+            let place = PantographPlace {
                 x: None,
                 component,
                 strip,
             };
             let x = of_pantograph(&place, "start.x", "start.x");
-            Place { x, ..place }
+            PantographPlace { x, ..place }
         })
         .collect();
     let speed = places.iter().find_map(|place| of_pantograph(place, "speed", "speed"));
@@ -156,8 +156,8 @@ struct Pair<'a> {
 impl Pair<'_> {
     fn untold(&self, wire: &Wire) -> SspError {
         let problem = format!(
-            "cannot tell what the connection between \"{}\" of the line and \"{}\" of \"{}\" carries: expected names that \
-             say it, such as strip[1].z, strip[1].vz, contact[1].fz, or units",
+            "cannot tell what the connection between \"{}\" of the line and \"{}\" of \"{}\" carries: expected names \
+             that say it, such as strip[1].z, strip[1].vz, contact[1].fz, or units",
             wire.line.variable, wire.pantograph.variable, self.component.name
         );
         self.file.refuse(wire.at, problem)
@@ -200,7 +200,8 @@ impl Pair<'_> {
                 "time" => "time",
                 _ => {
                     notes.push(format!(
-                        "{name}.{variable} keeps its start value: a pantograph that is not modelled here is not given {load}"
+                        "{name}.{variable} keeps its start value: a pantograph that is not modelled here is not given \
+                         {load}"
                     ));
                     continue;
                 }
@@ -245,11 +246,11 @@ impl Pair<'_> {
                 entry.or_insert_with(|| plain(&own, Linear::IDENTITY));
             }
         }
-        for name in contact::NAMES.into_iter().chain(["mean_force"]) {
-            let own = format!("contact[{strip}].{name}");
+        for signal in &contact::SIGNALS[..=contact::MEAN_FORCE] {
+            let own = signal.of(contact::GROUP, strip);
             if is_there(&own, Causality::Output) {
                 let output = plain(&own, Linear::IDENTITY);
-                self.line.outputs.insert(format!("contact[{i}].{name}"), output);
+                self.line.outputs.insert(signal.of(contact::GROUP, i), output);
             }
         }
     }

@@ -17,7 +17,7 @@ pub struct Imported {
     pub scene: Scene,
     /// Folder that they are relative to.
     pub base: PathBuf,
-    /// What was read how, and what is not used.
+    /// Notes on how the archive was read, and on unused parts.
     pub notes: Vec<String>,
     /// The unpacked archive, removed when this is dropped.
     pub folder: TempDir,
@@ -25,8 +25,8 @@ pub struct Imported {
 
 /// Reads an `.ssp`; `overrides` are those of the command line.
 ///
-/// An archive of [`export`](super::export()) that nobody has changed gives the scene that it was made of. Any other one, of one
-/// line and one or more pantographs, becomes a scene of somebody else's FMUs.
+/// An archive of [`export`](super::export()) left unchanged gives the scene that it was made of. Any other one, of one
+/// line and one or more pantographs, becomes a scene of supplied FMUs.
 ///
 /// # Errors
 /// See [`SspError`].
@@ -63,8 +63,8 @@ pub fn import(path: &Path, overrides: &[String]) -> Result<Imported, SspError> {
             });
         }
         notes.push(
-            "the system was changed since `master export`: its FMUs and parameters are used as they are now, with the run and \
-             the coupling of the exported scene"
+            "the system was changed since `master export`: its FMUs and parameters are used as they are now, with the \
+             run and the coupling of the exported scene"
                 .to_owned(),
         );
     }

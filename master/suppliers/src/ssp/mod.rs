@@ -1,16 +1,17 @@
 //! System Structure and Parameterization 1.0: a co-simulation as an `.ssp` that other tools open, and scenes made of
-//! somebody else's `.ssp`.
+//! a supplied `.ssp`.
 //!
 //! ```text
 //! document    what a system structure says, as far as it is used here
 //! write       documents to XML
 //! read        XML to documents, names and lines kept for messages
 //! export      a scene to an archive
-//! unpacked    the files of an archive
+//! problem     why parts of a structure are refused
+//! unpacked    files of an archive
 //! digest      what a system means, as one number
 //! import      an archive to a scene
 //! flows       its connections with their directions known, and which component is the line
-//! foreign     a system of anybody's FMUs as a line and pantographs
+//! foreign     a system of supplied FMUs as a line and pantographs
 //! to_scene    these as a scene
 //! signals     which quantity a connection carries
 //! parameters  values of parameter sets, mapped and converted
@@ -25,6 +26,7 @@ mod flows;
 mod foreign;
 mod import;
 mod parameters;
+mod problem;
 mod read;
 mod signals;
 mod to_scene;
@@ -53,7 +55,7 @@ const NAMESPACES: [(&str, &str); 4] = [
     ("ssm", "http://ssp-standard.org/SSP1/SystemStructureParameterMapping"),
 ];
 
-/// Why an `.ssp` cannot be made or run.
+/// Reason why an `.ssp` cannot be made or run.
 #[derive(Debug, thiserror::Error)]
 pub enum SspError {
     /// The archive is refused or cannot be written.
@@ -61,7 +63,7 @@ pub enum SspError {
     Archive {
         /// The archive.
         path: PathBuf,
-        /// What is wrong.
+        /// Problem.
         problem: fmi2::archive::ArchiveError,
     },
     /// A file of the archive is no XML that can be read.
@@ -71,7 +73,7 @@ pub enum SspError {
         path: PathBuf,
         /// File in it.
         file: String,
-        /// What is wrong.
+        /// Problem.
         problem: Box<fmi2::model_description::DescriptionError>,
     },
     /// An element of a file is refused.
@@ -91,7 +93,7 @@ pub enum SspError {
     Shape {
         /// The archive.
         path: PathBuf,
-        /// What is wrong, and what would be right.
+        /// Problem and remedy.
         problem: String,
     },
     /// The scene that the system stands for.

@@ -7,6 +7,7 @@ use fmi2::model_description::{BaseType, TypeShape, Unit, Variable};
 use scene::ParameterValue;
 
 use super::document::{Binding, Component, Linear, MappingEntry, Parameter, ParameterSet, Source, System, Value};
+use super::problem::{UnitProblem, ValueProblem};
 use super::read::{self, File};
 use super::unpacked::Unpacked;
 use super::{STRUCTURE_FILE, SspError};
@@ -152,7 +153,7 @@ impl Bound {
         variable: &Variable,
         parameter: &Parameter,
         entry: Option<&MappingEntry>,
-    ) -> Result<ParameterValue, String> {
+    ) -> Result<ParameterValue, ValueProblem> {
         let map = entry.map_or(Linear::IDENTITY, |entry| entry.map);
         let described = fmu.description();
         let items = variable.declared_type.as_ref().and_then(|name| {
@@ -188,10 +189,10 @@ impl Bound {
             (Value::String(text), BaseType::String) => Ok(ParameterValue::String(text.clone())),
             (Value::Enumeration(name), BaseType::Integer) => {
                 let item = items.into_iter().flatten().find(|item| item.name == *name);
-                let item = item.ok_or_else(|| format!("the item \"{name}\" is not defined in the FMU"))?;
+                let item = item.ok_or_else(|| ValueProblem::NoItem { name: name.clone() })?;
                 Ok(ParameterValue::Number(f64::from(item.value)))
             }
-            (_, expected) => Err(format!("the value must be of type {expected:?}, as the variable is")),
+            (_, expected) => Err(ValueProblem::OtherType { expected }),
         }
     }
 }
@@ -200,7 +201,7 @@ impl Bound {
 pub(super) fn convert(
     (from, from_unit): (&str, Option<&Unit>),
     (to, to_unit): (Option<&str>, Option<&Unit>),
-) -> Result<Linear, String> {
+) -> Result<Linear, UnitProblem> {
     if to == Some(from) {
         return Ok(Linear::IDENTITY);
     }
@@ -211,10 +212,11 @@ pub(super) fn convert(
         return Ok(Linear::IDENTITY);
     }
     let (factor, offset) = from_unit.conversion_to(to_unit).ok_or_else(|| {
-        format!(
-            "the unit {from} cannot be converted to {}, the dimensions differ",
-            to.unwrap_or("1")
-        )
+        let to = to.unwrap_or("1").to_owned();
+        UnitProblem {
+            from: from.to_owned(),
+            to,
+        }
     })?;
     Ok(Linear { factor, offset })
 }

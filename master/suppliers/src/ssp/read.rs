@@ -6,7 +6,7 @@ use std::str::FromStr;
 use fmi2::model_description::{BASE_UNITS, BaseUnit, xml};
 
 use super::document::{
-    Binding, Component, Connection, Connector, Description, End, Experiment, Kind, Linear, MappingEntry, Own,
+    Binding, Component, Connection, Connector, ConnectorKind, Description, End, Experiment, Linear, MappingEntry, Own,
     Parameter, ParameterSet, Source, System, Type, Unit, Value,
 };
 use super::{ANNOTATION, NAMESPACES, OWN, SspError};
@@ -21,12 +21,12 @@ pub(super) struct File<'a> {
 }
 
 impl File<'_> {
-    pub fn refuse(&self, line: usize, problem: impl Into<String>) -> SspError {
+    pub fn refuse(&self, line: usize, problem: impl std::fmt::Display) -> SspError {
         SspError::Element {
             path: self.archive.to_owned(),
             file: self.name.to_owned(),
             line,
-            problem: problem.into(),
+            problem: problem.to_string(),
         }
     }
 
@@ -116,7 +116,7 @@ impl<'a> Node<'a> {
             .ok_or_else(|| self.refuse(format!("<{}> lacks the attribute {name}", self.element.name)))
     }
 
-    fn refuse(&self, problem: impl Into<String>) -> SspError {
+    fn refuse(&self, problem: impl std::fmt::Display) -> SspError {
         self.file.refuse(self.line(), problem)
     }
 
@@ -321,10 +321,10 @@ fn component(node: &Node<'_>) -> Result<Component> {
 fn connectors(node: &Node<'_>) -> Result<Vec<Connector>> {
     let connector = |node: &Node<'_>| {
         let kind = match node.required("kind")? {
-            "input" => Kind::Input,
-            "output" => Kind::Output,
-            "parameter" => Kind::Parameter,
-            "calculatedParameter" => Kind::CalculatedParameter,
+            "input" => ConnectorKind::Input,
+            "output" => ConnectorKind::Output,
+            "parameter" => ConnectorKind::Parameter,
+            "calculatedParameter" => ConnectorKind::CalculatedParameter,
             other => return Err(node.bad("kind", other, "input, output, parameter or calculatedParameter")),
         };
         let known = ["Real", "Integer", "Boolean", "String", "Enumeration", "Binary"];

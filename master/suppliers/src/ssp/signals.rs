@@ -1,7 +1,7 @@
-//! Which quantity a connection between a line and a pantograph carries.
+//! Quantity carried by a connection between a line and a pantograph.
 //!
-//! The names of our own FMUs say it on either end. Else the unit tells heights from velocities and forces, and among several
-//! of one kind the words in the names decide.
+//! The names of our own FMUs say it on either end. Else the unit tells heights from velocities and forces, and among
+//! several of one kind the words in the names decide.
 
 use fmi2::model_description::{Unit, Variable};
 
@@ -31,7 +31,7 @@ impl Tap {
         name.rsplit(['.', '/']).next().unwrap_or_default().to_owned()
     }
 
-    /// What stands behind `strip[i].` or `contact[i].`, and i.
+    /// Name behind `strip[i].` or `contact[i].`, and i.
     pub fn structured(&self, table: &str) -> Option<(usize, &str)> {
         let (index, rest) = self.variable.strip_prefix(table)?.strip_prefix('[')?.split_once("].")?;
         Some((index.parse().ok()?, rest))
@@ -115,7 +115,7 @@ const MOTIONS: [(&str, Dimension, &[&str]); 7] = [
     ("roll", Dimension::Angle, &["roll", "phi", "angle"]),
 ];
 
-/// What each wire from a pantograph to the line carries, by the names of [`strip`](component::exchange::strip).
+/// Quantity of each wire from a pantograph to the line, by the names of [`strip`](component::exchange::strip).
 ///
 /// # Errors
 /// The wire that cannot be told.
@@ -197,8 +197,8 @@ const MEANS: [(&str, &str); 4] = [
     ("mean_force", "force"),
 ];
 
-/// What each wire from the line to a pantograph carries on the line's side: `force` is positive in compression, `fx`, `fy`,
-/// `fz` act on the strip.
+/// Quantity of each wire from the line to a pantograph on the line's side: `force` is positive in compression, `fx`,
+/// `fy`, `fz` act on the strip.
 ///
 /// # Errors
 /// The wire that cannot be told.
@@ -254,7 +254,7 @@ pub(super) fn loads(wires: &[Wire]) -> Result<Vec<&'static str>, usize> {
     told(&names)
 }
 
-/// Whether the one force of a line is the contact force or the force on the strip: by its name, then by the sign of the
+/// Name of the one force of a line, contact force or force on the strip: by its name, then by the sign of the
 /// value it starts with; pressing counts as positive where nothing is known.
 fn vertical(wire: &Wire) -> &'static str {
     if LOADS[0].2.contains(&wire.line.word().as_str()) {
@@ -270,7 +270,7 @@ fn vertical(wire: &Wire) -> &'static str {
     }
 }
 
-/// Whether a connection is one of the two that no coupling does without, by its direction.
+/// True for one of the two connections that every coupling needs, by its direction.
 pub(super) fn is_vertical(name: &str) -> bool {
     matches!(name, "z" | "fz" | "force")
 }

@@ -70,7 +70,7 @@ const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 "#;
 
 /// Another tool's way of writing: other prefixes, connections from input to output, values inline and in files.
-const BODY: &str = r#"<s:System name="anlage" description="Somebody's &quot;line&quot;">
+const BODY: &str = r#"<s:System name="anlage" description="Operator's &quot;line&quot;">
   <s:ParameterBindings>
     <s:ParameterBinding source="resources/set%20one.ssv" prefix="P.">
       <s:ParameterMapping><m:ParameterMapping version="1.0">
@@ -156,11 +156,11 @@ fn pantograph(scene: &Scene) -> &Supplied {
 fn a_system_of_another_tool_becomes_a_scene() {
     let imported = imported(BODY).unwrap();
     let scene = &imported.scene;
-    assert_eq!(scene.title, "Somebody's \"line\"");
+    assert_eq!(scene.title, "Operator's \"line\"");
     assert_eq!((scene.run.duration, scene.run.start_x), (4.0, 10.0));
     assert!((scene.run.speed - 50.0).abs() < 1e-12, "180 km/h: {}", scene.run.speed);
     let Line::Supplied(line) = &scene.catenary else {
-        panic!("the line is somebody else's")
+        panic!("the line is supplied")
     };
     assert_eq!(
         (line.fmu.as_str(), line.inputs["strip[1].z"].variable.as_str()),
@@ -332,7 +332,7 @@ fn two_pantographs_are_ordered_by_where_they_start() {
     assert_eq!((scene.run.start_x, scene.pantographs[1].offset_x), (120.0, -100.0));
     assert_eq!(pantograph(&scene).fmu, "Front.fmu");
     let Line::Supplied(line) = &scene.catenary else {
-        panic!("the line is somebody else's")
+        panic!("the line is supplied")
     };
     // The leading pantograph is the line's second strip.
     assert_eq!(line.inputs["strip[1].z"].variable, "strip[2].z");

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use fmi2::archive::checked;
 
+use super::problem::FileProblem;
 use super::read::File;
 use super::{STRUCTURE_FILE, SspError};
 
@@ -26,18 +27,19 @@ impl<'a> Unpacked<'a> {
     /// File that a relative URI leads to.
     ///
     /// # Errors
-    /// What is wrong with it.
-    pub fn file(self, uri: &str) -> Result<PathBuf, String> {
+    /// [`FileProblem`].
+    pub fn file(self, uri: &str) -> Result<PathBuf, FileProblem> {
+        let named = || uri.to_owned();
         let decoded = percent_encoding::percent_decode_str(uri)
             .decode_utf8()
-            .map_err(|_| format!("source \"{uri}\": the decoded URI is not UTF-8"))?;
+            .map_err(|_| FileProblem::Encoding { uri: named() })?;
         let name = decoded.strip_prefix("./").unwrap_or(&decoded);
-        checked(name).map_err(|problem| format!("source \"{uri}\": {problem}; expected a path inside the archive"))?;
+        checked(name).map_err(|problem| FileProblem::Outside { uri: named(), problem })?;
         let path = self.folder.join(name);
         if path.is_file() {
             return Ok(path);
         }
-        Err(format!("source \"{uri}\": there is no such file in the archive"))
+        Err(FileProblem::Missing { uri: named() })
     }
 
     /// Content of such a file; `line` of the structure names it.
@@ -47,6 +49,10 @@ impl<'a> Unpacked<'a> {
     pub fn content(self, uri: &str, line: usize) -> Result<Vec<u8>, SspError> {
         let refuse = |problem| self.structure().refuse(line, problem);
         let path = self.file(uri).map_err(refuse)?;
-        std::fs::read(path).map_err(|error| refuse(format!("source \"{uri}\": {error}")))
+        let unreadable = |source| FileProblem::Unreadable {
+            uri: uri.to_owned(),
+            source,
+        };
+        std::fs::read(path).map_err(|source| refuse(unreadable(source)))
     }
 }

@@ -109,7 +109,7 @@ pub(super) fn description(d: &Description) -> String {
     )
 }
 
-/// What a description means, for comparing: all but names, tools and annotations.
+/// Meaning of a description, for comparing: all but names, tools and annotations.
 pub(super) fn meaning(d: &Description) -> String {
     let mut writer = Writer::default();
     system(&mut writer, &d.system);

@@ -1,4 +1,4 @@
-//! What the automatic choice goes by.
+//! Grounds of the automatic choice.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! What each algorithm does to the bare oscillator: growth, limits, what is seen of its frequency, no allocation.
+//! Algorithms on the bare oscillator: growth, limits, estimated frequency, no allocation.
 
 use super::*;
 
@@ -66,9 +66,10 @@ fn the_stability_limits_are_those_of_the_table() {
     use Order::{CatenaryFirst, PantographFirst};
     use scene::Algorithm::{Auto, GaussSeidel, InterfaceJacobian, Iterated};
     let mut wrong = false;
-    // Derived: Gauss-Seidel with z + v τ and the mean force is the Verlet scheme, v₊ = v − h (z + h v/2), z₊ = z + h v − h² (z +
-    // h v/2)/2, of determinant 1 and trace 2 − h²: |trace| ≤ 2 up to h = 2. Repeated with the mean force, z̄ = (z + z₊)/2 +
-    // h (v − v₊)/12 and F = −z̄: determinant 1, trace (2 − 2h²/3)/(1 + h²/6) ≥ −2 up to h² = 12: h = 2√3.
+    // Derived: Gauss-Seidel with z + v τ and the mean force is the Verlet scheme, v₊ = v − h (z + h v/2), z₊ = z + h v
+    // − h² (z + h v/2)/2, of determinant 1 and trace 2 − h²: |trace| ≤ 2 up to h = 2. Repeated with the mean force, z̄
+    // = (z + z₊)/2 + h (v − v₊)/12 and F = −z̄: determinant 1, trace (2 − 2h²/3)/(1 + h²/6) ≥ −2 up to h² = 12: h =
+    // 2√3.
     for (algorithm, order, force, p, passes, expected) in [
         (GaussSeidel, CatenaryFirst, Mean, 1, 50, 2.0),
         (GaussSeidel, CatenaryFirst, Interpolated, 2, 50, 1.54),
@@ -108,7 +109,7 @@ fn one_pass_stays_stable_where_the_frequency_is_known_badly() {
     }
 }
 
-/// What is taken for the contact's frequency in a run is that of the bare oscillator, ω = 1.
+/// Frequency of the contact as estimated in a run: that of the bare oscillator, ω = 1.
 #[test]
 fn the_frequency_is_found_from_the_run() {
     for passes in [1, 50] {
