@@ -1,7 +1,16 @@
 //! One file per subcommand.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `run`, `report` | one scene in one mode; its page again, or several on one page |
+//! | `compare`, `study`, `stability`, `reproduce` | experiments: many runs, one table |
+//! | `check`, `inspect` | a scene before its run; an FMU before its use |
+//! | `package`, `export` | FMUs of a scene; the system as an `.ssp` |
+//! | `completions` | scripts for shells |
 
 pub mod check;
 pub mod compare;
+pub mod completions;
 pub mod export;
 pub mod inspect;
 pub mod package;
@@ -147,15 +156,24 @@ pub enum CommandError {
         /// Why.
         reason: String,
     },
+    /// The run is complete, and limits fail that were asked to hold.
+    #[error("--fail-on-limits: {} of the limits fail, the results are in {}: {}", failed.len(), directory.display(), failed.join("; "))]
+    LimitsFailed {
+        /// Folder of the results.
+        directory: PathBuf,
+        /// The limits with value and bound.
+        failed: Vec<String>,
+    },
 }
 
 impl CommandError {
-    /// 1 where the simulation could not be completed, 2 where usage, scene or FMU are wrong.
+    /// 1 where the simulation could not be completed, 2 where usage, scene or FMU are wrong, 3 where limits fail.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Setup(error) | Self::InScene { source: error, .. } if !error.is_input() => 1,
             Self::Incomplete { .. } | Self::Results(_) | Self::Output(_) | Self::Package(_) | Self::Json(_) => 1,
+            Self::LimitsFailed { .. } => 3,
             _ => 2,
         }
     }
