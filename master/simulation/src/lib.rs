@@ -7,6 +7,7 @@ mod error;
 mod mesh;
 mod modelled;
 mod prepare;
+mod rest_position;
 mod slaves;
 pub mod sliding_joint;
 mod statics_hints;
@@ -95,6 +96,8 @@ pub struct Prepared {
     pub others: Vec<Other>,
     /// Supplied pantographs, started; `None` for those modelled here.
     pub supplied: Vec<Option<SuppliedPantograph>>,
+    /// Contact force at which each supplied pantograph starts by its own account, N; 0 for those modelled here.
+    pub(crate) stated_forces: Vec<f64>,
     pub(crate) line: Option<SuppliedLine>,
     pub(crate) begin: Instant,
     /// What is done to the run on purpose.

@@ -4,8 +4,8 @@ use catenary::{WindowSize, WindowedLine};
 use scene::{Initialise, PantographModel, Reduction, Start};
 
 use crate::Prepared;
-use crate::mesh;
 use crate::sliding_joint;
+use crate::{mesh, rest_position};
 use results::{Model, Part};
 use suppliers::settling::{self, Settling};
 
@@ -97,6 +97,7 @@ impl Prepared {
     pub fn notes(&self, step: f64) -> Vec<String> {
         let mut notes = self.scene.questions();
         notes.extend(mesh::expected_error(&self.scene, step));
+        notes.extend(rest_position::warnings(self));
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {
             if let (PantographModel::Supplied(_), Some(start)) = (&pantograph.model, pantograph.start) {
                 notes.push(format!(

@@ -70,6 +70,8 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
     };
     catenary::mesh::check(&scene, name)?;
     let others = others(&scene, line.as_ref(), &supplied);
+    let stated = |one: &Option<SuppliedPantograph>| one.as_ref().map_or(0.0, SuppliedPantograph::start_force);
+    let stated_forces = supplied.iter().map(stated).collect();
     Ok(Prepared {
         scene,
         name: name.to_owned(),
@@ -77,6 +79,7 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
         settling: None,
         others,
         supplied,
+        stated_forces,
         line,
         begin,
         disturbance: Disturbance::default(),

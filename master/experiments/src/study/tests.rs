@@ -263,7 +263,10 @@ fn what_is_left_out_of_a_scene_is_left_out_where_it_stands_only() {
     let of = |more: &str, keys: &[&str]| {
         let text = format!("{}\n{more}", include_str!("../../../../scenes/thesis-own-mesh.toml"));
         let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
-        identity(&system::load(&text, "thesis-own-mesh.toml", &keys).unwrap(), Path::new("."))
+        identity(
+            &system::load(&text, "thesis-own-mesh.toml", &keys).unwrap(),
+            Path::new("."),
+        )
     };
     let curves = |starts: [f64; 2]| {
         let curve = |start: f64| {
