@@ -74,7 +74,8 @@ enum Command {
         test_problem: bool,
         /// Macro steps, in ms or with a unit (0.5, 0.5ms, 500us, 5e-4s), separated by commas
         /// [default: 0.1,0.2,0.5,1,2,5,10; of the test problem 0.2,1,2,5]
-        #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = macro_step)]
+        #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true)]
+        #[arg(value_parser = macro_step)]
         macro_steps: Vec<f64>,
         /// Times that every run is made; its wall time is the median
         #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
@@ -106,7 +107,8 @@ enum Command {
         #[arg(default_value = DEFAULT_SCENE)]
         scene: PathBuf,
         /// Also writes the model descriptions into this directory, with a placeholder for the GUID
-        #[arg(long, value_name = "DIR", num_args = 0..=1, require_equals = true, default_missing_value = "modelDescription")]
+        #[arg(long, value_name = "DIR", num_args = 0..=1, require_equals = true)]
+        #[arg(default_missing_value = "modelDescription")]
         write_descriptions: Option<PathBuf>,
     },
     /// Writes the co-simulation of a scene as an .ssp (SSP 1.0) that other tools open
@@ -127,7 +129,7 @@ enum Command {
     /// Computes a published piece of work again: its tables and figures, published beside computed
     #[command(after_long_help = reproduce_help())]
     Reproduce {
-        /// What to reproduce
+        /// Publication to compute again
         what: Publication,
         /// Fewer meshes, and open quantities on the published mesh only
         #[arg(long)]
@@ -171,7 +173,8 @@ enum Publication {
     Thesis,
 }
 
-/// Runs the program; exit status: 0 done, 1 not completed, 2 wrong usage, scene or FMU, 3 limits fail with `--fail-on-limits`.
+/// Runs the program; exit status: 0 done, 1 not completed, 2 wrong usage, scene or FMU, 3 limits fail with
+/// `--fail-on-limits`.
 #[must_use]
 pub fn main() -> ExitCode {
     // Prints help or the mistake and exits with 0 or 2.

@@ -115,7 +115,8 @@ impl OutputDirectory {
         })
     }
 
-    /// Evaluates `record`, writes the data files, complete or not, and returns their content, from which the page is made.
+    /// Evaluates `record`, writes the data files, complete or not, and returns their content, from which the page is
+    /// made.
     ///
     /// # Errors
     ///

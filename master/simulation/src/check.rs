@@ -1,4 +1,4 @@
-//! What `master check` says about a scene.
+//! Report of `master check` on a scene.
 
 use std::fmt::Write as _;
 
@@ -12,9 +12,9 @@ use results::Model;
 /// Statics, model and waves of a scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// What the statics found, elasticity of the evaluated spans included; nothing of somebody else's line.
+    /// Result of the statics with the elasticity of the evaluated spans; none for a supplied line.
     pub statics: Option<StaticsReport>,
-    /// What is modelled.
+    /// The model.
     pub model: Model,
     /// Waves on the contact wire; nothing of somebody else's line.
     pub waves: Option<Waves>,

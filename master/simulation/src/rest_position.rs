@@ -1,7 +1,7 @@
 //! Warns where the rest position of a pantograph takes away a part of its static force.
 //!
-//! A spring between the pantograph and its base is unstretched at one height only. A strip that stands elsewhere presses with the
-//! static force less the force of that spring.
+//! A spring between the pantograph and its base is unstretched at one height only. A strip that stands elsewhere
+//! presses with the static force less the force of that spring.
 
 use catenary::StaticLine;
 use scene::{Lumped, PantographModel, Scene};
@@ -12,7 +12,8 @@ use system::equilibrium::wire_height;
 /// Smallest share of the static force that is warned of, –: a line that gives way under the strip takes less.
 const SHARE: f64 = 0.05;
 
-/// Smallest distance between the start of a supplied strip and the wire that is warned of, m: sag and uplift are of this size.
+/// Smallest distance between the start of a supplied strip and the wire that is warned of, m: sag and uplift are of
+/// this size.
 const OFF_WIRE: f64 = 0.05;
 
 /// One warning per pantograph whose rest position changes its static force.
@@ -58,8 +59,10 @@ fn lumped_warning(scene: &Scene, index: usize, lumped: &Lumped) -> Option<String
     differs(force, lumped.static_force).then(|| {
         let key = format!("pantograph[{}]", index + 1);
         format!(
-            "{key}.reference_height = {reference:.4} m: at the wire, {:.4} m, the pantograph presses with {force:.1} N instead of \
-             its static force of {:.1} N; set {key}.reference_height = {fitting:.4}, or leave the key out for the height of the wire",
+            "{key}.reference_height = {reference:.4} m: at the wire, {:.4} m, the pantograph presses with {force:.1} \
+             N instead of \
+             its static force of {:.1} N; set {key}.reference_height = {fitting:.4}, or leave the key out for the \
+             height of the wire",
             start.height, lumped.static_force
         )
     })
@@ -71,7 +74,8 @@ fn settled_warning(scene: &Scene, index: usize, stated: f64) -> Option<String> {
     differs(start.force, stated).then(|| {
         let key = format!("pantograph[{}]", index + 1);
         format!(
-            "{key}.fmu: at rest under the wire, {:.4} m, the FMU presses with {:.1} N instead of the {stated:.1} N that its \
+            "{key}.fmu: at rest under the wire, {:.4} m, the FMU presses with {:.1} N instead of the {stated:.1} N \
+             that its \
              force input starts with; {}",
             start.height,
             start.force,
@@ -87,7 +91,8 @@ fn unsettled_warning(scene: &Scene, statics: &StaticLine, index: usize, stated: 
     (stated > 0.0 && (height - wire).abs() > OFF_WIRE).then(|| {
         let key = format!("pantograph[{}]", index + 1);
         format!(
-            "{key}.fmu: the strip starts at {height:.4} m under {stated:.1} N, the wire is at {wire:.4} m: a spring to the base \
+            "{key}.fmu: the strip starts at {height:.4} m under {stated:.1} N, the wire is at {wire:.4} m: a spring \
+             to the base \
              that is unstretched at the start costs static force at the wire; {}",
             remedy(&key)
         )

@@ -108,7 +108,7 @@ fn named(scene: &Scene) -> String {
     unusual.join("; ")
 }
 
-/// Whether an error says only that equations did not come to rest, and not which value is in the way.
+/// True where an error says only that equations did not come to rest, without a value in the way.
 fn is_mute(error: &SetupError) -> bool {
     let of_statics = |error: &StaticsError| {
         matches!(
@@ -150,7 +150,7 @@ mod tests {
 
     use crate::prepare;
 
-    /// What is said of the standard's scene on three spans with this key.
+    /// Hint for the standard's scene on three spans with this key.
     fn said(key: &str) -> String {
         let text = include_str!("../../../scenes/en50318-300.toml");
         let keys = [

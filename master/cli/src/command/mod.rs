@@ -54,15 +54,16 @@ pub enum CommandError {
     NoScene {
         /// File.
         path: PathBuf,
-        /// What it is.
+        /// Kind of the file.
         is: &'static str,
-        /// What it is for.
+        /// Hint at the right command.
         instead: &'static str,
     },
     /// A directory without results.
-    #[error("{}: holds no {}; expected the output directory of a finished `master run`", path.display(), results::SUMMARY)]
+    #[error("{}: holds no {}; expected the output directory of a finished `master \
+        run`", path.display(), results::SUMMARY)]
     NoResults {
-        /// What was named.
+        /// Path as named.
         path: PathBuf,
     },
     /// A case that does not exist.
@@ -90,7 +91,8 @@ pub enum CommandError {
     },
     /// `--sweeps spans` without numbers of spans.
     #[error(
-        "--sweeps spans: --spans or --window-spans must say how many there are, such as --spans 10,20,40,80 --window-spans 80,400"
+        "--sweeps spans: --spans or --window-spans must say how many there are, such as --spans 10,20,40,80 \
+         --window-spans 80,400"
     )]
     NoSpans,
     /// A study without a run.
@@ -112,7 +114,7 @@ pub enum CommandError {
     /// The run cannot begin.
     #[error(transparent)]
     Setup(Box<SetupError>),
-    /// What a scene asks for cannot be had.
+    /// A wish of the scene that cannot be met.
     #[error("{}", file.display())]
     InScene {
         /// Scene file.
@@ -151,13 +153,14 @@ pub enum CommandError {
     /// The run ended early.
     #[error("the run is incomplete, its results are in {}: {reason}", directory.display())]
     Incomplete {
-        /// Where the results are.
+        /// Folder of the results.
         directory: PathBuf,
         /// Why.
         reason: String,
     },
     /// The run is complete, and limits fail that were asked to hold.
-    #[error("--fail-on-limits: {} of the limits fail, the results are in {}: {}", failed.len(), directory.display(), failed.join("; "))]
+    #[error("--fail-on-limits: {} of the limits fail, the results are in {}: \
+        {}", failed.len(), directory.display(), failed.join("; "))]
     LimitsFailed {
         /// Folder of the results.
         directory: PathBuf,
@@ -333,7 +336,8 @@ fn scene_name(path: &Path) -> String {
 /// This program's own stdout, once FMUs have another.
 static OUT: OnceLock<File> = OnceLock::new();
 
-/// Keeps stdout to this program: what FMUs print goes to stderr from now on, so that what is read by other programs stays whole.
+/// Keeps stdout to this program: what FMUs print goes to stderr from now on, so that what is read by other programs
+/// stays whole.
 pub fn keep_stdout() {
     // Where the system refuses, the two are mixed.
     #[cfg(unix)]

@@ -140,8 +140,8 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
     Ok(())
 }
 
-/// Copies the FMUs of an unpacked archive into the folder `fmu` of `directory`, so that its `scene.toml` can be run again
-/// without the archive, and makes the scene refer to them.
+/// Copies the FMUs of an unpacked archive into the folder `fmu` of `directory`, so that its `scene.toml` can be run
+/// again without the archive, and makes the scene refer to them.
 fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(), ResultsError> {
     let unpacked = real(unpacked);
     for side in scene.supplied_sides_mut() {

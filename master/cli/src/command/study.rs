@@ -50,8 +50,8 @@ pub struct StudyArguments {
     /// Also measures the cost of a window at these numbers of spans: 80,400,2000
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = spans)]
     pub(crate) window_spans: Vec<usize>,
-    /// Sweeps to make, separated by commas: scene, mesh, micro_step, coupling, rho_inf, reductions, vehicle, ladder, spans
-    /// [default: all]
+    /// Sweeps to make, separated by commas: scene, mesh, micro_step, coupling, rho_inf, reductions, vehicle, ladder,
+    /// spans [default: all]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = sweep)]
     pub(crate) sweeps: Vec<Sweep>,
 }

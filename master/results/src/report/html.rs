@@ -10,7 +10,8 @@ const STYLE: &str = include_str!("style.css");
 
 /// plotly.js as a script element.
 ///
-/// Only the first script element of the plotly crate, plotly.js itself, is kept: the other is MathJax, which no page uses.
+/// Only the first script element of the plotly crate, plotly.js itself, is kept: the other is MathJax, which no page
+/// uses.
 static PLOTLY: LazyLock<String> = LazyLock::new(|| {
     const END: &str = "</script>";
     let mut sources = plotly::Plot::offline_js_sources();

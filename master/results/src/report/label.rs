@@ -35,8 +35,8 @@ pub(super) fn named(runs: &[RunBundle]) -> Vec<NamedRun<'_>> {
 
 /// Names of runs on one page, one per run, no two of them equal.
 ///
-/// A single run is named after scene and mode. Of several runs each is named after its scene and, in brackets, what differs: mode,
-/// algorithm, speed, then keys of the resolved scene.
+/// A single run is named after scene and mode. Of several runs each is named after its scene and, in brackets, what
+/// differs: mode, algorithm, speed, then keys of the resolved scene.
 #[must_use]
 pub fn labels(runs: &[RunBundle]) -> Vec<String> {
     let [_, _, ..] = runs else {
@@ -85,8 +85,8 @@ fn aspects(run: &RunBundle) -> [String; 3] {
     ]
 }
 
-/// Keys whose values are not the same in all scenes, and the number of those left out: all or none, because a part of them would
-/// be taken for the whole difference.
+/// Keys whose values are not the same in all scenes, and the number of those left out: all or none, because a part of
+/// them would be taken for the whole difference.
 fn differing(scenes: &[BTreeMap<String, String>]) -> (Vec<String>, usize) {
     if scenes.iter().any(BTreeMap::is_empty) {
         return (Vec::new(), 0);

@@ -104,7 +104,8 @@ fn row(cells: &[&str]) -> Vec<String> {
     cells.iter().map(|c| (*c).to_owned()).collect()
 }
 
-/// The limits, failed ones first, then those with the least room; below the table each reason why one does not apply, once.
+/// The limits, failed ones first, then those with the least room; below the table each reason why one does not apply,
+/// once.
 fn limits(summary: &Summary) -> String {
     let mut rows = vec![row(&["limit", "value", "limit", "unit", "margin", "", ""])];
     let mut reasons: Vec<String> = Vec::new();

@@ -6,7 +6,8 @@ use super::{escape, table};
 use crate::Summary;
 use crate::standards::{Bound, Limit};
 
-/// The limits of a run in the order in which they are read: failed, held with the least room first, not decided, not applicable.
+/// The limits of a run in the order in which they are read: failed, held with the least room first, not decided, not
+/// applicable.
 pub(super) fn by_urgency(summary: &Summary) -> Vec<Limit> {
     let mut limits = summary.limits.clone();
     let rank = |limit: &Limit| match (limit.pass, limit.applicable) {
@@ -20,7 +21,8 @@ pub(super) fn by_urgency(summary: &Summary) -> Vec<Limit> {
     limits
 }
 
-/// Distance of the value from its limit, in the unit of the limit: positive where the limit holds, negative where it fails.
+/// Distance of the value from its limit, in the unit of the limit: positive where the limit holds, negative where it
+/// fails.
 fn room(limit: &Limit) -> Option<f64> {
     let (value, bound, _) = readable(limit);
     let (value, bound) = value.zip(bound)?;
@@ -142,7 +144,8 @@ pub(super) fn section(runs: &[NamedRun<'_>]) -> String {
         if any(true) || any(false) {
             html.push_str(&format!(
                 "<div class=\"scroll\"><table><thead><tr><th></th><th>limit</th><th class=\"n\">value</th>\
-                 <th class=\"n\">limit</th><th class=\"n\">margin</th></tr></thead><tbody>\n{}{}</tbody></table></div>\n",
+                 <th class=\"n\">limit</th><th \
+                 class=\"n\">margin</th></tr></thead><tbody>\n{}{}</tbody></table></div>\n",
                 rows(&limits, false),
                 rows(&limits, true)
             ));
@@ -150,7 +153,8 @@ pub(super) fn section(runs: &[NamedRun<'_>]) -> String {
     }
     if !html.is_empty() {
         html.push_str(
-            "<p class=\"caption\">Margin: room left, in percent of the limit, negative where the limit fails. Clauses, reasons \
+            "<p class=\"caption\">Margin: room left, in percent of the limit, negative where the limit fails. \
+             Clauses, reasons \
              and limits without a verdict: section Limits.</p>\n",
         );
     }

@@ -50,8 +50,8 @@ pub(super) fn of_pantograph(conditions: &Conditions, figures: &Figures) -> [Limi
 
 /// Limits for the line.
 ///
-/// The space that a steady arm leaves for the rise of the contact wire has to be twice the simulated uplift `S₀`, one and a half
-/// times where a stop limits it.  `[EN 50119:2009, 5.10.2; TSI ENE, 4.2.12]`, remembered
+/// The space that a steady arm leaves for the rise of the contact wire has to be twice the simulated uplift `S₀`, one
+/// and a half times where a stop limits it.  `[EN 50119:2009, 5.10.2; TSI ENE, 4.2.12]`, remembered
 pub(super) fn of_line(conditions: &Conditions) -> [Limit; 2] {
     let line = &conditions.line;
     let factor = if line.uplift_stop { 1.5 } else { 2.0 };

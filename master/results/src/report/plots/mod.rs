@@ -91,8 +91,8 @@ pub fn decades(title: &str) -> Axis {
     logarithmic(title).dtick(1.0)
 }
 
-/// Powers of ten, and where these values span less than two of them also twice and five times as much: one number alone is no
-/// scale.
+/// Powers of ten, and where these values span less than two of them also twice and five times as much: one number alone
+/// is no scale.
 pub fn decades_of(title: &str, values: impl IntoIterator<Item = f64>) -> Axis {
     match ticks(values) {
         Some(ticks) => {
@@ -103,8 +103,8 @@ pub fn decades_of(title: &str, values: impl IntoIterator<Item = f64>) -> Axis {
     }
 }
 
-/// Ticks at once, twice and five times the powers of ten around these values; nothing where they span two decades or more, or none is
-/// positive.
+/// Ticks at once, twice and five times the powers of ten around these values; nothing where they span two decades or
+/// more, or none is positive.
 fn ticks(values: impl IntoIterator<Item = f64>) -> Option<Vec<f64>> {
     let shown = values.into_iter().filter(|value| value.is_finite() && *value > 0.0);
     let (low, high) = shown.fold((f64::INFINITY, 0.0_f64), |(low, high), value| {

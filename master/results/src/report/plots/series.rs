@@ -159,7 +159,8 @@ pub(super) fn wind(curves: &[Curve]) -> String {
         320,
     );
     format!(
-        "{drawn}<p class=\"caption\">On the body that carries the strip: drag along the air that meets it, lift across it, positive \
+        "{drawn}<p class=\"caption\">On the body that carries the strip: drag along the air that meets it, lift \
+         across it, positive \
          upward.</p>\n"
     )
 }
