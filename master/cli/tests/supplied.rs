@@ -1,4 +1,4 @@
-//! Somebody else's pantograph, written in C, and our own FMUs as if they were somebody else's.
+//! A supplied pantograph, written in C, and our own FMUs as if they were supplied.
 #![cfg(unix)]
 
 #[path = "supplied/program.rs"]
@@ -467,7 +467,7 @@ fn our_own_line_as_somebody_elses_gives_the_same_force() {
     // All that it offers, by the names that are guessed.
     let whole = without_contact("[catenary]\nfmu = \"Catenary.fmu\"\n");
     let (record, notes) = run(folder.path(), whole.clone());
-    assert!(notes.contains("line: somebody else's FMU"), "{notes}");
+    assert!(notes.contains("line: supplied FMU"), "{notes}");
     let difference = rms(&expected, &record);
     assert!(difference < 1e-3, "after half a second of settling: {difference} N");
     // The least that a line must offer: the mean is a trapezoid, the wire's way derived.

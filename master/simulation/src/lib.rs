@@ -88,9 +88,9 @@ pub struct Prepared {
     pub scene: Scene,
     /// Name of the scene in results.
     pub name: String,
-    /// Static state of its line; nothing where the line is somebody else's.
+    /// Static state of its line; nothing where the line is supplied.
     pub statics: Option<StaticLine>,
-    /// How pantographs of somebody else came to rest; nothing before a run.
+    /// How supplied pantographs came to rest; nothing before a run.
     pub settling: Option<Settling>,
     /// Facts of supplied FMUs: wiring, abilities, remarks.
     pub others: Vec<Other>,
@@ -381,8 +381,7 @@ impl Prepared {
     ) -> Result<Finished, E> {
         let statics = self.statics.as_ref().filter(|_| OneSystem::can(&self.scene));
         let Some(statics) = statics else {
-            let what =
-                "line or pantograph are somebody else's FMU, which has no equations to put into one system".to_owned();
+            let what = "line or pantograph is a supplied FMU, which has no equations to put into one system".to_owned();
             return Err(SetupError::NotInThisMode {
                 mode: Mode::Monolithic.name(),
                 what,

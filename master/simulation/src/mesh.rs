@@ -2,7 +2,7 @@
 
 use scene::{Division, Scene};
 
-/// The mesh of a line and what makes up for its coarseness; empty for somebody else's line.
+/// The mesh of a line and what makes up for its coarseness; empty for a supplied line.
 #[must_use]
 pub fn described(scene: &Scene) -> String {
     let Some((catenary, _)) = scene.modelled_line() else {

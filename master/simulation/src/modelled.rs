@@ -101,7 +101,7 @@ impl Prepared {
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {
             if let (PantographModel::Supplied(_), Some(start)) = (&pantograph.model, pantograph.start) {
                 notes.push(format!(
-                    "pantograph {}: somebody else's FMU; the work on its strip and with it the energy residual is an \
+                    "pantograph {}: supplied FMU; the work on its strip and with it the energy residual is an \
                      estimate; {}",
                     index + 1,
                     supplied_start(self.scene.run.initialise, self.settling, start)
@@ -110,7 +110,7 @@ impl Prepared {
         }
         if let scene::Line::Supplied(_) = self.scene.catenary {
             notes.push(format!(
-                "line: somebody else's FMU; its work and with it the energy residual is an estimate where it does \
+                "line: supplied FMU; its work and with it the energy residual is an estimate where it does \
                  not offer it{}",
                 self.settling
                     .map_or_else(String::new, |found| format!("; {}", at_rest(found, true)))
@@ -239,7 +239,7 @@ fn wind_on_pantograph(scene: &scene::Scene) -> Result<String, String> {
     };
     let foreign = |pantograph: &scene::Pantograph| matches!(pantograph.model, PantographModel::Supplied(_));
     if scene.pantographs.iter().any(foreign) {
-        how.push_str("; none on FMUs of somebody else");
+        how.push_str("; none on supplied FMUs");
     }
     Ok(format!("{how}; {}", blowing(wind)))
 }
@@ -355,7 +355,7 @@ fn around(window: WindowSize) -> String {
     )
 }
 
-/// How somebody else's pantograph comes to its start.
+/// Start of a supplied pantograph in words.
 fn supplied_start(initialise: Initialise, settling: Option<Settling>, start: Start) -> String {
     let Start { height, force } = start;
     match (initialise, settling) {

@@ -1,4 +1,4 @@
-//! From a scene as it is written to one with everything resolved: statics, FMUs of somebody else, starts.
+//! From a scene as it is written to one with everything resolved: statics, supplied FMUs, starts.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -143,7 +143,7 @@ fn start_pantograph(
     if aligned(&entry) {
         let Some(statics) = statics else {
             let what = format!(
-                "{table}.outputs.height.offset = \"align\": the height of somebody else's line is not known before \
+                "{table}.outputs.height.offset = \"align\": the height of a supplied line is not known before \
                  it runs; must \
                  be a number in m"
             );

@@ -46,7 +46,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// The keys that the rest of line and pantographs hangs on most; none of somebody else's line.
+/// The keys that the rest of line and pantographs hangs on most; none of a supplied line.
 fn statics_hints(scene: &Scene) -> Vec<Suspect> {
     let Some((line, contact)) = scene.modelled_line() else {
         return Vec::new();

@@ -59,7 +59,7 @@ fn beside(samples: impl Iterator<Item = (f64, f64)>, half: f64) -> Option<Beside
 }
 
 /// Pantographs (from 0) with half the width of their strips, m, where that counts: not of a strip that is held on the
-/// wire, nor under a line or on a pantograph of somebody else, whose strip and wire are not known.
+/// wire, nor under a line or on a pantograph that is supplied, whose strip and wire are not known.
 fn half_widths(scene: &Scene) -> Vec<(usize, f64)> {
     if sliding_joint::holds(scene) || scene.modelled_line().is_none() {
         return Vec::new();

@@ -385,7 +385,7 @@ fn interrupted(common: &Common) -> &'static AtomicBool {
         }
     };
     if ctrlc::set_handler(handler).is_err() && common.verbose > 0 {
-        eprintln!("Ctrl-C is handled by somebody else");
+        eprintln!("another handler of Ctrl-C is in place");
     }
     &INTERRUPTED
 }

@@ -85,7 +85,7 @@ pub(super) fn of_line(conditions: &Conditions) -> [Limit; 2] {
     let ratio = line.wave_speed.map(|waves| conditions.speed / waves);
     let waves = Limit::new((NAME, "2009, 5.2.4"), "speed_ratio", ratio, "–");
     let waves = match line.wave_speed {
-        None => waves.not_applicable("the line is an FMU of somebody else: its wave speed is not known"),
+        None => waves.not_applicable("the line is a supplied FMU: its wave speed is not known"),
         Some(waves_at) => waves
             .bounded(Bound::AtMost, MAX_SPEED_RATIO)
             .because("every system and speed")
