@@ -8,9 +8,11 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use tempfile::TempDir;
 
-/// The scene that runs without arguments: the thesis with its vehicle.
-pub const DEFAULT: &str = include_str!("../scenes/thesis.toml");
-/// The thesis without its vehicle.
+/// The scene that runs without arguments: the thesis with its vehicle, on a corrected mesh.
+pub const SHIPPED: &str = include_str!("../scenes/thesis.toml");
+/// The thesis with its vehicle, on its own mesh.
+pub const DEFAULT: &str = include_str!("../scenes/thesis-own-mesh.toml");
+/// The thesis without its vehicle, on its own mesh.
 pub const THESIS: &str = include_str!("../scenes/thesis-pantograph.toml");
 
 /// Keeps the line of EN 50318 small: these tests are about the protocol.

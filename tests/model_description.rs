@@ -1,6 +1,6 @@
 //! The committed model descriptions equal those that the code makes of the thesis scene.
 use fmi2::model_description::{BaseType, Causality, GUID_PLACEHOLDER, ModelDescription, Variable};
-use integration_tests::fmus::{DEFAULT, tree};
+use integration_tests::fmus::{SHIPPED, tree};
 use integration_tests::runs::{prepared, scene_with};
 use std::collections::BTreeSet;
 
@@ -13,7 +13,7 @@ fn committed(identifier: &str) -> String {
 }
 
 fn generated() -> [(&'static str, String); 2] {
-    let scene = prepared(scene_with(DEFAULT, &[]), "thesis").scene;
+    let scene = prepared(scene_with(SHIPPED, &[]), "thesis").scene;
     [
         ("Catenary", fmu::description::<catenary::Subsystem>(&scene).to_xml()),
         ("Pantograph", fmu::description::<vehicle::Subsystem>(&scene).to_xml()),

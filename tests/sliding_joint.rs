@@ -4,7 +4,7 @@ use integration_tests::runs::{Run, run, scene_with};
 use simulation::Mode;
 
 const JOINT: &str = include_str!("../scenes/thesis-sliding-joint.toml");
-const PENALTY: &str = include_str!("../scenes/thesis.toml");
+const PENALTY: &str = include_str!("../scenes/thesis-own-mesh.toml");
 
 fn monolithic(text: &str, overrides: &[&str]) -> Run {
     run(scene_with(text, overrides), Mode::Monolithic, "sliding_joint")

@@ -10,7 +10,7 @@ use scene::{AerodynamicMarker, Scene};
 use simulation::Mode;
 use vehicle::{Air, PantographModel};
 
-const THESIS: &str = include_str!("../scenes/thesis.toml");
+const THESIS: &str = include_str!("../scenes/thesis-own-mesh.toml");
 const ALONE: &str = include_str!("../scenes/thesis-pantograph.toml");
 const ON_PANTOGRAPH: &str = include_str!("../scenes/thesis-wind-pantograph.toml");
 const ON_BOTH: &str = include_str!("../scenes/thesis-wind-both.toml");

@@ -61,7 +61,7 @@ pub fn description<C: Component>(scene: &Scene) -> ModelDescription {
     let mut description = ModelDescription::of_slave(C::IDENTIFIER, variables::<C>(scene));
     description.description = Some(format!("{} {}", C::DESCRIPTION, scene.title));
     description.version = Some(env!("CARGO_PKG_VERSION").into());
-    description.generation_tool = Some(format!("master {}", env!("CARGO_PKG_VERSION")));
+    description.generation_tool = Some(format!("Pantoline master {}", env!("CARGO_PKG_VERSION")));
     description.default_experiment = Some(DefaultExperiment {
         start_time: Some(0.0),
         stop_time: Some(scene.run.duration),

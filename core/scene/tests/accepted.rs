@@ -8,7 +8,7 @@ use scene::{
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
 const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
 const THESIS: &str = include_str!("../../../scenes/thesis-pantograph.toml");
-const VEHICLE: &str = include_str!("../../../scenes/thesis.toml");
+const VEHICLE: &str = include_str!("../../../scenes/thesis-own-mesh.toml");
 
 fn read(text: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_string()).collect();
@@ -394,7 +394,7 @@ fn a_sliding_joint_has_no_spring_and_is_written_as_it_is_read() {
     assert!(!written.contains("= inf"), "{written}");
     assert_eq!(read(&written, &[]), scene);
     // Nothing but the law is another than in the scene that it is compared with.
-    let thesis = include_str!("../../../scenes/thesis.toml");
+    let thesis = include_str!("../../../scenes/thesis-own-mesh.toml");
     let penalty = read(thesis, &["contact={law=\"sliding_joint\"}"]);
     let named = Scene {
         title: penalty.title.clone(),

@@ -4,7 +4,7 @@ use scene::{Reduction, Scene};
 
 const EN: &str = include_str!("../../../scenes/en50318-250.toml");
 const THESIS: &str = include_str!("../../../scenes/thesis-pantograph.toml");
-const VEHICLE: &str = include_str!("../../../scenes/thesis.toml");
+const VEHICLE: &str = include_str!("../../../scenes/thesis-own-mesh.toml");
 
 fn message(text: &str, overrides: &[&str]) -> String {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_string()).collect();
@@ -654,9 +654,9 @@ fn a_supplied_line_cannot_be_reduced() {
 
 /// The scene with a vehicle, its text changed in one place.
 fn vehicle_message(from: &str, to: &str) -> String {
-    const VEHICLE: &str = include_str!("../../../scenes/thesis.toml");
+    const VEHICLE: &str = include_str!("../../../scenes/thesis-own-mesh.toml");
     assert_eq!(VEHICLE.matches(from).count(), 1, "{from}");
-    let error = Scene::from_toml(&VEHICLE.replace(from, to), "thesis.toml", &[]).unwrap_err();
+    let error = Scene::from_toml(&VEHICLE.replace(from, to), "thesis-own-mesh.toml", &[]).unwrap_err();
     error.to_string()
 }
 
@@ -728,7 +728,7 @@ fn joints_that_change_with_time_need_constraints_of_positions() {
         "vehicle={ model = \"rigid_motion\", motion = { time = [0.0, 1.0], z = [0.0, 0.01] } }",
         "solver.formulation=index_1_baumgarte",
     ];
-    let error = Scene::from_toml(THESIS, "thesis.toml", &overrides.map(str::to_owned)).unwrap_err();
+    let error = Scene::from_toml(THESIS, "thesis-own-mesh.toml", &overrides.map(str::to_owned)).unwrap_err();
     holds(
         &error.to_string(),
         &["solver.formulation = \"index_1_baumgarte\": must be \"index_3\""],
@@ -760,7 +760,7 @@ fn the_linkage_on_a_moving_base_is_not_reduced() {
 fn reduced_thesis(from: &str, to: &str, reduce: &str) -> Result<Scene, String> {
     assert_eq!(THESIS.matches(from).count(), 1, "{from}");
     let overrides = [format!("model.reduce={reduce}")];
-    Scene::from_toml(&THESIS.replace(from, to), "thesis.toml", &overrides).map_err(|error| error.to_string())
+    Scene::from_toml(&THESIS.replace(from, to), "thesis-own-mesh.toml", &overrides).map_err(|error| error.to_string())
 }
 
 #[test]

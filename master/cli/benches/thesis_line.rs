@@ -1,8 +1,8 @@
 //! Whole runs of the shipped lines: monolithic, in-process and co-simulated by turns, so that all see the same machine.
 //!
-//! Prints the median real-time factor of each mode (wall seconds of the time loop per simulated second) and its ratio to the
-//! monolithic one; the time of one monolithic step, alone and with its share of the time loop's records, beside the floors of two
-//! corrections and of those that it makes; and what the FMI layer takes per macro step.
+//! Prints the median real-time factor of each mode (wall seconds of the time loop per simulated second) and its ratio
+//! to the monolithic one; the time of one monolithic step, alone and with its share of the time loop's records, beside
+//! the floors of two corrections and of those that it makes; and what the FMI layer takes per macro step.
 
 #[path = "../../../core/catenary/benches/floor/mod.rs"]
 mod floor;
@@ -69,8 +69,8 @@ fn steps_alone(scene: (&str, &str, f64)) -> Vec<f64> {
     (0..(duration / SLICE).round() as usize).map(&mut slice).collect()
 }
 
-/// What all slices take together if each takes what it took in the run of this rank, 0 for its fastest one. Other work on the machine
-/// comes and goes in milliseconds: no whole run is free of it.
+/// Sum of all slices if each takes what it took in the run of this rank, 0 for its fastest one. Other work on the
+/// machine comes and goes in milliseconds: no whole run is free of it.
 fn together(runs: &[Vec<f64>], rank: usize) -> f64 {
     let of_slice = |k: usize| {
         let mut times: Vec<f64> = runs.iter().map(|run| run[k]).collect();
@@ -80,7 +80,8 @@ fn together(runs: &[Vec<f64>], rank: usize) -> f64 {
     (0..runs[0].len()).map(of_slice).sum()
 }
 
-/// The sum of what a step needs at least that makes so many `corrections`: as many forces of all elements, as many solutions.
+/// The sum of what a step needs at least that makes so many `corrections`: as many forces of all elements, as many
+/// solutions.
 fn step_floor(info: &RunInfo, corrections: f64) -> f64 {
     let floors = Floors::here();
     corrections * (info.model.elements as f64 * floors.force + info.model.coordinates as f64 * floors.solve)

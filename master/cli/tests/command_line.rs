@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A line of three spans on a coarse mesh, for a fraction of a second: what is tested here does not depend on its accuracy.
+/// A line of three spans on a coarse mesh, for a fraction of a second: what is tested here does not depend on its
+/// accuracy.
 const SHORT: [&str; 5] = [
     "catenary.spans=3",
     "catenary.mesh.elements_per_interval=1",
@@ -379,5 +380,108 @@ fn files_of_another_kind_are_named_with_what_would_be_right() {
             "{arguments:?}: {}",
             text(&output.stderr)
         );
+    }
+}
+
+/// The exit statuses and files of `run --fail-on-limits` are those of a complete run; the status alone says that a
+/// limit fails.
+#[test]
+fn a_failed_limit_ends_with_three_after_the_results_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let (fails, holds) = (folder.path().join("fails"), folder.path().join("holds"));
+    let heavy = ["--fail-on-limits", "-q", "--set", "pantograph[1].static_force=400"];
+    let output = run_short("monolithic", &fails, &heavy);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(
+        said.contains("--fail-on-limits: ") && said.contains("mean contact force"),
+        "{said}"
+    );
+    assert!(fails.join("summary.json").exists() && fails.join("report.html").exists());
+    let again = run_short("monolithic", &fails, &heavy[1..]);
+    assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
+
+    // Slow: no limit fails, and some are not decided.
+    let output = run_short("monolithic", &holds, &["--fail-on-limits", "--set", "run.speed_kmh=80"]);
+    let table = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{table}{}", text(&output.stderr));
+    assert!(
+        table.contains("not decided") && table.contains("\nVerdict: no limit fails, "),
+        "{table}"
+    );
+}
+
+#[test]
+fn report_and_animation_can_be_left_out_and_older_ones_are_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let there = |name: &str| folder.path().join(name).exists();
+    assert!(run_short("monolithic", folder.path(), &["-q"]).status.success());
+    assert!(there("report.html") && there("animation.json"));
+    assert!(
+        run_short("monolithic", folder.path(), &["-q", "--no-animation"])
+            .status
+            .success()
+    );
+    assert!(there("report.html") && !there("animation.json"));
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("plot-force") && !page.contains("id=\"player\""));
+    assert!(
+        run_short("monolithic", folder.path(), &["-q", "--no-report"])
+            .status
+            .success()
+    );
+    assert!(!there("report.html") && there("animation.json") && there("summary.json"));
+}
+
+#[test]
+fn completions_are_made_for_every_shell() {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let output = master(&["completions", shell]);
+        let script = text(&output.stdout);
+        assert!(output.status.success(), "{shell}: {}", text(&output.stderr));
+        assert!(
+            script.contains("master") && script.contains("fail-on-limits"),
+            "{shell}"
+        );
+    }
+    assert_eq!(master(&["completions", "cmd"]).status.code(), Some(2));
+}
+
+#[test]
+fn the_version_names_project_and_program() {
+    let said = text(&master(&["--version"]).stdout);
+    assert_eq!(said, format!("Pantoline {} (master)\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn a_rest_position_that_costs_static_force_is_told_by_check_and_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let low = "pantograph[1].reference_height=5.0";
+    let warning = "instead of its static force of 120.0 N; set pantograph[1].reference_height = ";
+    let run = text(&run_short("monolithic", folder.path(), &["--set", low]).stdout);
+    assert!(run.contains(warning), "{run}");
+    let scene = scene();
+    let mut arguments = vec!["check", scene.to_str().unwrap(), "--set", low];
+    for key in SHORT {
+        arguments.extend(["--set", key]);
+    }
+    let check = text(&master(&arguments).stdout);
+    assert!(check.contains(warning), "{check}");
+}
+
+#[test]
+fn overlaid_runs_are_named_by_what_differs() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for (name, speed) in [("first", "run.speed_kmh=200"), ("second", "run.speed_kmh=220")] {
+        let output = run_short("monolithic", &at(name), &["-q", "--set", speed]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+    let [first, second, both] = ["first", "second", "both"].map(|name| at(name).display().to_string());
+    let output = master(&["report", &first, &second, "--out", &both]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let page = std::fs::read_to_string(at("both").join("report.html")).unwrap();
+    for label in ["en50318-250 (200 km/h)", "en50318-250 (220 km/h)"] {
+        assert!(page.contains(label) && text(&output.stdout).contains(label), "{label}");
     }
 }

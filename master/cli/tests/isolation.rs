@@ -93,7 +93,8 @@ impl Case {
         let pantograph = format!(
             "[[pantograph]]\nfmu = \"Head.fmu\"\n\
              inputs = {{ force = {{ variable = \"F\" }} }}\n\
-             outputs = {{ height = {{ variable = \"z\", offset = \"align\" }}, velocity = {{ variable = \"v\" }} }}\n{keys}\n\n"
+             outputs = {{ height = {{ variable = \"z\", offset = \"align\" }}, velocity = {{ variable = \"v\" }} \
+             }}\n{keys}\n\n"
         );
         std::fs::write(folder.path().join("scene.toml"), format!("{before}{pantograph}{after}")).unwrap();
         Self { folder, tag }

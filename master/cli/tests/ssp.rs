@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A line of three spans on a coarse mesh, for a fraction of a second: what is tested here does not depend on its accuracy.
+/// A line of three spans on a coarse mesh, for a fraction of a second: what is tested here does not depend on its
+/// accuracy.
 const SHORT: [&str; 4] = [
     "catenary.spans=3",
     "catenary.mesh.elements_per_interval=1",

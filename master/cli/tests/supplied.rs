@@ -1,4 +1,4 @@
-//! Somebody else's pantograph, written in C, and our own FMUs as if they were somebody else's.
+//! A supplied pantograph, written in C, and our own FMUs as if they were supplied.
 #![cfg(unix)]
 
 #[path = "supplied/program.rs"]
@@ -18,7 +18,7 @@ use results::Record;
 use scene::Scene;
 use simulation::{Finished, Mode, SetupError, prepare};
 
-/// What an FMU is like: defines of the C file, and what its description says.
+/// Traits of an FMU: defines of the C file, and statements of its description.
 #[derive(Clone, Copy, Default)]
 struct Manners {
     defines: &'static [&'static str],
@@ -235,7 +235,8 @@ fn units_are_converted_and_the_wiring_guessed() {
     // Rounding, which droppers and contact enlarge.
     assert!(rms(&si, &converted) < 1e-4, "{} N", rms(&si, &converted));
     let guessed = "[[pantograph]]\nfmu = \"Somebody.fmu\"\n\
-        outputs = { height = { variable = \"Wippe.z1\", offset = \"align\" }, velocity = { variable = \"Wippe.v1\" } }\n";
+        outputs = { height = { variable = \"Wippe.z1\", offset = \"align\" }, velocity = { variable = \"Wippe.v1\" } \
+        }\n";
     assert!(rms(&si, &with(other, guessed, &[]).0) < 1e-4);
     // Without units ours are meant.
     let silent = Manners {
@@ -387,7 +388,8 @@ fn failures_name_the_fmu_the_variable_and_the_remedy() {
         ("NOT_A_NUMBER", " = NaN at t = 0.1"),
         (
             "DISCARD",
-            "fmi2DoStep returned fmi2Discard; it cannot go back to try a shorter step: use a smaller coupling.macro_step",
+            "fmi2DoStep returned fmi2Discard; it cannot go back to try a shorter step: use a smaller \
+             coupling.macro_step",
         ),
     ] {
         let manners = Manners {
@@ -465,11 +467,12 @@ fn our_own_line_as_somebody_elses_gives_the_same_force() {
     // All that it offers, by the names that are guessed.
     let whole = without_contact("[catenary]\nfmu = \"Catenary.fmu\"\n");
     let (record, notes) = run(folder.path(), whole.clone());
-    assert!(notes.contains("line: somebody else's FMU"), "{notes}");
+    assert!(notes.contains("line: supplied FMU"), "{notes}");
     let difference = rms(&expected, &record);
     assert!(difference < 1e-3, "after half a second of settling: {difference} N");
     // The least that a line must offer: the mean is a trapezoid, the wire's way derived.
-    let least = "[catenary]\nfmu = \"Catenary.fmu\"\n[catenary.inputs]\n\"strip[1].x\" = { variable = \"strip[1].x\" }\n\
+    let least = "[catenary]\nfmu = \"Catenary.fmu\"\n[catenary.inputs]\n\"strip[1].x\" = { variable = \"strip[1].x\" \
+        }\n\
         \"strip[1].z\" = { variable = \"strip[1].z\" }\n\"strip[1].vz\" = { variable = \"strip[1].vz\" }\n\
         \"strip[1].vx\" = { variable = \"strip[1].vx\" }\n[catenary.outputs]\n\
         \"contact[1].force\" = { variable = \"contact[1].force\" }\n\

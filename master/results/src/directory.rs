@@ -11,7 +11,6 @@ use super::{Animation, LineGeometry, Record, ResultsError, RunInfo, Summary, rea
 const SCENE: &str = "scene.toml";
 /// Record.
 const TIMESERIES: &str = "timeseries.csv";
-/// Figures.
 /// Name of the summary in a directory of results.
 pub const SUMMARY: &str = "summary.json";
 /// Pictures.
@@ -27,7 +26,7 @@ struct AnimationFile {
     animation: Animation,
 }
 
-/// A finished run: what the report is made from.
+/// A finished run, from which the report is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunBundle {
     /// Figures.
@@ -42,6 +41,7 @@ pub struct RunBundle {
 #[derive(Clone, Debug)]
 pub struct OutputDirectory {
     path: PathBuf,
+    animation: bool,
 }
 
 /// Error of the operating system on `path`, while the program wanted to `action` it.
@@ -72,7 +72,14 @@ impl OutputDirectory {
         let path = path.into();
         std::fs::create_dir_all(&path).map_err(io(&path, "create the folder"))?;
         tempfile::NamedTempFile::new_in(&path).map_err(io(&path, "write in the folder"))?;
-        Ok(Self { path })
+        Ok(Self { path, animation: true })
+    }
+
+    /// The same folder without pictures: `animation.json` is not written, the page has no player.
+    #[must_use]
+    pub fn without_animation(mut self) -> Self {
+        self.animation = false;
+        self
     }
 
     /// The folder.
@@ -108,14 +115,18 @@ impl OutputDirectory {
         })
     }
 
-    /// Evaluates `record`, writes the data files, complete or not, and returns their content; the page of the report is made from it.
+    /// Evaluates `record`, writes the data files, complete or not, and returns their content, from which the page is
+    /// made.
     ///
     /// # Errors
     ///
     /// [`ResultsError::Length`] where the series do not fit together, else what the operating
     /// system reports.
-    pub fn finish(&self, info: &RunInfo, record: Record, scene: &str) -> Result<RunBundle, ResultsError> {
+    pub fn finish(&self, info: &RunInfo, mut record: Record, scene: &str) -> Result<RunBundle, ResultsError> {
         record.check()?;
+        if !self.animation {
+            record.animation.frames.clear();
+        }
         let summary = Summary::new(info, &record);
         let bundle = RunBundle {
             summary,
@@ -126,13 +137,15 @@ impl OutputDirectory {
             out.write_all(scene.as_bytes()).map_err(io(path, "write"))
         })?;
         self.replace(TIMESERIES, |out, path| write_timeseries(out, path, &bundle.record))?;
-        self.replace(ANIMATION, |out, path| {
-            let file = AnimationFile {
-                line: bundle.record.line.clone(),
-                animation: bundle.record.animation.rounded(),
-            };
-            serde_json::to_writer(out, &file).map_err(json(path))
-        })?;
+        if self.animation {
+            self.replace(ANIMATION, |out, path| {
+                let file = AnimationFile {
+                    line: bundle.record.line.clone(),
+                    animation: bundle.record.animation.rounded(),
+                };
+                serde_json::to_writer(out, &file).map_err(json(path))
+            })?;
+        }
         self.write_summary(&bundle.summary)?;
         Ok(bundle)
     }
@@ -165,7 +178,7 @@ impl OutputDirectory {
         })
     }
 
-    /// Removes the file of an earlier run, which would not fit what is being written, where there is one.
+    /// Removes the file of an earlier run, where there is one, because it would not belong to the new results.
     pub fn remove(&self, name: &str) -> Result<(), ResultsError> {
         let path = self.path.join(name);
         match std::fs::remove_file(&path) {

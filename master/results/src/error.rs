@@ -10,7 +10,7 @@ pub enum ResultsError {
     Io {
         /// File or folder.
         path: PathBuf,
-        /// What was attempted, as a verb: `write`, `read`, `create the folder`.
+        /// Attempt, as a verb: `write`, `read`, `create the folder`.
         action: &'static str,
         /// Reason of the operating system.
         #[source]
@@ -35,7 +35,7 @@ pub enum ResultsError {
         line: usize,
         /// Name of the column.
         column: String,
-        /// What stands there.
+        /// Content found.
         value: String,
     },
     /// A table does not have the columns of a time series.

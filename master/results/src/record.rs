@@ -14,7 +14,7 @@ pub struct Record {
     pub pantographs: Vec<StripRecord>,
     /// Supports that bound the evaluated spans.
     pub supports: Vec<SupportRecord>,
-    /// Where supports and droppers stand, for plots.
+    /// Places of supports and droppers, for plots.
     pub line: LineGeometry,
     /// Coarse pictures of line and pantograph.
     pub animation: Animation,

@@ -1,7 +1,7 @@
 //! Collects the outputs of both sides and samples them on the output grid.
 //!
-//! Between communication points forces follow the line's samples (piecewise linear), strips the cubic through both heights
-//! and velocities, everything else a straight line.
+//! Between communication points forces follow the line's samples (piecewise linear), strips the cubic through both
+//! heights and velocities, everything else a straight line.
 
 use component::exchange::{contact, strip};
 use component::{Frame, Observer, Point};

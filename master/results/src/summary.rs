@@ -10,36 +10,36 @@ use crate::statistics::{
     sample_range,
 };
 
-/// What a run knows about itself besides its record.
+/// Facts of a run besides its record.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunInfo {
     /// Name of the scene.
     pub scene: String,
     /// Title of the scene.
     pub title: String,
-    /// Where the scene comes from.
+    /// Source of the scene.
     pub source: String,
     /// `cosimulation`, `monolithic` or `inprocess`.
     pub mode: String,
-    /// Whether the run reached its end.
+    /// True where the run reached its end.
     pub complete: bool,
     /// Why it did not; empty for a complete run.
     pub incomplete_reason: String,
-    /// What is evaluated.
+    /// Evaluation of the record.
     pub evaluation: Evaluation,
-    /// What decides which limits of standards apply.
+    /// Properties of the line that decide which limits apply.
     pub line: standards::Line,
     /// How the two sides were coupled.
     pub coupling: Coupling,
-    /// What was modelled.
+    /// The model.
     pub model: Model,
-    /// What it cost.
+    /// Cost of the run.
     pub cost: Cost,
     /// Free remarks.
     pub notes: Vec<String>,
 }
 
-/// What is evaluated, and how.
+/// Range and filter of the evaluation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evaluation {
     /// First and last time of the evaluation range of each pantograph, s.
@@ -70,7 +70,7 @@ pub struct Coupling {
     pub energy_share: f64,
 }
 
-/// What was modelled.
+/// The model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Model {
     /// Number of generalised coordinates.
@@ -90,13 +90,13 @@ pub struct Model {
 pub struct Part {
     /// `catenary`, `pantograph`, `vehicle`, `wheel_rail`, `track`, `wind_pantograph`, `wind_wires`.
     pub part: String,
-    /// Whether it is modelled.
+    /// True where the part is modelled.
     pub modelled: bool,
     /// Why, or how.
     pub reason: String,
 }
 
-/// What a run cost.
+/// Cost of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
     /// Wall time of the time loop, s.
@@ -129,7 +129,7 @@ pub struct Cost {
     /// See above.
     #[serde(default)]
     pub mean_macro_step_s: Option<f64>,
-    /// What `wall_s` was spent on; empty where nobody has measured it.
+    /// Shares of `wall_s`; empty where they were not measured.
     #[serde(default)]
     pub shares: Vec<Share>,
 }
@@ -142,17 +142,17 @@ pub struct Summary {
     /// Title of the scene.
     #[serde(default)]
     pub title: String,
-    /// Where the scene comes from.
+    /// Source of the scene.
     #[serde(default)]
     pub source: String,
     /// `cosimulation`, `monolithic` or `inprocess`.
     pub mode: String,
-    /// Whether the run reached its end.
+    /// True where the run reached its end.
     pub complete: bool,
     /// Why it did not.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub incomplete_reason: String,
-    /// What is evaluated.
+    /// Evaluation of the record.
     pub evaluation: Evaluation,
     /// Figures of each pantograph.
     pub pantographs: Vec<PantographSummary>,
@@ -162,9 +162,9 @@ pub struct Summary {
     pub coupling: Coupling,
     /// Limits of standards.
     pub limits: Vec<Limit>,
-    /// What was modelled.
+    /// The model.
     pub model: Model,
-    /// What it cost.
+    /// Cost of the run.
     pub cost: Cost,
     /// Free remarks.
     #[serde(default)]

@@ -308,6 +308,17 @@ fn opening_a_directory_keeps_older_results_and_beginning_a_run_removes_them() {
 }
 
 #[test]
+fn a_directory_without_animation_holds_no_pictures_and_its_page_no_player() {
+    let folder = tempfile::tempdir().unwrap();
+    let (info, record) = run(true);
+    let output = OutputDirectory::open(folder.path()).unwrap().without_animation();
+    let bundle = output.finish(&info, record, "").unwrap();
+    assert!(!folder.path().join("animation.json").exists());
+    assert!(!report::render(&[bundle]).contains("id=\"player\""));
+    RunBundle::read(folder.path()).unwrap();
+}
+
+#[test]
 fn a_folder_that_cannot_be_made_is_refused_with_its_path() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");

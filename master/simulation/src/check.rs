@@ -1,4 +1,4 @@
-//! What `master check` says about a scene.
+//! Report of `master check` on a scene.
 
 use std::fmt::Write as _;
 
@@ -12,15 +12,15 @@ use results::Model;
 /// Statics, model and waves of a scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// What the statics found, elasticity of the evaluated spans included; nothing of somebody else's line.
+    /// Result of the statics with the elasticity of the evaluated spans; none for a supplied line.
     pub statics: Option<StaticsReport>,
-    /// What is modelled.
+    /// The model.
     pub model: Model,
-    /// Waves on the contact wire; nothing of somebody else's line.
+    /// Waves on the contact wire; nothing of a supplied line.
     pub waves: Option<Waves>,
     /// Start of each pantograph.
     pub start: Vec<StartReport>,
-    /// FMUs of somebody else.
+    /// supplied FMUs.
     pub others: Vec<Other>,
     /// Remarks.
     pub notes: Vec<String>,
@@ -108,7 +108,7 @@ impl Report {
         writeln!(out, "{}: {}", prepared.name, scene.title)?;
         match &self.statics {
             Some(statics) => self.write_statics(statics, evaluated_spans(scene), out)?,
-            None => writeln!(out, "\nstatics: none, the line is somebody else's FMU")?,
+            None => writeln!(out, "\nstatics: none, the line is a supplied FMU")?,
         }
         writeln!(out, "\nstart")?;
         for (index, start) in self.start.iter().enumerate() {

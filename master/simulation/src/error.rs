@@ -29,19 +29,19 @@ pub enum SetupError {
     NoStatics {
         /// Keys with their values.
         statics_hints: String,
-        /// What was not found.
+        /// Missing item.
         #[source]
         source: Box<SetupError>,
     },
-    /// What the mode cannot do with this scene.
+    /// A demand of the scene that the mode cannot meet.
     #[error("--mode {mode}: {what}")]
     NotInThisMode {
         /// Name of the mode.
         mode: &'static str,
-        /// What the scene asks for.
+        /// Demand of the scene.
         what: String,
     },
-    /// What no mode can do yet.
+    /// A demand that no mode can meet yet.
     #[error("{0}")]
     NotAvailable(String),
     /// An FMU file cannot be used.
@@ -95,7 +95,7 @@ pub enum SetupError {
 }
 
 impl SetupError {
-    /// Whether the input is to blame, and not what was made of it.
+    /// True where the input is wrong, false where the computation failed.
     #[must_use]
     pub fn is_input(&self) -> bool {
         matches!(

@@ -7,6 +7,7 @@ mod error;
 mod mesh;
 mod modelled;
 mod prepare;
+mod rest_position;
 mod slaves;
 pub mod sliding_joint;
 mod statics_hints;
@@ -42,9 +43,9 @@ use cosim::chain;
 /// Contact stiffness of EN 50318, N/m: what errors of a height are weighted with where the line's own is not known.
 const USUAL_STIFFNESS: f64 = 5e4;
 
-/// The internal step that a run has made, s, with macro steps of `mean` s on average. Where these are controlled, the one of the longest,
-/// which all but those shorter than a micro step have; or their mean where that is shorter. One system and slaves of one step take the
-/// first macro step of a controlled one.
+/// The internal step that a run has made, s, with macro steps of `mean` s on average. Where these are controlled, the
+/// one of the longest, which all but those shorter than a micro step have; or their mean where that is shorter. One
+/// system and slaves of one step take the first macro step of a controlled one.
 fn step_made(scene: &Scene, steps: &Steps, mean: f64) -> f64 {
     if scene.coupling.step_control.is_none() || steps.largest <= 0.0 {
         return scene.internal_step();
@@ -87,17 +88,19 @@ pub struct Prepared {
     pub scene: Scene,
     /// Name of the scene in results.
     pub name: String,
-    /// Static state of its line; nothing where the line is somebody else's.
+    /// Static state of its line; nothing where the line is supplied.
     pub statics: Option<StaticLine>,
-    /// How pantographs of somebody else came to rest; nothing before a run.
+    /// How supplied pantographs came to rest; nothing before a run.
     pub settling: Option<Settling>,
-    /// What is known of the FMUs of somebody else: wiring, abilities, remarks.
+    /// Facts of supplied FMUs: wiring, abilities, remarks.
     pub others: Vec<Other>,
     /// Supplied pantographs, started; `None` for those modelled here.
     pub supplied: Vec<Option<SuppliedPantograph>>,
+    /// Contact force at which each supplied pantograph starts by its own account, N; 0 for those modelled here.
+    pub(crate) stated_forces: Vec<f64>,
     pub(crate) line: Option<SuppliedLine>,
     pub(crate) begin: Instant,
-    /// What is done to the run on purpose.
+    /// Disturbance made on purpose.
     pub disturbance: Disturbance,
 }
 
@@ -133,7 +136,7 @@ pub fn evaluated_spans(scene: &Scene) -> (usize, usize) {
 
 /// A run that has ended, complete or not.
 pub struct Finished {
-    /// What is known besides the record.
+    /// Facts besides the record.
     pub info: RunInfo,
     /// Series.
     pub record: Record,
@@ -141,17 +144,17 @@ pub struct Finished {
     pub failure: Option<Box<dyn std::error::Error + Send + Sync>>,
     /// Most Newton iterations of one internal step; 0 where FMUs do not say.
     pub most_iterations: u64,
-    /// What was seen of one system besides, where that was asked for.
+    /// Observations of one system, where asked for.
     pub evidence: Option<Evidence>,
-    /// What was coupled, still to be ended: an FMU that crashes there takes nothing with it once the results are written.
+    /// Coupled slaves, still to be ended: an FMU that crashes there takes nothing with it once the results are written.
     pub slaves: Vec<Box<dyn Slave>>,
 }
 
-/// Where co-simulation takes its FMUs from.
+/// Source of the FMUs of a co-simulation.
 pub struct FmuSource {
     /// Folder for the packages of the scene.
     pub folder: PathBuf,
-    /// Whether FMUs are asked for their debug messages.
+    /// True where FMUs log debug messages.
     pub logging: bool,
 }
 
@@ -227,12 +230,14 @@ impl Prepared {
             (Estimate::Prediction { degree }, "from their extrapolation")
         };
         reason.push_str(&format!(
-            "; macro step from {} s to {} s by the strips' deviation {what} times {stiffness} N/m ({whose}), {} N in the mean",
+            "; macro step from {} s to {} s by the strips' deviation {what} times {stiffness} N/m ({whose}), {} N in \
+             the mean",
             asked.min, asked.max, asked.tolerance,
         ));
         if let Some(slave) = sides.without_rollback() {
             reason.push_str(&format!(
-                "; {slave} cannot go back to a saved state: a step with too large an error stands, only the next one is shorter"
+                "; {slave} cannot go back to a saved state: a step with too large an error stands, only the next one \
+                 is shorter"
             ));
         }
         Some(Control {
@@ -376,8 +381,7 @@ impl Prepared {
     ) -> Result<Finished, E> {
         let statics = self.statics.as_ref().filter(|_| OneSystem::can(&self.scene));
         let Some(statics) = statics else {
-            let what =
-                "line or pantograph are somebody else's FMU, which has no equations to put into one system".to_owned();
+            let what = "line or pantograph is a supplied FMU, which has no equations to put into one system".to_owned();
             return Err(SetupError::NotInThisMode {
                 mode: Mode::Monolithic.name(),
                 what,
@@ -480,7 +484,7 @@ impl Prepared {
     }
 }
 
-/// What the limits of standards need to know of the line.
+/// Properties of the line that limits of standards depend on.
 fn line_of(scene: &Scene) -> standards::Line {
     let catenary = scene.modelled_line().map(|(catenary, _)| catenary);
     standards::Line {

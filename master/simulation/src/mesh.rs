@@ -1,8 +1,8 @@
-//! What is said of a line's mesh.
+//! Notes on the mesh of a line.
 
 use scene::{Division, Scene};
 
-/// The mesh of a line and what makes up for its coarseness; empty for somebody else's line.
+/// The mesh of a line and what makes up for its coarseness; empty for a supplied line.
 #[must_use]
 pub fn described(scene: &Scene) -> String {
     let Some((catenary, _)) = scene.modelled_line() else {
@@ -35,7 +35,8 @@ pub fn described(scene: &Scene) -> String {
     text
 }
 
-/// The error that mesh and internal steps of `step` s are expected to make, or why none is known; `None` for somebody else's line.
+/// The error that mesh and internal steps of `step` s are expected to make, or why none is known; `None` for somebody
+/// else's line.
 #[must_use]
 pub fn expected_error(scene: &Scene, step: f64) -> Option<String> {
     let (catenary, _) = scene.modelled_line()?;
@@ -43,7 +44,8 @@ pub fn expected_error(scene: &Scene, step: f64) -> Option<String> {
     let (c, v) = (waves[0].min(waves[1]), scene.run.speed);
     if v >= c {
         return Some(format!(
-            "mesh: the train is faster than the waves of a wire ({v:.1} m/s, {c:.1} m/s): no mesh resolves the waves ahead of it"
+            "mesh: the train is faster than the waves of a wire ({v:.1} m/s, {c:.1} m/s): no mesh resolves the waves \
+             ahead of it"
         ));
     }
     let f = scene.run.low_pass_hz;
@@ -55,10 +57,12 @@ pub fn expected_error(scene: &Scene, step: f64) -> Option<String> {
     Some(match catenary::mesh::expected_error_at(scene, step) {
         Err(why) => format!("mesh: {mesh}; no rule is known for its error with {why}"),
         Ok(error) if error.total() >= 30.0 => format!(
-            "this mesh is far from converged: {mesh}; the filtered force may be wrong by more than its own standard deviation"
+            "this mesh is far from converged: {mesh}; the filtered force may be wrong by more than its own standard \
+             deviation"
         ),
         Ok(error) => format!(
-            "mesh: the filtered force is wrong by about {:.1} % of its standard deviation, {:.1} % by the mesh and {:.1} % by steps of \
+            "mesh: the filtered force is wrong by about {:.1} % of its standard deviation, {:.1} % by the mesh and \
+             {:.1} % by steps of \
              {:.3} ms: {mesh}; by rule, {}",
             error.total(),
             error.space,
@@ -140,7 +144,10 @@ mod tests {
         let scene = system::load(EN_300, "scene.toml", &overrides).unwrap();
         let text = described(&scene);
         assert!(
-            text.starts_with("8 elements between droppers, contact_compliance + bending_layers (without mass_correction: solver.rho_inf = 0.5"),
+            text.starts_with(
+                "8 elements between droppers, contact_compliance + bending_layers (without \
+                mass_correction: solver.rho_inf = 0.5"
+            ),
             "{text}"
         );
         let plain = system::load(THESIS, "scene.toml", &[]).unwrap();

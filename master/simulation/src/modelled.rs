@@ -1,18 +1,18 @@
-//! What a scene models, what it leaves out and why, and what its results are worth.
+//! Model of a scene: parts, parts left out with the reason, worth of the results.
 
 use catenary::{WindowSize, WindowedLine};
 use scene::{Initialise, PantographModel, Reduction, Start};
 
 use crate::Prepared;
-use crate::mesh;
 use crate::sliding_joint;
+use crate::{mesh, rest_position};
 use results::{Model, Part};
 use suppliers::settling::{self, Settling};
 
 mod track;
 
 impl Prepared {
-    /// What is modelled, and what is not, with reasons.
+    /// Parts modelled and left out, with reasons.
     #[must_use]
     pub fn model(&self) -> Model {
         let scene = &self.scene;
@@ -85,7 +85,7 @@ impl Prepared {
         }
     }
 
-    /// What the window of the line models, where it has one.
+    /// Size of the window of the line, where it has one.
     fn window(&self) -> Option<WindowSize> {
         let statics = self.statics.as_ref()?;
         let asked = self.scene.model.has(Reduction::Window);
@@ -97,10 +97,12 @@ impl Prepared {
     pub fn notes(&self, step: f64) -> Vec<String> {
         let mut notes = self.scene.questions();
         notes.extend(mesh::expected_error(&self.scene, step));
+        notes.extend(rest_position::warnings(self));
         for (index, pantograph) in self.scene.pantographs.iter().enumerate() {
             if let (PantographModel::Supplied(_), Some(start)) = (&pantograph.model, pantograph.start) {
                 notes.push(format!(
-                    "pantograph {}: somebody else's FMU; the work on its strip and with it the energy residual is an estimate; {}",
+                    "pantograph {}: supplied FMU; the work on its strip and with it the energy residual is an \
+                     estimate; {}",
                     index + 1,
                     supplied_start(self.scene.run.initialise, self.settling, start)
                 ));
@@ -108,8 +110,10 @@ impl Prepared {
         }
         if let scene::Line::Supplied(_) = self.scene.catenary {
             notes.push(format!(
-                "line: somebody else's FMU; its work and with it the energy residual is an estimate where it does not offer it{}",
-                self.settling.map_or_else(String::new, |found| format!("; {}", at_rest(found, true)))
+                "line: supplied FMU; its work and with it the energy residual is an estimate where it does \
+                 not offer it{}",
+                self.settling
+                    .map_or_else(String::new, |found| format!("; {}", at_rest(found, true)))
             ));
         }
         for other in &self.others {
@@ -129,7 +133,7 @@ fn part(part: &str, modelled: bool, reason: String) -> Part {
     }
 }
 
-/// What carries the pantographs.
+/// Vehicle under the pantographs.
 fn vehicle(scene: &scene::Scene) -> Part {
     let bodies = |train: &scene::Train| {
         let places = |lists: &mut dyn Iterator<Item = &Vec<[f64; 3]>>| -> usize { lists.map(Vec::len).sum() };
@@ -152,7 +156,8 @@ fn vehicle(scene: &scene::Scene) -> Part {
             "vehicle",
             true,
             format!(
-                "the base moves as given by {} samples; of a lumped pantograph its rise alone is felt, and nothing acts back on it",
+                "the base moves as given by {} samples; of a lumped pantograph its rise alone is felt, and nothing \
+                 acts back on it",
                 motion.time.len()
             ),
         ),
@@ -170,7 +175,7 @@ fn vehicle(scene: &scene::Scene) -> Part {
     }
 }
 
-/// What is between wheels and rails; whether wheels that roll start with rolling `steady`.
+/// Contact of wheels and rails; `steady` where wheels start rolling steadily.
 fn wheel_rail(scene: &scene::Scene, steady: bool) -> Part {
     match scene.vehicle.as_deref() {
         None => part("wheel_rail", false, "scene has no [vehicle]".to_owned()),
@@ -188,7 +193,8 @@ fn wheel_rail(scene: &scene::Scene, steady: bool) -> Part {
             let start = if steady {
                 ""
             } else {
-                "; they do not roll steadily where they start, and begin from rest without creep forces: the first moments are those of \
+                "; they do not roll steadily where they start, and begin from rest without creep forces: the first \
+                 moments are those of \
                  a vehicle that settles"
             };
             part("wheel_rail", true, format!("wheels roll on rails{start}"))
@@ -221,7 +227,7 @@ fn blowing(wind: &scene::Wind) -> String {
     }
 }
 
-/// What the wind does to pantographs, or why it does nothing.
+/// Effect of the wind on pantographs, or the reason for none.
 fn wind_on_pantograph(scene: &scene::Scene) -> Result<String, String> {
     let wind = scene.wind.as_ref().ok_or("scene has no [wind]")?;
     let acts = wind.pantograph.as_ref().ok_or("scene has no wind.pantograph")?;
@@ -233,17 +239,18 @@ fn wind_on_pantograph(scene: &scene::Scene) -> Result<String, String> {
     };
     let foreign = |pantograph: &scene::Pantograph| matches!(pantograph.model, PantographModel::Supplied(_));
     if scene.pantographs.iter().any(foreign) {
-        how.push_str("; none on FMUs of somebody else");
+        how.push_str("; none on supplied FMUs");
     }
     Ok(format!("{how}; {}", blowing(wind)))
 }
 
-/// What the wind does to wires, or why it does nothing.
+/// Effect of the wind on wires, or the reason for none.
 fn wind_on_wires(scene: &scene::Scene) -> Result<String, String> {
     let wind = scene.wind.as_ref().ok_or("scene has no [wind]")?;
     wind.wires.as_ref().ok_or("scene has no wind.wires")?;
     Ok(format!(
-        "drag across contact and messenger wire, spread over their elements; none on droppers and registration arms; the run \
+        "drag across contact and messenger wire, spread over their elements; none on droppers and registration arms; \
+         the run \
          starts with the line at rest in the wind of t = 0; {}",
         blowing(wind)
     ))
@@ -267,7 +274,8 @@ fn at_rest(found: Settling, in_contact: bool) -> String {
         "did not come to rest"
     };
     format!(
-        "it {rest} in {duration:.1} s ({steps} steps) while settling before t = 0, a change of {change:.2e} N/s being left; its \
+        "it {rest} in {duration:.1} s ({steps} steps) while settling before t = 0, a change of {change:.2e} N/s \
+         being left; its \
          clock is ahead by that time"
     )
 }
@@ -290,7 +298,8 @@ fn dimension(scene: &scene::Scene) -> String {
 /// How the motions of a linkage are counted, and why.
 fn motions(scene: &scene::Scene) -> String {
     if scene.model.has(Reduction::Linkage) {
-        return " in two coordinates, its one motion and the collector suspension: its joints hold the strip in the plane along the \
+        return " in two coordinates, its one motion and the collector suspension: its joints hold the strip in the \
+            plane along the \
                 track, so leaving out all other motions changes nothing"
             .to_owned();
     }
@@ -303,40 +312,50 @@ fn motions(scene: &scene::Scene) -> String {
 
 /// Which law of motion the line has, and what is known of its distance from the line as it is.
 ///
-/// Distances are rms differences of the 20 Hz force from runs of the same scene with the nonlinear line, on one mesh and step, in
-/// percent of its standard deviation.
+/// Distances are rms differences of the 20 Hz force from runs of the same scene with the nonlinear line, on one mesh
+/// and step, in percent of its standard deviation.
 fn motion(scene: &scene::Scene) -> String {
     if scene.model.has(Reduction::Flat) {
-        "flat, asked for by model.reduce: straight wires that move up and down, for comparison with two-dimensional programs; the sag \
-         of the messenger wire is left out, which moves the force of EN 50318 lines by 2 to 4 % of its standard deviation with wire \
+        "flat, asked for by model.reduce: straight wires that move up and down, for comparison with two-dimensional \
+         programs; the sag \
+         of the messenger wire is left out, which moves the force of EN 50318 lines by 2 to 4 % of its standard \
+         deviation with wire \
          ends of constant tension and by 10 to 19 % with fixed ones, that of the thesis by 17 to 25 %"
             .to_owned()
     } else if scene.model.has(Reduction::Linearised) {
-        "linearised about the static state, asked for by model.reduce: constant stiffness, unilateral droppers and contact; that moves \
-         the force of EN 50318 lines by 0.5 to 0.8 % of its standard deviation (1.0 to 1.4 % with fixed wire ends), that of the thesis \
+        "linearised about the static state, asked for by model.reduce: constant stiffness, unilateral droppers and \
+         contact; that moves \
+         the force of EN 50318 lines by 0.5 to 0.8 % of its standard deviation (1.0 to 1.4 % with fixed wire ends), \
+         that of the thesis \
          by 2.6 % under a lumped pantograph and by 4 to 5 % under its own; on other lines only a run without it tells"
             .to_owned()
     } else {
-        "nonlinear: how far the line linearised about its static state would be from it is known from a run of both only, so that \
+        "nonlinear: how far the line linearised about its static state would be from it is known from a run of both \
+         only, so that \
          model.reduce = \"auto\" does not choose it"
             .to_owned()
     }
 }
 
-/// What a window leaves out, and what that costs.
+/// Effects that a window leaves out, and their cost.
 fn around(window: WindowSize) -> String {
     let WindowSize { full, reduced, .. } = window;
     format!(
-        "window, asked for by model.reduce: {full} spans around the pantographs in full; up to {reduced} spans beyond linear, with \
-         their droppers taut, reduced to supports and modes. Measured error of the filtered force on corrected meshes, in percent of its \
-         standard deviation: 0.2 linearised and 0.3 nonlinear on the lines of EN 50318, 0.2 linearised and 0.5 nonlinear on that of the \
-         thesis (0.5 on the thesis' own coarse mesh), on 10 and 20 spans; nonlinear it grows with the time run (32 spans of EN 50318: \
-         0.7 over 20 s, 1.4 in the last two): only a run without the window tells what it is elsewhere. Echoes of ends further away \
+        "window, asked for by model.reduce: {full} spans around the pantographs in full; up to {reduced} spans \
+         beyond linear, with \
+         their droppers taut, reduced to supports and modes. Measured error of the filtered force on corrected \
+         meshes, in percent of its \
+         standard deviation: 0.2 linearised and 0.3 nonlinear on the lines of EN 50318, 0.2 linearised and 0.5 \
+         nonlinear on that of the \
+         thesis (0.5 on the thesis' own coarse mesh), on 10 and 20 spans; nonlinear it grows with the time run (32 \
+         spans of EN 50318: \
+         0.7 over 20 s, 1.4 in the last two): only a run without the window tells what it is elsewhere. Echoes of \
+         ends further away \
          than those spans are left out (linearised, middle of 80 spans, 20 s: 0.9 on EN 50318, 3.7 on the thesis' line)"
     )
 }
 
-/// How somebody else's pantograph comes to its start.
+/// Start of a supplied pantograph in words.
 fn supplied_start(initialise: Initialise, settling: Option<Settling>, start: Start) -> String {
     let Start { height, force } = start;
     match (initialise, settling) {

@@ -1,4 +1,4 @@
-//! From a scene as it is written to one with everything resolved: statics, FMUs of somebody else, starts.
+//! From a scene as it is written to one with everything resolved: statics, supplied FMUs, starts.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,7 +19,7 @@ use system::equilibrium;
 /// Contact force that no strip starts with, N: several times what pantographs press with at any speed.
 const LARGEST_START: f64 = 1000.0;
 
-/// What is known of an FMU of somebody else.
+/// Facts of a supplied FMU.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct Other {
     /// `line`, `pantograph 1`, …
@@ -28,13 +28,14 @@ pub struct Other {
     pub fmu: String,
     /// The wiring in use, one line per wire.
     pub wiring: Vec<String>,
-    /// What a user should know of how it is run.
+    /// Remarks on the way in which the FMU is run.
     pub remarks: Vec<String>,
 }
 
 /// Solves the statics of a scene and resolves what it leaves open.
 ///
-/// Paths of FMUs and of files that tables are left to are relative to `base`. With `logging`, FMUs are asked for their debug messages.
+/// Paths of FMUs and of files that tables are left to are relative to `base`. With `logging`, FMUs are asked for their
+/// debug messages.
 ///
 /// # Errors
 /// See [`SetupError`].
@@ -70,6 +71,8 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
     };
     catenary::mesh::check(&scene, name)?;
     let others = others(&scene, line.as_ref(), &supplied);
+    let stated = |one: &Option<SuppliedPantograph>| one.as_ref().map_or(0.0, SuppliedPantograph::start_force);
+    let stated_forces = supplied.iter().map(stated).collect();
     Ok(Prepared {
         scene,
         name: name.to_owned(),
@@ -77,6 +80,7 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
         settling: None,
         others,
         supplied,
+        stated_forces,
         line,
         begin,
         disturbance: Disturbance::default(),
@@ -139,7 +143,8 @@ fn start_pantograph(
     if aligned(&entry) {
         let Some(statics) = statics else {
             let what = format!(
-                "{table}.outputs.height.offset = \"align\": the height of somebody else's line is not known before it runs; must \
+                "{table}.outputs.height.offset = \"align\": the height of a supplied line is not known before \
+                 it runs; must \
                  be a number in m"
             );
             return Err(SetupError::NotAvailable(what));
@@ -180,7 +185,8 @@ fn check_height(scene: &Scene, statics: &StaticLine, index: usize, height: f64) 
 
 /// Starts a supplied line under the strips, whose starts are taken into the scene where they are not known.
 ///
-/// A strip starts where the scene says, else where the line's FMU has it by itself, else where its pantograph is at rest.
+/// A strip starts where the scene says, else where the line's FMU has it by itself, else where its pantograph is at
+/// rest.
 fn start_line(scene: &mut Scene, mut entry: Supplied, base: &Path, logging: bool) -> Result<SuppliedLine, SetupError> {
     let strips = scene.pantographs.len();
     let fmu = open("catenary", &mut entry, base)?;
@@ -212,7 +218,8 @@ fn start_beside_line(scene: &mut Scene, index: usize, height: Option<f64>) -> Re
         PantographModel::Supplied(_) => return Ok(()),
         PantographModel::Lumped(lumped) if lumped.reference_height.is_none() => {
             let what = format!(
-                "{table}.reference_height is missing: with catenary.fmu the height of the wire is not known; must be the height of \
+                "{table}.reference_height is missing: with catenary.fmu the height of the wire is not known; must be \
+                 the height of \
                  the strip in m at which the springs are unstretched"
             );
             return Err(SetupError::NotAvailable(what));

@@ -1,4 +1,5 @@
-//! What a sliding joint between strips and contact wire means for a run: it needs one system, and it cannot lose contact.
+//! Consequences of a sliding joint between strips and contact wire for a run: it needs one system, and it cannot lose
+//! contact.
 
 use catenary::CatenaryError;
 use scene::{ContactLaw, Scene};
@@ -9,14 +10,15 @@ use results::Record;
 /// Spells of pull that a remark names one by one.
 const NAMED: usize = 8;
 
-/// Whether the strips of a scene are held on its line.
+/// True where the strips of a scene are held on its line.
 #[must_use]
 pub fn holds(scene: &Scene) -> bool {
     let contact = scene.contact.as_ref();
     contact.is_some_and(|contact| contact.law == ContactLaw::SlidingJoint)
 }
 
-/// Refuses a scene whose strips are held on its line for something that takes line and pantographs apart, named by `what`.
+/// Refuses a scene whose strips are held on its line for something that takes line and pantographs apart, named by
+/// `what`.
 ///
 /// # Errors
 /// [`SetupError::NotAvailable`].
@@ -84,7 +86,8 @@ pub fn remarks(scene: &Scene, record: &Record) -> Vec<String> {
 
 fn remark(pantograph: usize, time: &[f64], spells: &[Spell]) -> String {
     let name = format!(
-        "pantograph {pantograph}: its strip is held on the wire by a sliding joint, which cannot lose contact: what counts as its loss \
+        "pantograph {pantograph}: its strip is held on the wire by a sliding joint, which cannot lose contact: what \
+         counts as its loss \
          is when it pulls; "
     );
     let Some(worst) = spells.iter().max_by(|a, b| a.largest.total_cmp(&b.largest)) else {
@@ -100,7 +103,8 @@ fn remark(pantograph: usize, time: &[f64], spells: &[Spell]) -> String {
         places.push(format!("{} more", spells.len() - NAMED));
     }
     format!(
-        "{name}it pulled, where a strip that is free to leave would have left or pressed otherwise, {} times in {all:.3} s of {whole:.3} \
+        "{name}it pulled, where a strip that is free to leave would have left or pressed otherwise, {} times in \
+         {all:.3} s of {whole:.3} \
          s, with up to {:.1} N at t = {:.3} s; from t = {}",
         spells.len(),
         worst.largest,

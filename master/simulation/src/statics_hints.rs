@@ -46,7 +46,7 @@ fn short(value: f64) -> String {
     }
 }
 
-/// The keys that the rest of line and pantographs hangs on most; none of somebody else's line.
+/// The keys that the rest of line and pantographs hangs on most; none of a supplied line.
 fn statics_hints(scene: &Scene) -> Vec<Suspect> {
     let Some((line, contact)) = scene.modelled_line() else {
         return Vec::new();
@@ -108,7 +108,7 @@ fn named(scene: &Scene) -> String {
     unusual.join("; ")
 }
 
-/// Whether an error says only that equations did not come to rest, and not which value is in the way.
+/// True where an error says only that equations did not come to rest, without a value in the way.
 fn is_mute(error: &SetupError) -> bool {
     let of_statics = |error: &StaticsError| {
         matches!(
@@ -150,7 +150,7 @@ mod tests {
 
     use crate::prepare;
 
-    /// What is said of the standard's scene on three spans with this key.
+    /// Hint for the standard's scene on three spans with this key.
     fn said(key: &str) -> String {
         let text = include_str!("../../../scenes/en50318-300.toml");
         let keys = [

@@ -1,4 +1,4 @@
-//! Where the contact wire passes beside a strip: there is no contact force there, and it is no loss of contact that the line or the
+//! A contact wire beside the strip: no contact force there, and no loss of contact that the line or the
 //! pantograph could be blamed for.
 
 use scene::{Catenary, PantographModel, Scene, Vehicle};
@@ -10,7 +10,7 @@ use results::Record;
 /// Most times at which a given motion is looked at; a longer one is looked at less often.
 const SAMPLES: f64 = 2e4;
 
-/// What is known of a strip beside the wire.
+/// Facts of a strip beside the wire.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Beside {
     /// First time, s.
@@ -25,7 +25,8 @@ struct Beside {
     at: f64,
 }
 
-/// Of samples (time in s, distance of the wire from the middle of the strip in m) those further than `half` m.
+/// Stretch of the samples (time in s, distance of the wire from the middle of the strip in m) those further than `half`
+/// m.
 fn beside(samples: impl Iterator<Item = (f64, f64)>, half: f64) -> Option<Beside> {
     let mut found: Option<Beside> = None;
     let (mut away, mut all, mut all_to_last) = (0.0, 0.0, 0.0);
@@ -57,8 +58,8 @@ fn beside(samples: impl Iterator<Item = (f64, f64)>, half: f64) -> Option<Beside
     })
 }
 
-/// Pantographs (from 0) with half the width of their strips, m, where that counts: not of a strip that is held on the wire, nor under a
-/// line or on a pantograph of somebody else, whose strip and wire are not known.
+/// Pantographs (from 0) with half the width of their strips, m, where that counts: not of a strip that is held on the
+/// wire, nor under a line or on a pantograph that is supplied, whose strip and wire are not known.
 fn half_widths(scene: &Scene) -> Vec<(usize, f64)> {
     if sliding_joint::holds(scene) || scene.modelled_line().is_none() {
         return Vec::new();
@@ -69,7 +70,7 @@ fn half_widths(scene: &Scene) -> Vec<(usize, f64)> {
         .collect()
 }
 
-/// What a run has seen of wires beside strips.
+/// Notes of a run on wires beside strips.
 #[must_use]
 pub fn remarks(scene: &Scene, record: &Record) -> Vec<String> {
     let seen = half_widths(scene).into_iter().filter_map(|(index, half)| {
@@ -80,8 +81,8 @@ pub fn remarks(scene: &Scene, record: &Record) -> Vec<String> {
     seen.collect()
 }
 
-/// What a given motion of the base will do, with the wire where it is at rest and the strip over the middle of the base; to a lumped
-/// pantograph nothing, which feels the rise of its base alone.
+/// Foreseen overrun under a given motion of the base, with the wire where it is at rest and the strip over the middle
+/// of the base; to a lumped pantograph nothing, which feels the rise of its base alone.
 #[must_use]
 pub fn foreseen(scene: &Scene) -> Vec<String> {
     let (Some(Vehicle::RigidMotion(entry)), Some((line, _))) = (scene.vehicle.as_deref(), scene.modelled_line()) else {
@@ -115,8 +116,8 @@ pub fn foreseen(scene: &Scene) -> Vec<String> {
     seen.collect()
 }
 
-/// Distance of the wire at rest from the middle of a strip that a motion carries along, m, along the strip, on a line with supports at
-/// these x in m; `x` m is where the strip is without the motion.
+/// Distance of the wire at rest from the middle of a strip that a motion carries along, m, along the strip, on a line
+/// with supports at these x in m; `x` m is where the strip is without the motion.
 fn aside(motion: &GivenMotion, (line, supports): (&Catenary, &[f64]), x: f64, time: f64) -> f64 {
     let ([ahead, aside, up], [_, lateral, upward]) = motion.above(line.contact_wire_height, time);
     (wire_y(line, supports, x + ahead) - aside) * lateral - up * upward
@@ -137,7 +138,8 @@ fn remark(scene: &Scene, index: usize, half: f64, found: &Beside, what: &str) ->
         String::new()
     };
     format!(
-        "pantograph {}: {what} beside its strip, where there is no contact force, from t = {:.3} s (x = {:.1} m) to {:.3} s{spells}: up \
+        "pantograph {}: {what} beside its strip, where there is no contact force, from t = {:.3} s (x = {:.1} m) to \
+         {:.3} s{spells}: up \
          to {:.3} m from the middle of the strip, at t = {:.3} s, and half the width of the strip is {half} m",
         index + 1,
         found.from,

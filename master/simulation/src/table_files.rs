@@ -7,12 +7,12 @@ use scene::Scene;
 
 use crate::SetupError;
 
-/// Takes the rows of all such files into the scene, which is checked again where there are any; it is called `name` in messages. Paths
-/// are relative to `base`.
+/// Takes the rows of all such files into the scene, which is checked again where there are any; it is called `name` in
+/// messages. Paths are relative to `base`.
 ///
 /// # Errors
-/// [`SetupError::NotAvailable`] with the key, the file and what is wrong with it; [`SetupError::Scene`] where what was read
-/// contradicts the scene.
+/// [`SetupError::NotAvailable`] with the key, the file and what is wrong with it; [`SetupError::Scene`] where what was
+/// read contradicts the scene.
 pub fn read(scene: &mut Scene, name: &str, base: &Path) -> Result<(), SetupError> {
     let any = Cell::new(false);
     let open = |path: &str| {

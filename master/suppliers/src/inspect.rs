@@ -80,9 +80,6 @@ const DURATION: f64 = 10.0;
 /// Longest time that one thing tried may take, s.
 const PATIENCE: f64 = 10.0;
 
-/// Heights of wires above rail, m: a strip that starts elsewhere counts from another place.
-const HEIGHTS: std::ops::Range<f64> = 3.5..8.0;
-
 /// An FMU as a side of the coupling.
 pub struct Inspection {
     /// Side that the FMU seems to be.
@@ -151,14 +148,13 @@ impl Inspection {
         let fmu = Value::from(absolute.display().to_string());
         let turned = self.is_turned();
         let start = self.probe.as_ref().and_then(|probe| probe.start_height);
-        let elsewhere = start.is_some_and(|height| !HEIGHTS.contains(&height));
         let connection = |wire: &Wire| {
             let mut text = format!("{{ variable = {}", Value::from(wire.variable.as_str()));
             let force = wire.name == "force" || wire.name == "force_z";
             if force && turned {
                 text.push_str(&format!(", factor = {:?}", -wire.factor));
             }
-            if wire.name == "height" && elsewhere {
+            if wire.name == "height" && start.is_some() {
                 text.push_str(", offset = \"align\"");
             }
             text.push_str(" }");
@@ -389,7 +385,8 @@ fn wiring(path: &Path, inspection: &Inspection, out: &mut String) -> std::fmt::R
             if toml.contains("align") {
                 writeln!(
                     out,
-                    "  the strip does not start at the height of a wire: it is put under the wire below"
+                    "  the strip starts at its own height, not at that of a wire: the table below puts it under the wire, so that no rest \
+                     position costs static force"
                 )?;
             }
             writeln!(out, "\n{toml}")

@@ -14,12 +14,12 @@ mod full;
 mod turned_bushings;
 mod vertical;
 
-const THESIS: &str = include_str!("../../../../scenes/thesis.toml");
+const THESIS: &str = include_str!("../../../../scenes/thesis-own-mesh.toml");
 
 fn scene(overrides: &[&str]) -> Scene {
     let mut overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
     overrides.push("vehicle.model=vertical".to_owned());
-    Scene::from_toml(THESIS, "thesis.toml", &overrides).unwrap()
+    Scene::from_toml(THESIS, "thesis-own-mesh.toml", &overrides).unwrap()
 }
 
 /// A vehicle alone.
@@ -88,5 +88,5 @@ fn rough() -> Option<TrackShape> {
 /// The unchanged scene: every wheel rolls on its rail.
 fn full_scene(overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-    Scene::from_toml(THESIS, "thesis.toml", &overrides).unwrap()
+    Scene::from_toml(THESIS, "thesis-own-mesh.toml", &overrides).unwrap()
 }

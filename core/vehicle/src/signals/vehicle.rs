@@ -232,9 +232,9 @@ mod tests {
 
     #[test]
     fn outputs_of_base_and_wheels_are_found_under_their_names() {
-        let text = include_str!("../../../../scenes/thesis.toml");
+        let text = include_str!("../../../../scenes/thesis-own-mesh.toml");
         let base = "vehicle.pantograph_base=[11.95005378, 0.3, 3.425]".to_owned();
-        let full = Scene::from_toml(text, "thesis.toml", &[base]).unwrap();
+        let full = Scene::from_toml(text, "thesis-own-mesh.toml", &[base]).unwrap();
         let text = include_str!("../../../../scenes/thesis-pantograph.toml");
         let motion = "vehicle={ model = \"rigid_motion\", \
              motion = { time = [0.0], roll = [0.01], pitch = [0.02], yaw = [0.03] } }";

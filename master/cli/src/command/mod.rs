@@ -1,7 +1,16 @@
 //! One file per subcommand.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `run`, `report` | one scene in one mode; its page again, or several on one page |
+//! | `compare`, `study`, `stability`, `reproduce` | experiments: many runs, one table |
+//! | `check`, `inspect` | a scene before its run; an FMU before its use |
+//! | `package`, `export` | FMUs of a scene; the system as an `.ssp` |
+//! | `completions` | scripts for shells |
 
 pub mod check;
 pub mod compare;
+pub mod completions;
 pub mod export;
 pub mod inspect;
 pub mod package;
@@ -45,15 +54,16 @@ pub enum CommandError {
     NoScene {
         /// File.
         path: PathBuf,
-        /// What it is.
+        /// Kind of the file.
         is: &'static str,
-        /// What it is for.
+        /// Hint at the right command.
         instead: &'static str,
     },
     /// A directory without results.
-    #[error("{}: holds no {}; expected the output directory of a finished `master run`", path.display(), results::SUMMARY)]
+    #[error("{}: holds no {}; expected the output directory of a finished `master \
+        run`", path.display(), results::SUMMARY)]
     NoResults {
-        /// What was named.
+        /// Path as named.
         path: PathBuf,
     },
     /// A case that does not exist.
@@ -81,7 +91,8 @@ pub enum CommandError {
     },
     /// `--sweeps spans` without numbers of spans.
     #[error(
-        "--sweeps spans: --spans or --window-spans must say how many there are, such as --spans 10,20,40,80 --window-spans 80,400"
+        "--sweeps spans: --spans or --window-spans must say how many there are, such as --spans 10,20,40,80 \
+         --window-spans 80,400"
     )]
     NoSpans,
     /// A study without a run.
@@ -103,7 +114,7 @@ pub enum CommandError {
     /// The run cannot begin.
     #[error(transparent)]
     Setup(Box<SetupError>),
-    /// What a scene asks for cannot be had.
+    /// A wish of the scene that cannot be met.
     #[error("{}", file.display())]
     InScene {
         /// Scene file.
@@ -142,20 +153,30 @@ pub enum CommandError {
     /// The run ended early.
     #[error("the run is incomplete, its results are in {}: {reason}", directory.display())]
     Incomplete {
-        /// Where the results are.
+        /// Folder of the results.
         directory: PathBuf,
         /// Why.
         reason: String,
     },
+    /// The run is complete, and limits fail that were asked to hold.
+    #[error("--fail-on-limits: {} of the limits fail, the results are in {}: \
+        {}", failed.len(), directory.display(), failed.join("; "))]
+    LimitsFailed {
+        /// Folder of the results.
+        directory: PathBuf,
+        /// The limits with value and bound.
+        failed: Vec<String>,
+    },
 }
 
 impl CommandError {
-    /// 1 where the simulation could not be completed, 2 where usage, scene or FMU are wrong.
+    /// 1 where the simulation could not be completed, 2 where usage, scene or FMU are wrong, 3 where limits fail.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Setup(error) | Self::InScene { source: error, .. } if !error.is_input() => 1,
             Self::Incomplete { .. } | Self::Results(_) | Self::Output(_) | Self::Package(_) | Self::Json(_) => 1,
+            Self::LimitsFailed { .. } => 3,
             _ => 2,
         }
     }
@@ -315,7 +336,8 @@ fn scene_name(path: &Path) -> String {
 /// This program's own stdout, once FMUs have another.
 static OUT: OnceLock<File> = OnceLock::new();
 
-/// Keeps stdout to this program: what FMUs print goes to stderr from now on, so that what is read by other programs stays whole.
+/// Keeps stdout to this program: what FMUs print goes to stderr from now on, so that what is read by other programs
+/// stays whole.
 pub fn keep_stdout() {
     // Where the system refuses, the two are mixed.
     #[cfg(unix)]
@@ -363,7 +385,7 @@ fn interrupted(common: &Common) -> &'static AtomicBool {
         }
     };
     if ctrlc::set_handler(handler).is_err() && common.verbose > 0 {
-        eprintln!("Ctrl-C is handled by somebody else");
+        eprintln!("another handler of Ctrl-C is in place");
     }
     &INTERRUPTED
 }

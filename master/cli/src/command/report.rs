@@ -31,7 +31,13 @@ pub fn report(directories: &[PathBuf], common: &Common) -> Result<(), CommandErr
         let summaries: Vec<_> = runs.iter().map(|run| &run.summary).collect();
         print_json(&summaries)?;
     } else if !common.quiet {
-        let tables: String = runs.iter().map(|run| table(&run.summary)).collect();
+        let named = runs.iter().zip(report::labels(&runs));
+        let tables: String = match runs.as_slice() {
+            [one] => table(&one.summary),
+            _ => named
+                .map(|(run, label)| format!("{label}\n{}\n", table(&run.summary)))
+                .collect(),
+        };
         print(&format!("{tables}{}\n", target.join("report.html").display()))?;
     }
     Ok(())

@@ -2,10 +2,11 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use clap::{Args, ValueEnum};
 use scene::Scene;
 
 use super::{CommandError, SceneFile, interrupted, print, print_json, say};
-use crate::cli::Common;
+use crate::cli::{Common, DEFAULT_SCENE};
 use cosim::package;
 use experiments::study;
 use results::report::{self, Progress, Show};
@@ -13,11 +14,66 @@ use results::{OutputDirectory, ResultsError};
 use simulation::{FmuSource, Mode, prepare};
 use system::run::Watch;
 
+/// Arguments of `master run`.
+#[derive(Debug, Args)]
+pub struct RunArguments {
+    /// Scene file, or an .ssp
+    #[arg(default_value = DEFAULT_SCENE)]
+    scene: PathBuf,
+    /// How line and pantographs are put together
+    #[arg(long, value_enum, default_value = "cosimulation")]
+    mode: ModeArgument,
+    /// Ends with exit status 3 where a limit of a standard fails; one that is not decided does not count
+    #[arg(long)]
+    fail_on_limits: bool,
+    /// Writes no report.html
+    #[arg(long)]
+    no_report: bool,
+    /// Writes no animation.json, and a report.html without the player
+    #[arg(long)]
+    no_animation: bool,
+}
+
+impl Default for RunArguments {
+    fn default() -> Self {
+        Self {
+            scene: DEFAULT_SCENE.into(),
+            mode: ModeArgument::default(),
+            fail_on_limits: false,
+            no_report: false,
+            no_animation: false,
+        }
+    }
+}
+
+/// `--mode`.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(crate) enum ModeArgument {
+    /// FMUs through their C interface
+    #[default]
+    Cosimulation,
+    /// One system, one integrator
+    Monolithic,
+    /// The FMUs' subsystems without FMI
+    Inprocess,
+}
+
+impl From<ModeArgument> for Mode {
+    fn from(argument: ModeArgument) -> Self {
+        match argument {
+            ModeArgument::Cosimulation => Self::Cosimulation,
+            ModeArgument::Monolithic => Self::Monolithic,
+            ModeArgument::Inprocess => Self::Inprocess,
+        }
+    }
+}
+
 /// Runs a scene and writes its results.
 ///
 /// # Errors
 /// See [`CommandError`].
-pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError> {
+pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError> {
+    let (path, mode) = (arguments.scene.as_path(), Mode::from(arguments.mode));
     let file = SceneFile::read(path, common)?;
     let directory = file.output(common);
     let interrupted = interrupted(common);
@@ -40,7 +96,10 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
 
     let mut output = None;
     let finished = prepared.run(mode, &source, &watch, |scene| {
-        let opened = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
+        let mut opened = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
+        if arguments.no_animation {
+            opened = opened.without_animation();
+        }
         let mut scene = scene.clone();
         if let Some(unpacked) = &file.unpacked {
             keep_fmus(&mut scene, unpacked.path(), &directory).map_err(CommandError::Results)?;
@@ -58,8 +117,10 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
     let bundle = output
         .finish(&finished.info, finished.record, &text)
         .map_err(CommandError::Results)?;
-    let page = report::render(std::slice::from_ref(&bundle));
-    output.write_report(&page).map_err(CommandError::Results)?;
+    if !arguments.no_report {
+        let page = report::render(std::slice::from_ref(&bundle));
+        output.write_report(&page).map_err(CommandError::Results)?;
+    }
     if common.json {
         print_json(&bundle.summary)?;
     } else if !common.quiet {
@@ -69,14 +130,18 @@ pub fn run(path: &Path, mode: Mode, common: &Common) -> Result<(), CommandError>
             directory.display()
         ))?;
     }
-    match finished.failure {
-        None => Ok(()),
-        Some(_) => Err(CommandError::Incomplete { directory, reason }),
+    if finished.failure.is_some() {
+        return Err(CommandError::Incomplete { directory, reason });
     }
+    let failed = report::failed_limits(&bundle.summary);
+    if arguments.fail_on_limits && !failed.is_empty() {
+        return Err(CommandError::LimitsFailed { directory, failed });
+    }
+    Ok(())
 }
 
-/// Copies the FMUs of an unpacked archive into the folder `fmu` of `directory`, so that its `scene.toml` can be run again
-/// without the archive, and makes the scene refer to them.
+/// Copies the FMUs of an unpacked archive into the folder `fmu` of `directory`, so that its `scene.toml` can be run
+/// again without the archive, and makes the scene refer to them.
 fn keep_fmus(scene: &mut Scene, unpacked: &Path, directory: &Path) -> Result<(), ResultsError> {
     let unpacked = real(unpacked);
     for side in scene.supplied_sides_mut() {

@@ -12,7 +12,7 @@ use system::run::Watch;
 /// Runs to the end, with packages in `folder`; `good` sees the scene as it is run.
 ///
 /// # Errors
-/// What keeps the run from beginning.
+/// Reason that keeps the run from beginning.
 pub fn finished(
     prepared: Prepared,
     folder: &Path,

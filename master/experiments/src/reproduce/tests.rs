@@ -66,7 +66,7 @@ fn every_published_case_is_planned_on_every_mesh_and_the_first_through_fmus() {
         .filter(|run| run.variant.mode == Mode::Cosimulation)
         .map(|run| run.case.scene)
         .collect();
-    assert_eq!(coupled, ["thesis"]);
+    assert_eq!(coupled, ["thesis-own-mesh"]);
 }
 
 #[test]
@@ -228,7 +228,7 @@ fn what_could_not_be_computed_is_said_with_its_reason() {
 #[test]
 fn every_open_quantity_changes_the_scene_of_its_case() {
     let texts = [
-        include_str!("../../../../scenes/thesis.toml"),
+        include_str!("../../../../scenes/thesis-own-mesh.toml"),
         include_str!("../../../../scenes/thesis-sliding-joint.toml"),
         include_str!("../../../../scenes/thesis-wind-pantograph.toml"),
         include_str!("../../../../scenes/thesis-wind-both.toml"),
@@ -248,8 +248,8 @@ fn every_open_quantity_changes_the_scene_of_its_case() {
 #[test]
 fn the_suspensions_are_scaled_as_they_say() {
     let read = |keys: &[String]| {
-        let text = include_str!("../../../../scenes/thesis.toml");
-        let scene = system::load(text, "thesis.toml", keys).unwrap();
+        let text = include_str!("../../../../scenes/thesis-own-mesh.toml");
+        let scene = system::load(text, "thesis-own-mesh.toml", keys).unwrap();
         match scene.vehicle.as_deref() {
             Some(scene::Vehicle::Full(train)) => train.bushings.clone(),
             _ => panic!("the thesis scene has a full vehicle"),

@@ -261,9 +261,12 @@ fn keys_that_no_recipe_says_tell_runs_of_one_recipe_apart() {
 #[test]
 fn what_is_left_out_of_a_scene_is_left_out_where_it_stands_only() {
     let of = |more: &str, keys: &[&str]| {
-        let text = format!("{}\n{more}", include_str!("../../../../scenes/thesis.toml"));
+        let text = format!("{}\n{more}", include_str!("../../../../scenes/thesis-own-mesh.toml"));
         let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
-        identity(&system::load(&text, "thesis.toml", &keys).unwrap(), Path::new("."))
+        identity(
+            &system::load(&text, "thesis-own-mesh.toml", &keys).unwrap(),
+            Path::new("."),
+        )
     };
     let curves = |starts: [f64; 2]| {
         let curve = |start: f64| {
@@ -621,7 +624,7 @@ fn a_recipe_that_the_scene_refuses_has_a_row_with_the_reason() {
 
 /// The thesis' scene on four spans, with this model of the vehicle.
 fn short_thesis(vehicle: &str) -> Scene {
-    let toml = include_str!("../../../../scenes/thesis.toml");
+    let toml = include_str!("../../../../scenes/thesis-own-mesh.toml");
     let model = format!("vehicle.model={vehicle}");
     let keys = [
         &model,
@@ -632,7 +635,7 @@ fn short_thesis(vehicle: &str) -> Scene {
         "catenary.mesh.elements_per_interval=1",
         "solver.micro_step=0.002",
     ];
-    system::load(toml, "thesis.toml", &keys.map(str::to_owned)).unwrap()
+    system::load(toml, "thesis-own-mesh.toml", &keys.map(str::to_owned)).unwrap()
 }
 
 #[test]

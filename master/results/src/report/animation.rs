@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::escape;
-use crate::RunBundle;
+use super::label::NamedRun;
 use component::Frame;
 
 /// The player: draws the frames on a canvas.
@@ -17,12 +17,12 @@ struct Film {
 }
 
 /// The section with the player; empty where no run has pictures.
-pub(super) fn section(runs: &[RunBundle]) -> String {
+pub(super) fn section(runs: &[NamedRun<'_>]) -> String {
     let films: Vec<Film> = runs
         .iter()
         .filter(|run| !run.record.animation.frames.is_empty())
         .map(|run| Film {
-            label: run.summary.label(),
+            label: run.label.clone(),
             supports: run.record.line.support_x.clone(),
             frames: run.record.animation.rounded().frames,
         })

@@ -2,13 +2,16 @@
 
 use std::sync::LazyLock;
 
+/// Name of the project, on every page.
+const PROJECT: &str = "Pantoline";
+
 /// Style of all pages.
 const STYLE: &str = include_str!("style.css");
 
 /// plotly.js as a script element.
 ///
-/// The plotly crate hands it out together with MathJax, which no page uses and which would add
-/// 2 MB; only the first script element, plotly.js itself, is kept.
+/// Only the first script element of the plotly crate, plotly.js itself, is kept: the other is MathJax, which no page
+/// uses.
 static PLOTLY: LazyLock<String> = LazyLock::new(|| {
     const END: &str = "</script>";
     let mut sources = plotly::Plot::offline_js_sources();
@@ -82,7 +85,7 @@ impl Page {
     pub fn new(title: &str) -> Self {
         let title = escape(title);
         Self {
-            body: format!("<header><h1>{title}</h1>\n"),
+            body: format!("<header><p class=\"brand\">{PROJECT}</p>\n<h1>{title}</h1>\n"),
             title,
         }
     }
@@ -118,7 +121,7 @@ impl Page {
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{}</title>\n<style>\n{STYLE}</style>\n{plotly}\n</head>\n<body>\n<main>\n{}\
+             <title>{} – {PROJECT}</title>\n<style>\n{STYLE}</style>\n{plotly}\n</head>\n<body>\n<main>\n{}\
              </main>\n</body>\n</html>\n",
             self.title, self.body
         )

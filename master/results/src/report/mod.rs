@@ -1,18 +1,33 @@
-//! What a person reads: the page of a run, the table at its end, the progress bar.
+//! Output for people: the page of a run, the table at its end, the progress bar.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `html` | a self-contained page |
+//! | `label` | names of runs on one page |
+//! | `verdict` | which limits fail, which hold, by how much |
+//! | `sections` | text and tables of the page |
+//! | `plots` | plots of the page |
+//! | `animation` | the player |
+//! | `table` | the table on the terminal |
+//! | `progress` | the progress bar |
 
 mod animation;
 mod html;
+mod label;
 pub mod plots;
 mod progress;
 mod sections;
 mod table;
 #[cfg(test)]
 mod tests;
+mod verdict;
 
 pub use html::{Page, escape, head_cells, plot_html, remarks};
+pub use label::labels;
 pub use progress::{Progress, Show};
 pub use table::aligned;
 pub use table::table;
+pub use verdict::failed_limits;
 
 use crate::RunBundle;
 
@@ -22,15 +37,17 @@ use crate::RunBundle;
 #[must_use]
 pub fn render(runs: &[RunBundle]) -> String {
     let mut page = Page::new(&sections::title(runs));
-    page.lead(&sections::lead(runs));
-    page.section("", &sections::key_figures(runs));
-    page.section("Animation", &animation::section(runs));
-    for (heading, body) in plots::sections(runs) {
+    let runs = label::named(runs);
+    page.lead(&sections::lead(&runs));
+    page.section("Verdict", &verdict::section(&runs));
+    page.section("Key figures", &sections::key_figures(&runs));
+    page.section("Animation", &animation::section(&runs));
+    for (heading, body) in plots::sections(&runs) {
         page.section(heading, &body);
     }
-    page.section("Limits", &sections::limits(runs));
-    page.section("What was modelled", &sections::model(runs));
-    page.section("Cost", &sections::cost(runs));
-    page.section("Scene", &sections::scene(runs));
+    page.section("Limits", &sections::limits(&runs));
+    page.section("What was modelled", &sections::model(&runs));
+    page.section("Cost", &sections::cost(&runs));
+    page.section("Scene", &sections::scene(&runs));
     page.finish()
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Whether progress may be shown.
+/// Permission to show progress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Show {
     /// On stderr, if that is a terminal.
@@ -22,7 +22,7 @@ pub struct Progress {
     total: f64,
     from: f64,
     to: f64,
-    /// Whether the bar goes with it.
+    /// True where the bar goes with it.
     owner: bool,
     /// Share of the bar that is done by parts that run side by side.
     sum: Arc<Mutex<f64>>,
@@ -77,7 +77,8 @@ impl Progress {
         }
     }
 
-    /// The same bar for one of several runs: its values from 0 to `total` move it from one share to another, both from 0 to 1.
+    /// The same bar for one of several runs: its values from 0 to `total` move it from one share to another, both from
+    /// 0 to 1.
     #[must_use]
     pub fn part(&self, from: f64, to: f64, total: f64) -> Self {
         Self {

@@ -1,5 +1,6 @@
 //! The sections of the report that are text and tables.
 
+use super::label::NamedRun;
 use super::plots::COLOURS;
 use super::table::{MARKS, bounded, number, quantity_name, readable, shares, verdict};
 use super::{escape, remarks};
@@ -16,8 +17,8 @@ pub(super) fn title(runs: &[RunBundle]) -> String {
     }
 }
 
-/// What stands below the title: scene, mode, source, state of the run, notes.
-pub(super) fn lead(runs: &[RunBundle]) -> String {
+/// Lines below the title: scene, mode, speed, state of each run.
+pub(super) fn lead(runs: &[NamedRun<'_>]) -> String {
     let mut html = String::new();
     for run in runs {
         let s = &run.summary;
@@ -31,29 +32,38 @@ pub(super) fn lead(runs: &[RunBundle]) -> String {
         } else {
             String::new()
         };
+        let name = if runs.len() > 1 { &run.label } else { &s.scene };
         html.push_str(&format!(
             "<p><b>{}</b> · {}{title} · {:.0} km/h · {:.2} s simulated {state}</p>\n",
-            escape(&s.scene),
+            escape(name),
             escape(&s.mode),
             3.6 * s.evaluation.speed,
             s.cost.simulated_s,
         ));
-        if !s.source.is_empty() {
-            html.push_str(&format!("<p class=\"soft\">{}</p>\n", escape(&s.source)));
-        }
         if !s.complete {
             html.push_str(&format!(
                 "<p class=\"warning\">The run did not reach its end: {}</p>\n",
                 escape(&s.incomplete_reason)
             ));
         }
-        html.push_str(&remarks(&s.notes));
+    }
+    html
+}
+
+/// Remarks on what the figures are worth, run by run.
+fn notes(runs: &[NamedRun<'_>]) -> String {
+    let mut html = String::new();
+    for run in runs {
+        if runs.len() > 1 && !run.summary.notes.is_empty() {
+            html.push_str(&format!("<h3>{}</h3>\n", escape(&run.label)));
+        }
+        html.push_str(&remarks(&run.summary.notes));
     }
     html
 }
 
 /// Coloured square in front of a run's name, where several runs are shown.
-fn swatch(runs: &[RunBundle], colour: usize) -> String {
+fn swatch(runs: &[NamedRun<'_>], colour: usize) -> String {
     if runs.len() < 2 {
         return String::new();
     }
@@ -90,7 +100,7 @@ fn cards(s: &Summary) -> String {
 }
 
 /// Key figures: cards for one run with one pantograph, and a table for all.
-pub(super) fn key_figures(runs: &[RunBundle]) -> String {
+pub(super) fn key_figures(runs: &[NamedRun<'_>]) -> String {
     let mut html = String::new();
     if let [run] = runs {
         let cards = cards(&run.summary);
@@ -112,7 +122,7 @@ pub(super) fn key_figures(runs: &[RunBundle]) -> String {
             let force = &pantograph.contact_force;
             let mut name = String::new();
             if runs.len() > 1 {
-                name = format!("{}{}, ", swatch(runs, colour), escape(&s.label()));
+                name = format!("{}{}, ", swatch(runs, colour), escape(&run.label));
             }
             if s.pantographs.len() > 1 {
                 name.push_str(&format!("pantograph {}, ", i + 1));
@@ -149,11 +159,12 @@ pub(super) fn key_figures(runs: &[RunBundle]) -> String {
     }
     html.push_str("</tbody></table></div>\n");
     html.push_str(&ranges(runs));
+    html.push_str(&notes(runs));
     html
 }
 
-/// Sentence that says over which time the figures were taken.
-fn ranges(runs: &[RunBundle]) -> String {
+/// Sentence on the time over which the figures were taken.
+fn ranges(runs: &[NamedRun<'_>]) -> String {
     let mut texts: Vec<String> = Vec::new();
     for run in runs {
         for (from, to) in &run.summary.evaluation.time {
@@ -174,8 +185,8 @@ fn ranges(runs: &[RunBundle]) -> String {
     )
 }
 
-/// Table of the limits: where they are written, whether they apply and why, and their verdicts.
-pub(super) fn limits(runs: &[RunBundle]) -> String {
+/// Table of the limits: clause, applicability with its reason, verdict.
+pub(super) fn limits(runs: &[NamedRun<'_>]) -> String {
     let mut html = String::from(
         "<div class=\"scroll\"><table><thead><tr><th>Standard</th><th>Quantity</th>\
          <th class=\"n\">value</th><th class=\"n\">limit</th><th></th><th>verdict</th><th></th>\
@@ -183,10 +194,7 @@ pub(super) fn limits(runs: &[RunBundle]) -> String {
     );
     for run in runs {
         if runs.len() > 1 {
-            html.push_str(&format!(
-                "<tr><th colspan=\"9\">{}</th></tr>\n",
-                escape(&run.summary.label())
-            ));
+            html.push_str(&format!("<tr><th colspan=\"9\">{}</th></tr>\n", escape(&run.label)));
         }
         let one = run.summary.pantographs.len() == 1;
         for limit in &run.summary.limits {
@@ -222,13 +230,13 @@ pub(super) fn limits(runs: &[RunBundle]) -> String {
     html
 }
 
-/// What was modelled and left out, and how the sides were coupled.
-pub(super) fn model(runs: &[RunBundle]) -> String {
+/// Parts modelled and left out, source of the scene, coupling of the sides.
+pub(super) fn model(runs: &[NamedRun<'_>]) -> String {
     let mut html = String::new();
     for run in runs {
         let s = &run.summary;
         if runs.len() > 1 {
-            html.push_str(&format!("<h3>{}</h3>\n", escape(&s.label())));
+            html.push_str(&format!("<h3>{}</h3>\n", escape(&run.label)));
         }
         let reductions = if s.model.reductions.is_empty() {
             "none".to_owned()
@@ -259,12 +267,18 @@ pub(super) fn model(runs: &[RunBundle]) -> String {
             ));
         }
         html.push_str("</tbody></table></div>\n");
+        if !s.source.is_empty() {
+            html.push_str(&format!(
+                "<p class=\"caption\">Source of the scene: {}</p>\n",
+                escape(&s.source)
+            ));
+        }
     }
     html
 }
 
-/// What the runs cost.
-pub(super) fn cost(runs: &[RunBundle]) -> String {
+/// Cost of the runs.
+pub(super) fn cost(runs: &[NamedRun<'_>]) -> String {
     let mut html = String::from(
         "<div class=\"scroll\"><table><thead><tr><th>run</th><th class=\"n\">time loop [s]</th>\
          <th class=\"n\">setup [s]</th><th class=\"n\">simulated [s]</th><th class=\"n\">RTF</th>\
@@ -290,7 +304,7 @@ pub(super) fn cost(runs: &[RunBundle]) -> String {
         .collect();
         html.push_str(&format!(
             "<tr><td>{}</td>{cells}<td>{}</td></tr>\n",
-            escape(&run.summary.label()),
+            escape(&run.label),
             escape(&shares(c))
         ));
     }
@@ -299,13 +313,13 @@ pub(super) fn cost(runs: &[RunBundle]) -> String {
 }
 
 /// The resolved scenes, folded.
-pub(super) fn scene(runs: &[RunBundle]) -> String {
+pub(super) fn scene(runs: &[NamedRun<'_>]) -> String {
     runs.iter()
         .filter(|run| !run.scene.is_empty())
         .map(|run| {
             format!(
                 "<details><summary>scene.toml of {}</summary><pre>{}</pre></details>\n",
-                escape(&run.summary.label()),
+                escape(&run.label),
                 escape(&run.scene)
             )
         })

@@ -1,8 +1,9 @@
 //! The table at the end of a run.
 
+use super::verdict::{by_urgency, margin, sentence};
 use crate::standards::Limit;
 use crate::statistics::ForceStatistics;
-use crate::{Cost, Summary};
+use crate::{Cost, Part, Summary};
 use component::Share;
 
 /// Text for a number that may be unknown, with `digits` after the point.
@@ -10,7 +11,7 @@ pub(super) fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
 }
 
-/// What the time loop was spent on, the largest share first.
+/// Shares of the time loop, the largest first.
 pub(super) fn shares(cost: &Cost) -> String {
     let mut shares: Vec<&Share> = cost.shares.iter().collect();
     shares.sort_by(|a, b| b.share.total_cmp(&a.share));
@@ -62,13 +63,13 @@ pub(super) fn verdict(limit: &Limit) -> &'static str {
     }
 }
 
-/// Number a `limit` is held against, with the sign of the comparison.
+/// Number that a `limit` sets, with the sign of the comparison.
 pub(super) fn bounded(limit: &Limit) -> String {
     let (_, bound, _) = readable(limit);
     bound.map_or_else(|| "–".to_owned(), |bound| format!("{} {bound:.2}", limit.bound.sign()))
 }
 
-/// What the marks of the limits mean.
+/// Meaning of the marks of the limits.
 pub(super) const MARKS: &str = "[C] figure read in a text that quotes the standard, [R] remembered and not verified";
 
 /// Lays out `rows` in columns: the first one flush left, all others flush right.
@@ -103,22 +104,24 @@ fn row(cells: &[&str]) -> Vec<String> {
     cells.iter().map(|c| (*c).to_owned()).collect()
 }
 
-/// The limits, and below them why some do not apply: each reason once.
+/// The limits, failed ones first, then those with the least room; below the table each reason why one does not apply,
+/// once.
 fn limits(summary: &Summary) -> String {
-    let mut rows = vec![row(&["limit", "value", "limit", "unit", "", ""])];
-    let mut reasons: Vec<&str> = Vec::new();
-    for limit in &summary.limits {
-        let (value, _, unit) = readable(limit);
+    let mut rows = vec![row(&["limit", "value", "limit", "unit", "margin", "", ""])];
+    let mut reasons: Vec<String> = Vec::new();
+    for limit in by_urgency(summary) {
+        let (value, _, unit) = readable(&limit);
         rows.push(vec![
-            format!("{}, {}", limit.standard, quantity_name(limit)),
+            format!("{}, {}", limit.standard, quantity_name(&limit)),
             number(value, 2),
-            bounded(limit),
+            bounded(&limit),
             unit.to_owned(),
-            verdict(limit).to_owned(),
+            margin(&limit),
+            verdict(&limit).to_owned(),
             limit.certainty.mark().to_owned(),
         ]);
-        if !limit.applicable && !reasons.contains(&limit.reason.as_str()) {
-            reasons.push(&limit.reason);
+        if !limit.applicable && !reasons.contains(&limit.reason) {
+            reasons.push(limit.reason);
         }
     }
     let mut text = aligned(&rows);
@@ -129,18 +132,8 @@ fn limits(summary: &Summary) -> String {
     text
 }
 
-/// The table at the end of a run: figures, limits, cost. Plain text, aligned, no colours.
-#[must_use]
-pub fn table(summary: &Summary) -> String {
-    let mut text = format!("{}, {}", summary.scene, summary.mode);
-    if !summary.title.is_empty() {
-        text.push_str(&format!(": {}", summary.title));
-    }
-    text.push('\n');
-    if !summary.complete {
-        text.push_str(&format!("INCOMPLETE: {}\n", summary.incomplete_reason));
-    }
-
+/// Figures of the contact force.
+fn figures(summary: &Summary) -> String {
     let mut rows = vec![row(&["contact force [N]", "mean", "std", "max", "min", "loss %"])];
     for (i, pantograph) in summary.pantographs.iter().enumerate() {
         let force = &pantograph.contact_force;
@@ -156,20 +149,49 @@ pub fn table(summary: &Summary) -> String {
         line(&filtered, force.filtered, None);
         line("raw", force.raw, force.loss_of_contact_percent);
     }
-    text.push('\n');
-    text.push_str(&aligned(&rows));
+    aligned(&rows)
+}
 
-    text.push('\n');
-    text.push_str(&limits(summary));
-
-    let cost = &summary.cost;
+/// Parts modelled, each on a line, and those left out in one.
+fn modelled(summary: &Summary) -> String {
+    let model = &summary.model;
+    let reductions = if model.reductions.is_empty() {
+        "none".to_owned()
+    } else {
+        model.reductions.join(", ")
+    };
+    let mut text = format!(
+        "  modelled: {} coordinates, {} constraints, {} elements; reductions: {reductions}\n",
+        model.coordinates, model.constraints, model.elements
+    );
+    let name = |part: &Part| part.part.replace('_', " ");
+    for part in model.parts.iter().filter(|part| part.modelled) {
+        text.push_str(&format!("  {}: {}\n", name(part), part.reason));
+    }
+    let left_out: Vec<String> = model.parts.iter().filter(|part| !part.modelled).map(name).collect();
+    if !left_out.is_empty() {
+        text.push_str(&format!("  not modelled: {}\n", left_out.join(", ")));
+    }
+    let coupling = &summary.coupling;
     text.push_str(&format!(
-        "\n  {:.2} s simulated in {:.2} s (real-time factor {}), {:.2} s for statics and loading\n",
+        "  coupling {}, energy residual {} J\n",
+        coupling.algorithm,
+        coupling
+            .energy_residual
+            .map_or_else(|| "–".to_owned(), |e| format!("{e:.2e}")),
+    ));
+    text
+}
+
+/// Time, steps and iterations of the run.
+fn cost(cost: &Cost) -> String {
+    let mut text = format!(
+        "  {:.2} s simulated in {:.2} s (real-time factor {}), {:.2} s for statics and loading\n",
         cost.simulated_s,
         cost.wall_s,
         number(cost.real_time_factor, 3),
         cost.setup_s,
-    ));
+    );
     text.push_str(&format!(
         "  {} macro steps, {} micro steps, {} Newton iterations, {} factorizations, {} rollbacks\n",
         cost.macro_steps, cost.micro_steps, cost.newton_iterations, cost.factorizations, cost.rollbacks,
@@ -191,17 +213,26 @@ pub fn table(summary: &Summary) -> String {
             cost.refused_steps,
         ));
     }
-    let coupling = &summary.coupling;
-    text.push_str(&format!(
-        "  coupling {}, energy residual {} J; {} coordinates, {} constraints, {} elements\n",
-        coupling.algorithm,
-        coupling
-            .energy_residual
-            .map_or_else(|| "–".to_owned(), |e| format!("{e:.2e}")),
-        summary.model.coordinates,
-        summary.model.constraints,
-        summary.model.elements,
-    ));
+    text
+}
+
+/// The table at the end of a run: verdict, figures, model, cost. Plain text, aligned, no colours.
+#[must_use]
+pub fn table(summary: &Summary) -> String {
+    let mut text = format!("{}, {}", summary.scene, summary.mode);
+    if !summary.title.is_empty() {
+        text.push_str(&format!(": {}", summary.title));
+    }
+    text.push('\n');
+    if !summary.complete {
+        text.push_str(&format!("INCOMPLETE: {}\n", summary.incomplete_reason));
+    }
+    text.push_str(&format!("{}\n\n", sentence(summary)));
+    text.push_str(&limits(summary));
+    for part in [figures(summary), modelled(summary), cost(&summary.cost)] {
+        text.push('\n');
+        text.push_str(&part);
+    }
     for note in &summary.notes {
         text.push_str(&format!("  note: {note}\n"));
     }

@@ -120,3 +120,118 @@ fn table_and_page_say_which_limits_do_not_apply_and_what_to_set() {
         assert!(page.contains(part), "{part}");
     }
 }
+
+/// A run whose pantographs have too large a standard deviation.
+fn failing() -> RunBundle {
+    let mut bundle = bundle(true);
+    for limit in bundle.summary.limits.iter_mut().filter(|limit| limit.quantity == "std") {
+        (limit.value, limit.pass) = (Some(40.0), Some(false));
+    }
+    bundle
+}
+
+#[test]
+fn table_and_page_open_with_the_verdict_and_the_failed_limits_first() {
+    let bundle = failing();
+    let text = table(&bundle.summary);
+    let lines: Vec<&str> = text.lines().collect();
+    let of = |wanted: Option<bool>| {
+        bundle
+            .summary
+            .limits
+            .iter()
+            .filter(|limit| limit.pass == wanted)
+            .count()
+    };
+    let (failed, held) = (of(Some(false)), of(Some(true)));
+    assert!(failed > 1 && held > 1, "{text}");
+    assert!(
+        lines[1].starts_with(&format!("Verdict: {failed} limits fail, {held} hold, ")),
+        "{text}"
+    );
+    let verdicts: Vec<&str> = lines[4..4 + failed + held]
+        .iter()
+        .map(|line| if line.contains("FAIL") { "FAIL" } else { "pass" })
+        .collect();
+    assert!(verdicts[..failed].iter().all(|verdict| *verdict == "FAIL"), "{text}");
+    assert!(verdicts[failed..].iter().all(|verdict| *verdict == "pass"), "{text}");
+    let at = |word: &str| text.find(word).unwrap_or_else(|| panic!("no {word} in\n{text}"));
+    assert!(at("Verdict") < at("contact force [N]") && at("contact force [N]") < at("modelled: 120 coordinates"));
+    assert!(text.contains("not modelled: wind wires"), "{text}");
+
+    let page = render(std::slice::from_ref(&bundle));
+    let at = |word: &str| page.find(word).unwrap_or_else(|| panic!("no {word}"));
+    let headings = ["Verdict", "Key figures", "Contact force", "Limits", "What was modelled"];
+    let places = headings.map(|heading| at(&format!("<h2>{heading}</h2>")));
+    assert!(places.is_sorted(), "{places:?}");
+    assert!(at("FAILS</b>") < at(">holds</b>"));
+    assert!(page.contains("<title>A &lt;sample&gt; &amp; more – Pantoline</title>"));
+}
+
+#[test]
+fn the_margin_is_the_room_left_in_percent_of_the_limit() {
+    let mut limits = bundle(true).summary.limits;
+    let mut said = |value: f64, bound: crate::standards::Bound, limit: f64, pass: bool| {
+        let one = &mut limits[0];
+        (one.value, one.limit, one.bound, one.pass) = (Some(value), Some(limit), bound, Some(pass));
+        one.unit = "N".to_owned();
+        verdict::margin(one)
+    };
+    use crate::standards::Bound::{Above, AtLeast, AtMost, Below, Equal};
+    assert_eq!(said(75.0, AtMost, 100.0, true), "+25.0 %");
+    assert_eq!(said(120.0, Below, 100.0, false), "−20.0 %");
+    assert_eq!(said(150.0, AtLeast, 100.0, true), "+50.0 %");
+    assert_eq!(said(-7.5, Above, 0.0, false), "−7.50 N");
+    assert_eq!(said(20.0, Equal, 20.0, true), "–");
+    assert_eq!(said(25.0, Equal, 20.0, false), "−25.0 %");
+}
+
+#[test]
+fn failed_limits_are_said_with_value_unit_and_limit() {
+    let mut summary = failing().summary;
+    let failed = failed_limits(&summary);
+    assert!(failed.iter().any(|said| said.ends_with("N (< 30.00)")), "{failed:?}");
+    summary.limits.iter_mut().for_each(|limit| limit.pass = None);
+    assert!(failed_limits(&summary).is_empty());
+    assert!(table(&summary).contains("Verdict: no limit is decided"));
+}
+
+/// Runs of one scene with these texts.
+fn of_scenes(texts: [&str; 2]) -> Vec<RunBundle> {
+    texts
+        .map(|scene| RunBundle {
+            scene: scene.to_owned(),
+            ..bundle(true)
+        })
+        .to_vec()
+}
+
+#[test]
+fn runs_on_one_page_are_named_by_what_differs() {
+    let usual = "[run]\nspeed_kmh = 180\n[[pantograph]]\nstatic_force = 70\nstart = { height = 5.1 }\n";
+    let mut runs = of_scenes([usual, usual]);
+    assert_eq!(labels(&runs), ["sample, run 1", "sample, run 2"]);
+    assert_eq!(labels(&runs[..1]), ["sample (monolithic)"]);
+
+    runs[1].summary.evaluation.speed = 200.0 / 3.6;
+    runs[1].scene = usual.replace("180", "200").replace("5.1", "5.2");
+    assert_eq!(labels(&runs), ["sample (180 km/h)", "sample (200 km/h)"]);
+
+    runs[1].summary.mode = "inprocess".to_owned();
+    runs[1].summary.coupling.algorithm = "jacobi".to_owned();
+    assert_eq!(labels(&runs)[1], "sample (inprocess, jacobi, 200 km/h)");
+
+    let runs = of_scenes([usual, &usual.replace("static_force = 70", "static_force = 90")]);
+    let key = "pantograph[1].static_force";
+    assert_eq!(
+        labels(&runs),
+        [format!("sample ({key} = 70)"), format!("sample ({key} = 90)")]
+    );
+
+    let other = "a = 1\nb = 2\nc = 3\nd = 4\n";
+    let runs = of_scenes([usual, other]);
+    assert_eq!(labels(&runs)[0], "sample (5 keys differ), run 1");
+    let mut runs = of_scenes([usual, other]);
+    runs[1].summary.scene = "other".to_owned();
+    assert_eq!(labels(&runs), ["sample", "other"]);
+}

@@ -50,8 +50,8 @@ pub(super) fn of_pantograph(conditions: &Conditions, figures: &Figures) -> [Limi
 
 /// Limits for the line.
 ///
-/// The space that a steady arm leaves for the rise of the contact wire has to be twice the simulated uplift `S₀`, one and a half
-/// times where a stop limits it.  `[EN 50119:2009, 5.10.2; TSI ENE, 4.2.12]`, remembered
+/// The space that a steady arm leaves for the rise of the contact wire has to be twice the simulated uplift `S₀`, one
+/// and a half times where a stop limits it.  `[EN 50119:2009, 5.10.2; TSI ENE, 4.2.12]`, remembered
 pub(super) fn of_line(conditions: &Conditions) -> [Limit; 2] {
     let line = &conditions.line;
     let factor = if line.uplift_stop { 1.5 } else { 2.0 };
@@ -85,7 +85,7 @@ pub(super) fn of_line(conditions: &Conditions) -> [Limit; 2] {
     let ratio = line.wave_speed.map(|waves| conditions.speed / waves);
     let waves = Limit::new((NAME, "2009, 5.2.4"), "speed_ratio", ratio, "–");
     let waves = match line.wave_speed {
-        None => waves.not_applicable("the line is an FMU of somebody else: its wave speed is not known"),
+        None => waves.not_applicable("the line is a supplied FMU: its wave speed is not known"),
         Some(waves_at) => waves
             .bounded(Bound::AtMost, MAX_SPEED_RATIO)
             .because("every system and speed")

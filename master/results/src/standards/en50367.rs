@@ -43,7 +43,7 @@ impl Curve {
 ///
 /// | system | up to 200 km/h | above |
 /// | --- | --- | --- |
-/// | AC | 0.00047 v² + 90, quoted in design programs for Norwegian lines | 0.00097 v² + 70, `[Thesis, 4.2.3]`, `[OCS]` |
+/// | AC | 0.00047 v² + 90, in design programs for Norwegian lines | 0.00097 v² + 70, `[Thesis, 4.2.3]`, `[OCS]` |
 /// | DC 3 kV | 0.00097 v² + 110, `[OCS]` | the same, remembered |
 /// | DC 1.5 kV | 0.00097 v² + 140, `[OCS]` | 0.00228 v² + 90, remembered |
 ///
@@ -143,14 +143,15 @@ fn mean(conditions: &Conditions, figures: &Figures) -> [Limit; 2] {
     })
 }
 
-/// The percentage of arcing `NQ = Σ t_arc / t_total`  [EN 50317], from losses of contact: there is no electrical model, so every
-/// loss that lasts long enough counts as an arc.
+/// The percentage of arcing `NQ = Σ t_arc / t_total`  [EN 50317], from losses of contact: there is no electrical model,
+/// so every loss that lasts long enough counts as an arc.
 fn all_arcing(conditions: &Conditions, figures: &Figures) -> [Limit; 2] {
     let what = figures.loss_of_contact.map_or_else(
         || "no contact force".to_owned(),
         |percent| {
             format!(
-                "no electrical model: losses of contact of {:.0} ms and longer count as arcs; contact was lost for {percent:.3} % of \
+                "no electrical model: losses of contact of {:.0} ms and longer count as arcs; contact was lost for \
+                 {percent:.3} % of \
                  the time in all",
                 1e3 * SHORTEST_ARC
             )

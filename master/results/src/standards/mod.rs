@@ -1,8 +1,8 @@
 //! Limits of standards, held against the figures of one run.
 //!
-//! Every limit says where it is written, whether it applies to this run and why, and how sure its figure is: the texts of the
-//! standards are not public, so each figure carries a [`Certainty`]. One that is only remembered is a band of plausibility, not
-//! the standard.
+//! Every limit says where it is written, whether it applies to this run and why, and how sure its figure is: the texts
+//! of the standards are not public, so each figure carries a [`Certainty`]. One that is only remembered is a band of
+//! plausibility, not the standard.
 //!
 //! | standard | file | what it limits here |
 //! | --- | --- | --- |
@@ -11,17 +11,18 @@
 //! | EN 50317 | `en50317` | how the force is measured: band, sampling, section |
 //!
 //! Sources:
-//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
-//!   Chicago, 2016; its section 4.2.3 quotes EN 50367:2006.
-//! - `[EN 50367]` CENELEC, Railway applications – Current collection systems – Technical criteria for the interaction between
-//!   pantograph and overhead line, 2012.
+//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois
+//!   at Chicago, 2016; its section 4.2.3 quotes EN 50367:2006.
+//! - `[EN 50367]` CENELEC, Railway applications – Current collection systems – Technical criteria for the interaction
+//!   between pantograph and overhead line, 2012.
 //! - `[EN 50119]` CENELEC, Railway applications – Fixed installations – Electric traction overhead contact lines, 2009.
-//! - `[EN 50317]` CENELEC, Railway applications – Current collection systems – Requirements for and validation of measurements
-//!   of the dynamic interaction between pantograph and overhead contact line, 2012.
-//! - `[TSI ENE]` Commission Regulation (EU) No 1301/2014 on the energy subsystem: 4.2.11 mean contact force, 4.2.12 dynamic
-//!   behaviour and quality of current collection.
+//! - `[EN 50317]` CENELEC, Railway applications – Current collection systems – Requirements for and validation of
+//!   measurements of the dynamic interaction between pantograph and overhead contact line, 2012.
+//! - `[TSI ENE]` Commission Regulation (EU) No 1301/2014 on the energy subsystem: 4.2.11 mean contact force, 4.2.12
+//!   dynamic behaviour and quality of current collection.
 //! - `[Bane NOR]` Teknisk regelverk, book 540, chapter 6 (trv.banenor.no): TRV:00599 quotes EN 50119:2009, 5.2.4.
-//! - `[OCS]` github.com/showhoo/ocs-calculators, `src/force/meta.ts`: quotes EN 50367, Table 6, and the curves of the TSI for DC.
+//! - `[OCS]` github.com/showhoo/ocs-calculators, `src/force/meta.ts`: quotes EN 50367, Table 6, and the curves of the
+//!   TSI for DC.
 
 mod en50119;
 mod en50317;
@@ -42,8 +43,8 @@ pub struct Limit {
     /// Edition, clause or table of it.
     #[serde(default)]
     pub clause: String,
-    /// What is limited: `mean`, `mean_lower`, `std`, `max`, `min`, `uplift`, `free_uplift`, `vertical_amplitude`, `arcing`,
-    /// `speed_ratio`, `band`, `sampling_rate`, `control_section`.
+    /// Limited quantity: `mean`, `mean_lower`, `std`, `max`, `min`, `uplift`, `free_uplift`, `vertical_amplitude`,
+    /// `arcing`, `speed_ratio`, `band`, `sampling_rate`, `control_section`.
     pub quantity: String,
     /// Pantograph, numbered from 1; absent where the quantity belongs to the line or to the evaluation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -57,9 +58,9 @@ pub struct Limit {
     pub limit: Option<f64>,
     /// Unit of `value` and `limit`.
     pub unit: String,
-    /// Whether the limit is kept; `null` where this was not decided.
+    /// True where the limit holds; `null` where this was not decided.
     pub pass: Option<bool>,
-    /// Whether the limit is one for this run.
+    /// True where the limit applies to this run.
     #[serde(default = "yes")]
     pub applicable: bool,
     /// Why it applies, or why it does not and what to set.
@@ -137,7 +138,7 @@ impl Certainty {
     }
 }
 
-/// What decides which limits apply, beside speed and evaluation.
+/// Properties of the line that decide which limits apply, beside speed and evaluation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Line {
     /// `run.electrification`.
@@ -190,7 +191,8 @@ pub struct Figures {
 /// Duration from which an arc counts, s. `[TSI ENE, Table 4.2.12]`, remembered
 pub const SHORTEST_ARC: f64 = 5e-3;
 
-/// Every limit that is known here, in a fixed order: those of each pantograph, then those of the line and of the evaluation.
+/// Every limit that is known here, in a fixed order: those of each pantograph, then those of the line and of the
+/// evaluation.
 #[must_use]
 pub fn limits(conditions: &Conditions, pantographs: &[Figures]) -> Vec<Limit> {
     let mut all = Vec::new();
@@ -278,7 +280,7 @@ fn system_unknown() -> String {
     )
 }
 
-/// Whether a system is one of alternating current.
+/// True for a system of alternating current.
 const fn alternating(system: Electrification) -> bool {
     matches!(system, Electrification::Ac25Kv | Electrification::Ac15Kv)
 }

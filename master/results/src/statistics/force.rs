@@ -60,11 +60,11 @@ pub fn loss_of_contact_percent(force: &[f64]) -> Option<f64> {
     Some(100.0 * lost as f64 / force.len() as f64)
 }
 
-/// Share of the samples in `range` that belong to losses of contact of at least `shortest` s, in percent; `None` without samples
-/// in it or where one of the record is not finite.
+/// Share of the samples in `range` that belong to losses of contact of at least `shortest` s, in percent; `None`
+/// without samples in it or where one of the record is not finite.
 ///
-/// `force` is the whole raw record, N, one sample every `step` s: a loss that reaches beyond the range keeps its duration, and
-/// counts with the part of it that lies inside. Each sample without force stands for one step.
+/// `force` is the whole raw record, N, one sample every `step` s: a loss that reaches beyond the range keeps its
+/// duration, and counts with the part of it that lies inside. Each sample without force stands for one step.
 #[must_use]
 pub fn long_loss_of_contact_percent(force: &[f64], range: Range<usize>, step: f64, shortest: f64) -> Option<f64> {
     if range.is_empty() || range.end > force.len() || force.iter().any(|f| !f.is_finite()) {

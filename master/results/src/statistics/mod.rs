@@ -1,4 +1,4 @@
-//! What is read from a recorded signal: zero-phase low-pass filter, contact force statistics,
+//! Figures of a recorded signal: zero-phase low-pass filter, contact force statistics,
 //! power spectral density and histogram.
 //!
 //! Signals are sampled at a constant step. Forces are in N, times in s.

@@ -1,11 +1,11 @@
-//! What of the track is modelled.
+//! Model of the track in words.
 
 use scene::{Irregularities, PantographModel, Scene, Track, Train, Vehicle};
 
 use super::part;
 use results::Part;
 
-/// What the rails are like, for pantographs whose bases start at these x (m).
+/// Rails of a scene in words, for pantographs whose bases start at these x (m).
 pub(super) fn track(scene: &Scene, bases: &[f64]) -> Part {
     let Some(train) = scene.vehicle.as_deref().and_then(Vehicle::train) else {
         return part("track", false, "no wheel runs on it".to_owned());
@@ -44,7 +44,8 @@ fn curves(scene: &Scene, train: &Train, track: &Track, bases: &[f64]) -> Vec<Str
         let [start, _, _, end] = curve.corners();
         if let Some(farthest) = farthest.filter(|farthest| start - 0.5 * curve.rounding > *farthest) {
             return format!(
-                "{} curve from {start:.1} to {end:.1} m, which the run does not reach: its foremost wheel or base comes to {farthest:.1} m",
+                "{} curve from {start:.1} to {end:.1} m, which the run does not reach: its foremost wheel or base \
+                 comes to {farthest:.1} m",
                 curve.direction
             );
         }
@@ -55,7 +56,8 @@ fn curves(scene: &Scene, train: &Train, track: &Track, bases: &[f64]) -> Vec<Str
             ("inward", "excess")
         };
         format!(
-            "{} curve from {start:.1} to {end:.1} m, radius {} m, cant {:.0} mm, transitions {} m, at this speed {:.2} m/s² {side} uncompensated \
+            "{} curve from {start:.1} to {end:.1} m, radius {} m, cant {:.0} mm, transitions {} m, at this speed \
+             {:.2} m/s² {side} uncompensated \
              (cant {name} {:.0} mm)",
             curve.direction,
             curve.radius,
@@ -68,11 +70,13 @@ fn curves(scene: &Scene, train: &Train, track: &Track, bases: &[f64]) -> Vec<Str
     track.curves.iter().map(described).collect()
 }
 
-/// What curves do to line, pantographs and wind, and what of it is left out.
+/// Effects of curves on line, pantographs and wind, and the effects left out.
 fn left_out(scene: &Scene) -> Vec<String> {
     let mut reasons = vec![
-        "the line is computed along the developed middle of the track, heights and staggers measured from the plane of the rails: left \
-         out are the radial pull of its wires, the offset of its chords between supports from the arc, and the part of its weight \
+        "the line is computed along the developed middle of the track, heights and staggers measured from the plane \
+         of the rails: left \
+         out are the radial pull of its wires, the offset of its chords between supports from the arc, and the part \
+         of its weight \
          that leans in a canted curve"
             .to_owned(),
     ];

@@ -62,7 +62,7 @@ fn document(root: &str, prefixes: &[&str], more: &[(&str, Option<&str>)], conten
         declared.iter().map(|(name, uri)| (name.as_str(), Some(*uri))).collect();
     attributes.push(("version", Some("1.0")));
     attributes.extend(more);
-    let tool = format!("master {}", env!("CARGO_PKG_VERSION"));
+    let tool = format!("Pantoline master {}", env!("CARGO_PKG_VERSION"));
     attributes.push(("generationTool", Some(&tool)));
     let mut writer = Writer::default();
     writer.text.push_str("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");

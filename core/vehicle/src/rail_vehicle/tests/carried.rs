@@ -220,7 +220,7 @@ fn a_linkage_on_a_given_motion_moves_as_on_the_vehicle_that_heaves_so() {
     let text = THESIS.split("[track]").next().unwrap();
     let rest = THESIS.split("[coupling]").nth(1).unwrap();
     let text = format!("{text}[coupling]{rest}");
-    let scene = Scene::from_toml(&text, "thesis.toml", &[motion, "model.reduce=none".to_owned()]).unwrap();
+    let scene = Scene::from_toml(&text, "thesis-own-mesh.toml", &[motion, "model.reduce=none".to_owned()]).unwrap();
     let mut side = Subsystem::new(&scene, 0).unwrap();
     let (mut largest, mut travel) = (0.0_f64, 0.0_f64);
     for (step, expected) in strip.iter().enumerate().take(2000) {

@@ -265,10 +265,10 @@ fn let_go(design: &Design, left: f64) -> [f64; 2] {
     [design.speed * (times[2] - times[0]), 0.5 * (high - low)]
 }
 
-/// Wheelset and track of `scenes/thesis.toml`: a tread of 1:40 on the rail 60E1.
+/// Wheelset and track of `scenes/thesis-own-mesh.toml`: a tread of 1:40 on the rail 60E1.
 fn thesis() -> Design {
-    let text = include_str!("../../../../../scenes/thesis.toml");
-    let scene = scene::Scene::from_toml(text, "thesis.toml", &[]).unwrap();
+    let text = include_str!("../../../../../scenes/thesis-own-mesh.toml");
+    let scene = scene::Scene::from_toml(text, "thesis-own-mesh.toml", &[]).unwrap();
     let wheels = &scene.vehicle.as_deref().unwrap().train().unwrap().wheels;
     let rail = scene.track.as_deref().unwrap().rail.clone().unwrap();
     let (sine, cosine) = rail.inclination.atan().sin_cos();

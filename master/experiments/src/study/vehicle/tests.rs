@@ -3,7 +3,7 @@ use super::*;
 
 /// The scene of the thesis on a short line.
 fn thesis(overrides: &[&str]) -> Scene {
-    let text = include_str!("../../../../../scenes/thesis.toml");
+    let text = include_str!("../../../../../scenes/thesis-own-mesh.toml");
     let mut keys = vec![
         "catenary.spans=6",
         "run.duration=2.0",
@@ -11,7 +11,7 @@ fn thesis(overrides: &[&str]) -> Scene {
     ];
     keys.extend(overrides);
     let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
-    system::load(text, "thesis.toml", &keys).unwrap()
+    system::load(text, "thesis-own-mesh.toml", &keys).unwrap()
 }
 
 fn names(standings: &[Standing]) -> Vec<(&'static str, &'static str)> {

@@ -10,6 +10,7 @@ use plotly::layout::{Annotation, Axis, AxisType, HoverMode, Legend, Margin, Shap
 use plotly::{Configuration, Layout, Plot, Scatter};
 
 use super::{escape, plot_html};
+use crate::report::label::NamedRun;
 use crate::{RunBundle, StripRecord};
 
 /// Colours of the curves, told apart with colour-blind eyes too; repeated when used up.
@@ -37,14 +38,14 @@ struct Curve<'a> {
 }
 
 /// The contacts of all runs.
-fn curves(runs: &[RunBundle]) -> Vec<Curve<'_>> {
+fn curves<'a>(runs: &'a [NamedRun<'a>]) -> Vec<Curve<'a>> {
     let mut curves = Vec::new();
     for run in runs {
         let several = run.record.pantographs.len() > 1;
         for (pantograph, strip) in run.record.pantographs.iter().enumerate() {
             let mut parts = Vec::new();
             if runs.len() > 1 {
-                parts.push(escape(&run.summary.label()));
+                parts.push(escape(&run.label));
             }
             if several {
                 parts.push(format!("pantograph {}", pantograph + 1));
@@ -53,7 +54,7 @@ fn curves(runs: &[RunBundle]) -> Vec<Curve<'_>> {
                 label: parts.join(", "),
                 strip,
                 pantograph,
-                run,
+                run: run.bundle,
             });
         }
     }
@@ -90,8 +91,8 @@ pub fn decades(title: &str) -> Axis {
     logarithmic(title).dtick(1.0)
 }
 
-/// Powers of ten, and where these values span less than two of them also twice and five times as much: one number alone is no
-/// scale.
+/// Powers of ten, and where these values span less than two of them also twice and five times as much: one number alone
+/// is no scale.
 pub fn decades_of(title: &str, values: impl IntoIterator<Item = f64>) -> Axis {
     match ticks(values) {
         Some(ticks) => {
@@ -102,8 +103,8 @@ pub fn decades_of(title: &str, values: impl IntoIterator<Item = f64>) -> Axis {
     }
 }
 
-/// Ticks at once, twice and five times the powers of ten around these values; nothing where they span two decades or more, or none is
-/// positive.
+/// Ticks at once, twice and five times the powers of ten around these values; nothing where they span two decades or
+/// more, or none is positive.
 fn ticks(values: impl IntoIterator<Item = f64>) -> Option<Vec<f64>> {
     let shown = values.into_iter().filter(|value| value.is_finite() && *value > 0.0);
     let (low, high) = shown.fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
@@ -223,7 +224,7 @@ fn mark(x: f64, text: &str) -> Annotation {
 }
 
 /// Sections of all plots, each with its heading; those without data are left out.
-pub(super) fn sections(runs: &[RunBundle]) -> Vec<(&'static str, String)> {
+pub(super) fn sections(runs: &[NamedRun<'_>]) -> Vec<(&'static str, String)> {
     let curves = curves(runs);
     let spectrum = distribution::spectrum(&curves);
     let histogram = distribution::histogram_plot(&curves);

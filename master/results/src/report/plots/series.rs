@@ -5,8 +5,9 @@ use plotly::common::{DashType, Line, Mode, Visible};
 use plotly::layout::RangeMode;
 
 use super::{COLOURS, Curve, MARK, PALE, axis, band, curve, finished, layout, mark, name, rounded, vertical};
+use crate::LineGeometry;
 use crate::report::escape;
-use crate::{LineGeometry, RunBundle};
+use crate::report::label::NamedRun;
 
 /// The first line geometry that is known.
 fn geometry<'a>(curves: &[Curve<'a>]) -> Option<&'a LineGeometry> {
@@ -98,7 +99,7 @@ pub(super) fn force(curves: &[Curve]) -> String {
     )
 }
 
-pub(super) fn uplift(runs: &[RunBundle]) -> String {
+pub(super) fn uplift(runs: &[NamedRun<'_>]) -> String {
     let mut traces = Vec::new();
     const DASHES: [DashType; 4] = [DashType::Solid, DashType::Dash, DashType::Dot, DashType::DashDot];
     for (r, run) in runs.iter().enumerate() {
@@ -113,7 +114,7 @@ pub(super) fn uplift(runs: &[RunBundle]) -> String {
                 .width(1.6)
                 .dash(DASHES[dash].clone());
             let label = if runs.len() > 1 {
-                escape(&run.summary.label())
+                escape(&run.label)
             } else {
                 String::new()
             };
@@ -158,7 +159,8 @@ pub(super) fn wind(curves: &[Curve]) -> String {
         320,
     );
     format!(
-        "{drawn}<p class=\"caption\">On the body that carries the strip: drag along the air that meets it, lift across it, positive \
+        "{drawn}<p class=\"caption\">On the body that carries the strip: drag along the air that meets it, lift \
+         across it, positive \
          upward.</p>\n"
     )
 }

@@ -1,0 +1,66 @@
+//! Values of options, from text.
+
+use experiments::study::Sweep;
+use experiments::table_of_runs::AUTO;
+use scene::{Division, MAX_SPANS, Reduction};
+
+/// A whole number from one to `most`.
+fn count(text: &str, most: usize) -> Result<usize, String> {
+    match text.trim().parse() {
+        Ok(count) if (1..=most).contains(&count) => Ok(count),
+        _ => Err(format!("must be a whole number from 1 to {most}")),
+    }
+}
+
+/// Elements of a dropper interval.
+pub(crate) fn elements(text: &str) -> Result<usize, String> {
+    count(text, Division::MOST)
+}
+
+/// Spans of a line.
+pub(crate) fn spans(text: &str) -> Result<usize, String> {
+    count(text, MAX_SPANS)
+}
+
+/// A set of reductions as typed.
+pub(crate) fn reductions(text: &str) -> Result<String, String> {
+    let known = || Reduction::ALL.iter().map(|reduction| reduction.name());
+    let names: Vec<&str> = text.split('+').map(str::trim).collect();
+    let alone = names.len() == 1 && ["none", AUTO].contains(&names[0]);
+    let once = |(index, name): (usize, &&str)| known().any(|known| known == *name) && !names[..index].contains(name);
+    if alone || names.iter().enumerate().all(once) {
+        return Ok(names.join("+"));
+    }
+    let known: Vec<&str> = known().collect();
+    Err(format!(
+        "must be none, {AUTO}, or one or more of {} joined by +, each once",
+        known.join(", ")
+    ))
+}
+
+/// A sweep of a study by its name.
+pub(crate) fn sweep(text: &str) -> Result<Sweep, String> {
+    let found = Sweep::CHOICE.into_iter().find(|sweep| sweep.name() == text.trim());
+    found.ok_or_else(|| format!("must be one of {}", Sweep::CHOICE.map(Sweep::name).join(", ")))
+}
+
+/// A number above zero.
+pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("must be a number above 0".to_owned()),
+    }
+}
+
+/// A spectral radius, –.
+pub(crate) fn spectral_radius(text: &str) -> Result<f64, String> {
+    match text.trim().parse() {
+        Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
+        _ => Err("must be a number from 0 to 1".to_owned()),
+    }
+}
+
+/// The values typed, or the default without any.
+pub(crate) fn or<T: Clone>(typed: &[T], default: &[T]) -> Vec<T> {
+    if typed.is_empty() { default } else { typed }.to_vec()
+}

@@ -1,0 +1,162 @@
+//! The verdict that opens page and table: which limits fail, which hold, and by how much.
+
+use super::label::NamedRun;
+use super::table::{number, quantity_name, readable};
+use super::{escape, table};
+use crate::Summary;
+use crate::standards::{Bound, Limit};
+
+/// The limits of a run in the order in which they are read: failed, held with the least room first, not decided, not
+/// applicable.
+pub(super) fn by_urgency(summary: &Summary) -> Vec<Limit> {
+    let mut limits = summary.limits.clone();
+    let rank = |limit: &Limit| match (limit.pass, limit.applicable) {
+        (Some(false), _) => 0,
+        (Some(true), _) => 1,
+        (None, true) => 2,
+        (None, false) => 3,
+    };
+    let room = |limit: &Limit| share(limit).unwrap_or(f64::INFINITY);
+    limits.sort_by(|a, b| rank(a).cmp(&rank(b)).then(room(a).total_cmp(&room(b))));
+    limits
+}
+
+/// Distance of the value from its limit, in the unit of the limit: positive where the limit holds, negative where it
+/// fails.
+fn room(limit: &Limit) -> Option<f64> {
+    let (value, bound, _) = readable(limit);
+    let (value, bound) = value.zip(bound)?;
+    match limit.bound {
+        Bound::AtMost | Bound::Below => Some(bound - value),
+        Bound::AtLeast | Bound::Above => Some(value - bound),
+        Bound::Equal => (value != bound).then(|| -(value - bound).abs()),
+    }
+}
+
+/// [`room`] by the limit, –; nothing for a limit of zero.
+fn share(limit: &Limit) -> Option<f64> {
+    let (_, bound, _) = readable(limit);
+    let bound = bound.filter(|bound| *bound != 0.0)?;
+    Some(room(limit)? / bound.abs())
+}
+
+/// Margin of a decided `limit` for reading: in percent of the limit, or in its unit where the limit is zero.
+pub(super) fn margin(limit: &Limit) -> String {
+    if limit.pass.is_none() {
+        return String::new();
+    }
+    let (_, _, unit) = readable(limit);
+    match (share(limit), room(limit)) {
+        (Some(share), _) => format!("{:+.1} %", 100.0 * share),
+        (None, Some(room)) => format!("{room:+.2} {unit}"),
+        (None, None) => "–".to_owned(),
+    }
+    .replace('-', "−")
+}
+
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
+/// The verdict in one sentence.
+pub(super) fn sentence(summary: &Summary) -> String {
+    let count = |wanted: &dyn Fn(&Limit) -> bool| summary.limits.iter().filter(|limit| wanted(limit)).count();
+    let failed = count(&|limit| limit.pass == Some(false));
+    let held = count(&|limit| limit.pass == Some(true));
+    let open = count(&|limit| limit.pass.is_none() && limit.applicable);
+    let other = count(&|limit| limit.pass.is_none() && !limit.applicable);
+    let mut parts = match (failed, held) {
+        (0, 0) => vec!["no limit is decided".to_owned()],
+        (0, held) => vec![format!("no limit fails, {}", counted(held, "holds", "hold"))],
+        (failed, held) => vec![
+            counted(failed, "limit fails", "limits fail"),
+            counted(held, "holds", "hold"),
+        ],
+    };
+    if open > 0 {
+        parts.push(counted(open, "is not decided", "are not decided"));
+    }
+    if other > 0 {
+        parts.push(counted(other, "does not apply", "do not apply"));
+    }
+    format!("Verdict: {}", parts.join(", "))
+}
+
+/// The failed limits in words, for messages: `EN 50367 standard deviation 37.30 N (< 31.89)`.
+#[must_use]
+pub fn failed_limits(summary: &Summary) -> Vec<String> {
+    let failed = by_urgency(summary)
+        .into_iter()
+        .filter(|limit| limit.pass == Some(false));
+    let said = failed.map(|limit| {
+        let (value, _, unit) = readable(&limit);
+        format!(
+            "{} {} {} {unit} ({})",
+            limit.standard,
+            quantity_name(&limit),
+            number(value, 2),
+            table::bounded(&limit)
+        )
+    });
+    said.collect()
+}
+
+/// Rows of the verdict: those that fail, or those that hold.
+fn rows(limits: &[Limit], pass: bool) -> String {
+    let (class, word) = if pass { ("good", "holds") } else { ("bad", "FAILS") };
+    let mut html = String::new();
+    for limit in limits.iter().filter(|limit| limit.pass == Some(pass)) {
+        let (value, _, unit) = readable(limit);
+        html.push_str(&format!(
+            "<tr><td class=\"s\"><b class=\"{class}\">{word}</b></td><td>{} <span class=\"soft\">{} {}</span></td>\
+             <td class=\"n\">{} {}</td><td class=\"n\">{}</td><td class=\"n {class}\">{}</td></tr>\n",
+            escape(&quantity_name(limit)),
+            escape(&limit.standard),
+            limit.certainty.mark(),
+            number(value, 2),
+            escape(unit),
+            escape(&table::bounded(limit)),
+            margin(limit),
+        ));
+    }
+    html
+}
+
+/// The section that opens the page.
+pub(super) fn section(runs: &[NamedRun<'_>]) -> String {
+    let mut html = String::new();
+    for run in runs {
+        if runs.len() > 1 {
+            html.push_str(&format!("<h3>{}</h3>\n", escape(&run.label)));
+        }
+        let mut limits = by_urgency(&run.summary);
+        if run.summary.pantographs.len() == 1 {
+            limits.iter_mut().for_each(|limit| limit.pantograph = None);
+        }
+        let any = |pass: bool| limits.iter().any(|limit| limit.pass == Some(pass));
+        let class = match (any(false), any(true)) {
+            (true, _) => "bad",
+            (false, true) => "good",
+            (false, false) => "soft",
+        };
+        let sentence = sentence(&run.summary);
+        html.push_str(&format!("<p class=\"verdict {class}\">{}</p>\n", escape(&sentence)));
+        if any(true) || any(false) {
+            html.push_str(&format!(
+                "<div class=\"scroll\"><table><thead><tr><th></th><th>limit</th><th class=\"n\">value</th>\
+                 <th class=\"n\">limit</th><th \
+                 class=\"n\">margin</th></tr></thead><tbody>\n{}{}</tbody></table></div>\n",
+                rows(&limits, false),
+                rows(&limits, true)
+            ));
+        }
+    }
+    if !html.is_empty() {
+        html.push_str(
+            "<p class=\"caption\">Margin: room left, in percent of the limit, negative where the limit fails. \
+             Clauses, reasons \
+             and limits without a verdict: section Limits.</p>\n",
+        );
+    }
+    html
+}
