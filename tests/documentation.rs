@@ -77,7 +77,7 @@ fn the_table_for_another_pantograph_runs_as_printed() {
         "another pantograph that is the same one: {:.2e} of sigma, {sigma} N",
         difference / sigma
     );
-    // The rest comes from the standstill before the start, which ends at 0.1 N/s.
+    // The rest comes from the phase at rest before the start, which ends at 0.1 N/s.
     assert!(difference < 0.05 * sigma, "{difference} N, sigma {sigma} N");
 }
 

@@ -70,7 +70,7 @@ fn a_pantograph_in_c_comes_to_rest_where_ours_does() {
     let theirs = theirs(&program, &fmu, &balanced);
     let difference = rms(&own, &theirs);
     println!("start {} and {} N, rms difference {difference} N", own[0], theirs[0]);
-    // The standstill ends when the force changes by less than 0.1 N/s.
+    // The phase at rest ends when the force changes by less than 0.1 N/s.
     assert!((own[0] - theirs[0]).abs() < 0.2 && difference < 0.2);
 }
 

@@ -126,7 +126,7 @@ fn d1_a_pantograph_of_one_step_runs_with_that_step_to_the_end() {
     // A duration that is no multiple of the step is no reason for another step.
     let longer = tried.run_with(PARAMETERS, &["run.duration=0.3005"]).done();
     assert!(rms(&longer.force()[..300], &good_force(&[])[..300]) < 1e-9);
-    // The standstill is no reason either.
+    // The phase at rest is no reason either.
     let _ = tried.run_with(PARAMETERS, &["run.initialise=\"equilibrium\""]).done();
     let (text, json) = tried.inspect();
     assert!(text.contains("canHandleVariableCommunicationStepSize false"), "{text}");

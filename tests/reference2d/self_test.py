@@ -201,7 +201,7 @@ def standing_pantograph_stays_in_balance():
     for model in ("flat", "sagging"):
         force = simulate(Line(scene, model, 3, "fixed"), 0.001)["force"]
         worst = max(worst, np.abs(force - force[0]).max())
-    return worst, 1e-6, "change of force in 0.5 s at standstill, N"
+    return worst, 1e-6, "change of force in 0.5 s at rest, N"
 
 
 def steps_converge_to_second_order():

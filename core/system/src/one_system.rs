@@ -101,7 +101,7 @@ impl OneSystem {
                 pantograph: index + 1,
                 source,
             };
-            let (pantograph, start) = PantographModel::at_start(scene, index, &mut layout).map_err(refused)?;
+            let (pantograph, start) = PantographModel::started(scene, index, &mut layout).map_err(refused)?;
             starts.push(start);
             pantographs.push(pantograph);
         }

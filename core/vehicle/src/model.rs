@@ -109,7 +109,7 @@ impl PantographModel {
     ///
     /// # Errors
     /// See [`VehicleError`].
-    pub fn at_start(scene: &Scene, index: usize, layout: &mut Layout) -> Result<(Self, Equilibrium), VehicleError> {
+    pub fn started(scene: &Scene, index: usize, layout: &mut Layout) -> Result<(Self, Equilibrium), VehicleError> {
         let mut model = Self::of_scene(scene, index, layout)?;
         let start = scene.pantographs[index].start;
         let height = start.map_or_else(|| model.reference_height(), |start| start.height);

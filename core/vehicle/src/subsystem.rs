@@ -76,7 +76,7 @@ impl Subsystem {
     /// See [`VehicleError`].
     pub fn new(scene: &Scene, index: usize) -> Result<Self, VehicleError> {
         let mut layout = Layout::new();
-        let (mut pantograph, rest) = PantographModel::at_start(scene, index, &mut layout)?;
+        let (mut pantograph, rest) = PantographModel::started(scene, index, &mut layout)?;
         pantograph.add_wind_input(AppliedForce::INPUTS);
         let mut state = layout.state_at_rest();
         pantograph.set_initial(&rest, &mut state);
