@@ -8,7 +8,9 @@ use clap_complete::Shell;
 
 use crate::command::{self, CommandError, run, study};
 use experiments::compare;
-use experiments::table_of_runs::macro_step;
+use experiments::engine::run::SETTLE;
+use experiments::engine::table::{AUTO, STATUS_RULE, macro_step};
+use experiments::study::{Options, Sweep};
 use fmi2::isolation;
 
 mod help;
@@ -196,7 +198,9 @@ pub fn main() -> ExitCode {
                 Some(scene) => {
                     command::compare::compare(&scene, &or(&macro_steps, &compare::MACRO_STEPS), repeats, &common)
                 }
-                None => command::compare::test_problem(&or(&macro_steps, &compare::TRIAL_STEPS), repeats, &common),
+                None => {
+                    command::compare::test_problem(&or(macro_steps, &compare::TEST_PROBLEM_STEPS), repeats, &common)
+                }
             }
         }
         Command::Study(arguments) => study::study(&arguments, &common),

@@ -77,8 +77,14 @@ pub fn folder(scene: &str) -> PathBuf {
 }
 
 impl Libraries {
-    /// The libraries beside the program, where `cargo build --release`, `cargo test --release` and an installation put
-    /// them; looked for once per process.
+    /// Their files, catenary first.
+    #[must_use]
+    pub fn paths(&self) -> [&Path; 2] {
+        [&self.catenary, &self.pantograph]
+    }
+
+    /// The libraries beside the program, where `cargo build --release`, `cargo test --release` and an installation put them;
+    /// looked for once per process.
     ///
     /// # Errors
     /// [`PackageError::NoLibrary`].

@@ -10,7 +10,7 @@
 
 pub mod check;
 pub mod compare;
-pub mod completions;
+pub mod experiment;
 pub mod export;
 pub mod inspect;
 pub mod package;

@@ -8,7 +8,6 @@ use scene::Scene;
 use super::{CommandError, SceneFile, interrupted, print, print_json, say};
 use crate::cli::{Common, DEFAULT_SCENE};
 use cosim::package;
-use experiments::study;
 use results::report::{self, Progress, Show};
 use results::{OutputDirectory, ResultsError};
 use simulation::{FmuSource, Mode, prepare};
@@ -81,9 +80,9 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
     file.notes.iter().for_each(|note| say(note));
     let logging = common.verbose > 1;
     let default = Path::new("results").join(&file.name);
-    let standing = [&directory, &default]
+    let rank = [&directory, &default]
         .into_iter()
-        .find_map(|folder| study::standing(folder, &file.scene, &file.base, mode));
+        .find_map(|folder| experiments::rank(folder, &file.scene, &file.base, mode));
     let prepared = prepare(file.scene, &file.name, &file.base, logging);
     let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
     let show = if common.quiet { Show::Never } else { Show::OnTerminal };
@@ -110,7 +109,7 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
         Ok::<(), CommandError>(())
     });
     let mut finished = finished.map_err(|error| error.in_scene(path))?;
-    finished.info.notes.extend(standing);
+    finished.info.notes.extend(rank);
     progress.finish();
     let (output, text) = output.expect("a run that ended has begun");
     let reason = finished.info.incomplete_reason.clone();

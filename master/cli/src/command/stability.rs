@@ -1,16 +1,15 @@
 //! `master stability`.
 
-use super::{CommandError, interrupted, nothing_to_set, print, print_json};
+use super::experiment::{Files, Outputs};
+use super::{CommandError, nothing_to_set};
 use crate::cli::Common;
-use experiments::stability::{self, Case, Plan, StabilityTable};
-use experiments::table_of_runs;
-use results::OutputDirectory;
-use results::report::{Progress, Show};
+use experiments::stability::{self, Case, Stability};
 
-/// Table of the hard cases.
-const CSV: &str = "stability.csv";
-/// Page of the hard cases.
-const PAGE: &str = "stability.html";
+/// Table and page of the hard cases.
+const FILES: Files = Files {
+    csv: "stability.csv",
+    page: "stability.html",
+};
 
 /// Points of a map's curve.
 const RESOLUTION: usize = 9;
@@ -23,40 +22,13 @@ pub fn stability(names: &[String], quick: bool, common: &Common) -> Result<(), C
     nothing_to_set("master stability", common)?;
     let cases = chosen(names, quick)?;
     let directory = common.out.clone().unwrap_or_else(|| "results/stability".into());
-    let output = OutputDirectory::open(&directory).map_err(CommandError::Directory)?;
-    output.remove(PAGE).map_err(CommandError::Directory)?;
+    let outputs = Outputs::open(&directory, "stability", FILES, common)?;
     // The libraries are made before runs that need them stand side by side.
     cosim::package::Libraries::find()?;
-    let interrupted = interrupted(common);
-    let show = if common.quiet { Show::Never } else { Show::OnTerminal };
-    let progress = Progress::share("stability", show);
-    let plan = Plan {
-        cases,
-        fmus: true,
-        boundaries: true,
-        resolution: if names.is_empty() && !quick { RESOLUTION } else { 0 },
-        workers: std::thread::available_parallelism().map_or(1, usize::from),
-    };
-    let mut keep = |table: &StabilityTable| write_table(&output, table);
-    let table = stability::execute(&plan, interrupted, &progress, &mut keep)?;
-    progress.finish();
-    output
-        .write_page(PAGE, &stability::page(&table))
-        .map_err(CommandError::Results)?;
-    if common.json {
-        print_json(&table)?;
-    } else if !common.quiet {
-        let text = stability::text(&table);
-        print(&format!("{text}\n  {CSV} and {PAGE} in {}\n", directory.display()))?;
-    }
-    if table.complete {
-        return Ok(());
-    }
-    let made = table.lines.iter().filter(|line| line.row.status.is_some()).count();
-    Err(CommandError::Incomplete {
-        directory,
-        reason: format!("{made} of {} runs were made", table.lines.len()),
-    })
+    let resolution = if names.is_empty() && !quick { RESOLUTION } else { 0 };
+    let temporary = |source| CommandError::Directory(results::io(&std::env::temp_dir(), "write")(source));
+    let stability = Stability::new(cases, true, true, resolution).map_err(temporary)?;
+    outputs.finish(&outputs.run(&stability, "stability", &|_| Ok(()))?)
 }
 
 /// The cases of these names in the order of the table.
@@ -77,13 +49,4 @@ fn chosen(names: &[String], quick: bool) -> Result<Vec<Case>, CommandError> {
     }
     let wanted = |case: &Case| names.is_empty() || names.contains(&case.name);
     Ok(all.into_iter().filter(wanted).collect())
-}
-
-fn write_table(output: &OutputDirectory, table: &StabilityTable) -> Result<(), CommandError> {
-    let (leading, trailing) = table.columns();
-    output
-        .replace(CSV, |out, path| {
-            table_of_runs::write(out, path, &table.rows(), &leading, &trailing)
-        })
-        .map_err(CommandError::Results)
 }

@@ -2,22 +2,22 @@
 //!
 //! | part | subject |
 //! | --- | --- |
-//! | `plan` | which runs, at which micro step |
-//! | `execute` | making them, one at a time |
+//! | `plan` | runs and their micro steps |
+//! | `judge` | the plan as an experiment, timed one run at a time |
 //! | `text` | the table on the terminal |
 //! | `page` | `compare.html` |
-//! | `trial` | the coupling test problem instead of a scene |
+//! | `test_problem` | the coupling test problem instead of a scene |
 
-mod execute;
+mod judge;
 mod page;
 mod plan;
+mod test_problem;
 #[cfg(test)]
 mod tests;
 mod text;
-mod trial;
 
-pub use execute::{Comparison, Script, compare, script};
+pub use judge::{Compare, Comparison};
 pub use page::page;
-pub use plan::{Group, MACRO_STEPS, Planned, algorithms, groups, plan};
+pub use plan::{ComparedRun, MACRO_STEPS, StepGroup, algorithms, groups, plan};
+pub use test_problem::{TEST_PROBLEM_STEPS, TestProblem, TestProblemTable};
 pub use text::text;
-pub use trial::{TRIAL_STEPS, Trial, trial, trial_page, trial_text};

@@ -7,8 +7,12 @@ use plotly::layout::{Axis, HoverMode};
 
 use super::Comparison;
 use super::plan::algorithms;
-use crate::table_of_runs::{AUTO, Row, SETTLE, STATUS_RULE, Status, milliseconds, significant};
-use results::report::plots::{COLOURS, axis, decades, finished, layout, logarithmic, rounded};
+use crate::engine::export::{
+    fixed, incomplete, number, number_cells, scrolled, status_counts, status_rule, status_span, step,
+};
+use crate::engine::run::SETTLE;
+use crate::engine::table::{AUTO, Row, Status, milliseconds};
+use results::report::plots::{COLOURS, axis, decades_of, finished, layout, logarithmic, rounded};
 use results::report::{Page, escape, head_cells, remarks};
 use simulation::Mode;
 
@@ -18,12 +22,15 @@ const REFERENCE: &str = "#1c2430";
 /// Macro step whose curves are drawn at first, s: long enough to tell the algorithms apart.
 const SHOWN: f64 = 5e-3;
 
+/// Title of the axis of errors.
+const ERROR: &str = "rms error of the filtered force [% of σ]";
+
 /// A curve as the plots take it.
 type Trace = Box<Scatter<f64, f64>>;
 
 /// The page of a comparison.
 #[must_use]
-pub fn page(comparison: &Comparison) -> String {
+pub fn page(comparison: &Comparison) -> Page {
     let mut page = Page::new(&format!("Coupling compared: {}", title(comparison)));
     page.lead(&lead(comparison));
     page.section("", &best(comparison));
@@ -33,7 +40,7 @@ pub fn page(comparison: &Comparison) -> String {
     page.section("Contact force", &force_plot(comparison));
     page.section("All runs", &table(comparison));
     page.section("How to read this", &legend());
-    page.finish()
+    page
 }
 
 fn title(comparison: &Comparison) -> &str {
@@ -50,29 +57,22 @@ fn lead(comparison: &Comparison) -> String {
         escape(&comparison.scene),
         comparison.rows.len()
     );
-    let counts = [Status::Stable, Status::Limit, Status::Diverged, Status::Refused].map(|status| {
-        let count = comparison.rows.iter().filter(|row| row.status == Some(status)).count();
-        (count > 0).then(|| format!("{count} {}", status.name()))
-    });
-    let counts: Vec<String> = counts.into_iter().flatten().collect();
-    html.push_str(&format!(": {}</p>\n", counts.join(", ")));
+    html.push_str(&format!(": {}</p>\n", status_counts(&comparison.rows)));
     if !comparison.source.is_empty() {
         html.push_str(&format!("<p class=\"soft\">{}</p>\n", escape(&comparison.source)));
     }
-    if !comparison.complete {
-        let made = comparison.made();
-        html.push_str(&format!(
-            "<p class=\"warning\">Incomplete: {made} of {} runs were made.</p>\n",
-            comparison.rows.len()
-        ));
+    html.push_str(&incomplete(comparison, ""));
+    // Good news needs no warning.
+    if comparison.same_bits == Some(true) {
+        let notes = comparison
+            .notes
+            .iter()
+            .map(|note| format!("<p class=\"good\">{}</p>\n", escape(note)));
+        html.extend(notes);
+    } else {
+        html.push_str(&remarks(&comparison.notes));
     }
-    html.push_str(&remarks(&comparison.notes));
     html
-}
-
-/// Three significant digits, or nothing.
-fn number(value: Option<f64>) -> String {
-    significant(value).unwrap_or_default()
 }
 
 /// Error over macro step as a matrix: one line per algorithm.
@@ -97,20 +97,17 @@ fn best(comparison: &Comparison) -> String {
                 .iter()
                 .find(|row| row.algorithm == *name && row.macro_step == Some(*step));
             let cell = match row {
-                Some(row) => match row.status {
-                    Some(Status::Stable) => number(row.filtered_error),
-                    Some(status) => format!("<span class=\"bad\">{}</span>", status.name()),
-                    None => "not run".to_owned(),
-                },
+                Some(row) if row.status == Some(Status::Stable) => number(row.filtered_error),
+                Some(row) => status_span(row.status),
                 None => String::new(),
             };
             body.push_str(&format!("<td class=\"n\">{cell}</td>"));
         }
         body.push_str("</tr>\n");
     }
-    format!(
-        "<div class=\"scroll\"><table><thead><tr><th>rms error of the filtered force, % of σ</th>{head}</tr></thead>\n\
-         <tbody>{body}</tbody></table></div>\n"
+    scrolled(
+        &format!("<th>rms error of the filtered force, % of σ</th>{head}"),
+        &body,
     )
 }
 
@@ -120,6 +117,11 @@ fn coupled(comparison: &Comparison) -> impl Iterator<Item = &Row> {
         .rows
         .iter()
         .filter(|row| row.mode == Mode::Cosimulation.name())
+}
+
+/// Errors of these that a logarithmic axis has a place for, %.
+fn filtered_errors(comparison: &Comparison) -> impl Iterator<Item = f64> {
+    coupled(comparison).filter_map(|row| row.filtered_error.filter(|error| *error > 0.0))
 }
 
 /// Macro steps of these, s.
@@ -200,7 +202,7 @@ fn error_plot(comparison: &Comparison) -> String {
     }
     let layout = layout(
         macro_step_axis(comparison),
-        decades("rms error of the filtered force [% of σ]"),
+        decades_of(ERROR, filtered_errors(comparison)),
     );
     format!(
         "{}<p class=\"caption\">Filled marks: stable; open marks: limit or diverged. The orders between the marks are in the \
@@ -215,7 +217,7 @@ fn cost_plot(comparison: &Comparison) -> String {
         return String::new();
     }
     // The cost of one system at each micro step, over the whole range of errors.
-    let errors = || coupled(comparison).filter_map(|row| row.filtered_error.filter(|error| *error > 0.0));
+    let errors = || filtered_errors(comparison);
     let (low, high) = (errors().fold(f64::INFINITY, f64::min), errors().fold(0.0, f64::max));
     for row in &comparison.rows {
         let (Some(wall), true) = (row.wall, row.mode == Mode::Monolithic.name()) else {
@@ -232,8 +234,11 @@ fn cost_plot(comparison: &Comparison) -> String {
         );
     }
     let layout = layout(
-        logarithmic("wall time of the time loop [s]"),
-        decades("rms error of the filtered force [% of σ]"),
+        decades_of(
+            "wall time of the time loop [s]",
+            comparison.rows.iter().filter_map(|row| row.wall),
+        ),
+        decades_of(ERROR, errors()),
     );
     format!(
         "{}<p class=\"caption\">Lower left is better. Dotted: what the monolithic runs cost.</p>\n",
@@ -248,7 +253,11 @@ fn energy_plot(comparison: &Comparison) -> String {
     if traces.is_empty() {
         return String::new();
     }
-    let layout = layout(macro_step_axis(comparison), decades("|energy residual| [J]"));
+    let residuals = coupled(comparison).filter_map(|row| row.energy_residual.map(f64::abs));
+    let layout = layout(
+        macro_step_axis(comparison),
+        decades_of("|energy residual| [J]", residuals),
+    );
     format!(
         "{}<p class=\"caption\">Work of the strip on the line plus work of the contact on the strip, whole run: a coupling \
          without error has 0, a positive value is energy that it has added. The sign is in the table and under the pointer.</p>\n",
@@ -353,28 +362,15 @@ fn table(comparison: &Comparison) -> String {
             mode = &row.mode;
             body.push_str(&format!("<tr><th colspan=\"{}\">{mode}</th></tr>\n", HEAD.len()));
         }
-        let status = match row.status {
-            Some(Status::Stable) => "<span class=\"good\">stable</span>".to_owned(),
-            Some(status) => format!("<span class=\"bad\">{}</span>", status.name()),
-            None => "not run".to_owned(),
-        };
+        let status = status_span(row.status);
         body.push_str(&format!(
             "<tr title=\"{}\"><td class=\"s\">{}</td>",
             escape(&row.reason),
             row.algorithm
         ));
-        let step = |step: Option<f64>| step.map_or_else(String::new, |step| milliseconds(Some(step)));
-        let fixed =
-            |value: Option<f64>, digits: usize| value.map_or_else(String::new, |value| format!("{value:.digits$}"));
-        let numbers = |cells: &[String]| -> String {
-            cells
-                .iter()
-                .map(|cell| format!("<td class=\"n\">{cell}</td>"))
-                .collect()
-        };
-        body.push_str(&numbers(&[step(row.macro_step), step(row.micro_step)]));
+        body.push_str(&number_cells([step(row.macro_step), step(row.micro_step)]));
         body.push_str(&format!("<td class=\"s\">{status}</td>"));
-        body.push_str(&numbers(&[
+        body.push_str(&number_cells([
             number(row.filtered_error),
             fixed(row.order, 1),
             number(row.raw_error),
@@ -412,13 +408,13 @@ fn table(comparison: &Comparison) -> String {
         String::new()
     } else {
         format!(
-            "<details><summary>What ran and why, and why runs ended</summary><div class=\"scroll\"><table><thead><tr><th>runs</th>\
-             <th>reason</th></tr></thead><tbody>{reasons}</tbody></table></div></details>\n"
+            "<details><summary>What ran and why, and why runs ended</summary>{}</details>\n",
+            scrolled("<th>runs</th><th>reason</th>", &reasons)
         )
     };
     format!(
-        "<div class=\"scroll\"><table><thead><tr>{head}</tr></thead>\n<tbody>{body}</tbody></table></div>\n{remarks}\
-         <p class=\"caption\">All columns, the work of the solvers among them, are in compare.csv.</p>\n"
+        "{}{remarks}<p class=\"caption\">All columns, the work of the solvers among them, are in compare.csv.</p>\n",
+        scrolled(&head, &body)
     )
 }
 
@@ -432,10 +428,6 @@ fn legend() -> String {
          <p>Order: slope of the logarithm of the error over that of the macro step, from the next smaller macro step. Mean, σ, \
          extremes: filtered force of the first pantograph; loss: raw force. Runs end {SETTLE} periods of the low-pass filter's \
          cut-off behind the evaluation range. Wall time: time loop only, one run at a time.</p>\n",
-        escape(STATUS_RULE)
-            .replace("limit:", "<b>limit</b>:")
-            .replace("diverged:", "<b>diverged</b>:")
-            .replace("refused:", "<b>refused</b>:")
-            .replace("stable:", "<b>stable</b>:")
+        status_rule()
     )
 }

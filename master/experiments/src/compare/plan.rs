@@ -1,6 +1,7 @@
 //! Which runs a comparison is made of.
 
-use crate::table_of_runs::{AUTO, Keys, Variant};
+use crate::engine::Variant;
+use crate::engine::table::{AUTO, Keys};
 use simulation::Mode;
 
 /// Macro steps of a comparison when nothing is said, s.
@@ -11,7 +12,7 @@ const SPAN: f64 = 5.0;
 
 /// Macro steps that are compared at the same micro step, so that one reference serves them all.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Group {
+pub struct StepGroup {
     /// Micro step, s; no longer than any of the macro steps.
     pub micro_step: f64,
     /// Macro steps, s, rising.
@@ -24,7 +25,7 @@ pub struct Group {
 /// ones would make all runs as dear as their own: they are taken in groups that span less than a factor of five, each at its
 /// smallest.
 #[must_use]
-pub fn groups(macro_steps: &[f64], scene_micro_step: f64) -> Vec<Group> {
+pub fn groups(macro_steps: &[f64], scene_micro_step: f64) -> Vec<StepGroup> {
     let mut steps = macro_steps.to_vec();
     steps.sort_by(f64::total_cmp);
     steps.dedup();
@@ -32,16 +33,16 @@ pub fn groups(macro_steps: &[f64], scene_micro_step: f64) -> Vec<Group> {
     let coarse = steps.split_off(shorter);
     let mut groups = Vec::new();
     if let Some(&smallest) = coarse.first() {
-        groups.push(Group {
+        groups.push(StepGroup {
             micro_step: smallest.min(scene_micro_step),
             macro_steps: coarse,
         });
     }
-    let mut fine: Vec<Group> = Vec::new();
+    let mut fine: Vec<StepGroup> = Vec::new();
     for step in steps {
         match fine.last_mut() {
             Some(group) if step < SPAN * group.micro_step * (1.0 - 1e-9) => group.macro_steps.push(step),
-            _ => fine.push(Group {
+            _ => fine.push(StepGroup {
                 micro_step: step,
                 macro_steps: vec![step],
             }),
@@ -53,10 +54,10 @@ pub fn groups(macro_steps: &[f64], scene_micro_step: f64) -> Vec<Group> {
 
 /// One run of the plan.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Planned {
+pub struct ComparedRun {
     /// What is run.
     pub variant: Variant,
-    /// Group, from 0.
+    /// StepGroup, from 0.
     pub group: usize,
     /// Expected cost, in steps of the line.
     pub weight: f64,
@@ -81,12 +82,12 @@ pub fn algorithms() -> Vec<&'static str> {
 /// The FMUs' subsystems without FMI are run with the automatic choice at the macro steps of the coarsest group only: they
 /// compute the same as the FMUs, which is checked there.
 #[must_use]
-pub fn plan(groups: &[Group], duration: f64, keys: &Keys) -> Vec<Planned> {
+pub fn plan(groups: &[StepGroup], duration: f64, keys: &Keys) -> Vec<ComparedRun> {
     let mut runs = Vec::new();
     for (index, group) in groups.iter().enumerate() {
         let smallest = group.macro_steps[0];
         let steps = duration / group.micro_step;
-        let run = |mode: Mode, algorithm: &str, macro_step: f64, reference: Option<u8>| Planned {
+        let run = |mode: Mode, algorithm: &str, macro_step: f64, reference: Option<u8>| ComparedRun {
             variant: Variant {
                 mode,
                 algorithm: algorithm.to_owned(),

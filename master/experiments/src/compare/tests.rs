@@ -3,19 +3,20 @@ use std::sync::atomic::AtomicBool;
 use scene::Scene;
 
 use super::*;
-use crate::table_of_runs::{AUTO, Keys, Row, SETTLE, Stage, Status, macro_step};
-use results::report::{Progress, Show};
-use simulation::{Mode, SetupError};
+use crate::engine::Stage;
+use crate::engine::run::SETTLE;
+use crate::engine::table::{AUTO, Keys, Row, Status, macro_step};
+use simulation::Mode;
 
 #[test]
 fn short_macro_steps_do_not_make_the_long_ones_dear() {
     let default = groups(&MACRO_STEPS, 1e-3);
     let expected = [
-        Group {
+        StepGroup {
             micro_step: 5e-4,
             macro_steps: vec![5e-4, 1e-3, 2e-3, 5e-3, 1e-2],
         },
-        Group {
+        StepGroup {
             micro_step: 1e-4,
             macro_steps: vec![1e-4, 2e-4],
         },
@@ -130,35 +131,27 @@ fn short(overrides: &[&str]) -> Scene {
 /// Compares in this process alone: what is tested here does not depend on the FMUs, and the comparison with them is an
 /// integration test.
 fn compared(scene: Scene, steps: &[f64], interrupted: bool) -> (Comparison, usize) {
-    let base = std::path::Path::new(".");
-    let mut script = script(scene, "short", base, steps, &[], false).unwrap();
-    for run in &mut script.runs {
+    let mut compare = planned(scene, steps);
+    for run in &mut compare.runs {
         if run.variant.mode == Mode::Cosimulation {
             run.variant.mode = Mode::Inprocess;
         }
     }
-    let stage = Stage {
-        name: "short",
-        base,
-        scene: script.scene.to_toml(),
-        fmus: std::path::PathBuf::new(),
-        logging: false,
-        repeats: 1,
-    };
-    let progress = Progress::share("", Show::Never);
     let mut kept = 0;
-    let comparison = compare(
-        &script,
-        &stage,
-        &AtomicBool::new(interrupted),
-        &progress,
-        &mut |table| {
-            assert_eq!(table.rows.len(), script.runs.len());
-            kept += 1;
-            Ok::<(), SetupError>(())
-        },
-    );
-    (comparison.unwrap(), kept)
+    let comparison = crate::engine::tests::executed(&compare, 1, &AtomicBool::new(interrupted), &mut |table| {
+        assert_eq!(table.rows.len(), compare.runs.len());
+        kept += 1;
+    });
+    (comparison, kept)
+}
+
+fn planned(scene: Scene, steps: &[f64]) -> Compare {
+    let stage = Stage {
+        name: "short".to_owned(),
+        base: ".".into(),
+        ..Stage::default()
+    };
+    Compare::new(scene, stage, steps, &[], 1).unwrap()
 }
 
 fn find<'a>(comparison: &'a Comparison, algorithm: &str, step: f64) -> &'a Row {
@@ -205,17 +198,25 @@ fn all_algorithms_are_compared_with_the_run_as_one_system() {
     {
         row.mode = Mode::Cosimulation.name().to_owned();
     }
-    let page = page(&with_fmus);
+    let page = page(&with_fmus).finish();
     for id in ["plot-error", "plot-cost", "plot-energy", "plot-force"] {
         assert!(page.contains(id));
     }
     assert!(!page.contains("<script src") && !page.contains("Incomplete:"));
+    // Good news stands in no warning.
+    let same = Comparison {
+        same_bits: Some(true),
+        notes: vec!["the same bits".to_owned()],
+        ..comparison.clone()
+    };
+    let page = super::page(&same).finish();
+    assert!(page.contains("<p class=\"good\">the same bits</p>") && !page.contains("<div class=\"notes\">"));
 }
 
 #[test]
 fn a_run_ends_when_the_filter_has_settled_behind_the_evaluation_range() {
-    let script = script(short(&[]), "short", std::path::Path::new("."), &[1e-3], &[], false).unwrap();
-    assert!((script.scene.run.duration - (0.9 + SETTLE / 40.0)).abs() < 1e-12);
+    let compare = planned(short(&[]), &[1e-3]);
+    assert!((compare.scene.run.duration - (0.9 + SETTLE / 40.0)).abs() < 1e-12);
 }
 
 #[test]
@@ -224,5 +225,5 @@ fn an_interrupted_comparison_keeps_its_table_and_says_so() {
     assert!(!comparison.complete);
     assert!(comparison.rows.iter().all(|row| row.status.is_none()));
     assert!(text(&comparison).contains(&format!("INCOMPLETE: 0 of {} runs", comparison.rows.len())));
-    assert!(page(&comparison).contains("Incomplete: 0 of"));
+    assert!(page(&comparison).finish().contains("Incomplete: 0 of"));
 }

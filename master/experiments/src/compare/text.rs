@@ -1,7 +1,9 @@
 //! The table on the terminal.
 
 use super::Comparison;
-use crate::table_of_runs::{Row, Status, milliseconds, short, wrapped};
+use crate::engine::Table as _;
+use crate::engine::export::{status_word, wrapped};
+use crate::engine::table::{Row, Status, milliseconds, short};
 use results::report::aligned;
 
 fn cells(row: &Row) -> Vec<String> {
@@ -9,7 +11,7 @@ fn cells(row: &Row) -> Vec<String> {
         row.algorithm.clone(),
         milliseconds(row.macro_step),
         milliseconds(row.micro_step),
-        row.status.map_or("not run", Status::name).to_owned(),
+        status_word(row.status).to_owned(),
         short(row.filtered_error),
         row.order.map_or_else(String::new, |order| format!("{order:.1}")),
         short(row.raw_error),
@@ -30,7 +32,7 @@ pub fn text(comparison: &Comparison) -> String {
     }
     text.push('\n');
     if !comparison.complete {
-        let made = comparison.made();
+        let (made, _) = comparison.made();
         text.push_str(&format!("INCOMPLETE: {made} of {} runs\n", comparison.rows.len()));
     }
     let head = [

@@ -8,14 +8,15 @@
 //!
 //! The last two have a `verdict`, its figures in `reason`, mesh and step of the runs that they stand on, and the worst of their status.
 
-use super::execute::{HeadWind, Line, Reproduction, difference};
-use super::plan::Group;
+use super::judge::{HeadWind, Line, Reproduction, difference};
+use super::plan::RunGroup;
 use super::published::Case;
 use super::relation::Relation;
 use super::spread::Spread;
-use crate::table_of_runs::{Cell, Column, Row, Status};
+use crate::engine::Sheet;
+use crate::engine::table::{Columns, Row, Status};
 
-/// What a row of the table is about.
+/// Subject of a row of the table.
 enum Entry<'a> {
     Run(&'a Line),
     Relation(&'a Relation),
@@ -34,158 +35,155 @@ impl Entry<'_> {
 
 /// The worst status of some runs; nothing while one has none.
 fn worst<'a>(lines: impl Iterator<Item = &'a Line>) -> Option<Status> {
-    let rank = |status: &Status| match status {
-        Status::Stable => 0,
-        Status::Limit => 1,
-        Status::Diverged => 2,
-        Status::Refused => 3,
-    };
     let all: Option<Vec<Status>> = lines.map(|line| line.row.status).collect();
-    all?.into_iter().max_by_key(rank)
+    all?.into_iter().max()
 }
 
-impl Reproduction {
-    fn entries(&self) -> impl Iterator<Item = Entry<'_>> {
-        let runs = self.lines.iter().map(Entry::Run);
-        let relations = self.relations.iter().map(Entry::Relation);
-        runs.chain(relations).chain(self.spreads.iter().map(Entry::Spread))
-    }
-
-    /// A row without figures of its own, on the mesh of this run.
-    fn derived(like: Option<&Line>, status: Option<Status>, reason: String) -> Row {
-        let run = like.map(|line| line.row.clone()).unwrap_or_default();
-        Row {
-            scene: run.scene,
-            mode: run.mode,
-            micro_step: run.micro_step,
-            elements_per_span: run.elements_per_span,
-            mesh: run.mesh,
-            reduction: run.reduction,
-            element_length: run.element_length,
-            status,
-            reason,
-            ..Row::default()
+impl Entry<'_> {
+    /// A figure of a run.
+    fn of_run(&self, figure: impl Fn(&Line) -> Option<f64>) -> Option<f64> {
+        match self {
+            Self::Run(line) => figure(line),
+            _ => None,
         }
     }
 
-    /// The rows: one per run, then one per relation, then one per spread.
-    #[must_use]
-    pub fn rows(&self) -> Vec<Row> {
-        let row = |entry: Entry<'_>| match entry {
-            Entry::Run(line) => line.row.clone(),
-            Entry::Relation(relation) => {
-                let runs = [relation.from, relation.to].map(|case| Line::of(&self.lines, case, relation.mesh));
-                let status = worst(runs.iter().flatten().copied());
-                Self::derived(runs[1], status, relation.why.clone())
-            }
-            Entry::Spread(spread) => {
-                let own = Line::of(&self.lines, spread.case, spread.mesh);
-                let changed = self.lines.iter().filter(|line| line.is_in(spread));
-                let status = worst(changed.chain(own));
-                Self::derived(own, status, spread.why())
-            }
-        };
-        self.entries().map(row).collect()
+    /// A figure of a relation.
+    fn of_relation(&self, figure: impl Fn(&Relation) -> Option<f64>) -> Option<f64> {
+        match self {
+            Self::Relation(relation) => figure(relation),
+            _ => None,
+        }
     }
 
-    /// The columns before and behind the common ones.
-    #[must_use]
-    pub fn columns(&self) -> (Vec<Column>, Vec<Column>) {
-        let cells = |cell: &dyn Fn(&Entry<'_>) -> String| self.entries().map(|entry| cell(&entry)).collect();
-        let run = |cell: &dyn Fn(&Line) -> String| {
-            cells(&|entry| match entry {
-                Entry::Run(line) => cell(line),
-                _ => String::new(),
+    /// One end of a spread.
+    fn end(&self, which: usize) -> Option<f64> {
+        match self {
+            Self::Spread(spread) => spread.std().map(|std| std[which]),
+            _ => None,
+        }
+    }
+
+    fn group(&self) -> &'static str {
+        match self {
+            Self::Run(line) => line.group.name(),
+            Self::Relation(_) => "relation",
+            Self::Spread(_) => "spread",
+        }
+    }
+
+    fn quantity(&self) -> &'static str {
+        match self {
+            Self::Run(line) => line.quantity,
+            Self::Relation(relation) => relation.of,
+            Self::Spread(spread) => spread.quantity,
+        }
+    }
+
+    fn value(&self) -> String {
+        match self {
+            Self::Run(line) => line.value.clone(),
+            Self::Relation(relation) => format!("change from {}", relation.from.title),
+            Self::Spread(spread) => spread.values.join("; "),
+        }
+    }
+
+    fn verdict(&self) -> &'static str {
+        match self {
+            Self::Run(_) => "",
+            Self::Relation(relation) => relation.verdict.name(),
+            Self::Spread(spread) => spread.verdict(),
+        }
+    }
+
+    /// The row of a run; of the others one without figures of its own, on the mesh of their runs.
+    fn row(&self, lines: &[Line]) -> Row {
+        match self {
+            Self::Run(line) => line.row.clone(),
+            Self::Relation(relation) => {
+                let runs = [relation.from, relation.to].map(|case| Line::of(lines, case, relation.mesh));
+                let status = worst(runs.iter().flatten().copied());
+                derived(runs[1], status, relation.why.clone())
+            }
+            Self::Spread(spread) => {
+                let own = Line::of(lines, spread.case, spread.mesh);
+                let changed = lines.iter().filter(|line| line.is_in(spread));
+                derived(own, worst(changed.chain(own)), spread.why())
+            }
+        }
+    }
+}
+
+/// A row without figures of its own, on the mesh of this run.
+fn derived(like: Option<&Line>, status: Option<Status>, reason: String) -> Row {
+    let run = like.map(|line| line.row.clone()).unwrap_or_default();
+    Row {
+        scene: run.scene,
+        mode: run.mode,
+        micro_step: run.micro_step,
+        elements_per_span: run.elements_per_span,
+        mesh: run.mesh,
+        reduction: run.reduction,
+        element_length: run.element_length,
+        status,
+        reason,
+        ..Row::default()
+    }
+}
+
+impl Reproduction {
+    /// The rows, one per run, then one per relation, then one per spread, and the columns of this table alone.
+    pub(super) fn columns(&self) -> Sheet {
+        let runs = self.lines.iter().map(Entry::Run);
+        let relations = self.relations.iter().map(Entry::Relation);
+        let entries: Vec<Entry<'_>> = runs
+            .chain(relations)
+            .chain(self.spreads.iter().map(Entry::Spread))
+            .collect();
+        let head =
+            |entry: &Entry<'_>, figure: fn(&HeadWind) -> f64| entry.of_run(|line| line.head.as_ref().map(figure));
+        let leading = Columns::of(&entries)
+            .text("group", |entry| entry.group().to_owned())
+            .text("case", |entry| entry.case().title.to_owned())
+            .text("quantity", |entry| entry.quantity().to_owned())
+            .text("value", Entry::value);
+        let trailing = Columns::of(&entries)
+            .value("raw_std_N", |entry| entry.of_run(|line| line.raw_std))
+            .value("head_drag_min_N", |entry| head(entry, |head| head.drag.min))
+            .value("head_drag_mean_N", |entry| head(entry, |head| head.drag.mean))
+            .value("head_drag_max_N", |entry| head(entry, |head| head.drag.max))
+            .value("head_lift_min_N", |entry| head(entry, |head| head.lift.min))
+            .value("head_lift_mean_N", |entry| head(entry, |head| head.lift.mean))
+            .value("head_lift_max_N", |entry| head(entry, |head| head.lift.max))
+            .text("published_mean_N", |entry| entry.case().mean.printed())
+            .text("published_std_N", |entry| entry.case().std.printed())
+            .value("mean_difference_percent", |entry| {
+                entry.of_run(|line| difference(line.row.mean, line.case.mean.value))
             })
-        };
-        let head = |figure: &dyn Fn(&HeadWind) -> f64| run(&|line| line.head.as_ref().map(figure).cell());
-        let change = |figure: &dyn Fn(&Relation) -> Option<f64>| {
-            cells(&|entry| match entry {
-                Entry::Relation(relation) => figure(relation).cell(),
-                _ => String::new(),
+            .value("std_difference_percent", |entry| {
+                entry.of_run(|line| difference(line.row.std, line.case.std.value))
             })
-        };
-        let end = |which: usize| {
-            cells(&|entry| match entry {
-                Entry::Spread(spread) => spread.std().map(|std| std[which]).cell(),
-                _ => String::new(),
+            .text("source", |entry| entry.case().source.to_owned())
+            .value("published_change_percent", |entry| {
+                entry.of_relation(|relation| Some(relation.published))
             })
-        };
-        let leading = vec![
-            (
-                "group",
-                cells(&|entry| {
-                    let name = match entry {
-                        Entry::Run(line) => line.group.name(),
-                        Entry::Relation(_) => "relation",
-                        Entry::Spread(_) => "spread",
-                    };
-                    name.to_owned()
-                }),
-            ),
-            ("case", cells(&|entry| entry.case().title.to_owned())),
-            (
-                "quantity",
-                cells(&|entry| {
-                    let quantity = match entry {
-                        Entry::Run(line) => line.quantity,
-                        Entry::Relation(relation) => relation.of,
-                        Entry::Spread(spread) => spread.quantity,
-                    };
-                    quantity.to_owned()
-                }),
-            ),
-            (
-                "value",
-                cells(&|entry| match entry {
-                    Entry::Run(line) => line.value.clone(),
-                    Entry::Relation(relation) => format!("change from {}", relation.from.title),
-                    Entry::Spread(spread) => spread.values.join("; "),
-                }),
-            ),
-        ];
-        let trailing = vec![
-            ("raw_std_N", run(&|line| line.raw_std.cell())),
-            ("head_drag_min_N", head(&|head| head.drag.min)),
-            ("head_drag_mean_N", head(&|head| head.drag.mean)),
-            ("head_drag_max_N", head(&|head| head.drag.max)),
-            ("head_lift_min_N", head(&|head| head.lift.min)),
-            ("head_lift_mean_N", head(&|head| head.lift.mean)),
-            ("head_lift_max_N", head(&|head| head.lift.max)),
-            ("published_mean_N", cells(&|entry| entry.case().mean.printed())),
-            ("published_std_N", cells(&|entry| entry.case().std.printed())),
-            (
-                "mean_difference_percent",
-                run(&|line| difference(line.row.mean, line.case.mean.value).cell()),
-            ),
-            (
-                "std_difference_percent",
-                run(&|line| difference(line.row.std, line.case.std.value).cell()),
-            ),
-            ("source", cells(&|entry| entry.case().source.to_owned())),
-            ("published_change_percent", change(&|relation| Some(relation.published))),
-            ("computed_change_percent", change(&|relation| relation.computed)),
-            ("smallest_std_N", end(0)),
-            ("largest_std_N", end(1)),
-            (
-                "verdict",
-                cells(&|entry| {
-                    let verdict = match entry {
-                        Entry::Run(_) => "",
-                        Entry::Relation(relation) => relation.verdict.name(),
-                        Entry::Spread(spread) => spread.verdict(),
-                    };
-                    verdict.to_owned()
-                }),
-            ),
-        ];
-        (leading, trailing)
+            .value("computed_change_percent", |entry| {
+                entry.of_relation(|relation| relation.computed)
+            })
+            .value("smallest_std_N", |entry| entry.end(0))
+            .value("largest_std_N", |entry| entry.end(1))
+            .text("verdict", |entry| entry.verdict().to_owned());
+        Sheet {
+            leading: leading.finish(),
+            rows: entries.iter().map(|entry| entry.row(&self.lines)).collect(),
+            trailing: trailing.finish(),
+        }
     }
 }
 
 impl Line {
     /// Whether it is one of the runs of a spread.
     pub(super) fn is_in(&self, spread: &Spread) -> bool {
-        self.group == Group::Open && self.quantity == spread.quantity && self.mesh == spread.mesh
+        self.group == RunGroup::Open && self.quantity == spread.quantity && self.mesh == spread.mesh
     }
 }

@@ -4,7 +4,7 @@ use plotly::Scatter;
 use plotly::common::{Line as Stroke, Mode as Draw};
 use plotly::layout::Axis;
 
-use super::execute::{Line, Reproduction};
+use super::judge::{Line, Reproduction};
 use super::page::{Trace, published};
 use super::plan::Mesh;
 use super::published::CASES;

@@ -3,12 +3,12 @@
 //! | part | subject |
 //! | --- | --- |
 //! | `published` | what was published |
-//! | `open`, `quantities` | what the publication leaves open, and the range each such quantity plausibly has |
-//! | `wind` | how the published wind can be read, and its forces on the pan-head by hand |
+//! | `open`, `quantities` | quantities that the publication leaves open, and their plausible ranges |
+//! | `wind` | readings of the published wind, and its forces on the pan-head by hand |
 //! | `plan` | the runs |
-//! | `execute` | making them, side by side |
-//! | `relation`, `verdict` | changes between cases, published and computed, and what the one says of the other |
-//! | `spread` | what an open quantity does to the standard deviation |
+//! | `judge` | the plan as an experiment, made side by side |
+//! | `relation`, `verdict` | changes between cases, published and computed, and their verdicts |
+//! | `spread` | standard deviation over the range of an open quantity |
 //! | `columns` | `reproduction.csv` |
 //! | `text`, `page`, `figures` | the tables on the terminal, `reproduction.html` |
 //!
@@ -19,8 +19,8 @@
 //!   Chicago, 2016.
 
 mod columns;
-mod execute;
 mod figures;
+mod judge;
 mod open;
 mod page;
 mod plan;
@@ -34,9 +34,9 @@ mod text;
 mod verdict;
 mod wind;
 
-pub use execute::{Extent, HeadWind, Line, Reproduction, Site, execute};
+pub use judge::{Extent, HeadWind, Line, Reproduce, Reproduction};
 pub use page::page;
-pub use plan::{Group, Mesh, Planned, plan};
+pub use plan::{Mesh, ReproductionRun, RunGroup, plan};
 pub use published::{CASES, Case, Figure};
 pub use relation::Relation;
 pub use spread::{End, Spread};

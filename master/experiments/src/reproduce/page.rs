@@ -3,14 +3,15 @@
 use plotly::Scatter;
 use plotly::common::{DashType, HoverInfo, Line as Stroke, Marker, Mode as Draw};
 
-use super::execute::{Line, Reproduction};
 use super::figures::figures;
-use super::plan::{Group, Mesh};
+use super::judge::{Line, Reproduction};
+use super::plan::{Mesh, RunGroup};
 use super::published::{CASES, Case};
 use super::quantities::OPEN;
 use super::spread::Spread;
 use super::text::{cases, changes, force, head, left_out, missing, overall, readings, spreads};
 use super::verdict::VERDICT_RULE;
+use crate::engine::export::{incomplete, scrolled};
 use results::report::plots::{COLOURS, axis, finished, layout};
 use results::report::{Page, escape, remarks};
 use simulation::Mode;
@@ -23,7 +24,7 @@ const PUBLISHED: &str = "#5b6675";
 
 /// The page of a reproduction.
 #[must_use]
-pub fn page(reproduction: &Reproduction) -> String {
+pub fn page(reproduction: &Reproduction) -> Page {
     let mut page = Page::new("Kulkarni 2016, computed again");
     page.lead(&lead(reproduction));
     page.section("Mean and standard deviation", &table(&cases(reproduction)));
@@ -42,7 +43,7 @@ pub fn page(reproduction: &Reproduction) -> String {
         page.section(heading, &body);
     }
     page.section("What was not computed", &remarks(&missing(reproduction)));
-    page.finish()
+    page
 }
 
 fn lead(reproduction: &Reproduction) -> String {
@@ -50,33 +51,24 @@ fn lead(reproduction: &Reproduction) -> String {
                     Illinois at Chicago, 2016: Table 6 and section 5.1. Forces are positive in compression. The mean is calibrated by the \
                     point where the uplift force acts; nothing is tuned to the standard deviation or to a change under wind.</p>\n"
         .to_owned();
-    if !reproduction.complete {
-        html.push_str(&format!(
-            "<p class=\"warning\">Incomplete: {} of {} runs were made.</p>\n",
-            reproduction.made(),
-            reproduction.lines.len()
-        ));
-    }
+    html.push_str(&incomplete(reproduction, ""));
     html
 }
 
 /// Rows of plain text as a table; the first one is its head.
 fn table(rows: &[Vec<String>]) -> String {
-    let row = |cells: &Vec<String>, tag: &str| -> String {
-        let cells: String = cells
-            .iter()
-            .map(|cell| format!("<{tag}>{}</{tag}>", escape(cell)))
-            .collect();
-        format!("<tr>{cells}</tr>\n")
+    let cells = |cells: &Vec<String>, tag: &str| -> String {
+        let cell = |cell: &String| format!("<{tag}>{}</{tag}>", escape(cell));
+        cells.iter().map(cell).collect()
     };
     let Some((head, body)) = rows.split_first() else {
         return String::new();
     };
-    let body: String = body.iter().map(|cells| row(cells, "td")).collect();
-    format!(
-        "<div class=\"scroll\"><table><thead>{}</thead><tbody>{body}</tbody></table></div>\n",
-        row(head, "th")
-    )
+    let body: String = body
+        .iter()
+        .map(|row| format!("<tr>{}</tr>\n", cells(row, "td")))
+        .collect();
+    scrolled(&cells(head, "th"), &body)
 }
 
 /// A dotted line with a name.
@@ -112,7 +104,7 @@ fn meshes(reproduction: &Reproduction) -> String {
     let converged = reproduction
         .lines
         .iter()
-        .find(|line| line.mesh == Mesh::Corrected && line.group == Group::Mesh && line.case.scene == CASES[0].scene)
+        .find(|line| line.mesh == Mesh::Corrected && line.group == RunGroup::Mesh && line.case.scene == CASES[0].scene)
         .and_then(|line| line.row.std);
     let converged = converged.map_or_else(String::new, |std| {
         format!(

@@ -5,13 +5,13 @@ use serde::Serialize;
 use super::published::{CASES, Case};
 use super::quantities::OPEN;
 use super::wind::readings;
-use crate::table_of_runs::Variant;
+use crate::engine::Variant;
 use simulation::Mode;
 
 /// What a run is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Group {
+pub enum RunGroup {
     /// A published case, as its scene has it.
     Published,
     /// A published case on another mesh.
@@ -22,7 +22,7 @@ pub enum Group {
     Open,
 }
 
-impl Group {
+impl RunGroup {
     /// Whether its runs are published cases with nothing changed but the mesh.
     #[must_use]
     pub fn is_case(self) -> bool {
@@ -88,9 +88,9 @@ impl Mesh {
 
 /// A run to be made.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Planned {
+pub struct ReproductionRun {
     /// What for.
-    pub group: Group,
+    pub group: RunGroup,
     /// The published case that it is a variant of.
     pub case: &'static Case,
     /// Mesh of the line.
@@ -107,23 +107,23 @@ pub struct Planned {
 /// converged one, each open quantity over its range. `quick` leaves out the finer plain meshes but one, and the open quantities on
 /// the converged mesh. `overrides` hold for all runs, and give way to what a run is about.
 #[must_use]
-pub fn plan(quick: bool, overrides: &[String]) -> Vec<Planned> {
+pub fn plan(quick: bool, overrides: &[String]) -> Vec<ReproductionRun> {
     let [thesis, ..] = Mesh::ALL;
     let mut runs = Vec::new();
     for case in &CASES {
-        runs.push(planned(Group::Published, case, thesis, Mode::Monolithic));
+        runs.push(planned(RunGroup::Published, case, thesis, Mode::Monolithic));
     }
-    runs.push(planned(Group::Published, &CASES[0], thesis, Mode::Cosimulation));
+    runs.push(planned(RunGroup::Published, &CASES[0], thesis, Mode::Cosimulation));
     for mesh in Mesh::ALL {
         if mesh == thesis || (quick && mesh != Mesh::Plain(2)) {
             continue;
         }
         for case in &CASES {
-            runs.push(planned(Group::Mesh, case, mesh, Mode::Monolithic));
+            runs.push(planned(RunGroup::Mesh, case, mesh, Mode::Monolithic));
         }
     }
     for reading in readings() {
-        let mut run = planned(Group::Reading, &CASES[2], thesis, Mode::Monolithic);
+        let mut run = planned(RunGroup::Reading, &CASES[2], thesis, Mode::Monolithic);
         run.variant.overrides = reading.keys;
         run.quantity = "wind";
         run.value = reading.name.to_owned();
@@ -140,7 +140,7 @@ pub fn plan(quick: bool, overrides: &[String]) -> Vec<Planned> {
                 if value.keys.iter().all(|key| own.contains(key)) {
                     continue;
                 }
-                let mut run = planned(Group::Open, &CASES[open.case], mesh, Mode::Monolithic);
+                let mut run = planned(RunGroup::Open, &CASES[open.case], mesh, Mode::Monolithic);
                 // Behind the mesh, whose step it may change.
                 run.variant.overrides.extend(value.keys);
                 run.quantity = open.quantity;
@@ -155,9 +155,9 @@ pub fn plan(quick: bool, overrides: &[String]) -> Vec<Planned> {
     runs
 }
 
-fn planned(group: Group, case: &'static Case, mesh: Mesh, mode: Mode) -> Planned {
-    let own = group == Group::Published;
-    Planned {
+fn planned(group: RunGroup, case: &'static Case, mesh: Mesh, mode: Mode) -> ReproductionRun {
+    let own = group == RunGroup::Published;
+    ReproductionRun {
         group,
         case,
         mesh,

@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use super::execute::Line;
+use super::judge::Line;
 use super::plan::Mesh;
 use super::published::{CASES, Case};
 use super::verdict::{Verdict, judge};

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::execute::Line;
-use super::plan::{Group, Mesh};
+use super::judge::Line;
+use super::plan::{Mesh, RunGroup};
 use super::published::Case;
 use super::relation::{mesh_name, title};
 
@@ -45,7 +45,7 @@ impl Spread {
         let first = lines.first()?;
         let end = |line: &&Line| {
             let std = line.row.std.filter(|std| std.is_finite())?;
-            let at = if line.group == Group::Open { &line.value } else { OWN };
+            let at = if line.group == RunGroup::Open { &line.value } else { OWN };
             Some(End { std, at: at.to_owned() })
         };
         let mut ends: Vec<End> = lines.iter().filter_map(end).collect();
@@ -111,7 +111,7 @@ impl Spread {
 #[must_use]
 pub fn spreads(lines: &[Line]) -> Vec<Spread> {
     let of_mesh = |mesh: Mesh| -> Vec<Spread> {
-        let of = |line: &&Line| line.mesh == mesh && line.group == Group::Open;
+        let of = |line: &&Line| line.mesh == mesh && line.group == RunGroup::Open;
         let open: Vec<&Line> = lines.iter().filter(of).collect();
         let spread = |open: &[&Line]| {
             let case = open.first()?.case;

@@ -1,15 +1,16 @@
 mod judged;
 mod table;
 
-use super::execute::Line;
+use super::judge::Line;
 use super::quantities::OPEN;
-use super::{CASES, Extent, Group, HeadWind, Mesh, Reproduction, page, plan, text, wind};
-use crate::table_of_runs::{Row, Status};
+use super::{CASES, Extent, HeadWind, Mesh, Reproduction, RunGroup, page, plan, text, wind};
+use crate::engine::Table as _;
+use crate::engine::table::{Row, Status};
 use results::WindRecord;
 use simulation::Mode;
 
 /// A run that was made, with these figures.
-fn line(group: Group, case: usize, mesh: Mesh, mean: f64, std: f64) -> Line {
+fn line(group: RunGroup, case: usize, mesh: Mesh, mean: f64, std: f64) -> Line {
     Line {
         group,
         case: &CASES[case],
@@ -55,7 +56,7 @@ fn every_published_case_is_planned_on_every_mesh_and_the_first_through_fmus() {
     let runs = plan(false, &[]);
     for case in &CASES {
         for mesh in Mesh::ALL {
-            let of = |run: &&super::Planned| {
+            let of = |run: &&super::ReproductionRun| {
                 run.case == case && run.mesh == mesh && run.quantity.is_empty() && run.variant.mode == Mode::Monolithic
             };
             assert_eq!(runs.iter().filter(of).count(), 1, "{} {mesh:?}", case.scene);
@@ -75,7 +76,7 @@ fn an_open_quantity_is_changed_alone_and_behind_what_was_typed() {
     let runs = plan(false, &typed);
     for open in OPEN {
         for mesh in Mesh::ALL {
-            let of = |run: &&super::Planned| run.quantity == open.quantity && run.mesh == mesh;
+            let of = |run: &&super::ReproductionRun| run.quantity == open.quantity && run.mesh == mesh;
             let made: Vec<_> = runs.iter().filter(of).collect();
             let own: Vec<String> = mesh.keys();
             for run in &made {
@@ -104,7 +105,7 @@ fn a_quick_plan_is_a_part_of_the_whole_one() {
     let quick = plan(true, &[]);
     assert!(quick.len() < all.len());
     assert!(quick.iter().all(|run| all.contains(run)));
-    let planned = |run: &super::Planned| all.iter().filter(|other| *other == run).count();
+    let planned = |run: &super::ReproductionRun| all.iter().filter(|other| *other == run).count();
     assert!(all.iter().all(|run| planned(run) == 1), "a run is planned twice");
 }
 
@@ -126,9 +127,9 @@ fn the_wind_on_the_pan_head_stands_beside_the_hand_calculation() {
     let [thin, _] = of(&["wind.air_density=0.6125"]).unwrap();
     assert!((thin - 0.5 * drag).abs() < 1e-12); // rounding
     assert_eq!(of(&["wind.record=[[0, 0, 0, 0], [1, 2, 0, 0]]"]), None);
-    let mut calm = line(Group::Published, 0, Mesh::Plain(1), 100.0, 40.0);
+    let mut calm = line(RunGroup::Published, 0, Mesh::Plain(1), 100.0, 40.0);
     calm.output_step = 0.5;
-    let mut windy = line(Group::Published, 2, Mesh::Plain(1), 112.0, 40.0);
+    let mut windy = line(RunGroup::Published, 2, Mesh::Plain(1), 112.0, 40.0);
     windy.even_head = Some([drag, lift]);
     windy.head = Some(HeadWind {
         drag: Extent {
@@ -147,7 +148,7 @@ fn the_wind_on_the_pan_head_stands_beside_the_hand_calculation() {
         lift: vec![68.5, 69.0, 69.5],
     });
     let made = reproduction(vec![calm, windy]);
-    let page = page(&made);
+    let page = page(&made).finish();
     for part in [
         "Fig. 11: drag on the pan-head",
         "Fig. 12: lift on the pan-head",
@@ -164,8 +165,12 @@ fn the_wind_on_the_pan_head_stands_beside_the_hand_calculation() {
     // Nothing, not even a heading, where no wind was computed.
     let none = text(&reproduction(Vec::new()));
     assert!(!none.contains("pan-head") && !none.contains("readings"), "{none}");
-    let (_, behind) = made.columns();
-    let column = behind.iter().find(|(name, _)| *name == "head_lift_max_N").unwrap();
+    let sheet = made.sheet();
+    let column = sheet
+        .trailing
+        .iter()
+        .find(|(name, _)| *name == "head_lift_max_N")
+        .unwrap();
     // Runs first, then what they say.
     assert_eq!(column.1[..2], ["", "69.5"]);
 }
@@ -210,7 +215,7 @@ fn the_keys_of_a_reading_make_the_air_that_it_says() {
 
 #[test]
 fn what_could_not_be_computed_is_said_with_its_reason() {
-    let mut refused = line(Group::Mesh, 1, Mesh::Corrected, 0.0, 0.0);
+    let mut refused = line(RunGroup::Mesh, 1, Mesh::Corrected, 0.0, 0.0);
     refused.row = Row {
         status: Some(Status::Refused),
         reason: "the correction has no meaning here".to_owned(),
@@ -222,7 +227,7 @@ fn what_could_not_be_computed_is_said_with_its_reason() {
         "{}",
         text(&made)
     );
-    assert!(page(&made).contains("the correction has no meaning here"));
+    assert!(page(&made).finish().contains("the correction has no meaning here"));
 }
 
 #[test]

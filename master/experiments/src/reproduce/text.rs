@@ -1,15 +1,17 @@
 //! The tables on the terminal.
 
-use super::execute::{Line, Reproduction, difference};
+use super::judge::{Line, Reproduction, difference};
 use super::open::Open;
-use super::plan::{Group, Mesh};
+use super::plan::{Mesh, RunGroup};
 use super::published::CASES;
 use super::quantities::OPEN;
 use super::relation::{PAIRS, Relation};
 use super::spread::Spread;
 use super::verdict::{VERDICT_RULE, Verdict};
 use super::wind;
-use crate::table_of_runs::{Status, short, wrapped};
+use crate::engine::Table as _;
+use crate::engine::export::wrapped;
+use crate::engine::table::{Status, short};
 use results::report::aligned;
 
 /// Two decimals, where there is a number: the thesis prints its forces so.
@@ -69,7 +71,7 @@ pub(super) fn readings(reproduction: &Reproduction) -> Vec<Vec<String>> {
         "std, raw".to_owned(),
     ];
     let own = |scene: &'static str| {
-        let of = move |line: &&Line| line.group == Group::Published && line.case.scene == scene;
+        let of = move |line: &&Line| line.group == RunGroup::Published && line.case.scene == scene;
         reproduction.lines.iter().find(of)
     };
     let (Some(without), Some(with)) = (own(calm.scene), own(windy.scene)) else {
@@ -86,7 +88,7 @@ pub(super) fn readings(reproduction: &Reproduction) -> Vec<Vec<String>> {
         ]
     };
     let mut table = vec![head.to_vec(), rows(with, wind::own().name)];
-    let others = reproduction.lines.iter().filter(|line| line.group == Group::Reading);
+    let others = reproduction.lines.iter().filter(|line| line.group == RunGroup::Reading);
     table.extend(others.map(|line| rows(line, &line.value)));
     table
 }
@@ -108,7 +110,7 @@ pub(super) fn head(reproduction: &Reproduction) -> Vec<Vec<String>> {
     let mut table = vec![head.map(str::to_owned).to_vec()];
     let mut readings = vec![(wind::own(), published(reproduction, 2))];
     for reading in wind::readings() {
-        let of = |line: &&Line| line.group == Group::Reading && line.value == reading.name;
+        let of = |line: &&Line| line.group == RunGroup::Reading && line.value == reading.name;
         let line = reproduction.lines.iter().find(of);
         readings.push((reading, line));
     }
@@ -281,7 +283,7 @@ pub fn text(reproduction: &Reproduction) -> String {
     let slowest = reproduction.lines.iter().filter_map(|line| line.row.real_time_factor);
     text.push_str(&format!(
         "\n{} of {} runs made, side by side; largest real-time factor {}\n",
-        reproduction.made(),
+        reproduction.made().0,
         reproduction.lines.len(),
         short(slowest.reduce(f64::max))
     ));

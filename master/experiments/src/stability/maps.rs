@@ -1,14 +1,14 @@
 //! Where runs stop being stable: boundaries by bisection over the step, and what theory says of them.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use scene::Coupling;
 use serde::Serialize;
 
+use super::bench::{CaseBench, Tried, Way, both_steps, known, refined};
 use super::cases::Case;
-use super::execute::ALGORITHMS;
-use super::trial::{Made, Way, make, refined};
-use crate::table_of_runs::{ENERGY, RAW_ERROR};
+use super::figures::Judged;
+use super::judge::ALGORITHMS;
+use crate::engine::Bench;
+use crate::engine::table::{ENERGY, RAW_ERROR};
 use cosim::algorithm::stability::spectral_radius;
 use cosim::test_problem::{self, Parameters, Switches, Truth};
 use results::statistics::ForceStatistics;
@@ -38,7 +38,7 @@ const NEUTRAL: f64 = 1e-5;
 /// What a curve is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum CurveKind {
     /// Bisection with runs of the test problem.
     TestProblem,
     /// Bisection with runs of the short line.
@@ -52,11 +52,11 @@ pub type Boundary = Vec<(f64, f64)>;
 
 /// The boundary of one algorithm.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Curve {
+pub struct MapCurve {
     /// Algorithm; `monolithic` where nothing is coupled.
     pub algorithm: &'static str,
     /// What it was found with.
-    pub kind: Kind,
+    pub kind: CurveKind,
     /// The quantity of the map's axis, and the longest stable step there, s; 0 where none was found.
     pub points: Boundary,
 }
@@ -75,12 +75,12 @@ pub struct Map {
     /// What there is to say of it.
     pub caption: &'static str,
     /// Curves.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<MapCurve>,
 }
 
 /// The quantity of a map's axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Axis {
+enum MapAxis {
     Stiffness,
     HeadMass,
     SpeedRatio,
@@ -89,7 +89,7 @@ enum Axis {
 
 /// Titles of a map.
 struct Titles {
-    axis: Axis,
+    axis: MapAxis,
     title: &'static str,
     x: &'static str,
     logarithmic: bool,
@@ -99,7 +99,7 @@ struct Titles {
 
 const MAPS: [Titles; 4] = [
     Titles {
-        axis: Axis::Stiffness,
+        axis: MapAxis::Stiffness,
         title: "Macro step against contact stiffness",
         x: "contact stiffness [N/m]",
         logarithmic: true,
@@ -109,7 +109,7 @@ const MAPS: [Titles; 4] = [
                   of 0.5 ms.",
     },
     Titles {
-        axis: Axis::HeadMass,
+        axis: MapAxis::HeadMass,
         title: "Macro step against head mass",
         x: "mass of the collector head [kg]",
         logarithmic: true,
@@ -117,7 +117,7 @@ const MAPS: [Titles; 4] = [
         caption: "As above, at a contact stiffness of 50 kN/m.",
     },
     Titles {
-        axis: Axis::SpeedRatio,
+        axis: MapAxis::SpeedRatio,
         title: "Macro step against speed",
         x: "speed over wave speed of the contact wire [–]",
         logarithmic: false,
@@ -125,7 +125,7 @@ const MAPS: [Titles; 4] = [
         caption: "The short line, contact stiffness 50 kN/m, micro step 0.5 ms; steps up to 20 ms were tried.",
     },
     Titles {
-        axis: Axis::MicroStep,
+        axis: MapAxis::MicroStep,
         title: "Micro step of one system against contact stiffness",
         x: "contact stiffness [N/m]",
         logarithmic: true,
@@ -140,7 +140,7 @@ const MAPS: [Titles; 4] = [
 pub struct Task {
     map: usize,
     algorithm: &'static str,
-    kind: Kind,
+    kind: CurveKind,
     x: Vec<f64>,
 }
 
@@ -159,26 +159,26 @@ pub fn tasks(resolution: usize) -> Vec<Task> {
     for (map, titles) in MAPS.iter().enumerate() {
         let stiffness = || ratios(1e4, 1e8, resolution);
         let few = resolution.div_ceil(2);
-        let ranges: Vec<(Kind, Vec<f64>)> = match titles.axis {
-            Axis::Stiffness => vec![
-                (Kind::Theory, stiffness()),
-                (Kind::TestProblem, stiffness()),
-                (Kind::ShortLine, ratios(1e4, 1e6, few.min(3))),
+        let ranges: Vec<(CurveKind, Vec<f64>)> = match titles.axis {
+            MapAxis::Stiffness => vec![
+                (CurveKind::Theory, stiffness()),
+                (CurveKind::TestProblem, stiffness()),
+                (CurveKind::ShortLine, ratios(1e4, 1e6, few.min(3))),
             ],
-            Axis::HeadMass => vec![
-                (Kind::Theory, ratios(0.5, 15.0, resolution)),
-                (Kind::TestProblem, ratios(0.5, 15.0, resolution)),
-                (Kind::ShortLine, ratios(0.5, 15.0, few.min(3))),
+            MapAxis::HeadMass => vec![
+                (CurveKind::Theory, ratios(0.5, 15.0, resolution)),
+                (CurveKind::TestProblem, ratios(0.5, 15.0, resolution)),
+                (CurveKind::ShortLine, ratios(0.5, 15.0, few.min(3))),
             ],
-            Axis::SpeedRatio => {
+            MapAxis::SpeedRatio => {
                 let last = (few.max(2) - 1) as f64;
                 let ratio = |k: usize| 0.15 + 0.8 * k as f64 / last;
-                vec![(Kind::ShortLine, (0..few.max(2)).map(ratio).collect())]
+                vec![(CurveKind::ShortLine, (0..few.max(2)).map(ratio).collect())]
             }
-            Axis::MicroStep => vec![(Kind::ShortLine, ratios(1e4, 1e7, few + 2))],
+            MapAxis::MicroStep => vec![(CurveKind::ShortLine, ratios(1e4, 1e7, few + 2))],
         };
         for (kind, x) in ranges {
-            let algorithms: &[&str] = if titles.axis == Axis::MicroStep {
+            let algorithms: &[&str] = if titles.axis == MapAxis::MicroStep {
                 &["monolithic"]
             } else {
                 &ALGORITHMS
@@ -210,7 +210,7 @@ pub fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
         .collect();
     for (task, points) in tasks.iter().zip(points) {
         if let Some(points) = points {
-            maps[task.map].curves.push(Curve {
+            maps[task.map].curves.push(MapCurve {
                 algorithm: task.algorithm,
                 kind: task.kind,
                 points,
@@ -252,11 +252,11 @@ fn longest(stable: &mut dyn FnMut(f64) -> bool) -> f64 {
 }
 
 /// The same in whole units of [`UNIT`].
-fn longest_units(stable: &mut dyn FnMut(u32) -> bool) -> u32 {
+fn longest_units(stable: &mut dyn FnMut(u32) -> Tried<bool>) -> Tried<u32> {
     let (mut good, mut bad) = (0, None);
     let mut units = 1;
     loop {
-        if !stable(units) {
+        if !known!(stable(units)) {
             bad = Some(units);
             break;
         }
@@ -267,58 +267,56 @@ fn longest_units(stable: &mut dyn FnMut(u32) -> bool) -> u32 {
         units = (2 * units).min(MOST_UNITS);
     }
     let Some(mut bad) = bad.filter(|_| good > 0) else {
-        return good;
+        return Ok(Some(good));
     };
     while bad - good > 1 + good / 8 {
         let middle = good.midpoint(bad);
-        if stable(middle) {
+        if known!(stable(middle)) {
             good = middle;
         } else {
             bad = middle;
         }
     }
-    good
+    Ok(Some(good))
 }
 
 /// `[coupling]` of an algorithm with its own defaults.
 pub(super) fn coupling(algorithm: &str) -> Option<Coupling> {
     let case = Case::plain();
     let keys = [format!("coupling.algorithm=\"{algorithm}\"")];
-    super::trial::scene(&case, &Way::ONE, &keys)
-        .ok()
-        .map(|scene| scene.coupling)
+    let scene = case.run(&Way::ONE, &keys).scene().ok();
+    scene.map(|scene| scene.coupling)
 }
 
 impl Task {
-    /// Finds the points; `None` where somebody asked for an end.
-    pub(super) fn points(&self, stop: &AtomicBool, interrupted: &AtomicBool) -> Option<Boundary> {
-        let ended = || stop.load(Ordering::Relaxed) || interrupted.load(Ordering::Relaxed);
+    /// Finds the points; nothing where an end was asked for.
+    pub(super) fn points(&self, bench: &Bench<'_>) -> Tried<Boundary> {
         let growth = match self.kind {
-            Kind::Theory => growth(&coupling(self.algorithm)?),
+            CurveKind::Theory => coupling(self.algorithm).map_or_else(Vec::new, |coupling| growth(&coupling)),
             _ => Vec::new(),
         };
         let mut points = Vec::new();
         for &x in &self.x {
-            if ended() {
-                return None;
-            }
             let step = match (self.kind, MAPS[self.map].axis) {
-                (Kind::Theory, _) => self.by_theory(&growth, x),
-                (Kind::TestProblem, _) => self.by_test_problem(x),
-                (Kind::ShortLine, Axis::MicroStep) => micro_step(x, stop),
-                (Kind::ShortLine, _) => self.on_the_line(x, stop),
+                (CurveKind::Theory, _) => self.by_theory(&growth, x),
+                (CurveKind::TestProblem, axis) => {
+                    let of = format!("boundary of the test problem: {} {axis:?} {x:?}", self.algorithm);
+                    known!(bench.value(&of, || self.by_test_problem(x)))
+                }
+                (CurveKind::ShortLine, MapAxis::MicroStep) => known!(micro_step(x, bench)),
+                (CurveKind::ShortLine, _) => known!(self.on_the_line(x, bench)),
             };
             points.push((x, step));
         }
-        (!ended()).then_some(points)
+        Ok((!bench.is_interrupted()).then_some(points))
     }
 
     fn parameters(&self, x: f64) -> Parameters {
         let mut parameters = Parameters::CLOSED;
         match MAPS[self.map].axis {
-            Axis::Stiffness => parameters.contact_stiffness = x,
-            Axis::HeadMass => parameters.masses[0] = x,
-            Axis::SpeedRatio | Axis::MicroStep => {}
+            MapAxis::Stiffness => parameters.contact_stiffness = x,
+            MapAxis::HeadMass => parameters.masses[0] = x,
+            MapAxis::SpeedRatio | MapAxis::MicroStep => {}
         }
         parameters
     }
@@ -356,14 +354,14 @@ impl Task {
         })
     }
 
-    fn on_the_line(&self, x: f64, stop: &AtomicBool) -> f64 {
+    fn on_the_line(&self, x: f64, bench: &Bench<'_>) -> Tried<f64> {
         let mut case = Case::plain();
         case.disturbance.audited = false;
         match MAPS[self.map].axis {
-            Axis::Stiffness => case.overrides.push(format!("contact.stiffness={x:?}")),
-            Axis::HeadMass => case.overrides.push(format!("pantograph.0.masses=[{x:?},15.0]")),
-            Axis::SpeedRatio => case.overrides.extend(at_speed(x)),
-            Axis::MicroStep => {}
+            MapAxis::Stiffness => case.overrides.push(format!("contact.stiffness={x:?}")),
+            MapAxis::HeadMass => case.overrides.push(format!("pantograph.0.masses=[{x:?},15.0]")),
+            MapAxis::SpeedRatio => case.overrides.extend(at_speed(x)),
+            MapAxis::MicroStep => {}
         }
         let keys = |units: u32| {
             vec![
@@ -371,35 +369,36 @@ impl Task {
                 format!("coupling.macro_step={:?}", f64::from(units) * UNIT),
             ]
         };
-        let one = make(&case, &Way::ONE, &keys(1), None, stop);
+        let case = CaseBench { case: &case, bench };
+        let one = known!(case.make(&Way::ONE, &keys(1), None));
         let way = Way {
             mode: Mode::Inprocess,
             algorithm: self.algorithm,
         };
-        let units = longest_units(&mut |units| make(&case, &way, &keys(units), Some(("", &one)), stop).is_stable());
-        f64::from(units) * UNIT
+        let units = known!(longest_units(&mut |units| {
+            let made = case.make(&way, &keys(units), Some(("", &one)))?;
+            Ok(made.map(|made| made.is_stable()))
+        }));
+        Ok(Some(f64::from(units) * UNIT))
     }
 }
 
 /// Longest micro step at which one system resolves the raw force, s: halved from 4 ms.
-fn micro_step(stiffness: f64, stop: &AtomicBool) -> f64 {
+fn micro_step(stiffness: f64, bench: &Bench<'_>) -> Tried<f64> {
     let mut case = Case::plain();
     case.disturbance.audited = false;
     case.overrides.push(format!("contact.stiffness={stiffness:?}"));
-    let one = |keys: &[String], judge: Option<(&str, &Made)>| make(&case, &Way::ONE, keys, judge, stop);
+    let case = CaseBench { case: &case, bench };
+    let one = |keys: &[String], judge: Option<(&str, &Judged)>| case.make(&Way::ONE, keys, judge);
     let mut step = 4e-3;
     while step >= 1e-4 {
-        let finer = one(&refined(step), None);
-        let keys = [
-            format!("coupling.macro_step={step:?}"),
-            format!("solver.micro_step={step:?}"),
-        ];
-        if one(&keys, Some(("", &finer))).is_stable() {
-            return step;
+        let finer = known!(one(&refined(step), None));
+        if known!(one(&both_steps(step), Some(("", &finer)))).is_stable() {
+            return Ok(Some(step));
         }
         step *= std::f64::consts::FRAC_1_SQRT_2;
     }
-    0.0
+    Ok(Some(0.0))
 }
 
 /// The short line at a share `x` of its wave speed, within its length.
@@ -438,13 +437,17 @@ mod tests {
             let found = longest(&mut |step| step <= limit);
             assert!(found <= limit && found > limit / 2.0_f64.powf(0.13), "{limit}: {found}");
         }
+        let units = |stable: &mut dyn FnMut(u32) -> bool| {
+            let found = longest_units(&mut |units| Ok(Some(stable(units))));
+            found.unwrap().unwrap()
+        };
         assert_eq!(longest(&mut |_| false), 0.0);
         assert_eq!(longest(&mut |_| true), STEPS.1);
-        assert_eq!(longest_units(&mut |units| units <= 5), 5);
-        let coarse = longest_units(&mut |units| units <= 23);
+        assert_eq!(units(&mut |units| units <= 5), 5);
+        let coarse = units(&mut |units| units <= 23);
         assert!((21..=23).contains(&coarse), "{coarse}");
-        assert_eq!(longest_units(&mut |_| true), MOST_UNITS);
-        assert_eq!(longest_units(&mut |_| false), 0);
+        assert_eq!(units(&mut |_| true), MOST_UNITS);
+        assert_eq!(units(&mut |_| false), 0);
     }
 
     #[test]

@@ -2,19 +2,20 @@
 
 use plotly::Scatter;
 use plotly::common::{DashType, HoverInfo, Line as Stroke, Marker, MarkerSymbol, Mode as Draw};
-use plotly::layout::{AxisType, HoverMode};
+use plotly::layout::HoverMode;
 
-use super::execute::{ALGORITHMS, Line, StabilityTable};
-use super::maps::{Kind, Map};
+use super::judge::{ALGORITHMS, Line, StabilityTable};
+use super::maps::{CurveKind, Map};
 use super::text::{by_case, heading, ways};
-use crate::table_of_runs::{STATUS_RULE, Status};
-use crate::table_of_runs::{milliseconds, significant};
-use results::report::plots::{COLOURS, axis, finished, layout};
+use crate::engine::export::{count, fixed, incomplete, number, number_cells, scrolled, status_rule, status_word, step};
+use crate::engine::table::Status;
+use crate::engine::table::significant;
+use results::report::plots::{COLOURS, axis, decades_of, finished, layout};
 use results::report::{Page, escape, head_cells};
 
 /// The page of the hard cases.
 #[must_use]
-pub fn page(table: &StabilityTable) -> String {
+pub fn page(table: &StabilityTable) -> Page {
     let mut page = Page::new("Hard cases");
     page.lead(&lead(table));
     page.section("Status", &overview(table));
@@ -24,27 +25,18 @@ pub fn page(table: &StabilityTable) -> String {
     }
     page.section("Figures", &table_of_figures(table));
     page.section("How to read this", &legend());
-    page.finish()
-}
-
-fn number(value: Option<f64>) -> String {
-    significant(value).unwrap_or_default()
+    page
 }
 
 fn lead(table: &StabilityTable) -> String {
-    let counts: Vec<String> = [Status::Stable, Status::Limit, Status::Diverged, Status::Refused]
+    let counts: Vec<String> = Status::ALL
         .iter()
         .map(|status| format!("{} {}", table.count(*status), status.name()))
         .collect();
     let cases = by_case(table).len();
     let runs = table.lines.len();
     let mut html = format!("<p><b>{cases} cases</b> · {runs} runs: {}</p>\n", counts.join(", "));
-    if !table.complete {
-        let made = table.lines.iter().filter(|line| line.row.status.is_some()).count();
-        html.push_str(&format!(
-            "<p class=\"warning\">Incomplete: {made} of {runs} runs were made.</p>\n"
-        ));
-    }
+    html.push_str(&incomplete(table, ""));
     html
 }
 
@@ -72,14 +64,14 @@ fn overview(table: &StabilityTable) -> String {
         body.push_str("</tr>\n");
     }
     format!(
-        "<div class=\"scroll\"><table><thead><tr><th>case</th>{head}</tr></thead>\n<tbody>{body}</tbody></table></div>\n\
-         <p class=\"caption\">In the cells: rms error of the filtered force in percent of the reference's standard deviation. \
-         Under the pointer: what ran and why.</p>\n"
+        "{}<p class=\"caption\">In the cells: rms error of the filtered force in percent of the reference's standard deviation. \
+         Under the pointer: what ran and why.</p>\n",
+        scrolled(&format!("<th>case</th>{head}"), &body)
     )
 }
 
 fn cell(line: &Line) -> String {
-    let status = line.row.status.map_or("not run", Status::name);
+    let status = status_word(line.row.status);
     let error = line.row.filtered_error.and_then(|error| significant(Some(error)));
     let error = error.map_or_else(String::new, |error| format!("<br>{error} %"));
     format!(
@@ -122,9 +114,9 @@ fn reasons(table: &StabilityTable) -> String {
     if body.is_empty() {
         return String::new();
     }
-    format!(
-        "<div class=\"scroll\"><table><thead><tr><th>case</th><th>status</th><th>run</th><th>reason – boundary</th></tr></thead>\n\
-         <tbody>{body}</tbody></table></div>\n"
+    scrolled(
+        "<th>case</th><th>status</th><th>run</th><th>reason – boundary</th>",
+        &body,
     )
 }
 
@@ -141,16 +133,16 @@ fn drawn(map: &Map, index: usize) -> String {
             continue;
         }
         let (what, stroke, mode) = match curve.kind {
-            Kind::TestProblem => ("", Stroke::new().color(colour).width(2.0), Draw::LinesMarkers),
-            Kind::Theory => (
+            CurveKind::TestProblem => ("", Stroke::new().color(colour).width(2.0), Draw::LinesMarkers),
+            CurveKind::Theory => (
                 ", theory",
                 Stroke::new().color(colour).width(1.2).dash(DashType::Dot),
                 Draw::Lines,
             ),
-            Kind::ShortLine if map.curves.iter().any(|other| other.kind != Kind::ShortLine) => {
+            CurveKind::ShortLine if map.curves.iter().any(|other| other.kind != CurveKind::ShortLine) => {
                 (", line", Stroke::new().color(colour).width(0.0), Draw::Markers)
             }
-            Kind::ShortLine => ("", Stroke::new().color(colour).width(2.0), Draw::LinesMarkers),
+            CurveKind::ShortLine => ("", Stroke::new().color(colour).width(2.0), Draw::LinesMarkers),
         };
         let name = format!("{}{what}", curve.algorithm);
         let said: Vec<String> = found()
@@ -166,7 +158,7 @@ fn drawn(map: &Map, index: usize) -> String {
                 .mode(mode)
                 .name(name)
                 .legend_group(curve.algorithm)
-                .show_legend(curve.kind != Kind::Theory)
+                .show_legend(curve.kind != CurveKind::Theory)
                 .hover_text_array(said)
                 .hover_info(HoverInfo::Text)
                 .line(stroke)
@@ -176,11 +168,13 @@ fn drawn(map: &Map, index: usize) -> String {
     if traces.is_empty() {
         return String::new();
     }
-    let mut x = axis(map.x).zero_line(false);
-    if map.logarithmic {
-        x = x.type_(AxisType::Log);
-    }
-    let y = axis(map.y).type_(AxisType::Log).zero_line(false);
+    let points = || map.curves.iter().flat_map(|curve| &curve.points);
+    let x = if map.logarithmic {
+        decades_of(map.x, points().map(|(x, _)| *x))
+    } else {
+        axis(map.x).zero_line(false)
+    };
+    let y = decades_of(map.y, points().map(|(_, step)| 1e3 * step));
     format!(
         "{}<p class=\"caption\">{}</p>\n",
         finished(
@@ -228,17 +222,14 @@ fn table_of_figures(table: &StabilityTable) -> String {
         }
     }
     format!(
-        "<details><summary>All runs</summary><div class=\"scroll\"><table><thead><tr>{head}</tr></thead>\n<tbody>{body}</tbody>\
-         </table></div></details>\n<p class=\"caption\">All columns are in stability.csv.</p>\n"
+        "<details><summary>All runs</summary>{}</details>\n<p class=\"caption\">All columns are in stability.csv.</p>\n",
+        scrolled(&head, &body)
     )
 }
 
 fn figures(line: &Line) -> String {
     let Line { row, figures, .. } = line;
-    let status = row.status.map_or("not run", Status::name);
-    let step = |step: Option<f64>| step.map_or_else(String::new, |step| milliseconds(Some(step)));
-    let fixed = |value: Option<f64>, digits: usize| value.map_or_else(String::new, |value| format!("{value:.digits$}"));
-    let count = |value: Option<u64>| value.map_or_else(String::new, |value| value.to_string());
+    let status = status_word(row.status);
     let cells = [
         step(row.macro_step),
         step(row.micro_step),
@@ -256,10 +247,7 @@ fn figures(line: &Line) -> String {
         number(figures.drift),
         count(figures.slack_droppers),
     ];
-    let cells: String = cells
-        .iter()
-        .map(|cell| format!("<td class=\"n\">{cell}</td>"))
-        .collect();
+    let cells = number_cells(cells);
     format!(
         "<tr title=\"{}\"><td class=\"s\">{}</td><td class=\"c {status}\">{status}</td>{cells}</tr>\n",
         escape(&row.reason),
@@ -280,10 +268,6 @@ fn legend() -> String {
          the collector head on the contact's spring times the macro step (one system: the micro step). Growth: spectral radius of \
          the coupling on that oscillation without damping. Newton: most iterations of one internal step. Drift: largest violation \
          of a joint. Slack: most droppers without tension at one time.</p>\n",
-        escape(STATUS_RULE)
-            .replace("limit:", "<b>limit</b>:")
-            .replace("diverged:", "<b>diverged</b>:")
-            .replace("refused:", "<b>refused</b>:")
-            .replace("stable:", "<b>stable</b>:")
+        status_rule()
     )
 }

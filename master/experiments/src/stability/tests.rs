@@ -1,10 +1,13 @@
-use std::convert::Infallible;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::*;
-use crate::table_of_runs::Status;
+use crate::engine::Table as _;
+use crate::engine::table::Status;
+use crate::engine::tests::executed;
 use results::report::{Progress, Show};
 use simulation::Mode;
+use system::run::Watch;
 
 /// The table of the cases that are named, without FMUs, made by so many workers.
 fn table(names: &[&str], boundaries: bool, workers: usize) -> StabilityTable {
@@ -13,29 +16,17 @@ fn table(names: &[&str], boundaries: bool, workers: usize) -> StabilityTable {
         .filter(|case| names.contains(&case.name.as_str()))
         .collect();
     assert_eq!(cases.len(), names.len(), "{names:?}");
-    let plan = Plan {
-        cases,
-        fmus: false,
-        boundaries,
-        resolution: 0,
-        workers,
-    };
-    let progress = Progress::share("", Show::Never);
-    let Ok(table) = execute(&plan, &AtomicBool::new(false), &progress, &mut |_| {
-        Ok::<(), Infallible>(())
-    });
+    let stability = Stability::new(cases, false, boundaries, 0).unwrap();
+    let table = executed(&stability, workers, &AtomicBool::new(false), &mut |_| {});
     assert!(table.complete);
     table
 }
 
 fn cells(table: &StabilityTable) -> Vec<String> {
-    let (leading, trailing) = table.columns();
-    let more: Vec<String> = leading
-        .into_iter()
-        .chain(trailing)
-        .flat_map(|(_, cells)| cells)
-        .collect();
-    table.rows().iter().flat_map(|row| row.cells()).chain(more).collect()
+    let sheet = table.sheet();
+    let more = sheet.leading.into_iter().chain(sheet.trailing);
+    let more = more.flat_map(|(_, cells)| cells);
+    sheet.rows.iter().flat_map(|row| row.cells()).chain(more).collect()
 }
 
 #[test]
@@ -50,7 +41,7 @@ fn names_of_cases_differ_and_their_scenes_are_read_or_refused_for_a_reason_of_th
         );
         let refused = ["speed_1.05_c", "presag_5.4_m", "linkage_stops", "one_element_per_span"];
         let refused = refused.contains(&case.name.as_str());
-        let scene = trial::scene(case, &Way::ONE, &[]);
+        let scene = case.run(&Way::ONE, &[]).scene();
         assert_eq!(scene.is_err(), refused, "{}: {:?}", case.name, scene.err());
     }
 }
@@ -129,7 +120,8 @@ fn a_limit_names_its_boundary() {
 
 #[test]
 fn a_panic_becomes_a_row() {
-    let made = trial::caught(&Case::plain(), &Way::ONE, || panic!("index 7 of 6"));
+    let run = Case::plain().run(&Way::ONE, &[]);
+    let made = Judged::of(&run, Arc::new(run.caught(|| panic!("index 7 of 6")).unwrap()), None);
     assert_eq!(made.row.status, Some(Status::Diverged));
     assert_eq!(made.row.reason, "panicked: index 7 of 6");
 }
@@ -145,15 +137,18 @@ fn slaves_on_threads_of_their_own_compute_the_same_bits() {
         };
         let run = |parallel: &str| {
             let keys = [format!("coupling.parallel=\"{parallel}\"")];
-            let made = make(case, &way, &keys, None, &AtomicBool::new(false));
+            let run = case.run(&way, &keys);
+            let progress = Progress::share("", Show::Never);
+            let made = run.attempt(&Watch::new(&AtomicBool::new(false), &progress)).unwrap();
+            let made = Judged::of(&run, Arc::new(made), None);
             assert_eq!(
                 made.row.status,
                 Some(Status::Stable),
                 "{algorithm}: {}",
                 made.row.reason
             );
-            assert_eq!(made.curves.len(), 2);
-            made.curves
+            assert_eq!(made.made.curves.len(), 2);
+            made.made.curves.clone()
         };
         assert_eq!(run("always"), run("never"), "{algorithm}");
     }

@@ -1,8 +1,9 @@
 //! The table on the terminal.
 
-use super::execute::{Line, StabilityTable};
-use crate::table_of_runs::Status;
-use crate::table_of_runs::{significant, wrapped};
+use super::judge::{Line, StabilityTable};
+use crate::engine::export::{status_word, wrapped};
+use crate::engine::table::Status;
+use crate::engine::table::significant;
 use results::report::aligned;
 
 /// The ways of running a case, in the order of the columns.
@@ -34,7 +35,7 @@ pub(super) fn heading((mode, algorithm): &(String, String)) -> String {
 /// The table of the hard cases.
 #[must_use]
 pub fn text(table: &StabilityTable) -> String {
-    let counts: Vec<String> = [Status::Stable, Status::Limit, Status::Diverged, Status::Refused]
+    let counts: Vec<String> = Status::ALL
         .iter()
         .map(|status| format!("{} {}", table.count(*status), status.name()))
         .collect();
@@ -54,9 +55,7 @@ pub fn text(table: &StabilityTable) -> String {
             let line = lines
                 .iter()
                 .find(|line| (&line.row.mode, &line.row.algorithm) == (&way.0, &way.1));
-            cells.push(line.map_or_else(String::new, |line| {
-                line.row.status.map_or("not run", Status::name).to_owned()
-            }));
+            cells.push(line.map_or_else(String::new, |line| status_word(line.row.status).to_owned()));
         }
         rows.push(cells);
     }

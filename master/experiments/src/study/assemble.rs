@@ -1,27 +1,27 @@
 //! From runs to what a study came to: rows judged by their references, orders, front, recommendations.
 
-use super::execute::{Script, State};
-use super::front::{pareto, recommendations};
+use super::judge::{Script, State};
 use super::order::{Order, order};
 use super::outcome::{Entry, Levels, Reference, Study, label};
-use super::plan::{Planned, Sweep};
-use super::recipe::{Class, Exchange, Family, Mesh, settings};
+use super::pareto::{pareto, recommendations};
+use super::plan::{StudyRun, Sweep};
 use super::reference::{Refinement, best};
-use crate::table_of_runs::{Curve, Errors, Row, Status, milliseconds};
+use super::run_spec::{Class, Exchange, Family, Mesh, settings};
+use crate::engine::table::{Curve, Errors, Row, Status, milliseconds};
 use simulation::Mode;
 
 /// The study as far as it is known.
 #[must_use]
 pub fn assemble(script: &Script, state: &State) -> Study {
-    let ground = &script.ground;
+    let subject = &script.subject;
     let mut study = Study {
-        scene: ground.name.clone(),
-        title: ground.scene.title.clone(),
-        source: ground.scene.source.clone().unwrap_or_default(),
+        scene: subject.name.clone(),
+        title: subject.scene.title.clone(),
+        source: subject.scene.source.clone().unwrap_or_default(),
         identity: script.identity.clone(),
         machine: script.machine.clone(),
-        simulated_s: ground.scene.run.duration,
-        intervals: ground.intervals,
+        simulated_s: subject.scene.run.duration,
+        intervals: subject.intervals,
         ..Study::default()
     };
     for family in Family::ALL {
@@ -72,7 +72,7 @@ pub fn assemble(script: &Script, state: &State) -> Study {
         }
     }
     study.notes = notes(&study);
-    study.notes.extend(ground.left_out.iter().cloned());
+    study.notes.extend(subject.left_out.iter().cloned());
     study.notes.extend(script.empty_sweeps());
     study
 }
@@ -95,7 +95,11 @@ fn reference(script: &Script, state: &State, family: Family) -> Option<Reference
     });
     let level = chosen.and_then(|found| found.levels.last());
     let name = level.map_or_else(String::new, |level| {
-        format!("{}: {}", family.name(), label(&level.made.row, script.ground.intervals))
+        format!(
+            "{}: {}",
+            family.name(),
+            label(&level.made.row, script.subject.intervals)
+        )
     });
     Some(Reference {
         family,
@@ -144,7 +148,7 @@ fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
             let (at, name) = match vehicles {
                 Some(judge) => (
                     judge,
-                    judge.map_or_else(String::new, |at| standing_label(script, &state.runs[at])),
+                    judge.map_or_else(String::new, |at| vehicle_label(script, &state.runs[at])),
                 ),
                 None => reference.map_or_else(Default::default, |found| (found.row, found.name.clone())),
             };
@@ -182,44 +186,45 @@ fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
             .collect::<Vec<_>>()
             .join("+"),
         pareto: false,
-        rho_inf: planned.recipe.rho_inf,
-        newton_tolerance: planned.recipe.newton_tolerance,
+        rho_inf: planned.spec.rho_inf,
+        newton_tolerance: planned.spec.newton_tolerance,
         distance_from_nonlinear_percent: distance,
         setup_s: made.filter(|made| made.complete).map(|made| made.setup),
-        spans: planned.recipe.spans.map(|spans| spans as u64),
+        spans: planned.spec.spans.map(|spans| spans as u64),
         working_memory_bytes: times.and_then(|times| times.memory),
         settings: planned.scene.as_deref().map_or_else(String::new, |scene| {
             settings(scene, planned.variant.mode != Mode::Monolithic)
         }),
-        standing: (!script.ground.standings.is_empty()).then(|| script.ground.standing_of(&planned.recipe)),
+        vehicle_variant: (!script.subject.vehicle_variants.is_empty())
+            .then(|| script.subject.vehicle_of(&planned.spec)),
     }
 }
 
 /// The run that judges what else the pantograph may stand on, on the same track: the first that is planned for it, whether it is there
 /// for that alone or is the base case.
-fn judge(script: &Script, state: &State, planned: &Planned) -> Option<usize> {
-    let ground = &script.ground;
-    let own = ground.standing_of(&planned.recipe);
-    let first = (ground.standings.iter()).find(|standing| standing.name.track == own.track)?;
+fn judge(script: &Script, state: &State, planned: &StudyRun) -> Option<usize> {
+    let subject = &script.subject;
+    let own = subject.vehicle_of(&planned.spec);
+    let first = (subject.vehicle_variants.iter()).find(|vehicle_variant| vehicle_variant.name.track == own.track)?;
     state
         .runs
         .iter()
-        .position(|run| run.sweeps.contains(&Sweep::Vehicle) && ground.standing_of(&run.recipe) == first.name)
+        .position(|run| run.sweeps.contains(&Sweep::Vehicle) && subject.vehicle_of(&run.spec) == first.name)
 }
 
 /// What a run that judges others is called.
-fn standing_label(script: &Script, planned: &Planned) -> String {
-    let name = script.ground.standing_of(&planned.recipe);
+fn vehicle_label(script: &Script, planned: &StudyRun) -> String {
+    let name = script.subject.vehicle_of(&planned.spec);
     format!("vehicle {}, track {}", name.vehicle, name.track)
 }
 
 /// A refused row with what was asked for, where its scene could not be read.
-fn asked_for(script: &Script, planned: &Planned, mut row: Row) -> Row {
-    let recipe = &planned.recipe;
+fn asked_for(script: &Script, planned: &StudyRun, mut row: Row) -> Row {
+    let spec = &planned.spec;
     if planned.scene.is_some() {
         return row;
     }
-    if let (Mesh::Of { division, corrections }, Some((line, _))) = (&recipe.mesh, script.ground.scene.modelled_line()) {
+    if let (Mesh::Of { division, corrections }, Some((line, _))) = (&spec.mesh, script.subject.scene.modelled_line()) {
         row.divide(line, *division);
         row.mesh = if corrections.is_empty() {
             "plain".to_owned()
@@ -227,17 +232,17 @@ fn asked_for(script: &Script, planned: &Planned, mut row: Row) -> Row {
             corrections.join("+")
         };
     }
-    row.micro_step = Some(recipe.micro_step);
-    row.reduction = if recipe.reductions.is_empty() {
+    row.micro_step = Some(spec.micro_step);
+    row.reduction = if spec.reductions.is_empty() {
         "none".to_owned()
     } else {
-        recipe.reductions.join("+")
+        spec.reductions.join("+")
     };
     if let Exchange::Of {
         extrapolation,
         macro_step,
         ..
-    } = &recipe.exchange
+    } = &spec.exchange
     {
         row.macro_step = Some(*macro_step);
         row.extrapolation = extrapolation.map(|degree| degree as u64);
@@ -246,14 +251,14 @@ fn asked_for(script: &Script, planned: &Planned, mut row: Row) -> Row {
 }
 
 /// What is known of a run before it is made.
-fn planned_row(script: &Script, planned: &Planned) -> Row {
-    let ground = &script.ground;
+fn planned_row(script: &Script, planned: &StudyRun) -> Row {
+    let subject = &script.subject;
     let variant = &planned.variant;
-    match system::load(ground.text_of(&planned.recipe), &ground.name, &variant.overrides) {
-        Ok(scene) => Row::planned(&ground.name, &scene, variant.mode, &variant.algorithm),
+    match system::load(subject.text_of(&planned.spec), &subject.name, &variant.overrides) {
+        Ok(scene) => Row::planned(&subject.name, &scene, variant.mode, &variant.algorithm),
         Err(_) => {
             let row = Row {
-                scene: ground.name.clone(),
+                scene: subject.name.clone(),
                 mode: variant.mode.name().to_owned(),
                 algorithm: variant.algorithm.clone(),
                 ..Row::default()
@@ -288,7 +293,7 @@ fn orders(state: &State) -> Vec<Order> {
             continue;
         };
         // A mesh that is the scene's own is one like any other.
-        let alone = run.recipe.exchange == Exchange::None;
+        let alone = run.spec.exchange == Exchange::None;
         for (sweep, kind) in [("mesh", Sweep::Mesh), ("micro_step", Sweep::MicroStep)] {
             if !run.sweeps.contains(&kind) || !alone {
                 continue;

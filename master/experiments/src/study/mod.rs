@@ -1,52 +1,46 @@
-//! Speed against error: which mesh, step, coupling and reductions a scene needs for an error, and what they cost.
+//! Speed against error: mesh, step, coupling and reductions that a scene needs for an error, and their cost.
 //!
 //! | part | subject |
 //! | --- | --- |
-//! | `recipe` | what a run is made of, and what a scene allows |
+//! | `run_spec` | parts of a run that sweeps change, and the values that a scene allows |
 //! | `plan` | sweeps and ladder |
 //! | `reference` | refined until two levels agree |
-//! | `vehicle` | what the pantograph stands on |
-//! | `store` | runs that are kept |
-//! | `execute` | making them in parallel, timing them one at a time |
+//! | `vehicle` | variants of the vehicle below the pantograph |
+//! | `judge` | the plan as an experiment: errors in parallel, times one at a time |
 //! | `assemble`, `outcome` | rows judged, in one table |
 //! | `order` | orders of convergence |
-//! | `front` | Pareto front and recommendations |
-//! | `machine` | where times were taken, memory of a time loop |
+//! | `pareto` | Pareto front and recommendations |
 //! | `text`, `page`, `plots`, `labels` | for reading |
-//! | `standing` | where a single run stands in a study |
+//! | `rank` | rank of a single run in a study |
 
 mod assemble;
-mod execute;
-mod front;
+mod judge;
 mod labels;
-mod machine;
 mod order;
 mod outcome;
 mod page;
+mod pareto;
 mod plan;
 mod plots;
-mod recipe;
+mod rank;
 mod reference;
-mod standing;
-mod store;
+mod run_spec;
 #[cfg(test)]
 mod tests;
 mod text;
 mod vehicle;
 
-pub use execute::{Script, StudyError, script, study};
-pub use front::{Recommendation, TARGETS};
-pub use machine::Machine;
+pub use judge::{FOLDER, Script, StudyFound, StudyJob, script};
 pub use order::{Order, order};
 pub use outcome::{Entry, Levels, Reference, Study};
 pub use page::page;
-pub use plan::{Options, Planned, Sweep};
-pub use recipe::{Class, Exchange, Family, Ground, Mesh, Recipe, identity, settings};
+pub use pareto::{Recommendation, TARGETS};
+pub use plan::{Options, StudyRun, Sweep};
+pub use rank::{keep_ranks, rank};
 pub use reference::{Discretisation, Refinement};
-pub use standing::standing;
-pub use store::Store;
+pub use run_spec::{Class, Exchange, Family, Mesh, RunSpec, Subject, identity, settings};
 pub use text::text;
-pub use vehicle::{Standing, StandingName};
+pub use vehicle::{VehicleVariant, VehicleVariantName};
 
 /// Table of a study.
 pub const CSV: &str = "study.csv";

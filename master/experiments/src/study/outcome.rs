@@ -2,15 +2,17 @@
 
 use serde::Serialize;
 
-use super::front::Recommendation;
-use super::machine::Machine;
 use super::order::Order;
+use super::pareto::Recommendation;
 use super::plan::Sweep;
-use super::recipe::Family;
 use super::reference::Discretisation;
+use super::run_spec::Family;
 use super::text::known_to;
-use super::vehicle::StandingName;
-use crate::table_of_runs::{AUTO, Cell, Column, Row, milliseconds};
+use super::vehicle::VehicleVariantName;
+use crate::engine::Machine;
+use crate::engine::table::{AUTO, Cell as _, Columns, Row, milliseconds};
+use crate::engine::{Sheet, Table};
+use results::report::Page;
 
 /// A study, complete or not.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -69,7 +71,7 @@ pub struct Entry {
     pub settings: String,
     /// What the pantograph stands on; nothing where the scene has no vehicle.
     #[serde(flatten)]
-    pub standing: Option<StandingName>,
+    pub vehicle_variant: Option<VehicleVariantName>,
 }
 
 /// A reference and what is known of it.
@@ -117,12 +119,6 @@ pub struct Levels {
 }
 
 impl Study {
-    /// Number of runs that were made.
-    #[must_use]
-    pub fn made(&self) -> usize {
-        self.rows.iter().filter(|entry| entry.row.status.is_some()).count()
-    }
-
     /// The rows of a sweep.
     pub fn of(&self, sweep: Sweep) -> impl Iterator<Item = &Entry> {
         let part = move |entry: &&Entry| entry.sweep.split('+').any(|name| name == sweep.name());
@@ -147,57 +143,11 @@ impl Study {
         })
     }
 
-    /// The rows and the columns behind the common ones.
-    #[must_use]
-    pub fn table(&self) -> (Vec<Row>, Vec<Column>) {
-        let cells = |cell: &dyn Fn(&Entry) -> String| self.rows.iter().map(cell).collect::<Vec<_>>();
-        let standing = |entry: &Entry, word: fn(StandingName) -> &'static str| {
-            entry.standing.map_or_else(String::new, |name| word(name).to_owned())
-        };
-        // What is not known of the reference that a row is judged by, or is.
-        let of_reference = |known: fn(&Reference) -> Option<f64>| {
-            let cell = |(index, entry): (usize, &Entry)| {
-                let reference = self.reference(Family::of(&entry.row.reduction));
-                let judged = !entry.row.reference.is_empty() && entry.sweep != Sweep::Vehicle.name();
-                reference
-                    .filter(|found| judged || found.row == Some(index))
-                    .and_then(known)
-                    .cell()
-            };
-            self.rows.iter().enumerate().map(cell).collect::<Vec<_>>()
-        };
-        let columns: Vec<Column> = vec![
-            ("sweep", cells(&|entry| entry.sweep.clone())),
-            ("pareto", cells(&|entry| u8::from(entry.pareto).to_string())),
-            ("rho_inf", cells(&|entry| format!("{:?}", entry.rho_inf))),
-            (
-                "newton_tolerance_N",
-                cells(&|entry| format!("{:?}", entry.newton_tolerance)),
-            ),
-            (
-                "reference_uncertainty_percent_of_std",
-                of_reference(|found| found.uncertainty_percent),
-            ),
-            (
-                "reference_confirmed_to_percent_of_std",
-                of_reference(|found| found.confirmed_to_percent),
-            ),
-            (
-                "distance_from_nonlinear_percent_of_std",
-                cells(&|entry| entry.distance_from_nonlinear_percent.cell()),
-            ),
-            ("setup_s", cells(&|entry| entry.setup_s.cell())),
-            ("spans", cells(&|entry| entry.spans.cell())),
-            (
-                "working_memory_bytes",
-                cells(&|entry| entry.working_memory_bytes.cell()),
-            ),
-            ("vehicle", cells(&|entry| standing(entry, |name| name.vehicle))),
-            ("track", cells(&|entry| standing(entry, |name| name.track))),
-            ("scene_hash", cells(&|_| self.identity.clone())),
-            ("settings_hash", cells(&|entry| entry.settings.clone())),
-        ];
-        (self.rows.iter().map(|entry| entry.row.clone()).collect(), columns)
+    /// The reference that a row is judged by, or is.
+    pub(super) fn reference_of(&self, index: usize, entry: &Entry) -> Option<&Reference> {
+        let judged = !entry.row.reference.is_empty() && entry.sweep != Sweep::Vehicle.name();
+        self.reference(Family::of(&entry.row.reduction))
+            .filter(|found| judged || found.row == Some(index))
     }
 
     /// What a row is, in words: mesh, micro step, coupling, reductions.
@@ -210,6 +160,57 @@ impl Study {
     #[must_use]
     pub fn advice(&self, entry: &Entry) -> String {
         format!("{}, Newton to {} N", self.label(&entry.row), entry.newton_tolerance)
+    }
+}
+
+impl Table for Study {
+    fn sheet(&self) -> Sheet {
+        let vehicle = |entry: &Entry, word: fn(VehicleVariantName) -> &'static str| {
+            entry
+                .vehicle_variant
+                .map_or_else(String::new, |name| word(name).to_owned())
+        };
+        let of_reference = |index: usize, entry: &Entry, known: fn(&Reference) -> Option<f64>| {
+            self.reference_of(index, entry).and_then(known).cell()
+        };
+        let columns = Columns::of(&self.rows)
+            .text("sweep", |entry| entry.sweep.clone())
+            .text("pareto", |entry| u8::from(entry.pareto).to_string())
+            .text("rho_inf", |entry| format!("{:?}", entry.rho_inf))
+            .text("newton_tolerance_N", |entry| format!("{:?}", entry.newton_tolerance))
+            .indexed("reference_uncertainty_percent_of_std", |index, entry| {
+                of_reference(index, entry, |found| found.uncertainty_percent)
+            })
+            .indexed("reference_confirmed_to_percent_of_std", |index, entry| {
+                of_reference(index, entry, |found| found.confirmed_to_percent)
+            })
+            .value("distance_from_nonlinear_percent_of_std", |entry| {
+                entry.distance_from_nonlinear_percent
+            })
+            .value("setup_s", |entry| entry.setup_s)
+            .count("spans", |entry| entry.spans)
+            .count("working_memory_bytes", |entry| entry.working_memory_bytes)
+            .text("vehicle", |entry| vehicle(entry, |name| name.vehicle))
+            .text("track", |entry| vehicle(entry, |name| name.track))
+            .text("scene_hash", |_| self.identity.clone())
+            .text("settings_hash", |entry| entry.settings.clone());
+        Sheet {
+            leading: Vec::new(),
+            rows: self.rows.iter().map(|entry| entry.row.clone()).collect(),
+            trailing: columns.finish(),
+        }
+    }
+
+    fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    fn text(&self) -> String {
+        super::text(self)
+    }
+
+    fn sections(&self) -> Page {
+        super::page(self)
     }
 }
 

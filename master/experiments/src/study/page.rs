@@ -1,17 +1,22 @@
 //! `study.html`.
 
-use super::front::{TARGETS, speed};
 use super::outcome::{Entry, Study};
+use super::pareto::{TARGETS, speed};
 use super::plan::Sweep;
-use super::recipe::Class;
+use super::run_spec::Class;
 use super::text::known;
 use super::{CSV, plots};
-use crate::table_of_runs::{Row, SETTLE, STATUS_RULE, Status, milliseconds, significant};
+use crate::engine::Table as _;
+use crate::engine::export::{
+    count, fixed, incomplete, number, scrolled, status_counts, status_rule, status_span, step,
+};
+use crate::engine::run::SETTLE;
+use crate::engine::table::{Row, Status, milliseconds};
 use results::report::{Page, escape, head_cells, remarks};
 
 /// The page of a study.
 #[must_use]
-pub fn page(study: &Study) -> String {
+pub fn page(study: &Study) -> Page {
     let title = if study.title.is_empty() {
         &study.scene
     } else {
@@ -32,37 +37,17 @@ pub fn page(study: &Study) -> String {
     page.section("Length of the line", &growth(study));
     page.section("All runs", &all(study));
     page.section("How to read this", &legend(study));
-    page.finish()
-}
-
-/// Three significant digits, or nothing.
-fn number(value: Option<f64>) -> String {
-    significant(value).unwrap_or_default()
+    page
 }
 
 fn lead(study: &Study) -> String {
     let mut html = format!("<p><b>{}</b> · {} runs", escape(&study.scene), study.rows.len());
-    let counts = [Status::Stable, Status::Limit, Status::Diverged, Status::Refused].map(|status| {
-        let count = study
-            .rows
-            .iter()
-            .filter(|entry| entry.row.status == Some(status))
-            .count();
-        (count > 0).then(|| format!("{count} {}", status.name()))
-    });
-    let counts: Vec<String> = counts.into_iter().flatten().collect();
-    html.push_str(&format!(": {}</p>\n", counts.join(", ")));
+    html.push_str(&format!(": {}</p>\n", status_counts(&study.sheet().rows)));
     html.push_str(&format!("<p>Machine: {}</p>\n", escape(&study.machine.name())));
     if !study.source.is_empty() {
         html.push_str(&format!("<p class=\"soft\">{}</p>\n", escape(&study.source)));
     }
-    if !study.complete {
-        html.push_str(&format!(
-            "<p class=\"warning\">Incomplete: {} of {} runs were made. The same command goes on from here.</p>\n",
-            study.made(),
-            study.rows.len()
-        ));
-    }
+    html.push_str(&incomplete(study, " The same command goes on from here."));
     html.push_str(&remarks(&study.notes));
     html
 }
@@ -115,10 +100,10 @@ fn recommended(study: &Study) -> String {
         body.push_str("</tr>\n");
     }
     format!(
-        "<div class=\"scroll\"><table><thead><tr><th></th>{head}</tr></thead><tbody>{body}</tbody></table></div>\n\
-         <p class=\"caption\">The cheapest stable run whose filtered contact force is right to the percentage of its standard \
+        "{}<p class=\"caption\">The cheapest stable run whose filtered contact force is right to the percentage of its standard \
          deviation σ, rms over the evaluation range, against the reference of its own model; what is known of that is said where it is \
-         less than the percentage.</p>\n"
+         less than the percentage.</p>\n",
+        scrolled(&format!("<th></th>{head}"), &body)
     )
 }
 
@@ -154,12 +139,15 @@ fn references(study: &Study) -> String {
                 ));
             }
         }
-        html.push_str(&format!(
-            "<div class=\"scroll\"><table><thead><tr><th>{} line, mesh</th><th class=\"n\">elements<br>per span</th>\
-             <th class=\"n\">micro step<br>ms</th><th class=\"n\">σ<br>N</th><th class=\"n\">from the level before<br>% of σ</th>\
-             </tr></thead><tbody>{body}</tbody></table></div>\n",
-            reference.family.name()
-        ));
+        let mesh = format!("{} line, mesh", reference.family.name());
+        let head = head_cells([
+            (&*mesh, "", false),
+            ("elements", "per span", true),
+            ("micro step", "ms", true),
+            ("σ", "N", true),
+            ("from the level before", "% of σ", true),
+        ]);
+        html.push_str(&scrolled(&head, &body));
     }
     html
 }
@@ -191,21 +179,24 @@ fn orders(study: &Study) -> String {
                 .map_or_else(|| "none".to_owned(), |order| format!("{order:.1}")),
         ));
     }
+    let head = head_cells([
+        ("refined", "", false),
+        ("the same", "", false),
+        ("elements per span or ms", "", true),
+        ("first difference", "% of σ", true),
+        ("second", "% of σ", true),
+        ("order", "", true),
+    ]);
     format!(
-        "<div class=\"scroll\"><table><thead><tr><th>refined</th><th>the same</th><th class=\"n\">elements per span or ms</th>\
-         <th class=\"n\">first difference<br>% of σ</th><th class=\"n\">second<br>% of σ</th><th class=\"n\">order</th></tr></thead>\
-         <tbody>{body}</tbody></table></div>\n<p class=\"caption\">From the differences of three successive runs; no reference \
+        "{}<p class=\"caption\">From the differences of three successive runs; no reference \
          takes part, so that neither the other discretisation nor the reference's own error spoils it. None: the differences do \
-         not fall.</p>\n"
+         not fall.</p>\n",
+        scrolled(&head, &body)
     )
 }
 
 /// Columns of a table of runs: heading, unit, whether it is text, cell.
 type Cells = [(&'static str, &'static str, bool, fn(&Study, &Entry) -> String)];
-
-fn fixed(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(String::new, |value| format!("{value:.digits$}"))
-}
 
 const COLUMNS: &Cells = &[
     ("", "", true, |_, entry| {
@@ -220,7 +211,7 @@ const COLUMNS: &Cells = &[
     ("ρ∞", "", false, |_, entry| format!("{}", entry.rho_inf)),
     ("Newton", "N", false, |_, entry| format!("{}", entry.newton_tolerance)),
     ("reductions", "", true, |_, entry| breakable(&entry.row.reduction)),
-    ("status", "", true, |_, entry| status(&entry.row)),
+    ("status", "", true, |_, entry| status_span(entry.row.status)),
     ("error", "% of σ", false, |_, entry| number(entry.row.filtered_error)),
     ("raw error", "% of σ", false, |_, entry| number(entry.row.raw_error)),
     ("σ error", "%", false, |_, entry| number(entry.row.std_error)),
@@ -235,14 +226,6 @@ const COLUMNS: &Cells = &[
     ("coordinates", "", false, |_, entry| count(entry.row.coordinates)),
 ];
 
-fn count(value: Option<u64>) -> String {
-    value.map_or_else(String::new, |value| value.to_string())
-}
-
-fn step(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |value| milliseconds(Some(value)))
-}
-
 fn exchange(row: &Row) -> String {
     match row.macro_step {
         None => "one system".to_owned(),
@@ -252,14 +235,6 @@ fn exchange(row: &Row) -> String {
                 .map_or_else(String::new, |degree| format!(" ({degree})"));
             format!("{}{degree} {}", escape(&row.algorithm), milliseconds(Some(step)))
         }
-    }
-}
-
-fn status(row: &Row) -> String {
-    match row.status {
-        Some(Status::Stable) => "<span class=\"good\">stable</span>".to_owned(),
-        Some(status) => format!("<span class=\"bad\">{}</span>", status.name()),
-        None => "not run".to_owned(),
     }
 }
 
@@ -277,7 +252,7 @@ fn table<'a>(study: &Study, rows: impl Iterator<Item = &'a Entry>, columns: &Cel
     if body.is_empty() {
         return String::new();
     }
-    format!("<div class=\"scroll\"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>\n")
+    scrolled(&head, &body)
 }
 
 /// The rows of a sweep, and why those that did not run did not.
@@ -314,12 +289,12 @@ fn part(study: &Study, sweep: Sweep) -> String {
 fn vehicles(study: &Study) -> String {
     const VEHICLES: &Cells = &[
         ("track", "", true, |_, entry| {
-            breakable(entry.standing.map_or("", |name| name.track))
+            breakable(entry.vehicle_variant.map_or("", |name| name.track))
         }),
         ("vehicle", "", true, |_, entry| {
-            breakable(entry.standing.map_or("", |name| name.vehicle))
+            breakable(entry.vehicle_variant.map_or("", |name| name.vehicle))
         }),
-        ("status", "", true, |_, entry| status(&entry.row)),
+        ("status", "", true, |_, entry| status_span(entry.row.status)),
         ("difference", "% of σ", false, |_, entry| {
             number(vehicle_error(entry, entry.row.filtered_error))
         }),
@@ -361,7 +336,7 @@ fn growth(study: &Study) -> String {
     const GROWTH: &Cells = &[
         ("spans", "", false, |_, entry| count(entry.spans)),
         ("line", "", true, |_, entry| Class::of(&entry.row.reduction).name()),
-        ("status", "", true, |_, entry| status(&entry.row)),
+        ("status", "", true, |_, entry| status_span(entry.row.status)),
         ("coordinates", "", false, |_, entry| count(entry.row.coordinates)),
         ("time loop", "s per simulated s", false, |_, entry| {
             number(entry.row.real_time_factor)
@@ -403,8 +378,8 @@ fn all(study: &Study) -> String {
             })
             .collect();
         html.push_str(&format!(
-            "<details><summary>What is to be said of runs</summary><div class=\"scroll\"><table><thead><tr><th class=\"n\">runs</th>\
-             <th>reason</th></tr></thead><tbody>{said}</tbody></table></div></details>\n"
+            "<details><summary>What is to be said of runs</summary>{}</details>\n",
+            scrolled("<th class=\"n\">runs</th><th>reason</th>", &said)
         ));
     }
     html.push_str(&format!(
@@ -424,10 +399,6 @@ fn legend(study: &Study) -> String {
          on all cores at once, wall times one run at a time afterwards: time loop only, median of the repeats. Runs of references \
          that are too fine to be anybody's choice are not timed again.</p>\n<p>{}.</p>\n",
         study.simulated_s,
-        escape(STATUS_RULE)
-            .replace("limit:", "<b>limit</b>:")
-            .replace("diverged:", "<b>diverged</b>:")
-            .replace("refused:", "<b>refused</b>:")
-            .replace("stable:", "<b>stable</b>:")
+        status_rule()
     )
 }

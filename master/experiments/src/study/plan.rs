@@ -1,9 +1,12 @@
 //! Which runs a study is made of: a base case, sweeps that change one thing at a time, and a ladder of balanced recipes.
 
-use super::recipe::{Class, Exchange, Ground, Mesh, Recipe};
+use scene::Scene;
+
+use super::run_spec::{Class, Exchange, Mesh, RunSpec, Subject};
 use super::vehicle::OWN;
 use crate::compare::algorithms;
-use crate::table_of_runs::{AUTO, Row, Variant};
+use crate::engine::Variant;
+use crate::engine::table::{AUTO, Row};
 use simulation::Mode;
 use simulation::sliding_joint;
 
@@ -148,12 +151,12 @@ impl Sweep {
 
 /// One run of the plan.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Planned {
+pub struct StudyRun {
     /// What is run.
-    pub recipe: Recipe,
+    pub spec: RunSpec,
     /// The same as a variant of the scene.
     pub variant: Variant,
-    /// Its scene with every default written out; nothing where the scene refuses the recipe.
+    /// Its scene with every default written out; nothing where the scene refuses the spec.
     pub scene: Option<String>,
     /// What it is part of.
     pub sweeps: Vec<Sweep>,
@@ -161,18 +164,18 @@ pub struct Planned {
     pub work: f64,
 }
 
-impl Planned {
-    /// That of a recipe.
+impl StudyRun {
+    /// That of a spec.
     #[must_use]
-    pub fn new(ground: &Ground, recipe: Recipe, sweep: Sweep) -> Self {
-        let variant = ground.variant(&recipe);
-        let scene = system::load(ground.text_of(&recipe), &ground.name, &variant.overrides);
+    pub fn new(subject: &Subject, spec: RunSpec, sweep: Sweep) -> Self {
+        let variant = subject.variant(&spec);
+        let scene = system::load(subject.text_of(&spec), &subject.name, &variant.overrides);
         Self {
-            work: ground.work(&recipe),
+            work: subject.work(&spec),
             scene: scene.ok().map(|scene| scene.to_toml()),
             variant,
             sweeps: vec![sweep],
-            recipe,
+            spec,
         }
     }
 
@@ -185,11 +188,16 @@ impl Planned {
             && self.variant.mode == other.variant.mode
             && self.variant.algorithm == other.variant.algorithm;
         // What stands on no track is judged by what stands on each.
-        let track = |run: &Self| run.recipe.standing.as_ref().map_or(OWN, |standing| standing.name.track);
+        let track = |run: &Self| {
+            run.spec
+                .vehicle_variant
+                .as_ref()
+                .map_or(OWN, |vehicle_variant| vehicle_variant.name.track)
+        };
         one && track(self) == track(other)
             && match (&self.scene, &other.scene) {
                 (Some(own), Some(theirs)) => own == theirs,
-                (None, None) => self.recipe == other.recipe,
+                (None, None) => self.spec == other.spec,
                 _ => false,
             }
     }
@@ -200,22 +208,28 @@ impl Planned {
         self.sweeps == [Sweep::Vehicle]
     }
 
+    /// Whether it is there for the growth of cost with the number of spans.
+    #[must_use]
+    pub fn is_growth(&self) -> bool {
+        self.sweeps.contains(&Sweep::Spans)
+    }
+
     /// Rows that it competes with.
     #[must_use]
     pub fn class(&self) -> Class {
-        Class::of(&self.recipe.reductions.join("+"))
+        Class::of(&self.spec.reductions.join("+"))
     }
 }
 
 /// Runs in the order in which they were asked for; none twice.
 struct Runs<'a> {
-    ground: &'a Ground,
-    runs: Vec<Planned>,
+    subject: &'a Subject,
+    runs: Vec<StudyRun>,
 }
 
 impl Runs<'_> {
-    fn add(&mut self, recipe: Recipe, sweep: Sweep) {
-        let planned = Planned::new(self.ground, recipe, sweep);
+    fn add(&mut self, spec: RunSpec, sweep: Sweep) {
+        let planned = StudyRun::new(self.subject, spec, sweep);
         match self.runs.iter_mut().find(|had| had.same(&planned)) {
             Some(had) => {
                 if !had.sweeps.contains(&sweep) {
@@ -229,28 +243,28 @@ impl Runs<'_> {
 
 /// The base case: what resolves the waves and the band of the filter.
 #[must_use]
-pub fn base(ground: &Ground) -> Recipe {
-    Recipe {
-        mesh: ground.corrected(ground.elements),
-        micro_step: ground.micro_step,
-        rho_inf: ground.scene.solver.rho_inf,
-        newton_tolerance: ground.scene.solver.newton_tolerance,
-        reductions: ground.reductions.clone(),
-        exchange: ground.plain_exchange(ground.micro_step),
+pub fn base(subject: &Subject) -> RunSpec {
+    RunSpec {
+        mesh: subject.corrected(subject.elements),
+        micro_step: subject.micro_step,
+        rho_inf: subject.scene.solver.rho_inf,
+        newton_tolerance: subject.scene.solver.newton_tolerance,
+        reductions: subject.reductions.clone(),
+        exchange: subject.plain_exchange(subject.micro_step),
         spans: None,
-        standing: None,
+        vehicle_variant: None,
     }
 }
 
 /// All runs but those of the references.
 #[must_use]
-pub fn plan(ground: &Ground, options: &Options) -> Vec<Planned> {
+pub fn plan(subject: &Subject, options: &Options) -> Vec<StudyRun> {
     let mut runs = Runs {
-        ground,
+        subject,
         runs: Vec::new(),
     };
     scene(&mut runs);
-    runs.add(base(ground), Sweep::Mesh);
+    runs.add(base(subject), Sweep::Mesh);
     mesh(&mut runs, options);
     micro_step(&mut runs, options);
     coupling(&mut runs, options);
@@ -270,99 +284,99 @@ pub fn plan(ground: &Ground, options: &Options) -> Vec<Planned> {
 
 /// What the scene says itself: as one system and coupled.
 fn scene(runs: &mut Runs<'_>) {
-    let ground = runs.ground;
-    let reductions = ground.scene.model.reductions.iter();
+    let subject = runs.subject;
+    let reductions = subject.scene.model.reductions.iter();
     // As it divides the scene's macro step, which a run as one system does not have here.
-    let row = Row::planned(&ground.name, &ground.scene, Mode::Monolithic, "");
-    let own = Recipe {
+    let row = Row::planned(&subject.name, &subject.scene, Mode::Monolithic, "");
+    let own = RunSpec {
         mesh: Mesh::Scene,
-        micro_step: row.micro_step.unwrap_or(ground.scene.solver.micro_step),
+        micro_step: row.micro_step.unwrap_or(subject.scene.solver.micro_step),
         reductions: reductions.map(|reduction| reduction.name().to_owned()).collect(),
         exchange: Exchange::Scene,
-        ..base(ground)
+        ..base(subject)
     };
-    if ground.one_system {
+    if subject.one_system {
         let exchange = Exchange::None;
         runs.add(
-            Recipe {
+            RunSpec {
                 exchange,
                 ..own.clone()
             },
             Sweep::Scene,
         );
     }
-    if !sliding_joint::holds(&ground.scene) {
+    if !sliding_joint::holds(&subject.scene) {
         runs.add(own, Sweep::Scene);
     }
 }
 
 /// Whether there is a mesh without corrections beside the corrected one.
-fn both(ground: &Ground) -> bool {
-    ground
+fn both(subject: &Subject) -> bool {
+    subject
         .corrections
         .as_ref()
         .is_some_and(|corrections| !corrections.is_empty())
 }
 
 fn mesh(runs: &mut Runs<'_>, options: &Options) {
-    let ground = runs.ground;
-    if !ground.meshed {
+    let subject = runs.subject;
+    if !subject.meshed {
         return;
     }
-    let with = |mesh: Mesh| Recipe { mesh, ..base(ground) };
+    let with = |mesh: Mesh| RunSpec { mesh, ..base(subject) };
     for &elements in &options.elements {
-        runs.add(with(ground.corrected(elements)), Sweep::Mesh);
-        runs.add(with(ground.mesh(elements, Vec::new())), Sweep::Mesh);
+        runs.add(with(subject.corrected(elements)), Sweep::Mesh);
+        runs.add(with(subject.mesh(elements, Vec::new())), Sweep::Mesh);
     }
-    let corrections = ground.corrections.clone().unwrap_or_default();
+    let corrections = subject.corrections.clone().unwrap_or_default();
     if options.quick || corrections.len() < 2 {
         return;
     }
     // Each correction alone, and all but one.
     for index in 0..corrections.len() {
         runs.add(
-            with(ground.mesh(ground.elements, vec![corrections[index].clone()])),
+            with(subject.mesh(subject.elements, vec![corrections[index].clone()])),
             Sweep::Mesh,
         );
         let mut others = corrections.clone();
         others.remove(index);
-        runs.add(with(ground.mesh(ground.elements, others)), Sweep::Mesh);
+        runs.add(with(subject.mesh(subject.elements, others)), Sweep::Mesh);
     }
 }
 
 fn micro_step(runs: &mut Runs<'_>, options: &Options) {
-    let ground = runs.ground;
+    let subject = runs.subject;
     for &micro_step in &options.micro_steps {
-        let with = |mesh: Mesh| Recipe {
+        let with = |mesh: Mesh| RunSpec {
             mesh,
             micro_step,
-            exchange: ground.plain_exchange(micro_step),
-            ..base(ground)
+            exchange: subject.plain_exchange(micro_step),
+            ..base(subject)
         };
-        runs.add(with(ground.corrected(ground.elements)), Sweep::MicroStep);
-        if both(ground) {
-            runs.add(with(ground.mesh(ground.elements, Vec::new())), Sweep::MicroStep);
+        runs.add(with(subject.corrected(subject.elements)), Sweep::MicroStep);
+        if both(subject) {
+            runs.add(with(subject.mesh(subject.elements, Vec::new())), Sweep::MicroStep);
         }
     }
 }
 
 /// The automatic choice at every macro step; the other algorithms, and degrees of extrapolation, at the middle one.
 fn coupling(runs: &mut Runs<'_>, options: &Options) {
-    let ground = runs.ground;
-    if sliding_joint::holds(&ground.scene) {
+    let subject = runs.subject;
+    if sliding_joint::holds(&subject.scene) {
         return;
     }
     let mut steps = options.macro_steps.clone();
     steps.sort_by(f64::total_cmp);
-    let with = |algorithm: &str, extrapolation: Option<usize>, macro_step: f64| Recipe {
+    let with = |algorithm: &str, extrapolation: Option<usize>, macro_step: f64| RunSpec {
         exchange: Exchange::Of {
             algorithm: algorithm.to_owned(),
             extrapolation,
             macro_step,
         },
         // No longer than the macro step: a run and its row say the same.
-        micro_step: ground.micro_step.min(macro_step),
-        ..base(ground)
+        micro_step: subject.micro_step.min(macro_step),
+        ..base(subject)
     };
     for &step in &steps {
         runs.add(with(AUTO, None, step), Sweep::Coupling);
@@ -386,24 +400,24 @@ fn coupling(runs: &mut Runs<'_>, options: &Options) {
 
 /// All on one mesh: with those corrections that go with every one of them.
 fn rho_inf(runs: &mut Runs<'_>, options: &Options) {
-    let ground = runs.ground;
-    let with = |corrections: &[String], rho_inf: f64| Recipe {
-        mesh: ground.mesh(ground.elements, corrections.to_vec()),
+    let subject = runs.subject;
+    let with = |corrections: &[String], rho_inf: f64| RunSpec {
+        mesh: subject.mesh(subject.elements, corrections.to_vec()),
         rho_inf,
-        ..base(ground)
+        ..base(subject)
     };
     let goes = |corrections: &Vec<String>| {
         let mut all = options.rho_inf.iter();
-        all.all(|rho_inf| ground.takes(&ground.variant(&with(corrections, *rho_inf)).overrides))
+        all.all(|rho_inf| subject.takes(&subject.variant(&with(corrections, *rho_inf)).overrides))
     };
-    let corrections = ground.correction_sets().into_iter().find(goes).unwrap_or_default();
+    let corrections = subject.correction_sets().into_iter().find(goes).unwrap_or_default();
     for &rho_inf in &options.rho_inf {
         runs.add(with(&corrections, rho_inf), Sweep::RhoInf);
     }
 }
 
 /// The usual sets, each with what the scene has anyway; those that were asked for as they are.
-fn reduction_sets(ground: &Ground, options: &Options) -> Vec<Vec<String>> {
+fn reduction_sets(subject: &Subject, options: &Options) -> Vec<Vec<String>> {
     let set = |text: &str| -> Vec<String> {
         let names = text
             .split('+')
@@ -415,29 +429,29 @@ fn reduction_sets(ground: &Ground, options: &Options) -> Vec<Vec<String>> {
         return options.reductions.iter().map(|text| set(text)).collect();
     }
     let linkage = |pantograph: &scene::Pantograph| matches!(pantograph.model, scene::PantographModel::Linkage(_));
-    let mut sets = vec![Vec::new(), ground.with(&[])];
-    if ground.scene.pushed_sideways().is_none() {
+    let mut sets = vec![Vec::new(), subject.with(&[])];
+    if subject.scene.pushed_sideways().is_none() {
         sets.push(set("planar"));
     }
-    if ground.scene.pantographs.iter().any(linkage) {
-        sets.push(ground.with(&["linkage"]));
+    if subject.scene.pantographs.iter().any(linkage) {
+        sets.push(subject.with(&["linkage"]));
     }
-    sets.push(ground.with(&["linearised"]));
-    sets.push(ground.with(&["window"]));
-    sets.push(ground.with(&["linearised", "window"]));
+    sets.push(subject.with(&["linearised"]));
+    sets.push(subject.with(&["window"]));
+    sets.push(subject.with(&["linearised", "window"]));
     sets
 }
 
 fn reductions(runs: &mut Runs<'_>, options: &Options) {
-    let ground = runs.ground;
-    if !ground.meshed {
+    let subject = runs.subject;
+    if !subject.meshed {
         return;
     }
-    for reductions in reduction_sets(ground, options) {
+    for reductions in reduction_sets(subject, options) {
         runs.add(
-            Recipe {
+            RunSpec {
                 reductions,
-                ..base(ground)
+                ..base(subject)
             },
             Sweep::Reductions,
         );
@@ -446,14 +460,14 @@ fn reductions(runs: &mut Runs<'_>, options: &Options) {
 
 /// The base case on everything else that the pantograph may stand on, with all reductions that change nothing there.
 fn vehicle(runs: &mut Runs<'_>) {
-    let ground = runs.ground;
-    for standing in &ground.standings {
-        let recipe = Recipe {
+    let subject = runs.subject;
+    for vehicle_variant in &subject.vehicle_variants {
+        let spec = RunSpec {
             reductions: vec![AUTO.to_owned()],
-            standing: Some(standing.clone()),
-            ..base(ground)
+            vehicle_variant: Some(vehicle_variant.clone()),
+            ..base(subject)
         };
-        runs.add(recipe, Sweep::Vehicle);
+        runs.add(spec, Sweep::Vehicle);
     }
 }
 
@@ -504,55 +518,55 @@ const SHORT_LADDER: [(usize, f64); 12] = [
 const LADDER_TOLERANCE: f64 = 0.3;
 
 fn ladder(runs: &mut Runs<'_>, options: &Options) {
-    let ground = runs.ground;
-    if !ground.meshed {
+    let subject = runs.subject;
+    if !subject.meshed {
         return;
     }
     let rungs = if options.quick { &SHORT_LADDER[..] } else { &LADDER[..] };
-    let recipe = |(elements, micro_step): (usize, f64), corrections: &[String], reductions: &[String]| {
-        let elements = (ground.elements * elements).div_ceil(8).max(1);
-        let micro_step = 0.125 * micro_step * ground.micro_step;
-        Recipe {
-            mesh: ground.even_mesh(elements, corrections.to_vec()),
+    let spec = |(elements, micro_step): (usize, f64), corrections: &[String], reductions: &[String]| {
+        let elements = (subject.elements * elements).div_ceil(8).max(1);
+        let micro_step = 0.125 * micro_step * subject.micro_step;
+        RunSpec {
+            mesh: subject.even_mesh(elements, corrections.to_vec()),
             micro_step,
             reductions: reductions.to_vec(),
-            exchange: ground.plain_exchange(micro_step),
-            newton_tolerance: ground.scene.solver.newton_tolerance.max(LADDER_TOLERANCE),
-            ..base(ground)
+            exchange: subject.plain_exchange(micro_step),
+            newton_tolerance: subject.scene.solver.newton_tolerance.max(LADDER_TOLERANCE),
+            ..base(subject)
         }
     };
-    let corrections = ground.corrections.clone().unwrap_or_default();
+    let corrections = subject.corrections.clone().unwrap_or_default();
     let classes: [&[&str]; 4] = [&[], &["window"], &["linearised"], &["linearised", "window"]];
     for names in classes {
-        let reductions = ground.with(names);
-        if !names.is_empty() && !ground.takes_reductions(&reductions) {
+        let reductions = subject.with(names);
+        if !names.is_empty() && !subject.takes_reductions(&reductions) {
             continue;
         }
         for &rung in rungs {
-            runs.add(recipe(rung, &corrections, &reductions), Sweep::Ladder);
+            runs.add(spec(rung, &corrections, &reductions), Sweep::Ladder);
         }
     }
-    if both(ground) && !options.quick {
-        let mut fine = recipe((16, 4.0), &[], &ground.reductions);
-        fine.micro_step = 0.25 * ground.micro_step;
-        fine.exchange = ground.plain_exchange(fine.micro_step);
+    if both(subject) && !options.quick {
+        let mut fine = spec((16, 4.0), &[], &subject.reductions);
+        fine.micro_step = 0.25 * subject.micro_step;
+        fine.exchange = subject.plain_exchange(fine.micro_step);
         runs.add(fine, Sweep::Ladder);
     }
 }
 
 fn spans(runs: &mut Runs<'_>, options: &Options) {
-    let ground = runs.ground;
-    if !ground.meshed {
+    let subject = runs.subject;
+    if !subject.meshed {
         return;
     }
     for (names, counts) in [(&[][..], &options.spans), (&["window"][..], &options.window_spans)] {
         for &count in counts {
-            let recipe = Recipe {
-                reductions: ground.with(names),
+            let spec = RunSpec {
+                reductions: subject.with(names),
                 spans: Some(count),
-                ..base(ground)
+                ..base(subject)
             };
-            runs.add(recipe, Sweep::Spans);
+            runs.add(spec, Sweep::Spans);
         }
     }
 }

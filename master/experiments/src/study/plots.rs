@@ -4,13 +4,13 @@ use plotly::Scatter;
 use plotly::common::{DashType, Font, HoverInfo, Line, Marker, MarkerSymbol, Mode as Draw, Position};
 use plotly::layout::HoverMode;
 
-use super::front::point;
 use super::labels::Labels;
 use super::outcome::{Entry, Study};
+use super::pareto::point;
 use super::plan::Sweep;
-use super::recipe::{Class, Family};
+use super::run_spec::{Class, Family};
 use super::text::shortened;
-use crate::table_of_runs::{Row, Status, milliseconds, significant};
+use crate::engine::table::{Row, Status, milliseconds, significant};
 use results::report::plots::{COLOURS, decades_of, finished, layout, logarithmic};
 
 /// A curve as the plots take it.
@@ -160,7 +160,10 @@ pub(super) fn precision(study: &Study) -> String {
         traces.push(bound([low, high], [uncertainty, uncertainty], name));
     }
     let layout = layout(
-        logarithmic("real-time factor: wall time of the time loop over simulated time"),
+        decades_of(
+            "real-time factor: wall time of the time loop over simulated time",
+            [fastest, slowest],
+        ),
         decades_of(ERROR, [best, worst]),
     );
     format!(
@@ -315,7 +318,7 @@ pub(super) fn coupling(study: &Study) -> String {
     let rows: Vec<&Entry> = study.of(Sweep::Coupling).collect();
     let x = |row: &Row| Some(1e3 * row.macro_step?);
     let name = |row: &Row| match row.extrapolation {
-        Some(degree) if row.algorithm != crate::table_of_runs::AUTO => {
+        Some(degree) if row.algorithm != crate::engine::table::AUTO => {
             format!("{}, extrapolation {degree}", row.algorithm)
         }
         _ => row.algorithm.clone(),

@@ -4,16 +4,17 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::execute::StudyError;
-use super::plan::{Options, Planned, Sweep, base};
-use super::recipe::{Family, Ground, Mesh, Recipe};
-use crate::table_of_runs::{Attempt, Curve, Errors, NO_ERRORS, Status};
+use super::plan::{Options, StudyRun, Sweep, base};
+use super::run_spec::{Family, Mesh, RunSpec, Subject};
+use crate::engine::Attempt;
+use crate::engine::ExperimentError;
+use crate::engine::table::{Curve, Errors, NO_ERRORS, Status};
 
 /// Most levels: each has twice the elements at half the micro step.
 const LEVELS: u32 = 8;
 
 /// Makes a run; nothing when the study is to end.
-pub type Run<'a> = dyn FnMut(&Planned) -> Result<Option<Arc<Attempt>>, StudyError> + 'a;
+pub type Run<'a> = dyn FnMut(&StudyRun) -> Result<Option<Arc<Attempt>>, ExperimentError> + 'a;
 
 /// How the mesh of a reference is refined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -40,7 +41,7 @@ impl Discretisation {
 #[derive(Clone, Debug)]
 pub struct Level {
     /// What was run.
-    pub planned: Planned,
+    pub planned: StudyRun,
     /// Its run.
     pub made: Arc<Attempt>,
     /// Difference of the filtered force from the level before, % of the standard deviation.
@@ -71,38 +72,38 @@ impl Refinement {
 }
 
 /// Level `number` (from 0) of a refinement.
-fn level(ground: &Ground, family: Family, discretisation: Discretisation, number: u32) -> Planned {
+fn level(subject: &Subject, family: Family, discretisation: Discretisation, number: u32) -> StudyRun {
     // Plain elements begin where corrected ones have their second level.
-    let both = ground
+    let both = subject
         .corrections
         .as_ref()
         .is_some_and(|corrections| !corrections.is_empty());
     let ahead = u32::from(discretisation == Discretisation::Plain && both);
-    let elements = ground.elements << (number + ahead);
-    let micro_step = 0.5 * ground.micro_step / f64::from(1_u32 << number);
-    let mut reductions = ground.exact();
+    let elements = subject.elements << (number + ahead);
+    let micro_step = 0.5 * subject.micro_step / f64::from(1_u32 << number);
+    let mut reductions = subject.exact();
     if family != Family::Nonlinear {
         reductions.push(family.name().to_owned());
     }
     let mesh: Mesh = match discretisation {
-        Discretisation::Corrected => ground.corrected(elements),
-        Discretisation::Plain => ground.mesh(elements, Vec::new()),
+        Discretisation::Corrected => subject.corrected(elements),
+        Discretisation::Plain => subject.mesh(elements, Vec::new()),
     };
-    let recipe = Recipe {
+    let spec = RunSpec {
         mesh,
         micro_step,
         reductions,
         // Somebody else's side: the macro step is refined with the micro step.
-        exchange: ground.plain_exchange(micro_step),
-        ..base(ground)
+        exchange: subject.plain_exchange(micro_step),
+        ..base(subject)
     };
-    Planned::new(ground, recipe, Sweep::Reference)
+    StudyRun::new(subject, spec, Sweep::Reference)
 }
 
 /// Work of the levels that a refinement is expected to need.
 #[must_use]
-pub fn expected_work(ground: &Ground, options: &Options, family: Family, discretisation: Discretisation) -> f64 {
-    let works = (0..3).map(|number| level(ground, family, discretisation, number).work);
+pub fn expected_work(subject: &Subject, options: &Options, family: Family, discretisation: Discretisation) -> f64 {
+    let works = (0..3).map(|number| level(subject, family, discretisation, number).work);
     works.filter(|work| *work <= options.work).sum()
 }
 
@@ -112,12 +113,12 @@ pub fn expected_work(ground: &Ground, options: &Options, family: Family, discret
 /// # Errors
 /// What `run` returns.
 pub fn refine(
-    ground: &Ground,
+    subject: &Subject,
     options: &Options,
     family: Family,
     discretisation: Discretisation,
     run: &mut Run<'_>,
-) -> Result<Option<Refinement>, StudyError> {
+) -> Result<Option<Refinement>, ExperimentError> {
     let mut found = Refinement {
         family,
         discretisation,
@@ -126,7 +127,7 @@ pub fn refine(
         ended: format!("after {LEVELS} levels"),
     };
     for number in 0..LEVELS {
-        let planned = level(ground, family, discretisation, number);
+        let planned = level(subject, family, discretisation, number);
         if planned.work > options.work {
             found.ended = format!(
                 "the next level is {:.1e} coordinates times micro steps, more than the limit of {:.1e} (--reference-work)",
@@ -138,7 +139,7 @@ pub fn refine(
             return Ok(None);
         };
         if made.row.status == Some(Status::Refused) || !made.complete || made.curves.is_empty() {
-            let micro_step = 1e3 * planned.recipe.micro_step;
+            let micro_step = 1e3 * planned.spec.micro_step;
             let mut row = made.row.clone();
             made.remarks.iter().for_each(|remark| row.remark(remark));
             found.ended = format!(
@@ -171,8 +172,8 @@ pub fn refine(
 
 /// Refinements that a study needs for its families.
 #[must_use]
-pub fn wanted(ground: &Ground, families: &[Family]) -> Vec<(Family, Discretisation)> {
-    let both = ground
+pub fn wanted(subject: &Subject, families: &[Family]) -> Vec<(Family, Discretisation)> {
+    let both = subject
         .corrections
         .as_ref()
         .is_some_and(|corrections| !corrections.is_empty());

@@ -4,8 +4,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use scene::{Division, Scene};
 
 use super::*;
-use crate::table_of_runs::{Row, Status};
-use results::report::{Progress, Show};
+use crate::engine::Table as _;
+use crate::engine::export::{Csv, Exporter as _};
+use crate::engine::table::{Row, Status};
+use crate::engine::tests::executed_in;
 use simulation::Mode;
 
 /// A line of three short spans under the standard's pantograph, slow, filtered at 10 Hz: four elements per interval and 2 ms
@@ -55,14 +57,11 @@ fn scripted(scene: Scene, options: Options) -> Script {
 fn studied(script: &Script, folder: &Path, stop: Option<usize>) -> Study {
     let store = script.store(folder).unwrap();
     let interrupted = AtomicBool::new(false);
-    let progress = Progress::share("", Show::Never);
-    study(script, &store, &interrupted, &progress, &mut |study| {
-        if stop.is_some_and(|stop| study.made() >= stop) {
+    executed_in(&store, script, script.machine.cores, &interrupted, &mut |study| {
+        if stop.is_some_and(|stop| study.made().0 >= stop) {
             interrupted.store(true, Ordering::Relaxed);
         }
-        Ok(())
     })
-    .unwrap()
 }
 
 /// What does not depend on the clock.
@@ -83,7 +82,7 @@ fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
         assert!(planned[..index].iter().all(|other| !other.same(run)), "{run:?}");
     }
     let of = |sweep: Sweep| planned.iter().filter(move |run| run.sweeps.contains(&sweep));
-    let elements = |run: &Planned| match run.recipe.mesh {
+    let elements = |run: &StudyRun| match run.spec.mesh {
         Mesh::Of {
             division: Division::PerInterval(elements),
             ..
@@ -93,13 +92,13 @@ fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
     for count in Options::ELEMENTS {
         assert!(of(Sweep::Mesh).any(|run| elements(run) == count));
     }
-    let base = script.ground.micro_step;
+    let base = script.subject.micro_step;
     // 10 Hz: twice the step that 20 Hz needs.
-    assert_eq!((base, script.ground.elements), (2e-3, 4));
-    assert!(of(Sweep::Mesh).all(|run| run.recipe.micro_step == base && run.variant.mode == Mode::Monolithic));
+    assert_eq!((base, script.subject.elements), (2e-3, 4));
+    assert!(of(Sweep::Mesh).all(|run| run.spec.micro_step == base && run.variant.mode == Mode::Monolithic));
     for step in Options::MICRO_STEPS {
         assert!(
-            of(Sweep::MicroStep).any(|run| run.recipe.micro_step == step && elements(run) == script.ground.elements)
+            of(Sweep::MicroStep).any(|run| run.spec.micro_step == step && elements(run) == script.subject.elements)
         );
     }
     assert!(of(Sweep::Coupling).all(|run| run.variant.mode == Mode::Inprocess));
@@ -108,7 +107,7 @@ fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
     // The scene's own recipe: alone and coupled.
     assert_eq!(of(Sweep::Scene).count(), 2);
     // Both things change on the ladder.
-    let mut steps: Vec<u64> = of(Sweep::Ladder).map(|run| run.recipe.micro_step.to_bits()).collect();
+    let mut steps: Vec<u64> = of(Sweep::Ladder).map(|run| run.spec.micro_step.to_bits()).collect();
     steps.sort_unstable();
     steps.dedup();
     assert!(steps.len() >= 3);
@@ -120,25 +119,25 @@ fn the_ladder_has_elements_of_one_length_and_the_steps_that_they_take() {
     let text = include_str!("../../../../scenes/en50318-300.toml");
     let scene = system::load(text, "scene.toml", &[]).unwrap();
     let script = scripted(scene, Options::default());
-    let division = |run: &Planned| match &run.recipe.mesh {
+    let division = |run: &StudyRun| match &run.spec.mesh {
         Mesh::Of { division, .. } => Some(*division),
         Mesh::Scene => None,
     };
     let of = |sweep: Sweep| script.planned.iter().filter(move |run| run.sweeps.contains(&sweep));
     let has = |limit: f64, micro_step: f64| {
         let mut rungs = of(Sweep::Ladder);
-        rungs.any(|run| division(run) == Some(Division::UpTo(limit)) && run.recipe.micro_step == micro_step)
+        rungs.any(|run| division(run) == Some(Division::UpTo(limit)) && run.spec.micro_step == micro_step)
     };
     // 6.5 m in seven and in eight; what the scene refuses is no rung.
     assert!(has(0.9286, 1.6e-3) && has(0.9286, 1.375e-3) && has(0.8125, 1.45e-3) && has(0.4063, 5e-4));
     assert!(of(Sweep::Ladder).all(|run| run.scene.is_some()));
     // What is doubled to be judged stays so many in each interval.
     assert!(of(Sweep::Mesh).all(|run| !matches!(division(run), Some(Division::UpTo(_)))));
-    let row = |run: &Planned| {
+    let row = |run: &StudyRun| {
         let scene = system::load(run.scene.as_ref().unwrap(), "scene.toml", &[]).unwrap();
         Row::planned("", &scene, run.variant.mode, "")
     };
-    let said = |run: &Planned| outcome::label(&row(run), script.ground.intervals);
+    let said = |run: &StudyRun| outcome::label(&row(run), script.subject.intervals);
     let rung = of(Sweep::Ladder)
         .find(|run| division(run) == Some(Division::UpTo(0.9286)))
         .unwrap();
@@ -170,18 +169,18 @@ fn a_reduced_study_is_smaller_and_lists_are_taken_as_typed() {
     let script = scripted(short(&[]), asked);
     let of = |sweep: Sweep| script.planned.iter().filter(move |run| run.sweeps.contains(&sweep));
     let sets: Vec<&[String]> = of(Sweep::Reductions)
-        .map(|run| run.recipe.reductions.as_slice())
+        .map(|run| run.spec.reductions.as_slice())
         .collect();
     assert_eq!(sets.len(), 2);
     assert!(sets.contains(&&[][..]));
     assert_eq!(
-        of(Sweep::Spans).map(|run| run.recipe.spans).collect::<Vec<_>>(),
+        of(Sweep::Spans).map(|run| run.spec.spans).collect::<Vec<_>>(),
         [Some(3), Some(4)]
     );
 }
 
 #[test]
-fn what_a_recipe_changes_does_not_make_another_scene() {
+fn what_a_run_spec_changes_does_not_make_another_scene() {
     let identity = |key: &str| identity(&short(&[key]), Path::new("."));
     let own = identity("run.speed_kmh=60");
     for key in [
@@ -221,7 +220,7 @@ fn a_table_counts_by_its_content_wherever_it_is() {
 }
 
 #[test]
-fn keys_that_no_recipe_says_tell_runs_of_one_recipe_apart() {
+fn keys_that_no_run_spec_says_tell_runs_of_one_run_spec_apart() {
     let of = |key: &str| {
         let text = short(&[key]).to_toml();
         [false, true].map(|coupled| settings(&text, coupled))
@@ -283,7 +282,7 @@ fn what_is_left_out_of_a_scene_is_left_out_where_it_stands_only() {
 }
 
 #[test]
-fn somebody_elses_fmu_is_what_it_holds_and_not_where_it_is() {
+fn a_supplied_fmu_is_what_it_holds_and_not_where_it_is() {
     let folder = tempfile::tempdir().unwrap();
     for (name, bytes) in [("a.fmu", "one"), ("b.fmu", "one"), ("c.fmu", "two")] {
         std::fs::write(folder.path().join(name), bytes).unwrap();
@@ -299,7 +298,7 @@ fn somebody_elses_fmu_is_what_it_holds_and_not_where_it_is() {
 }
 
 #[test]
-fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
+fn a_small_study_ends_with_a_front_a_table_and_a_page_and_ranks_a_run() {
     let folder = tempfile::tempdir().unwrap();
     let mut options = tiny();
     options.spans = vec![3, 4];
@@ -342,11 +341,11 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
     }
 
     // The table: the promised columns first, a status in every row, and it reads back.
-    let (rows, columns) = study.table();
-    let mut out = Vec::new();
-    crate::table_of_runs::write(&mut out, Path::new(CSV), &rows, &[], &columns).unwrap();
-    std::fs::write(folder.path().join(CSV), &out).unwrap();
-    let mut reader = csv::Reader::from_reader(&*out);
+    let rows = study.sheet().rows;
+    let out = Csv.string(&study).unwrap();
+    let store = script.store(folder.path()).unwrap();
+    keep_ranks(&store, &study).unwrap();
+    let mut reader = csv::Reader::from_reader(out.as_bytes());
     let head = reader.headers().unwrap().clone();
     assert!(
         Row::COLUMNS
@@ -359,16 +358,16 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
     }
     let text = text(&study);
     assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
-    let page = page(&study);
+    let page = page(&study).finish();
     for id in ["plot-precision", "plot-mesh", "plot-micro", "plot-growth"] {
         assert!(page.contains(id), "{id}");
     }
     assert!(!page.contains("<script src") && !page.contains("Incomplete:"));
     assert!(serde_json::to_value(&study).unwrap()["rows"][0]["rms_error_filtered_percent_of_std"].is_number());
 
-    let standing = |scene: &Scene, mode: Mode| standing(folder.path(), scene, Path::new("."), mode);
+    let rank = |scene: &Scene, mode: Mode| rank(folder.path(), scene, Path::new("."), mode);
     // A run of the scene finds its own row; one of another scene finds nothing.
-    let said = standing(&short(&[]), Mode::Monolithic).unwrap();
+    let said = rank(&short(&[]), Mode::Monolithic).unwrap();
     let own = study
         .of(Sweep::Scene)
         .find(|entry| entry.row.macro_step.is_none())
@@ -377,23 +376,22 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
         said.contains(&format!("{:.2} % of σ", own.row.filtered_error.unwrap())),
         "{said}"
     );
-    let coupled = standing(&short(&[]), Mode::Cosimulation).unwrap();
+    let coupled = rank(&short(&[]), Mode::Cosimulation).unwrap();
     assert!(!coupled.contains("without the coupling"), "{coupled}");
-    let unknown = standing(&short(&["catenary.mesh.elements_per_interval=7"]), Mode::Monolithic);
+    let unknown = rank(&short(&["catenary.mesh.elements_per_interval=7"]), Mode::Monolithic);
     assert!(unknown.unwrap().contains("not known"));
     // A row that is not stable says so, and the reference is itself.
     let write = |change: &dyn Fn(&mut Row)| {
-        let (mut rows, columns) = study.table();
-        rows.iter_mut().filter(|row| row.macro_step.is_none()).for_each(change);
-        let mut out = Vec::new();
-        crate::table_of_runs::write(&mut out, Path::new(CSV), &rows, &[], &columns).unwrap();
-        std::fs::write(folder.path().join(CSV), &out).unwrap();
+        let mut study = study.clone();
+        let rows = study.rows.iter_mut().map(|entry| &mut entry.row);
+        rows.filter(|row| row.macro_step.is_none()).for_each(change);
+        keep_ranks(&store, &study).unwrap();
     };
     write(&|row| {
         row.status = Some(Status::Limit);
         row.reason = "it rings".to_owned();
     });
-    let limit = standing(&short(&[]), Mode::Monolithic).unwrap();
+    let limit = rank(&short(&[]), Mode::Monolithic).unwrap();
     assert!(
         limit.contains("% of σ (rms") && limit.ends_with("there it is limit: it rings"),
         "{limit}"
@@ -403,7 +401,7 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
         row.filtered_error = None;
         row.reason = "it rings".to_owned();
     });
-    let diverged = standing(&short(&[]), Mode::Monolithic).unwrap();
+    let diverged = rank(&short(&[]), Mode::Monolithic).unwrap();
     assert!(
         !diverged.contains('%') && diverged.ends_with("there it is diverged: it rings"),
         "{diverged}"
@@ -421,7 +419,7 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
         .replace("[\"plain\"]", "none"),
         format!("solver.micro_step={:?}", truth.row.micro_step.unwrap()),
     ];
-    let said = standing(&short(&finest.each_ref().map(String::as_str)), Mode::Monolithic).unwrap();
+    let said = rank(&short(&finest.each_ref().map(String::as_str)), Mode::Monolithic).unwrap();
     assert!(said.contains("is the reference of the nonlinear line"), "{said}");
     // How well the reference is known is said wherever an error is claimed against it.
     let known = text::known(reference);
@@ -438,12 +436,12 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
         assert!(found.is_none_or(|found| found.text.contains(&caveat) && page.contains(&caveat)));
     }
     // Another exchange has another error, another solver is another run altogether.
-    let exchange = standing(&short(&["coupling.force=end"]), Mode::Cosimulation).unwrap();
+    let exchange = rank(&short(&["coupling.force=end"]), Mode::Cosimulation).unwrap();
     assert!(
         exchange.contains("without the coupling (its keys are others there): "),
         "{exchange}"
     );
-    let solver = standing(&short(&["solver.jacobian=full"]), Mode::Monolithic).unwrap();
+    let solver = rank(&short(&["solver.jacobian=full"]), Mode::Monolithic).unwrap();
     assert!(solver.contains("other keys") && !solver.contains('%'), "{solver}");
     // A rung of the ladder, by another length that makes the same elements: 3, 4 and 4 in 8, 12 and 10 m.
     let rung = [
@@ -451,11 +449,11 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_places_a_run() {
         "coupling.macro_step=0.002",
         "solver.newton_tolerance=0.3",
     ];
-    let said = standing(&short(&rung), Mode::Monolithic).unwrap();
+    let said = rank(&short(&rung), Mode::Monolithic).unwrap();
     assert!(said.contains("% of σ (rms"), "{said}");
-    assert_eq!(standing(&short(&["run.speed_kmh=61"]), Mode::Monolithic), None);
+    assert_eq!(rank(&short(&["run.speed_kmh=61"]), Mode::Monolithic), None);
     let nowhere = Path::new("/nonexistent");
-    assert_eq!(super::standing(nowhere, &short(&[]), nowhere, Mode::Monolithic), None);
+    assert_eq!(super::rank(nowhere, &short(&[]), nowhere, Mode::Monolithic), None);
 }
 
 #[test]
@@ -466,7 +464,7 @@ fn orders_are_observed_where_the_scene_has_the_mesh_of_the_base_case_itself() {
         ..tiny()
     };
     let script = scripted(scene, options);
-    let both = |run: &&Planned| run.sweeps == [Sweep::Scene, Sweep::Mesh];
+    let both = |run: &&StudyRun| run.sweeps == [Sweep::Scene, Sweep::Mesh];
     assert_eq!(script.planned.iter().filter(both).count(), 1);
     let folder = tempfile::tempdir().unwrap();
     let study = studied(&script, folder.path(), None);
@@ -511,7 +509,7 @@ fn strips_held_on_the_wire_are_studied_as_one_system() {
     let script = scripted(scene, options);
     assert!(script.planned.iter().all(|run| run.variant.mode == Mode::Monolithic));
     assert_eq!(
-        script.ground.corrections.as_deref(),
+        script.subject.corrections.as_deref(),
         Some(&["bending_layers", "mass_correction"].map(str::to_owned)[..])
     );
     let folder = tempfile::tempdir().unwrap();
@@ -566,7 +564,7 @@ fn a_scene_without_contact_has_a_note_and_neither_errors_nor_recommendations() {
         "{:?}",
         study.notes
     );
-    assert!(page(&study).contains("does not vary") && text(&study).contains("does not vary"));
+    assert!(page(&study).finish().contains("does not vary") && text(&study).contains("does not vary"));
 }
 
 #[test]
@@ -576,7 +574,7 @@ fn a_study_that_was_ended_goes_on_and_comes_to_the_same() {
     let expected = studied(&script, whole.path(), None);
     let first = studied(&script, parts.path(), Some(4));
     assert!(!first.complete);
-    assert!(page(&first).contains("Incomplete:") && text(&first).contains("INCOMPLETE"));
+    assert!(page(&first).finish().contains("Incomplete:") && text(&first).contains("INCOMPLETE"));
     let kept = || {
         let names = std::fs::read_dir(parts.path().join("study")).unwrap();
         let names = names.map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -605,7 +603,7 @@ fn a_study_that_was_ended_goes_on_and_comes_to_the_same() {
 }
 
 #[test]
-fn a_recipe_that_the_scene_refuses_has_a_row_with_the_reason() {
+fn a_run_spec_that_the_scene_refuses_has_a_row_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let options = Options {
         reductions: vec!["planar+nonsense".to_owned()],
@@ -654,7 +652,7 @@ fn a_study_says_what_each_vehicle_changes_and_keeps_it_apart_from_the_front() {
     let row = |track: &str, vehicle: &str| {
         let of = |entry: &&Entry| {
             entry
-                .standing
+                .vehicle_variant
                 .is_some_and(|name| name.track == track && name.vehicle == vehicle)
         };
         let mut rows = study.of(Sweep::Vehicle).filter(of);
@@ -693,10 +691,10 @@ fn a_study_says_what_each_vehicle_changes_and_keeps_it_apart_from_the_front() {
     }
     // The scene's own vehicle on its own track is the base case.
     assert_eq!(row("ore_b176_low", "full").0.sweep, "vehicle");
-    let page = page(&study);
+    let page = page(&study).finish();
     assert!(page.contains("What the pantograph stands on") && page.contains("ore_<wbr>b176_<wbr>low"));
     assert!(text(&study).contains("rigid_motion"));
-    let (_, columns) = study.table();
+    let columns = study.sheet().trailing;
     let vehicles = &columns.iter().find(|(name, _)| *name == "vehicle").unwrap().1;
     assert!(vehicles.iter().any(|vehicle| vehicle == "none"));
 }
@@ -710,8 +708,8 @@ fn a_scene_on_a_vehicle_that_is_not_the_most_detailed_is_judged_by_that_and_by_i
         ..tiny()
     };
     let script = scripted(scene, options);
-    let named = |run: &&Planned, track: &str, vehicle: &str| {
-        let name = script.ground.standing_of(&run.recipe);
+    let named = |run: &&StudyRun, track: &str, vehicle: &str| {
+        let name = script.subject.vehicle_of(&run.spec);
         (name.track, name.vehicle) == (track, vehicle)
     };
     let of = |track: &'static str, vehicle: &'static str| {
@@ -737,7 +735,7 @@ fn a_scene_on_a_vehicle_that_is_not_the_most_detailed_is_judged_by_that_and_by_i
     let folder = tempfile::tempdir().unwrap();
     let study = studied(&script, folder.path(), None);
     let judged = |entry: &&Entry| {
-        let name = entry.standing.unwrap();
+        let name = entry.vehicle_variant.unwrap();
         (name.track, name.vehicle) == ("scene", "vertical")
     };
     let rows: Vec<&Entry> = study.rows.iter().filter(judged).collect();

@@ -1,10 +1,12 @@
 //! The table on the terminal.
 
-use super::front::speed;
 use super::outcome::{Reference, Study};
 use super::page::vehicle_error;
+use super::pareto::speed;
 use super::plan::Sweep;
-use crate::table_of_runs::{Status, milliseconds, short, wrapped};
+use crate::engine::Table as _;
+use crate::engine::export::wrapped;
+use crate::engine::table::{Status, milliseconds, short};
 use results::report::aligned;
 
 /// How well a reference is known, in words: from its last two levels, and from another discretisation, both %.
@@ -37,7 +39,11 @@ pub fn text(study: &Study) -> String {
     }
     text.push('\n');
     if !study.complete {
-        text.push_str(&format!("INCOMPLETE: {} of {} runs\n", study.made(), study.rows.len()));
+        text.push_str(&format!(
+            "INCOMPLETE: {} of {} runs\n",
+            study.made().0,
+            study.rows.len()
+        ));
     }
     for reference in study.references.iter().filter(|reference| reference.row.is_some()) {
         text.push('\n');
@@ -149,7 +155,9 @@ fn vehicles(study: &Study) -> String {
     let head = ["track", "vehicle", "from the first, rms % σ", "σ N", "real-time factor"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for entry in study.of(Sweep::Vehicle) {
-        let name = entry.standing.map_or(["", ""], |name| [name.track, name.vehicle]);
+        let name = entry
+            .vehicle_variant
+            .map_or(["", ""], |name| [name.track, name.vehicle]);
         let mut row = name.map(str::to_owned).to_vec();
         row.extend([vehicle_error(entry, entry.row.filtered_error), entry.row.std].map(short));
         row.push(short(entry.row.real_time_factor));

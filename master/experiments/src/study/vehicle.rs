@@ -20,16 +20,16 @@ use simulation::prepare;
 
 /// A vehicle and a track other than the scene's, and the scene with them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Standing {
+pub struct VehicleVariant {
     /// What it is called.
-    pub name: StandingName,
+    pub name: VehicleVariantName,
     /// The scene with it.
     pub text: Arc<str>,
 }
 
 /// A vehicle and a track by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct StandingName {
+pub struct VehicleVariantName {
     /// `none`, or the word of `vehicle.model`.
     pub vehicle: &'static str,
     /// `scene`, or what was put in its place.
@@ -66,8 +66,8 @@ const TAIL: f64 = 10.0;
 
 /// Name of what the scene's pantographs stand on.
 #[must_use]
-pub fn own_name(scene: &Scene) -> StandingName {
-    StandingName {
+pub fn own_name(scene: &Scene) -> VehicleVariantName {
+    VehicleVariantName {
         vehicle: scene.vehicle.as_deref().map_or(NONE, Vehicle::name),
         track: OWN,
     }
@@ -75,17 +75,17 @@ pub fn own_name(scene: &Scene) -> StandingName {
 
 /// All that a scene is studied on.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Standings {
+pub struct VehicleVariants {
     /// The one that judges the others first on each track.
-    pub all: Vec<Standing>,
+    pub all: Vec<VehicleVariant>,
     /// What is not among them that could be expected there, and why.
     pub left_out: Vec<String>,
 }
 
 /// All that a scene is studied on; nothing where it has no vehicle. `micro_step` (s) is that of the run that gives a motion of the base.
 #[must_use]
-pub fn standings(scene: &Scene, micro_step: f64) -> Standings {
-    let mut found = Standings::default();
+pub fn vehicle_variants(scene: &Scene, micro_step: f64) -> VehicleVariants {
+    let mut found = VehicleVariants::default();
     let Some(vehicle) = scene.vehicle.as_deref() else {
         return found;
     };
@@ -104,13 +104,13 @@ pub fn standings(scene: &Scene, micro_step: f64) -> Standings {
 }
 
 /// What belongs to one track.
-fn on_track(scene: &Scene, own: &Vehicle, track: &'static str, micro_step: f64, found: &mut Standings) {
+fn on_track(scene: &Scene, own: &Vehicle, track: &'static str, micro_step: f64, found: &mut VehicleVariants) {
     let mut add = |vehicle: &'static str, scene: &Scene| -> Result<(), String> {
         let text = unreduced(scene);
         system::load(&text, vehicle, &["model.reduce=auto".to_owned()]).map_err(|error| error.to_string())?;
-        let name = StandingName { vehicle, track };
+        let name = VehicleVariantName { vehicle, track };
         let text = text.into();
-        found.all.push(Standing { name, text });
+        found.all.push(VehicleVariant { name, text });
         Ok(())
     };
     let with = |vehicle: Vehicle| {

@@ -1,7 +1,7 @@
 use super::super::{Relation, SAME_SIZE, Spread, VISIBLE, Verdict, judge, text};
 use super::{line, reproduction};
-use crate::reproduce::{Group, Mesh, page};
-use crate::table_of_runs::{Row, Status};
+use crate::engine::table::{Row, Status};
+use crate::reproduce::{Mesh, RunGroup, page};
 
 /// Verdict of a computed change, both in %.
 fn verdict(published: f64, computed: f64) -> Verdict {
@@ -69,7 +69,7 @@ fn the_thesis_itself_holds_on_every_relation() {
     let of = |case: usize| {
         let published = &crate::reproduce::CASES[case];
         line(
-            Group::Published,
+            RunGroup::Published,
             case,
             thesis,
             published.mean.value,
@@ -88,12 +88,12 @@ fn the_thesis_itself_holds_on_every_relation() {
 fn relations_are_judged_on_each_mesh_and_counted_over_all() {
     let (thesis, refined) = (Mesh::Plain(1), Mesh::Corrected);
     let made = reproduction(vec![
-        line(Group::Published, 0, thesis, 106.98, 47.41),
-        line(Group::Published, 1, thesis, 107.21, 42.59),
-        line(Group::Published, 2, thesis, 117.65, 48.46),
-        line(Group::Published, 3, thesis, 117.64, 47.70),
-        line(Group::Mesh, 0, refined, 106.31, 37.31),
-        line(Group::Mesh, 1, refined, 106.48, 36.27),
+        line(RunGroup::Published, 0, thesis, 106.98, 47.41),
+        line(RunGroup::Published, 1, thesis, 107.21, 42.59),
+        line(RunGroup::Published, 2, thesis, 117.65, 48.46),
+        line(RunGroup::Published, 3, thesis, 117.64, 47.70),
+        line(RunGroup::Mesh, 0, refined, 106.31, 37.31),
+        line(RunGroup::Mesh, 1, refined, 106.48, 36.27),
     ]);
     let words: Vec<(&str, Mesh, Verdict)> = made
         .relations
@@ -130,7 +130,7 @@ fn relations_are_judged_on_each_mesh_and_counted_over_all() {
         .find(|row| row.contains("+2.45") && row.contains("of 2"))
         .unwrap();
     assert!(row.contains("0 of 2") && row.matches("1 of 2").count() == 2, "{row}");
-    assert!(page(&made).contains("direction only"));
+    assert!(page(&made).finish().contains("direction only"));
 }
 
 /// Spreads of one quantity with these standard deviations, N, and its case's.
@@ -138,10 +138,10 @@ fn spread(own: Option<f64>, changed: &[Option<f64>]) -> Spread {
     let thesis = Mesh::Plain(1);
     let mut lines = Vec::new();
     if let Some(own) = own {
-        lines.push(line(Group::Published, 0, thesis, 100.0, own));
+        lines.push(line(RunGroup::Published, 0, thesis, 100.0, own));
     }
     for (index, std) in changed.iter().enumerate() {
-        let mut run = line(Group::Open, 0, thesis, 100.0, 0.0);
+        let mut run = line(RunGroup::Open, 0, thesis, 100.0, 0.0);
         run.quantity = "contact damping d";
         run.value = format!("{index} N s/m");
         run.row.std = *std;
@@ -186,11 +186,11 @@ fn a_spread_without_a_run_is_not_computed_rather_than_outside() {
 #[test]
 fn a_quantity_of_the_wind_is_held_against_the_case_with_wind() {
     let thesis = Mesh::Plain(1);
-    let mut changed = line(Group::Open, 3, thesis, 117.0, 35.0);
+    let mut changed = line(RunGroup::Open, 3, thesis, 117.0, 35.0);
     changed.quantity = "density of the air";
     let made = reproduction(vec![
-        line(Group::Published, 0, thesis, 107.0, 50.0),
-        line(Group::Published, 3, thesis, 117.0, 36.0),
+        line(RunGroup::Published, 0, thesis, 107.0, 50.0),
+        line(RunGroup::Published, 3, thesis, 117.0, 36.0),
         changed,
     ]);
     // 35.66 N lies between 35 N and 36 N; 36.73 N, of the case without wind, does not, and its own 50 N has no part in it.
@@ -202,23 +202,27 @@ fn a_quantity_of_the_wind_is_held_against_the_case_with_wind() {
 #[test]
 fn terminal_and_page_say_whether_the_published_value_lies_inside() {
     let thesis = Mesh::Plain(1);
-    let mut changed = line(Group::Open, 0, thesis, 100.0, 30.0);
+    let mut changed = line(RunGroup::Open, 0, thesis, 100.0, 30.0);
     changed.quantity = "contact damping d";
     changed.value = "300.0 N s/m".to_owned();
-    let mut lines = vec![line(Group::Published, 0, thesis, 100.0, 40.0), changed];
+    let mut lines = vec![line(RunGroup::Published, 0, thesis, 100.0, 40.0), changed];
     let row = |text: &str| {
         let mut rows = text.lines().filter(|row| row.contains("contact damping d"));
         rows.next().unwrap().to_owned()
     };
     let inside = reproduction(lines.clone());
     assert!(row(&text(&inside)).ends_with("inside"), "{}", text(&inside));
-    assert!(page(&inside).contains("inside the range of 1 of 1: contact damping d"));
+    assert!(
+        page(&inside)
+            .finish()
+            .contains("inside the range of 1 of 1: contact damping d")
+    );
     lines[1].row.std = Some(38.0);
     let outside = reproduction(lines.clone());
     assert!(row(&text(&outside)).ends_with("outside"), "{}", text(&outside));
-    assert!(page(&outside).contains("inside the range of none of them"));
+    assert!(page(&outside).finish().contains("inside the range of none of them"));
     lines[1].row = Row::default();
     let missing = reproduction(lines);
     assert!(row(&text(&missing)).ends_with("not computed"), "{}", text(&missing));
-    assert!(page(&missing).contains("Not computed: contact damping d"));
+    assert!(page(&missing).finish().contains("Not computed: contact damping d"));
 }

@@ -1,19 +1,16 @@
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use super::super::quantities::OPEN;
 use super::{line, reproduction};
-use crate::reproduce::{Group, Mesh, Reproduction, page, plan, text};
-use crate::table_of_runs::{self, Curve, Row, Status};
+use crate::engine::table::{Column, Curve, Row, Status};
+use crate::engine::{Exporter as _, Sheet, Table as _, export};
+use crate::reproduce::{Mesh, Reproduction, RunGroup, page, plan, text};
 use simulation::Mode;
 
 /// The table as a program reads it: each row by the names of its columns.
 fn read(made: &Reproduction) -> Vec<BTreeMap<String, String>> {
-    let (leading, trailing) = made.columns();
-    let mut bytes = Vec::new();
-    let path = Path::new("reproduction.csv");
-    table_of_runs::write(&mut bytes, path, &made.rows(), &leading, &trailing).unwrap();
-    csv::Reader::from_reader(&*bytes)
+    let text = export::Csv.string(made).unwrap();
+    csv::Reader::from_reader(text.as_bytes())
         .deserialize()
         .map(Result::unwrap)
         .collect()
@@ -70,9 +67,9 @@ fn the_table_holds_every_run_every_relation_and_every_spread() {
 
 #[test]
 fn a_relation_stands_in_the_table_with_both_figures_and_its_verdict() {
-    let mut to = line(Group::Published, 1, Mesh::Plain(1), 107.21, 42.59);
+    let mut to = line(RunGroup::Published, 1, Mesh::Plain(1), 107.21, 42.59);
     to.row.elements_per_span = Some(9);
-    let made = reproduction(vec![line(Group::Published, 0, Mesh::Plain(1), 106.98, 47.41), to]);
+    let made = reproduction(vec![line(RunGroup::Published, 0, Mesh::Plain(1), 106.98, 47.41), to]);
     let rows = read(&made);
     let [mean, std] = &rows[2..] else {
         panic!("two runs and two relations: {rows:?}")
@@ -97,9 +94,9 @@ fn a_relation_stands_in_the_table_with_both_figures_and_its_verdict() {
 #[test]
 fn a_spread_stands_in_the_table_with_its_ends_and_whether_the_published_value_lies_inside() {
     let mesh = Mesh::Corrected;
-    let mut lines = vec![line(Group::Mesh, 0, mesh, 106.31, 37.31)];
+    let mut lines = vec![line(RunGroup::Mesh, 0, mesh, 106.31, 37.31)];
     for (value, std) in [("10000.0 N/m", 34.2), ("20000.0 N/m", 35.5)] {
-        let mut run = line(Group::Open, 0, mesh, 106.0, std);
+        let mut run = line(RunGroup::Open, 0, mesh, 106.0, std);
         run.quantity = "contact stiffness k";
         run.value = value.to_owned();
         lines.push(run);
@@ -116,8 +113,8 @@ fn a_spread_stands_in_the_table_with_its_ends_and_whether_the_published_value_li
 
 #[test]
 fn columns_that_were_there_keep_their_names_and_places() {
-    let (leading, trailing) = all(true, true).columns();
-    let names = |columns: &[table_of_runs::Column]| columns.iter().map(|(name, _)| *name).collect::<Vec<_>>();
+    let Sheet { leading, trailing, .. } = all(true, true).sheet();
+    let names = |columns: &[Column]| columns.iter().map(|(name, _)| *name).collect::<Vec<_>>();
     assert_eq!(names(&leading), ["group", "case", "quantity", "value"]);
     assert_eq!(
         names(&trailing)[..12],
@@ -149,7 +146,7 @@ fn runs_that_were_not_made_are_shown_as_such() {
                 assert_eq!(row["verdict"], "not computed");
             }
         }
-        assert!(page(&none).contains("Incomplete: 0 of"));
+        assert!(page(&none).finish().contains("Incomplete: 0 of"));
         assert!(text(&none).contains("0 of"));
     }
     // Any run may be the one that is missing.
@@ -158,7 +155,7 @@ fn runs_that_were_not_made_are_shown_as_such() {
         let mut lines = whole.lines.clone();
         lines.remove(missing);
         let made = reproduction(lines);
-        assert_eq!(read(&made).len(), made.rows().len());
+        assert_eq!(read(&made).len(), made.sheet().rows.len());
         assert!(!text(&made).is_empty());
     }
     assert!(read(&reproduction(Vec::new())).is_empty());
@@ -169,7 +166,7 @@ fn a_refused_run_makes_its_relation_and_its_spread_refused() {
     let mut made = all(true, true);
     for line in &mut made.lines {
         let open = line.quantity == "contact damping d" && line.value == "10.0 N s/m";
-        let joint = line.group == Group::Published && line.case.scene == "thesis-sliding-joint";
+        let joint = line.group == RunGroup::Published && line.case.scene == "thesis-sliding-joint";
         if open || joint {
             line.row.status = Some(Status::Refused);
             (line.row.mean, line.row.std) = (None, None);
@@ -193,9 +190,9 @@ fn a_refused_run_makes_its_relation_and_its_spread_refused() {
 fn figures_are_drawn_on_the_thesis_mesh_and_beside_it_on_the_finest_that_was_computed() {
     let drawn = |mesh: Mesh, case: usize, force: f64| {
         let group = if mesh == Mesh::Plain(1) {
-            Group::Published
+            RunGroup::Published
         } else {
-            Group::Mesh
+            RunGroup::Mesh
         };
         let mut run = line(group, case, mesh, 100.0, 40.0);
         run.output_step = 4.0;
@@ -212,7 +209,7 @@ fn figures_are_drawn_on_the_thesis_mesh_and_beside_it_on_the_finest_that_was_com
         drawn(Mesh::Plain(2), 0, 122.5),
         drawn(Mesh::Plain(2), 1, 123.5),
     ];
-    let html = page(&reproduction(plain.clone()));
+    let html = page(&reproduction(plain.clone())).finish();
     for id in [
         "figure-6-thesis",
         "figure-6-refined",
@@ -225,17 +222,17 @@ fn figures_are_drawn_on_the_thesis_mesh_and_beside_it_on_the_finest_that_was_com
     // The converged mesh takes the place of a coarser one, where it has all cases that a figure shows.
     let mut more = plain;
     more.push(drawn(Mesh::Corrected, 0, 133.5));
-    let html = page(&reproduction(more));
+    let html = page(&reproduction(more)).finish();
     assert!(html.contains("133.5"));
     assert!(
         html.contains("123.5"),
         "Fig. 8 shows the joint, which has no converged run"
     );
     // Nothing refined, nothing beside.
-    let alone = page(&reproduction(vec![drawn(Mesh::Plain(1), 0, 111.5)]));
+    let alone = page(&reproduction(vec![drawn(Mesh::Plain(1), 0, 111.5)])).finish();
     assert!(alone.contains("figure-6-thesis") && !alone.contains("figure-6-refined"));
     // A co-simulated run is no published case of another mesh, and not drawn for one.
     let mut coupled = drawn(Mesh::Plain(2), 0, 144.5);
     coupled.row.mode = Mode::Cosimulation.name().to_owned();
-    assert!(!page(&reproduction(vec![coupled])).contains("144.5"));
+    assert!(!page(&reproduction(vec![coupled])).finish().contains("144.5"));
 }

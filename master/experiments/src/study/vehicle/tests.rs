@@ -14,9 +14,9 @@ fn thesis(overrides: &[&str]) -> Scene {
     system::load(text, "thesis-own-mesh.toml", &keys).unwrap()
 }
 
-fn names(standings: &[Standing]) -> Vec<(&'static str, &'static str)> {
-    let name = |standing: &Standing| (standing.name.track, standing.name.vehicle);
-    standings.iter().map(name).collect()
+fn names(vehicle_variants: &[VehicleVariant]) -> Vec<(&'static str, &'static str)> {
+    let name = |vehicle_variant: &VehicleVariant| (vehicle_variant.name.track, vehicle_variant.name.vehicle);
+    vehicle_variants.iter().map(name).collect()
 }
 
 #[test]
@@ -25,13 +25,16 @@ fn a_scene_is_studied_on_every_vehicle_that_it_has_what_it_needs_for() {
     let both = [OWN, IRREGULAR]
         .into_iter()
         .flat_map(|track| all.map(|vehicle| (track, vehicle)));
-    let found = standings(&thesis(&[]), 2e-3);
+    let found = vehicle_variants(&thesis(&[]), 2e-3);
     assert_eq!(names(&found.all), both.collect::<Vec<_>>());
     assert_eq!(found.left_out, [""; 0]);
     // A track of its own is the only one.
     let rough =
         thesis(&["track.irregularities={ model = \"points\", x = [90.0, 110.0, 130.0], z_left = [0.0, 1e-3, 0.0] }"]);
-    assert_eq!(names(&standings(&rough, 2e-3).all), all.map(|vehicle| (OWN, vehicle)));
+    assert_eq!(
+        names(&vehicle_variants(&rough, 2e-3).all),
+        all.map(|vehicle| (OWN, vehicle))
+    );
     let mut bumpy = thesis(&[]);
     bumpy.track = None;
     bumpy.vehicle = Some(Arc::new(Vehicle::RigidMotion(GivenMotion {
@@ -45,12 +48,12 @@ fn a_scene_is_studied_on_every_vehicle_that_it_has_what_it_needs_for() {
         file: None,
     })));
     assert_eq!(
-        names(&standings(&bumpy, 2e-3).all),
+        names(&vehicle_variants(&bumpy, 2e-3).all),
         [(OWN, "rigid_motion"), (OWN, NONE)]
     );
     let (mut bare, mut plain) = (thesis(&[]), thesis(&[]));
     (bare.vehicle, bare.track) = (None, None);
-    assert!(standings(&bare, 2e-3).all.is_empty());
+    assert!(vehicle_variants(&bare, 2e-3).all.is_empty());
     // Without a profile no wheel can roll.
     let Some(Vehicle::Full(mut train)) = plain.vehicle.as_deref().cloned() else {
         panic!("a full vehicle");
@@ -58,17 +61,17 @@ fn a_scene_is_studied_on_every_vehicle_that_it_has_what_it_needs_for() {
     train.wheels.profile = None;
     plain.vehicle = Some(Arc::new(Vehicle::Vertical(train)));
     assert_eq!(
-        names(&standings(&plain, 2e-3).all)[..2],
+        names(&vehicle_variants(&plain, 2e-3).all)[..2],
         [(OWN, "vertical"), (OWN, "rigid_motion")]
     );
 }
 
 /// The scene of one that is studied, ready to run in steps of a millisecond.
-fn made(found: &Standings, track: &str, vehicle: &str) -> Scene {
+fn made(found: &VehicleVariants, track: &str, vehicle: &str) -> Scene {
     let mut all = found.all.iter();
-    let standing = all.find(|found| found.name.track == track && found.name.vehicle == vehicle);
+    let vehicle_variant = all.find(|found| found.name.track == track && found.name.vehicle == vehicle);
     let keys = ["model.reduce=auto".to_owned(), "solver.micro_step=0.001".to_owned()];
-    let scene = system::load(&standing.unwrap().text, vehicle, &keys).unwrap();
+    let scene = system::load(&vehicle_variant.unwrap().text, vehicle, &keys).unwrap();
     prepare(scene, vehicle, std::path::Path::new(""), false).unwrap().scene
 }
 
@@ -104,7 +107,7 @@ fn apart(full: &Scene, given: &Scene) -> ([f64; 2], [f64; 6]) {
 
 #[test]
 fn a_given_motion_is_that_of_the_base_on_the_vehicle_it_stands_for() {
-    let all = standings(&thesis(&[]), 1e-3);
+    let all = vehicle_variants(&thesis(&[]), 1e-3);
     let ([distance, angle], travel) = apart(&made(&all, IRREGULAR, "full"), &made(&all, IRREGULAR, "rigid_motion"));
     println!("{distance:e} m, {angle:e} rad of {travel:?}");
     assert!(travel[1..3].iter().all(|moved| *moved > 2e-4), "{travel:?}");
@@ -115,7 +118,7 @@ fn a_given_motion_is_that_of_the_base_on_the_vehicle_it_stands_for() {
 
 #[test]
 fn the_given_motion_of_a_base_beside_the_middle_of_the_track_is_there_too() {
-    let all = standings(
+    let all = vehicle_variants(
         &thesis(&["vehicle.pantograph_base=[11.95005378, 0.3, 3.425]", "model.reduce=none"]),
         1e-3,
     );
@@ -129,7 +132,7 @@ fn the_given_motion_of_a_base_beside_the_middle_of_the_track_is_there_too() {
 
 #[test]
 fn on_smooth_track_a_given_motion_stays_where_the_vehicle_bears_the_base() {
-    let all = standings(&thesis(&[]), 1e-3);
+    let all = vehicle_variants(&thesis(&[]), 1e-3);
     let motion = motion_of(&made(&all, OWN, "rigid_motion"));
     let mut full = Subsystem::build(&of_pantograph(&made(&all, OWN, "full"), 0)).unwrap();
     let Displaced {
@@ -153,7 +156,7 @@ const CURVE: &str = "track.curve={ radius = 1400.0, direction = \"left\", cant =
 
 #[test]
 fn in_a_curve_a_given_motion_sways_and_rolls_with_the_vehicle() {
-    let all = standings(&thesis(&[CURVE]), 1e-3);
+    let all = vehicle_variants(&thesis(&[CURVE]), 1e-3);
     // In the plane along the track there is no curve.
     let expected = ["full", "rigid_motion", NONE];
     let both = [OWN, IRREGULAR]
@@ -214,7 +217,7 @@ fn what_is_left_out_is_said_with_its_reason() {
     let mut two = thesis(&[]);
     two.pantographs.push(two.pantographs[0].clone());
     two.pantographs[1].offset_x = -20.0;
-    let found = standings(&two, 2e-3);
+    let found = vehicle_variants(&two, 2e-3);
     assert!(names(&found.all).iter().all(|(_, vehicle)| *vehicle != "rigid_motion"));
     let expected = [OWN, IRREGULAR].map(|track| {
         format!(
@@ -226,7 +229,7 @@ fn what_is_left_out_is_said_with_its_reason() {
     let thrown = thesis(&[
         "track.irregularities={ model = \"points\", x = [90.0, 90.2, 130.0], z_left = [0.0, 1.0, 0.0], y_left = [0.0, 2.0, 0.0] }",
     ]);
-    let found = standings(&thrown, 2e-3);
+    let found = vehicle_variants(&thrown, 2e-3);
     assert_eq!(found.left_out.len(), 1, "{:?}", found.left_out);
     println!("{}", found.left_out[0]);
     let start = "vehicle rigid_motion, track scene, is left out: the run that gives its motion ends at ";

@@ -1,112 +1,98 @@
-//! Where a single run stands in a study of its scene.
+//! Rank of a single run in a study of its scene.
+//!
+//! The study keeps the figures that this takes in its store, so that nobody reads its tables.
 
 use std::path::Path;
 
-use super::front::{point, speed};
+use serde::{Deserialize, Serialize};
+
+use super::outcome::{Study, label};
+use super::pareto::{point, speed};
 use super::plan::Sweep;
-use super::recipe::{Class, identity, settings};
+use super::run_spec::{Class, identity, settings};
 use super::text::known_to;
-use super::{CSV, outcome::Study};
-use crate::table_of_runs::{Row, Status};
+use super::{CSV, FOLDER};
+use crate::engine::Store;
+use crate::engine::table::{Row, Status};
+use results::ResultsError;
 use simulation::Mode;
 
-/// A row of a study as it is read back.
-struct Read {
+/// Name of the ranks in the store of a study.
+const RANKS: &str = "ranks";
+
+/// Ranks of all runs of a study.
+#[derive(Serialize, Deserialize)]
+struct Ranks {
+    /// Hash of the scene without the keys that the study changes.
+    identity: String,
+    runs: Vec<Ranked>,
+}
+
+/// Figures of one run.
+#[derive(Serialize, Deserialize)]
+struct Ranked {
     row: Row,
     rho_inf: f64,
     newton_tolerance: f64,
     pareto: bool,
-    scene_hash: String,
     settings: String,
     /// Whether it is a level of a reference.
     level: bool,
-    /// What is not known of its reference, from the last two levels of that, %.
+    /// Difference of the last two levels of its reference, %.
     uncertainty: Option<f64>,
     /// Difference of its reference from another discretisation, %.
     confirmed: Option<f64>,
 }
 
-impl Read {
-    /// Whether it is what the others are judged by: of all levels, that alone has no reference.
+impl Ranked {
+    /// Whether it is the run that judges the others: of all levels, that alone has no reference.
     fn is_reference(&self) -> bool {
         self.level && self.row.reference.is_empty() && matches!(self.row.status, Some(Status::Stable | Status::Limit))
     }
 }
 
-/// The rows of the study in `folder`; none where there is no study or it cannot be read.
-fn read(folder: &Path) -> Vec<Read> {
-    let Ok(mut reader) = csv::Reader::from_path(folder.join(CSV)) else {
-        return Vec::new();
-    };
-    let Ok(head) = reader.headers().cloned() else {
-        return Vec::new();
-    };
-    let place = |name: &str| head.iter().position(|column| column == name);
-    let columns = [
-        "rho_inf",
-        "newton_tolerance_N",
-        "pareto",
-        "scene_hash",
-        "settings_hash",
-        "sweep",
-        "spans",
-        "reference_uncertainty_percent_of_std",
-        "reference_confirmed_to_percent_of_std",
-    ];
-    let [
-        Some(rho),
-        Some(tolerance),
-        Some(pareto),
-        Some(hash),
-        Some(settings),
-        Some(sweep),
-        Some(spans),
-        Some(uncertainty),
-        Some(confirmed),
-    ] = columns.map(place)
-    else {
-        return Vec::new();
-    };
-    let mut rows = Vec::new();
-    for record in reader.records() {
-        let Ok(record) = record else { return Vec::new() };
-        let Ok(row) = record.deserialize::<Row>(Some(&head)) else {
-            return Vec::new();
-        };
-        // On another vehicle or another length it is another scene; without a status it has not been made.
-        if &record[sweep] == Sweep::Vehicle.name() || !record[spans].is_empty() || row.status.is_none() {
-            continue;
+/// Keeps the ranks of a study for later runs of its scene.
+///
+/// # Errors
+/// Reports of the operating system.
+pub fn keep_ranks(store: &Store, study: &Study) -> Result<(), ResultsError> {
+    // On another vehicle or another length a run is one of another scene; without a status it has not been made.
+    let of_scene = study.rows.iter().enumerate().filter(|(_, entry)| {
+        entry.sweep != Sweep::Vehicle.name() && entry.spans.is_none() && entry.row.status.is_some()
+    });
+    let runs = of_scene.map(|(index, entry)| {
+        let reference = study.reference_of(index, entry);
+        Ranked {
+            row: entry.row.clone(),
+            rho_inf: entry.rho_inf,
+            newton_tolerance: entry.newton_tolerance,
+            pareto: entry.pareto,
+            settings: entry.settings.clone(),
+            level: entry.sweep.split('+').any(|name| name == Sweep::Reference.name()),
+            uncertainty: reference.and_then(|found| found.uncertainty_percent),
+            confirmed: reference.and_then(|found| found.confirmed_to_percent),
         }
-        rows.push(Read {
-            row,
-            rho_inf: record[rho].parse().unwrap_or(f64::NAN),
-            newton_tolerance: record[tolerance].parse().unwrap_or(f64::NAN),
-            pareto: &record[pareto] == "1",
-            scene_hash: record[hash].to_owned(),
-            settings: record[settings].to_owned(),
-            uncertainty: record[uncertainty].parse().ok(),
-            confirmed: record[confirmed].parse().ok(),
-            level: record[sweep].split('+').any(|name| name == Sweep::Reference.name()),
-        });
-    }
-    rows
+    });
+    let ranks = Ranks {
+        identity: study.identity.clone(),
+        runs: runs.collect(),
+    };
+    store.keep_value(RANKS, &ranks)
 }
 
-/// What the study in `folder` says of a run of `scene` in `mode`: its expected error, and the nearest points of the front;
+/// Rank of a run of `scene` in `mode` by the study in `folder`: its expected error, and the nearest points of the Pareto front;
 /// nothing where there is no study of this scene. Paths in the scene are relative to `base`.
 #[must_use]
-pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) -> Option<String> {
-    let mut rows = read(folder);
-    if rows.is_empty() {
-        return None;
-    }
-    let hash = identity(scene, base);
-    rows.retain(|read| read.scene_hash == hash);
-    if rows.is_empty() {
+pub fn rank(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) -> Option<String> {
+    let Ranks {
+        identity: of,
+        runs: rows,
+    } = Store::read_value(&folder.join(FOLDER), RANKS)?;
+    if rows.is_empty() || of != identity(scene, base) {
         return None;
     }
     let own = Row::planned("", scene, mode, scene.coupling.algorithm.name());
-    let same_model = |read: &&Read| {
+    let same_model = |read: &&Ranked| {
         let row = &read.row;
         // Of two lengths that make as many elements, each makes as many in every interval.
         let even = row.element_length.is_some() == own.element_length.is_some();
@@ -117,18 +103,14 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
             && read.rho_inf == scene.solver.rho_inf
             && read.newton_tolerance == scene.solver.newton_tolerance
     };
-    let same_coupling = |read: &&Read| {
+    let same_coupling = |read: &&Ranked| {
         let row = &read.row;
         row.algorithm == own.algorithm && row.extrapolation == own.extrapolation && row.macro_step == own.macro_step
     };
     let intervals = scene.modelled_line().map_or(1, |(line, _)| line.intervals_per_span());
-    let names = Study {
-        intervals,
-        ..Study::default()
-    };
     let text = scene.to_toml();
     let [alone, coupled] = [false, true].map(|coupled| settings(&text, coupled));
-    let as_settled = |read: &&Read| {
+    let as_settled = |read: &&Ranked| {
         let settled = if read.row.macro_step.is_some() {
             &coupled
         } else {
@@ -136,9 +118,9 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
         };
         read.settings == *settled
     };
-    let one_system = |read: &&Read| read.row.macro_step.is_none();
-    let of_recipe = || rows.iter().filter(same_model).filter(same_coupling);
-    let exact = of_recipe().find(as_settled);
+    let one_system = |read: &&Ranked| read.row.macro_step.is_none();
+    let of_spec = || rows.iter().filter(same_model).filter(same_coupling);
+    let exact = of_spec().find(as_settled);
     let found = exact.or_else(|| rows.iter().filter(same_model).filter(one_system).find(as_settled));
     let Some(found) = found else {
         let mut others = rows.iter().filter(same_model);
@@ -148,12 +130,12 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
                  known"
             )
         } else {
-            format!("the study in {CSV} has no row of this recipe: its error is not known")
+            format!("the study in {CSV} has no row with these settings: its error is not known")
         });
     };
     let part = if exact.is_some() {
         ""
-    } else if of_recipe().next().is_some() {
+    } else if of_spec().next().is_some() {
         " without the coupling (its keys are others there)"
     } else {
         " without the coupling"
@@ -169,11 +151,11 @@ pub fn standing(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) ->
     let of_class = rows
         .iter()
         .filter(|read| read.pareto && Class::of(&read.row.reduction) == class);
-    let front: Vec<(&Read, Point)> = of_class.filter_map(|read| Some((read, point(&read.row)?))).collect();
+    let front: Vec<(&Ranked, Point)> = of_class.filter_map(|read| Some((read, point(&read.row)?))).collect();
     for (what, (read, (factor, error))) in beside(own, &front) {
         text.push_str(&format!(
             "; {what}: {} ({error:.2} %, {})",
-            names.label(&read.row),
+            label(&read.row, intervals),
             speed(factor)
         ));
     }
@@ -206,7 +188,7 @@ fn beside<T: Copy>(own: Point, front: &[(T, Point)]) -> Vec<(&'static str, (T, P
 }
 
 /// Error and status of a row; `part` says what of the run it does not hold.
-fn said(found: &Read, part: &str) -> String {
+fn said(found: &Ranked, part: &str) -> String {
     let row = &found.row;
     let family = Class::of(&row.reduction).family.name();
     let known = known_to(found.uncertainty, found.confirmed);

@@ -1,20 +1,21 @@
 //! The coupling test problem instead of a scene: every case at every macro step.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::table_of_runs::{Column, Row, Status, milliseconds, short};
+use crate::engine::export::{number_cells, scrolled};
+use crate::engine::table::{Columns, Row, Status, milliseconds, short};
+use crate::engine::{Bench, Experiment, ExperimentError, Machine, Planned, Sheet, Table, Timing};
 use cosim::test_problem::{self, Case};
-use results::report::{Page, Progress, aligned, escape};
+use results::report::{Page, aligned, escape};
 use results::statistics::ForceStatistics;
 use simulation::Mode;
 
 /// Macro steps when nothing is said, s: those that other masters have been measured at.
-pub const TRIAL_STEPS: [f64; 4] = [2e-4, 1e-3, 2e-3, 5e-3];
+pub const TEST_PROBLEM_STEPS: [f64; 4] = [2e-4, 1e-3, 2e-3, 5e-3];
 
-/// What other masters reach on the same problem: rms error of the raw force at [`TRIAL_STEPS`], N; infinite where they lose a
+/// What other masters reach on the same problem: rms error of the raw force at [`TEST_PROBLEM_STEPS`], N; infinite where they lose a
 /// contact that is never lost, NaN where it has not been measured.
 const OTHERS: [(&str, [f64; 4]); 6] = [
     (
@@ -35,8 +36,8 @@ const OTHERS: [(&str, [f64; 4]); 6] = [
 ];
 
 /// A case at a macro step.
-#[derive(Clone, Debug, Serialize)]
-pub struct Run {
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CaseRun {
     /// Case, for people.
     pub case: String,
     /// rms error of the raw force at the communication points, N; `null` where the run has diverged.
@@ -51,65 +52,97 @@ pub struct Run {
 
 /// The test problem's table, complete or not.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Trial {
+pub struct TestProblemTable {
     /// Whether every run was made.
     pub complete: bool,
-    /// One per case and macro step.
-    pub runs: Vec<Run>,
+    /// One per case and macro step that was run.
+    pub runs: Vec<CaseRun>,
+    /// Number of all cases and macro steps.
+    #[serde(skip)]
+    pub planned: usize,
 }
 
-impl Trial {
-    /// The rows.
-    #[must_use]
-    pub fn rows(&self) -> Vec<Row> {
-        self.runs.iter().map(|run| run.row.clone()).collect()
-    }
-
-    /// The columns before and behind the common ones.
-    #[must_use]
-    pub fn columns(&self) -> (Vec<Column>, Vec<Column>) {
-        let cells = |cell: &dyn Fn(&Run) -> String| self.runs.iter().map(cell).collect();
-        let error = |run: &Run| run.rms_error.map_or_else(String::new, |error| format!("{error:?}"));
-        (
-            vec![("case", cells(&|run| run.case.clone()))],
-            vec![
-                ("rms_error_N", cells(&error)),
-                ("passes_per_step", cells(&|run| format!("{:?}", run.passes_per_step))),
-            ],
-        )
-    }
-}
-
-/// Runs every case at every macro step (s), one at a time; `keep` is given the table after each.
-///
-/// # Errors
-/// What `keep` returns.
-pub fn trial<E>(
-    macro_steps: &[f64],
-    repeats: usize,
-    interrupted: &AtomicBool,
-    progress: &Progress,
-    keep: &mut dyn FnMut(&Trial) -> Result<(), E>,
-) -> Result<Trial, E> {
-    let cases = test_problem::cases();
-    let mut trial = Trial::default();
-    let count = cases.len() * macro_steps.len();
-    for case in &cases {
-        progress.message(&case.name);
-        for &macro_step in macro_steps {
-            if interrupted.load(Ordering::Relaxed) {
-                return Ok(trial);
-            }
-            trial.runs.push(run(case, macro_step, repeats));
-            progress.set(trial.runs.len() as f64 / count as f64);
-            keep(&trial)?;
+impl Table for TestProblemTable {
+    fn sheet(&self) -> Sheet {
+        let columns = || Columns::of(&self.runs);
+        Sheet {
+            leading: columns().text("case", |run| run.case.clone()).finish(),
+            rows: self.runs.iter().map(|run| run.row.clone()).collect(),
+            trailing: columns()
+                .value("rms_error_N", |run| run.rms_error)
+                .text("passes_per_step", |run| format!("{:?}", run.passes_per_step))
+                .finish(),
         }
     }
-    trial.complete = true;
-    Ok(trial)
+
+    fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    fn made(&self) -> (usize, usize) {
+        (self.runs.len(), self.planned)
+    }
+
+    fn text(&self) -> String {
+        text(self)
+    }
+
+    fn sections(&self) -> Page {
+        page(self)
+    }
 }
 
-fn run(case: &Case, macro_step: f64, repeats: usize) -> Run {
+/// Every case at every macro step, timed one at a time.
+#[derive(Clone, Debug)]
+pub struct TestProblem {
+    /// Macro steps, s.
+    pub macro_steps: Vec<f64>,
+    /// Times that every run is timed.
+    pub repeats: usize,
+}
+
+impl Experiment for TestProblem {
+    type Job = (Case, f64);
+    type Found = CaseRun;
+    type Table = TestProblemTable;
+
+    fn plan(&self) -> Vec<Planned<(Case, f64)>> {
+        let of_case = |case: Case| {
+            self.macro_steps
+                .iter()
+                .map(move |&macro_step| (case.clone(), macro_step))
+        };
+        let planned = |job| Planned {
+            job,
+            work: 1.0,
+            timing: Timing::Alone,
+        };
+        test_problem::cases()
+            .into_iter()
+            .flat_map(of_case)
+            .map(planned)
+            .collect()
+    }
+
+    fn make(&self, (case, macro_step): &(Case, f64), bench: &Bench<'_>) -> Result<Option<CaseRun>, ExperimentError> {
+        let of = format!("{case:?} {macro_step:?} {} {:?}", self.repeats, Machine::this());
+        bench.value(&of, || run(case, *macro_step, self.repeats))
+    }
+
+    fn label(&self, (case, _): &(Case, f64)) -> String {
+        case.name.clone()
+    }
+
+    fn judge(&self, found: &[Option<CaseRun>]) -> TestProblemTable {
+        TestProblemTable {
+            complete: found.iter().all(Option::is_some),
+            runs: found.iter().flatten().cloned().collect(),
+            planned: found.len(),
+        }
+    }
+}
+
+fn run(case: &Case, macro_step: f64, repeats: usize) -> CaseRun {
     let sigma = ForceStatistics::of(test_problem::truth(&case.parameters).forces()).map(|force| force.std);
     let mut walls = Vec::new();
     let mut outcome = None;
@@ -152,7 +185,7 @@ fn run(case: &Case, macro_step: f64, repeats: usize) -> Run {
     };
     row.remark(&energy);
     row.remark(&outcome.report.unwrap_or_default());
-    Run {
+    CaseRun {
         case: case.name.clone(),
         rms_error,
         passes_per_step: outcome.passes_per_step,
@@ -172,10 +205,9 @@ fn other(error: f64) -> String {
 }
 
 /// The table on the terminal.
-#[must_use]
-pub fn trial_text(trial: &Trial) -> String {
+fn text(table: &TestProblemTable) -> String {
     let mut text = String::from("coupling test problem: rms error of the raw contact force over 10 s\n");
-    if !trial.complete {
+    if !table.complete {
         text.push_str("INCOMPLETE\n");
     }
     let cells = |cells: &[&str]| cells.iter().map(|cell| (*cell).to_owned()).collect::<Vec<_>>();
@@ -184,7 +216,7 @@ pub fn trial_text(trial: &Trial) -> String {
         cells(&["", "ms", "N", "per step", "J", "status", "s"]),
     ];
     let mut case = "";
-    for run in &trial.runs {
+    for run in &table.runs {
         let name = if run.case == case { "" } else { run.case.as_str() };
         case = &run.case;
         rows.push(vec![
@@ -216,14 +248,13 @@ pub fn trial_text(trial: &Trial) -> String {
 }
 
 /// The page.
-#[must_use]
-pub fn trial_page(trial: &Trial) -> String {
-    let mut steps: Vec<f64> = trial.runs.iter().filter_map(|run| run.row.macro_step).collect();
+fn page(table: &TestProblemTable) -> Page {
+    let mut steps: Vec<f64> = table.runs.iter().filter_map(|run| run.row.macro_step).collect();
     steps.sort_by(f64::total_cmp);
     steps.dedup();
-    let mut names: Vec<&str> = trial.runs.iter().map(|run| run.case.as_str()).collect();
+    let mut names: Vec<&str> = table.runs.iter().map(|run| run.case.as_str()).collect();
     names.dedup();
-    let matrix = |heading: &str, cell: &dyn Fn(&Run) -> String| {
+    let matrix = |heading: &str, cell: &dyn Fn(&CaseRun) -> String| {
         let head: String = steps
             .iter()
             .map(|step| format!("<th class=\"n\">{} ms</th>", milliseconds(Some(*step))))
@@ -232,7 +263,7 @@ pub fn trial_page(trial: &Trial) -> String {
         for name in &names {
             body.push_str(&format!("<tr><td>{}</td>", escape(name)));
             for step in &steps {
-                let found = trial
+                let found = table
                     .runs
                     .iter()
                     .find(|run| run.case == *name && run.row.macro_step == Some(*step));
@@ -245,12 +276,10 @@ pub fn trial_page(trial: &Trial) -> String {
             }
             body.push_str("</tr>\n");
         }
-        format!(
-            "<div class=\"scroll\"><table><thead><tr><th>{heading}</th>{head}</tr></thead><tbody>{body}</tbody></table></div>\n"
-        )
+        scrolled(&format!("<th>{heading}</th>{head}"), &body)
     };
     let mut page = Page::new("Coupling test problem");
-    let state = if trial.complete {
+    let state = if table.complete {
         ""
     } else {
         "<p class=\"warning\">Incomplete.</p>\n"
@@ -266,19 +295,16 @@ pub fn trial_page(trial: &Trial) -> String {
     let others: String = OTHERS
         .iter()
         .map(|(name, errors)| {
-            let cells: String = errors
-                .iter()
-                .map(|error| format!("<td class=\"n\">{}</td>", other(*error)))
-                .collect();
+            let cells = number_cells(errors.iter().map(|error| other(*error)));
             format!("<tr><td>{}</td>{cells}</tr>\n", escape(name))
         })
         .collect();
     page.section(
         "Other masters",
-        &format!(
-            "<div class=\"scroll\"><table><thead><tr><th>rms error of the raw force, N</th><th class=\"n\">0.2 ms</th>\
-             <th class=\"n\">1 ms</th><th class=\"n\">2 ms</th><th class=\"n\">5 ms</th></tr></thead><tbody>{others}</tbody>\
-             </table></div>\n"
+        &scrolled(
+            "<th>rms error of the raw force, N</th><th class=\"n\">0.2 ms</th><th class=\"n\">1 ms</th><th class=\"n\">2 ms</th>\
+             <th class=\"n\">5 ms</th>",
+            &others,
         ),
     );
     page.section(
@@ -289,5 +315,5 @@ pub fn trial_page(trial: &Trial) -> String {
         "Energy",
         &matrix("energy added by the coupling, J", &|run| short(run.row.energy_residual)),
     );
-    page.finish()
+    page
 }

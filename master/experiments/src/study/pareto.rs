@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::recipe::Class;
-use crate::table_of_runs::{Row, Status};
+use super::run_spec::Class;
+use crate::engine::table::{Row, Status};
 
 /// Errors that a recommendation is given for, % of the standard deviation.
 pub const TARGETS: [f64; 3] = [3.0, 1.0, 0.3];

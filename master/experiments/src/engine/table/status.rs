@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Errors, Row};
+use super::curve::Errors;
+use super::row::Row;
 
 /// Error of the filtered force above which a run has nothing to do with its reference, % of the reference's standard deviation.
 pub const RUNAWAY: f64 = 100.0;
@@ -22,8 +23,8 @@ pub const STATUS_RULE: &str = "diverged: the run did not reach its end, or its f
     reference's standard deviation (rms). limit: it loses contact for more than twice the reference's time and 0.1 %, or its raw force \
     is wrong by more than 100 %, or the coupling added or took more than 10 % of the work that crossed the contact. refused: it cannot begin, the reason says why. stable: everything else";
 
-/// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// How a run ended, the best first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// Nothing to report.
@@ -37,6 +38,9 @@ pub enum Status {
 }
 
 impl Status {
+    /// All of them, the best first.
+    pub const ALL: [Self; 4] = [Self::Stable, Self::Limit, Self::Diverged, Self::Refused];
+
     /// The word of the table.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -1,6 +1,8 @@
 use std::path::Path;
 
 use super::*;
+use crate::engine::Sheet;
+use crate::engine::export::write;
 
 /// The columns of tables that compare runs, as the command line promises them.
 const PROMISED: &str = "scene, mode, algorithm, extrapolation, macro_step_s, micro_step_s, elements_per_span, mesh, reduction, \
@@ -10,7 +12,12 @@ const PROMISED: &str = "scene, mode, algorithm, extrapolation, macro_step_s, mic
 
 fn csv(rows: &[Row], leading: &[Column], trailing: &[Column]) -> String {
     let mut out = Vec::new();
-    write(&mut out, Path::new("table.csv"), rows, leading, trailing).unwrap();
+    let sheet = Sheet {
+        leading: leading.to_vec(),
+        rows: rows.to_vec(),
+        trailing: trailing.to_vec(),
+    };
+    write(&mut out, Path::new("table.csv"), &sheet).unwrap();
     String::from_utf8(out).unwrap()
 }
 

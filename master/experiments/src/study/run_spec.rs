@@ -5,14 +5,16 @@ use std::path::Path;
 
 use scene::{Catenary, Division, Scene};
 
-use super::vehicle::{Standing, StandingName, own_name, standings};
-use crate::table_of_runs::{AUTO, Keys, Variant};
+use super::vehicle::{VehicleVariant, VehicleVariantName, own_name, vehicle_variants};
+use crate::engine::Variant;
+use crate::engine::store::{by_content, digest};
+use crate::engine::table::{AUTO, Keys};
 use simulation::{Mode, Prepared};
 use system::one_system::OneSystem;
 
 /// Corrections of the mesh that a scene may name, best set first; the first one that the scene takes is called corrected here.
 /// Those without the contact's compliance are for strips that are held on the wire or as fast as its waves.
-const CURES: [&[&str]; 7] = [
+const CORRECTION_SETS: [&[&str]; 7] = [
     &["contact_compliance", "bending_layers", "mass_correction"],
     &["contact_compliance", "mass_correction"],
     &["contact_compliance", "bending_layers"],
@@ -124,7 +126,7 @@ pub enum Mesh {
 
 /// A run of a study: everything that a sweep may change.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Recipe {
+pub struct RunSpec {
     /// Mesh.
     pub mesh: Mesh,
     /// Step of the time integration, s.
@@ -140,7 +142,7 @@ pub struct Recipe {
     /// Spans of a line that is longer or shorter than the scene's.
     pub spans: Option<usize>,
     /// A vehicle or a track other than the scene's.
-    pub standing: Option<Standing>,
+    pub vehicle_variant: Option<VehicleVariant>,
 }
 
 /// Simulated time of runs on lines of other lengths, s.
@@ -148,7 +150,7 @@ pub const GROWTH_DURATION: f64 = 1.0;
 
 /// What all runs of a study have in common, and what the scene allows.
 #[derive(Clone, Debug)]
-pub struct Ground {
+pub struct Subject {
     /// Name of the scene.
     pub name: String,
     /// The scene as read, shortened to what is evaluated.
@@ -172,12 +174,12 @@ pub struct Ground {
     /// Step that resolves the low-pass filter's band, s.
     pub micro_step: f64,
     /// What else the pantograph may stand on.
-    pub standings: Vec<Standing>,
+    pub vehicle_variants: Vec<VehicleVariant>,
     /// What it does not stand on, and why.
     pub left_out: Vec<String>,
 }
 
-impl Ground {
+impl Subject {
     /// That of a scene which `master check` accepts, as read with these overrides and as prepared; with what else the pantograph may
     /// stand on, which takes runs of the vehicle, where `vehicles` is true.
     #[must_use]
@@ -189,7 +191,7 @@ impl Ground {
             .reductions
             .iter()
             .map(|reduction| reduction.name().to_owned());
-        let mut ground = Self {
+        let mut subject = Self {
             name: prepared.name.clone(),
             meshed: line.is_some(),
             one_system: OneSystem::can(&scene),
@@ -201,29 +203,34 @@ impl Ground {
             elements: line.map_or(1, |_| resolving_elements(&scene)),
             intervals: line.map_or(1, Catenary::intervals_per_span),
             micro_step: 0.02 / scene.run.low_pass_hz,
-            standings: Vec::new(),
+            vehicle_variants: Vec::new(),
             left_out: Vec::new(),
             scene,
             text,
         };
         if vehicles {
-            let found = standings(&ground.scene, ground.micro_step);
-            (ground.standings, ground.left_out) = (found.all, found.left_out);
+            let found = vehicle_variants(&subject.scene, subject.micro_step);
+            (subject.vehicle_variants, subject.left_out) = (found.all, found.left_out);
         }
-        ground.corrections = ground.accepted_corrections();
-        ground
+        subject.corrections = subject.accepted_corrections();
+        subject
     }
 
     /// The scene that the keys of a recipe change, as text.
     #[must_use]
-    pub fn text_of<'a>(&'a self, recipe: &'a Recipe) -> &'a str {
-        recipe.standing.as_ref().map_or(&self.text, |standing| &standing.text)
+    pub fn text_of<'a>(&'a self, spec: &'a RunSpec) -> &'a str {
+        spec.vehicle_variant
+            .as_ref()
+            .map_or(&self.text, |vehicle_variant| &vehicle_variant.text)
     }
 
     /// What the pantograph of a recipe stands on.
     #[must_use]
-    pub fn standing_of(&self, recipe: &Recipe) -> StandingName {
-        let other = recipe.standing.as_ref().map(|standing| standing.name);
+    pub fn vehicle_of(&self, spec: &RunSpec) -> VehicleVariantName {
+        let other = spec
+            .vehicle_variant
+            .as_ref()
+            .map(|vehicle_variant| vehicle_variant.name);
         other.unwrap_or_else(|| own_name(&self.scene))
     }
 
@@ -248,7 +255,7 @@ impl Ground {
     #[must_use]
     pub fn correction_sets(&self) -> Vec<Vec<String>> {
         let names = |corrections: &&[&str]| corrections.iter().map(|correction| (*correction).to_owned()).collect();
-        CURES.iter().map(names).collect()
+        CORRECTION_SETS.iter().map(names).collect()
     }
 
     /// Whether the scene can be read with these keys too.
@@ -323,24 +330,24 @@ impl Ground {
 
     /// What a recipe is as a variant of the scene.
     #[must_use]
-    pub fn variant(&self, recipe: &Recipe) -> Variant {
+    pub fn variant(&self, spec: &RunSpec) -> Variant {
         let mut keys = Vec::new();
-        if let (Mesh::Of { division, corrections }, true) = (&recipe.mesh, self.meshed) {
+        if let (Mesh::Of { division, corrections }, true) = (&spec.mesh, self.meshed) {
             keys.push(division_key(*division));
             if self.corrections.is_some() || !corrections.is_empty() {
                 keys.push(corrections_key(corrections));
             }
         }
         if self.meshed {
-            keys.push(reduce_key(&recipe.reductions));
+            keys.push(reduce_key(&spec.reductions));
         }
-        let algorithm = match &recipe.exchange {
+        let algorithm = match &spec.exchange {
             Exchange::None => {
-                keys.extend(self.keys.overrides("", recipe.micro_step, recipe.micro_step));
+                keys.extend(self.keys.overrides("", spec.micro_step, spec.micro_step));
                 String::new()
             }
             Exchange::Scene => {
-                keys.push(format!("solver.micro_step={:?}", recipe.micro_step));
+                keys.push(format!("solver.micro_step={:?}", spec.micro_step));
                 self.keys.named.clone()
             }
             Exchange::Of {
@@ -348,23 +355,23 @@ impl Ground {
                 extrapolation,
                 macro_step,
             } => {
-                keys.extend(self.keys.overrides(algorithm, *macro_step, recipe.micro_step));
+                keys.extend(self.keys.overrides(algorithm, *macro_step, spec.micro_step));
                 if let Some(degree) = extrapolation {
                     keys.push(format!("coupling.extrapolation={degree}"));
                 }
                 algorithm.clone()
             }
         };
-        keys.push(format!("solver.rho_inf={:?}", recipe.rho_inf));
-        keys.push(format!("solver.newton_tolerance={:?}", recipe.newton_tolerance));
-        if let Some(spans) = recipe.spans {
+        keys.push(format!("solver.rho_inf={:?}", spec.rho_inf));
+        keys.push(format!("solver.newton_tolerance={:?}", spec.newton_tolerance));
+        if let Some(spans) = spec.spans {
             keys.push(format!("catenary.spans={spans}"));
             keys.push(format!("run.duration={GROWTH_DURATION:?}"));
             let from = 0.5 * GROWTH_DURATION;
             keys.push(format!("run.evaluate={{ time = [{from:?}, {GROWTH_DURATION:?}] }}"));
         }
         Variant {
-            mode: match recipe.exchange {
+            mode: match spec.exchange {
                 Exchange::None => Mode::Monolithic,
                 _ => Mode::Inprocess,
             },
@@ -375,33 +382,33 @@ impl Ground {
 
     /// Work of a recipe: coordinates times micro steps, roughly; repeated steps and constant matrices taken into profile.
     #[must_use]
-    pub fn work(&self, recipe: &Recipe) -> f64 {
-        let has = |name: &str| recipe.reductions.iter().any(|reduction| reduction == name);
+    pub fn work(&self, spec: &RunSpec) -> f64 {
+        let has = |name: &str| spec.reductions.iter().any(|reduction| reduction == name);
         let line = self.scene.modelled_line().map(|(line, _)| line);
         let elements = line.map_or(1, |line| {
-            line.elements_per_span(match recipe.mesh {
+            line.elements_per_span(match spec.mesh {
                 Mesh::Of { division, .. } => division,
                 Mesh::Scene => line.mesh.division,
             })
         });
-        let spans = recipe.spans.or(line.map(scene::Catenary::spans)).unwrap_or(1);
+        let spans = spec.spans.or(line.map(scene::Catenary::spans)).unwrap_or(1);
         /// Spans of a window, roughly.
         const WINDOW: usize = 10;
         let spans = if has("window") { spans.min(WINDOW) } else { spans };
         let per_node = if has("planar") { 4 } else { 6 };
         let coordinates = (2 * per_node * elements * spans) as f64;
-        let duration = if recipe.spans.is_some() {
+        let duration = if spec.spans.is_some() {
             GROWTH_DURATION
         } else {
             self.scene.run.duration
         };
         let linear = if has("linearised") || has("flat") { 0.3 } else { 1.0 };
-        let repeated = match &recipe.exchange {
+        let repeated = match &spec.exchange {
             // Repeated steps cost about three passes, measured with the standard's line.
             Exchange::Of { algorithm, .. } if algorithm == "iterated" => 3.0,
             _ => 1.0,
         };
-        linear * repeated * coordinates * duration / recipe.micro_step
+        linear * repeated * coordinates * duration / spec.micro_step
     }
 }
 
@@ -472,7 +479,7 @@ fn entries(text: &str) -> impl Iterator<Item = (&str, &str, &str)> {
 
 /// Short hash of some bytes.
 fn hash(bytes: &[u8]) -> String {
-    super::store::digest(&[bytes])[..12].to_owned()
+    digest(&[bytes])[..12].to_owned()
 }
 
 /// Hash of a scene without what a recipe changes or [`settings`] holds, without its texts, and without what it leaves to be found:
@@ -489,12 +496,7 @@ pub fn identity(scene: &Scene, base: &Path) -> String {
         ("[run]", "output_step"),
         ("[[pantograph]]", "start"),
     ];
-    let mut scene = scene.clone();
-    // A file that cannot be read stops the run that it is for, with a message.
-    let hashed = |path: &mut String| *path = hash(&std::fs::read(base.join(&*path)).unwrap_or_default());
-    scene.supplied_sides_mut().for_each(|side| hashed(&mut side.fmu));
-    scene.unread_files_mut().into_iter().for_each(|(_, path)| hashed(path));
-    let text = scene.to_toml();
+    let text = by_content(scene, base).to_toml();
     let kept: Vec<&str> = entries(&text)
         .filter(|&(table, key, _)| !TABLES.contains(&table) && !KEYS.contains(&(table, key)))
         .map(|(_, _, line)| line)

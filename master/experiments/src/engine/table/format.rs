@@ -1,4 +1,4 @@
-//! Numbers and remarks as tables and pages show them.
+//! Numbers as tables and pages show them.
 
 /// Three significant digits, where there is a number.
 pub(crate) fn significant(value: Option<f64>) -> Option<String> {
@@ -21,21 +21,4 @@ pub(crate) fn short(value: Option<f64>) -> String {
 /// Milliseconds without rounding noise.
 pub(crate) fn milliseconds(step: Option<f64>) -> String {
     step.map_or_else(|| "–".to_owned(), |step| format!("{}", (1e9 * step).round() / 1e6))
-}
-
-/// A remark in lines of at most 116 characters, indented.
-pub(crate) fn wrapped(remark: &str) -> String {
-    let (mut text, mut line) = (String::new(), String::from(" "));
-    for word in remark.split_whitespace() {
-        if line.chars().count() + 1 + word.chars().count() > 116 {
-            text.push_str(&line);
-            text.push('\n');
-            line = String::from("   ");
-        }
-        line.push(' ');
-        line.push_str(word);
-    }
-    text.push_str(&line);
-    text.push('\n');
-    text
 }

@@ -1,13 +1,10 @@
 //! The columns.
 
-use std::io::Write;
-use std::path::Path;
-
 use scene::{Catenary, Division, Scene};
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Errors, Status};
-use results::{ResultsError, RunInfo, Summary};
+use results::{RunInfo, Summary};
 use simulation::Mode;
 
 /// A value as a cell: empty where it has no meaning for the row.
@@ -232,7 +229,7 @@ impl Row {
     /// Takes in the wall times of all runs that were timed, s; there is at least one.
     pub fn timed(&mut self, walls: &mut [f64]) {
         let was = self.wall;
-        let wall = super::median(walls);
+        let wall = crate::engine::median(walls);
         // Wall time over simulated time: both grow alike.
         self.real_time_factor = match (self.real_time_factor, was) {
             (Some(factor), Some(was)) if was > 0.0 => Some(factor / was * wall),
@@ -292,44 +289,4 @@ pub fn observed_orders(rows: &mut [Row]) {
     for (row, order) in rows.iter_mut().zip(orders) {
         row.order = order;
     }
-}
-
-/// A column that only one kind of table has: its name, and one cell per row.
-pub type Column = (&'static str, Vec<String>);
-
-/// Writes the table as CSV to `out`, with columns of its own before and behind the common ones; `path` is named in errors.
-///
-/// # Errors
-/// What `out` reports.
-pub fn write(
-    out: impl Write,
-    path: &Path,
-    rows: &[Row],
-    leading: &[Column],
-    trailing: &[Column],
-) -> Result<(), ResultsError> {
-    let failed = |source| ResultsError::Csv {
-        path: path.to_owned(),
-        source,
-    };
-    let mut writer = csv::Writer::from_writer(out);
-    let names = |columns: &[Column]| -> Vec<&'static str> { columns.iter().map(|(name, _)| *name).collect() };
-    let head = names(leading)
-        .into_iter()
-        .chain(Row::COLUMNS.iter().copied())
-        .chain(names(trailing));
-    writer.write_record(head).map_err(failed)?;
-    for (index, row) in rows.iter().enumerate() {
-        let cells = |columns: &[Column]| -> Vec<String> {
-            let cell = |(_, cells): &Column| cells.get(index).cloned().unwrap_or_default();
-            columns.iter().map(cell).collect()
-        };
-        let record = cells(leading).into_iter().chain(row.cells()).chain(cells(trailing));
-        writer.write_record(record).map_err(failed)?;
-    }
-    writer.flush().map_err(|source| ResultsError::Io {
-        path: path.to_owned(),
-        action: "write",
-        source,
-    })
 }

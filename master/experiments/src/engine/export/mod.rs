@@ -1,0 +1,91 @@
+//! Tables of experiments as files: one exporter per format.
+//!
+//! | part | format |
+//! | --- | --- |
+//! | [`Csv`] | one row per run, for programs |
+//! | [`Json`] | the whole table, for programs |
+//! | [`Html`] | sections with plots, one file that needs no network |
+//! | [`Text`] | the terminal |
+
+mod csv;
+mod html;
+mod json;
+mod text;
+
+use std::io::Write;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::table::{Column, Row};
+use results::report::Page;
+use results::{OutputDirectory, ResultsError};
+
+pub use self::csv::{Csv, write};
+pub use html::Html;
+pub(crate) use html::{
+    count, fixed, incomplete, number, number_cells, scrolled, status_counts, status_rule, status_span, status_word,
+    step,
+};
+pub use json::Json;
+pub use text::Text;
+pub(crate) use text::wrapped;
+
+/// Rows of a table and the columns of its own before and behind the common ones.
+#[derive(Clone, Debug, Default)]
+pub struct Sheet {
+    /// Columns before the common ones.
+    pub leading: Vec<Column>,
+    /// Rows.
+    pub rows: Vec<Row>,
+    /// Columns behind the common ones.
+    pub trailing: Vec<Column>,
+}
+
+/// The table of an experiment, complete or not.
+pub trait Table: Serialize {
+    /// Rows and columns of the CSV file.
+    fn sheet(&self) -> Sheet;
+
+    /// Whether every run was made.
+    fn is_complete(&self) -> bool;
+
+    /// Number of runs that were made, and of all.
+    fn made(&self) -> (usize, usize) {
+        let rows = self.sheet().rows;
+        (rows.iter().filter(|row| row.status.is_some()).count(), rows.len())
+    }
+
+    /// The table for the terminal, at most 120 columns wide.
+    fn text(&self) -> String;
+
+    /// The page: title, lead and sections.
+    fn sections(&self) -> Page;
+}
+
+/// One format of a table.
+pub trait Exporter {
+    /// Writes the table to `out`; `path` is named in errors.
+    ///
+    /// # Errors
+    /// Reports of `out`.
+    fn export(&self, table: &impl Table, out: &mut dyn Write, path: &Path) -> Result<(), ResultsError>;
+
+    /// Replaces the file `name` of a directory by the table.
+    ///
+    /// # Errors
+    /// Reports of the operating system.
+    fn replace(&self, table: &impl Table, output: &OutputDirectory, name: &str) -> Result<(), ResultsError> {
+        output.replace(name, |mut out, path| self.export(table, &mut out, path))
+    }
+
+    /// The table as a string.
+    ///
+    /// # Errors
+    /// A value that the format does not take.
+    fn string(&self, table: &impl Table) -> Result<String, ResultsError> {
+        let mut bytes = Vec::new();
+        self.export(table, &mut bytes, Path::new(""))?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    }
+}

@@ -1,0 +1,35 @@
+//! Tables on the terminal.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::{Exporter, Table};
+use results::ResultsError;
+
+/// The table for the terminal.
+#[derive(Clone, Copy, Debug)]
+pub struct Text;
+
+impl Exporter for Text {
+    fn export(&self, table: &impl Table, out: &mut dyn Write, path: &Path) -> Result<(), ResultsError> {
+        out.write_all(table.text().as_bytes())
+            .map_err(results::io(path, "write"))
+    }
+}
+
+/// A remark in lines of at most 116 characters, indented.
+pub(crate) fn wrapped(remark: &str) -> String {
+    let (mut text, mut line) = (String::new(), String::from(" "));
+    for word in remark.split_whitespace() {
+        if line.chars().count() + 1 + word.chars().count() > 116 {
+            text.push_str(&line);
+            text.push('\n');
+            line = String::from("   ");
+        }
+        line.push(' ');
+        line.push_str(word);
+    }
+    text.push_str(&line);
+    text.push('\n');
+    text
+}

@@ -1,0 +1,358 @@
+//! Making the jobs of an experiment: beside each other on all workers, then those that are timed one at a time; nothing twice.
+
+use std::cell::Cell;
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak, mpsc};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use super::machine::{forget_touched, touched};
+use super::plan::{Experiment, ExperimentError, Planned, Timing};
+use super::run::{Attempt, Run};
+use super::store::{Store, Times, key, value_key};
+use super::table::{Curve, Status};
+use results::report::Progress;
+use system::run::Watch;
+
+/// Surroundings of an experiment.
+#[derive(Clone, Copy)]
+pub struct Site<'a> {
+    /// Runs that are kept.
+    pub store: &'a Store,
+    /// Set where an end is asked for.
+    pub interrupted: &'a AtomicBool,
+    /// Progress bar.
+    pub progress: &'a Progress,
+    /// Jobs made beside each other.
+    pub workers: usize,
+}
+
+/// A run by its key: waited for while another worker makes it.
+type Slot = Arc<Mutex<Weak<Attempt>>>;
+
+/// Parts that all workers share.
+struct Shared<'a> {
+    site: Site<'a>,
+    limit: Option<Duration>,
+    whole_forces: bool,
+    slots: Mutex<BTreeMap<String, Slot>>,
+}
+
+/// A worker's run under way: when it began, and the flag that ends it.
+#[derive(Default)]
+struct Guard {
+    since: Mutex<Option<Instant>>,
+    stop: AtomicBool,
+}
+
+/// Makes runs for one job; a run that was made before is taken from the store.
+pub struct Bench<'a> {
+    shared: &'a Shared<'a>,
+    guard: &'a Guard,
+    /// Part of the progress that the job is worth, and what of that its runs have moved.
+    share: f64,
+    moved: Cell<f64>,
+}
+
+/// A run with its wall times.
+#[derive(Clone, Debug)]
+pub struct Timed {
+    /// The first run.
+    pub made: Arc<Attempt>,
+    /// Times of all runs.
+    pub times: Times,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Guard {
+    fn is_late(&self, limit: Option<Duration>) -> bool {
+        let since = *lock(&self.since);
+        limit.zip(since).is_some_and(|(limit, since)| since.elapsed() >= limit)
+    }
+}
+
+impl Bench<'_> {
+    /// Whether an end was asked for.
+    #[must_use]
+    pub fn is_interrupted(&self) -> bool {
+        self.shared.site.interrupted.load(Ordering::Relaxed)
+    }
+
+    /// The only run of a job; see [`run_part`](Self::run_part).
+    ///
+    /// # Errors
+    /// FMUs that cannot be made, a store that cannot be written.
+    pub fn run(&self, run: &Run) -> Result<Option<Arc<Attempt>>, ExperimentError> {
+        self.run_part(run, 1.0)
+    }
+
+    /// One run of a job, made here, by another worker or earlier; nothing where an end was asked for. `part` is its share of the job's
+    /// progress (–).
+    ///
+    /// # Errors
+    /// FMUs that cannot be made, a store that cannot be written.
+    pub fn run_part(&self, run: &Run, part: f64) -> Result<Option<Arc<Attempt>>, ExperimentError> {
+        let Some(key) = key(run) else {
+            // The scene refuses it: there is nothing to be kept.
+            return Ok(Some(Arc::new(self.fresh(run, part, [&|| {}; 2])?)));
+        };
+        let slot = Arc::clone(lock(&self.shared.slots).entry(key.clone()).or_default());
+        let mut slot = lock(&slot);
+        let known = slot
+            .upgrade()
+            .or_else(|| self.shared.site.store.run(&key).map(Arc::new));
+        if let Some(made) = known {
+            self.skip(part);
+            *slot = Arc::downgrade(&made);
+            return Ok(Some(made));
+        }
+        if self.is_interrupted() {
+            return Ok(None);
+        }
+        let made = self.fresh(run, part, [&|| {}; 2])?;
+        if made.interrupted {
+            return Ok(None);
+        }
+        self.shared.site.store.keep(&key, &made)?;
+        let made = Arc::new(made);
+        *slot = Arc::downgrade(&made);
+        Ok(Some(made))
+    }
+
+    /// A run made `repeats` times, one after the other; the first may be known. With `memory`, the memory that the time loop touches is
+    /// measured too. Nothing where an end was asked for.
+    ///
+    /// # Errors
+    /// FMUs that cannot be made, a store that cannot be written.
+    pub fn timed(&self, run: &Run, repeats: usize, memory: bool) -> Result<Option<Timed>, ExperimentError> {
+        let Some(key) = key(run) else {
+            let made = self.run(run)?;
+            return Ok(made.map(|made| Timed {
+                made,
+                times: Times::default(),
+            }));
+        };
+        let store = self.shared.site.store;
+        let mut times = store.times(&key);
+        let mut made = store.run(&key).map(Arc::new);
+        // A run that cannot begin, or does not reach its end, has no time.
+        let ended = |made: &Attempt| made.row.status == Some(Status::Refused) || !made.complete;
+        let part = 1.0 / repeats.max(1) as f64;
+        self.skip(part * repeats.min(times.walls.len()) as f64);
+        while made.is_none() || times.walls.len() < repeats {
+            if let Some(made) = made.as_ref().filter(|made| ended(made)) {
+                let made = Arc::clone(made);
+                return Ok(Some(Timed { made, times }));
+            }
+            if self.is_interrupted() {
+                return Ok(None);
+            }
+            let (watched, touched_now) = (Cell::new(false), Cell::new(None));
+            let begun = || watched.set(memory && forget_touched());
+            let finished = || touched_now.set(watched.get().then(touched).flatten());
+            let again = self.fresh(run, part, [&begun, &finished])?;
+            if again.interrupted {
+                return Ok(None);
+            }
+            times.memory = times.memory.or(touched_now.get());
+            let (complete, wall) = (again.complete, again.row.wall);
+            if made.is_none() {
+                store.keep(&key, &again)?;
+                made = Some(Arc::new(again));
+            }
+            if !complete {
+                break;
+            }
+            times.walls.extend(wall);
+            store.keep_times(&key, &times)?;
+        }
+        Ok(made.map(|made| Timed { made, times }))
+    }
+
+    /// A figure that is no run of a scene: known by what it is a figure of, else made; nothing where an end was asked for. `make` is
+    /// given the flag that asks for its end.
+    ///
+    /// # Errors
+    /// A store that cannot be written.
+    pub fn value<T: Serialize + for<'a> Deserialize<'a>>(
+        &self,
+        of: &str,
+        make: impl FnOnce() -> T,
+    ) -> Result<Option<T>, ExperimentError> {
+        let (store, key) = (self.shared.site.store, value_key(of));
+        if let Some(value) = store.value(&key) {
+            return Ok(Some(value));
+        }
+        if self.is_interrupted() {
+            return Ok(None);
+        }
+        let value = make();
+        store.keep_value(&key, &value)?;
+        Ok(Some(value))
+    }
+
+    /// Moves the progress by a part that has not to be made.
+    fn skip(&self, part: f64) {
+        let share = part * self.share;
+        self.shared.site.progress.beside(share, 1.0).fill();
+        self.moved.set(self.moved.get() + share);
+    }
+
+    /// One run, whatever is known; `begun` and `ended` are called around its time loop.
+    fn fresh(&self, run: &Run, part: f64, [begun, ended]: [&dyn Fn(); 2]) -> Result<Attempt, ExperimentError> {
+        let share = part * self.share;
+        let duration = run.scene().map_or(1.0, |scene| scene.run.duration);
+        let bar = self.shared.site.progress.beside(share, duration);
+        self.guard.stop.store(self.is_interrupted(), Ordering::Relaxed);
+        *lock(&self.guard.since) = Some(Instant::now());
+        let watch = Watch {
+            begun,
+            ended,
+            ..Watch::new(&self.guard.stop, &bar)
+        };
+        let made = run.attempt(&watch);
+        let is_late = self.guard.is_late(self.shared.limit);
+        *lock(&self.guard.since) = None;
+        let mut made = made?;
+        bar.fill();
+        self.moved.set(self.moved.get() + share);
+        if is_late && !made.complete {
+            made.interrupted = false;
+            let seconds = self.shared.limit.map_or(0, |limit| limit.as_secs());
+            made.remarks.push(format!("ended after {seconds} s of wall time"));
+        }
+        if !self.shared.whole_forces {
+            made.curves = made.curves.iter().map(Curve::cut).collect();
+        }
+        Ok(made)
+    }
+}
+
+/// Makes the jobs of an experiment; `keep` is given the table before the first, after each and at the end, so that nothing computed is
+/// lost.
+///
+/// # Errors
+/// FMUs and files that cannot be made, and errors of `keep`.
+pub fn execute<E: Experiment>(
+    experiment: &E,
+    site: Site<'_>,
+    keep: &mut dyn FnMut(&E::Table) -> Result<(), ExperimentError>,
+) -> Result<E::Table, ExperimentError> {
+    let shared = Shared {
+        site,
+        limit: experiment.limit(),
+        whole_forces: experiment.whole_forces(),
+        slots: Mutex::default(),
+    };
+    let plan = experiment.plan();
+    let mut found: Vec<Option<E::Found>> = plan.iter().map(|_| None).collect();
+    keep(&experiment.judge(&found))?;
+    let workers = site.workers.max(1) as f64;
+    let cost = |job: &Planned<E::Job>| match job.timing {
+        Timing::Beside => job.work / workers,
+        Timing::Alone => job.work,
+    };
+    let total = plan.iter().map(cost).sum::<f64>() + experiment.further_work();
+    let share = |job: &Planned<E::Job>| cost(job) / total.max(f64::MIN_POSITIVE);
+    let mut make = |jobs: &[Planned<E::Job>], found: &mut Vec<Option<E::Found>>| {
+        let first = found.len() - jobs.len();
+        for timing in [Timing::Beside, Timing::Alone] {
+            let mut order: Vec<usize> = (0..jobs.len()).filter(|&index| jobs[index].timing == timing).collect();
+            if timing == Timing::Beside {
+                // Long jobs first: the last ones to end are short.
+                order.sort_by(|a, b| jobs[*b].work.total_cmp(&jobs[*a].work));
+            }
+            let workers = if timing == Timing::Beside {
+                site.workers.max(1)
+            } else {
+                1
+            };
+            let one = |index: usize, guard: &Guard| {
+                site.progress.message(&experiment.label(&jobs[index].job));
+                let bench = Bench {
+                    shared: &shared,
+                    guard,
+                    share: share(&jobs[index]),
+                    moved: Cell::new(0.0),
+                };
+                let done = experiment.make(&jobs[index].job, &bench)?;
+                if done.is_some() {
+                    site.progress
+                        .beside((bench.share - bench.moved.get()).max(0.0), 1.0)
+                        .fill();
+                }
+                Ok::<_, ExperimentError>(done)
+            };
+            work(&shared, order, workers, &one, &mut |index, done| {
+                found[first + index] = Some(done);
+                keep(&experiment.judge(found))
+            })?;
+        }
+        Ok::<(), ExperimentError>(())
+    };
+    make(&plan, &mut found)?;
+    let further = experiment.further(&found);
+    if !further.is_empty() {
+        found.extend(further.iter().map(|_| None));
+        make(&further, &mut found)?;
+    }
+    let table = experiment.judge(&found);
+    keep(&table)?;
+    Ok(table)
+}
+
+/// Interval in which workers are looked after.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Works on jobs in this order; `take` is given what was done, on this thread.
+fn work<F: Send>(
+    shared: &Shared<'_>,
+    order: Vec<usize>,
+    workers: usize,
+    one: &(impl Fn(usize, &Guard) -> Result<Option<F>, ExperimentError> + Sync),
+    take: &mut dyn FnMut(usize, F) -> Result<(), ExperimentError>,
+) -> Result<(), ExperimentError> {
+    let jobs = Mutex::new(VecDeque::from(order));
+    let stop = AtomicBool::new(false);
+    let guards: Vec<Guard> = (0..workers).map(|_| Guard::default()).collect();
+    let (sender, receiver) = mpsc::channel::<Result<(usize, F), ExperimentError>>();
+    thread::scope(|scope| {
+        for guard in &guards {
+            let (sender, jobs, stop) = (sender.clone(), &jobs, &stop);
+            scope.spawn(move || {
+                while !stop.load(Ordering::Relaxed) {
+                    let Some(index) = lock(jobs).pop_front() else { break };
+                    let Some(done) = one(index, guard).transpose() else {
+                        break;
+                    };
+                    // Nobody listens any more after an error.
+                    if sender.send(done.map(|done| (index, done))).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        let mut result = Ok(());
+        loop {
+            match receiver.recv_timeout(LOOK) {
+                Ok(done) if result.is_ok() => result = done.and_then(|(index, done)| take(index, done)),
+                Ok(_) | Err(mpsc::RecvTimeoutError::Timeout) => {}
+                Err(mpsc::RecvTimeoutError::Disconnected) => return result,
+            }
+            if result.is_err() {
+                stop.store(true, Ordering::Relaxed);
+            }
+            let all = result.is_err() || shared.site.interrupted.load(Ordering::Relaxed);
+            for guard in guards.iter().filter(|guard| all || guard.is_late(shared.limit)) {
+                guard.stop.store(true, Ordering::Relaxed);
+            }
+        }
+    })
+}

@@ -1,0 +1,343 @@
+//! A scene with some keys changed, run once.
+
+use std::any::Any;
+use std::error::Error;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use scene::Scene;
+use serde::{Deserialize, Serialize};
+
+use super::table::{Curve, Errors, NO_ERRORS, Row, Status};
+use cosim::fmu_slave::CosimulationError;
+use fmi2::instance::InstanceError;
+use fmi2::isolation::IsolationError;
+use results::{Summary, WindRecord};
+use simulation::{Finished, FmuSource, Mode, SetupError, prepare};
+use suppliers::SupplierError;
+use suppliers::settling::SettlingError;
+use system::disturbance::Disturbance;
+use system::run::Watch;
+
+/// Parts that several runs have in common.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Stage {
+    /// Name of the scene.
+    pub name: String,
+    /// Folder that paths in the scene are relative to.
+    pub base: PathBuf,
+    /// Scene as text; a resolved one saves its runs the search for statics and start.
+    pub scene: String,
+    /// Folder for packages of FMUs; the scene's own stay as they are.
+    pub fmus: PathBuf,
+    /// Whether FMUs are asked for their debug messages.
+    pub logging: bool,
+}
+
+/// Changes that make a run of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variant {
+    /// How line and pantographs are put together.
+    pub mode: Mode,
+    /// Algorithm as it is called in the table.
+    pub algorithm: String,
+    /// Keys, in the form of the command line.
+    pub overrides: Vec<String>,
+}
+
+/// A run to be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Shared parts.
+    pub stage: Arc<Stage>,
+    /// Changes.
+    pub variant: Variant,
+    /// Disturbance besides the scene.
+    pub disturbance: Disturbance,
+}
+
+/// Figures of one system beside its results; see [`system::one_system::Evidence`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Energy that nothing accounts for at the end, J.
+    pub residual: f64,
+    /// Work of prescribed motion and heat, and the energy of a start out of equilibrium, J.
+    pub exchanged: f64,
+    /// Largest violation of a constraint, m, and of its rate, m/s; nothing without constraints.
+    pub drift: Option<[f64; 2]>,
+    /// Most droppers without tension at one time.
+    pub slack_droppers: u64,
+    /// Steps that did not repeat from a saved state.
+    pub unrepeated: u64,
+}
+
+/// One run, not judged yet.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Attempt {
+    /// Figures and cost; a status only where the run was refused.
+    pub row: Row,
+    /// Contact forces; none where the run cannot be compared.
+    pub curves: Vec<Curve>,
+    /// The wind on each strip, whole run, where one acts.
+    pub winds: Vec<Option<WindRecord>>,
+    /// Whether it reached its end.
+    pub complete: bool,
+    /// Whether it was ended from outside: there is nothing to judge then.
+    pub interrupted: bool,
+    /// Whether it ended early because the process of an isolated FMU did: another time it may not.
+    pub lost: bool,
+    /// Energy that the coupling added, as a share of the work that crossed the contact (–).
+    pub energy_share: f64,
+    /// Reasons of an early end and of automatic choices.
+    pub remarks: Vec<String>,
+    /// Wall time of statics and loading, s.
+    pub setup: f64,
+    /// Simulated time, s.
+    pub simulated: f64,
+    /// Largest contact force of the whole run, N.
+    pub largest_force: Option<f64>,
+    /// Most Newton iterations of one internal step; nothing where FMUs do not say.
+    pub most_iterations: Option<u64>,
+    /// Figures of one system that was audited.
+    pub evidence: Option<Evidence>,
+}
+
+impl Run {
+    /// A run without disturbance.
+    #[must_use]
+    pub fn of(stage: &Arc<Stage>, variant: Variant) -> Self {
+        Self {
+            stage: Arc::clone(stage),
+            variant,
+            disturbance: Disturbance::default(),
+        }
+    }
+
+    /// The scene of this run.
+    ///
+    /// # Errors
+    /// Overrides with wrong values.
+    pub fn scene(&self) -> Result<Scene, SetupError> {
+        let Stage { scene, name, .. } = &*self.stage;
+        Ok(system::load(scene, name, &self.variant.overrides)?)
+    }
+
+    /// Its row before it is made; a refused one where the scene does not allow it.
+    #[must_use]
+    pub fn planned(&self) -> Row {
+        let Variant { mode, algorithm, .. } = &self.variant;
+        match self.scene() {
+            Ok(scene) => Row::planned(&self.stage.name, &scene, *mode, algorithm),
+            Err(error) => Row {
+                scene: self.stage.name.clone(),
+                mode: mode.name().to_owned(),
+                algorithm: algorithm.clone(),
+                status: Some(Status::Refused),
+                reason: cosim::chain(&error),
+                ..Row::default()
+            },
+        }
+    }
+
+    /// Makes the run. One that cannot begin is refused, one that panics has diverged, each with its reason.
+    ///
+    /// # Errors
+    /// FMUs that cannot be made: they concern all runs alike.
+    pub fn attempt(&self, watch: &Watch<'_>) -> Result<Attempt, SetupError> {
+        self.caught(|| self.attempt_unguarded(watch))
+    }
+
+    /// The attempt that `make` returns, or that its panic ended.
+    pub(crate) fn caught(&self, make: impl FnOnce() -> Result<Attempt, SetupError>) -> Result<Attempt, SetupError> {
+        catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|panic| Ok(self.panicked(&*panic)))
+    }
+
+    fn panicked(&self, panic: &(dyn Any + Send)) -> Attempt {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text
+            .or_else(|| panic.downcast_ref::<&str>().copied())
+            .unwrap_or_default();
+        Attempt {
+            row: self.planned(),
+            remarks: vec![format!("panicked: {text}")],
+            ..Attempt::default()
+        }
+    }
+
+    fn attempt_unguarded(&self, watch: &Watch<'_>) -> Result<Attempt, SetupError> {
+        let Self { stage, variant, .. } = self;
+        let mut attempt = Attempt {
+            row: self.planned(),
+            ..Attempt::default()
+        };
+        let source = FmuSource {
+            folder: stage.fmus.clone(),
+            logging: stage.logging,
+        };
+        let run = self.scene().and_then(|scene| {
+            let mut prepared = prepare(scene, &stage.name, &stage.base, stage.logging)?;
+            prepared.disturbance = self.disturbance.clone();
+            prepared.run(variant.mode, &source, watch, |_| Ok::<(), SetupError>(()))
+        });
+        match run {
+            Ok(finished) => attempt.take(&finished, variant.mode, watch),
+            Err(error @ (SetupError::Package(_) | SetupError::FmuFile(_) | SetupError::SceneFmu { .. })) => {
+                return Err(error);
+            }
+            Err(error) => {
+                attempt.interrupted = matches!(error, SetupError::Settling(SettlingError::Interrupted { .. }));
+                attempt.lost = lost_a_process(&error);
+                attempt.row.status = (!attempt.interrupted).then_some(Status::Refused);
+                attempt.row.remark(&cosim::chain(&error));
+            }
+        }
+        Ok(attempt)
+    }
+}
+
+impl Attempt {
+    fn take(&mut self, finished: &Finished, mode: Mode, watch: &Watch<'_>) {
+        let (info, record) = (&finished.info, &finished.record);
+        self.complete = finished.failure.is_none();
+        self.interrupted = !self.complete && watch.interrupted.load(Ordering::Relaxed);
+        self.lost = finished
+            .failure
+            .as_deref()
+            .is_some_and(|failure| lost_a_process(failure));
+        self.curves = Curve::of(&info.evaluation, record);
+        self.winds = record.pantographs.iter().map(|strip| strip.wind.clone()).collect();
+        self.energy_share = info.coupling.energy_share;
+        (self.setup, self.simulated) = (info.cost.setup_s, info.cost.simulated_s);
+        self.row.take(info, &Summary::new(info, record), info.cost.wall_s, 1);
+        self.remarks.push(info.incomplete_reason.clone());
+        if mode != Mode::Monolithic {
+            // That the table names it goes without saying; what follows may not.
+            let coupling = &info.coupling.reason;
+            let said = coupling.strip_prefix("named in the scene").unwrap_or(coupling);
+            self.remarks.push(said.trim_start_matches("; ").to_owned());
+        }
+        let forces = record.pantographs.iter().flat_map(|strip| &strip.force);
+        self.largest_force = Some(forces.fold(0.0_f64, |max, force| max.max(*force)));
+        self.most_iterations = Some(finished.most_iterations).filter(|count| *count > 0);
+        self.evidence = finished.evidence.map(|evidence| Evidence {
+            residual: evidence.residual,
+            exchanged: evidence.exchanged + evidence.deflected,
+            drift: (evidence.constraints > 0).then_some(evidence.drift),
+            slack_droppers: evidence.slack_droppers as u64,
+            unrepeated: evidence.unrepeated,
+        });
+    }
+
+    /// The row with status and errors; `reference` is what the run is compared with: name, row, contact forces.
+    #[must_use]
+    pub fn judged(&self, reference: Option<(&str, &Row, &[Curve])>) -> Row {
+        let mut row = self.row.clone();
+        if row.status == Some(Status::Refused) || self.interrupted {
+            return row;
+        }
+        let errors = reference
+            .filter(|_| self.complete)
+            .map(|(_, _, curves)| Errors::between(curves, &self.curves));
+        if let (Some(errors), Some((name, _, _))) = (&errors, reference) {
+            row.take_errors(errors, name);
+        }
+        let still = reference.is_some_and(|(_, _, curves)| curves.iter().any(Curve::is_still));
+        let errors = errors.filter(|_| !still);
+        let (status, reason) = Status::of(&row, self.complete, errors.as_ref(), reference.map(|(_, row, _)| row));
+        row.remark(&reason);
+        if still && self.complete {
+            row.remark(NO_ERRORS);
+        }
+        let (status, reason) = status.with_energy(self.energy_share);
+        row.remark(&reason);
+        self.remarks.iter().for_each(|remark| row.remark(remark));
+        row.status = Some(status);
+        row
+    }
+}
+
+/// Whether an error comes of the process of an isolated FMU: it was killed or crashed, took too long, or did not start.
+fn lost_a_process(error: &(dyn Error + 'static)) -> bool {
+    if let Some(error) = error.downcast_ref::<IsolationError>() {
+        return !matches!(error, IsolationError::Reported { .. } | IsolationError::NotHere);
+    }
+    // An error that shows the message of the one that it holds shows its source too, and not the one itself.
+    let held: Option<&(dyn Error + 'static)> = if let Some(InstanceError::Isolation(held)) = error.downcast_ref() {
+        Some(held)
+    } else if let Some(CosimulationError::Isolation(held)) = error.downcast_ref() {
+        Some(held)
+    } else if let Some(SupplierError::Fmu(held)) = error.downcast_ref() {
+        Some(held)
+    } else {
+        match error.downcast_ref() {
+            Some(SetupError::Cosimulation(held)) => Some(held),
+            Some(SetupError::Wiring { source, .. }) => Some(&**source),
+            _ => error.source(),
+        }
+    };
+    held.is_some_and(lost_a_process)
+}
+
+/// Periods of the low-pass filter's cut-off that a run goes on after the evaluation range, –: what follows has no part in the
+/// figures, and the filter has forgotten its end by a factor of exp(−24).
+pub const SETTLE: f64 = 10.0;
+
+/// Duration of a run in s that ends when the last strip has left the evaluation range and the low-pass filter has settled; not
+/// longer than the scene's.
+#[must_use]
+pub fn settled(scene: &Scene) -> f64 {
+    let evaluated = (0..scene.pantographs.len()).map(|index| scene.evaluation_time(index).1);
+    let end = evaluated.fold(0.0, f64::max) + SETTLE / scene.run.low_pass_hz;
+    scene.run.duration.min(end)
+}
+
+/// Median of some numbers, the lower one of the middle two.
+pub fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get((values.len().max(1) - 1) / 2).copied().unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cosim::algorithm::CouplingError;
+    use cosim::slave::SlaveError;
+    use system::run::Failure;
+
+    #[test]
+    fn a_run_whose_fmu_lost_its_process_is_told_from_one_that_its_fmu_refused() {
+        let gone = || IsolationError::Gone {
+            instance: "pantograph".to_owned(),
+        };
+        let refused = || IsolationError::Reported {
+            message: "no".to_owned(),
+            kind: fmi2::isolation::Reported::Refused,
+        };
+        let in_a_step = |error: IsolationError| {
+            let source = Box::new(InstanceError::Isolation(error));
+            SlaveError::Step {
+                slave: "pantograph".to_owned(),
+                t: 0.5,
+                h: 1e-3,
+                retryable: false,
+                source,
+            }
+        };
+        let wired = |error: IsolationError| SetupError::Wiring {
+            key: "pantograph[1]".to_owned(),
+            source: Box::new(SupplierError::Fmu(CosimulationError::Isolation(error))),
+        };
+        let ways: [fn(SlaveError) -> Box<dyn Error>; 3] = [
+            |error| Box::new(Failure::Step(CouplingError::Slave(error))),
+            |error| Box::new(SetupError::Settling(SettlingError::Step(error))),
+            |error| Box::new(SetupError::Cosimulation(CosimulationError::Slave(error))),
+        ];
+        for way in ways {
+            assert!(lost_a_process(&*way(in_a_step(gone()))));
+            assert!(!lost_a_process(&*way(in_a_step(refused()))));
+        }
+        assert!(lost_a_process(&wired(gone())) && !lost_a_process(&wired(refused())));
+    }
+}

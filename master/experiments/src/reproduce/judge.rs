@@ -1,0 +1,267 @@
+//! The plan of a reproduction carried out, and its judge.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::plan::{Mesh, ReproductionRun, RunGroup, plan};
+use super::published::Case;
+use super::relation::{Relation, relations};
+use super::spread::{Spread, spreads};
+use super::wind;
+use crate::engine::table::{Curve, Row};
+use crate::engine::{Attempt, Bench, Experiment, ExperimentError, Planned, Run, Sheet, Stage, Table, Timing};
+use results::WindRecord;
+use results::report::Page;
+use results::statistics::ForceStatistics;
+use simulation::Mode;
+
+/// One run of a reproduction.
+#[derive(Clone, Debug, Serialize)]
+pub struct Line {
+    /// What it is for.
+    pub group: RunGroup,
+    /// The published case that it is a variant of.
+    pub case: &'static Case,
+    /// Mesh of the line.
+    pub mesh: Mesh,
+    /// What was changed besides the mesh.
+    pub quantity: &'static str,
+    /// To what, with its unit.
+    pub value: String,
+    /// The columns of all tables.
+    #[serde(flatten)]
+    pub row: Row,
+    /// Standard deviation of the raw force, N.
+    #[serde(rename = "raw_std_N")]
+    pub raw_std: Option<f64>,
+    /// The wind on the pan-head over the evaluation range, where one acts.
+    pub head: Option<HeadWind>,
+    /// Drag and lift of a pan-head that moves with the train [Thesis, Eq. (18)], N, where a steady wind acts.
+    #[serde(rename = "even_head_N")]
+    pub even_head: Option<[f64; 2]>,
+    /// Contact force, whole run.
+    #[serde(skip)]
+    pub curve: Option<Curve>,
+    /// The wind on the pan-head, whole run.
+    #[serde(skip)]
+    pub wind: Option<WindRecord>,
+    /// Time between its samples, s.
+    #[serde(skip)]
+    pub output_step: f64,
+}
+
+/// Smallest, mean and largest value of a force, N.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Extent {
+    /// Smallest.
+    #[serde(rename = "min_N")]
+    pub min: f64,
+    /// Mean.
+    #[serde(rename = "mean_N")]
+    pub mean: f64,
+    /// Largest.
+    #[serde(rename = "max_N")]
+    pub max: f64,
+}
+
+/// The wind on the pan-head.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HeadWind {
+    /// Drag, along the air that meets it.
+    pub drag: Extent,
+    /// Lift, across it, positive upward.
+    pub lift: Extent,
+}
+
+impl HeadWind {
+    /// Over some samples of a record.
+    fn of(wind: &WindRecord, range: Range<usize>) -> Option<Self> {
+        let extent = |force: &[f64]| {
+            let force = ForceStatistics::of(force.get(range.clone())?)?;
+            Some(Extent {
+                min: force.min,
+                mean: force.mean,
+                max: force.max,
+            })
+        };
+        Some(Self {
+            drag: extent(&wind.drag)?,
+            lift: extent(&wind.lift)?,
+        })
+    }
+}
+
+/// The table of a reproduction, complete or not.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Reproduction {
+    /// Whether every run was made.
+    pub complete: bool,
+    /// One per run.
+    pub lines: Vec<Line>,
+    /// Changes between cases.
+    pub relations: Vec<Relation>,
+    /// What the open quantities do to the standard deviation.
+    pub spreads: Vec<Spread>,
+}
+
+impl Reproduction {
+    /// With what the runs say.
+    pub(super) fn new(lines: Vec<Line>) -> Self {
+        Self {
+            complete: lines.iter().all(|line| line.row.status.is_some()),
+            relations: relations(&lines),
+            spreads: spreads(&lines),
+            lines,
+        }
+    }
+}
+
+impl Table for Reproduction {
+    fn sheet(&self) -> Sheet {
+        self.columns()
+    }
+
+    fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    fn made(&self) -> (usize, usize) {
+        let made = self.lines.iter().filter(|line| line.row.status.is_some());
+        (made.count(), self.lines.len())
+    }
+
+    fn text(&self) -> String {
+        super::text(self)
+    }
+
+    fn sections(&self) -> Page {
+        super::page(self)
+    }
+}
+
+/// A published piece of work to be computed again.
+pub struct Reproduce {
+    /// Runs in the order of the table.
+    pub planned: Vec<ReproductionRun>,
+    stages: BTreeMap<&'static str, Arc<Stage>>,
+}
+
+impl Reproduce {
+    /// The plan for scenes with these texts, by their names; `scenes` is the folder that paths in them are relative to, `fmus` that of
+    /// packages. A quick plan is a part of the whole one; `overrides` hold for all runs.
+    #[must_use]
+    pub fn new(
+        texts: &BTreeMap<&'static str, String>,
+        scenes: &Path,
+        fmus: &Path,
+        quick: bool,
+        overrides: &[String],
+    ) -> Self {
+        let stage = |(name, text): (&&'static str, &String)| {
+            let stage = Stage {
+                name: (*name).to_owned(),
+                base: scenes.to_owned(),
+                scene: text.clone(),
+                fmus: fmus.join(name),
+                logging: false,
+            };
+            (*name, Arc::new(stage))
+        };
+        Self {
+            planned: plan(quick, overrides),
+            stages: texts.iter().map(stage).collect(),
+        }
+    }
+
+    fn run(&self, planned: &ReproductionRun) -> Run {
+        Run::of(&self.stages[planned.case.scene], planned.variant.clone())
+    }
+}
+
+impl Experiment for Reproduce {
+    type Job = ReproductionRun;
+    type Found = Line;
+    type Table = Reproduction;
+
+    fn plan(&self) -> Vec<Planned<ReproductionRun>> {
+        let planned = |run: &ReproductionRun| Planned {
+            job: run.clone(),
+            work: 1.0,
+            timing: Timing::Beside,
+        };
+        self.planned.iter().map(planned).collect()
+    }
+
+    fn make(&self, planned: &ReproductionRun, bench: &Bench<'_>) -> Result<Option<Line>, ExperimentError> {
+        let run = self.run(planned);
+        let made = bench.run(&run)?;
+        Ok(made.map(|made| {
+            let mut line = Line::new(planned, &run);
+            line.take(&made);
+            line
+        }))
+    }
+
+    fn judge(&self, found: &[Option<Line>]) -> Reproduction {
+        let line = |(planned, line): (&ReproductionRun, &Option<Line>)| {
+            line.clone().unwrap_or_else(|| Line::new(planned, &self.run(planned)))
+        };
+        Reproduction::new(self.planned.iter().zip(found).map(line).collect())
+    }
+}
+
+impl Line {
+    /// The line of a run that has not been made.
+    fn new(planned: &ReproductionRun, run: &Run) -> Self {
+        // A scene that is refused says so in its row.
+        let scene = run.scene().ok();
+        Self {
+            group: planned.group,
+            case: planned.case,
+            mesh: planned.mesh,
+            quantity: planned.quantity,
+            value: planned.value.clone(),
+            row: run.planned(),
+            raw_std: None,
+            head: None,
+            even_head: scene.as_ref().and_then(wind::on_even_head),
+            curve: None,
+            wind: None,
+            output_step: scene.map_or(f64::NAN, |scene| scene.run.output_step),
+        }
+    }
+
+    /// The run of a published case on a mesh, in one system.
+    pub(super) fn of<'a>(lines: &'a [Self], case: &Case, mesh: Mesh) -> Option<&'a Self> {
+        lines.iter().find(|line| {
+            line.group.is_case()
+                && line.case.scene == case.scene
+                && line.mesh == mesh
+                && line.row.mode == Mode::Monolithic.name()
+        })
+    }
+
+    /// Takes in a run.
+    fn take(&mut self, made: &Attempt) {
+        self.row = made.judged(None);
+        let curve = made.curves.first();
+        let raw = curve.and_then(|curve| curve.raw.get(curve.range.clone()));
+        self.raw_std = raw.and_then(ForceStatistics::of).map(|force| force.std);
+        let wind = made.winds.first().and_then(Option::as_ref);
+        self.head = wind
+            .zip(curve)
+            .and_then(|(wind, curve)| HeadWind::of(wind, curve.range.clone()));
+        // Only what may be drawn is kept.
+        self.curve = curve.filter(|_| self.group.is_case()).cloned();
+        self.wind = wind.filter(|_| self.group.is_case()).cloned();
+    }
+}
+
+/// A computed figure over the published one, %.
+pub(super) fn difference(computed: Option<f64>, published: f64) -> Option<f64> {
+    computed.map(|computed| 100.0 * (computed / published - 1.0))
+}

@@ -1,0 +1,206 @@
+//! One case in one way: its run, the one system that judges it, and the boundary where it stops being stable.
+
+use super::cases::{Case, HardParameter};
+use super::figures::Judged;
+use crate::engine::table::{Row, Status, significant};
+use crate::engine::{Bench, ExperimentError};
+use simulation::Mode;
+
+/// Micro steps of the reference in one of the run.
+const REFINED: f64 = 2.0;
+
+/// Halvings of the step in the search for a stable one.
+const HALVINGS: u32 = 3;
+
+/// Bisections between the harmless and the hard value of a parameter.
+const PARAMETER_BISECTIONS: u32 = 4;
+
+/// Bisections between the last stable step and the first one that is not.
+const BISECTIONS: u32 = 2;
+
+/// An outcome that takes runs; nothing where an end was asked for.
+pub(super) type Tried<T> = Result<Option<T>, ExperimentError>;
+
+/// The value of a [`Tried`]; returns from the function where there is none.
+macro_rules! known {
+    ($tried:expr) => {
+        match $tried? {
+            Some(value) => value,
+            None => return Ok(None),
+        }
+    };
+}
+pub(super) use known;
+
+/// How a case is run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Way {
+    /// How line and pantographs are put together.
+    pub mode: Mode,
+    /// Coupling algorithm; none in one system.
+    pub algorithm: &'static str,
+}
+
+impl Way {
+    /// One system.
+    pub const ONE: Self = Self {
+        mode: Mode::Monolithic,
+        algorithm: "",
+    };
+}
+
+/// Macro and micro step of a case with these keys, s; `None` where the scene is refused.
+pub(super) fn steps(case: &Case, keys: &[String]) -> Option<(f64, f64)> {
+    let scene = case.run(&Way::ONE, keys).scene().ok()?;
+    let row = Row::planned(&case.name, &scene, Mode::Inprocess, "");
+    row.macro_step.zip(row.micro_step)
+}
+
+/// The keys of one micro step for both sides, s.
+pub(super) fn both_steps(step: f64) -> [String; 2] {
+    [
+        format!("coupling.macro_step={step:?}"),
+        format!("solver.micro_step={step:?}"),
+    ]
+}
+
+/// The keys that refine the micro step (s) of a run for its reference.
+#[must_use]
+pub fn refined(micro_step: f64) -> Vec<String> {
+    both_steps(micro_step / REFINED).to_vec()
+}
+
+/// A case on the bench.
+pub(super) struct CaseBench<'a> {
+    pub case: &'a Case,
+    pub bench: &'a Bench<'a>,
+}
+
+impl CaseBench<'_> {
+    /// A run of the case with other keys, judged by another run with its name.
+    pub fn make(&self, way: &Way, keys: &[String], judge: Option<(&str, &Judged)>) -> Tried<Judged> {
+        let run = self.case.run(way, keys);
+        let made = known!(self.bench.run_part(&run, 0.0));
+        Ok(Some(Judged::of(&run, made, judge)))
+    }
+
+    /// A run of the case with other keys, judged by the one system; that by itself at a finer micro step.
+    pub fn run(&self, way: &Way, keys: &[String]) -> Tried<Judged> {
+        let Some((_, micro)) = steps(self.case, keys) else {
+            return self.make(way, keys, None);
+        };
+        let is_step = |key: &&String| key.starts_with("coupling.macro_step") || key.starts_with("solver.micro_step");
+        let mut one_keys: Vec<String> = keys.iter().filter(|key| !is_step(key)).cloned().collect();
+        one_keys.extend(both_steps(micro));
+        let mut finer_keys = one_keys.clone();
+        finer_keys.extend(refined(micro));
+        let finer = known!(self.make(&Way::ONE, &finer_keys, None));
+        let name = format!(
+            "monolithic, micro step {:?} s",
+            finer.row.micro_step.unwrap_or(f64::NAN)
+        );
+        let judge = finer.is_stable().then_some((name.as_str(), &finer));
+        let mut one = known!(self.make(&Way::ONE, &one_keys, judge));
+        if !finer.is_stable() && one.is_stable() {
+            one.row.status = Some(Status::Limit);
+            one.row.remark(&format!("at a finer micro step: {}", finer.row.reason));
+        }
+        if way.mode == Mode::Monolithic {
+            return Ok(Some(one));
+        }
+        if !matches!(one.row.status, Some(Status::Stable | Status::Limit)) {
+            return self.make(way, keys, None);
+        }
+        let name = format!("monolithic, micro step {micro:?} s");
+        let mut made = known!(self.make(way, keys, Some((name.as_str(), &one))));
+        if made.is_stable() && one.row.status == Some(Status::Limit) {
+            made.row.status = Some(Status::Limit);
+            made.row.remark(&format!("as one system: {}", one.row.reason));
+        }
+        Ok(Some(made))
+    }
+
+    /// Boundary at which a run that is not stable becomes so.
+    pub fn boundary(&self, way: &Way) -> Tried<String> {
+        match self.case.parameter {
+            Some(parameter) => self.by_parameter(way, &parameter),
+            None => self.by_step(way),
+        }
+    }
+
+    /// The value of the parameter between the harmless and the hard one, by bisection of its logarithm.
+    fn by_parameter(&self, way: &Way, parameter: &HardParameter) -> Tried<String> {
+        let (name, unit) = parameter.name.split_once(" [").unwrap_or((parameter.name, "]"));
+        let unit = unit.trim_end_matches(']');
+        let shown = |value: f64| significant(Some(value)).unwrap_or_default();
+        let (mut good, mut bad) = (parameter.harmless, parameter.hard);
+        if !known!(self.run(way, &[parameter.set(good)])).is_stable() {
+            return Ok(Some(format!("not stable at a {name} of {} {unit} either", shown(good))));
+        }
+        for _ in 0..PARAMETER_BISECTIONS {
+            let middle = (good * bad).sqrt();
+            if known!(self.run(way, &[parameter.set(middle)])).is_stable() {
+                good = middle;
+            } else {
+                bad = middle;
+            }
+        }
+        Ok(Some(format!(
+            "stable at a {name} of {} {unit}, not at {} {unit}",
+            shown(good),
+            shown(bad)
+        )))
+    }
+
+    /// The longest step: macro and micro step shortened together, halved and then bisected.
+    fn by_step(&self, way: &Way) -> Tried<String> {
+        let Some((macro_step, micro)) = steps(self.case, &[]) else {
+            return Ok(Some(String::new()));
+        };
+        let start = if way.mode == Mode::Monolithic {
+            micro
+        } else {
+            macro_step
+        };
+        let keys = |step: f64| {
+            vec![
+                format!("coupling.macro_step={step:?}"),
+                format!("solver.micro_step={:?}", step.min(micro)),
+            ]
+        };
+        let (mut unstable, mut stable) = (start, None);
+        for _ in 0..HALVINGS {
+            let step = 0.5 * unstable;
+            if known!(self.run(way, &keys(step))).is_stable() {
+                stable = Some(step);
+                break;
+            }
+            unstable = step;
+        }
+        let which = if way.mode == Mode::Monolithic {
+            "micro step"
+        } else {
+            "macro step"
+        };
+        let milliseconds = |step: f64| format!("{} ms", (1e6 * step).round() / 1e3);
+        let Some(mut stable) = stable else {
+            return Ok(Some(format!(
+                "not stable down to a {which} of {}",
+                milliseconds(unstable)
+            )));
+        };
+        for _ in 0..BISECTIONS {
+            let step = (stable * unstable).sqrt();
+            if known!(self.run(way, &keys(step))).is_stable() {
+                stable = step;
+            } else {
+                unstable = step;
+            }
+        }
+        Ok(Some(format!(
+            "stable to a {which} of {}, not at {}",
+            milliseconds(stable),
+            milliseconds(unstable)
+        )))
+    }
+}

@@ -1,0 +1,310 @@
+//! The plan of a study carried out: errors in parallel, times one at a time, nothing twice.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use scene::Scene;
+
+use super::assemble::assemble;
+use super::outcome::Study;
+use super::plan::{Options, StudyRun, Sweep, plan};
+use super::reference::{Discretisation, Refinement, expected_work, refine, wanted};
+use super::run_spec::{Family, Subject, identity};
+use crate::engine::{
+    Attempt, Bench, Experiment, ExperimentError, Machine, Planned, Run, Stage, Store, Timed, Times, Timing, settled,
+};
+use results::ResultsError;
+use simulation::sliding_joint;
+use simulation::{SetupError, prepare};
+
+/// Folder of the runs inside a study's output directory.
+pub const FOLDER: &str = "study";
+
+/// Most work of a run that is timed again alone, coordinates times micro steps: finer levels of references are judges, and
+/// nobody runs them for speed.
+const TIMED: f64 = 5e8;
+
+/// A study that can begin.
+#[derive(Debug)]
+pub struct Script {
+    /// The scene, and the values that it allows.
+    pub subject: Subject,
+    /// Hash of the keys that no run changes.
+    pub identity: String,
+    /// Folder that paths in the scene are relative to.
+    pub base: PathBuf,
+    /// Options of the user.
+    pub options: Options,
+    /// Runs besides the levels of references.
+    pub planned: Vec<StudyRun>,
+    /// References: families and meshes.
+    pub refinements: Vec<(Family, Discretisation)>,
+    /// This machine.
+    pub machine: Machine,
+}
+
+/// Solves the statics of a scene, which was read with these overrides, and plans its runs.
+///
+/// # Errors
+/// What `master check` refuses.
+pub fn script(
+    mut scene: Scene,
+    name: &str,
+    base: &Path,
+    overrides: &[String],
+    options: Options,
+) -> Result<Script, SetupError> {
+    scene.run.duration = settled(&scene);
+    let prepared = prepare(scene.clone(), name, base, false)?;
+    let identity = identity(&scene, base);
+    let subject = Subject::of(scene, &prepared, overrides, options.sweeps_over(Sweep::Vehicle));
+    let planned = plan(&subject, &options);
+    let mut families: Vec<Family> = planned
+        .iter()
+        .filter(|run| run.scene.is_some() && run.sweeps.iter().any(|sweep| sweep.is_judged_by_reference()))
+        .map(|run| run.class().family)
+        .collect();
+    if !families.is_empty() {
+        families.push(Family::Nonlinear);
+    }
+    families.sort();
+    families.dedup();
+    Ok(Script {
+        refinements: wanted(&subject, &families),
+        subject,
+        identity,
+        base: base.to_owned(),
+        options,
+        planned,
+        machine: Machine::this(),
+    })
+}
+
+impl Script {
+    /// What is to be said of sweeps that were asked for, or belong to every study, and have no run.
+    #[must_use]
+    pub fn empty_sweeps(&self) -> Vec<String> {
+        let subject = &self.subject;
+        let joined = sliding_joint::holds(&subject.scene);
+        let made = |sweep: &Sweep| self.planned.iter().any(|run| run.sweeps.contains(sweep));
+        let unnamed = (joined && self.options.sweeps.is_empty()).then_some(Sweep::Coupling);
+        let why = |sweep: &Sweep| match sweep {
+            Sweep::Vehicle if subject.scene.vehicle.is_none() => "the scene has no [vehicle]",
+            Sweep::Mesh | Sweep::Reductions | Sweep::Ladder | Sweep::Spans if !subject.meshed => {
+                "the line is an FMU of somebody else"
+            }
+            Sweep::Coupling if joined => {
+                "contact.law = \"sliding_joint\" makes line and pantograph one system, which nothing can couple"
+            }
+            Sweep::Spans => "--spans and --window-spans say how many there are",
+            Sweep::RhoInf => "with --quick, --rho-inf says which there are",
+            _ => "nothing is left to be changed",
+        };
+        let asked = self.options.sweeps.iter().copied().chain(unnamed);
+        asked
+            .filter(|sweep| !made(sweep))
+            .map(|sweep| format!("sweep {} has no run: {}", sweep.name(), why(&sweep)))
+            .collect()
+    }
+
+    /// Opens the store of the study in `folder`.
+    ///
+    /// # Errors
+    /// See [`Store::open`].
+    pub fn store(&self, folder: &Path) -> Result<Store, ResultsError> {
+        Store::open(&folder.join(FOLDER), &self.machine)
+    }
+
+    fn run(&self, planned: &StudyRun) -> Run {
+        let stage = Stage {
+            name: self.subject.name.clone(),
+            base: self.base.clone(),
+            scene: self.subject.text_of(&planned.spec).to_owned(),
+            ..Stage::default()
+        };
+        Run::of(&Arc::new(stage), planned.variant.clone())
+    }
+
+    /// Everything that is known, from the outcomes of the jobs.
+    fn state(&self, found: &[Option<StudyFound>]) -> State {
+        let mut state = State::new(&self.planned);
+        for found in found.iter().flatten() {
+            match found {
+                StudyFound::Refined(found) => state.take(found.clone(), self.planned.len()),
+                StudyFound::Ran(index, made) => state.made[*index] = Some(Arc::clone(made)),
+                StudyFound::Timed(index, timed) => {
+                    state.made[*index] = Some(Arc::clone(&timed.made));
+                    state.times[*index] = Some(timed.times.clone());
+                }
+            }
+        }
+        state
+    }
+
+    /// Expected work of a refinement, coordinates times micro steps.
+    fn work(&self, family: Family, discretisation: Discretisation) -> f64 {
+        expected_work(&self.subject, &self.options, family, discretisation)
+    }
+
+    /// Work of timing a run as often as was asked for.
+    fn timing(&self, run: &StudyRun) -> f64 {
+        self.options.repeats as f64 * run.work
+    }
+}
+
+/// What is known so far.
+#[derive(Debug, Default)]
+pub struct State {
+    /// Every run: those of the plan, then levels of references that are not among them.
+    pub runs: Vec<StudyRun>,
+    /// Their first runs.
+    pub made: Vec<Option<Arc<Attempt>>>,
+    /// Their wall times.
+    pub times: Vec<Option<Times>>,
+    /// References.
+    pub refinements: Vec<Refinement>,
+}
+
+impl State {
+    fn new(planned: &[StudyRun]) -> Self {
+        Self {
+            runs: planned.to_vec(),
+            made: vec![None; planned.len()],
+            times: vec![None; planned.len()],
+            refinements: Vec::new(),
+        }
+    }
+
+    /// Takes in a reference: its levels become runs, behind the `planned` ones in the order of the references, whichever is done
+    /// first.
+    fn take(&mut self, found: Refinement, planned: usize) {
+        self.refinements.push(found);
+        self.refinements
+            .sort_by_key(|found| (found.family, found.discretisation));
+        self.runs.truncate(planned);
+        self.made.truncate(planned);
+        self.times.truncate(planned);
+        for level in self.refinements.iter().flat_map(|found| &found.levels) {
+            match self.runs.iter().position(|run| run.same(&level.planned)) {
+                Some(index) => {
+                    if !self.runs[index].sweeps.contains(&Sweep::Reference) {
+                        self.runs[index].sweeps.push(Sweep::Reference);
+                    }
+                    self.made[index] = Some(Arc::clone(&level.made));
+                }
+                None => {
+                    self.runs.push(level.planned.clone());
+                    self.made.push(Some(Arc::clone(&level.made)));
+                    self.times.push(None);
+                }
+            }
+        }
+    }
+}
+
+/// One job of a study.
+#[derive(Clone, Debug)]
+pub enum StudyJob {
+    /// Refine a model until two levels agree.
+    Refine(Family, Discretisation),
+    /// Make a run of the plan, by its number.
+    Run(usize),
+    /// Time a run alone: a run of the plan or a level of a reference, by its number among both.
+    Time(usize, Box<StudyRun>),
+}
+
+/// Outcome of such a job.
+#[derive(Clone, Debug)]
+pub enum StudyFound {
+    /// Levels of a reference.
+    Refined(Refinement),
+    /// A run of the plan.
+    Ran(usize, Arc<Attempt>),
+    /// A run with its times.
+    Timed(usize, Timed),
+}
+
+impl Experiment for Script {
+    type Job = StudyJob;
+    type Found = StudyFound;
+    type Table = Study;
+
+    fn plan(&self) -> Vec<Planned<StudyJob>> {
+        let beside = |job, work| Planned {
+            job,
+            work,
+            timing: Timing::Beside,
+        };
+        let references = self.refinements.iter();
+        let references =
+            references.map(|&(family, mesh)| beside(StudyJob::Refine(family, mesh), self.work(family, mesh)));
+        let runs = self.planned.iter().enumerate().filter(|(_, run)| !run.is_growth());
+        references
+            .chain(runs.map(|(index, run)| beside(StudyJob::Run(index), run.work)))
+            .collect()
+    }
+
+    fn further(&self, found: &[Option<StudyFound>]) -> Vec<Planned<StudyJob>> {
+        let state = self.state(found);
+        let wanted = |(index, run): (usize, &StudyRun)| {
+            let complete = state.made[index].as_ref().is_some_and(|made| made.complete);
+            (run.is_growth() || (complete && run.work <= TIMED)).then(|| Planned {
+                job: StudyJob::Time(index, Box::new(run.clone())),
+                work: self.timing(run),
+                timing: Timing::Alone,
+            })
+        };
+        state.runs.iter().enumerate().filter_map(wanted).collect()
+    }
+
+    fn further_work(&self) -> f64 {
+        let timed = self
+            .planned
+            .iter()
+            .filter(|run| run.scene.is_some() && run.work <= TIMED);
+        timed.map(|run| self.timing(run)).sum()
+    }
+
+    fn make(&self, job: &StudyJob, bench: &Bench<'_>) -> Result<Option<StudyFound>, ExperimentError> {
+        match job {
+            StudyJob::Run(index) => {
+                let made = bench.run(&self.run(&self.planned[*index]))?;
+                Ok(made.map(|made| StudyFound::Ran(*index, made)))
+            }
+            StudyJob::Time(index, run) => {
+                let timed = bench.timed(&self.run(run), self.options.repeats, run.is_growth())?;
+                Ok(timed.map(|timed| StudyFound::Timed(*index, timed)))
+            }
+            StudyJob::Refine(family, mesh) => {
+                let total = self.work(*family, *mesh).max(1.0);
+                let mut one = |run: &StudyRun| bench.run_part(&self.run(run), (run.work / total).min(1.0));
+                let mut refine = |mesh| refine(&self.subject, &self.options, *family, mesh, &mut one);
+                let found = refine(*mesh)?;
+                // A reduced model whose corrected mesh cannot run has a plain one.
+                let is_empty = found.as_ref().is_some_and(|found| found.levels.is_empty());
+                let instead = is_empty && *family != Family::Nonlinear && *mesh == Discretisation::Corrected;
+                let found = if instead { refine(Discretisation::Plain)? } else { found };
+                Ok(found.map(StudyFound::Refined))
+            }
+        }
+    }
+
+    fn label(&self, job: &StudyJob) -> String {
+        let label = if matches!(job, StudyJob::Time(..)) {
+            "times"
+        } else {
+            "errors"
+        };
+        label.to_owned()
+    }
+
+    fn judge(&self, found: &[Option<StudyFound>]) -> Study {
+        let mut study = assemble(self, &self.state(found));
+        study.complete = found.iter().all(Option::is_some) && study.rows.iter().all(|entry| entry.row.status.is_some());
+        study
+    }
+
+    fn whole_forces(&self) -> bool {
+        false
+    }
+}
