@@ -1,7 +1,5 @@
 //! Which runs a study is made of: a base case, sweeps that change one thing at a time, and a ladder of balanced recipes.
 
-use scene::Scene;
-
 use super::run_spec::{Class, Exchange, Mesh, RunSpec, Subject};
 use super::vehicle::OWN;
 use crate::compare::algorithms;
