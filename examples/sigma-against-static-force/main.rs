@@ -113,11 +113,21 @@ impl Experiment for SigmaAgainstForce {
 impl SigmaTable {
     /// Static force, mean and σ in N, loss of contact in %.
     fn cells(&self) -> Vec<Vec<String>> {
-        let mut cells = vec![["static force [N]", "mean [N]", "σ [N]", "loss [%]", "status"].map(str::to_owned).to_vec()];
+        let mut cells = vec![
+            ["static force [N]", "mean [N]", "σ [N]", "loss [%]", "status"]
+                .map(str::to_owned)
+                .to_vec(),
+        ];
         let number = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |value| format!("{value:.2}"));
         cells.extend(self.lines.iter().map(|Line { static_force, row }| {
             let status = row.status.map_or("not run", Status::name).to_owned();
-            vec![static_force.to_string(), number(row.mean), number(row.std), number(row.loss), status]
+            vec![
+                static_force.to_string(),
+                number(row.mean),
+                number(row.std),
+                number(row.loss),
+                status,
+            ]
         }));
         cells
     }
@@ -155,11 +165,16 @@ impl Table for SigmaTable {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = std::env::args().nth(1).unwrap_or_else(|| "results/sigma-against-static-force".to_owned());
+    let folder = std::env::args()
+        .nth(1)
+        .unwrap_or_else(|| "results/sigma-against-static-force".to_owned());
     let output = OutputDirectory::open(&folder)?;
     let machine = Machine::this();
     let store = Store::open(&output.path().join("runs"), &machine)?;
-    let (interrupted, progress) = (AtomicBool::new(false), Progress::share("static force", Show::OnTerminal));
+    let (interrupted, progress) = (
+        AtomicBool::new(false),
+        Progress::share("static force", Show::OnTerminal),
+    );
     let site = Site {
         store: &store,
         interrupted: &interrupted,
@@ -167,7 +182,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         workers: machine.cores,
     };
     let experiment = SigmaAgainstForce::new(&[60.0, 90.0, 120.0, 150.0, 180.0]);
-    let table = execute(&experiment, site, &mut |table| Ok(Csv.replace(table, &output, "sigma.csv")?))?;
+    let table = execute(&experiment, site, &mut |table| {
+        Ok(Csv.replace(table, &output, "sigma.csv")?)
+    })?;
     progress.finish();
     Html.replace(&table, &output, "sigma.html")?;
     print!("{}\n  sigma.csv and sigma.html in {folder}\n", Text.string(&table)?);

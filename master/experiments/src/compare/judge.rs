@@ -35,21 +35,22 @@ pub struct Comparison {
     pub scene: String,
     /// Its title.
     pub title: String,
-    /// Where it comes from.
+    /// Source of the scene.
     pub source: String,
-    /// Whether every run was made.
+    /// `true` where every run was made.
     pub complete: bool,
     /// Remarks.
     pub notes: Vec<String>,
     /// One row per run.
     pub rows: Vec<Row>,
-    /// Whether FMUs and the subsystems without them computed the same bits wherever both ran; nothing where neither did.
+    /// `true` where FMUs and the subsystems without them computed the same bits wherever both ran; nothing where
+    /// neither did.
     #[serde(skip)]
     pub same_bits: Option<bool>,
     /// Contact forces of each row's run.
     #[serde(skip)]
     pub curves: Vec<Vec<Curve>>,
-    /// Where supports and droppers stand.
+    /// Positions of supports and droppers.
     #[serde(skip)]
     pub line: LineGeometry,
 }
@@ -76,7 +77,8 @@ impl Table for Comparison {
 }
 
 impl Compare {
-    /// Solves the statics of a scene, which was read with these overrides, and plans its runs; `stage` says all of them but the scene.
+    /// Solves the statics of a scene, which was read with these overrides, and plans its runs; `stage` says all of them
+    /// but the scene.
     ///
     /// The runs end when the last strip has left the evaluation range and the low-pass filter has settled.
     ///

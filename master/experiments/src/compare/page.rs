@@ -2,11 +2,12 @@
 
 use plotly::Scatter;
 use plotly::color::NamedColor;
-use plotly::common::{DashType, HoverInfo, Line, Marker, Mode as Draw, Visible};
+use plotly::common::{Line, Mode as Draw, Visible};
 use plotly::layout::{Axis, HoverMode};
 
 use super::Comparison;
 use super::plan::algorithms;
+use crate::engine::export::plot::{Trace, dotted, marked};
 use crate::engine::export::{
     fixed, incomplete, number, number_cells, scrolled, status_counts, status_rule, status_span, step,
 };
@@ -24,9 +25,6 @@ const SHOWN: f64 = 5e-3;
 
 /// Title of the axis of errors.
 const ERROR: &str = "rms error of the filtered force [% of σ]";
-
-/// A curve as the plots take it.
-type Trace = Box<Scatter<f64, f64>>;
 
 /// The page of a comparison.
 #[must_use]
@@ -148,14 +146,13 @@ fn curves(comparison: &Comparison, point: impl Fn(&Row) -> Option<(f64, f64)>) -
         let ended = |row: &&Row| {
             row.algorithm == *name && matches!(row.status, Some(Status::Stable | Status::Limit | Status::Diverged))
         };
-        let (mut x, mut y, mut marks, mut said) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut points, mut marks, mut said) = (Vec::new(), Vec::new(), Vec::new());
         for row in coupled(comparison).filter(ended) {
             // A logarithmic axis has no place for zero.
             let Some((at, value)) = point(row).filter(|(at, value)| *at > 0.0 && *value > 0.0) else {
                 continue;
             };
-            x.push(at);
-            y.push(value);
+            points.push((at, value));
             let status = row.status.map_or("", Status::name);
             marks.push(if row.status == Some(Status::Stable) {
                 colour
@@ -173,24 +170,11 @@ fn curves(comparison: &Comparison, point: impl Fn(&Row) -> Option<(f64, f64)>) -
                 number(row.wall),
             ));
         }
-        if x.is_empty() {
+        if points.is_empty() {
             continue;
         }
         let wide = if *name == AUTO { 3.0 } else { 1.6 };
-        traces.push(
-            Scatter::new(x, y)
-                .mode(Draw::LinesMarkers)
-                .name(*name)
-                .hover_text_array(said)
-                .hover_info(HoverInfo::Text)
-                .line(Line::new().color(colour).width(wide))
-                .marker(
-                    Marker::new()
-                        .color_array(marks)
-                        .size(8)
-                        .line(Line::new().color(colour).width(1.6)),
-                ),
-        );
+        traces.push(marked(points, said, (colour, wide), marks).name(*name));
     }
     traces
 }
@@ -205,8 +189,9 @@ fn error_plot(comparison: &Comparison) -> String {
         decades_of(ERROR, filtered_errors(comparison)),
     );
     format!(
-        "{}<p class=\"caption\">Filled marks: stable; open marks: limit or diverged. The orders between the marks are in the \
-         table below and under the pointer. Where the micro step changes (column micro step), the references change with it.</p>\n",
+        "{}<p class=\"caption\">Filled marks: stable; open marks: limit or diverged. The orders between the marks are \
+         in the table below and under the pointer. Where the micro step changes (column micro step), the references \
+         change with it.</p>\n",
         finished(traces, layout.hover_mode(HoverMode::Closest), "plot-error", 420)
     )
 }
@@ -223,15 +208,12 @@ fn cost_plot(comparison: &Comparison) -> String {
         let (Some(wall), true) = (row.wall, row.mode == Mode::Monolithic.name()) else {
             continue;
         };
-        let name = format!("monolithic, micro step {} ms", milliseconds(row.micro_step));
-        traces.push(
-            Scatter::new(vec![wall, wall], vec![low, high])
-                .mode(Draw::Lines)
-                .hover_text(format!("{name}: {} s", number(Some(wall))))
-                .hover_info(HoverInfo::Text)
-                .name(name)
-                .line(Line::new().color(REFERENCE).width(1.2).dash(DashType::Dot)),
+        let name = format!(
+            "monolithic, micro step {} ms: {} s",
+            milliseconds(row.micro_step),
+            number(Some(wall))
         );
+        traces.push(dotted(vec![wall, wall], vec![low, high], &name, REFERENCE));
     }
     let layout = layout(
         decades_of(
@@ -259,14 +241,15 @@ fn energy_plot(comparison: &Comparison) -> String {
         decades_of("|energy residual| [J]", residuals),
     );
     format!(
-        "{}<p class=\"caption\">Work of the strip on the line plus work of the contact on the strip, whole run: a coupling \
-         without error has 0, a positive value is energy that it has added. The sign is in the table and under the pointer.</p>\n",
+        "{}<p class=\"caption\">Work of the strip on the line plus work of the contact on the strip, whole run: a \
+         coupling without error has 0, a positive value is energy that it has added. The sign is in the table and \
+         under the pointer.</p>\n",
         finished(traces, layout.hover_mode(HoverMode::Closest), "plot-energy", 360)
     )
 }
 
-/// Reference of the coarsest group and the algorithms at one long macro step; the automatic choice at the others, and the other
-/// algorithms, can be switched on.
+/// Reference of the coarsest group and the algorithms at one long macro step; the automatic choice at the others, and
+/// the other algorithms, can be switched on.
 fn force_plot(comparison: &Comparison) -> String {
     let mut traces = Vec::new();
     let mut drawn = |index: usize, name: String, colour: &'static str, width: f64, visible: bool| {
@@ -324,8 +307,8 @@ fn force_plot(comparison: &Comparison) -> String {
         axis("filtered contact force [N]"),
     );
     format!(
-        "{}<p class=\"caption\">First pantograph, evaluation range. Click in the legend to switch a curve; drag to zoom, \
-         double-click to go back.</p>\n",
+        "{}<p class=\"caption\">First pantograph, evaluation range. Click in the legend to switch a curve; drag to \
+         zoom, double-click to go back.</p>\n",
         finished(
             traces,
             layout.paper_background_color(NamedColor::White),
@@ -420,13 +403,18 @@ fn table(comparison: &Comparison) -> String {
 
 fn legend() -> String {
     format!(
-        "<p>Every coupled run is compared with the monolithic run at the same micro step, so that only the coupling differs. \
-         Errors are pointwise: rms of the difference of the forces at equal positions over the evaluation range, in percent of \
-         the standard deviation σ of the reference's filtered force. The monolithic runs themselves are compared with the \
+        "<p>Every coupled run is compared with the monolithic run at the same micro step, so that only the coupling \
+         differs. \
+         Errors are pointwise: rms of the difference of the forces at equal positions over the evaluation range, in \
+         percent of \
+         the standard deviation σ of the reference's filtered force. The monolithic runs themselves are compared with \
+         the \
          finest of them: that is the error of the micro step.</p>\n\
          <p>{}.</p>\n\
-         <p>Order: slope of the logarithm of the error over that of the macro step, from the next smaller macro step. Mean, σ, \
-         extremes: filtered force of the first pantograph; loss: raw force. Runs end {SETTLE} periods of the low-pass filter's \
+         <p>Order: slope of the logarithm of the error over that of the macro step, from the next smaller macro step. \
+         Mean, σ, \
+         extremes: filtered force of the first pantograph; loss: raw force. Runs end {SETTLE} periods of the low-pass \
+         filter's \
          cut-off behind the evaluation range. Wall time: time loop only, one run at a time.</p>\n",
         status_rule()
     )

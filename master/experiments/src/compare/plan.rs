@@ -1,4 +1,4 @@
-//! Which runs a comparison is made of.
+//! Runs of a comparison.
 
 use crate::engine::Variant;
 use crate::engine::table::{AUTO, Keys};
@@ -21,9 +21,9 @@ pub struct StepGroup {
 
 /// Puts macro steps (s) into groups for a scene with a given micro step (s); the coarsest group comes first.
 ///
-/// The macro steps from half the scene's micro step on share one micro step, that of the scene or the smallest of them. Shorter
-/// ones would make all runs as dear as their own: they are taken in groups that span less than a factor of five, each at its
-/// smallest.
+/// The macro steps from half the scene's micro step on share one micro step, that of the scene or the smallest of them.
+/// Shorter ones would make all runs as dear as their own: they are taken in groups that span less than a factor of
+/// five, each at its smallest.
 #[must_use]
 pub fn groups(macro_steps: &[f64], scene_micro_step: f64) -> Vec<StepGroup> {
     let mut steps = macro_steps.to_vec();
@@ -55,7 +55,7 @@ pub fn groups(macro_steps: &[f64], scene_micro_step: f64) -> Vec<StepGroup> {
 /// One run of the plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComparedRun {
-    /// What is run.
+    /// Variant of the scene.
     pub variant: Variant,
     /// StepGroup, from 0.
     pub group: usize,
@@ -76,11 +76,11 @@ pub fn algorithms() -> Vec<&'static str> {
         .collect()
 }
 
-/// All runs in the order in which they are made: the coarsest group first, in it the monolithic run, then the macro steps from
-/// the longest to the shortest.
+/// All runs in the order in which they are made: the coarsest group first, in it the monolithic run, then the macro
+/// steps from the longest to the shortest.
 ///
-/// The FMUs' subsystems without FMI are run with the automatic choice at the macro steps of the coarsest group only: they
-/// compute the same as the FMUs, which is checked there.
+/// The FMUs' subsystems without FMI are run with the automatic choice at the macro steps of the coarsest group only:
+/// they compute the same as the FMUs, which is checked there.
 #[must_use]
 pub fn plan(groups: &[StepGroup], duration: f64, keys: &Keys) -> Vec<ComparedRun> {
     let mut runs = Vec::new();

@@ -15,8 +15,8 @@ use simulation::Mode;
 /// Macro steps when nothing is said, s: those that other masters have been measured at.
 pub const TEST_PROBLEM_STEPS: [f64; 4] = [2e-4, 1e-3, 2e-3, 5e-3];
 
-/// What other masters reach on the same problem: rms error of the raw force at [`TEST_PROBLEM_STEPS`], N; infinite where they lose a
-/// contact that is never lost, NaN where it has not been measured.
+/// Results of other masters on the same problem: rms error of the raw force at [`TEST_PROBLEM_STEPS`], N; infinite
+/// where they lose a contact that is never lost, NaN where it has not been measured.
 const OTHERS: [(&str, [f64; 4]); 6] = [
     (
         "held inputs, side by side (FMPy, libcosim, ecos, PyFMI)",
@@ -53,7 +53,7 @@ pub struct CaseRun {
 /// The test problem's table, complete or not.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct TestProblemTable {
-    /// Whether every run was made.
+    /// `true` where every run was made.
     pub complete: bool,
     /// One per case and macro step that was run.
     pub runs: Vec<CaseRun>,
@@ -193,7 +193,7 @@ fn run(case: &Case, macro_step: f64, repeats: usize) -> CaseRun {
     }
 }
 
-/// What the figures of other masters say.
+/// A figure of another master as a cell.
 fn other(error: f64) -> String {
     if error.is_nan() {
         "–".to_owned()
@@ -285,8 +285,8 @@ fn page(table: &TestProblemTable) -> Page {
         "<p class=\"warning\">Incomplete.</p>\n"
     };
     page.lead(&format!(
-        "<p>Two masses of a pantograph under one mode of a wire whose stiffness changes in time, penalty contact, 10 s. The \
-         truth is the same as one system. Limit: contact is lost, which the truth never does.</p>\n{state}"
+        "<p>Two masses of a pantograph under one mode of a wire whose stiffness changes in time, penalty contact, 10 \
+         s. The truth is the same as one system. Limit: contact is lost, which the truth never does.</p>\n{state}"
     ));
     page.section(
         "Error",
@@ -302,7 +302,8 @@ fn page(table: &TestProblemTable) -> Page {
     page.section(
         "Other masters",
         &scrolled(
-            "<th>rms error of the raw force, N</th><th class=\"n\">0.2 ms</th><th class=\"n\">1 ms</th><th class=\"n\">2 ms</th>\
+            "<th>rms error of the raw force, N</th><th class=\"n\">0.2 ms</th><th class=\"n\">1 ms</th><th \
+             class=\"n\">2 ms</th>\
              <th class=\"n\">5 ms</th>",
             &others,
         ),

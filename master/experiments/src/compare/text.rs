@@ -58,8 +58,10 @@ pub fn text(comparison: &Comparison) -> String {
     text.push('\n');
     text.push_str(&aligned(&rows));
     text.push_str(
-        "\n  Errors: rms of force against position over the evaluation range, in percent of the reference's σ (filtered); the\n  \
-         reference is the monolithic run at the same micro step. Order: between a macro step and the next smaller one.\n  \
+        "\n  Errors: rms of force against position over the evaluation range, in percent of the reference's σ \
+         (filtered); the\n  \
+         reference is the monolithic run at the same micro step. Order: between a macro step and the next smaller \
+         one.\n  \
          Energy: what the coupling added.\n",
     );
     for note in &comparison.notes {

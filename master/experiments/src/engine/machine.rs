@@ -4,7 +4,7 @@ use std::fs;
 
 use serde::{Deserialize, Serialize};
 
-/// What wall times belong to.
+/// Machine that wall times belong to.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     /// Model of the processor.
@@ -16,7 +16,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// This one.
+    /// The machine of this process.
     #[must_use]
     pub fn this() -> Self {
         let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
@@ -39,20 +39,21 @@ impl Machine {
     }
 }
 
-/// Forgets which pages of this process's memory have been touched (Linux, proc(5), `clear_refs`); whether that could be done.
+/// Forgets which pages of this process's memory have been touched (Linux, proc(5), `clear_refs`); whether that could be
+/// done.
 #[must_use]
 pub fn forget_touched() -> bool {
     fs::write("/proc/self/clear_refs", "1\n").is_ok()
 }
 
-/// Memory of this process in bytes that has been touched since [`forget_touched`], code and files left out; `None` where the
-/// system does not say.
+/// Memory of this process in bytes that has been touched since [`forget_touched`], code and files left out; `None`
+/// where the system does not say.
 #[must_use]
 pub fn touched() -> Option<u64> {
     touched_in(&fs::read_to_string("/proc/self/smaps").ok()?)
 }
 
-/// The same from the text of `smaps`: the referenced parts of the heap and of mappings without a file.
+/// Touched bytes from the text of `smaps`: the referenced parts of the heap and of mappings without a file.
 fn touched_in(smaps: &str) -> Option<u64> {
     let (mut sum, mut counts, mut found) = (0, false, false);
     for line in smaps.lines() {
@@ -77,7 +78,8 @@ mod tests {
     fn only_memory_without_a_file_counts() {
         let smaps = "5580-5590 r-xp 00000000 fe:00 247 /usr/bin/master\nRss: 8 kB\nReferenced: 8 kB\n\
                      5600-5700 rw-p 00000000 00:00 0 [heap]\nSize: 100 kB\nReferenced: 40 kB\nVmFlags: rd wr\n\
-                     7f00-7f10 rw-p 00000000 00:00 0 \nReferenced: 2 kB\n7f20-7f30 rw-p 0 00:00 0 [stack]\nReferenced: 16 kB\n";
+                     7f00-7f10 rw-p 00000000 00:00 0 \nReferenced: 2 kB\n7f20-7f30 rw-p 0 00:00 0 [stack]\nReferenced: \
+                     16 kB\n";
         assert_eq!(touched_in(smaps), Some(42 * 1024));
         assert_eq!(touched_in(""), None);
     }

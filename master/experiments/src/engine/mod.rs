@@ -10,7 +10,8 @@
 //! | [`table`] | one row per run with the same columns everywhere, contact forces, status |
 //! | [`export`] | [`Exporter`]: a table as CSV, JSON, HTML, text |
 //!
-//! A new experiment is a plan and a judge: a type that implements [`Experiment`], and its table that implements [`Table`].
+//! A new experiment is a plan and a judge: a type that implements [`Experiment`], and its table that implements
+//! [`Table`].
 
 pub mod export;
 pub mod machine;

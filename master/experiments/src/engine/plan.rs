@@ -1,4 +1,4 @@
-//! What an experiment is: jobs planned, made and judged.
+//! Experiment: jobs planned, made and judged.
 
 use std::time::Duration;
 
@@ -7,7 +7,7 @@ use super::pool::Bench;
 use results::ResultsError;
 use simulation::SetupError;
 
-/// Why an experiment cannot go on.
+/// Reasons that end an experiment.
 #[derive(Debug, thiserror::Error)]
 pub enum ExperimentError {
     /// The scene or its FMUs.
@@ -38,7 +38,8 @@ pub enum Timing {
 pub struct Planned<J> {
     /// The job.
     pub job: J,
-    /// Expected cost relative to the other jobs, –: share of the progress, and the order beside others, dear jobs first.
+    /// Expected cost relative to the other jobs, –: share of the progress, and the order beside others, dear jobs
+    /// first.
     pub work: f64,
     /// Company.
     pub timing: Timing,
@@ -46,7 +47,8 @@ pub struct Planned<J> {
 
 /// A plan and a judge.
 ///
-/// Jobs are usually single runs ([`super::Run`]); a job that needs several, one after the other, asks its [`Bench`] for each.
+/// Jobs are usually single runs ([`super::Run`]); a job that needs several, one after the other, asks its [`Bench`] for
+/// each.
 pub trait Experiment: Sync {
     /// One piece of work.
     type Job: Sync;
@@ -69,7 +71,8 @@ pub trait Experiment: Sync {
         String::new()
     }
 
-    /// Jobs that follow from the outcomes of [`plan`](Self::plan), once those are made; their outcomes stand behind the others.
+    /// Jobs that follow from the outcomes of [`plan`](Self::plan), once those are made; their outcomes stand behind the
+    /// others.
     fn further(&self, _found: &[Option<Self::Found>]) -> Vec<Planned<Self::Job>> {
         Vec::new()
     }
@@ -79,10 +82,11 @@ pub trait Experiment: Sync {
         0.0
     }
 
-    /// The table of all outcomes so far, in the order of the plan; called after every job, so that nothing computed is lost.
+    /// The table of all outcomes so far, in the order of the plan; called after every job, so that nothing computed is
+    /// lost.
     fn judge(&self, found: &[Option<Self::Found>]) -> Self::Table;
 
-    /// Whether contact forces are kept over the whole run, for plots, or as far as a comparison needs them.
+    /// `true` where contact forces are kept over the whole run, for plots, or as far as a comparison needs them.
     fn whole_forces(&self) -> bool {
         true
     }

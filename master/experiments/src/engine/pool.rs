@@ -1,4 +1,5 @@
-//! Making the jobs of an experiment: beside each other on all workers, then those that are timed one at a time; nothing twice.
+//! Making the jobs of an experiment: beside each other on all workers, then those that are timed one at a time; nothing
+//! twice.
 
 use std::cell::Cell;
 use std::collections::{BTreeMap, VecDeque};
@@ -78,7 +79,7 @@ impl Guard {
 }
 
 impl Bench<'_> {
-    /// Whether an end was asked for.
+    /// `true` where an end was asked for.
     #[must_use]
     pub fn is_interrupted(&self) -> bool {
         self.shared.site.interrupted.load(Ordering::Relaxed)
@@ -92,8 +93,8 @@ impl Bench<'_> {
         self.run_part(run, 1.0)
     }
 
-    /// One run of a job, made here, by another worker or earlier; nothing where an end was asked for. `part` is its share of the job's
-    /// progress (–).
+    /// One run of a job, made here, by another worker or earlier; nothing where an end was asked for. `part` is its
+    /// share of the job's progress (–).
     ///
     /// # Errors
     /// FMUs that cannot be made, a store that cannot be written.
@@ -125,8 +126,8 @@ impl Bench<'_> {
         Ok(Some(made))
     }
 
-    /// A run made `repeats` times, one after the other; the first may be known. With `memory`, the memory that the time loop touches is
-    /// measured too. Nothing where an end was asked for.
+    /// A run made `repeats` times, one after the other; the first may be known. With `memory`, the memory that the time
+    /// loop touches is measured too. Nothing where an end was asked for.
     ///
     /// # Errors
     /// FMUs that cannot be made, a store that cannot be written.
@@ -175,8 +176,8 @@ impl Bench<'_> {
         Ok(made.map(|made| Timed { made, times }))
     }
 
-    /// A figure that is no run of a scene: known by what it is a figure of, else made; nothing where an end was asked for. `make` is
-    /// given the flag that asks for its end.
+    /// A figure that is no run of a scene: known by what it is a figure of, else made; nothing where an end was asked
+    /// for. `make` is given the flag that asks for its end.
     ///
     /// # Errors
     /// A store that cannot be written.
@@ -234,8 +235,8 @@ impl Bench<'_> {
     }
 }
 
-/// Makes the jobs of an experiment; `keep` is given the table before the first, after each and at the end, so that nothing computed is
-/// lost.
+/// Makes the jobs of an experiment; `keep` is given the table before the first, after each and at the end, so that
+/// nothing computed is lost.
 ///
 /// # Errors
 /// FMUs and files that cannot be made, and errors of `keep`.

@@ -32,14 +32,14 @@ pub struct Stage {
     pub scene: String,
     /// Folder for packages of FMUs; the scene's own stay as they are.
     pub fmus: PathBuf,
-    /// Whether FMUs are asked for their debug messages.
+    /// `true` where FMUs are asked for their debug messages.
     pub logging: bool,
 }
 
 /// Changes that make a run of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
-    /// How line and pantographs are put together.
+    /// Composition of line and pantographs.
     pub mode: Mode,
     /// Algorithm as it is called in the table.
     pub algorithm: String,
@@ -82,11 +82,11 @@ pub struct Attempt {
     pub curves: Vec<Curve>,
     /// The wind on each strip, whole run, where one acts.
     pub winds: Vec<Option<WindRecord>>,
-    /// Whether it reached its end.
+    /// `true` where it reached its end.
     pub complete: bool,
-    /// Whether it was ended from outside: there is nothing to judge then.
+    /// `true` where it was ended from outside: there is nothing to judge then.
     pub interrupted: bool,
-    /// Whether it ended early because the process of an isolated FMU did: another time it may not.
+    /// `true` where it ended early because the process of an isolated FMU did: another time it may not.
     pub lost: bool,
     /// Energy that the coupling added, as a share of the work that crossed the contact (–).
     pub energy_share: f64,
@@ -258,7 +258,8 @@ impl Attempt {
     }
 }
 
-/// Whether an error comes of the process of an isolated FMU: it was killed or crashed, took too long, or did not start.
+/// `true` where an error comes of the process of an isolated FMU: it was killed or crashed, took too long, or did not
+/// start.
 fn lost_a_process(error: &(dyn Error + 'static)) -> bool {
     if let Some(error) = error.downcast_ref::<IsolationError>() {
         return !matches!(error, IsolationError::Reported { .. } | IsolationError::NotHere);
@@ -280,12 +281,12 @@ fn lost_a_process(error: &(dyn Error + 'static)) -> bool {
     held.is_some_and(lost_a_process)
 }
 
-/// Periods of the low-pass filter's cut-off that a run goes on after the evaluation range, –: what follows has no part in the
-/// figures, and the filter has forgotten its end by a factor of exp(−24).
+/// Periods of the low-pass filter's cut-off that a run goes on after the evaluation range, –: what follows has no part
+/// in the figures, and the filter has forgotten its end by a factor of exp(−24).
 pub const SETTLE: f64 = 10.0;
 
-/// Duration of a run in s that ends when the last strip has left the evaluation range and the low-pass filter has settled; not
-/// longer than the scene's.
+/// Duration of a run in s that ends when the last strip has left the evaluation range and the low-pass filter has
+/// settled; not longer than the scene's.
 #[must_use]
 pub fn settled(scene: &Scene) -> f64 {
     let evaluated = (0..scene.pantographs.len()).map(|index| scene.evaluation_time(index).1);

@@ -1,7 +1,8 @@
 //! Runs that are kept, so that an experiment that was ended goes on from there.
 //!
-//! The key of a run is a hash of its scene with every default written out, its mode, its disturbance, the program's own bytes and those
-//! of the files that the scene names: the same key gives the same results bit for bit. Wall times belong to a machine too.
+//! The key of a run is a hash of its scene with every default written out, its mode, its disturbance, the program's own
+//! bytes and those of the files that the scene names: the same key gives the same results bit for bit. Wall times
+//! belong to a machine too.
 
 use std::path::Path;
 use std::sync::LazyLock;
@@ -49,7 +50,8 @@ static LIBRARIES: LazyLock<String> = LazyLock::new(|| {
     libraries.map_or_else(String::new, |found| files(found.paths()))
 });
 
-/// The scene with a hash of their bytes in place of the files that it names: supplied FMUs and tables, relative to `base`.
+/// The scene with a hash of their bytes in place of the files that it names: supplied FMUs and tables, relative to
+/// `base`.
 pub(crate) fn by_content(scene: &Scene, base: &Path) -> Scene {
     let mut scene = scene.clone();
     // A file that cannot be read stops the run that it is for, with a message.
@@ -115,7 +117,7 @@ struct Head {
 /// Wall times of the time loop on a machine.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Times {
-    /// Where.
+    /// Machine of the times.
     machine: Machine,
     /// One per run, one run at a time, s.
     pub walls: Vec<f64>,
@@ -161,8 +163,8 @@ impl Store {
         })
     }
 
-    /// Keeps a run; its series are written first, so that a run with a head is whole. One that ended with the process of an FMU is
-    /// not kept: it is made again.
+    /// Keeps a run; its series are written first, so that a run with a head is whole. One that ended with the process
+    /// of an FMU is not kept: it is made again.
     ///
     /// # Errors
     /// Reports of the operating system.
@@ -249,8 +251,8 @@ pub fn value_key(of: &str) -> String {
     digest(&[of.as_bytes(), PROGRAM.as_bytes()])[..24].to_owned()
 }
 
-/// Series of a run as bytes, integers and floats of 64 bits, little end first. For each strip: number of samples, first and last
-/// evaluated sample, x, raw and filtered force; then for each wind: number of samples, drag, lift.
+/// Series of a run as bytes, integers and floats of 64 bits, little end first. For each strip: number of samples, first
+/// and last evaluated sample, x, raw and filtered force; then for each wind: number of samples, drag, lift.
 fn bytes(run: &Attempt) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut add = |counts: &[usize], series: &[&[f64]]| {

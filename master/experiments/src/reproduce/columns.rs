@@ -6,7 +6,8 @@
 //! | `relation` | a published change between two cases on one mesh: `quantity` (mean or std) of `case`, from the case that `value` names |
 //! | `spread` | an open `quantity` over its values (`value`) on one mesh, in `case` |
 //!
-//! The last two have a `verdict`, its figures in `reason`, mesh and step of the runs that they stand on, and the worst of their status.
+//! The last two have a `verdict`, its figures in `reason`, mesh and step of the runs that they stand on, and the worst
+//! of their status.
 
 use super::judge::{HeadWind, Line, Reproduction, difference};
 use super::plan::RunGroup;
@@ -182,7 +183,7 @@ impl Reproduction {
 }
 
 impl Line {
-    /// Whether it is one of the runs of a spread.
+    /// `true` where it is one of the runs of a spread.
     pub(super) fn is_in(&self, spread: &Spread) -> bool {
         self.group == RunGroup::Open && self.quantity == spread.quantity && self.mesh == spread.mesh
     }

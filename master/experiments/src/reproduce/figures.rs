@@ -1,17 +1,18 @@
-//! The figures of the thesis that show computed forces, ours on its mesh and, beside it, on the finest mesh that was computed.
+//! The figures of the thesis that show computed forces, ours on its mesh and, beside it, on the finest mesh that was
+//! computed.
 
 use plotly::Scatter;
 use plotly::common::{Line as Stroke, Mode as Draw};
 use plotly::layout::Axis;
 
 use super::judge::{Line, Reproduction};
-use super::page::{Trace, published};
 use super::plan::Mesh;
 use super::published::CASES;
+use crate::engine::export::plot::{BOUND, Trace, dotted};
 use results::report::escape;
 use results::report::plots::{COLOURS, axis, finished, layout, rounded};
 
-/// What a figure of the thesis shows.
+/// Subject of a figure of the thesis.
 enum Shown {
     /// Contact forces of these cases.
     Contact(&'static [usize]),
@@ -110,14 +111,14 @@ fn wind(reproduction: &Reproduction, case: usize, mesh: Mesh, part: usize, id: &
         .line(Stroke::new().color(COLOURS[0]).width(1.1));
     let mut traces: Vec<Trace> = vec![computed];
     if let Some(even) = line.even_head.map(|even| even[part]) {
-        traces.push(published(vec![0.0, end], vec![even; 2], "Eq. (18), even travel"));
+        traces.push(dotted(vec![0.0, end], vec![even; 2], "Eq. (18), even travel", BOUND));
     }
     let y = axis(&format!("{name} on the pan-head [N]"));
     Some(finished(traces, layout(axis("time [s]"), y), id, 320))
 }
 
-/// Contact forces of some cases, as the time integration gives them; the published mean as a line. Its curves are printed as
-/// pictures only.
+/// Contact forces of some cases, as the time integration gives them; the published mean as a line. Its curves are
+/// printed as pictures only.
 fn contact(reproduction: &Reproduction, shown: &[usize], mesh: Mesh, [from, to]: [f64; 2], id: &str) -> Option<String> {
     let mut traces: Vec<Trace> = Vec::new();
     for (&index, colour) in shown.iter().zip(COLOURS) {
@@ -138,7 +139,7 @@ fn contact(reproduction: &Reproduction, shown: &[usize], mesh: Mesh, [from, to]:
     let last = shown.last().filter(|_| !traces.is_empty())?;
     let case = &CASES[*last];
     let name = format!("published mean, {}", case.title);
-    traces.push(published(vec![from, to], vec![case.mean.value; 2], &name));
+    traces.push(dotted(vec![from, to], vec![case.mean.value; 2], &name, BOUND));
     let time: Axis = axis("time [s]").range(vec![from, to]);
     Some(finished(traces, layout(time, axis("contact force [N]")), id, 320))
 }

@@ -22,13 +22,13 @@ use simulation::Mode;
 /// One run of a reproduction.
 #[derive(Clone, Debug, Serialize)]
 pub struct Line {
-    /// What it is for.
+    /// Purpose.
     pub group: RunGroup,
     /// The published case that it is a variant of.
     pub case: &'static Case,
     /// Mesh of the line.
     pub mesh: Mesh,
-    /// What was changed besides the mesh.
+    /// Quantity that was changed besides the mesh.
     pub quantity: &'static str,
     /// To what, with its unit.
     pub value: String,
@@ -98,13 +98,13 @@ impl HeadWind {
 /// The table of a reproduction, complete or not.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Reproduction {
-    /// Whether every run was made.
+    /// `true` where every run was made.
     pub complete: bool,
     /// One per run.
     pub lines: Vec<Line>,
     /// Changes between cases.
     pub relations: Vec<Relation>,
-    /// What the open quantities do to the standard deviation.
+    /// Standard deviations over the ranges of the open quantities.
     pub spreads: Vec<Spread>,
 }
 
@@ -151,8 +151,8 @@ pub struct Reproduce {
 }
 
 impl Reproduce {
-    /// The plan for scenes with these texts, by their names; `scenes` is the folder that paths in them are relative to, `fmus` that of
-    /// packages. A quick plan is a part of the whole one; `overrides` hold for all runs.
+    /// The plan for scenes with these texts, by their names; `scenes` is the folder that paths in them are relative to,
+    /// `fmus` that of packages. A quick plan is a part of the whole one; `overrides` hold for all runs.
     #[must_use]
     pub fn new(
         texts: &BTreeMap<&'static str, String>,

@@ -3,7 +3,7 @@
 //! | part | subject |
 //! | --- | --- |
 //! | `published` | what was published |
-//! | `open`, `quantities` | quantities that the publication leaves open, and their plausible ranges |
+//! | `open` | quantities that the publication leaves open, and their plausible ranges |
 //! | `wind` | readings of the published wind, and its forces on the pan-head by hand |
 //! | `plan` | the runs |
 //! | `judge` | the plan as an experiment, made side by side |
@@ -25,7 +25,6 @@ mod open;
 mod page;
 mod plan;
 mod published;
-mod quantities;
 mod relation;
 mod spread;
 #[cfg(test)]

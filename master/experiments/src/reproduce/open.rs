@@ -1,37 +1,40 @@
-//! What the thesis leaves open, and the range each such quantity plausibly has.
+//! Quantities that the thesis leaves open, and their plausible ranges: data in `open.toml`.
+
+use std::sync::LazyLock;
+
+use serde::Deserialize;
 
 use super::plan::Mesh;
 
 /// A quantity that the thesis does not give, with values over its plausible range.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Open {
-    /// What it is called.
-    pub quantity: &'static str,
+    /// Its name.
+    pub quantity: String,
     /// Number of the published case that it is changed in.
     pub case: usize,
-    /// Its values.
-    pub values: Values,
-    /// Why these.
-    pub range: &'static str,
-    /// Why it is not changed on the converged mesh; nothing where it is.
-    pub thesis_mesh_only: Option<&'static str>,
-}
-
-/// Values of an open quantity.
-pub enum Values {
-    /// Of one key of the scene.
-    Of {
-        /// The key.
-        key: &'static str,
-        /// Its unit.
-        unit: &'static str,
-        /// As they are typed.
-        values: &'static [&'static str],
-    },
-    /// Keys that change together, as they are typed, and what that is called.
-    Together(&'static [(&'static str, &'static [&'static str])]),
+    /// The key of the scene that it is; empty where several change together.
+    #[serde(default)]
+    key: String,
+    /// Unit of the key's values; empty where they have none.
+    #[serde(default)]
+    unit: String,
+    /// Values of the key, as they are typed.
+    #[serde(default)]
+    values: Vec<String>,
+    /// Keys that change together.
+    #[serde(default)]
+    together: Vec<Value>,
+    /// Reason of these values.
+    pub range: String,
+    /// Reason why the converged mesh keeps the scene's own value; nothing where it does not.
+    pub thesis_mesh_only: Option<String>,
 }
 
 /// One value of an open quantity.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Value {
     /// In words, with its unit.
     pub name: String,
@@ -39,29 +42,34 @@ pub struct Value {
     pub keys: Vec<String>,
 }
 
+/// All of them. The scene's own value is computed by the case itself.
+pub static OPEN: LazyLock<Vec<Open>> = LazyLock::new(|| {
+    #[derive(Deserialize)]
+    struct File {
+        open: Vec<Open>,
+    }
+    let file: File = toml::from_str(include_str!("open.toml")).expect("part of the program, and tests read it");
+    file.open
+});
+
 impl Open {
     /// Its values, one run for each.
     #[must_use]
     pub fn values(&self) -> Vec<Value> {
-        match &self.values {
-            Values::Of { key, unit, values } => {
-                let value = |value: &&str| Value {
-                    name: format!("{} {unit}", value.trim_matches('"')).trim_end().to_owned(),
-                    keys: vec![format!("{key}={value}")],
-                };
-                values.iter().map(value).collect()
-            }
-            Values::Together(all) => {
-                let value = |(name, keys): &(&str, &[&str])| Value {
-                    name: (*name).to_owned(),
-                    keys: keys.iter().map(ToString::to_string).collect(),
-                };
-                all.iter().map(value).collect()
-            }
-        }
+        let value = |value: &String| Value {
+            name: format!("{} {}", value.trim_matches('"'), self.unit)
+                .trim_end()
+                .to_owned(),
+            keys: vec![format!("{}={value}", self.key)],
+        };
+        self.values
+            .iter()
+            .map(value)
+            .chain(self.together.iter().cloned())
+            .collect()
     }
 
-    /// Whether it is changed on this mesh.
+    /// `true` where it is changed on this mesh.
     #[must_use]
     pub fn is_on(&self, mesh: Mesh) -> bool {
         mesh == Mesh::ALL[0] || (mesh == Mesh::Corrected && self.thesis_mesh_only.is_none())

@@ -1,26 +1,21 @@
 //! `reproduction.html`.
 
 use plotly::Scatter;
-use plotly::common::{DashType, HoverInfo, Line as Stroke, Marker, Mode as Draw};
+use plotly::common::{HoverInfo, Line as Stroke, Marker, Mode as Draw};
 
 use super::figures::figures;
 use super::judge::{Line, Reproduction};
+use super::open::OPEN;
 use super::plan::{Mesh, RunGroup};
 use super::published::{CASES, Case};
-use super::quantities::OPEN;
 use super::spread::Spread;
 use super::text::{cases, changes, force, head, left_out, missing, overall, readings, spreads};
 use super::verdict::VERDICT_RULE;
+use crate::engine::export::plot::{BOUND, Trace, dotted, open_points};
 use crate::engine::export::{incomplete, scrolled};
 use results::report::plots::{COLOURS, axis, finished, layout};
 use results::report::{Page, escape, remarks};
 use simulation::Mode;
-
-/// A curve as the plots take it.
-pub(super) type Trace = Box<Scatter<f64, f64>>;
-
-/// Colour of published values.
-const PUBLISHED: &str = "#5b6675";
 
 /// The page of a reproduction.
 #[must_use]
@@ -47,9 +42,10 @@ pub fn page(reproduction: &Reproduction) -> Page {
 }
 
 fn lead(reproduction: &Reproduction) -> String {
-    let mut html = "<p>Published: S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of \
-                    Illinois at Chicago, 2016: Table 6 and section 5.1. Forces are positive in compression. The mean is calibrated by the \
-                    point where the uplift force acts; nothing is tuned to the standard deviation or to a change under wind.</p>\n"
+    let mut html = "<p>Published: S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, \
+                    University of Illinois at Chicago, 2016: Table 6 and section 5.1. Forces are positive in \
+                    compression. The mean is calibrated by the point where the uplift force acts; nothing is tuned to \
+                    the standard deviation or to a change under wind.</p>\n"
         .to_owned();
     html.push_str(&incomplete(reproduction, ""));
     html
@@ -69,15 +65,6 @@ fn table(rows: &[Vec<String>]) -> String {
         .map(|row| format!("<tr>{}</tr>\n", cells(row, "td")))
         .collect();
     scrolled(&cells(head, "th"), &body)
-}
-
-/// A dotted line with a name.
-pub(super) fn published(x: Vec<f64>, y: Vec<f64>, name: &str) -> Trace {
-    Scatter::new(x, y)
-        .mode(Draw::Lines)
-        .name(name)
-        .hover_info(HoverInfo::Name)
-        .line(Stroke::new().color(PUBLISHED).width(1.4).dash(DashType::Dot))
 }
 
 /// Standard deviation of each case on each plain mesh.
@@ -100,7 +87,7 @@ fn meshes(reproduction: &Reproduction) -> String {
         );
     }
     let value = CASES[0].std.value;
-    traces.push(published(vec![9.0, 72.0], vec![value; 2], "published, no wind"));
+    traces.push(dotted(vec![9.0, 72.0], vec![value; 2], "published, no wind", BOUND));
     let converged = reproduction
         .lines
         .iter()
@@ -128,7 +115,7 @@ fn computed<'a>(reproduction: &'a Reproduction, case: &'a Case) -> impl Iterator
     })
 }
 
-/// What the published changes are worth, over all meshes and on each.
+/// Verdicts on the published changes, over all meshes and on each.
 fn relations(reproduction: &Reproduction) -> String {
     if reproduction.relations.is_empty() {
         return String::new();
@@ -172,21 +159,9 @@ fn bars(reproduction: &Reproduction, spreads: &[&Spread], id: &str) -> String {
             .iter()
             .map(|(line, std)| format!("{} {}: {std:.2} N", line.quantity, line.value))
             .collect();
-        traces.push(
-            Scatter::new(runs.iter().map(|(_, std)| *std).collect(), vec![at; runs.len()])
-                .mode(Draw::Markers)
-                .show_legend(false)
-                .hover_text_array(said)
-                .hover_info(HoverInfo::Text)
-                .marker(
-                    Marker::new()
-                        .color("#ffffff")
-                        .size(7)
-                        .line(Stroke::new().color(COLOURS[0]).width(1.4)),
-                ),
-        );
+        traces.push(open_points(runs.iter().map(|(_, std)| (*std, at)), said, COLOURS[0]));
     }
-    traces.push(published(x, y, "published"));
+    traces.push(dotted(x, y, "published", BOUND));
     let quantities = axis("")
         .tick_values(names.iter().map(|(y, _)| *y).collect())
         .tick_text(names.iter().map(|(_, name)| *name).collect::<Vec<_>>())
@@ -265,7 +240,7 @@ fn open(reproduction: &Reproduction, mesh: Mesh) -> String {
                 force(line.row.mean),
                 force(line.row.std),
                 force(line.raw_std),
-                first(why.map_or("", |open| open.range)),
+                first(why.map_or("", |open| &open.range)),
             ]);
         }
     }
@@ -286,10 +261,10 @@ fn wind_on_head(reproduction: &Reproduction) -> String {
         return String::new();
     }
     format!(
-        "{}<p>Over the evaluation range, in N; \u{201c}even travel\u{201d}: Eq. (18) with Table 5 for a pan-head that moves with the \
-         train, in the air of the scene. The thesis prints Figs. 11 and 12 without a figure in its text; it says that the forces are \
-         nonlinear, depend on the speeds of train and wind, and that the lift is positive, upward. By Eq. (18) drag and lift are 5 to 2 \
-         at all times.</p>\n",
+        "{}<p>Over the evaluation range, in N; \u{201c}even travel\u{201d}: Eq. (18) with Table 5 for a pan-head that \
+         moves with the train, in the air of the scene. The thesis prints Figs. 11 and 12 without a figure in its \
+         text; it says that the forces are nonlinear, depend on the speeds of train and wind, and that the lift is \
+         positive, upward. By Eq. (18) drag and lift are 5 to 2 at all times.</p>\n",
         table(&rows)
     )
 }

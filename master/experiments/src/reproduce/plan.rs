@@ -2,13 +2,13 @@
 
 use serde::Serialize;
 
+use super::open::OPEN;
 use super::published::{CASES, Case};
-use super::quantities::OPEN;
 use super::wind::readings;
 use crate::engine::Variant;
 use simulation::Mode;
 
-/// What a run is for.
+/// Purpose of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RunGroup {
@@ -23,7 +23,7 @@ pub enum RunGroup {
 }
 
 impl RunGroup {
-    /// Whether its runs are published cases with nothing changed but the mesh.
+    /// `true` where its runs are published cases with nothing changed but the mesh.
     #[must_use]
     pub fn is_case(self) -> bool {
         matches!(self, Self::Published | Self::Mesh)
@@ -46,7 +46,8 @@ impl RunGroup {
 pub enum Mesh {
     /// Plain elements, so many per dropper interval: nine intervals make a span, so that 1 is the thesis' mesh.
     Plain(usize),
-    /// Eight elements per interval with all corrections, at half the thesis' step: converged to one percent of the standard deviation.
+    /// Eight elements per interval with all corrections, at half the thesis' step: converged to one percent of the
+    /// standard deviation.
     Corrected,
 }
 
@@ -60,7 +61,7 @@ impl Mesh {
         Self::Corrected,
     ];
 
-    /// What it is called.
+    /// Name.
     #[must_use]
     pub fn name(self) -> String {
         match self {
@@ -89,23 +90,24 @@ impl Mesh {
 /// A run to be made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReproductionRun {
-    /// What for.
+    /// Purpose.
     pub group: RunGroup,
     /// The published case that it is a variant of.
     pub case: &'static Case,
     /// Mesh of the line.
     pub mesh: Mesh,
-    /// What was changed besides the mesh; empty for a published case.
+    /// Quantity that was changed besides the mesh; empty for a published case.
     pub quantity: &'static str,
     /// To what, with its unit.
     pub value: String,
-    /// How it is run.
+    /// Variant of the scene.
     pub variant: Variant,
 }
 
-/// All runs: the published cases in both ways of running them, all of them on finer meshes, the readings of the wind, and, on the thesis' mesh and on the
-/// converged one, each open quantity over its range. `quick` leaves out the finer plain meshes but one, and the open quantities on
-/// the converged mesh. `overrides` hold for all runs, and give way to what a run is about.
+/// All runs: the published cases in both ways of running them, all of them on finer meshes, the readings of the wind,
+/// and, on the thesis' mesh and on the converged one, each open quantity over its range. `quick` leaves out the finer
+/// plain meshes but one, and the open quantities on the converged mesh. `overrides` hold for all runs, and give way to
+/// what a run is about.
 #[must_use]
 pub fn plan(quick: bool, overrides: &[String]) -> Vec<ReproductionRun> {
     let [thesis, ..] = Mesh::ALL;
@@ -143,7 +145,7 @@ pub fn plan(quick: bool, overrides: &[String]) -> Vec<ReproductionRun> {
                 let mut run = planned(RunGroup::Open, &CASES[open.case], mesh, Mode::Monolithic);
                 // Behind the mesh, whose step it may change.
                 run.variant.overrides.extend(value.keys);
-                run.quantity = open.quantity;
+                run.quantity = &open.quantity;
                 run.value = value.name;
                 runs.push(run);
             }

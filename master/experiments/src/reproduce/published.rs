@@ -1,4 +1,4 @@
-//! What the thesis reports.
+//! Published figures of the thesis.
 
 use serde::Serialize;
 
@@ -28,13 +28,13 @@ impl Figure {
 pub struct Case {
     /// Name of the scene that computes it.
     pub scene: &'static str,
-    /// What it is.
+    /// Title.
     pub title: &'static str,
     /// Mean contact force, N, positive in compression: the thesis prints the force on the pan-head as negative.
     pub mean: Figure,
     /// Standard deviation, N.
     pub std: Figure,
-    /// Where it stands.
+    /// Place in the thesis.
     pub source: &'static str,
 }
 

@@ -25,9 +25,9 @@ pub struct Relation {
     pub published: f64,
     /// Computed change, %; nothing where a case has no figures.
     pub computed: Option<f64>,
-    /// What the computed change says of the published one.
+    /// Verdict of the computed change on the published one.
     pub verdict: Verdict,
-    /// Why, with its figures.
+    /// Reason of the verdict, with its figures.
     pub why: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a quantity that the thesis leaves open does to the standard deviation, over its plausible range.
+//! Standard deviation over the plausible range of a quantity that the thesis leaves open.
 
 use serde::Serialize;
 
@@ -20,7 +20,7 @@ pub struct End {
 /// The standard deviations over the range of one quantity, on one mesh; the scene's own value is one of them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Spread {
-    /// What it is called.
+    /// Name.
     pub quantity: &'static str,
     /// The published case that it was changed in.
     #[serde(serialize_with = "title")]
@@ -36,11 +36,11 @@ pub struct Spread {
     pub computed: usize,
 }
 
-/// How the scene's own value is called.
+/// Name of the scene's own value.
 const OWN: &str = "the scene's own";
 
 impl Spread {
-    /// Of runs that change one quantity on one mesh, and the run of their case there.
+    /// Spread of the runs that change one quantity on one mesh, and of the run of their case there.
     fn of(lines: &[&Line], own: Option<&Line>) -> Option<Self> {
         let first = lines.first()?;
         let end = |line: &&Line| {
@@ -71,7 +71,7 @@ impl Spread {
         Some([low.std, high.std])
     }
 
-    /// Whether the published standard deviation of its case lies inside; nothing where no value has one.
+    /// `true` where the published standard deviation of its case lies inside; nothing where no value has one.
     #[must_use]
     pub fn holds_published(&self) -> Option<bool> {
         let [low, high] = self.std()?;
@@ -88,7 +88,7 @@ impl Spread {
         }
     }
 
-    /// Why, with its figures.
+    /// Reason of the verdict, with its figures.
     #[must_use]
     pub fn why(&self) -> String {
         let of = format!("{} of {} values computed", self.computed, self.values.len());

@@ -2,7 +2,7 @@ mod judged;
 mod table;
 
 use super::judge::Line;
-use super::quantities::OPEN;
+use super::open::OPEN;
 use super::{CASES, Extent, HeadWind, Mesh, Reproduction, RunGroup, page, plan, text, wind};
 use crate::engine::Table as _;
 use crate::engine::table::{Row, Status};
@@ -74,7 +74,7 @@ fn every_published_case_is_planned_on_every_mesh_and_the_first_through_fmus() {
 fn an_open_quantity_is_changed_alone_and_behind_what_was_typed() {
     let typed = ["run.duration=3.0".to_owned()];
     let runs = plan(false, &typed);
-    for open in OPEN {
+    for open in OPEN.iter() {
         for mesh in Mesh::ALL {
             let of = |run: &&super::ReproductionRun| run.quantity == open.quantity && run.mesh == mesh;
             let made: Vec<_> = runs.iter().filter(of).collect();
@@ -111,7 +111,8 @@ fn a_quick_plan_is_a_part_of_the_whole_one() {
 
 #[test]
 fn the_wind_on_the_pan_head_stands_beside_the_hand_calculation() {
-    // Thesis, Eq. (18): 20 m/s over the ground at 15 degrees and 200 km/h ahead make |v_r|² = 5632.74 m²/s², q = 3450.05 Pa.
+    // Thesis, Eq. (18): 20 m/s over the ground at 15 degrees and 200 km/h ahead make |v_r|² = 5632.74 m²/s², q =
+    // 3450.05 Pa.
     let of = |keys: &[&str]| {
         let text = include_str!("../../../../scenes/thesis-wind-pantograph.toml");
         let keys: Vec<String> = keys.iter().map(ToString::to_string).collect();
@@ -238,7 +239,7 @@ fn every_open_quantity_changes_the_scene_of_its_case() {
         include_str!("../../../../scenes/thesis-wind-pantograph.toml"),
         include_str!("../../../../scenes/thesis-wind-both.toml"),
     ];
-    for open in OPEN {
+    for open in OPEN.iter() {
         let read = |keys: &[String]| system::load(texts[open.case], CASES[open.case].scene, keys);
         let own = read(&[]).unwrap();
         for value in open.values() {

@@ -1,10 +1,9 @@
 //! The tables on the terminal.
 
 use super::judge::{Line, Reproduction, difference};
-use super::open::Open;
+use super::open::{OPEN, Open};
 use super::plan::{Mesh, RunGroup};
 use super::published::CASES;
-use super::quantities::OPEN;
 use super::relation::{PAIRS, Relation};
 use super::spread::Spread;
 use super::verdict::{VERDICT_RULE, Verdict};
@@ -60,7 +59,8 @@ pub(super) fn cases(reproduction: &Reproduction) -> Vec<Vec<String>> {
     rows
 }
 
-/// What each reading of the wind does to mean and standard deviation, the scene's own first; the published changes in the head.
+/// Changes of mean and standard deviation by each reading of the wind, the scene's own first; the published ones in the
+/// head.
 pub(super) fn readings(reproduction: &Reproduction) -> Vec<Vec<String>> {
     let [calm, _, windy, _] = CASES;
     let published = |windy: f64, calm: f64| percent(Some(windy - calm));
@@ -93,8 +93,8 @@ pub(super) fn readings(reproduction: &Reproduction) -> Vec<Vec<String>> {
     table
 }
 
-/// The wind on the pan-head in every reading, the scene's own first, over the evaluation range; what [Thesis, Eq. (18)] gives for a
-/// pan-head that moves with the train beside it. The thesis prints these forces as curves only.
+/// The wind on the pan-head in every reading, the scene's own first, over the evaluation range; what [Thesis, Eq. (18)]
+/// gives for a pan-head that moves with the train beside it. The thesis prints these forces as curves only.
 pub(super) fn head(reproduction: &Reproduction) -> Vec<Vec<String>> {
     let head = [
         "reading",
@@ -223,13 +223,13 @@ pub(super) fn left_out(reproduction: &Reproduction, mesh: Mesh) -> Vec<String> {
         return Vec::new();
     }
     let why = |open: &Open| {
-        let why = open.thesis_mesh_only.filter(|_| !open.is_on(mesh))?;
+        let why = open.thesis_mesh_only.as_ref().filter(|_| !open.is_on(mesh))?;
         Some(format!("{} is not changed on this mesh: {why}.", open.quantity))
     };
     OPEN.iter().filter_map(why).collect()
 }
 
-/// What was not computed, and why.
+/// Runs that were not computed, with the reason.
 pub(super) fn missing(reproduction: &Reproduction) -> Vec<String> {
     let not = |line: &&Line| matches!(line.row.status, Some(Status::Refused | Status::Diverged));
     let said = |line: &Line| {

@@ -1,4 +1,4 @@
-//! How the thesis' wind can be read.
+//! Readings of the thesis' wind.
 //!
 //! [Thesis, 5.2] says "20 m/s at a yaw angle of 15 degrees" and neither what it is relative to nor from which end of the train it
 //! comes. The scene takes it over the ground, from ahead; these are the others.
@@ -32,8 +32,8 @@ pub(super) fn own() -> Reading {
     }
 }
 
-/// Drag and lift of a pan-head that moves with the train [Thesis, Eq. (18)], N: what Figs. 11 and 12 show, with `ρ`, `C A` and wind of
-/// the scene.
+/// Drag and lift of a pan-head that moves with the train [Thesis, Eq. (18)], N: what Figs. 11 and 12 show, with `ρ`, `C
+/// A` and wind of the scene.
 ///
 /// ```text
 /// F = ½ ρ C A |v_wind − v_train|²

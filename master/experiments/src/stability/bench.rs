@@ -32,10 +32,10 @@ macro_rules! known {
 }
 pub(super) use known;
 
-/// How a case is run.
+/// Way of running a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Way {
-    /// How line and pantographs are put together.
+    /// Composition of line and pantographs.
     pub mode: Mode,
     /// Coupling algorithm; none in one system.
     pub algorithm: &'static str,

@@ -143,7 +143,7 @@ pub struct Case {
     pub parameter: Option<HardParameter>,
     /// Algorithms that it is run with.
     pub coupled: Coupled,
-    /// Whether it takes long: no boundary is looked for.
+    /// `true` where it takes long: no boundary is looked for.
     pub slow: bool,
 }
 
@@ -203,7 +203,7 @@ impl Case {
         Self::of(written, false)
     }
 
-    /// The same with packages of FMUs below `folder`.
+    /// This case with packages of FMUs below `folder`.
     pub(super) fn with_fmus(mut self, folder: &std::path::Path) -> Self {
         let stage = Arc::make_mut(&mut self.stage);
         stage.fmus = folder.join(&stage.name);

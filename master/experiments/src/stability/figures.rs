@@ -22,7 +22,7 @@ pub struct Figures {
     /// Energy that the coupling, or in one system the integration, has made per second of simulated time, W.
     #[serde(rename = "energy_growth_W")]
     pub energy_growth: Option<f64>,
-    /// The same energy as a share of the work that crossed the contact, or in one system of work and heat, %.
+    /// Share of this energy of the work that crossed the contact, or in one system of work and heat, %.
     #[serde(rename = "energy_share_percent")]
     pub energy_share: Option<f64>,
     /// Circular frequency of the head on the contact's spring times the macro step, or in one system the micro step, –.
@@ -58,7 +58,7 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// Whether the run is stable.
+    /// `true` where the run is stable.
     #[must_use]
     pub fn is_stable(&self) -> bool {
         self.row.status == Some(Status::Stable)

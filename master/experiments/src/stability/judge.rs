@@ -38,7 +38,7 @@ pub struct Line {
 /// The table of the hard cases, complete or not.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct StabilityTable {
-    /// Whether every run was made.
+    /// `true` where every run was made.
     pub complete: bool,
     /// One per run.
     pub lines: Vec<Line>,
@@ -93,7 +93,7 @@ impl Table for StabilityTable {
 #[derive(Debug)]
 pub struct Stability {
     cases: Vec<Case>,
-    /// Whether limits get their boundary.
+    /// `true` where limits get their boundary.
     boundaries: bool,
     /// Each case in each way: number of the case, way.
     lines: Vec<(usize, Way)>,
@@ -104,8 +104,8 @@ pub struct Stability {
 }
 
 impl Stability {
-    /// All cases in all ways, through FMUs too with `fmus`, boundaries of limits with `boundaries`; `resolution` is the number of points
-    /// of a curve of the maps, 0 draws none.
+    /// All cases in all ways, through FMUs too with `fmus`, boundaries of limits with `boundaries`; `resolution` is the
+    /// number of points of a curve of the maps, 0 draws none.
     ///
     /// # Errors
     /// A folder for packages that cannot be made.

@@ -1,4 +1,4 @@
-//! Where runs stop being stable: boundaries by bisection over the step, and what theory says of them.
+//! Boundaries beyond which runs are not stable, by bisection over the step, and by theory.
 
 use scene::Coupling;
 use serde::Serialize;
@@ -35,7 +35,7 @@ const NUMBERS: (f64, usize) = (0.02, 200);
 /// Growth per step that counts as none, –.
 const NEUTRAL: f64 = 1e-5;
 
-/// What a curve is.
+/// Origin of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CurveKind {
@@ -55,7 +55,7 @@ pub type Boundary = Vec<(f64, f64)>;
 pub struct MapCurve {
     /// Algorithm; `monolithic` where nothing is coupled.
     pub algorithm: &'static str,
-    /// What it was found with.
+    /// Origin.
     pub kind: CurveKind,
     /// The quantity of the map's axis, and the longest stable step there, s; 0 where none was found.
     pub points: Boundary,
@@ -68,11 +68,11 @@ pub struct Map {
     pub title: &'static str,
     /// Title of the axis, with the unit.
     pub x: &'static str,
-    /// Whether the axis is logarithmic.
+    /// `true` where the axis is logarithmic.
     pub logarithmic: bool,
     /// Title of the other axis.
     pub y: &'static str,
-    /// What there is to say of it.
+    /// Caption.
     pub caption: &'static str,
     /// Curves.
     pub curves: Vec<MapCurve>,
@@ -104,9 +104,9 @@ const MAPS: [Titles; 4] = [
         x: "contact stiffness [N/m]",
         logarithmic: true,
         y: "longest stable macro step [ms]",
-        caption: "Lines: the test problem (head of 7.2 kg under a wire mode of 10 kg); dotted: spectral radius of the algorithm \
-                  on the contact's oscillation against that oscillation's own damping; crosses: the short line at a micro step \
-                  of 0.5 ms.",
+        caption: "Lines: the test problem (head of 7.2 kg under a wire mode of 10 kg); dotted: spectral radius of the \
+                  algorithm on the contact's oscillation against that oscillation's own damping; crosses: the short \
+                  line at a micro step of 0.5 ms.",
     },
     Titles {
         axis: MapAxis::HeadMass,
@@ -221,8 +221,8 @@ pub fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
     maps
 }
 
-/// The longest stable step between [`STEPS`]: doubled from the shortest one until a run is not stable, then bisected; 0 where the
-/// shortest one is not.
+/// The longest stable step between [`STEPS`]: doubled from the shortest one until a run is not stable, then bisected; 0
+/// where the shortest one is not.
 fn longest(stable: &mut dyn FnMut(f64) -> bool) -> f64 {
     let (mut good, mut bad) = (0.0, None);
     let mut step = STEPS.0;
@@ -251,7 +251,7 @@ fn longest(stable: &mut dyn FnMut(f64) -> bool) -> f64 {
     good
 }
 
-/// The same in whole units of [`UNIT`].
+/// Longest stable step in whole units of [`UNIT`].
 fn longest_units(stable: &mut dyn FnMut(u32) -> Tried<bool>) -> Tried<u32> {
     let (mut good, mut bad) = (0, None);
     let mut units = 1;
@@ -321,7 +321,7 @@ impl Task {
         parameters
     }
 
-    /// Where the growth per step of the contact's oscillation exceeds the decay by its damping, s.
+    /// Step at which the growth per step of the contact's oscillation exceeds the decay by its damping, s.
     fn by_theory(&self, growth: &[f64], x: f64) -> f64 {
         let parameters = self.parameters(x);
         let omega = parameters.contact_frequency();
@@ -419,8 +419,8 @@ fn growth(coupling: &Coupling) -> Vec<f64> {
         .collect()
 }
 
-/// Rate at which the oscillation of head and wire on the contact decays, 1/s: the dampers of both on its mode, which moves them
-/// in the inverse ratio of their masses.
+/// Rate at which the oscillation of head and wire on the contact decays, 1/s: the dampers of both on its mode, which
+/// moves them in the inverse ratio of their masses.
 fn contact_decay(parameters: &Parameters) -> f64 {
     let [head, wire] = [1.0 / parameters.masses[0], 1.0 / parameters.wire_mass];
     let damping = parameters.dampings[0] * head * head + parameters.wire_damping * wire * wire;

@@ -11,8 +11,8 @@
 //!
 //! Status, in the words of [`STATUS_RULE`](crate::engine::table::STATUS_RULE) with these references: a coupled run is
 //! compared with the monolithic one at the same micro step, the monolithic one with itself at half the micro step. A
-//! monolithic run is also `limit` where the time integration made more than 1 % of the energy that went through, and a coupled
-//! run is at most `limit` where the monolithic one is.
+//! monolithic run is also `limit` where the time integration made more than 1 % of the energy that went through, and a
+//! coupled run is at most `limit` where the monolithic one is.
 
 mod bench;
 mod cases;

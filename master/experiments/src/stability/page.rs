@@ -64,8 +64,8 @@ fn overview(table: &StabilityTable) -> String {
         body.push_str("</tr>\n");
     }
     format!(
-        "{}<p class=\"caption\">In the cells: rms error of the filtered force in percent of the reference's standard deviation. \
-         Under the pointer: what ran and why.</p>\n",
+        "{}<p class=\"caption\">In the cells: rms error of the filtered force in percent of the reference's standard \
+         deviation. Under the pointer: what ran and why.</p>\n",
         scrolled(&format!("<th>case</th>{head}"), &body)
     )
 }
@@ -104,7 +104,8 @@ fn reasons(table: &StabilityTable) -> String {
         }
         for (status, reason, ways) in found {
             body.push_str(&format!(
-                "<tr><td class=\"s\">{}</td><td class=\"c {status}\">{status}</td><td>{}</td><td class=\"remark\">{}</td></tr>\n",
+                "<tr><td class=\"s\">{}</td><td class=\"c {status}\">{status}</td><td>{}</td><td \
+                 class=\"remark\">{}</td></tr>\n",
                 escape(&lines[0].case),
                 escape(&ways.join(", ")),
                 escape(&reason)
@@ -222,7 +223,8 @@ fn table_of_figures(table: &StabilityTable) -> String {
         }
     }
     format!(
-        "<details><summary>All runs</summary>{}</details>\n<p class=\"caption\">All columns are in stability.csv.</p>\n",
+        "<details><summary>All runs</summary>{}</details>\n<p class=\"caption\">All columns are in \
+         stability.csv.</p>\n",
         scrolled(&head, &body)
     )
 }
@@ -258,15 +260,22 @@ fn figures(line: &Line) -> String {
 fn legend() -> String {
     format!(
         "<p>{}.</p>\n\
-         <p>A coupled run is compared with the monolithic one at the same micro step, so that only the coupling differs; the \
+         <p>A coupled run is compared with the monolithic one at the same micro step, so that only the coupling \
+         differs; the \
          monolithic one with itself at half the micro step. The monolithic one is also <b>limit</b> where the time \
-         integration made more than 1 % of the energy that was exchanged; a coupled one is at most <b>limit</b> where the \
+         integration made more than 1 % of the energy that was exchanged; a coupled one is at most <b>limit</b> where \
+         the \
          monolithic one is. A run that is limit or diverged is repeated with shorter steps: its boundary.</p>\n\
-         <p>Energy made: by the coupling, or in one system by the time integration, per second; there kinetic and potential energy \
-         are followed from step to step, together with the work of prescribed motion and the heat of all dampers and friction, and \
-         numerical damping shows as a loss. Share: of the work that crossed the contact, or of work and heat. ω h: circular frequency of \
-         the collector head on the contact's spring times the macro step (one system: the micro step). Growth: spectral radius of \
-         the coupling on that oscillation without damping. Newton: most iterations of one internal step. Drift: largest violation \
+         <p>Energy made: by the coupling, or in one system by the time integration, per second; there kinetic and \
+         potential energy \
+         are followed from step to step, together with the work of prescribed motion and the heat of all dampers and \
+         friction, and \
+         numerical damping shows as a loss. Share: of the work that crossed the contact, or of work and heat. ω h: \
+         circular frequency of \
+         the collector head on the contact's spring times the macro step (one system: the micro step). Growth: \
+         spectral radius of \
+         the coupling on that oscillation without damping. Newton: most iterations of one internal step. Drift: \
+         largest violation \
          of a joint. Slack: most droppers without tension at one time.</p>\n",
         status_rule()
     )

@@ -23,7 +23,7 @@ pub(super) fn by_case(table: &StabilityTable) -> Vec<&[Line]> {
     table.lines.chunk_by(|a, b| a.case == b.case).collect()
 }
 
-/// What a way is called in the head of a column.
+/// Name of a way in the head of a column.
 pub(super) fn heading((mode, algorithm): &(String, String)) -> String {
     match (mode.as_str(), algorithm.as_str()) {
         ("monolithic", _) => "one system".to_owned(),

@@ -1,4 +1,4 @@
-//! From runs to what a study came to: rows judged by their references, orders, front, recommendations.
+//! From runs to the results of a study: rows judged by their references, orders, front, recommendations.
 
 use super::judge::{Script, State};
 use super::order::{Order, order};
@@ -200,8 +200,8 @@ fn entry(script: &Script, state: &State, study: &Study, index: usize) -> Entry {
     }
 }
 
-/// The run that judges what else the pantograph may stand on, on the same track: the first that is planned for it, whether it is there
-/// for that alone or is the base case.
+/// The run that judges what else the pantograph may stand on, on the same track: the first that is planned for it,
+/// whether it is there for that alone or is the base case.
 fn judge(script: &Script, state: &State, planned: &StudyRun) -> Option<usize> {
     let subject = &script.subject;
     let own = subject.vehicle_of(&planned.spec);
@@ -212,7 +212,7 @@ fn judge(script: &Script, state: &State, planned: &StudyRun) -> Option<usize> {
         .position(|run| run.sweeps.contains(&Sweep::Vehicle) && subject.vehicle_of(&run.spec) == first.name)
 }
 
-/// What a run that judges others is called.
+/// Name of a run that judges others.
 fn vehicle_label(script: &Script, planned: &StudyRun) -> String {
     let name = script.subject.vehicle_of(&planned.spec);
     format!("vehicle {}, track {}", name.vehicle, name.track)
@@ -250,7 +250,7 @@ fn asked_for(script: &Script, planned: &StudyRun, mut row: Row) -> Row {
     row
 }
 
-/// What is known of a run before it is made.
+/// Row of a run before it is made.
 fn planned_row(script: &Script, planned: &StudyRun) -> Row {
     let subject = &script.subject;
     let variant = &planned.variant;
@@ -268,7 +268,7 @@ fn planned_row(script: &Script, planned: &StudyRun) -> Row {
     }
 }
 
-/// What stays the same in a sweep of mesh or micro step.
+/// Settings that stay the same in a sweep of mesh or micro step.
 fn label_without(row: &Row, sweep: &str) -> String {
     let mesh = if sweep == "mesh" {
         format!("micro step {} ms", milliseconds(row.micro_step))
@@ -279,7 +279,8 @@ fn label_without(row: &Row, sweep: &str) -> String {
     format!("{}, {mesh}, {}", row.mesh, row.reduction)
 }
 
-/// Runs that differ in one size only: the sweep, what stays the same, and for each its size, the size as shown, its place.
+/// Runs that differ in one size only: the sweep, what stays the same, and for each its size, the size as shown, its
+/// place.
 type Group = (&'static str, String, Vec<(f64, f64, usize)>);
 
 /// Orders of mesh and micro step from the runs that differ in nothing else.
@@ -356,8 +357,8 @@ fn notes(study: &Study) -> Vec<String> {
                 .map(|found| format!("{}: {}", found.discretisation.name(), found.ended))
                 .collect();
             notes.push(format!(
-                "{family}: the reference has not converged, its last two levels differ by {uncertainty:.2} % of σ ({}); errors \
-                 below that mean nothing",
+                "{family}: the reference has not converged, its last two levels differ by {uncertainty:.2} % of σ \
+                 ({}); errors below that mean nothing",
                 why.join("; ")
             ));
         }

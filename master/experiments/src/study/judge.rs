@@ -20,8 +20,8 @@ use simulation::{SetupError, prepare};
 /// Folder of the runs inside a study's output directory.
 pub const FOLDER: &str = "study";
 
-/// Most work of a run that is timed again alone, coordinates times micro steps: finer levels of references are judges, and
-/// nobody runs them for speed.
+/// Most work of a run that is timed again alone, coordinates times micro steps: finer levels of references are judges,
+/// and nobody runs them for speed.
 const TIMED: f64 = 5e8;
 
 /// A study that can begin.
@@ -46,7 +46,7 @@ pub struct Script {
 /// Solves the statics of a scene, which was read with these overrides, and plans its runs.
 ///
 /// # Errors
-/// What `master check` refuses.
+/// Scenes that `master check` refuses.
 pub fn script(
     mut scene: Scene,
     name: &str,
@@ -81,7 +81,7 @@ pub fn script(
 }
 
 impl Script {
-    /// What is to be said of sweeps that were asked for, or belong to every study, and have no run.
+    /// Remarks on sweeps that were asked for, or belong to every study, and have no run.
     #[must_use]
     pub fn empty_sweeps(&self) -> Vec<String> {
         let subject = &self.subject;
@@ -91,7 +91,7 @@ impl Script {
         let why = |sweep: &Sweep| match sweep {
             Sweep::Vehicle if subject.scene.vehicle.is_none() => "the scene has no [vehicle]",
             Sweep::Mesh | Sweep::Reductions | Sweep::Ladder | Sweep::Spans if !subject.meshed => {
-                "the line is an FMU of somebody else"
+                "the line is a supplied FMU"
             }
             Sweep::Coupling if joined => {
                 "contact.law = \"sliding_joint\" makes line and pantograph one system, which nothing can couple"
@@ -152,7 +152,7 @@ impl Script {
     }
 }
 
-/// What is known so far.
+/// Everything that is known so far.
 #[derive(Debug, Default)]
 pub struct State {
     /// Every run: those of the plan, then levels of references that are not among them.
@@ -175,8 +175,8 @@ impl State {
         }
     }
 
-    /// Takes in a reference: its levels become runs, behind the `planned` ones in the order of the references, whichever is done
-    /// first.
+    /// Takes in a reference: its levels become runs, behind the `planned` ones in the order of the references,
+    /// whichever is done first.
     fn take(&mut self, found: Refinement, planned: usize) {
         self.refinements.push(found);
         self.refinements

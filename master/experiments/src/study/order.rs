@@ -5,9 +5,9 @@ use serde::Serialize;
 /// Order that three runs of one sweep show.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Order {
-    /// What is refined: `mesh` or `micro_step`.
+    /// Refined quantity: `mesh` or `micro_step`.
     pub sweep: &'static str,
-    /// What stays the same, in words.
+    /// Quantities that stay the same, in words.
     pub of: String,
     /// Elements per span or micro steps (s) of the three runs, coarse to fine.
     pub sizes: [f64; 3],
@@ -26,8 +26,8 @@ const HIGHEST: f64 = 16.0;
 /// d₁₂ / d₂₃ = (h₁ᵖ − h₂ᵖ) / (h₂ᵖ − h₃ᵖ)
 /// ```
 ///
-/// Derived here; with a constant ratio `h₁/h₂ = h₂/h₃ = r` it is `p = ln(d₁₂/d₂₃) / ln r`. The right side rises with `p`, so
-/// that it is halved to the root. `None` where there is none between 0 and 16.
+/// Derived here; with a constant ratio `h₁/h₂ = h₂/h₃ = r` it is `p = ln(d₁₂/d₂₃) / ln r`. The right side rises with
+/// `p`, so that it is halved to the root. `None` where there is none between 0 and 16.
 #[must_use]
 pub fn order([h1, h2, h3]: [f64; 3], [d12, d23]: [f64; 2]) -> Option<f64> {
     let falls = h1 > h2 && h2 > h3 && h3 > 0.0;

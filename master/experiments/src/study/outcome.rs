@@ -1,4 +1,4 @@
-//! What a study came to.
+//! Results of a study.
 
 use serde::Serialize;
 
@@ -21,25 +21,25 @@ pub struct Study {
     pub scene: String,
     /// Its title.
     pub title: String,
-    /// Where it comes from.
+    /// Source of the scene.
     pub source: String,
-    /// Hash of what no recipe changes.
+    /// Hash of the keys that no run changes.
     pub identity: String,
-    /// Whether every run was made and timed.
+    /// `true` where every run was made and timed.
     pub complete: bool,
-    /// Where wall times were taken.
+    /// Machine of the wall times.
     pub machine: Machine,
     /// Simulated time of the runs, s.
     pub simulated_s: f64,
     /// Intervals between droppers and supports in a span.
     pub intervals: usize,
-    /// What the errors are against.
+    /// References of the errors.
     pub references: Vec<Reference>,
     /// One per run.
     pub rows: Vec<Entry>,
     /// Observed orders.
     pub orders: Vec<Order>,
-    /// What to take for an error.
+    /// Recommendation for an error.
     pub recommendations: Vec<Recommendation>,
     /// Remarks.
     pub notes: Vec<String>,
@@ -53,7 +53,7 @@ pub struct Entry {
     pub row: Row,
     /// Sweeps that it is part of, joined by `+`.
     pub sweep: String,
-    /// Whether no run of its class is both cheaper and more accurate.
+    /// `true` where no run of its class is both cheaper and more accurate.
     pub pareto: bool,
     /// Spectral radius at infinite frequency, –.
     pub rho_inf: f64,
@@ -67,9 +67,9 @@ pub struct Entry {
     pub spans: Option<u64>,
     /// Memory touched by the time loop, bytes.
     pub working_memory_bytes: Option<u64>,
-    /// Hash of the keys that no recipe says.
+    /// Hash of the keys that no run specification says.
     pub settings: String,
-    /// What the pantograph stands on; nothing where the scene has no vehicle.
+    /// Vehicle below the pantograph; nothing where the scene has none.
     #[serde(flatten)]
     pub vehicle_variant: Option<VehicleVariantName>,
 }
@@ -88,7 +88,7 @@ pub struct Reference {
     pub std: Option<f64>,
     /// Difference of its last two levels, % of the standard deviation: what is not known of it.
     pub uncertainty_percent: Option<f64>,
-    /// Whether that is within the tolerance.
+    /// `true` where that is within the tolerance.
     pub converged: bool,
     /// Difference from the finest level of another discretisation, %.
     pub confirmed_to_percent: Option<f64>,
@@ -112,9 +112,9 @@ pub struct Levels {
     pub std: Vec<Option<f64>>,
     /// Difference of each level from the one before, %.
     pub difference_percent: Vec<Option<f64>>,
-    /// Whether the last two agree.
+    /// `true` where the last two agree.
     pub converged: bool,
-    /// Why there are no more.
+    /// Reason of the end.
     pub ended: String,
 }
 
@@ -131,7 +131,7 @@ impl Study {
         self.references.iter().find(|found| found.family == family)
     }
 
-    /// What is to be said of an error of `target` percent that a row of a family is claimed to have; nothing where the reference is
+    /// Caveat on an error of `target` percent that a row of a family is claimed to have; nothing where the reference is
     /// known as well as that.
     #[must_use]
     pub fn caveat(&self, family: Family, target: f64) -> String {
@@ -150,13 +150,13 @@ impl Study {
             .filter(|found| judged || found.row == Some(index))
     }
 
-    /// What a row is, in words: mesh, micro step, coupling, reductions.
+    /// Name of a row: mesh, micro step, coupling, reductions.
     #[must_use]
     pub fn label(&self, row: &Row) -> String {
         label(row, self.intervals)
     }
 
-    /// What somebody has to set for the same run, in words.
+    /// Settings of the same run, in words.
     #[must_use]
     pub fn advice(&self, entry: &Entry) -> String {
         format!("{}, Newton to {} N", self.label(&entry.row), entry.newton_tolerance)
@@ -214,7 +214,7 @@ impl Table for Study {
     }
 }
 
-/// What a row is, in words.
+/// Name of a row.
 pub(super) fn label(row: &Row, intervals: usize) -> String {
     let mut parts = Vec::new();
     if let Some(elements) = row.elements_per_span {

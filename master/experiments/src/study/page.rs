@@ -100,9 +100,9 @@ fn recommended(study: &Study) -> String {
         body.push_str("</tr>\n");
     }
     format!(
-        "{}<p class=\"caption\">The cheapest stable run whose filtered contact force is right to the percentage of its standard \
-         deviation σ, rms over the evaluation range, against the reference of its own model; what is known of that is said where it is \
-         less than the percentage.</p>\n",
+        "{}<p class=\"caption\">The cheapest stable run whose filtered contact force is right to the percentage of its \
+         standard deviation σ, rms over the evaluation range, against the reference of its own model; what is known of \
+         that is said where it is less than the percentage.</p>\n",
         scrolled(&format!("<th></th>{head}"), &body)
     )
 }
@@ -188,9 +188,9 @@ fn orders(study: &Study) -> String {
         ("order", "", true),
     ]);
     format!(
-        "{}<p class=\"caption\">From the differences of three successive runs; no reference \
-         takes part, so that neither the other discretisation nor the reference's own error spoils it. None: the differences do \
-         not fall.</p>\n",
+        "{}<p class=\"caption\">From the differences of three successive runs; no reference takes part, so that \
+         neither the other discretisation nor the reference's own error spoils it. None: the differences do not \
+         fall.</p>\n",
         scrolled(&head, &body)
     )
 }
@@ -285,7 +285,7 @@ fn part(study: &Study, sweep: Sweep) -> String {
     }
 }
 
-/// What each model of the vehicle changes and costs.
+/// Effect and cost of each model of the vehicle.
 fn vehicles(study: &Study) -> String {
     const VEHICLES: &Cells = &[
         ("track", "", true, |_, entry| {
@@ -319,11 +319,12 @@ fn vehicles(study: &Study) -> String {
         return table;
     }
     format!(
-        "{table}<p class=\"caption\">One mesh and one micro step, with those reductions that change nothing. Differences are rms of the \
-         filtered force, in percent of the standard deviation on the most detailed model of the same track, which is the first. \
-         none: the base moves on a straight line. rigid_motion: it moves as on that model under a constant contact force, and feels \
-         nothing of the pantograph. A curve is felt on full alone: on rigid_motion and none the pantograph feels no centrifugal force \
-         there, nor the lean of its weight, and vertical has no curves. Track ore_b176_low: irregularities of the lower level of ORE B176.</p>\n"
+        "{table}<p class=\"caption\">One mesh and one micro step, with those reductions that change nothing. \
+         Differences are rms of the filtered force, in percent of the standard deviation on the most detailed model of \
+         the same track, which is the first. none: the base moves on a straight line. rigid_motion: it moves as on \
+         that model under a constant contact force, and feels nothing of the pantograph. A curve is felt on full \
+         alone: on rigid_motion and none the pantograph feels no centrifugal force there, nor the lean of its weight, \
+         and vertical has no curves. Track ore_b176_low: irregularities of the lower level of ORE B176.</p>\n"
     )
 }
 
@@ -383,20 +384,27 @@ fn all(study: &Study) -> String {
         ));
     }
     html.push_str(&format!(
-        "<p class=\"caption\">★ on the front of its class. All columns, the work of the solvers among them, are in {CSV}.</p>\n"
+        "<p class=\"caption\">★ on the front of its class. All columns, the work of the solvers among them, are in \
+         {CSV}.</p>\n"
     ));
     html
 }
 
 fn legend(study: &Study) -> String {
     format!(
-        "<p>Errors are pointwise: rms of the difference of the filtered forces at equal positions over the evaluation range, in \
-         percent of the standard deviation σ of the reference's filtered force. A reference is refined, elements doubled and \
-         micro step halved, until two successive levels agree; their difference is what is not known of it. The nonlinear line \
-         is refined with two meshes, which confirm each other; the one whose last levels are closer is the reference. Linearised \
+        "<p>Errors are pointwise: rms of the difference of the filtered forces at equal positions over the evaluation \
+         range, in \
+         percent of the standard deviation σ of the reference's filtered force. A reference is refined, elements \
+         doubled and \
+         micro step halved, until two successive levels agree; their difference is what is not known of it. The \
+         nonlinear line \
+         is refined with two meshes, which confirm each other; the one whose last levels are closer is the reference. \
+         Linearised \
          and flat lines are judged by their own references, and their distance from the nonlinear line is stated.</p>\n\
-         <p>Runs end {SETTLE} periods of the low-pass filter's cut-off behind the evaluation range: {:.2} s. Errors were computed \
-         on all cores at once, wall times one run at a time afterwards: time loop only, median of the repeats. Runs of references \
+         <p>Runs end {SETTLE} periods of the low-pass filter's cut-off behind the evaluation range: {:.2} s. Errors \
+         were computed \
+         on all cores at once, wall times one run at a time afterwards: time loop only, median of the repeats. Runs of \
+         references \
          that are too fine to be anybody's choice are not timed again.</p>\n<p>{}.</p>\n",
         study.simulated_s,
         status_rule()

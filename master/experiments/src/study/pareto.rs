@@ -1,4 +1,4 @@
-//! What is best: the Pareto front of error and cost, and what to take for a given error.
+//! Pareto front of error and cost, and recommendations for a given error.
 
 use serde::Serialize;
 
@@ -18,7 +18,8 @@ pub fn point(row: &Row) -> Option<(f64, f64)> {
     (row.status == Some(Status::Stable)).then_some((factor, error))
 }
 
-/// Rows that no other row of their class beats: none is both cheaper and more accurate, or one of these and equal in the other.
+/// Rows that no other row of their class beats: none is both cheaper and more accurate, or one of these and equal in
+/// the other.
 #[must_use]
 pub fn pareto(rows: &[&Row]) -> Vec<bool> {
     let points: Vec<_> = rows
@@ -42,7 +43,7 @@ pub fn pareto(rows: &[&Row]) -> Vec<bool> {
     (0..rows.len()).map(|at| !beaten(at)).collect()
 }
 
-/// What to take for an error.
+/// Recommendation for an error.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recommendation {
     /// Rows that were chosen from.
@@ -51,14 +52,14 @@ pub struct Recommendation {
     pub target_percent: f64,
     /// The cheapest row that is accurate enough; `None` where there is none.
     pub row: Option<usize>,
-    /// Why the reference cannot vouch for that error; empty where it can.
+    /// Reason why the reference cannot vouch for that error; empty where it can.
     pub caveat: String,
     /// All of it in words.
     pub text: String,
 }
 
-/// For each class that has rows with errors, and each target, the cheapest row that reaches it; `name` says what a row is, `caveat` what
-/// the reference of a class leaves open of a target.
+/// For each class that has rows with errors, and each target, the cheapest row that reaches it; `name` names a row,
+/// `caveat` says what the reference of a class leaves open of a target.
 #[must_use]
 pub fn recommendations(
     rows: &[&Row],

@@ -1,4 +1,4 @@
-//! Which runs a study is made of: a base case, sweeps that change one thing at a time, and a ladder of balanced recipes.
+//! Runs of a study: a base case, sweeps that change one thing at a time, and a ladder of balanced meshes and steps.
 
 use super::run_spec::{Class, Exchange, Mesh, RunSpec, Subject};
 use super::vehicle::OWN;
@@ -8,7 +8,7 @@ use crate::engine::table::{AUTO, Row};
 use simulation::Mode;
 use simulation::sliding_joint;
 
-/// What a study is asked for.
+/// Options of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Elements per dropper interval.
@@ -52,13 +52,13 @@ impl Options {
     pub const RHO_INF: [f64; 4] = [0.5, 0.8, 0.9, 1.0];
     /// Tolerance of the reference when nothing is said, % of the standard deviation.
     pub const TOLERANCE: f64 = 0.2;
-    /// Most work of a run of the reference when nothing is said: 64 elements per interval of the line of EN 50318 at 0.125 ms
-    /// are 2e9.
+    /// Most work of a run of the reference when nothing is said: 64 elements per interval of the line of EN 50318 at
+    /// 0.125 ms are 2e9.
     pub const WORK: f64 = 4e9;
 }
 
 impl Options {
-    /// Whether a sweep is asked for; all are where none is named.
+    /// `true` where a sweep is asked for; all are where none is named.
     #[must_use]
     pub fn sweeps_over(&self, sweep: Sweep) -> bool {
         self.sweeps.is_empty() || self.sweeps.contains(&sweep)
@@ -84,12 +84,12 @@ impl Default for Options {
     }
 }
 
-/// What a run is part of.
+/// Sweeps that a run is part of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Sweep {
     /// Levels of a reference.
     Reference,
-    /// What the scene says itself.
+    /// The scene as it is.
     Scene,
     /// Elements per dropper interval and corrections.
     Mesh,
@@ -105,12 +105,12 @@ pub enum Sweep {
     Ladder,
     /// Number of spans.
     Spans,
-    /// What the pantograph stands on.
+    /// Vehicle below the pantograph.
     Vehicle,
 }
 
 impl Sweep {
-    /// Those that can be asked for: every study has its references.
+    /// Sweeps that can be asked for: every study has its references.
     pub const CHOICE: [Self; 9] = [
         Self::Scene,
         Self::Mesh,
@@ -123,7 +123,7 @@ impl Sweep {
         Self::Spans,
     ];
 
-    /// Whether its runs are judged by the reference of their family.
+    /// `true` where its runs are judged by the reference of their family.
     #[must_use]
     pub fn is_judged_by_reference(self) -> bool {
         !matches!(self, Self::Spans | Self::Vehicle)
@@ -150,20 +150,20 @@ impl Sweep {
 /// One run of the plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StudyRun {
-    /// What is run.
+    /// Variant of the scene.
     pub spec: RunSpec,
-    /// The same as a variant of the scene.
+    /// Variant of the scene.
     pub variant: Variant,
-    /// Its scene with every default written out; nothing where the scene refuses the spec.
+    /// Scene of the run with every default written out; nothing where the scene refuses the run.
     pub scene: Option<String>,
-    /// What it is part of.
+    /// Sweeps that the run is part of.
     pub sweeps: Vec<Sweep>,
     /// Expected work, coordinates times micro steps.
     pub work: f64,
 }
 
 impl StudyRun {
-    /// That of a spec.
+    /// Run of a specification.
     #[must_use]
     pub fn new(subject: &Subject, spec: RunSpec, sweep: Sweep) -> Self {
         let variant = subject.variant(&spec);
@@ -177,7 +177,7 @@ impl StudyRun {
         }
     }
 
-    /// Whether two runs are one.
+    /// `true` where two runs are one.
     #[must_use]
     pub fn same(&self, other: &Self) -> bool {
         // What is judged by another model of the vehicle is not judged by the reference of the mesh.
@@ -200,13 +200,13 @@ impl StudyRun {
             }
     }
 
-    /// Whether it is there for what the pantograph stands on alone: nothing else competes with it.
+    /// `true` where the run is there for the vehicle alone: nothing else competes with it.
     #[must_use]
     pub fn is_for_vehicle(&self) -> bool {
         self.sweeps == [Sweep::Vehicle]
     }
 
-    /// Whether it is there for the growth of cost with the number of spans.
+    /// `true` where it is there for the growth of cost with the number of spans.
     #[must_use]
     pub fn is_growth(&self) -> bool {
         self.sweeps.contains(&Sweep::Spans)
@@ -280,7 +280,7 @@ pub fn plan(subject: &Subject, options: &Options) -> Vec<StudyRun> {
     runs.runs
 }
 
-/// What the scene says itself: as one system and coupled.
+/// Runs of the scene as it is: as one system and coupled.
 fn scene(runs: &mut Runs<'_>) {
     let subject = runs.subject;
     let reductions = subject.scene.model.reductions.iter();
@@ -308,7 +308,7 @@ fn scene(runs: &mut Runs<'_>) {
     }
 }
 
-/// Whether there is a mesh without corrections beside the corrected one.
+/// `true` where there is a mesh without corrections beside the corrected one.
 fn both(subject: &Subject) -> bool {
     subject
         .corrections
@@ -469,9 +469,9 @@ fn vehicle(runs: &mut Runs<'_>) {
     }
 }
 
-/// Steps of the ladder: elements of the longest dropper interval and micro step, both in eighths of the base case's. Shorter intervals
-/// have elements of the same length: fewer for the same error, and longer steps with the mass correction. On the line of EN 50318 it
-/// takes 13.6 eighths with seven elements and 11.6 with eight.
+/// Steps of the ladder: elements of the longest dropper interval and micro step, both in eighths of the base case's.
+/// Shorter intervals have elements of the same length: fewer for the same error, and longer steps with the mass
+/// correction. On the line of EN 50318 it takes 13.6 eighths with seven elements and 11.6 with eight.
 const LADDER: [(usize, f64); 19] = [
     (2, 16.0),
     (4, 16.0),
@@ -494,7 +494,7 @@ const LADDER: [(usize, f64); 19] = [
     (16, 4.0),
 ];
 
-/// The same with `quick`.
+/// Steps of the ladder with `quick`.
 const SHORT_LADDER: [(usize, f64); 12] = [
     (4, 16.0),
     (6, 8.0),
@@ -510,9 +510,9 @@ const SHORT_LADDER: [(usize, f64); 12] = [
     (14, 4.0),
 ];
 
-/// Residual that ends Newton's method on the ladder, N: on the line of EN 50318 at 300 km/h and that of the thesis it moves the
-/// filtered force by 0.01 to 0.1 % of its standard deviation, far less than the meshes of the ladder do, and saves up to a fifth of
-/// the corrections.
+/// Residual that ends Newton's method on the ladder, N: on the line of EN 50318 at 300 km/h and that of the thesis it
+/// moves the filtered force by 0.01 to 0.1 % of its standard deviation, far less than the meshes of the ladder do, and
+/// saves up to a fifth of the corrections.
 const LADDER_TOLERANCE: f64 = 0.3;
 
 fn ladder(runs: &mut Runs<'_>, options: &Options) {

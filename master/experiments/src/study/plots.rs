@@ -1,7 +1,7 @@
 //! The diagrams of the page.
 
 use plotly::Scatter;
-use plotly::common::{DashType, Font, HoverInfo, Line, Marker, MarkerSymbol, Mode as Draw, Position};
+use plotly::common::{DashType, Font, Line, Marker, Mode as Draw, Position};
 use plotly::layout::HoverMode;
 
 use super::labels::Labels;
@@ -10,22 +10,13 @@ use super::pareto::point;
 use super::plan::Sweep;
 use super::run_spec::{Class, Family};
 use super::text::shortened;
-use crate::engine::table::{Row, Status, milliseconds, significant};
+use crate::engine::export::number;
+use crate::engine::export::plot::{BOUND, Trace, dotted, marked, open_points};
+use crate::engine::table::{Row, Status, milliseconds};
 use results::report::plots::{COLOURS, decades_of, finished, layout, logarithmic};
-
-/// A curve as the plots take it.
-type Trace = Box<Scatter<f64, f64>>;
-
-/// Colour of bounds.
-const BOUND: &str = "#5b6675";
 
 /// Title of axes of error.
 const ERROR: &str = "rms error of the filtered force [% of σ]";
-
-/// Three significant digits, or nothing.
-fn number(value: Option<f64>) -> String {
-    significant(value).unwrap_or_default()
-}
 
 fn hover(study: &Study, row: &Row) -> String {
     format!(
@@ -37,8 +28,8 @@ fn hover(study: &Study, row: &Row) -> String {
     )
 }
 
-/// What a point of the front is called: elements per dropper interval or their length, micro step, what differs from the best mesh,
-/// coupling.
+/// Name of a point of the front: elements per dropper interval or their length, micro step, what differs from the best
+/// mesh, coupling.
 fn short_name(study: &Study, row: &Row, usual: &str) -> String {
     let mut name = match (row.element_length, row.elements_per_span) {
         (Some(length), _) => format!("{length:.2} m, "),
@@ -66,16 +57,6 @@ fn usual_mesh(study: &Study) -> String {
     };
     let most = front().max_by_key(|mesh| front().filter(|other| other == mesh).count());
     most.unwrap_or("plain").to_owned()
-}
-
-/// A straight line with a name.
-fn bound(x: [f64; 2], y: [f64; 2], name: String) -> Trace {
-    Scatter::new(x.to_vec(), y.to_vec())
-        .mode(Draw::Lines)
-        .hover_text(name.clone())
-        .hover_info(HoverInfo::Text)
-        .name(name)
-        .line(Line::new().color(BOUND).width(1.2).dash(DashType::Dot))
 }
 
 /// Error against real-time factor: every run that has both, the front of each class as a line.
@@ -114,22 +95,7 @@ pub(super) fn precision(study: &Study) -> String {
         };
         let others: Vec<_> = of_class().filter(|(entry, _)| !entry.pareto).collect();
         let said = others.iter().map(|(entry, _)| hover(study, &entry.row)).collect();
-        traces.push(
-            Scatter::new(
-                others.iter().map(|(_, point)| point.0).collect(),
-                others.iter().map(|(_, point)| point.1).collect(),
-            )
-            .mode(Draw::Markers)
-            .hover_text_array(said)
-            .hover_info(HoverInfo::Text)
-            .show_legend(false)
-            .marker(
-                Marker::new()
-                    .color("#ffffff")
-                    .size(7)
-                    .line(Line::new().color(colour).width(1.4)),
-            ),
-        );
+        traces.push(open_points(others.iter().map(|(_, point)| *point), said, colour));
         let mut front: Vec<_> = of_class().filter(|(entry, _)| entry.pareto).collect();
         front.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
         let said = front.iter().map(|(entry, _)| hover(study, &entry.row)).collect();
@@ -137,27 +103,26 @@ pub(super) fn precision(study: &Study) -> String {
             .iter()
             .map(|(entry, at)| labels.set(*at, short_name(study, &entry.row, &usual)))
             .collect();
+        let curve = marked(
+            front.iter().map(|(_, point)| *point),
+            said,
+            (colour, 2.2),
+            vec![colour; front.len()],
+        );
         traces.push(
-            Scatter::new(
-                front.iter().map(|(_, point)| point.0).collect(),
-                front.iter().map(|(_, point)| point.1).collect(),
-            )
-            .mode(Draw::LinesMarkersText)
-            .name(class.name())
-            .text_array(names)
-            .text_position(Position::TopRight)
-            .text_font(Font::new().size(11).color(colour))
-            .hover_text_array(said)
-            .hover_info(HoverInfo::Text)
-            .line(Line::new().color(colour).width(2.2))
-            .marker(Marker::new().color(colour).size(9)),
+            curve
+                .mode(Draw::LinesMarkersText)
+                .name(class.name())
+                .text_array(names)
+                .text_position(Position::TopRight)
+                .text_font(Font::new().size(11).color(colour)),
         );
     }
     if let Some(reference) = study.reference(Family::Nonlinear)
         && let Some(uncertainty) = reference.uncertainty_percent.filter(|percent| *percent > 0.0)
     {
         let name = format!("what is not known of the nonlinear reference: {uncertainty:.2} %");
-        traces.push(bound([low, high], [uncertainty, uncertainty], name));
+        traces.push(dotted(vec![low, high], vec![uncertainty; 2], &name, BOUND));
     }
     let layout = layout(
         decades_of(
@@ -167,9 +132,9 @@ pub(super) fn precision(study: &Study) -> String {
         decades_of(ERROR, [best, worst]),
     );
     format!(
-        "{}<p class=\"caption\">Lower left is better. Filled: the Pareto front of its class, named where there is room (elements per \
-         dropper interval or their length, micro step{}); open: all other runs. Each class is judged by the reference of its own \
-         model. Wall time in seconds is {:.2} times the real-time factor.</p>\n",
+        "{}<p class=\"caption\">Lower left is better. Filled: the Pareto front of its class, named where there is room \
+         (elements per dropper interval or their length, micro step{}); open: all other runs. Each class is judged by \
+         the reference of its own model. Wall time in seconds is {:.2} times the real-time factor.</p>\n",
         finished(traces, layout.hover_mode(HoverMode::Closest), "plot-precision", 560),
         match usual.as_str() {
             "plain" => String::new(),
@@ -217,35 +182,14 @@ fn sweep(study: &Study, rows: &[&Entry], x: impl Fn(&Row) -> Option<f64>, name: 
             format!("{}{order}", hover(study, &entry.row))
         });
         let said: Vec<String> = said.collect();
-        let symbol = if points.len() == 1 {
-            MarkerSymbol::Diamond
-        } else {
-            MarkerSymbol::Circle
-        };
-        traces.push(
-            Scatter::new(
-                points.iter().map(|point| point.0).collect(),
-                points.iter().map(|point| point.1).collect(),
-            )
-            .mode(Draw::LinesMarkers)
-            .name(name)
-            .hover_text_array(said)
-            .hover_info(HoverInfo::Text)
-            .line(Line::new().color(colour).width(1.8))
-            .marker(
-                Marker::new()
-                    .color_array(marks)
-                    .symbol(symbol)
-                    .size(8)
-                    .line(Line::new().color(colour).width(1.6)),
-            ),
-        );
+        let points = points.iter().map(|point| (point.0, point.1));
+        traces.push(marked(points, said, (colour, 1.8), marks).name(name));
     }
     traces
 }
 
 /// An axis with marks at values that were run, and no others.
-fn marked(
+fn marked_axis(
     title: &str,
     rows: &[&Entry],
     x: impl Fn(&Row) -> Option<f64>,
@@ -258,9 +202,10 @@ fn marked(
     logarithmic(title).tick_values(values).tick_text(texts)
 }
 
-/// The axis of the errors of these rows.
-fn errors(rows: &[&Entry]) -> plotly::layout::Axis {
-    decades_of(ERROR, rows.iter().filter_map(|entry| entry.row.filtered_error))
+/// A figure of the errors of these rows.
+fn drawn(traces: Vec<Trace>, x: plotly::layout::Axis, rows: &[&Entry], id: &str) -> String {
+    let errors = decades_of(ERROR, rows.iter().filter_map(|entry| entry.row.filtered_error));
+    finished(traces, layout(x, errors).hover_mode(HoverMode::Closest), id, 420)
 }
 
 /// Error over elements.
@@ -274,17 +219,12 @@ pub(super) fn mesh(study: &Study) -> String {
     if traces.is_empty() {
         return String::new();
     }
-    let axis = marked("elements per span and wire", &rows, x, |value| format!("{value}"));
+    let axis = marked_axis("elements per span and wire", &rows, x, |value| format!("{value}"));
     let micro = rows.first().and_then(|entry| entry.row.micro_step);
     format!(
-        "{}<p class=\"caption\">Micro step {} ms: where a curve flattens, the time step is what is left. Open marks: limit or \
-         diverged.</p>\n",
-        finished(
-            traces,
-            layout(axis, errors(&rows)).hover_mode(HoverMode::Closest),
-            "plot-mesh",
-            420
-        ),
+        "{}<p class=\"caption\">Micro step {} ms: where a curve flattens, the time step is what is left. Open marks: \
+         limit or diverged.</p>\n",
+        drawn(traces, axis, &rows, "plot-mesh"),
         milliseconds(micro)
     )
 }
@@ -297,18 +237,13 @@ pub(super) fn micro_step(study: &Study) -> String {
     if traces.is_empty() {
         return String::new();
     }
-    let axis = marked("micro step [ms]", &rows, x, |value| {
+    let axis = marked_axis("micro step [ms]", &rows, x, |value| {
         format!("{}", (1e6 * value).round() / 1e6)
     });
     let elements = rows.iter().find_map(|entry| entry.row.elements_per_span);
     format!(
         "{}<p class=\"caption\">{}Where a curve flattens, the mesh is what is left.</p>\n",
-        finished(
-            traces,
-            layout(axis, errors(&rows)).hover_mode(HoverMode::Closest),
-            "plot-micro",
-            400
-        ),
+        drawn(traces, axis, &rows, "plot-micro"),
         elements.map_or_else(String::new, |count| format!("{count} elements per span. "))
     )
 }
@@ -341,20 +276,20 @@ pub(super) fn coupling(study: &Study) -> String {
     {
         let steps = || rows.iter().filter_map(|entry| x(&entry.row));
         let ends = [steps().fold(f64::INFINITY, f64::min), steps().fold(0.0, f64::max)];
-        traces.push(bound(ends, [error, error], format!("one system: {error:.2} %")));
+        traces.push(dotted(
+            ends.to_vec(),
+            vec![error; 2],
+            &format!("one system: {error:.2} %"),
+            BOUND,
+        ));
     }
-    let axis = marked("macro step [ms]", &rows, x, |value| {
+    let axis = marked_axis("macro step [ms]", &rows, x, |value| {
         format!("{}", (1e6 * value).round() / 1e6)
     });
     format!(
-        "{}<p class=\"caption\">In process, same mesh and micro step: what lies above the dotted line is the coupling's. FMUs \
-         compute the same.</p>\n",
-        finished(
-            traces,
-            layout(axis, errors(&rows)).hover_mode(HoverMode::Closest),
-            "plot-coupling",
-            420
-        )
+        "{}<p class=\"caption\">In process, same mesh and micro step: what lies above the dotted line is the \
+         coupling's. FMUs compute the same.</p>\n",
+        drawn(traces, axis, &rows, "plot-coupling")
     )
 }
 
@@ -438,8 +373,8 @@ pub(super) fn growth(study: &Study) -> String {
         ));
     }
     html.push_str(
-        "<p class=\"caption\">The base case on lines of other lengths, one simulated second. Statics, loading and result files \
-         are not part of the time loop. Memory: pages that the time loop has touched.</p>\n",
+        "<p class=\"caption\">The base case on lines of other lengths, one simulated second. Statics, loading and \
+         result files are not part of the time loop. Memory: pages that the time loop has touched.</p>\n",
     );
     html
 }

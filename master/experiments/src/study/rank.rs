@@ -36,7 +36,7 @@ struct Ranked {
     newton_tolerance: f64,
     pareto: bool,
     settings: String,
-    /// Whether it is a level of a reference.
+    /// `true` where it is a level of a reference.
     level: bool,
     /// Difference of the last two levels of its reference, %.
     uncertainty: Option<f64>,
@@ -45,7 +45,7 @@ struct Ranked {
 }
 
 impl Ranked {
-    /// Whether it is the run that judges the others: of all levels, that alone has no reference.
+    /// `true` where it is the run that judges the others: of all levels, that alone has no reference.
     fn is_reference(&self) -> bool {
         self.level && self.row.reference.is_empty() && matches!(self.row.status, Some(Status::Stable | Status::Limit))
     }
@@ -80,8 +80,8 @@ pub fn keep_ranks(store: &Store, study: &Study) -> Result<(), ResultsError> {
     store.keep_value(RANKS, &ranks)
 }
 
-/// Rank of a run of `scene` in `mode` by the study in `folder`: its expected error, and the nearest points of the Pareto front;
-/// nothing where there is no study of this scene. Paths in the scene are relative to `base`.
+/// Rank of a run of `scene` in `mode` by the study in `folder`: its expected error, and the nearest points of the
+/// Pareto front; nothing where there is no study of this scene. Paths in the scene are relative to `base`.
 #[must_use]
 pub fn rank(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) -> Option<String> {
     let Ranks {
@@ -126,8 +126,8 @@ pub fn rank(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) -> Opt
         let mut others = rows.iter().filter(same_model);
         return Some(if others.any(|read| same_coupling(&read) || one_system(&read)) {
             format!(
-                "the study in {CSV} was made with other keys of [catenary.mesh], [coupling] or [solver]: the error of this run is not \
-                 known"
+                "the study in {CSV} was made with other keys of [catenary.mesh], [coupling] or [solver]: the error of \
+                 this run is not known"
             )
         } else {
             format!("the study in {CSV} has no row with these settings: its error is not known")
@@ -165,7 +165,7 @@ pub fn rank(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) -> Opt
 /// Real-time factor and error of a row.
 type Point = (f64, f64);
 
-/// What a user would take in place of a run at `own`: where a run of the front beats it the most accurate of those that do, else its
+/// Alternatives to a run at `own`: where a run of the front beats it the most accurate of those that do, else its
 /// neighbours on the front; each with what it is.
 fn beside<T: Copy>(own: Point, front: &[(T, Point)]) -> Vec<(&'static str, (T, Point))> {
     let (factor, error) = own;
@@ -197,8 +197,8 @@ fn said(found: &Ranked, part: &str) -> String {
     }
     let mut text = match row.filtered_error {
         Some(error) => format!(
-            "error expected by the study in {CSV}{part}: {error:.2} % of σ (rms of the filtered force) against the reference of the \
-             {family} line, {known}"
+            "error expected by the study in {CSV}{part}: {error:.2} % of σ (rms of the filtered force) against the \
+             reference of the {family} line, {known}"
         ),
         None => format!("the study in {CSV} knows no error of this run{part}"),
     };

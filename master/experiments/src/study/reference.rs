@@ -1,4 +1,4 @@
-//! References: a recipe refined until two successive levels agree.
+//! References: a run refined until two successive levels agree.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ const LEVELS: u32 = 8;
 /// Makes a run; nothing when the study is to end.
 pub type Run<'a> = dyn FnMut(&StudyRun) -> Result<Option<Arc<Attempt>>, ExperimentError> + 'a;
 
-/// How the mesh of a reference is refined.
+/// Mesh of a reference that is refined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Discretisation {
@@ -40,9 +40,9 @@ impl Discretisation {
 /// One level.
 #[derive(Clone, Debug)]
 pub struct Level {
-    /// What was run.
+    /// Run of the level.
     pub planned: StudyRun,
-    /// Its run.
+    /// Outcome.
     pub made: Arc<Attempt>,
     /// Difference of the filtered force from the level before, % of the standard deviation.
     pub difference: Option<f64>,
@@ -57,9 +57,9 @@ pub struct Refinement {
     pub discretisation: Discretisation,
     /// Levels, coarse to fine.
     pub levels: Vec<Level>,
-    /// Whether the last two levels agree.
+    /// `true` where the last two levels agree.
     pub converged: bool,
-    /// Why there are no more levels; empty where the last two agree.
+    /// Reason of the end; empty where the last two levels agree.
     pub ended: String,
 }
 
@@ -93,7 +93,7 @@ fn level(subject: &Subject, family: Family, discretisation: Discretisation, numb
         mesh,
         micro_step,
         reductions,
-        // Somebody else's side: the macro step is refined with the micro step.
+        // With a supplied side the macro step is refined with the micro step.
         exchange: subject.plain_exchange(micro_step),
         ..base(subject)
     };
@@ -107,11 +107,11 @@ pub fn expected_work(subject: &Subject, options: &Options, family: Family, discr
     works.filter(|work| *work <= options.work).sum()
 }
 
-/// Refines until two successive levels agree within the tolerance, or the next level is beyond the limit; `run` makes a run, or
-/// returns nothing when the study is to end.
+/// Refines until two successive levels agree within the tolerance, or the next level is beyond the limit; `run` makes a
+/// run, or returns nothing when the study is to end.
 ///
 /// # Errors
-/// What `run` returns.
+/// Errors of `run`.
 pub fn refine(
     subject: &Subject,
     options: &Options,
@@ -130,7 +130,8 @@ pub fn refine(
         let planned = level(subject, family, discretisation, number);
         if planned.work > options.work {
             found.ended = format!(
-                "the next level is {:.1e} coordinates times micro steps, more than the limit of {:.1e} (--reference-work)",
+                "the next level is {:.1e} coordinates times micro steps, more than the limit of {:.1e} \
+                 (--reference-work)",
                 planned.work, options.work
             );
             break;

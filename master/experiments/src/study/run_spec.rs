@@ -1,4 +1,4 @@
-//! What a run of a study is made of.
+//! Run of a study: everything that a sweep may change.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -12,8 +12,9 @@ use crate::engine::table::{AUTO, Keys};
 use simulation::{Mode, Prepared};
 use system::one_system::OneSystem;
 
-/// Corrections of the mesh that a scene may name, best set first; the first one that the scene takes is called corrected here.
-/// Those without the contact's compliance are for strips that are held on the wire or as fast as its waves.
+/// Corrections of the mesh that a scene may name, best set first; the first one that the scene takes is called
+/// corrected here. Those without the contact's compliance are for strips that are held on the wire or as fast as its
+/// waves.
 const CORRECTION_SETS: [&[&str]; 7] = [
     &["contact_compliance", "bending_layers", "mass_correction"],
     &["contact_compliance", "mass_correction"],
@@ -53,7 +54,7 @@ impl Family {
         }
     }
 
-    /// That of a set of reductions, joined by `+`.
+    /// Value for a set of reductions, joined by `+`.
     #[must_use]
     pub fn of(reductions: &str) -> Self {
         let has = |name: Self| reductions.split('+').any(|reduction| reduction == name.name());
@@ -70,12 +71,12 @@ impl Family {
 pub struct Class {
     /// Model.
     pub family: Family,
-    /// Whether only the spans around the pantographs are there.
+    /// `true` where only the spans around the pantographs are there.
     pub window: bool,
 }
 
 impl Class {
-    /// That of a set of reductions, joined by `+`.
+    /// Value for a set of reductions, joined by `+`.
     #[must_use]
     pub fn of(reductions: &str) -> Self {
         Self {
@@ -92,7 +93,7 @@ impl Class {
     }
 }
 
-/// How the sides of a coupled run exchange values.
+/// Exchange of values between the sides of a coupled run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Exchange {
     /// One system: nothing is exchanged.
@@ -113,7 +114,7 @@ pub enum Exchange {
 /// Elements and what helps them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mesh {
-    /// As the scene says; also where the line is somebody else's.
+    /// As the scene says; also where the line is supplied.
     Scene,
     /// Given.
     Of {
@@ -148,18 +149,18 @@ pub struct RunSpec {
 /// Simulated time of runs on lines of other lengths, s.
 pub const GROWTH_DURATION: f64 = 1.0;
 
-/// What all runs of a study have in common, and what the scene allows.
+/// Scene of a study, and the values that it allows.
 #[derive(Clone, Debug)]
 pub struct Subject {
     /// Name of the scene.
     pub name: String,
     /// The scene as read, shortened to what is evaluated.
     pub scene: Scene,
-    /// The same as text.
+    /// The scene as text.
     pub text: String,
-    /// Whether there is a mesh to be refined: the line is modelled here.
+    /// `true` where there is a mesh to be refined: the line is modelled here.
     pub meshed: bool,
-    /// Whether line and pantographs can be one system.
+    /// `true` where line and pantographs can be one system.
     pub one_system: bool,
     /// Corrections that the scene takes, all together; `None` where it knows no such key.
     pub corrections: Option<Vec<String>>,
@@ -173,15 +174,15 @@ pub struct Subject {
     pub intervals: usize,
     /// Step that resolves the low-pass filter's band, s.
     pub micro_step: f64,
-    /// What else the pantograph may stand on.
+    /// Other vehicles below the pantograph.
     pub vehicle_variants: Vec<VehicleVariant>,
-    /// What it does not stand on, and why.
+    /// Vehicles that are left out, with the reason.
     pub left_out: Vec<String>,
 }
 
 impl Subject {
-    /// That of a scene which `master check` accepts, as read with these overrides and as prepared; with what else the pantograph may
-    /// stand on, which takes runs of the vehicle, where `vehicles` is true.
+    /// Subject of a scene which `master check` accepts, as read with these overrides and as prepared; with other
+    /// vehicles that the pantograph may stand on, which takes runs of the vehicle, where `vehicles` is true.
     #[must_use]
     pub fn of(scene: Scene, prepared: &Prepared, overrides: &[String], vehicles: bool) -> Self {
         let text = scene.to_toml();
@@ -216,7 +217,7 @@ impl Subject {
         subject
     }
 
-    /// The scene that the keys of a recipe change, as text.
+    /// Text of the scene that the keys of a run change.
     #[must_use]
     pub fn text_of<'a>(&'a self, spec: &'a RunSpec) -> &'a str {
         spec.vehicle_variant
@@ -224,7 +225,7 @@ impl Subject {
             .map_or(&self.text, |vehicle_variant| &vehicle_variant.text)
     }
 
-    /// What the pantograph of a recipe stands on.
+    /// Vehicle below the pantograph of a run.
     #[must_use]
     pub fn vehicle_of(&self, spec: &RunSpec) -> VehicleVariantName {
         let other = spec
@@ -258,13 +259,13 @@ impl Subject {
         CORRECTION_SETS.iter().map(names).collect()
     }
 
-    /// Whether the scene can be read with these keys too.
+    /// `true` where the scene can be read with these keys too.
     #[must_use]
     pub fn takes(&self, overrides: &[String]) -> bool {
         system::load(&self.text, &self.name, overrides).is_ok()
     }
 
-    /// Whether the scene takes a set of reductions.
+    /// `true` where the scene takes a set of reductions.
     #[must_use]
     pub fn takes_reductions(&self, reductions: &[String]) -> bool {
         self.meshed && self.takes(&[reduce_key(reductions)])
@@ -282,7 +283,7 @@ impl Subject {
         all
     }
 
-    /// Those reductions that change nothing at all.
+    /// Reductions that change nothing at all.
     #[must_use]
     pub fn exact(&self) -> Vec<String> {
         let planar = self.meshed && self.scene.pushed_sideways().is_none();
@@ -306,7 +307,8 @@ impl Subject {
         }
     }
 
-    /// A mesh with the fewest elements that are as short as those of so many in the longest dropper interval, and some corrections.
+    /// A mesh with the fewest elements that are as short as those of so many in the longest dropper interval, and some
+    /// corrections.
     #[must_use]
     pub fn even_mesh(&self, elements: usize, corrections: Vec<String>) -> Mesh {
         self.scene.modelled_line().map_or(Mesh::Scene, |(line, _)| Mesh::Of {
@@ -328,7 +330,7 @@ impl Subject {
         }
     }
 
-    /// What a recipe is as a variant of the scene.
+    /// Variant of the scene for a run.
     #[must_use]
     pub fn variant(&self, spec: &RunSpec) -> Variant {
         let mut keys = Vec::new();
@@ -380,7 +382,7 @@ impl Subject {
         }
     }
 
-    /// Work of a recipe: coordinates times micro steps, roughly; repeated steps and constant matrices taken into profile.
+    /// Work of a run: coordinates times micro steps, roughly; repeated steps and constant matrices taken into profile.
     #[must_use]
     pub fn work(&self, spec: &RunSpec) -> f64 {
         let has = |name: &str| spec.reductions.iter().any(|reduction| reduction == name);
@@ -412,9 +414,9 @@ impl Subject {
     }
 }
 
-/// Element length per wave ahead of the pantograph at which a plain mesh comes down to a few percent: 0.8 m for 1.9 m, from
-/// convergence studies of tensioned beams with cubic elements. It is where a study begins, not what its results are worth: that is
-/// measured, and the rule of [`catenary::mesh::expected_error`] is not asked.
+/// Element length per wave ahead of the pantograph at which a plain mesh comes down to a few percent: 0.8 m for 1.9 m,
+/// from convergence studies of tensioned beams with cubic elements. It is where a study begins, not what its results
+/// are worth: that is measured, and the rule of [`catenary::mesh::expected_error`] is not asked.
 const FINE: f64 = 0.42;
 
 /// Elements per dropper interval, a power of two, that are short enough for the waves ahead of the pantograph.
@@ -465,7 +467,8 @@ fn reduce_key(reductions: &[String]) -> String {
     }
 }
 
-/// Lines of a scene as text that say something, each with the header of its table, which is empty above the first, and its key.
+/// Lines of a scene as text that say something, each with the header of its table, which is empty above the first, and
+/// its key.
 fn entries(text: &str) -> impl Iterator<Item = (&str, &str, &str)> {
     let lines = text.lines().filter(|line| !line.is_empty());
     lines.scan("", |table, line| {
@@ -482,10 +485,9 @@ fn hash(bytes: &[u8]) -> String {
     digest(&[bytes])[..12].to_owned()
 }
 
-/// Hash of a scene without what a recipe changes or [`settings`] holds, without its texts, and without what it leaves to be found:
-/// start, duration. Files that it names, FMUs of somebody else and tables, count by their bytes, wherever they are; paths are relative
-/// to `base`.
-/// Runs of scenes with the same hash can be compared.
+/// Hash of a scene without the keys that a run changes or [`settings`] holds, without its texts, and without what it
+/// leaves to be found: start, duration. Files that it names, supplied FMUs and tables, count by their bytes, wherever
+/// they are; paths are relative to `base`. Runs of scenes with the same hash can be compared.
 #[must_use]
 pub fn identity(scene: &Scene, base: &Path) -> String {
     const TABLES: [&str; 4] = ["[catenary.mesh]", "[coupling]", "[solver]", "[model]"];
@@ -504,14 +506,15 @@ pub fn identity(scene: &Scene, base: &Path) -> String {
     hash(kept.join("\n").as_bytes())
 }
 
-/// Hash of those keys of mesh and solver, and of the coupling where the sides are coupled, that change the result and that no recipe
-/// says; of a scene as text with every default written out. Runs of one recipe have the same error where it is the same.
+/// Hash of those keys of mesh and solver, and of the coupling where the sides are coupled, that change the result and
+/// that no run specification says; of a scene as text with every default written out. Runs of one specification have
+/// the same error where this hash is the same.
 #[must_use]
 pub fn settings(text: &str, coupled: bool) -> String {
     let held = |&(table, key, line): &(&str, &str, &str)| match table {
         "[catenary.mesh]" => !["elements_per_interval", "element_length", "corrections"].contains(&key),
         "[solver]" => !["micro_step", "rho_inf", "newton_tolerance"].contains(&key),
-        // A step that is controlled is none of a recipe's.
+        // A step that is controlled is none of a run specification's.
         "[coupling]" if key == "macro_step" => coupled && line.contains('{'),
         "[coupling]" => coupled && !["algorithm", "extrapolation", "parallel"].contains(&key),
         _ => false,

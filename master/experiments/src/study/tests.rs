@@ -10,8 +10,8 @@ use crate::engine::table::{Row, Status};
 use crate::engine::tests::executed_in;
 use simulation::Mode;
 
-/// A line of three short spans under the standard's pantograph, slow, filtered at 10 Hz: four elements per interval and 2 ms
-/// resolve that, and a run takes some hundredths of a second.
+/// A line of three short spans under the standard's pantograph, slow, filtered at 10 Hz: four elements per interval and
+/// 2 ms resolve that, and a run takes some hundredths of a second.
 fn short(overrides: &[&str]) -> Scene {
     let text = include_str!("../../../../scenes/en50318-250.toml");
     let mut keys = vec![
@@ -64,7 +64,7 @@ fn studied(script: &Script, folder: &Path, stop: Option<usize>) -> Study {
     })
 }
 
-/// What does not depend on the clock.
+/// Rows without the columns that depend on the clock.
 fn without_times(study: &Study) -> Vec<Row> {
     let strip = |entry: &Entry| Row {
         wall: None,
@@ -104,7 +104,7 @@ fn a_study_changes_one_thing_at_a_time_and_no_run_is_planned_twice() {
     assert!(of(Sweep::Coupling).all(|run| run.variant.mode == Mode::Inprocess));
     assert!(of(Sweep::Coupling).count() >= Options::MACRO_STEPS.len() + crate::compare::algorithms().len() - 1);
     assert_eq!(of(Sweep::RhoInf).count(), Options::RHO_INF.len());
-    // The scene's own recipe: alone and coupled.
+    // The scene as it is: alone and coupled.
     assert_eq!(of(Sweep::Scene).count(), 2);
     // Both things change on the ladder.
     let mut steps: Vec<u64> = of(Sweep::Ladder).map(|run| run.spec.micro_step.to_bits()).collect();
@@ -143,7 +143,8 @@ fn the_ladder_has_elements_of_one_length_and_the_steps_that_they_take() {
         .unwrap();
     assert_eq!(
         said(rung),
-        "elements of up to 0.9286 m (66 per span), contact_compliance+bending_layers+mass_correction, micro step 1.6 ms, planar"
+        "elements of up to 0.9286 m (66 per span), contact_compliance+bending_layers+mass_correction, micro step 1.6 \
+         ms, planar"
     );
     let base = of(Sweep::Mesh).next().unwrap();
     assert!(
@@ -682,7 +683,8 @@ fn a_study_says_what_each_vehicle_changes_and_keeps_it_apart_from_the_front() {
             // Nothing but the pantograph moves the vehicle.
             assert!(vertical.max(given).max(none) < 0.5, "{vertical} {given} {none}");
         } else {
-            // Bounce and pitch are in the plane along the track, and a given motion has all; a straight one has nothing of the track.
+            // Bounce and pitch are in the plane along the track, and a given motion has all; a straight one has nothing
+            // of the track.
             assert!(
                 vertical < 0.5 && given < 0.1 && 10.0 * vertical.max(given) < none,
                 "{vertical} {given} {none}"

@@ -9,7 +9,7 @@ use crate::engine::export::wrapped;
 use crate::engine::table::{Status, milliseconds, short};
 use results::report::aligned;
 
-/// How well a reference is known, in words: from its last two levels, and from another discretisation, both %.
+/// Accuracy of a reference in words: from its last two levels, and from another discretisation, both %.
 pub(super) fn known_to(uncertainty: Option<f64>, confirmed: Option<f64>) -> String {
     let own = match uncertainty {
         Some(percent) => format!("known to {percent:.2} % (its last two levels)"),
@@ -21,7 +21,7 @@ pub(super) fn known_to(uncertainty: Option<f64>, confirmed: Option<f64>) -> Stri
     }
 }
 
-/// What is known of a reference, in a sentence.
+/// Accuracy of a reference, in a sentence.
 pub(super) fn known(reference: &Reference) -> String {
     let mut text = known_to(reference.uncertainty_percent, reference.confirmed_to_percent);
     if let Some(percent) = reference.distance_from_nonlinear_percent {
@@ -150,7 +150,7 @@ pub fn text(study: &Study) -> String {
     text
 }
 
-/// What each model of the vehicle changes and costs.
+/// Effect and cost of each model of the vehicle.
 fn vehicles(study: &Study) -> String {
     let head = ["track", "vehicle", "from the first, rms % σ", "σ N", "real-time factor"];
     let mut rows = vec![head.map(str::to_owned).to_vec()];

@@ -1,4 +1,4 @@
-//! What the pantograph stands on: each model of the vehicle, on the scene's track and on one with irregularities.
+//! Variants of the vehicle below the pantograph: each model, on the scene's track and on one with irregularities.
 //!
 //! | model | made from the scene by |
 //! | --- | --- |
@@ -6,8 +6,8 @@
 //! | rigid_motion | the motion of the base on the most detailed model below, under the constant contact force of the start |
 //! | vertical, full | naming the model, where the scene has what it needs |
 //!
-//! The most detailed model that the scene has what it needs for is what the others are judged by, each on its own track, with the same
-//! mesh and steps and with those reductions that change nothing.
+//! The most detailed model that the scene has what it needs for is what the others are judged by, each on its own
+//! track, with the same mesh and steps and with those reductions that change nothing.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use simulation::prepare;
 /// A vehicle and a track other than the scene's, and the scene with them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VehicleVariant {
-    /// What it is called.
+    /// Name.
     pub name: VehicleVariantName,
     /// The scene with it.
     pub text: Arc<str>,
@@ -45,9 +45,9 @@ pub const OWN: &str = "scene";
 /// The track with irregularities that a scene on smooth track is also studied on.
 const IRREGULAR: &str = "ore_b176_low";
 
-/// Irregularities of a good main line: the spectra of ORE B176 at their lower level [ORE B176 RP1, Utrecht 1989; as given by Claus &
-/// Schiehlen, Modeling and simulation of railway bogie structural vibrations, Vehicle System Dynamics 29 Suppl. (1998) 538–552]. Seed,
-/// band and fade are chosen.
+/// Irregularities of a good main line: the spectra of ORE B176 at their lower level [ORE B176 RP1, Utrecht 1989; as
+/// given by Claus & Schiehlen, Modeling and simulation of railway bogie structural vibrations, Vehicle System Dynamics
+/// 29 Suppl. (1998) 538–552]. Seed, band and fade are chosen.
 const LOW_LEVEL: Spectrum = Spectrum {
     seed: 1,
     wavelengths: [3.0, 80.0],
@@ -57,8 +57,8 @@ const LOW_LEVEL: Spectrum = Spectrum {
     fade: 20.0,
 };
 
-/// Samples of a given motion per period of the shortest irregularities, and of the filter's band: a cubic spline follows that to some
-/// 1e-4 of its amplitude.
+/// Samples of a given motion per period of the shortest irregularities, and of the filter's band: a cubic spline
+/// follows that to some 1e-4 of its amplitude.
 const SAMPLES: f64 = 11.0;
 
 /// Samples by which a given motion goes on after the run: it ends at rest, which that many before is not felt any more.
@@ -78,11 +78,12 @@ pub fn own_name(scene: &Scene) -> VehicleVariantName {
 pub struct VehicleVariants {
     /// The one that judges the others first on each track.
     pub all: Vec<VehicleVariant>,
-    /// What is not among them that could be expected there, and why.
+    /// Variants that are left out though they could be expected, with the reason.
     pub left_out: Vec<String>,
 }
 
-/// All that a scene is studied on; nothing where it has no vehicle. `micro_step` (s) is that of the run that gives a motion of the base.
+/// All that a scene is studied on; nothing where it has no vehicle. `micro_step` (s) is that of the run that gives a
+/// motion of the base.
 #[must_use]
 pub fn vehicle_variants(scene: &Scene, micro_step: f64) -> VehicleVariants {
     let mut found = VehicleVariants::default();
@@ -103,7 +104,7 @@ pub fn vehicle_variants(scene: &Scene, micro_step: f64) -> VehicleVariants {
     found
 }
 
-/// What belongs to one track.
+/// Variants on one track.
 fn on_track(scene: &Scene, own: &Vehicle, track: &'static str, micro_step: f64, found: &mut VehicleVariants) {
     let mut add = |vehicle: &'static str, scene: &Scene| -> Result<(), String> {
         let text = unreduced(scene);
@@ -148,8 +149,8 @@ fn on_track(scene: &Scene, own: &Vehicle, track: &'static str, micro_step: f64, 
     }
 }
 
-/// Time between two samples of a given motion, s: micro steps as long as they resolve the irregularities at the speed of the run, and
-/// the band of the filter; one micro step where they do not.
+/// Time between two samples of a given motion, s: micro steps as long as they resolve the irregularities at the speed
+/// of the run, and the band of the filter; one micro step where they do not.
 fn sample(scene: &Scene, micro_step: f64) -> f64 {
     let shortest = match scene.track.as_deref().map(|track| &track.irregularities) {
         Some(Irregularities::Spectrum(spectrum)) => spectrum.wavelengths[0],
@@ -173,10 +174,10 @@ fn unreduced(scene: &Scene) -> String {
     scene.to_toml()
 }
 
-/// How the base moves on a vehicle that runs over its track under the constant contact force of the start.
+/// Motion of the base on a vehicle that runs over its track under the constant contact force of the start.
 ///
 /// # Errors
-/// Why there is no such motion: several pantographs, each with its own, or a run that does not come to its end.
+/// Several pantographs, each with its own motion, or a run that does not come to its end.
 fn base_motion(scene: &Scene, micro_step: f64) -> Result<GivenMotion, String> {
     let [_] = scene.pantographs.as_slice() else {
         let count = scene.pantographs.len();

@@ -43,7 +43,7 @@ pub(crate) fn status_word(status: Option<Status>) -> &'static str {
     status.map_or("not run", Status::name)
 }
 
-/// The same in its colour.
+/// Word of a status in its colour.
 pub(crate) fn status_span(status: Option<Status>) -> String {
     let class = match status {
         Some(Status::Stable) => "good",

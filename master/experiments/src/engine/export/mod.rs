@@ -6,10 +6,13 @@
 //! | [`Json`] | the whole table, for programs |
 //! | [`Html`] | sections with plots, one file that needs no network |
 //! | [`Text`] | the terminal |
+//!
+//! Curves of the pages' plots are in `plot`.
 
 mod csv;
 mod html;
 mod json;
+pub(crate) mod plot;
 mod text;
 
 use std::io::Write;
@@ -47,7 +50,7 @@ pub trait Table: Serialize {
     /// Rows and columns of the CSV file.
     fn sheet(&self) -> Sheet;
 
-    /// Whether every run was made.
+    /// `true` where every run was made.
     fn is_complete(&self) -> bool;
 
     /// Number of runs that were made, and of all.

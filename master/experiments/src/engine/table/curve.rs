@@ -47,14 +47,14 @@ impl Curve {
         ForceStatistics::of(samples).map(|force| force.std)
     }
 
-    /// Whether a force varies so little that no other one has an error in percent of it.
+    /// `true` where a force varies so little that no other one has an error in percent of it.
     #[must_use]
     pub fn is_still(&self) -> bool {
         self.sigma().is_some_and(|sigma| sigma <= STILL)
     }
 
-    /// The evaluation range with a few samples on both sides, so that every position of it lies between two samples of another
-    /// run: all that a comparison needs.
+    /// The evaluation range with a few samples on both sides, so that every position of it lies between two samples of
+    /// another run: all that a comparison needs.
     #[must_use]
     pub fn cut(&self) -> Self {
         /// Samples beyond the range, –: a strip swings along the track by less than it travels in these.
@@ -70,11 +70,11 @@ impl Curve {
     }
 }
 
-/// Standard deviation of the filtered force below which a force does not vary, N: there is no contact, or next to none, and a
-/// percentage of it says nothing.
+/// Standard deviation of the filtered force below which a force does not vary, N: there is no contact, or next to none,
+/// and a percentage of it says nothing.
 const STILL: f64 = 1e-6;
 
-/// Why there are no errors where a force does not vary.
+/// Remark on a force that does not vary: no errors in percent of it.
 pub const NO_ERRORS: &str =
     "the contact force of the reference does not vary: there is no error in percent of its standard deviation";
 
@@ -85,14 +85,15 @@ pub struct Errors {
     pub filtered: Option<f64>,
     /// rms of the raw force at equal positions, %.
     pub raw: Option<f64>,
-    /// Of the standard deviation of the filtered force, %.
+    /// Difference of the standard deviations of the filtered force, %.
     pub std: Option<f64>,
 }
 
 impl Errors {
     /// Errors of the curves of a run against those of its reference, the largest of all pantographs.
     ///
-    /// A quantity is `None` where a curve is missing or does not reach over the evaluation range, or where the reference does not vary.
+    /// A quantity is `None` where a curve is missing or does not reach over the evaluation range, or where the
+    /// reference does not vary.
     #[must_use]
     pub fn between(reference: &[Curve], run: &[Curve]) -> Self {
         if reference.is_empty() || reference.len() != run.len() {
@@ -122,10 +123,11 @@ impl Errors {
     }
 }
 
-/// Root mean square of the difference of two signals that are given as values at rising positions in m: taken at the positions
-/// of the first, the second is interpolated linearly.
+/// Root mean square of the difference of two signals that are given as values at rising positions in m: taken at the
+/// positions of the first, the second is interpolated linearly.
 ///
-/// `None` where there is nothing to compare, or the second does not reach over the first; half a sample is allowed at the ends.
+/// `None` where there is nothing to compare, or the second does not reach over the first; half a sample is allowed at
+/// the ends.
 #[must_use]
 pub fn pointwise_rms((x, expected): (&[f64], &[f64]), (x_other, found): (&[f64], &[f64])) -> Option<f64> {
     if x.is_empty() || x.len() != expected.len() || x_other.len() < 2 || x_other.len() != found.len() {

@@ -13,7 +13,7 @@ pub(crate) fn significant(value: Option<f64>) -> Option<String> {
     })
 }
 
-/// The same, or `–`.
+/// Three significant digits, or `–`.
 pub(crate) fn short(value: Option<f64>) -> String {
     significant(value).unwrap_or_else(|| "–".to_owned())
 }

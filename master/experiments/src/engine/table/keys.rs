@@ -15,7 +15,7 @@ pub struct Keys {
 }
 
 impl Keys {
-    /// Those of a scene that was read with these overrides.
+    /// Keys of a scene that was read with these overrides.
     #[must_use]
     pub fn of(scene: &scene::Scene, overrides: &[String]) -> Self {
         let coupling = &scene.coupling;
@@ -33,8 +33,8 @@ impl Keys {
         }
     }
 
-    /// The overrides of a run. What a scene says of order, force and extrapolation belongs to the algorithm that it names; the
-    /// others are run with what suits them best when nothing is said.
+    /// The overrides of a run. What a scene says of order, force and extrapolation belongs to the algorithm that it
+    /// names; the others are run with what suits them best when nothing is said.
     #[must_use]
     pub fn overrides(&self, algorithm: &str, macro_step: f64, micro_step: f64) -> Vec<String> {
         let mut keys = vec![format!("solver.micro_step={micro_step:?}")];
@@ -54,7 +54,7 @@ impl Keys {
 /// Reads a step as typed: a number in ms, or with a unit (`s`, `ms`, `us`, `µs`); s.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Texts that are no positive step.
 pub fn macro_step(text: &str) -> Result<f64, String> {
     let text = text.trim();
     let units = [("ms", "e-3"), ("us", "e-6"), ("µs", "e-6"), ("s", "")];

@@ -47,8 +47,8 @@ macro_rules! columns {
     ($($(#[$meta:meta])* $field:ident: $type:ty = $name:literal),+ $(,)?) => {
         /// One run. What has no meaning for it is `None` or empty.
         ///
-        /// Forces are those of the first pantograph after the low-pass filter, over the evaluation range; losses of contact
-        /// are those of the raw force. Errors are the largest of all pantographs.
+        /// Forces are those of the first pantograph after the low-pass filter, over the evaluation range; losses of
+        /// contact are those of the raw force. Errors are the largest of all pantographs.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         pub struct Row {
             $($(#[$meta])* #[serde(rename = $name)] pub $field: $type,)+
@@ -84,11 +84,11 @@ columns! {
     micro_step: Option<f64> = "micro_step_s",
     /// Elements of the contact wire in the span that has most, –.
     elements_per_span: Option<u64> = "elements_per_span",
-    /// What helps the elements, joined by `+`, or `plain`.
+    /// Corrections of the mesh, joined by `+`, or `plain`.
     mesh: String = "mesh",
     /// Reductions joined by `+`, or `none`.
     reduction: String = "reduction",
-    /// How it ended; nothing for a run that has not been made yet.
+    /// End of the run; nothing for a run that has not been made yet.
     status: Option<Status> = "status",
     /// Mean, N.
     #[serde(serialize_with = "finite")]
@@ -108,7 +108,7 @@ columns! {
     /// Largest uplift at a support that bounds the evaluated spans, m.
     #[serde(serialize_with = "finite")]
     uplift: Option<f64> = "uplift_m",
-    /// Which run the errors are against.
+    /// Name of the run that the errors are against.
     reference: String = "reference",
     /// rms difference of the filtered force at equal positions, % of the reference's standard deviation.
     #[serde(serialize_with = "finite")]
@@ -148,12 +148,12 @@ columns! {
     /// `catenary.mesh.element_length`, m; nothing where the mesh has `elements_per_interval`.
     #[serde(serialize_with = "finite")]
     element_length: Option<f64> = "element_length_m",
-    /// What an automatic choice came to, why a run ended, what else is to be said.
+    /// Remarks: result of an automatic choice, cause of an early end.
     reason: String = "reason",
 }
 
 impl Row {
-    /// What is known of a run before it is made.
+    /// Row of a run before it is made.
     #[must_use]
     pub fn planned(name: &str, scene: &Scene, mode: Mode, algorithm: &str) -> Self {
         let coupled = mode != Mode::Monolithic;
@@ -265,8 +265,8 @@ impl Row {
     }
 }
 
-/// Writes into each row the order of convergence that it shows together with the next smaller macro step of the same mode and
-/// algorithm: `p = ln(e₂/e₁) / ln(h₂/h₁)`. Both must be stable and have errors above zero.
+/// Writes into each row the order of convergence that it shows together with the next smaller macro step of the same
+/// mode and algorithm: `p = ln(e₂/e₁) / ln(h₂/h₁)`. Both must be stable and have errors above zero.
 pub fn observed_orders(rows: &mut [Row]) {
     let point = |row: &Row| match (row.status, row.macro_step, row.filtered_error) {
         (Some(Status::Stable), Some(step), Some(error)) if error > 0.0 && error.is_finite() => Some((step, error)),

@@ -1,29 +1,32 @@
-//! How a run ended.
+//! End of a run.
 
 use serde::{Deserialize, Serialize};
 
 use super::curve::Errors;
 use super::row::Row;
 
-/// Error of the filtered force above which a run has nothing to do with its reference, % of the reference's standard deviation.
+/// Error of the filtered force above which a run has nothing to do with its reference, % of the reference's standard
+/// deviation.
 pub const RUNAWAY: f64 = 100.0;
 
 /// Error of the raw force above which the coupling rings, % of the reference's standard deviation (filtered).
 pub const RAW_ERROR: f64 = 100.0;
 
-/// Loss of contact beyond twice the reference's that counts as a bounce of the coupling's own making, % of the evaluation time.
+/// Loss of contact beyond twice the reference's that counts as a bounce of the coupling's own making, % of the
+/// evaluation time.
 pub const LOSS: f64 = 0.1;
 
-/// Energy that the coupling added or took beyond which the force is partly the coupling's own, % of the work that crossed the
-/// contact.
+/// Energy that the coupling added or took beyond which the force is partly the coupling's own, % of the work that
+/// crossed the contact.
 pub const ENERGY: f64 = 10.0;
 
 /// The bounds in words, for help and pages.
-pub const STATUS_RULE: &str = "diverged: the run did not reach its end, or its filtered force is wrong by more than 100 % of the \
-    reference's standard deviation (rms). limit: it loses contact for more than twice the reference's time and 0.1 %, or its raw force \
-    is wrong by more than 100 %, or the coupling added or took more than 10 % of the work that crossed the contact. refused: it cannot begin, the reason says why. stable: everything else";
+pub const STATUS_RULE: &str = "diverged: the run did not reach its end, or its filtered force is wrong by more than \
+    100 % of the reference's standard deviation (rms). limit: it loses contact for more than twice the reference's \
+    time and 0.1 %, or its raw force is wrong by more than 100 %, or the coupling added or took more than 10 % of the \
+    work that crossed the contact. refused: it cannot begin, the reason says why. stable: everything else";
 
-/// How a run ended, the best first.
+/// End of a run, the best first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
@@ -54,8 +57,8 @@ impl Status {
 
     /// Decides on a run that has begun.
     ///
-    /// `complete` is whether it reached its end, `errors` and `reference` are what it is compared with; a reference itself has
-    /// none. Returns the status, and the reason where it is not stable.
+    /// `complete` is whether it reached its end, `errors` and `reference` are what it is compared with; a reference
+    /// itself has none. Returns the status, and the reason where it is not stable.
     #[must_use]
     pub fn of(row: &Row, complete: bool, errors: Option<&Errors>, reference: Option<&Row>) -> (Self, String) {
         if !complete {
@@ -90,8 +93,8 @@ impl Status {
         (Self::Stable, String::new())
     }
 
-    /// The status with regard to the energy that the coupling added, `share` of the work that crossed the contact (–), and the
-    /// reason where that changes it.
+    /// The status with regard to the energy that the coupling added, `share` of the work that crossed the contact (–),
+    /// and the reason where that changes it.
     #[must_use]
     pub fn with_energy(self, share: f64) -> (Self, String) {
         let percent = 100.0 * share;

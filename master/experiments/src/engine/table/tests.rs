@@ -5,10 +5,10 @@ use crate::engine::Sheet;
 use crate::engine::export::write;
 
 /// The columns of tables that compare runs, as the command line promises them.
-const PROMISED: &str = "scene, mode, algorithm, extrapolation, macro_step_s, micro_step_s, elements_per_span, mesh, reduction, \
-    status, mean_N, std_N, max_N, min_N, loss_percent, uplift_m, reference, rms_error_filtered_percent_of_std, \
-    rms_error_raw_percent_of_std, std_error_percent, energy_residual_J, wall_s, repeats, real_time_factor, coordinates, \
-    macro_steps, micro_steps, newton_iterations, factorizations, rollbacks";
+const PROMISED: &str = "scene, mode, algorithm, extrapolation, macro_step_s, micro_step_s, elements_per_span, mesh, \
+    reduction, status, mean_N, std_N, max_N, min_N, loss_percent, uplift_m, reference, \
+    rms_error_filtered_percent_of_std, rms_error_raw_percent_of_std, std_error_percent, energy_residual_J, wall_s, \
+    repeats, real_time_factor, coordinates, macro_steps, micro_steps, newton_iterations, factorizations, rollbacks";
 
 fn csv(rows: &[Row], leading: &[Column], trailing: &[Column]) -> String {
     let mut out = Vec::new();

@@ -193,7 +193,8 @@ fn a_quantity_of_the_wind_is_held_against_the_case_with_wind() {
         line(RunGroup::Published, 3, thesis, 117.0, 36.0),
         changed,
     ]);
-    // 35.66 N lies between 35 N and 36 N; 36.73 N, of the case without wind, does not, and its own 50 N has no part in it.
+    // 35.66 N lies between 35 N and 36 N; 36.73 N, of the case without wind, does not, and its own 50 N has no part in
+    // it.
     assert_eq!(made.spreads[0].std(), Some([35.0, 36.0]));
     assert_eq!(made.spreads[0].verdict(), "inside");
     assert!(made.spreads[0].why().contains("35.66"), "{}", made.spreads[0].why());

@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use super::super::quantities::OPEN;
+use super::super::open::OPEN;
 use super::{line, reproduction};
 use crate::engine::table::{Column, Curve, Row, Status};
 use crate::engine::{Exporter as _, Sheet, Table as _, export};

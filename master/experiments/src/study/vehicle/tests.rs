@@ -1,4 +1,4 @@
-//! What a scene is studied on, and the motion of a base that is handed over.
+//! Variants of the vehicle in a study, and the motion of a base that is handed over.
 use super::*;
 
 /// The scene of the thesis on a short line.
@@ -82,8 +82,8 @@ fn motion_of(scene: &Scene) -> GivenMotion {
     }
 }
 
-/// Largest distance of both bases (m), and largest difference of their angles (rad), in a run of two seconds under the constant force
-/// of the start; with the largest displacement of each of the six from the start.
+/// Largest distance of both bases (m), and largest difference of their angles (rad), in a run of two seconds under the
+/// constant force of the start; with the largest displacement of each of the six from the start.
 fn apart(full: &Scene, given: &Scene) -> ([f64; 2], [f64; 6]) {
     let [mut full, mut given] = [full, given].map(|scene| Subsystem::build(&of_pantograph(scene, 0)).unwrap());
     let (mut farthest, mut travel) = ([0.0_f64; 2], [0.0_f64; 6]);
@@ -112,7 +112,8 @@ fn a_given_motion_is_that_of_the_base_on_the_vehicle_it_stands_for() {
     println!("{distance:e} m, {angle:e} rad of {travel:?}");
     assert!(travel[1..3].iter().all(|moved| *moved > 2e-4), "{travel:?}");
     assert!(travel[3..].iter().all(|turned| *turned > 1e-4), "{travel:?}");
-    // Between samples the spline is off by some 1e-4 of the shortest waves; the end of the record is where it comes to rest.
+    // Between samples the spline is off by some 1e-4 of the shortest waves; the end of the record is where it comes to
+    // rest.
     assert!(distance < 2e-6 && angle < 2e-6, "{distance} m, {angle} rad");
 }
 
@@ -151,8 +152,8 @@ fn on_smooth_track_a_given_motion_stays_where_the_vehicle_bears_the_base() {
 }
 
 /// Entered after 0.4 s; in its arc from 1.6 s on.
-const CURVE: &str = "track.curve={ radius = 1400.0, direction = \"left\", cant = 0.1, start = 75.0, transition = 67.0, length = 100.0, \
-                     rounding = 6.0 }";
+const CURVE: &str = "track.curve={ radius = 1400.0, direction = \"left\", cant = 0.1, start = 75.0, transition = 67.0, \
+    length = 100.0, rounding = 6.0 }";
 
 #[test]
 fn in_a_curve_a_given_motion_sways_and_rolls_with_the_vehicle() {
@@ -189,8 +190,8 @@ fn samples_follow_the_irregularities_at_any_speed() {
         assert!((steps - steps.round()).abs() < 1e-9, "{steps}");
         (found, scene.run.speed)
     };
-    let spectrum = "track.irregularities={ model = \"spectrum\", seed = 1, wavelengths = [3.0, 80.0], vertical_roughness = 4.032e-7, \
-                    lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }";
+    let spectrum = "track.irregularities={ model = \"spectrum\", seed = 1, wavelengths = [3.0, 80.0], \
+        vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }";
     let points = "track.irregularities={ model = \"points\", x = [90.0, 110.0, 110.25], z_left = [0.0, 1e-3, 0.0] }";
     for speed in ["run.speed_kmh=40.0", "run.speed_kmh=200.0", "run.speed_kmh=300.0"] {
         for (irregularities, shortest) in [(spectrum, 3.0), (points, 0.5)] {
@@ -221,13 +222,15 @@ fn what_is_left_out_is_said_with_its_reason() {
     assert!(names(&found.all).iter().all(|(_, vehicle)| *vehicle != "rigid_motion"));
     let expected = [OWN, IRREGULAR].map(|track| {
         format!(
-            "vehicle rigid_motion, track {track}, is left out: each of 2 pantographs has a motion of the base of its own"
+            "vehicle rigid_motion, track {track}, is left out: each of 2 pantographs has a motion of the base of its \
+             own"
         )
     });
     assert_eq!(found.left_out, expected);
     // A step of a metre throws the vehicle off its rails.
     let thrown = thesis(&[
-        "track.irregularities={ model = \"points\", x = [90.0, 90.2, 130.0], z_left = [0.0, 1.0, 0.0], y_left = [0.0, 2.0, 0.0] }",
+        "track.irregularities={ model = \"points\", x = [90.0, 90.2, 130.0], z_left = [0.0, 1.0, 0.0], y_left = [0.0, \
+         2.0, 0.0] }",
     ]);
     let found = vehicle_variants(&thrown, 2e-3);
     assert_eq!(found.left_out.len(), 1, "{:?}", found.left_out);
