@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use experiments::engine::export::{Csv, Exporter, Html, Text};
-use experiments::engine::table::{Columns, Row, Status};
+use experiments::engine::table::{Columns, RunRow, Status};
 use experiments::engine::{
     Attempt, Bench, Experiment, ExperimentError, Machine, Planned, Run, Sheet, Site, Stage, Store, Table, Timing,
     Variant, execute,
@@ -50,7 +50,7 @@ struct Line {
     #[serde(rename = "static_force_N")]
     static_force: f64,
     #[serde(flatten)]
-    row: Row,
+    row: RunRow,
 }
 
 impl SigmaAgainstForce {

@@ -6,7 +6,7 @@ use scene::Scene;
 use serde::Serialize;
 
 use super::plan::{ComparedRun, StepGroup, groups, plan};
-use crate::engine::table::{AUTO, Curve, Errors, Keys, Row, Status, observed_orders, pointwise_rms};
+use crate::engine::table::{AUTO, Errors, ForceCurve, Keys, RunRow, Status, observed_orders, pointwise_rms};
 use crate::engine::{Bench, Experiment, ExperimentError, Planned, Run, Sheet, Stage, Table, Timed, Timing, settled};
 use results::LineGeometry;
 use results::report::Page;
@@ -42,14 +42,14 @@ pub struct Comparison {
     /// Remarks.
     pub notes: Vec<String>,
     /// One row per run.
-    pub rows: Vec<Row>,
+    pub rows: Vec<RunRow>,
     /// `true` where FMUs and the subsystems without them computed the same bits wherever both ran; nothing where
     /// neither did.
     #[serde(skip)]
     pub same_bits: Option<bool>,
     /// Contact forces of each row's run.
     #[serde(skip)]
-    pub curves: Vec<Vec<Curve>>,
+    pub curves: Vec<Vec<ForceCurve>>,
     /// Positions of supports and droppers.
     #[serde(skip)]
     pub line: LineGeometry,
@@ -121,7 +121,7 @@ impl Compare {
     }
 
     /// The run that the others of a group are compared with: the first in rank that is stable.
-    fn reference<'a>(&self, group: usize, found: &'a [Option<Timed>]) -> Option<(u8, usize, Row, &'a Timed)> {
+    fn reference<'a>(&self, group: usize, found: &'a [Option<Timed>]) -> Option<(u8, usize, RunRow, &'a Timed)> {
         let candidates = self.runs.iter().enumerate().filter(|(_, run)| run.group == group);
         let stable = |(index, run): (usize, &ComparedRun)| {
             let timed = found[index].as_ref().filter(|timed| !timed.made.curves.is_empty())?;
@@ -132,7 +132,7 @@ impl Compare {
     }
 
     /// The row of a run, compared with the reference of its group.
-    fn row(&self, index: usize, found: &[Option<Timed>]) -> Row {
+    fn row(&self, index: usize, found: &[Option<Timed>]) -> RunRow {
         let run = &self.runs[index];
         let Some(timed) = &found[index] else {
             return self.run(run).planned();
@@ -179,7 +179,7 @@ impl Experiment for Compare {
     }
 
     fn judge(&self, found: &[Option<Timed>]) -> Comparison {
-        let rows: Vec<Row> = (0..found.len()).map(|index| self.row(index, found)).collect();
+        let rows: Vec<RunRow> = (0..found.len()).map(|index| self.row(index, found)).collect();
         let mut order: Vec<usize> = (0..rows.len()).collect();
         order.sort_by_key(|&index| place(&self.runs[index], &rows[index]));
         let curves = |index: &usize| {
@@ -205,7 +205,7 @@ impl Experiment for Compare {
 }
 
 /// Place of a row in the table: modes, then algorithms in their order, then the macro step.
-fn place(run: &ComparedRun, row: &Row) -> (u8, usize, u64) {
+fn place(run: &ComparedRun, row: &RunRow) -> (u8, usize, u64) {
     let mode = match run.variant.mode {
         Mode::Monolithic => 0,
         Mode::Inprocess => 1,
@@ -221,7 +221,7 @@ fn place(run: &ComparedRun, row: &Row) -> (u8, usize, u64) {
 }
 
 /// Name of a run as a reference.
-fn reference_name(row: &Row) -> String {
+fn reference_name(row: &RunRow) -> String {
     let micro = row.micro_step.unwrap_or(f64::NAN);
     match row.macro_step {
         None => format!("{}, micro step {micro:?} s", row.mode),
@@ -234,7 +234,7 @@ fn reference_name(row: &Row) -> String {
 
 /// Compares the monolithic runs with the finest of them: the error of the micro step alone.
 fn between_references(comparison: &mut Comparison) {
-    let monolithic = |row: &Row| row.mode == Mode::Monolithic.name() && row.status == Some(Status::Stable);
+    let monolithic = |row: &RunRow| row.mode == Mode::Monolithic.name() && row.status == Some(Status::Stable);
     let finest = (0..comparison.rows.len())
         .filter(|&index| monolithic(&comparison.rows[index]))
         .min_by_key(|&index| comparison.rows[index].micro_step.map(f64::to_bits));

@@ -12,7 +12,7 @@ use crate::engine::export::{
     fixed, incomplete, number, number_cells, scrolled, status_counts, status_rule, status_span, step,
 };
 use crate::engine::run::SETTLE;
-use crate::engine::table::{AUTO, Row, Status, milliseconds};
+use crate::engine::table::{AUTO, RunRow, Status, milliseconds};
 use results::report::plots::{COLOURS, axis, decades_of, finished, layout, logarithmic, rounded};
 use results::report::{Page, escape, head_cells, remarks};
 use simulation::Mode;
@@ -75,7 +75,7 @@ fn lead(comparison: &Comparison) -> String {
 
 /// Error over macro step as a matrix: one line per algorithm.
 fn best(comparison: &Comparison) -> String {
-    let coupled: Vec<&Row> = coupled(comparison).collect();
+    let coupled: Vec<&RunRow> = coupled(comparison).collect();
     let steps = steps(comparison);
     if steps.is_empty() {
         return String::new();
@@ -110,7 +110,7 @@ fn best(comparison: &Comparison) -> String {
 }
 
 /// The rows with FMUs.
-fn coupled(comparison: &Comparison) -> impl Iterator<Item = &Row> {
+fn coupled(comparison: &Comparison) -> impl Iterator<Item = &RunRow> {
     comparison
         .rows
         .iter()
@@ -139,11 +139,11 @@ fn macro_step_axis(comparison: &Comparison) -> Axis {
 }
 
 /// One curve per algorithm through `point` of each row that ended; open marks where the run is not stable.
-fn curves(comparison: &Comparison, point: impl Fn(&Row) -> Option<(f64, f64)>) -> Vec<Trace> {
+fn curves(comparison: &Comparison, point: impl Fn(&RunRow) -> Option<(f64, f64)>) -> Vec<Trace> {
     let mut traces = Vec::new();
     for (index, name) in algorithms().iter().enumerate() {
         let colour = COLOURS[index % COLOURS.len()];
-        let ended = |row: &&Row| {
+        let ended = |row: &&RunRow| {
             row.algorithm == *name && matches!(row.status, Some(Status::Stable | Status::Limit | Status::Diverged))
         };
         let (mut points, mut marks, mut said) = (Vec::new(), Vec::new(), Vec::new());
@@ -275,7 +275,7 @@ fn force_plot(comparison: &Comparison) -> String {
         return String::new();
     };
     let rows = &comparison.rows;
-    let of_step = |row: &Row| row.mode == Mode::Cosimulation.name() && row.macro_step == Some(step);
+    let of_step = |row: &RunRow| row.mode == Mode::Cosimulation.name() && row.macro_step == Some(step);
     let micro = rows.iter().find(|row| of_step(row)).and_then(|row| row.micro_step);
     // The colours of the algorithms, the reference on top in black.
     for (place, name) in algorithms().iter().enumerate() {
@@ -291,8 +291,8 @@ fn force_plot(comparison: &Comparison) -> String {
             }
         }
     }
-    let monolithic = |row: &Row| row.mode == Mode::Monolithic.name() && row.status == Some(Status::Stable);
-    let same_micro = |row: &Row| match (row.micro_step, micro) {
+    let monolithic = |row: &RunRow| row.mode == Mode::Monolithic.name() && row.status == Some(Status::Stable);
+    let same_micro = |row: &RunRow| match (row.micro_step, micro) {
         (Some(own), Some(micro)) => (own / micro - 1.0).abs() < 0.5,
         _ => false,
     };

@@ -5,7 +5,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::export::{number_cells, scrolled};
-use crate::engine::table::{Columns, Row, Status, milliseconds, short};
+use crate::engine::table::{Columns, RunRow, Status, milliseconds, short};
 use crate::engine::{Bench, Experiment, ExperimentError, Machine, Planned, Sheet, Table, Timing};
 use cosim::test_problem::{self, Case};
 use results::report::{Page, aligned, escape};
@@ -47,7 +47,7 @@ pub struct CaseRun {
     pub passes_per_step: f64,
     /// The columns of all tables.
     #[serde(flatten)]
-    pub row: Row,
+    pub row: RunRow,
 }
 
 /// The test problem's table, complete or not.
@@ -165,7 +165,7 @@ fn run(case: &Case, macro_step: f64, repeats: usize) -> CaseRun {
     if status == Status::Limit && !outcome.stable {
         reason = "contact is lost, which the truth never does".to_owned();
     }
-    let mut row = Row {
+    let mut row = RunRow {
         scene: "test-problem".to_owned(),
         mode: Mode::Inprocess.name().to_owned(),
         algorithm: case.coupling.algorithm.name().to_owned(),
@@ -181,7 +181,7 @@ fn run(case: &Case, macro_step: f64, repeats: usize) -> CaseRun {
         real_time_factor: Some(wall / test_problem::DURATION),
         macro_steps: Some((test_problem::DURATION / macro_step).round() as u64),
         reason,
-        ..Row::default()
+        ..RunRow::default()
     };
     row.remark(&energy);
     row.remark(&outcome.report.unwrap_or_default());

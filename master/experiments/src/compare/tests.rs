@@ -1,11 +1,12 @@
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use scene::Scene;
 
 use super::*;
-use crate::engine::Stage;
 use crate::engine::run::SETTLE;
-use crate::engine::table::{AUTO, Keys, Row, Status, macro_step};
+use crate::engine::table::{AUTO, Keys, RunRow, Status, macro_step};
+use crate::engine::tests::executed_in;
+use crate::engine::{Machine, Stage, Store, Table as _};
 use simulation::Mode;
 
 #[test]
@@ -154,8 +155,8 @@ fn planned(scene: Scene, steps: &[f64]) -> Compare {
     Compare::new(scene, stage, steps, &[], 1).unwrap()
 }
 
-fn find<'a>(comparison: &'a Comparison, algorithm: &str, step: f64) -> &'a Row {
-    let found = |row: &&Row| row.algorithm == algorithm && row.macro_step == Some(step);
+fn find<'a>(comparison: &'a Comparison, algorithm: &str, step: f64) -> &'a RunRow {
+    let found = |row: &&RunRow| row.algorithm == algorithm && row.macro_step == Some(step);
     comparison.rows.iter().find(found).unwrap()
 }
 
@@ -211,6 +212,26 @@ fn all_algorithms_are_compared_with_the_run_as_one_system() {
     };
     let page = super::page(&same).finish();
     assert!(page.contains("<p class=\"good\">the same bits</p>") && !page.contains("<div class=\"notes\">"));
+}
+
+#[test]
+fn a_comparison_that_was_ended_goes_on_with_the_missing_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path(), &Machine::this()).unwrap();
+    let mut compare = planned(short(&[]), &[2e-3]);
+    compare.runs.retain(|run| run.variant.mode != Mode::Cosimulation);
+    let interrupted = AtomicBool::new(false);
+    let first = executed_in(&store, &compare, 1, &interrupted, &mut |table| {
+        interrupted.store(table.made().0 > 0, Ordering::Relaxed);
+    });
+    assert!(!first.complete && first.made().0 == 1);
+    let go_on = || executed_in(&store, &compare, 1, &AtomicBool::new(false), &mut |_| {});
+    let second = go_on();
+    assert!(second.complete);
+    // The time of the first run is the one that was taken before.
+    let wall = |table: &Comparison| table.rows.iter().find(|row| row.mode == "monolithic").unwrap().wall;
+    assert_eq!(wall(&first), wall(&second));
+    assert_eq!(go_on().rows, second.rows);
 }
 
 #[test]

@@ -3,10 +3,10 @@
 use super::Comparison;
 use crate::engine::Table as _;
 use crate::engine::export::{status_word, wrapped};
-use crate::engine::table::{Row, Status, milliseconds, short};
+use crate::engine::table::{RunRow, Status, milliseconds, short};
 use results::report::aligned;
 
-fn cells(row: &Row) -> Vec<String> {
+fn cells(row: &RunRow) -> Vec<String> {
     vec![
         row.algorithm.clone(),
         milliseconds(row.macro_step),

@@ -14,7 +14,7 @@ use super::machine::{forget_touched, touched};
 use super::plan::{Experiment, ExperimentError, Planned, Timing};
 use super::run::{Attempt, Run};
 use super::store::{Store, Times, key, value_key};
-use super::table::{Curve, Status};
+use super::table::{ForceCurve, Status};
 use results::report::Progress;
 use system::run::Watch;
 
@@ -224,12 +224,13 @@ impl Bench<'_> {
         bar.fill();
         self.moved.set(self.moved.get() + share);
         if is_late && !made.complete {
-            made.interrupted = false;
+            // Another time, on a machine with less to do, it may not be.
+            (made.interrupted, made.lost) = (false, true);
             let seconds = self.shared.limit.map_or(0, |limit| limit.as_secs());
             made.remarks.push(format!("ended after {seconds} s of wall time"));
         }
         if !self.shared.whole_forces {
-            made.curves = made.curves.iter().map(Curve::cut).collect();
+            made.curves = made.curves.iter().map(ForceCurve::cut).collect();
         }
         Ok(made)
     }

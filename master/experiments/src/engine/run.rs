@@ -10,7 +10,7 @@ use std::sync::atomic::Ordering;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use super::table::{Curve, Errors, NO_ERRORS, Row, Status};
+use super::table::{Errors, ForceCurve, NO_ERRORS, RunRow, Status};
 use cosim::fmu_slave::CosimulationError;
 use fmi2::instance::InstanceError;
 use fmi2::isolation::IsolationError;
@@ -77,9 +77,9 @@ pub struct Evidence {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Attempt {
     /// Figures and cost; a status only where the run was refused.
-    pub row: Row,
+    pub row: RunRow,
     /// Contact forces; none where the run cannot be compared.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<ForceCurve>,
     /// The wind on each strip, whole run, where one acts.
     pub winds: Vec<Option<WindRecord>>,
     /// `true` where it reached its end.
@@ -126,17 +126,17 @@ impl Run {
 
     /// Its row before it is made; a refused one where the scene does not allow it.
     #[must_use]
-    pub fn planned(&self) -> Row {
+    pub fn planned(&self) -> RunRow {
         let Variant { mode, algorithm, .. } = &self.variant;
         match self.scene() {
-            Ok(scene) => Row::planned(&self.stage.name, &scene, *mode, algorithm),
-            Err(error) => Row {
+            Ok(scene) => RunRow::planned(&self.stage.name, &scene, *mode, algorithm),
+            Err(error) => RunRow {
                 scene: self.stage.name.clone(),
                 mode: mode.name().to_owned(),
                 algorithm: algorithm.clone(),
                 status: Some(Status::Refused),
                 reason: cosim::chain(&error),
-                ..Row::default()
+                ..RunRow::default()
             },
         }
     }
@@ -206,7 +206,7 @@ impl Attempt {
             .failure
             .as_deref()
             .is_some_and(|failure| lost_a_process(failure));
-        self.curves = Curve::of(&info.evaluation, record);
+        self.curves = ForceCurve::of(&info.evaluation, record);
         self.winds = record.pantographs.iter().map(|strip| strip.wind.clone()).collect();
         self.energy_share = info.coupling.energy_share;
         (self.setup, self.simulated) = (info.cost.setup_s, info.cost.simulated_s);
@@ -232,7 +232,7 @@ impl Attempt {
 
     /// The row with status and errors; `reference` is what the run is compared with: name, row, contact forces.
     #[must_use]
-    pub fn judged(&self, reference: Option<(&str, &Row, &[Curve])>) -> Row {
+    pub fn judged(&self, reference: Option<(&str, &RunRow, &[ForceCurve])>) -> RunRow {
         let mut row = self.row.clone();
         if row.status == Some(Status::Refused) || self.interrupted {
             return row;
@@ -243,7 +243,7 @@ impl Attempt {
         if let (Some(errors), Some((name, _, _))) = (&errors, reference) {
             row.take_errors(errors, name);
         }
-        let still = reference.is_some_and(|(_, _, curves)| curves.iter().any(Curve::is_still));
+        let still = reference.is_some_and(|(_, _, curves)| curves.iter().any(ForceCurve::is_still));
         let errors = errors.filter(|_| !still);
         let (status, reason) = Status::of(&row, self.complete, errors.as_ref(), reference.map(|(_, row, _)| row));
         row.remark(&reason);

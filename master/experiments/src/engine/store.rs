@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256};
 
 use super::Machine;
 use super::run::{Attempt, Evidence, Run};
-use super::table::{Curve, Row};
+use super::table::{ForceCurve, RunRow};
 use results::{OutputDirectory, ResultsError, WindRecord};
 use simulation::Mode;
 use system::disturbance::Disturbance;
@@ -101,7 +101,7 @@ pub struct Store {
 /// Parts of a run besides its series.
 #[derive(Serialize, Deserialize)]
 struct Head {
-    row: Row,
+    row: RunRow,
     curves: usize,
     winds: Vec<bool>,
     complete: bool,
@@ -298,9 +298,9 @@ impl<'a> Words<'a> {
         Some(series.iter().map(|word| f64::from_le_bytes(*word)).collect())
     }
 
-    fn curve(&mut self) -> Option<Curve> {
+    fn curve(&mut self) -> Option<ForceCurve> {
         let (length, from, to) = (self.count()?, self.count()?, self.count()?);
-        let curve = Curve {
+        let curve = ForceCurve {
             x: self.series(length)?,
             raw: self.series(length)?,
             filtered: self.series(length)?,
@@ -342,12 +342,12 @@ mod tests {
         let store = Store::open(folder.path(), &Machine::default()).unwrap();
         let samples: Vec<f64> = (0..50).map(|n| (0.1 * f64::from(n)).sin() * 1e2 / 3.0).collect();
         let made = Attempt {
-            row: Row {
+            row: RunRow {
                 std: Some(1.0 / 3.0),
                 reason: "a, \"b\"".to_owned(),
-                ..Row::default()
+                ..RunRow::default()
             },
-            curves: vec![Curve {
+            curves: vec![ForceCurve {
                 x: samples.clone(),
                 raw: samples.clone(),
                 filtered: samples,

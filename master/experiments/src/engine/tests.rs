@@ -3,7 +3,7 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use super::table::{Columns, Row, Status};
+use super::table::{Columns, RunRow, Status};
 use super::*;
 use results::report::{Page, Progress, Show};
 
@@ -58,10 +58,10 @@ struct SquareTable {
 
 impl Table for SquareTable {
     fn sheet(&self) -> Sheet {
-        let row = |square: &Option<u32>| Row {
+        let row = |square: &Option<u32>| RunRow {
             status: square.map(|_| Status::Stable),
             mean: square.map(f64::from),
-            ..Row::default()
+            ..RunRow::default()
         };
         Sheet {
             leading: Columns::of(&self.squares)

@@ -15,7 +15,7 @@ use super::published::Case;
 use super::relation::Relation;
 use super::spread::Spread;
 use crate::engine::Sheet;
-use crate::engine::table::{Columns, Row, Status};
+use crate::engine::table::{Columns, RunRow, Status};
 
 /// Subject of a row of the table.
 enum Entry<'a> {
@@ -98,7 +98,7 @@ impl Entry<'_> {
     }
 
     /// The row of a run; of the others one without figures of its own, on the mesh of their runs.
-    fn row(&self, lines: &[Line]) -> Row {
+    fn row(&self, lines: &[Line]) -> RunRow {
         match self {
             Self::Run(line) => line.row.clone(),
             Self::Relation(relation) => {
@@ -116,9 +116,9 @@ impl Entry<'_> {
 }
 
 /// A row without figures of its own, on the mesh of this run.
-fn derived(like: Option<&Line>, status: Option<Status>, reason: String) -> Row {
+fn derived(like: Option<&Line>, status: Option<Status>, reason: String) -> RunRow {
     let run = like.map(|line| line.row.clone()).unwrap_or_default();
-    Row {
+    RunRow {
         scene: run.scene,
         mode: run.mode,
         micro_step: run.micro_step,
@@ -128,7 +128,7 @@ fn derived(like: Option<&Line>, status: Option<Status>, reason: String) -> Row {
         element_length: run.element_length,
         status,
         reason,
-        ..Row::default()
+        ..RunRow::default()
     }
 }
 

@@ -12,7 +12,7 @@ use super::published::Case;
 use super::relation::{Relation, relations};
 use super::spread::{Spread, spreads};
 use super::wind;
-use crate::engine::table::{Curve, Row};
+use crate::engine::table::{ForceCurve, RunRow};
 use crate::engine::{Attempt, Bench, Experiment, ExperimentError, Planned, Run, Sheet, Stage, Table, Timing};
 use results::WindRecord;
 use results::report::Page;
@@ -34,7 +34,7 @@ pub struct Line {
     pub value: String,
     /// The columns of all tables.
     #[serde(flatten)]
-    pub row: Row,
+    pub row: RunRow,
     /// Standard deviation of the raw force, N.
     #[serde(rename = "raw_std_N")]
     pub raw_std: Option<f64>,
@@ -45,7 +45,7 @@ pub struct Line {
     pub even_head: Option<[f64; 2]>,
     /// Contact force, whole run.
     #[serde(skip)]
-    pub curve: Option<Curve>,
+    pub curve: Option<ForceCurve>,
     /// The wind on the pan-head, whole run.
     #[serde(skip)]
     pub wind: Option<WindRecord>,

@@ -5,7 +5,7 @@ use super::judge::Line;
 use super::open::OPEN;
 use super::{CASES, Extent, HeadWind, Mesh, Reproduction, RunGroup, page, plan, text, wind};
 use crate::engine::Table as _;
-use crate::engine::table::{Row, Status};
+use crate::engine::table::{RunRow, Status};
 use results::WindRecord;
 use simulation::Mode;
 
@@ -17,12 +17,12 @@ fn line(group: RunGroup, case: usize, mesh: Mesh, mean: f64, std: f64) -> Line {
         mesh,
         quantity: "",
         value: String::new(),
-        row: Row {
+        row: RunRow {
             mode: Mode::Monolithic.name().to_owned(),
             status: Some(Status::Stable),
             mean: Some(mean),
             std: Some(std),
-            ..Row::default()
+            ..RunRow::default()
         },
         raw_std: Some(1.5 * std),
         head: None,
@@ -217,10 +217,10 @@ fn the_keys_of_a_reading_make_the_air_that_it_says() {
 #[test]
 fn what_could_not_be_computed_is_said_with_its_reason() {
     let mut refused = line(RunGroup::Mesh, 1, Mesh::Corrected, 0.0, 0.0);
-    refused.row = Row {
+    refused.row = RunRow {
         status: Some(Status::Refused),
         reason: "the correction has no meaning here".to_owned(),
-        ..Row::default()
+        ..RunRow::default()
     };
     let made = reproduction(vec![refused]);
     assert!(

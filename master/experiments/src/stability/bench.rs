@@ -2,7 +2,7 @@
 
 use super::cases::{Case, HardParameter};
 use super::figures::Judged;
-use crate::engine::table::{Row, Status, significant};
+use crate::engine::table::{RunRow, Status, significant};
 use crate::engine::{Bench, ExperimentError};
 use simulation::Mode;
 
@@ -52,7 +52,7 @@ impl Way {
 /// Macro and micro step of a case with these keys, s; `None` where the scene is refused.
 pub(super) fn steps(case: &Case, keys: &[String]) -> Option<(f64, f64)> {
     let scene = case.run(&Way::ONE, keys).scene().ok()?;
-    let row = Row::planned(&case.name, &scene, Mode::Inprocess, "");
+    let row = RunRow::planned(&case.name, &scene, Mode::Inprocess, "");
     row.macro_step.zip(row.micro_step)
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::engine::table::{Curve, Errors, Row, Status};
+use crate::engine::table::{Errors, ForceCurve, RunRow, Status};
 use crate::engine::{Attempt, Run};
 use cosim::algorithm::stability::spectral_radius;
 use simulation::Mode;
@@ -50,7 +50,7 @@ pub struct Figures {
 #[derive(Clone, Debug)]
 pub struct Judged {
     /// Its row.
-    pub row: Row,
+    pub row: RunRow,
     /// Its figures.
     pub figures: Figures,
     /// The run.
@@ -65,7 +65,7 @@ impl Judged {
     }
 
     /// Contact forces; none where the run cannot be compared.
-    fn curves(&self) -> &[Curve] {
+    fn curves(&self) -> &[ForceCurve] {
         if self.made.complete { &self.made.curves } else { &[] }
     }
 
@@ -148,7 +148,7 @@ impl Figures {
 }
 
 /// [`Status::of`], where a force without any variation has no standard deviation that errors could be in percent of.
-fn status(row: &Row, complete: bool, errors: Option<&Errors>, judge: Option<&Row>) -> (Status, String) {
+fn status(row: &RunRow, complete: bool, errors: Option<&Errors>, judge: Option<&RunRow>) -> (Status, String) {
     if complete && row.std == Some(0.0) && judge.is_none_or(|judge| judge.std == Some(0.0)) {
         return (Status::Stable, String::new());
     }
@@ -156,7 +156,7 @@ fn status(row: &Row, complete: bool, errors: Option<&Errors>, judge: Option<&Row
 }
 
 /// Figures that are known beforehand: the head on the contact's spring.
-fn theory(scene: &Scene, coupled: bool, row: &Row) -> Figures {
+fn theory(scene: &Scene, coupled: bool, row: &RunRow) -> Figures {
     let head = scene
         .pantographs
         .first()

@@ -9,7 +9,7 @@ use super::bench::{CaseBench, Way};
 use super::cases::{Case, Coupled};
 use super::figures::Figures;
 use super::maps::{Boundary, Map, Task, assemble, tasks};
-use crate::engine::table::{Columns, Row, Status};
+use crate::engine::table::{Columns, RunRow, Status};
 use crate::engine::{Bench, Experiment, ExperimentError, Planned, Sheet, Table, Timing};
 use results::report::Page;
 use simulation::Mode;
@@ -29,7 +29,7 @@ pub struct Line {
     pub about: String,
     /// The columns of all tables.
     #[serde(flatten)]
-    pub row: Row,
+    pub row: RunRow,
     /// The figures that prove it.
     #[serde(flatten)]
     pub figures: Figures,
@@ -250,11 +250,11 @@ fn planned(case: &Case, way: &Way) -> Line {
     Line {
         case: case.name.clone(),
         about: case.about.clone(),
-        row: Row {
+        row: RunRow {
             scene: case.name.clone(),
             mode: way.mode.name().to_owned(),
             algorithm: way.algorithm.to_owned(),
-            ..Row::default()
+            ..RunRow::default()
         },
         figures: Figures::default(),
     }

@@ -7,7 +7,7 @@ use super::pareto::{pareto, recommendations};
 use super::plan::{StudyRun, Sweep};
 use super::reference::{Refinement, best};
 use super::run_spec::{Class, Exchange, Family, Mesh, settings};
-use crate::engine::table::{Curve, Errors, Row, Status, milliseconds};
+use crate::engine::table::{Errors, ForceCurve, RunRow, Status, milliseconds};
 use simulation::Mode;
 
 /// The study as far as it is known.
@@ -44,9 +44,9 @@ pub fn assemble(script: &Script, state: &State) -> Study {
         .map(|index| entry(script, state, &study, index))
         .collect();
     // What stands on another vehicle is no choice of mesh, steps and reductions.
-    let apart = Row::default();
+    let apart = RunRow::default();
     let competes = |entry: &Entry| entry.sweep != Sweep::Vehicle.name();
-    let rows: Vec<&Row> = (study.rows.iter())
+    let rows: Vec<&RunRow> = (study.rows.iter())
         .map(|entry| if competes(entry) { &entry.row } else { &apart })
         .collect();
     let front = pareto(&rows);
@@ -78,7 +78,7 @@ pub fn assemble(script: &Script, state: &State) -> Study {
 }
 
 /// Contact forces of a run.
-fn forces(state: &State, index: Option<usize>) -> Option<&[Curve]> {
+fn forces(state: &State, index: Option<usize>) -> Option<&[ForceCurve]> {
     let made = state.made[index?].as_ref()?;
     (!made.curves.is_empty()).then_some(&*made.curves)
 }
@@ -219,7 +219,7 @@ fn vehicle_label(script: &Script, planned: &StudyRun) -> String {
 }
 
 /// A refused row with what was asked for, where its scene could not be read.
-fn asked_for(script: &Script, planned: &StudyRun, mut row: Row) -> Row {
+fn asked_for(script: &Script, planned: &StudyRun, mut row: RunRow) -> RunRow {
     let spec = &planned.spec;
     if planned.scene.is_some() {
         return row;
@@ -251,17 +251,17 @@ fn asked_for(script: &Script, planned: &StudyRun, mut row: Row) -> Row {
 }
 
 /// Row of a run before it is made.
-fn planned_row(script: &Script, planned: &StudyRun) -> Row {
+fn planned_row(script: &Script, planned: &StudyRun) -> RunRow {
     let subject = &script.subject;
     let variant = &planned.variant;
     match system::load(subject.text_of(&planned.spec), &subject.name, &variant.overrides) {
-        Ok(scene) => Row::planned(&subject.name, &scene, variant.mode, &variant.algorithm),
+        Ok(scene) => RunRow::planned(&subject.name, &scene, variant.mode, &variant.algorithm),
         Err(_) => {
-            let row = Row {
+            let row = RunRow {
                 scene: subject.name.clone(),
                 mode: variant.mode.name().to_owned(),
                 algorithm: variant.algorithm.clone(),
-                ..Row::default()
+                ..RunRow::default()
             };
             asked_for(script, planned, row)
         }
@@ -269,7 +269,7 @@ fn planned_row(script: &Script, planned: &StudyRun) -> Row {
 }
 
 /// Settings that stay the same in a sweep of mesh or micro step.
-fn label_without(row: &Row, sweep: &str) -> String {
+fn label_without(row: &RunRow, sweep: &str) -> String {
     let mesh = if sweep == "mesh" {
         format!("micro step {} ms", milliseconds(row.micro_step))
     } else {

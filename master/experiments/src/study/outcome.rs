@@ -10,7 +10,7 @@ use super::run_spec::Family;
 use super::text::known_to;
 use super::vehicle::VehicleVariantName;
 use crate::engine::Machine;
-use crate::engine::table::{AUTO, Cell as _, Columns, Row, milliseconds};
+use crate::engine::table::{AUTO, Cell as _, Columns, RunRow, milliseconds};
 use crate::engine::{Sheet, Table};
 use results::report::Page;
 
@@ -50,7 +50,7 @@ pub struct Study {
 pub struct Entry {
     /// The columns of all tables.
     #[serde(flatten)]
-    pub row: Row,
+    pub row: RunRow,
     /// Sweeps that it is part of, joined by `+`.
     pub sweep: String,
     /// `true` where no run of its class is both cheaper and more accurate.
@@ -152,7 +152,7 @@ impl Study {
 
     /// Name of a row: mesh, micro step, coupling, reductions.
     #[must_use]
-    pub fn label(&self, row: &Row) -> String {
+    pub fn label(&self, row: &RunRow) -> String {
         label(row, self.intervals)
     }
 
@@ -215,7 +215,7 @@ impl Table for Study {
 }
 
 /// Name of a row.
-pub(super) fn label(row: &Row, intervals: usize) -> String {
+pub(super) fn label(row: &RunRow, intervals: usize) -> String {
     let mut parts = Vec::new();
     if let Some(elements) = row.elements_per_span {
         parts.push(match row.element_length {

@@ -11,7 +11,7 @@ use crate::engine::export::{
     count, fixed, incomplete, number, scrolled, status_counts, status_rule, status_span, step,
 };
 use crate::engine::run::SETTLE;
-use crate::engine::table::{Row, Status, milliseconds};
+use crate::engine::table::{RunRow, Status, milliseconds};
 use results::report::{Page, escape, head_cells, remarks};
 
 /// The page of a study.
@@ -226,7 +226,7 @@ const COLUMNS: &Cells = &[
     ("coordinates", "", false, |_, entry| count(entry.row.coordinates)),
 ];
 
-fn exchange(row: &Row) -> String {
+fn exchange(row: &RunRow) -> String {
     match row.macro_step {
         None => "one system".to_owned(),
         Some(step) => {

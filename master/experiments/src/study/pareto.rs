@@ -3,14 +3,14 @@
 use serde::Serialize;
 
 use super::run_spec::Class;
-use crate::engine::table::{Row, Status};
+use crate::engine::table::{RunRow, Status};
 
 /// Errors that a recommendation is given for, % of the standard deviation.
 pub const TARGETS: [f64; 3] = [3.0, 1.0, 0.3];
 
 /// Real-time factor and filtered error of a row that can be on the front.
 #[must_use]
-pub fn point(row: &Row) -> Option<(f64, f64)> {
+pub fn point(row: &RunRow) -> Option<(f64, f64)> {
     let factor = row
         .real_time_factor
         .filter(|factor| factor.is_finite() && *factor > 0.0)?;
@@ -21,7 +21,7 @@ pub fn point(row: &Row) -> Option<(f64, f64)> {
 /// Rows that no other row of their class beats: none is both cheaper and more accurate, or one of these and equal in
 /// the other.
 #[must_use]
-pub fn pareto(rows: &[&Row]) -> Vec<bool> {
+pub fn pareto(rows: &[&RunRow]) -> Vec<bool> {
     let points: Vec<_> = rows
         .iter()
         .map(|row| Some((Class::of(&row.reduction), point(row)?)))
@@ -62,7 +62,7 @@ pub struct Recommendation {
 /// `caveat` says what the reference of a class leaves open of a target.
 #[must_use]
 pub fn recommendations(
-    rows: &[&Row],
+    rows: &[&RunRow],
     name: impl Fn(usize) -> String,
     caveat: impl Fn(Class, f64) -> String,
 ) -> Vec<Recommendation> {
@@ -129,13 +129,13 @@ pub fn speed(factor: f64) -> String {
 mod tests {
     use super::*;
 
-    fn row(reduction: &str, factor: f64, error: f64) -> Row {
-        Row {
+    fn row(reduction: &str, factor: f64, error: f64) -> RunRow {
+        RunRow {
             reduction: reduction.to_owned(),
             real_time_factor: Some(factor),
             filtered_error: Some(error),
             status: Some(Status::Stable),
-            ..Row::default()
+            ..RunRow::default()
         }
     }
 
@@ -152,11 +152,11 @@ mod tests {
             row("planar+linearised", 0.01, 0.05), // another class
         ];
         rows[5].status = Some(Status::Limit);
-        rows.push(Row {
+        rows.push(RunRow {
             filtered_error: None,
             ..row("planar", 0.01, 0.0)
         });
-        let rows: Vec<&Row> = rows.iter().collect();
+        let rows: Vec<&RunRow> = rows.iter().collect();
         let expected = [true, true, false, false, false, false, true, true, false];
         assert_eq!(pareto(&rows), expected);
     }
@@ -169,7 +169,7 @@ mod tests {
             row("planar", 0.25, 0.8),
             row("planar+window", 0.02, 0.2),
         ];
-        let rows: Vec<&Row> = rows.iter().collect();
+        let rows: Vec<&RunRow> = rows.iter().collect();
         let unsure = |class: Class, target: f64| {
             let said = class.window && target < 1.0;
             if said { "not sure".to_owned() } else { String::new() }

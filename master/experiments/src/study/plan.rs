@@ -4,7 +4,7 @@ use super::run_spec::{Class, Exchange, Mesh, RunSpec, Subject};
 use super::vehicle::OWN;
 use crate::compare::algorithms;
 use crate::engine::Variant;
-use crate::engine::table::{AUTO, Row};
+use crate::engine::table::{AUTO, RunRow};
 use simulation::Mode;
 use simulation::sliding_joint;
 
@@ -285,7 +285,7 @@ fn scene(runs: &mut Runs<'_>) {
     let subject = runs.subject;
     let reductions = subject.scene.model.reductions.iter();
     // As it divides the scene's macro step, which a run as one system does not have here.
-    let row = Row::planned(&subject.name, &subject.scene, Mode::Monolithic, "");
+    let row = RunRow::planned(&subject.name, &subject.scene, Mode::Monolithic, "");
     let own = RunSpec {
         mesh: Mesh::Scene,
         micro_step: row.micro_step.unwrap_or(subject.scene.solver.micro_step),

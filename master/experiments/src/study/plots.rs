@@ -12,13 +12,13 @@ use super::run_spec::{Class, Family};
 use super::text::shortened;
 use crate::engine::export::number;
 use crate::engine::export::plot::{BOUND, Trace, dotted, marked, open_points};
-use crate::engine::table::{Row, Status, milliseconds};
+use crate::engine::table::{RunRow, Status, milliseconds};
 use results::report::plots::{COLOURS, decades_of, finished, layout, logarithmic};
 
 /// Title of axes of error.
 const ERROR: &str = "rms error of the filtered force [% of σ]";
 
-fn hover(study: &Study, row: &Row) -> String {
+fn hover(study: &Study, row: &RunRow) -> String {
     format!(
         "{}<br>{} % of σ, real-time factor {}, {} s",
         study.label(row),
@@ -30,7 +30,7 @@ fn hover(study: &Study, row: &Row) -> String {
 
 /// Name of a point of the front: elements per dropper interval or their length, micro step, what differs from the best
 /// mesh, coupling.
-fn short_name(study: &Study, row: &Row, usual: &str) -> String {
+fn short_name(study: &Study, row: &RunRow, usual: &str) -> String {
     let mut name = match (row.element_length, row.elements_per_span) {
         (Some(length), _) => format!("{length:.2} m, "),
         (None, Some(count)) => format!("{}, ", count / study.intervals.max(1) as u64),
@@ -149,7 +149,12 @@ pub(super) fn precision(study: &Study) -> String {
 }
 
 /// Curves of error over `x` through the rows of a sweep, one for each name.
-fn sweep(study: &Study, rows: &[&Entry], x: impl Fn(&Row) -> Option<f64>, name: impl Fn(&Row) -> String) -> Vec<Trace> {
+fn sweep(
+    study: &Study,
+    rows: &[&Entry],
+    x: impl Fn(&RunRow) -> Option<f64>,
+    name: impl Fn(&RunRow) -> String,
+) -> Vec<Trace> {
     type Points<'a> = Vec<(f64, f64, &'a Entry)>;
     let mut curves: Vec<(String, Points<'_>)> = Vec::new();
     for entry in rows {
@@ -192,7 +197,7 @@ fn sweep(study: &Study, rows: &[&Entry], x: impl Fn(&Row) -> Option<f64>, name: 
 fn marked_axis(
     title: &str,
     rows: &[&Entry],
-    x: impl Fn(&Row) -> Option<f64>,
+    x: impl Fn(&RunRow) -> Option<f64>,
     text: impl Fn(f64) -> String,
 ) -> plotly::layout::Axis {
     let mut values: Vec<f64> = rows.iter().filter_map(|entry| x(&entry.row)).collect();
@@ -214,7 +219,7 @@ pub(super) fn mesh(study: &Study) -> String {
         .of(Sweep::Mesh)
         .filter(|entry| entry.row.macro_step.is_none())
         .collect();
-    let x = |row: &Row| row.elements_per_span.map(|count| count as f64);
+    let x = |row: &RunRow| row.elements_per_span.map(|count| count as f64);
     let traces = sweep(study, &rows, x, |row| row.mesh.clone());
     if traces.is_empty() {
         return String::new();
@@ -232,7 +237,7 @@ pub(super) fn mesh(study: &Study) -> String {
 /// Error over the micro step.
 pub(super) fn micro_step(study: &Study) -> String {
     let rows: Vec<&Entry> = study.of(Sweep::MicroStep).collect();
-    let x = |row: &Row| Some(1e3 * row.micro_step?);
+    let x = |row: &RunRow| Some(1e3 * row.micro_step?);
     let traces = sweep(study, &rows, x, |row| row.mesh.clone());
     if traces.is_empty() {
         return String::new();
@@ -251,8 +256,8 @@ pub(super) fn micro_step(study: &Study) -> String {
 /// Error over the macro step.
 pub(super) fn coupling(study: &Study) -> String {
     let rows: Vec<&Entry> = study.of(Sweep::Coupling).collect();
-    let x = |row: &Row| Some(1e3 * row.macro_step?);
-    let name = |row: &Row| match row.extrapolation {
+    let x = |row: &RunRow| Some(1e3 * row.macro_step?);
+    let name = |row: &RunRow| match row.extrapolation {
         Some(degree) if row.algorithm != crate::engine::table::AUTO => {
             format!("{}, extrapolation {degree}", row.algorithm)
         }

@@ -13,7 +13,7 @@ use super::run_spec::{Class, identity, settings};
 use super::text::known_to;
 use super::{CSV, FOLDER};
 use crate::engine::Store;
-use crate::engine::table::{Row, Status};
+use crate::engine::table::{RunRow, Status};
 use results::ResultsError;
 use simulation::Mode;
 
@@ -31,7 +31,7 @@ struct Ranks {
 /// Figures of one run.
 #[derive(Serialize, Deserialize)]
 struct Ranked {
-    row: Row,
+    row: RunRow,
     rho_inf: f64,
     newton_tolerance: f64,
     pareto: bool,
@@ -91,7 +91,7 @@ pub fn rank(folder: &Path, scene: &scene::Scene, base: &Path, mode: Mode) -> Opt
     if rows.is_empty() || of != identity(scene, base) {
         return None;
     }
-    let own = Row::planned("", scene, mode, scene.coupling.algorithm.name());
+    let own = RunRow::planned("", scene, mode, scene.coupling.algorithm.name());
     let same_model = |read: &&Ranked| {
         let row = &read.row;
         // Of two lengths that make as many elements, each makes as many in every interval.

@@ -8,7 +8,7 @@ use super::plan::{Options, StudyRun, Sweep, base};
 use super::run_spec::{Family, Mesh, RunSpec, Subject};
 use crate::engine::Attempt;
 use crate::engine::ExperimentError;
-use crate::engine::table::{Curve, Errors, NO_ERRORS, Status};
+use crate::engine::table::{Errors, ForceCurve, NO_ERRORS, Status};
 
 /// Most levels: each has twice the elements at half the micro step.
 const LEVELS: u32 = 8;
@@ -150,7 +150,7 @@ pub fn refine(
             );
             break;
         }
-        let still = made.curves.iter().any(Curve::is_still);
+        let still = made.curves.iter().any(ForceCurve::is_still);
         let before = found.levels.last();
         let difference = before.and_then(|level| Errors::between(&made.curves, &level.made.curves).filtered);
         found.levels.push(Level {

@@ -6,7 +6,7 @@ use scene::{Division, Scene};
 use super::*;
 use crate::engine::Table as _;
 use crate::engine::export::{Csv, Exporter as _};
-use crate::engine::table::{Row, Status};
+use crate::engine::table::{RunRow, Status};
 use crate::engine::tests::executed_in;
 use simulation::Mode;
 
@@ -65,8 +65,8 @@ fn studied(script: &Script, folder: &Path, stop: Option<usize>) -> Study {
 }
 
 /// Rows without the columns that depend on the clock.
-fn without_times(study: &Study) -> Vec<Row> {
-    let strip = |entry: &Entry| Row {
+fn without_times(study: &Study) -> Vec<RunRow> {
+    let strip = |entry: &Entry| RunRow {
         wall: None,
         real_time_factor: None,
         ..entry.row.clone()
@@ -135,7 +135,7 @@ fn the_ladder_has_elements_of_one_length_and_the_steps_that_they_take() {
     assert!(of(Sweep::Mesh).all(|run| !matches!(division(run), Some(Division::UpTo(_)))));
     let row = |run: &StudyRun| {
         let scene = system::load(run.scene.as_ref().unwrap(), "scene.toml", &[]).unwrap();
-        Row::planned("", &scene, run.variant.mode, "")
+        RunRow::planned("", &scene, run.variant.mode, "")
     };
     let said = |run: &StudyRun| outcome::label(&row(run), script.subject.intervals);
     let rung = of(Sweep::Ladder)
@@ -349,13 +349,13 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_ranks_a_run() {
     let mut reader = csv::Reader::from_reader(out.as_bytes());
     let head = reader.headers().unwrap().clone();
     assert!(
-        Row::COLUMNS
+        RunRow::COLUMNS
             .iter()
             .zip(&head)
             .all(|(promised, found)| *promised == found)
     );
     for (record, row) in reader.records().zip(&rows) {
-        assert_eq!(record.unwrap().deserialize::<Row>(Some(&head)).unwrap(), *row);
+        assert_eq!(record.unwrap().deserialize::<RunRow>(Some(&head)).unwrap(), *row);
     }
     let text = text(&study);
     assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
@@ -382,7 +382,7 @@ fn a_small_study_ends_with_a_front_a_table_and_a_page_and_ranks_a_run() {
     let unknown = rank(&short(&["catenary.mesh.elements_per_interval=7"]), Mode::Monolithic);
     assert!(unknown.unwrap().contains("not known"));
     // A row that is not stable says so, and the reference is itself.
-    let write = |change: &dyn Fn(&mut Row)| {
+    let write = |change: &dyn Fn(&mut RunRow)| {
         let mut study = study.clone();
         let rows = study.rows.iter_mut().map(|entry| &mut entry.row);
         rows.filter(|row| row.macro_step.is_none()).for_each(change);
@@ -599,7 +599,7 @@ fn a_study_that_was_ended_goes_on_and_comes_to_the_same() {
     assert_eq!(without_times(&second), without_times(&expected));
     // A third time nothing is left to do: the very same, wall times included.
     let third = studied(&script, parts.path(), None);
-    let all = |study: &Study| -> Vec<Row> { study.rows.iter().map(|entry| entry.row.clone()).collect() };
+    let all = |study: &Study| -> Vec<RunRow> { study.rows.iter().map(|entry| entry.row.clone()).collect() };
     assert_eq!(all(&third), all(&second));
 }
 

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::{Exporter, Sheet, Table};
-use crate::engine::table::{Column, Row};
+use crate::engine::table::{Column, RunRow};
 use results::ResultsError;
 
 /// One row per run; a column without meaning for a row is empty.
@@ -30,7 +30,7 @@ pub fn write(out: impl Write, path: &Path, sheet: &Sheet) -> Result<(), ResultsE
     let names = |columns: &[Column]| -> Vec<&'static str> { columns.iter().map(|(name, _)| *name).collect() };
     let head = names(&sheet.leading)
         .into_iter()
-        .chain(Row::COLUMNS.iter().copied())
+        .chain(RunRow::COLUMNS.iter().copied())
         .chain(names(&sheet.trailing));
     writer.write_record(head).map_err(failed)?;
     for (index, row) in sheet.rows.iter().enumerate() {

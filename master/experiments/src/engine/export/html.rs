@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use super::{Exporter, Table};
-use crate::engine::table::{Row, STATUS_RULE, Status, milliseconds, significant};
+use crate::engine::table::{RunRow, STATUS_RULE, Status, milliseconds, significant};
 use results::ResultsError;
 use results::report::escape;
 
@@ -54,7 +54,7 @@ pub(crate) fn status_span(status: Option<Status>) -> String {
 }
 
 /// Number of rows with each status, in words.
-pub(crate) fn status_counts(rows: &[Row]) -> String {
+pub(crate) fn status_counts(rows: &[RunRow]) -> String {
     let count = |status: Status| {
         let count = rows.iter().filter(|row| row.status == Some(status)).count();
         (count > 0).then(|| format!("{count} {}", status.name()))

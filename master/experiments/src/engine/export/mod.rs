@@ -20,7 +20,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::table::{Column, Row};
+use super::table::{Column, RunRow};
 use results::report::Page;
 use results::{OutputDirectory, ResultsError};
 
@@ -40,7 +40,7 @@ pub struct Sheet {
     /// Columns before the common ones.
     pub leading: Vec<Column>,
     /// Rows.
-    pub rows: Vec<Row>,
+    pub rows: Vec<RunRow>,
     /// Columns behind the common ones.
     pub trailing: Vec<Column>,
 }

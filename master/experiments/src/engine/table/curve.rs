@@ -7,7 +7,7 @@ use results::{Evaluation, Record};
 
 /// The contact force of one strip against position, whole run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub struct ForceCurve {
     /// Position of the contact, m.
     pub x: Vec<f64>,
     /// Force as recorded, N.
@@ -18,7 +18,7 @@ pub struct Curve {
     pub range: Range<usize>,
 }
 
-impl Curve {
+impl ForceCurve {
     /// One curve per pantograph; none where a force cannot be filtered or the evaluation range holds no sample.
     #[must_use]
     pub fn of(evaluation: &Evaluation, record: &Record) -> Vec<Self> {
@@ -95,7 +95,7 @@ impl Errors {
     /// A quantity is `None` where a curve is missing or does not reach over the evaluation range, or where the
     /// reference does not vary.
     #[must_use]
-    pub fn between(reference: &[Curve], run: &[Curve]) -> Self {
+    pub fn between(reference: &[ForceCurve], run: &[ForceCurve]) -> Self {
         if reference.is_empty() || reference.len() != run.len() {
             return Self::default();
         }

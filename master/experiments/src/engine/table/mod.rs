@@ -2,9 +2,9 @@
 //!
 //! | part | subject |
 //! | --- | --- |
-//! | [`Row`] | the columns |
+//! | [`RunRow`] | the columns |
 //! | [`Columns`] | columns that only one table has |
-//! | [`Curve`] | the contact force of a run against position, and its difference from another run's |
+//! | [`ForceCurve`] | the contact force of a run against position, and its difference from another run's |
 //! | [`Status`] | stable, limit, diverged or refused, by stated bounds |
 //! | [`Keys`] | overrides of a run with another algorithm |
 
@@ -18,9 +18,9 @@ mod status;
 mod tests;
 
 pub use columns::{Column, Columns};
-pub use curve::{Curve, Errors, NO_ERRORS, pointwise_rms};
+pub use curve::{Errors, ForceCurve, NO_ERRORS, pointwise_rms};
 pub(crate) use format::{milliseconds, short, significant};
 pub use keys::{AUTO, Keys, macro_step};
 pub(crate) use row::Cell;
-pub use row::{Row, observed_orders};
+pub use row::{RunRow, observed_orders};
 pub use status::{ENERGY, LOSS, RAW_ERROR, RUNAWAY, STATUS_RULE, Status};

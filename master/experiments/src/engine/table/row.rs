@@ -50,15 +50,15 @@ macro_rules! columns {
         /// Forces are those of the first pantograph after the low-pass filter, over the evaluation range; losses of
         /// contact are those of the raw force. Errors are the largest of all pantographs.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-        pub struct Row {
+        pub struct RunRow {
             $($(#[$meta])* #[serde(rename = $name)] pub $field: $type,)+
         }
 
-        impl Row {
+        impl RunRow {
             /// Names of the columns, in order.
             pub const COLUMNS: &[&str] = &[$($name),+];
 
-            /// The cells, in the order of [`Row::COLUMNS`].
+            /// The cells, in the order of [`RunRow::COLUMNS`].
             #[must_use]
             pub fn cells(&self) -> Vec<String> {
                 vec![$(self.$field.cell()),+]
@@ -152,7 +152,7 @@ columns! {
     reason: String = "reason",
 }
 
-impl Row {
+impl RunRow {
     /// Row of a run before it is made.
     #[must_use]
     pub fn planned(name: &str, scene: &Scene, mode: Mode, algorithm: &str) -> Self {
@@ -267,8 +267,8 @@ impl Row {
 
 /// Writes into each row the order of convergence that it shows together with the next smaller macro step of the same
 /// mode and algorithm: `p = ln(e₂/e₁) / ln(h₂/h₁)`. Both must be stable and have errors above zero.
-pub fn observed_orders(rows: &mut [Row]) {
-    let point = |row: &Row| match (row.status, row.macro_step, row.filtered_error) {
+pub fn observed_orders(rows: &mut [RunRow]) {
+    let point = |row: &RunRow| match (row.status, row.macro_step, row.filtered_error) {
         (Some(Status::Stable), Some(step), Some(error)) if error > 0.0 && error.is_finite() => Some((step, error)),
         _ => None,
     };

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::curve::Errors;
-use super::row::Row;
+use super::row::RunRow;
 
 /// Error of the filtered force above which a run has nothing to do with its reference, % of the reference's standard
 /// deviation.
@@ -60,7 +60,7 @@ impl Status {
     /// `complete` is whether it reached its end, `errors` and `reference` are what it is compared with; a reference
     /// itself has none. Returns the status, and the reason where it is not stable.
     #[must_use]
-    pub fn of(row: &Row, complete: bool, errors: Option<&Errors>, reference: Option<&Row>) -> (Self, String) {
+    pub fn of(row: &RunRow, complete: bool, errors: Option<&Errors>, reference: Option<&RunRow>) -> (Self, String) {
         if !complete {
             return (Self::Diverged, String::new());
         }

@@ -10,7 +10,7 @@ const PROMISED: &str = "scene, mode, algorithm, extrapolation, macro_step_s, mic
     rms_error_filtered_percent_of_std, rms_error_raw_percent_of_std, std_error_percent, energy_residual_J, wall_s, \
     repeats, real_time_factor, coordinates, macro_steps, micro_steps, newton_iterations, factorizations, rollbacks";
 
-fn csv(rows: &[Row], leading: &[Column], trailing: &[Column]) -> String {
+fn csv(rows: &[RunRow], leading: &[Column], trailing: &[Column]) -> String {
     let mut out = Vec::new();
     let sheet = Sheet {
         leading: leading.to_vec(),
@@ -35,13 +35,13 @@ fn the_table_begins_with_the_promised_columns() {
 
 #[test]
 fn a_cell_without_meaning_is_empty_and_numbers_read_back() {
-    let row = Row {
+    let row = RunRow {
         scene: "thesis, short".to_owned(),
         macro_step: Some(1e-4),
         std: Some(f64::NAN),
         status: Some(Status::Limit),
         rollbacks: Some(0),
-        ..Row::default()
+        ..RunRow::default()
     };
     let text = csv(std::slice::from_ref(&row), &[], &[]);
     let mut reader = csv::Reader::from_reader(text.as_bytes());
@@ -55,14 +55,14 @@ fn a_cell_without_meaning_is_empty_and_numbers_read_back() {
     let json = serde_json::to_value(&row).unwrap();
     assert_eq!(json["status"], "limit");
     assert!(json["std_N"].is_null());
-    assert_eq!(json.as_object().unwrap().len(), Row::COLUMNS.len());
+    assert_eq!(json.as_object().unwrap().len(), RunRow::COLUMNS.len());
 }
 
 #[test]
 fn other_columns_may_lead_and_follow() {
     let column = |name: &'static str, cell: &str| (name, vec![cell.to_owned()]);
     let text = csv(
-        &[Row::default()],
+        &[RunRow::default()],
         &[column("case", "head of 1 kg")],
         &[column("passes", "1.5")],
     );
@@ -112,9 +112,9 @@ fn a_run_that_ends_early_cannot_be_compared() {
 }
 
 /// A curve of 1000 samples, 0.1 m apart; the outer fifths are not evaluated.
-fn curve(filtered: impl Fn(f64) -> f64, raw: impl Fn(f64) -> f64) -> Curve {
+fn curve(filtered: impl Fn(f64) -> f64, raw: impl Fn(f64) -> f64) -> ForceCurve {
     let (x, filtered) = sampled(0.0, 99.9, 0.1, filtered);
-    Curve {
+    ForceCurve {
         raw: x.iter().map(|x| raw(*x)).collect(),
         x,
         filtered,
@@ -149,8 +149,9 @@ fn a_force_that_does_not_vary_has_no_errors_in_percent() {
     let wave = |x: f64| 100.0 + 20.0 * x.sin();
     let (none, some) = (curve(|_| 0.0, |_| 0.0), curve(wave, wave));
     assert!(none.is_still() && !some.is_still());
-    let between =
-        |reference: &Curve, run: &Curve| Errors::between(std::slice::from_ref(reference), std::slice::from_ref(run));
+    let between = |reference: &ForceCurve, run: &ForceCurve| {
+        Errors::between(std::slice::from_ref(reference), std::slice::from_ref(run))
+    };
     assert_eq!(between(&none, &none), Errors::default());
     assert_eq!(between(&none, &some), Errors::default());
     // What is no number is no error of nothing, whichever strip it is on.
@@ -163,11 +164,11 @@ fn a_force_that_does_not_vary_has_no_errors_in_percent() {
 
 #[test]
 fn the_status_follows_the_stated_bounds() {
-    let row = |loss: f64| Row {
+    let row = |loss: f64| RunRow {
         mean: Some(100.0),
         std: Some(20.0),
         loss: Some(loss),
-        ..Row::default()
+        ..RunRow::default()
     };
     let errors = |filtered: f64, raw: f64| Errors {
         filtered: Some(filtered),
@@ -187,18 +188,18 @@ fn the_status_follows_the_stated_bounds() {
     assert_eq!(status(2.0, true, Errors::default()), Status::Diverged);
     // A reference is compared with nothing, but must have a force.
     assert_eq!(Status::of(&row(50.0), true, None, None).0, Status::Stable);
-    assert_eq!(Status::of(&Row::default(), true, None, None).0, Status::Diverged);
+    assert_eq!(Status::of(&RunRow::default(), true, None, None).0, Status::Diverged);
 }
 
 #[test]
 fn orders_are_slopes_between_neighbours_of_the_same_method() {
-    let row = |algorithm: &str, step: f64, error: f64, status: Status| Row {
+    let row = |algorithm: &str, step: f64, error: f64, status: Status| RunRow {
         mode: "cosimulation".to_owned(),
         algorithm: algorithm.to_owned(),
         macro_step: Some(step),
         filtered_error: Some(error),
         status: Some(status),
-        ..Row::default()
+        ..RunRow::default()
     };
     let mut rows = [
         row("jacobi", 4e-3, 6.0, Status::Stable),

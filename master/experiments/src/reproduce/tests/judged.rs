@@ -1,6 +1,6 @@
 use super::super::{Relation, SAME_SIZE, Spread, VISIBLE, Verdict, judge, text};
 use super::{line, reproduction};
-use crate::engine::table::{Row, Status};
+use crate::engine::table::{RunRow, Status};
 use crate::reproduce::{Mesh, RunGroup, page};
 
 /// Verdict of a computed change, both in %.
@@ -222,7 +222,7 @@ fn terminal_and_page_say_whether_the_published_value_lies_inside() {
     let outside = reproduction(lines.clone());
     assert!(row(&text(&outside)).ends_with("outside"), "{}", text(&outside));
     assert!(page(&outside).finish().contains("inside the range of none of them"));
-    lines[1].row = Row::default();
+    lines[1].row = RunRow::default();
     let missing = reproduction(lines);
     assert!(row(&text(&missing)).ends_with("not computed"), "{}", text(&missing));
     assert!(page(&missing).finish().contains("Not computed: contact damping d"));

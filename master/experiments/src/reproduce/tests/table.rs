@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use super::super::open::OPEN;
 use super::{line, reproduction};
-use crate::engine::table::{Column, Curve, Row, Status};
+use crate::engine::table::{Column, ForceCurve, RunRow, Status};
 use crate::engine::{Exporter as _, Sheet, Table as _, export};
 use crate::reproduce::{Mesh, Reproduction, RunGroup, page, plan, text};
 use simulation::Mode;
@@ -30,9 +30,9 @@ fn all(quick: bool, made: bool) -> Reproduction {
         line.value = run.value.clone();
         line.row.mode = run.variant.mode.name().to_owned();
         if !made {
-            line.row = Row {
+            line.row = RunRow {
                 mode: line.row.mode,
-                ..Row::default()
+                ..RunRow::default()
             };
             line.raw_std = None;
         }
@@ -196,7 +196,7 @@ fn figures_are_drawn_on_the_thesis_mesh_and_beside_it_on_the_finest_that_was_com
         };
         let mut run = line(group, case, mesh, 100.0, 40.0);
         run.output_step = 4.0;
-        run.curve = Some(Curve {
+        run.curve = Some(ForceCurve {
             x: vec![0.0, 1.0, 2.0],
             filtered: vec![force; 3],
             raw: vec![force; 3],
