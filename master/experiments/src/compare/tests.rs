@@ -224,7 +224,7 @@ fn a_comparison_that_was_ended_goes_on_with_the_missing_runs() {
     let first = executed_in(&store, &compare, 1, &interrupted, &mut |table| {
         interrupted.store(table.made().0 > 0, Ordering::Relaxed);
     });
-    assert!(!first.complete && first.made().0 == 1);
+    assert!(!first.complete && first.made().0 < compare.runs.len());
     let go_on = || executed_in(&store, &compare, 1, &AtomicBool::new(false), &mut |_| {});
     let second = go_on();
     assert!(second.complete);

@@ -1,12 +1,14 @@
 //! From runs to the results of a study: rows judged by their references, orders, front, recommendations.
 
+use super::identity::settings;
 use super::judge::{Script, State};
+use super::options::Sweep;
 use super::order::{Order, order};
 use super::outcome::{Entry, Levels, Reference, Study, label};
 use super::pareto::{pareto, recommendations};
-use super::plan::{StudyRun, Sweep};
+use super::plan::StudyRun;
 use super::reference::{Refinement, best};
-use super::run_spec::{Class, Exchange, Family, Mesh, settings};
+use super::run_spec::{Class, Exchange, Family, Mesh};
 use crate::engine::table::{Errors, ForceCurve, RunRow, Status, milliseconds};
 use simulation::Mode;
 

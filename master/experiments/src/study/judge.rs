@@ -6,10 +6,12 @@ use std::sync::Arc;
 use scene::Scene;
 
 use super::assemble::assemble;
+use super::identity::identity;
+use super::options::{Options, Sweep};
 use super::outcome::Study;
-use super::plan::{Options, StudyRun, Sweep, plan};
+use super::plan::{StudyRun, plan};
 use super::reference::{Discretisation, Refinement, expected_work, refine, wanted};
-use super::run_spec::{Family, Subject, identity};
+use super::run_spec::{Family, Subject};
 use crate::engine::{
     Attempt, Bench, Experiment, ExperimentError, Machine, Planned, Run, Stage, Store, Timed, Times, Timing, settled,
 };

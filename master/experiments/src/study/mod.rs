@@ -3,7 +3,9 @@
 //! | part | subject |
 //! | --- | --- |
 //! | `run_spec` | parts of a run that sweeps change, and the values that a scene allows |
+//! | `options` | options of the user, names of the sweeps |
 //! | `plan` | sweeps and ladder |
+//! | `identity` | hashes that tell which runs belong together |
 //! | `reference` | refined until two levels agree |
 //! | `vehicle` | variants of the vehicle below the pantograph |
 //! | `judge` | the plan as an experiment: errors in parallel, times one at a time |
@@ -14,8 +16,10 @@
 //! | `rank` | rank of a single run in a study |
 
 mod assemble;
+mod identity;
 mod judge;
 mod labels;
+mod options;
 mod order;
 mod outcome;
 mod page;
@@ -30,15 +34,17 @@ mod tests;
 mod text;
 mod vehicle;
 
+pub use identity::{identity, settings};
 pub use judge::{FOLDER, Script, StudyFound, StudyJob, script};
+pub use options::{Options, Sweep};
 pub use order::{Order, order};
 pub use outcome::{Entry, Levels, Reference, Study};
 pub use page::page;
 pub use pareto::{Recommendation, TARGETS};
-pub use plan::{Options, StudyRun, Sweep};
+pub use plan::StudyRun;
 pub use rank::{keep_ranks, rank};
 pub use reference::{Discretisation, Refinement};
-pub use run_spec::{Class, Exchange, Family, Mesh, RunSpec, Subject, identity, settings};
+pub use run_spec::{Class, Exchange, Family, Mesh, RunSpec, Subject};
 pub use text::text;
 pub use vehicle::{VehicleVariant, VehicleVariantName};
 

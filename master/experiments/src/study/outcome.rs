@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
+use super::options::Sweep;
 use super::order::Order;
 use super::pareto::Recommendation;
-use super::plan::Sweep;
 use super::reference::Discretisation;
 use super::run_spec::Family;
 use super::text::known_to;

@@ -1,8 +1,8 @@
 //! `study.html`.
 
+use super::options::Sweep;
 use super::outcome::{Entry, Study};
 use super::pareto::{TARGETS, speed};
-use super::plan::Sweep;
 use super::run_spec::Class;
 use super::text::known;
 use super::{CSV, plots};

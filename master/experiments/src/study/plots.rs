@@ -5,9 +5,9 @@ use plotly::common::{DashType, Font, Line, Marker, Mode as Draw, Position};
 use plotly::layout::HoverMode;
 
 use super::labels::Labels;
+use super::options::Sweep;
 use super::outcome::{Entry, Study};
 use super::pareto::point;
-use super::plan::Sweep;
 use super::run_spec::{Class, Family};
 use super::text::shortened;
 use crate::engine::export::number;

@@ -6,10 +6,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::identity::{identity, settings};
+use super::options::Sweep;
 use super::outcome::{Study, label};
 use super::pareto::{point, speed};
-use super::plan::Sweep;
-use super::run_spec::{Class, identity, settings};
+use super::run_spec::Class;
 use super::text::known_to;
 use super::{CSV, FOLDER};
 use crate::engine::Store;

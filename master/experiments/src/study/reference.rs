@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::plan::{Options, StudyRun, Sweep, base};
+use super::options::{Options, Sweep};
+use super::plan::{StudyRun, base};
 use super::run_spec::{Family, Mesh, RunSpec, Subject};
 use crate::engine::Attempt;
 use crate::engine::ExperimentError;

@@ -1,9 +1,9 @@
 //! The table on the terminal.
 
+use super::options::Sweep;
 use super::outcome::{Reference, Study};
 use super::page::vehicle_error;
 use super::pareto::speed;
-use super::plan::Sweep;
 use crate::engine::Table as _;
 use crate::engine::export::wrapped;
 use crate::engine::table::{Status, milliseconds, short};
