@@ -8,9 +8,7 @@ use clap_complete::Shell;
 
 use crate::command::{self, CommandError, run, study};
 use experiments::compare;
-use experiments::engine::run::SETTLE;
-use experiments::engine::table::{AUTO, STATUS_RULE, macro_step};
-use experiments::study::{Options, Sweep};
+use experiments::engine::table::macro_step;
 use fmi2::isolation;
 
 mod help;
@@ -199,7 +197,7 @@ pub fn main() -> ExitCode {
                     command::compare::compare(&scene, &or(&macro_steps, &compare::MACRO_STEPS), repeats, &common)
                 }
                 None => {
-                    command::compare::test_problem(&or(macro_steps, &compare::TEST_PROBLEM_STEPS), repeats, &common)
+                    command::compare::test_problem(&or(&macro_steps, &compare::TEST_PROBLEM_STEPS), repeats, &common)
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Values of options, from text.
 
+use experiments::engine::table::AUTO;
 use experiments::study::Sweep;
-use experiments::table_of_runs::AUTO;
 use scene::{Division, MAX_SPANS, Reduction};
 
 /// A whole number from one to `most`.

@@ -4,12 +4,14 @@
 //! | --- | --- |
 //! | `run`, `report` | one scene in one mode; its page again, or several on one page |
 //! | `compare`, `study`, `stability`, `reproduce` | experiments: many runs, one table |
+//! | `experiment` | outputs of these four: results kept after every run, page and tables at the end |
 //! | `check`, `inspect` | a scene before its run; an FMU before its use |
 //! | `package`, `export` | FMUs of a scene; the system as an `.ssp` |
 //! | `completions` | scripts for shells |
 
 pub mod check;
 pub mod compare;
+pub mod completions;
 pub mod experiment;
 pub mod export;
 pub mod inspect;

@@ -7,10 +7,100 @@ use clap::Args;
 use super::experiment::{Files, Outputs};
 use super::{CommandError, SceneFile, say};
 use crate::cli::Common;
+use crate::cli::values::{above_zero, elements, or, reductions, spans, spectral_radius, sweep};
+use experiments::engine::table::macro_step;
 use experiments::study::{self, CSV, FOLDER, Options, PAGE, Sweep};
 
 /// Table and page of the study.
 const FILES: Files = Files { csv: CSV, page: PAGE };
+
+/// Arguments of `master study`.
+#[derive(Debug, Args)]
+pub struct StudyArguments {
+    /// Scene file, or an .ssp
+    pub(crate) scene: PathBuf,
+    /// Elements per dropper interval, up to 200, separated by commas [default: 1,2,4,8,16]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = elements)]
+    pub(crate) elements: Vec<usize>,
+    /// Micro steps, in ms or with a unit, separated by commas [default: 0.25,0.5,1,2]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = macro_step)]
+    pub(crate) micro_steps: Vec<f64>,
+    /// Macro steps, in ms or with a unit, separated by commas [default: 1,2,5]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', allow_negative_numbers = true, value_parser = macro_step)]
+    pub(crate) macro_steps: Vec<f64>,
+    /// Spectral radii of generalised-α at infinite frequency, separated by commas [default: 0.5,0.8,0.9,1]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = spectral_radius)]
+    pub(crate) rho_inf: Vec<f64>,
+    /// Sets of reductions joined by + and separated by commas: none,planar,linearised+window
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = reductions)]
+    pub(crate) reductions: Vec<String>,
+    /// Times that every run is timed, one run at a time; its wall time is the median
+    #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) repeats: u16,
+    /// Fewer runs: less of the mesh, of couplings and of the ladder
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Difference of two successive levels at which the reference has converged, % of its standard deviation
+    #[arg(long, value_name = "PERCENT", default_value_t = Options::TOLERANCE, value_parser = above_zero)]
+    pub(crate) reference_tolerance: f64,
+    /// Most work of one run of the reference, coordinates times micro steps
+    #[arg(long, value_name = "WORK", default_value_t = Options::WORK, value_parser = above_zero)]
+    pub(crate) reference_work: f64,
+    /// Also measures the cost of the whole line at these numbers of spans: 10,20,40,80
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = spans)]
+    pub(crate) spans: Vec<usize>,
+    /// Also measures the cost of a window at these numbers of spans: 80,400,2000
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = spans)]
+    pub(crate) window_spans: Vec<usize>,
+    /// Sweeps to make, separated by commas: scene, mesh, micro_step, coupling, rho_inf, reductions, vehicle, ladder,
+    /// spans [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = sweep)]
+    pub(crate) sweeps: Vec<Sweep>,
+}
+
+impl StudyArguments {
+    /// Options of the study.
+    fn options(&self) -> Result<Options, CommandError> {
+        let flags = [
+            ("--elements", Sweep::Mesh, !self.elements.is_empty()),
+            ("--micro-steps", Sweep::MicroStep, !self.micro_steps.is_empty()),
+            ("--macro-steps", Sweep::Coupling, !self.macro_steps.is_empty()),
+            ("--rho-inf", Sweep::RhoInf, !self.rho_inf.is_empty()),
+            ("--reductions", Sweep::Reductions, !self.reductions.is_empty()),
+            ("--spans", Sweep::Spans, !self.spans.is_empty()),
+            ("--window-spans", Sweep::Spans, !self.window_spans.is_empty()),
+        ];
+        check_flags(&self.sweeps, &flags)?;
+        Ok(Options {
+            elements: or(
+                &self.elements,
+                if self.quick {
+                    &Options::QUICK_ELEMENTS
+                } else {
+                    &Options::ELEMENTS
+                },
+            ),
+            micro_steps: or(
+                &self.micro_steps,
+                if self.quick {
+                    &Options::QUICK_MICRO_STEPS
+                } else {
+                    &Options::MICRO_STEPS
+                },
+            ),
+            macro_steps: or(&self.macro_steps, &Options::MACRO_STEPS),
+            rho_inf: or(&self.rho_inf, if self.quick { &[] } else { &Options::RHO_INF }),
+            reductions: self.reductions.clone(),
+            repeats: self.repeats.into(),
+            quick: self.quick,
+            tolerance: self.reference_tolerance,
+            work: self.reference_work,
+            spans: self.spans.clone(),
+            window_spans: self.window_spans.clone(),
+            sweeps: self.sweeps.clone(),
+        })
+    }
+}
 
 /// Refuses typed flags whose sweep `sweeps` leaves out; a flag comes with its sweep and true where it was typed.
 ///
