@@ -94,7 +94,7 @@ pub fn plan(groups: &[StepGroup], duration: f64, keys: &Keys) -> Vec<ComparedRun
                 overrides: keys.overrides(algorithm, macro_step, group.micro_step),
             },
             group: index,
-            // Repeated steps cost about three passes, measured with the standard's line.
+            // Repeated steps cost about three passes.
             weight: steps * if algorithm == ITERATED { 3.0 } else { 1.0 },
             reference,
         };

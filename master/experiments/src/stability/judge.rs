@@ -14,7 +14,7 @@ use crate::engine::{Bench, Experiment, ExperimentError, Planned, Sheet, Table, T
 use results::report::Page;
 use simulation::Mode;
 
-/// Wall time after which a run is ended, s: the longest one needs a tenth of it.
+/// Wall time after which a run is ended: far more than the longest one needs.
 const LIMIT: Duration = Duration::from_secs(300);
 
 /// Coupling algorithms.

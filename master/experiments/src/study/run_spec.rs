@@ -404,7 +404,7 @@ impl Subject {
         };
         let linear = if has("linearised") || has("flat") { 0.3 } else { 1.0 };
         let repeated = match &spec.exchange {
-            // Repeated steps cost about three passes, measured with the standard's line.
+            // Repeated steps cost about three passes.
             Exchange::Of { algorithm, .. } if algorithm == "iterated" => 3.0,
             _ => 1.0,
         };
