@@ -40,7 +40,8 @@ pub struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
-    /// Opens the directory, with runs in its folder `runs`; the page of an earlier run, which may be one of another table, is removed.
+    /// Opens the directory, with runs in its folder `runs`; the page of an earlier run, which may be one of another
+    /// table, is removed.
     ///
     /// # Errors
     /// A directory that cannot be written to.

@@ -404,18 +404,13 @@ fn table(comparison: &Comparison) -> String {
 fn legend() -> String {
     format!(
         "<p>Every coupled run is compared with the monolithic run at the same micro step, so that only the coupling \
-         differs. \
-         Errors are pointwise: rms of the difference of the forces at equal positions over the evaluation range, in \
-         percent of \
-         the standard deviation σ of the reference's filtered force. The monolithic runs themselves are compared with \
-         the \
-         finest of them: that is the error of the micro step.</p>\n\
+         differs. Errors are pointwise: rms of the difference of the forces at equal positions over the evaluation \
+         range, in percent of the standard deviation σ of the reference's filtered force. The monolithic runs \
+         themselves are compared with the finest of them: that is the error of the micro step.</p>\n\
          <p>{}.</p>\n\
          <p>Order: slope of the logarithm of the error over that of the macro step, from the next smaller macro step. \
-         Mean, σ, \
-         extremes: filtered force of the first pantograph; loss: raw force. Runs end {SETTLE} periods of the low-pass \
-         filter's \
-         cut-off behind the evaluation range. Wall time: time loop only, one run at a time.</p>\n",
+         Mean, σ, extremes: filtered force of the first pantograph; loss: raw force. Runs end {SETTLE} periods of the \
+         low-pass filter's cut-off behind the evaluation range. Wall time: time loop only, one run at a time.</p>\n",
         status_rule()
     )
 }

@@ -15,8 +15,8 @@
 //! Nothing is tuned to a published value: runs take the scenes as they are and change one thing at a time.
 //!
 //! # Sources
-//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois at
-//!   Chicago, 2016.
+//! - `[Thesis]` S. Kulkarni, ANCF Analysis of Multibody Pantograph/Catenary Systems, MSc thesis, University of Illinois
+//!   at Chicago, 2016.
 
 mod columns;
 mod figures;

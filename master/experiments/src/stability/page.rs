@@ -261,22 +261,17 @@ fn legend() -> String {
     format!(
         "<p>{}.</p>\n\
          <p>A coupled run is compared with the monolithic one at the same micro step, so that only the coupling \
-         differs; the \
-         monolithic one with itself at half the micro step. The monolithic one is also <b>limit</b> where the time \
-         integration made more than 1 % of the energy that was exchanged; a coupled one is at most <b>limit</b> where \
-         the \
-         monolithic one is. A run that is limit or diverged is repeated with shorter steps: its boundary.</p>\n\
+         differs; the monolithic one with itself at half the micro step. The monolithic one is also <b>limit</b> where \
+         the time integration made more than 1 % of the energy that was exchanged; a coupled one is at most \
+         <b>limit</b> where the monolithic one is. A run that is limit or diverged is repeated with shorter steps: its \
+         boundary.</p>\n\
          <p>Energy made: by the coupling, or in one system by the time integration, per second; there kinetic and \
-         potential energy \
-         are followed from step to step, together with the work of prescribed motion and the heat of all dampers and \
-         friction, and \
-         numerical damping shows as a loss. Share: of the work that crossed the contact, or of work and heat. ω h: \
-         circular frequency of \
-         the collector head on the contact's spring times the macro step (one system: the micro step). Growth: \
-         spectral radius of \
-         the coupling on that oscillation without damping. Newton: most iterations of one internal step. Drift: \
-         largest violation \
-         of a joint. Slack: most droppers without tension at one time.</p>\n",
+         potential energy are followed from step to step, together with the work of prescribed motion and the heat of \
+         all dampers and friction, and numerical damping shows as a loss. Share: of the work that crossed the contact, \
+         or of work and heat. ω h: circular frequency of the collector head on the contact's spring times the macro \
+         step (one system: the micro step). Growth: spectral radius of the coupling on that oscillation without \
+         damping. Newton: most iterations of one internal step. Drift: largest violation of a joint. Slack: most \
+         droppers without tension at one time.</p>\n",
         status_rule()
     )
 }

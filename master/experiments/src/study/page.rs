@@ -393,19 +393,14 @@ fn all(study: &Study) -> String {
 fn legend(study: &Study) -> String {
     format!(
         "<p>Errors are pointwise: rms of the difference of the filtered forces at equal positions over the evaluation \
-         range, in \
-         percent of the standard deviation σ of the reference's filtered force. A reference is refined, elements \
-         doubled and \
-         micro step halved, until two successive levels agree; their difference is what is not known of it. The \
-         nonlinear line \
-         is refined with two meshes, which confirm each other; the one whose last levels are closer is the reference. \
-         Linearised \
-         and flat lines are judged by their own references, and their distance from the nonlinear line is stated.</p>\n\
+         range, in percent of the standard deviation σ of the reference's filtered force. A reference is refined, \
+         elements doubled and micro step halved, until two successive levels agree; their difference is what is not \
+         known of it. The nonlinear line is refined with two meshes, which confirm each other; the one whose last \
+         levels are closer is the reference. Linearised and flat lines are judged by their own references, and their \
+         distance from the nonlinear line is stated.</p>\n\
          <p>Runs end {SETTLE} periods of the low-pass filter's cut-off behind the evaluation range: {:.2} s. Errors \
-         were computed \
-         on all cores at once, wall times one run at a time afterwards: time loop only, median of the repeats. Runs of \
-         references \
-         that are too fine to be anybody's choice are not timed again.</p>\n<p>{}.</p>\n",
+         were computed on all cores at once, wall times one run at a time afterwards: time loop only, median of the \
+         repeats. Runs of references that are too fine to be chosen are not timed again.</p>\n<p>{}.</p>\n",
         study.simulated_s,
         status_rule()
     )

@@ -372,8 +372,8 @@ const SHORT_LADDER: [(usize, f64); 12] = [
     (14, 4.0),
 ];
 
-/// Residual that ends Newton's method on the ladder, N: it moves the filtered force far less than the meshes of the ladder
-/// do, and saves corrections.
+/// Residual that ends Newton's method on the ladder, N: it moves the filtered force far less than the meshes of the
+/// ladder do, and saves corrections.
 const LADDER_TOLERANCE: f64 = 0.3;
 
 fn ladder(runs: &mut Runs<'_>, options: &Options) {

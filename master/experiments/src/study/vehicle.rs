@@ -3,7 +3,7 @@
 //! | model | made from the scene by |
 //! | --- | --- |
 //! | none | leaving out `[vehicle]` and `[track]`: the base moves on a straight line |
-//! | rigid_motion | the motion of the base on the most detailed model below, under the constant contact force of the start |
+//! | rigid_motion | the motion of the base on the most detailed model, under the constant contact force of the start |
 //! | vertical, full | naming the model, where the scene has what it needs |
 //!
 //! The most detailed model that the scene has what it needs for is what the others are judged by, each on its own
