@@ -1,4 +1,4 @@
-//! The example of an experiment of one's own, as a user runs it; `cargo test` builds it first.
+//! The example of an experiment of one's own, as a user runs it.
 
 use std::collections::BTreeMap;
 use std::process::Command;
@@ -9,6 +9,14 @@ type Line = BTreeMap<String, String>;
 fn the_table_of_sigma_against_static_force_is_made_once_and_known_the_next_time() {
     let test = std::env::current_exe().unwrap();
     let built = test.ancestors().nth(2).unwrap();
+    // A test that is named alone does not build the examples.
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut build = Command::new(cargo);
+    build.args(["build", "-p", "experiments", "--example", "sigma_against_static_force"]);
+    if !cfg!(debug_assertions) {
+        build.arg("--release");
+    }
+    assert!(build.status().unwrap().success());
     let program = built.join("examples/sigma_against_static_force");
     let folder = tempfile::tempdir().unwrap();
     let run = || -> Vec<Line> {
