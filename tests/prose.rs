@@ -89,7 +89,7 @@ fn comments_begin_with_a_noun_or_an_imperative_verb() {
             let line = line.trim_start();
             let doc = ["/// ", "//! "].iter().find_map(|mark| line.strip_prefix(mark));
             // Inside a paragraph a line may begin with any word.
-            let begins = before.len() <= 3 || !before.starts_with(&line[..3.min(line.len())]);
+            let begins = before.len() <= 3 || !before.starts_with(line.get(..3).unwrap_or(line));
             for word in ["What", "Whether", "Where", "Of"] {
                 let wrong = doc.is_some_and(|doc| doc.split([' ', ',']).next() == Some(word));
                 assert!(!(wrong && begins), "{file}:{}: {line}", number + 1);

@@ -175,7 +175,8 @@ fn on_rough_track_a_given_motion_with_pitch_makes_the_force_of_the_vehicle() {
     const COLUMNS: [&str; 6] = ["x", "y", "z", "roll", "pitch", "yaw"];
     let rough = [
         "track.irregularities={ model = \"spectrum\", seed = 1, wavelengths = [3.0, 80.0], \
-         vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 }",
+         vertical_roughness = 4.032e-7, lateral_roughness = 2.119e-7, corners = [0.0206, 0.8246, 0.4380], fade = 20.0 \
+             }",
         "model.reduce=none",
     ];
     let scene = scene_with(DEFAULT, &[&SHORT[..], &rough].concat());

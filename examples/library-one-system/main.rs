@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         mesh: Mesh::plain(Division::PerInterval(8)),
     };
     let head = Lumped::new(1.2, 120.0, &[7.2, 15.0], &[4200.0, 50.0], &[10.0, 90.0]); // m, N, kg, N/m, N s/m
-    let run = Run::new(250.0 / 3.6, 4.0, 20.0, Evaluate::Spans { first: 4, last: 5 }); // m/s, s, m
+    let run = Run::new(250.0 / 3.6, 5.0, 20.0, Evaluate::Spans { first: 4, last: 5 }); // m/s, s, m
     let contact = Contact::penalty(5e4, 0.0); // N/m, N s/m
     let scene = Scene::new("Built in Rust", run, (line, contact), vec![head.into()]);
     let mut scene = scene.checked()?;

@@ -134,7 +134,8 @@ pub trait FmuInstance: Send {
 /// Makes an instance, in this process or in one of its own. The binary of an isolated one is not loaded here.
 ///
 /// # Errors
-/// No binary for this platform, a binary that cannot be loaded, an instance that cannot be made, and what a process of its
+/// No binary for this platform, a binary that cannot be loaded, an instance that cannot be made, and what a process of
+/// its
 /// own can die of.
 pub fn instantiate(
     fmu: &Fmu,

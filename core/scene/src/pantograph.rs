@@ -222,7 +222,7 @@ impl Entry for Start {
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         Self {
-            height: keys.number("height", was.map(|start| start.height), Number::positive("m")),
+            height: keys.number("height", was.map(|start| start.height), Number::any("m")),
             force: keys.number("force", was.map(|start| start.force), Number::not_negative("N")),
         }
     }

@@ -35,16 +35,19 @@ fn at(text: &str, what: &str) -> String {
 }
 
 /// The mesh of the scene.
-const MESH: &str = "elements_per_interval = 8               # chosen with the corrections: the force is 0.5 % of its standard deviation from the converged one\ncorrections = \"auto\"";
+const MESH: &str = "elements_per_interval = 8               # chosen with the corrections: the force is 0.5 % of its \
+    standard deviation from the converged one\ncorrections = \"auto\"";
 
 /// (what is replaced, by what, fragments of the message), on the EN 50318 scene.
 #[rustfmt::skip]
 const EDITS: &[(&str, &str, &[&str])] = &[
     // Unknown keys and tables.
-    ("[catenary]\n", "[catenery]\n", &["catenery: unknown key, did you mean \"catenary\"?", "known keys here: ", "run"]),
+    ("[catenary]\n", "[catenery]\n", &["catenery: unknown key, did you mean \"catenary\"?", "known keys \
+        here: ", "run"]),
     ("[run]\n", "[run]\nspede_kmh = 3\n", &["run.spede_kmh: unknown key, did you mean \"speed_kmh\"?", "low_pass_hz"]),
     ("[solver]", "[sovler]", &["sovler: unknown key, did you mean \"solver\"?"]),
-    ("axial_stiffness", "axial_stifness", &["catenary.contact_wire.axial_stifness: unknown key", "\"axial_stiffness\"", "bending_stiffness"]),
+    ("axial_stiffness", "axial_stifness", &["catenary.contact_wire.axial_stifness: unknown \
+        key", "\"axial_stiffness\"", "bending_stiffness"]),
     ("static_force", "force", &["pantograph[1].force: unknown key", "static_force"]),
     ("strip = { width", "strip = { breadth", &["pantograph[1].strip.breadth: unknown key", "width"]),
     ("spans = [5, 6]", "span = [5, 6]", &["run.evaluate.span: unknown key, did you mean \"spans\"?"]),
@@ -52,123 +55,223 @@ const EDITS: &[(&str, &str, &[&str])] = &[
     // Missing keys and tables.
     ("duration = 7.0", "", &["run.duration is missing: must be a positive number in s"]),
     ("tension = 20000.0", "", &["catenary.contact_wire.tension is missing: must be a positive number in N"]),
-    ("statics = \"form_finding\"", "", &["catenary.statics is missing: must be one of \"form_finding\", \"nodal_displacement\""]),
+    ("statics = \"form_finding\"", "", &["catenary.statics is missing: must be one of \"form_finding\", \
+        \"nodal_displacement\""]),
     ("model = \"lumped\"", "", &["pantograph[1].model is missing: must be \"lumped\" or \"linkage\""]),
     ("evaluate = { spans = [5, 6] }", "evaluate = {}", &["run.evaluate.spans is missing", "time = [from, to]"]),
-    ("[contact]\nlaw = \"penalty\"\nstiffness = 50000.0                     # N/m\ndamping = 0.0", "", &["contact is missing: must be a table"]),
-    ("electrification = \"ac_25kv\"", "electrification = \"ac_25_kv\"", &["run.electrification = \"ac_25_kv\": unknown word, did you mean \"ac_25kv\"?"]),
-    ("electrification = \"ac_25kv\"", "electrification = 25000", &["run.electrification = 25000: must be one of \"ac_25kv\", \"ac_15kv\", \"dc_3kv\", \"dc_1_5kv\""]),
-    ("[catenary.registration_arms]\n", "[catenary.registration_arms]\nfree_uplift = 0\n", &["catenary.registration_arms.free_uplift = 0 m: must be positive and finite"]),
+    ("[contact]\nlaw = \"penalty\"\nstiffness = 50000.0                     # N/m\ndamping = 0.0", "", &["contact is \
+        missing: must be a table"]),
+    ("electrification = \"ac_25kv\"", "electrification = \"ac_25_kv\"", &["run.electrification = \"ac_25_kv\": \
+        unknown word, did you mean \"ac_25kv\"?"]),
+    ("electrification = \"ac_25kv\"", "electrification = 25000", &["run.electrification = 25000: must be one of \
+        \"ac_25kv\", \"ac_15kv\", \"dc_3kv\", \"dc_1_5kv\""]),
+    ("[catenary.registration_arms]\n", "[catenary.registration_arms]\nfree_uplift = \
+        0\n", &["catenary.registration_arms.free_uplift = 0 m: must be positive and finite"]),
     // Wrong types.
     ("duration = 7.0", "duration = \"8 s\"", &["run.duration = \"8 s\": must be a positive number in s"]),
     ("allow_supercritical = false", "allow_supercritical = 0", &["run.allow_supercritical = 0: must be true or false"]),
-    ("positions = [5.0, 10.5,", "positions = [5.0, true,", &["catenary.droppers.positions[2] = true: must be a number in m"]),
-    ("masses = [7.2, 15.0]", "masses = 7.2", &["pantograph[1].masses = 7.2: must be a list of numbers in kg, at least one"]),
-    ("[[pantograph]]", "[pantograph]", &["pantograph = ", "must be at least one table under the header [[pantograph]]"]),
+    ("positions = [5.0, 10.5,", "positions = [5.0, true,", &["catenary.droppers.positions[2] = true: must be a number \
+        in m"]),
+    ("masses = [7.2, 15.0]", "masses = 7.2", &["pantograph[1].masses = 7.2: must be a list of numbers in kg, at least \
+        one"]),
+    ("[[pantograph]]", "[pantograph]", &["pantograph = ", "must be at least one table under the header \
+        [[pantograph]]"]),
     ("law = \"penalty\"", "law = 3", &["contact.law = 3: must be one of \"penalty\", \"sliding_joint\""]),
-    ("elements_per_interval = 8", "elements_per_interval = 2.5", &["catenary.mesh.elements_per_interval = 2.5: must be a whole number from 1"]),
+    ("elements_per_interval = 8", "elements_per_interval = 2.5", &["catenary.mesh.elements_per_interval = 2.5: must \
+        be a whole number from 1"]),
     ("[solver]\nmicro_step = 0.001                      # s\nrho_inf = 0.9", "", &["accepted"]),
     // Out of range, NaN, infinite.
     ("duration = 7.0", "duration = nan", &["run.duration = NaN s: must be positive and finite"]),
     ("start_x = 20.0", "start_x = inf", &["run.start_x = inf m: must be finite"]),
-    ("mass_per_length = 1.35", "mass_per_length = -1.35", &["catenary.contact_wire.mass_per_length = -1.35 kg/m: must be positive and finite"]),
+    ("mass_per_length = 1.35", "mass_per_length = -1.35", &["catenary.contact_wire.mass_per_length = -1.35 kg/m: must \
+        be positive and finite"]),
     ("span_length = 60.0", "span_length = 0.0", &["catenary.span_length = 0 m: must be positive and finite"]),
-    ("span_length = 60.0", "span_length = [60.0, 60.0]", &["catenary.span_length", "has 2 entries, must be a list of numbers in m, 10 of them"]),
-    ("stagger = [0.0]", "stagger = []", &["catenary.stagger", "has 0 entries, must be a list of numbers in m, at least one"]),
+    ("span_length = 60.0", "span_length = [60.0, 60.0]", &["catenary.span_length", "has 2 entries, must be a list of \
+        numbers in m, 10 of them"]),
+    ("stagger = [0.0]", "stagger = []", &["catenary.stagger", "has 0 entries, must be a list of numbers in m, at \
+        least one"]),
     ("spans = 10", "spans = 0", &["catenary.spans = 0: must be a whole number from 1 to 5000"]),
-    ("alpha = 0.0125", "alpha = -0.0125", &["catenary.damping.alpha = -0.0125 1/s: must be zero or positive, and finite"]),
-    ("rho_inf = 0.9", "rho_inf = 0.9\nnewton_tolerance = 10", &["solver.newton_tolerance = 10 N: must be at most 1 N, which moves the filtered force by up to 0.5 %"]),
+    ("alpha = 0.0125", "alpha = -0.0125", &["catenary.damping.alpha = -0.0125 1/s: must be zero or positive, and \
+        finite"]),
+    ("rho_inf = 0.9", "rho_inf = 0.9\nnewton_tolerance = 10", &["solver.newton_tolerance = 10 N: must be at most 1 N, \
+        which moves the filtered force by up to 0.5 %"]),
     ("rho_inf = 0.9", "rho_inf = 0.9\nnewton_tolerance = 1.0", &["accepted"]),
     ("rho_inf = 0.9", "rho_inf = 1.1", &["solver.rho_inf = 1.1: must be from 0 to 1"]),
     ("algorithm = \"auto\"", "extrapolation = 3", &["coupling.extrapolation = 3: must be a whole number from 0 to 2"]),
     ("masses = [7.2, 15.0]", "masses = [7.2, 0.0]", &["pantograph[1].masses[2] = 0 kg: must be positive and finite"]),
     ("tension = 20000.0", "tension = 1e999", &["catenary.contact_wire.tension = inf N: must be positive and finite"]),
-    ("title = \"EN 50318:2002 reference model, 250 km/h\"", "title = \"\"", &["title = \"\": must be one line that says what the scene is, not empty"]),
+    ("title = \"EN 50318:2002 reference model, 250 km/h\"", "title = \"\"", &["title = \"\": must be one line that \
+        says what the scene is, not empty"]),
     // Words.
-    ("algorithm = \"auto\"", "algorithm = \"jacobbi\"", &["coupling.algorithm = \"jacobbi\": unknown word, did you mean \"jacobi\"?", "must be one of \"auto\", \"jacobi\", \"gauss_seidel\", \"iterated\", \"interface_jacobian\""]),
-    ("\"constant_tension\"", "\"free\"", &["catenary.wire_ends = \"free\": unknown word", "must be \"constant_tension\" or \"fixed\""]),
-    ("model = \"lumped\"", "model = \"lumpd\"", &["pantograph[1].model = \"lumpd\": unknown word, did you mean \"lumped\"?"]),
+    ("algorithm = \"auto\"", "algorithm = \"jacobbi\"", &["coupling.algorithm = \"jacobbi\": unknown word, did you \
+        mean \"jacobi\"?", "must be one of \"auto\", \"jacobi\", \"gauss_seidel\", \"iterated\", \
+        \"interface_jacobian\""]),
+    ("\"constant_tension\"", "\"free\"", &["catenary.wire_ends = \"free\": unknown word", "must be \
+        \"constant_tension\" or \"fixed\""]),
+    ("model = \"lumped\"", "model = \"lumpd\"", &["pantograph[1].model = \"lumpd\": unknown word, did you mean \
+        \"lumped\"?"]),
     // Known, but not available.
-    ("\"penalty\"", "\"sliding_joint\"", &["contact.stiffness: must be left out: contact.law is \"sliding_joint\", which holds the strip on the wire", "contact.damping: must be left out"]),
+    ("\"penalty\"", "\"sliding_joint\"", &["contact.stiffness: must be left out: contact.law is \"sliding_joint\", \
+        which holds the strip on the wire", "contact.damping: must be left out"]),
     // A beam has what it needs, and nothing made for cables.
-    ("element = \"cable\"", "element = \"beam\"", &["catenary.contact_wire.beam = left out: must be given with catenary.mesh.element = \"beam\"", "torsional_stiffness = … N m²"]),
-    ("bending_stiffness = 195.0", "bending_stiffness = 195.0\nbeam = { shear_stiffness = 5.6e6, torsional_stiffness = 145.0, rotary_inertia = 1.5e-5 }", &["catenary.contact_wire.beam = { … }: must be left out with catenary.mesh.element = \"cable\", which neither shears nor twists"]),
-    ("bending_stiffness = 131.7", "bending_stiffness = 131.7\nbeam = { shear_stiffness = 5.6e6, torsional_stiffness = 145.0, rotary_inertia = 1.5e-5 }", &["catenary.messenger_wire.beam = { … }: must be left out: the messenger wire is of cable elements"]),
-    ("bending_stiffness = 195.0", "bending_stiffness = 195.0\nbeam = { shear_stiffness = 5.6e6, torsional_stiffness = 0.0, rotary_inertia = 1.5e-5 }", &["catenary.contact_wire.beam.torsional_stiffness = 0 N m²: must be positive and finite"]),
-    ("macro_step = 0.001", "macro_step = { min = 1e-4, max = 1e-2 }", &["coupling.macro_step.tolerance", "a positive number in N"]),
-    ("macro_step = 0.001", "macro_step = { tolerance = 0.0 }", &["coupling.macro_step.tolerance = 0 N: must be positive and finite"]),
-    ("macro_step = 0.001", "macro_step = { tolerance = 1.0, min = 1e-3, max = 1e-4 }", &["coupling.macro_step.max = 0.0001: must be at least min = 0.001 s"]),
-    ("macro_step = 0.001", "macro_step = { tolerance = 1.0, min = 0.1 }", &["coupling.macro_step.min = 0.1: must be at most max = 0.01 s"]),
-    ("macro_step = 0.001", "macro_step = { tolerance = 1.0, max = 9.0 }", &["coupling.macro_step.max = 9 s: must be at most run.duration = 7 s"]),
-    ("macro_step = 0.001", "macro_step = { tolerance = 1.0, maximum = 1e-2 }", &["coupling.macro_step.maximum", "did you mean"]),
-    ("macro_step = 0.001", "macro_step = 0.001\nparallel = \"on\"", &["coupling.parallel = \"on\": unknown word", "\"auto\", \"always\", \"never\""]),
-    ("rho_inf = 0.9", "formulation = \"index_1_baumgart\"", &["solver.formulation = \"index_1_baumgart\": unknown word, did you mean \"index_1_baumgarte\"?"]),
-    ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle.model is missing: must be one of \"rigid_motion\", \"vertical\", \"full\""]),
-    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], z = [0.0] }\n[coupling]", &["vehicle.motion.z = [0.0]: has 1 entries, must be a list of numbers in m, 2 of them"]),
-    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 0.0] }\n[coupling]", &["vehicle.motion.time[2] = 0 s: must be greater than the entry before it, 0 s"]),
-    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pitch = [0.0, 0.6] }\n[coupling]", &["vehicle.motion.pitch[2] = 0.6 rad: must be between -0.5 and 0.5 rad: it is the angle of a vehicle on rails"]),
-    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pitch = [0.0] }\n[coupling]", &["vehicle.motion.pitch = [0.0]: has 1 entries, must be a list of numbers in rad, 2 of them"]),
-    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pich = [0.0, 0.0] }\n[coupling]", &["pich", "pitch"]),
-    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], x = [0.0, 1e4] }\n[coupling]", &["vehicle.motion.x = 10000 m: takes the strip of pantograph[1] off the line, which is from 0 to", "at t = 1.000 s"]),
-    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { file = \"a.csv\", z = [0.0] }\n[coupling]", &["vehicle.motion.z: must be left out: file is given"]),
+    ("element = \"cable\"", "element = \"beam\"", &["catenary.contact_wire.beam = left out: must be given with \
+        catenary.mesh.element = \"beam\"", "torsional_stiffness = … N m²"]),
+    ("bending_stiffness = 195.0", "bending_stiffness = 195.0\nbeam = { shear_stiffness = 5.6e6, torsional_stiffness = \
+        145.0, rotary_inertia = 1.5e-5 }", &["catenary.contact_wire.beam = { … }: must be left out with \
+        catenary.mesh.element = \"cable\", which neither shears nor twists"]),
+    ("bending_stiffness = 131.7", "bending_stiffness = 131.7\nbeam = { shear_stiffness = 5.6e6, torsional_stiffness = \
+        145.0, rotary_inertia = 1.5e-5 }", &["catenary.messenger_wire.beam = { … }: must be left out: the messenger \
+        wire is of cable elements"]),
+    ("bending_stiffness = 195.0", "bending_stiffness = 195.0\nbeam = { shear_stiffness = 5.6e6, torsional_stiffness = \
+        0.0, rotary_inertia = 1.5e-5 }", &["catenary.contact_wire.beam.torsional_stiffness = 0 N m²: must be positive \
+        and finite"]),
+    ("macro_step = 0.001", "macro_step = { min = 1e-4, max = 1e-2 }", &["coupling.macro_step.tolerance", "a positive \
+        number in N"]),
+    ("macro_step = 0.001", "macro_step = { tolerance = 0.0 }", &["coupling.macro_step.tolerance = 0 N: must be \
+        positive and finite"]),
+    ("macro_step = 0.001", "macro_step = { tolerance = 1.0, min = 1e-3, max = 1e-4 }", &["coupling.macro_step.max = \
+        0.0001: must be at least min = 0.001 s"]),
+    ("macro_step = 0.001", "macro_step = { tolerance = 1.0, min = 0.1 }", &["coupling.macro_step.min = 0.1: must be \
+        at most max = 0.01 s"]),
+    ("macro_step = 0.001", "macro_step = { tolerance = 1.0, max = 9.0 }", &["coupling.macro_step.max = 9 s: must be \
+        at most run.duration = 7 s"]),
+    ("macro_step = 0.001", "macro_step = { tolerance = 1.0, maximum = 1e-2 }", &["coupling.macro_step.maximum", "did \
+        you mean"]),
+    ("macro_step = 0.001", "macro_step = 0.001\nparallel = \"on\"", &["coupling.parallel = \"on\": unknown \
+        word", "\"auto\", \"always\", \"never\""]),
+    ("rho_inf = 0.9", "formulation = \"index_1_baumgart\"", &["solver.formulation = \"index_1_baumgart\": unknown \
+        word, did you mean \"index_1_baumgarte\"?"]),
+    ("[coupling]", "[vehicle]\nspeed = 1\n[coupling]", &["vehicle.model is missing: must be one of \"rigid_motion\", \
+        \"vertical\", \"full\""]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], z = [0.0] \
+        }\n[coupling]", &["vehicle.motion.z = [0.0]: has 1 entries, must be a list of numbers in m, 2 of them"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 0.0] \
+        }\n[coupling]", &["vehicle.motion.time[2] = 0 s: must be greater than the entry before it, 0 s"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pitch = [0.0, 0.6] \
+        }\n[coupling]", &["vehicle.motion.pitch[2] = 0.6 rad: must be between -0.5 and 0.5 rad: it is the angle of a \
+        vehicle on rails"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pitch = [0.0] \
+        }\n[coupling]", &["vehicle.motion.pitch = [0.0]: has 1 entries, must be a list of numbers in rad, 2 of them"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], pich = [0.0, 0.0] \
+        }\n[coupling]", &["pich", "pitch"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { time = [0.0, 1.0], x = [0.0, 1e4] \
+        }\n[coupling]", &["vehicle.motion.x = 10000 m: takes the strip of pantograph[1] off the line, which is from 0 \
+        to", "at t = 1.000 s"]),
+    ("[coupling]", "[vehicle]\nmodel = \"rigid_motion\"\nmotion = { file = \"a.csv\", z = [0.0] \
+        }\n[coupling]", &["vehicle.motion.z: must be left out: file is given"]),
     ("[coupling]", "[track]\n[coupling]", &["track: must be left out: no wheel runs on it"]),
-    ("[coupling]", "[track]\ncurve = 1\n[coupling]", &["track.curve = 1: must be a table under the header [track.curve], or several under [[track.curve]]"]),
-    ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind.yaw_deg is missing: must be a number from -180 to 180", "wind.air_density is missing: must be a positive number in kg/m³"]),
-    ("[coupling]", "[wind]\nspeed = -1\nyaw_deg = 200\nair_density = 0\n[coupling]", &["wind.speed = -1 m/s: must be zero or positive", "wind.yaw_deg = 200: must be from -180 to 180", "wind.air_density = 0 kg/m³: must be positive"]),
-    ("[coupling]", "[wind]\nspeed = 200\nyaw_deg = 0\nair_density = 1.2\n[coupling]", &["wind.speed = 200: must be a speed in m/s, at most 120 m/s"]),
-    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\nturbulence = { spectrum = \"kaiman\", intensities = [0.1, 0.1], length_scales = [100, 50, 0], coherence_decays = [10, 10, 10], seed = 1, steps = 1000 }\n[coupling]", &["wind.turbulence.spectrum = \"kaiman\": unknown word, did you mean \"kaimal\"?", "wind.turbulence.intensities", "wind.turbulence.length_scales[3] = 0 m: must be positive", "wind.turbulence.steps = 1000: must be a power of two, such as 1024"]),
-    ("[coupling]", "[wind]\nspeed = 0\nyaw_deg = 0\nair_density = 1.2\nturbulence = { spectrum = \"kaimal\", intensities = [0.1, 0.1, 0.1], length_scales = [100, 50, 20], coherence_decays = [10, 10, 10], seed = 1, steps = 64 }\n[coupling]", &["wind.speed = 0 m/s: must be positive with wind.turbulence", "wind.turbulence.steps = 64: must be at least 256: the field would repeat itself after 3.2 s"]),
-    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\npantograph = { }\n[coupling]", &["wind.pantograph.uplift is missing: must be a number in N/(m/s)²"]),
-    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\npantograph = { uplift = [0.01, 0.02] }\n[coupling]", &["wind.pantograph.uplift = [0.01, 0.02] N/(m/s)²: must be one number, or 1 of them"]),
-    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\n[[wind.pantograph.surfaces]]\nbody = \"head\"\ndrag = 0.1\nlift = [0.1, 0.2]\n[coupling]", &["wind.pantograph.surfaces[1].lift = [0.1, 0.2]: has 2 entries, must be one number, or angles_deg be given"]),
-    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\n[[wind.pantograph.surfaces]]\nbody = \"head\"\ndrag = 0.1\nlift = 0.1\n[coupling]", &["wind.pantograph.surfaces = […]: must be left out, and uplift given: pantograph[1] is lumped"]),
-    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 90\nair_density = 1.2\nwires = { drag_coefficient = 1.2, contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011 }\n[model]\nreduce = [\"planar\"]\n[coupling]", &["model.reduce = \"planar\": must be left out: wind.yaw_deg = 90 pushes the wires sideways"]),
-    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\nwires = { drag_coefficient = 1.2, contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011 }\n[model]\nreduce = [\"window\"]\n[coupling]", &["model.reduce = \"window\": must be left out: wind.wires acts on every span"]),
-    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\nrecord = [[0, 1, 2, 3], [0, 1, 2, 3]]\n[coupling]", &["wind.record = [2 rows]: row 2: time = 0 s: must be after 0 s"]),
-    ("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]", &["model.reduce = \"linkage\": must be left out: no pantograph is a linkage"]),
-    ("[coupling]", "[model]\nreduce = [\"plannar\"]\n[coupling]", &["model.reduce[1] = \"plannar\": unknown word, did you mean \"planar\"?"]),
-    ("[coupling]", "[model]\nreduce = \"all\"\n[coupling]", &["model.reduce = \"all\": unknown word", "must be one of \"auto\", \"none\", \"planar\""]),
-    ("corrections = \"auto\"", "corrections = [\"bending_layer\"]", &["catenary.mesh.corrections[1] = \"bending_layer\": unknown word, did you mean \"bending_layers\"?"]),
-    ("corrections = \"auto\"", "corrections = [\"dropper_compliance\"]", &["catenary.mesh.corrections[1] = \"dropper_compliance\": not modelled yet", "\"mass_correction\""]),
-    ("corrections = \"auto\"", "error_percent = 1.0", &["catenary.mesh.elements_per_interval: must be left out: catenary.mesh.error_percent chooses it"]),
-    ("elements_per_interval = 8", "error_percent = 1.0", &["catenary.mesh.corrections: must be left out: catenary.mesh.error_percent chooses it"]),
+    ("[coupling]", "[track]\ncurve = 1\n[coupling]", &["track.curve = 1: must be a table under the header \
+        [track.curve], or several under [[track.curve]]"]),
+    ("[coupling]", "[wind]\nspeed = 20\n[coupling]", &["wind.yaw_deg is missing: must be a number from -180 to \
+        180", "wind.air_density is missing: must be a positive number in kg/m³"]),
+    ("[coupling]", "[wind]\nspeed = -1\nyaw_deg = 200\nair_density = 0\n[coupling]", &["wind.speed = -1 m/s: must be \
+        zero or positive", "wind.yaw_deg = 200: must be from -180 to 180", "wind.air_density = 0 kg/m³: must be \
+        positive"]),
+    ("[coupling]", "[wind]\nspeed = 200\nyaw_deg = 0\nair_density = 1.2\n[coupling]", &["wind.speed = 200: must be a \
+        speed in m/s, at most 120 m/s"]),
+    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\nturbulence = { spectrum = \"kaiman\", \
+        intensities = [0.1, 0.1], length_scales = [100, 50, 0], coherence_decays = [10, 10, 10], seed = 1, steps = \
+        1000 }\n[coupling]", &["wind.turbulence.spectrum = \"kaiman\": unknown word, did you mean \
+        \"kaimal\"?", "wind.turbulence.intensities", "wind.turbulence.length_scales[3] = 0 m: must be \
+        positive", "wind.turbulence.steps = 1000: must be a power of two, such as 1024"]),
+    ("[coupling]", "[wind]\nspeed = 0\nyaw_deg = 0\nair_density = 1.2\nturbulence = { spectrum = \"kaimal\", \
+        intensities = [0.1, 0.1, 0.1], length_scales = [100, 50, 20], coherence_decays = [10, 10, 10], seed = 1, \
+        steps = 64 }\n[coupling]", &["wind.speed = 0 m/s: must be positive with \
+        wind.turbulence", "wind.turbulence.steps = 64: must be at least 256: the field would repeat itself after 3.2 \
+        s"]),
+    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\npantograph = { \
+        }\n[coupling]", &["wind.pantograph.uplift is missing: must be a number in N/(m/s)²"]),
+    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\npantograph = { uplift = [0.01, 0.02] \
+        }\n[coupling]", &["wind.pantograph.uplift = [0.01, 0.02] N/(m/s)²: must be one number, or 1 of them"]),
+    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\n[[wind.pantograph.surfaces]]\nbody = \
+        \"head\"\ndrag = 0.1\nlift = [0.1, 0.2]\n[coupling]", &["wind.pantograph.surfaces[1].lift = [0.1, 0.2]: has 2 \
+        entries, must be one number, or angles_deg be given"]),
+    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\n[[wind.pantograph.surfaces]]\nbody = \
+        \"head\"\ndrag = 0.1\nlift = 0.1\n[coupling]", &["wind.pantograph.surfaces = […]: must be left out, and \
+        uplift given: pantograph[1] is lumped"]),
+    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 90\nair_density = 1.2\nwires = { drag_coefficient = 1.2, \
+        contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011 }\n[model]\nreduce = \
+        [\"planar\"]\n[coupling]", &["model.reduce = \"planar\": must be left out: wind.yaw_deg = 90 pushes the wires \
+        sideways"]),
+    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\nwires = { drag_coefficient = 1.2, \
+        contact_wire_diameter = 0.012, messenger_wire_diameter = 0.011 }\n[model]\nreduce = \
+        [\"window\"]\n[coupling]", &["model.reduce = \"window\": must be left out: wind.wires acts on every span"]),
+    ("[coupling]", "[wind]\nspeed = 20\nyaw_deg = 0\nair_density = 1.2\nrecord = [[0, 1, 2, 3], [0, 1, 2, \
+        3]]\n[coupling]", &["wind.record = [2 rows]: row 2: time = 0 s: must be after 0 s"]),
+    ("[coupling]", "[model]\nreduce = [\"linkage\"]\n[coupling]", &["model.reduce = \"linkage\": must be left out: no \
+        pantograph is a linkage"]),
+    ("[coupling]", "[model]\nreduce = [\"plannar\"]\n[coupling]", &["model.reduce[1] = \"plannar\": unknown word, did \
+        you mean \"planar\"?"]),
+    ("[coupling]", "[model]\nreduce = \"all\"\n[coupling]", &["model.reduce = \"all\": unknown word", "must be one of \
+        \"auto\", \"none\", \"planar\""]),
+    ("corrections = \"auto\"", "corrections = [\"bending_layer\"]", &["catenary.mesh.corrections[1] = \
+        \"bending_layer\": unknown word, did you mean \"bending_layers\"?"]),
+    ("corrections = \"auto\"", "corrections = [\"dropper_compliance\"]", &["catenary.mesh.corrections[1] = \
+        \"dropper_compliance\": not modelled yet", "\"mass_correction\""]),
+    ("corrections = \"auto\"", "error_percent = 1.0", &["catenary.mesh.elements_per_interval: must be left out: \
+        catenary.mesh.error_percent chooses it"]),
+    ("elements_per_interval = 8", "error_percent = 1.0", &["catenary.mesh.corrections: must be left out: \
+        catenary.mesh.error_percent chooses it"]),
     (MESH, "error_percent = 0.0", &["catenary.mesh.error_percent = 0 %: must be positive"]),
     (MESH, "error_percent = 0.1", &["catenary.mesh.error_percent = 0.1 %: must be at least 0.3 %"]),
-    (MESH, "", &["catenary.mesh.elements_per_interval is missing: must be a whole number from 1 to 200, or element_length in m or error_percent in its place"]),
-    (MESH, "elements_per_interval = 8\nelement_length = 0.9", &["catenary.mesh.element_length: must be left out: catenary.mesh.elements_per_interval divides the intervals; one of the two"]),
-    (MESH, "element_length = 0.9\nerror_percent = 1.0", &["catenary.mesh.element_length: must be left out: catenary.mesh.error_percent chooses it"]),
+    (MESH, "", &["catenary.mesh.elements_per_interval is missing: must be a whole number from 1 to 200, or \
+        element_length in m or error_percent in its place"]),
+    (MESH, "elements_per_interval = 8\nelement_length = 0.9", &["catenary.mesh.element_length: must be left out: \
+        catenary.mesh.elements_per_interval divides the intervals; one of the two"]),
+    (MESH, "element_length = 0.9\nerror_percent = 1.0", &["catenary.mesh.element_length: must be left out: \
+        catenary.mesh.error_percent chooses it"]),
     (MESH, "element_length = -0.9", &["catenary.mesh.element_length = -0.9 m: must be positive and finite"]),
     (MESH, "element_length = 0.0", &["catenary.mesh.element_length = 0 m: must be positive and finite"]),
     (MESH, "element_length = \"short\"", &["catenary.mesh.element_length = \"short\": must be a positive number in m"]),
-    (MESH, "element_length = 0.0324", &["catenary.mesh.element_length = 0.0324 m: must be at least 0.0325 m: an interval between droppers, here up to 6.5 m, has at most 200 elements"]),
+    (MESH, "element_length = 0.0324", &["catenary.mesh.element_length = 0.0324 m: must be at least 0.0325 m: an \
+        interval between droppers, here up to 6.5 m, has at most 200 elements"]),
     (MESH, "element_lenght = 0.9", &["catenary.mesh.element_lenght: unknown key, did you mean \"element_length\"?"]),
-    ("[catenary]\n", "[catenary]\nfmu = \"line.fmu\"\n", &["catenary.spans: must be left out: fmu is given", "catenary.droppers: must be left out", "contact: must be left out: an FMU given as catenary has its own contact law"]),
+    ("[catenary]\n", "[catenary]\nfmu = \"line.fmu\"\n", &["catenary.spans: must be left out: fmu is \
+        given", "catenary.droppers: must be left out", "contact: must be left out: an FMU given as catenary has its \
+        own contact law"]),
     // Contradictions.
-    ("duration = 7.0", "duration = 80.0", &["run.duration = 80 s: must be at most 8.352 s", "pantograph[1] would leave the line, which ends at 600 m"]),
-    ("start_x = 20.0", "start_x = -1.0", &["run.start_x = -1 m: the strip of pantograph[1] starts at x = -1 m, must be on the line, before its end at 600 m"]),
-    ("start_x = 20.0", "start_x = 0.0", &["run.start_x = 0 m: the strip of pantograph[1] starts at x = 0 m, must be 0.01 m or more from the end of the line at 0 m"]),
-    ("speed_kmh = 250.0 ", "speed_kmh = 500.0 ", &["run.speed_kmh = 500 km/h: must be below 438.2 km/h", "121.72 m/s", "allow_supercritical"]),
+    ("duration = 7.0", "duration = 80.0", &["run.duration = 80 s: must be at most 8.352 s", "pantograph[1] would \
+        leave the line, which ends at 600 m"]),
+    ("start_x = 20.0", "start_x = -1.0", &["run.start_x = -1 m: the strip of pantograph[1] starts at x = -1 m, must \
+        be on the line, before its end at 600 m"]),
+    ("start_x = 20.0", "start_x = 0.0", &["run.start_x = 0 m: the strip of pantograph[1] starts at x = 0 m, must be \
+        0.01 m or more from the end of the line at 0 m"]),
+    ("speed_kmh = 250.0 ", "speed_kmh = 500.0 ", &["run.speed_kmh = 500 km/h: must be below 438.2 km/h", "121.72 \
+        m/s", "allow_supercritical"]),
     ("spans = [5, 6]", "spans = [6, 5]", &["run.evaluate.spans = [6, 5]: must be two spans from 1 to 10"]),
     ("spans = [5, 6]", "spans = [5, 11]", &["run.evaluate.spans = [5, 11]: must be two spans from 1 to 10"]),
-    ("spans = [5, 6]", "spans = [1, 2]", &["run.evaluate.spans = [1, 2]: must lie within the run", "from 0 m to 120 m", "from 20.000 m to 506.111 m"]),
+    ("spans = [5, 6]", "spans = [1, 2]", &["run.evaluate.spans = [1, 2]: must lie within the run", "from 0 m to 120 \
+        m", "from 20.000 m to 506.111 m"]),
     ("{ spans = [5, 6] }", "{ time = [2.0, 9.0] }", &["run.evaluate.time = [2, 9] s", "up to run.duration = 7 s"]),
-    ("{ spans = [5, 6] }", "{ spans = [5, 6], time = [2.0, 3.0] }", &["run.evaluate.spans", "either spans or time, not both"]),
-    ("tension = 20000.0", "tension = 20000.0\nbreaking_force = 15000.0", &["catenary.contact_wire.tension = 20000 N: must be below breaking_force = 15000 N"]),
-    ("49.5, 55.0]", "49.5, 60.0]", &["catenary.droppers.positions[9] = 60 m: must be inside its span, between 0 and 60 m"]),
-    ("23.5, 30.0", "23.5, 20.0", &["catenary.droppers.positions[5] = 20 m: must be greater than the position before it, 23.5 m"]),
-    ("mass = 0.0 ", "lengths = [1.0]\nmass = 0.0 ", &["catenary.droppers.lengths = [1.0] m: must be left out with catenary.statics = \"form_finding\""]),
-    ("23.5, 30.0", "23.5, 23.55", &["catenary.droppers.positions[5] = 23.55 m: must be at least 0.1 m from the position before it, at 23.5 m"]),
-    ("positions = [5.0,", "positions = [0.05,", &["catenary.droppers.positions[1] = 0.05 m: must be at least 0.1 m from the support, at 0 m"]),
-    ("49.5, 55.0]", "49.5, 59.9999999]", &["catenary.droppers.positions[9] = 59.9999999 m: must be at least 0.1 m from the support, at 60 m"]),
+    ("{ spans = [5, 6] }", "{ spans = [5, 6], time = [2.0, 3.0] }", &["run.evaluate.spans", "either spans or time, \
+        not both"]),
+    ("tension = 20000.0", "tension = 20000.0\nbreaking_force = 15000.0", &["catenary.contact_wire.tension = 20000 N: \
+        must be below breaking_force = 15000 N"]),
+    ("49.5, 55.0]", "49.5, 60.0]", &["catenary.droppers.positions[9] = 60 m: must be inside its span, between 0 and \
+        60 m"]),
+    ("23.5, 30.0", "23.5, 20.0", &["catenary.droppers.positions[5] = 20 m: must be greater than the position before \
+        it, 23.5 m"]),
+    ("mass = 0.0 ", "lengths = [1.0]\nmass = 0.0 ", &["catenary.droppers.lengths = [1.0] m: must be left out with \
+        catenary.statics = \"form_finding\""]),
+    ("23.5, 30.0", "23.5, 23.55", &["catenary.droppers.positions[5] = 23.55 m: must be at least 0.1 m from the \
+        position before it, at 23.5 m"]),
+    ("positions = [5.0,", "positions = [0.05,", &["catenary.droppers.positions[1] = 0.05 m: must be at least 0.1 m \
+        from the support, at 0 m"]),
+    ("49.5, 55.0]", "49.5, 59.9999999]", &["catenary.droppers.positions[9] = 59.9999999 m: must be at least 0.1 m \
+        from the support, at 60 m"]),
     ("49.5, 55.0]", "49.5, 59.9]", &["accepted"]),
-    ("span_length = 60.0", "span_length = 1e9", &["catenary.span_length = 1000000000 m: must be at most 5000 m, each span"]),
-    ("dampings = [10.0, 90.0]", "dampings = [10.0]", &["pantograph[1].dampings = 1 entries: must have 2, one per mass"]),
+    ("span_length = 60.0", "span_length = 1e9", &["catenary.span_length = 1000000000 m: must be at most 5000 m, each \
+        span"]),
+    ("dampings = [10.0, 90.0]", "dampings = [10.0]", &["pantograph[1].dampings = 1 entries: must have 2, one per \
+        mass"]),
     ("stiffnesses = [4200.0,", "stiffnesses = [0.0,", &["pantograph[1].stiffnesses[1] = 0 N/m: must be positive"]),
-    ("stagger = [0.0]", "stagger = [0.2, -0.7]", &["catenary.stagger[2] = -0.7 m: must be within ±0.6 m, half the width of the strip of pantograph[1]"]),
+    ("stagger = [0.0]", "stagger = [0.2, -0.7]", &["catenary.stagger[2] = -0.7 m: must be within ±0.6 m, half the \
+        width of the strip of pantograph[1]"]),
     ("macro_step = 0.001", "macro_step = 9.0", &["coupling.macro_step = 9 s: must be at most run.duration = 7 s"]),
     ("macro_step = 0.001", "macro_step = 1e-12", &["coupling.macro_step = 1e-12 s: must be at least 7e-8 s"]),
     ("output_step = 0.001", "output_step = 0.05", &["run.low_pass_hz = 20 Hz: must be below 10 Hz"]),
-    ("model = \"lumped\"", "fmu = \"vendor/panto.fmu\"\nmodel = \"lumped\"", &["pantograph[1].model: must be left out: fmu is given", "pantograph[1].static_force: must be left out", "pantograph[1].masses: must be left out"]),
+    ("model = \"lumped\"", "fmu = \"vendor/panto.fmu\"\nmodel = \"lumped\"", &["pantograph[1].model: must be left \
+        out: fmu is given", "pantograph[1].static_force: must be left out", "pantograph[1].masses: must be left out"]),
 ];
 
 #[test]
@@ -255,21 +358,32 @@ fn a_line_counts_the_same_with_carriage_returns() {
 fn a_wrong_linkage_is_refused() {
     #[rustfmt::skip]
     let edits: &[(&str, &str, &[&str])] = &[
-        ("second = \"lower_arm\"", "second = \"lower_harm\"", &["pantograph[1].joints[1].second = \"lower_harm\": no such body", "\"upper_arm\"", "\"base\""]),
+        ("second = \"lower_arm\"", "second = \"lower_harm\"", &["pantograph[1].joints[1].second = \"lower_harm\": no \
+            such body", "\"upper_arm\"", "\"base\""]),
         ("body = \"pan_head\"", "body = \"head\"", &["pantograph[1].strip.body = \"head\": no such body"]),
-        ("inertia = [0.31, 10.43, 10.65]", "inertia = [0.31, 10.43, 20.0]", &["pantograph[1].bodies[1].inertia = [0.31, 10.43, 20.0] kg m²", "20 kg m² is more than the other two together"]),
-        ("inertia = [0.31, 10.43, 10.65]", "inertia = [0.31, 10.43, -1.0]", &["pantograph[1].bodies[1].inertia[3] = -1 kg m²: must be positive and finite"]),
-        ("inertia = [0.31, 10.43, 10.65]", "inertia = [0.31, 10.43]", &["pantograph[1].bodies[1].inertia", "3 of them"]),
+        ("inertia = [0.31, 10.43, 10.65]", "inertia = [0.31, 10.43, 20.0]", &["pantograph[1].bodies[1].inertia = \
+            [0.31, 10.43, 20.0] kg m²", "20 kg m² is more than the other two together"]),
+        ("inertia = [0.31, 10.43, 10.65]", "inertia = [0.31, 10.43, -1.0]", &["pantograph[1].bodies[1].inertia[3] = \
+            -1 kg m²: must be positive and finite"]),
+        ("inertia = [0.31, 10.43, 10.65]", "inertia = [0.31, 10.43]", &["pantograph[1].bodies[1].inertia", "3 of \
+            them"]),
         ("mass = 32.18", "mass = -32.18", &["pantograph[1].bodies[1].mass = -32.18 kg: must be positive and finite"]),
-        ("name = \"upper_arm\"", "name = \"lower_arm\"", &["pantograph[1].bodies[2].name = \"lower_arm\": must be unique"]),
+        ("name = \"upper_arm\"", "name = \"lower_arm\"", &["pantograph[1].bodies[2].name = \"lower_arm\": must be \
+            unique"]),
         ("name = \"upper_arm\"", "name = \"base\"", &["pantograph[1].bodies[2].name = \"base\": is taken"]),
-        ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 0.0, 0.0]", &["pantograph[1].joints[1].axis = [0.0, 0.0, 0.0]: must have a direction"]),
-        ("kind = \"revolute\"", "kind = \"revolt\"", &["pantograph[1].joints[1].kind = \"revolt\": unknown word, did you mean \"revolute\"?", "\"spherical\""]),
-        ("kind = \"prismatic\"", "kind = \"revolute\"", &["pantograph[1].strip.body = \"pan_head\": must have exactly one prismatic joint", "has 0"]),
-        ("body = \"lower_arm\", distance", "body = \"plunger\", distance", &["pantograph[1].uplift.body = \"plunger\": must have a joint with the base"]),
+        ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 0.0, 0.0]", &["pantograph[1].joints[1].axis = [0.0, 0.0, 0.0]: must \
+            have a direction"]),
+        ("kind = \"revolute\"", "kind = \"revolt\"", &["pantograph[1].joints[1].kind = \"revolt\": unknown word, did \
+            you mean \"revolute\"?", "\"spherical\""]),
+        ("kind = \"prismatic\"", "kind = \"revolute\"", &["pantograph[1].strip.body = \"pan_head\": must have exactly \
+            one prismatic joint", "has 0"]),
+        ("body = \"lower_arm\", distance", "body = \"plunger\", distance", &["pantograph[1].uplift.body = \
+            \"plunger\": must have a joint with the base"]),
         ("distance = 0.9557", "distance = 1.9557", &["pantograph[1].uplift.distance = 1.9557 m: must be at most 1.6"]),
-        ("first = \"plunger\"\nsecond = \"pan_head\"", "first = \"pan_head\"\nsecond = \"pan_head\"", &["pantograph[1].joints[8].second = \"pan_head\": must differ from first"]),
-        ("base = [11.95005378, 0.0, 3.425]", "", &["pantograph[1].base is missing: must be a list of numbers in m, 3 of them"]),
+        ("first = \"plunger\"\nsecond = \"pan_head\"", "first = \"pan_head\"\nsecond = \
+            \"pan_head\"", &["pantograph[1].joints[8].second = \"pan_head\": must differ from first"]),
+        ("base = [11.95005378, 0.0, 3.425]", "", &["pantograph[1].base is missing: must be a list of numbers in m, 3 \
+            of them"]),
     ];
     for (from, to, fragments) in edits {
         holds(&message(&edited(THESIS, from, to), &[]), fragments);
@@ -308,16 +422,26 @@ fn a_wrong_supplied_pantograph_is_refused() {
         ("", &["pantograph[1].model is missing", "fmu = \"path\""]),
         ("fmu = \"\"", &["pantograph[1].fmu = \"\": must be the path of an FMU", "not empty"]),
         ("fmu = \"p.fmu\"\nmodel = \"lumped\"", &["pantograph[1].model: must be left out: fmu is given"]),
-        ("fmu = \"p.fmu\"\noutputs = { hight = { variable = \"z\" } }", &["pantograph[1].outputs.hight: unknown key, did you mean \"height\"?", "roll_rate"]),
-        ("fmu = \"p.fmu\"\noutputs = { velocity = { variable = \"v\" } }", &["pantograph[1].outputs = velocity: must name height"]),
-        ("fmu = \"p.fmu\"\noutputs = { height = { factor = 2.0 } }", &["pantograph[1].outputs.height.variable is missing"]),
-        ("fmu = \"p.fmu\"\noutputs = { height = \"z\" }", &["pantograph[1].outputs.height = \"z\": must be a table such as { variable"]),
-        ("fmu = \"p.fmu\"\ninputs = { force = { variable = \"f\", factor = 0.0 } }", &["pantograph[1].inputs.force.factor = 0: must be finite and not zero"]),
-        ("fmu = \"p.fmu\"\ninputs = { force = { variable = \"f\", offset = \"align\" } }", &["pantograph[1].inputs.force.offset = \"align\": must be a number"]),
-        ("fmu = \"p.fmu\"\nparameters = { m = [1.0] }", &["pantograph[1].parameters.m = [1.0]: must be a finite number, true, false or a string"]),
-        ("fmu = \"p.fmu\"\nenvironment = { A = \"b\" }", &["pantograph[1].environment.A = \"b\": must be left out, or isolate = true"]),
-        ("fmu = \"p.fmu\"\nisolate = true\nenvironment = { A = 1 }", &["pantograph[1].environment.A = 1: must be a string"]),
-        ("fmu = \"p.fmu\"\nisolate = true\nenvironment = { \"A=\" = \"b\" }", &["environment.\"A=\" = \"b\": must have a name without ="]),
+        ("fmu = \"p.fmu\"\noutputs = { hight = { variable = \"z\" } }", &["pantograph[1].outputs.hight: unknown key, \
+            did you mean \"height\"?", "roll_rate"]),
+        ("fmu = \"p.fmu\"\noutputs = { velocity = { variable = \"v\" } }", &["pantograph[1].outputs = velocity: must \
+            name height"]),
+        ("fmu = \"p.fmu\"\noutputs = { height = { factor = 2.0 } }", &["pantograph[1].outputs.height.variable is \
+            missing"]),
+        ("fmu = \"p.fmu\"\noutputs = { height = \"z\" }", &["pantograph[1].outputs.height = \"z\": must be a table \
+            such as { variable"]),
+        ("fmu = \"p.fmu\"\ninputs = { force = { variable = \"f\", factor = 0.0 } \
+            }", &["pantograph[1].inputs.force.factor = 0: must be finite and not zero"]),
+        ("fmu = \"p.fmu\"\ninputs = { force = { variable = \"f\", offset = \"align\" } \
+            }", &["pantograph[1].inputs.force.offset = \"align\": must be a number"]),
+        ("fmu = \"p.fmu\"\nparameters = { m = [1.0] }", &["pantograph[1].parameters.m = [1.0]: must be a finite \
+            number, true, false or a string"]),
+        ("fmu = \"p.fmu\"\nenvironment = { A = \"b\" }", &["pantograph[1].environment.A = \"b\": must be left out, or \
+            isolate = true"]),
+        ("fmu = \"p.fmu\"\nisolate = true\nenvironment = { A = 1 }", &["pantograph[1].environment.A = 1: must be a \
+            string"]),
+        ("fmu = \"p.fmu\"\nisolate = true\nenvironment = { \"A=\" = \"b\" }", &["environment.\"A=\" = \"b\": must \
+            have a name without ="]),
         ("fmu = \"p.fmu\"\nstep_timeout = 0", &["pantograph[1].step_timeout = 0 s: must be positive and finite"]),
     ];
     for (keys, fragments) in cases {
@@ -432,7 +556,8 @@ fn all_problems_are_reported_at_once_in_the_order_of_the_file() {
 fn a_wrong_override_is_refused_with_its_own_text() {
     #[rustfmt::skip]
     let cases: &[(&str, &[&str])] = &[
-        ("run.speed_kmh=-250", &["x.toml: --set run.speed_kmh=-250: run.speed_kmh = -250 km/h: must be positive and finite"]),
+        ("run.speed_kmh=-250", &["x.toml: --set run.speed_kmh=-250: run.speed_kmh = -250 km/h: must be positive and \
+            finite"]),
         ("run.duration=nan", &["run.duration = NaN s: must be positive"]),
         ("coupling.macro_step=0.0", &["coupling.macro_step = 0 s: must be positive"]),
         ("coupling.algorithm=\"jacobbi\"", &["\"jacobbi\": unknown word, did you mean \"jacobi\"?"]),
@@ -454,7 +579,8 @@ fn a_wrong_override_is_refused_with_its_own_text() {
         ),
         ("pantograph.1.static_force=3", &["and no .1"]),
         ("run=3", &["run = 3: must be a table"]),
-        ("pantograph[1].masses[2]=-1", &["--set pantograph[1].masses[2]=-1: pantograph[1].masses[2] = -1 kg: must be positive and finite"]),
+        ("pantograph[1].masses[2]=-1", &["--set pantograph[1].masses[2]=-1: pantograph[1].masses[2] = -1 kg: must be \
+            positive and finite"]),
         ("run.duration=80", &["--set run.duration=80: run.duration = 80 s: must be at most"]),
     ];
     for (text, fragments) in cases {
@@ -493,7 +619,8 @@ const CURVES: &[(&str, &[&str])] = &[
     (
         "track.curve.transition=12",
         &[
-            "track.curve.transition = 12 m: must be 14.286 m or more: with cant = 0.1 m the track is twisted by 8.3 mm per m",
+            "track.curve.transition = 12 m: must be 14.286 m or more: with cant = 0.1 m the track is twisted by 8.3 \
+                mm per m",
         ],
     ),
     (
@@ -506,7 +633,8 @@ const CURVES: &[(&str, &[&str])] = &[
     (
         "track.curve.rounding=0.5",
         &[
-            "track.curve.rounding = 0.5 m: must be 0.556 m or more, 10 internal steps of 1.000 ms at run.speed_kmh = 200.0",
+            "track.curve.rounding = 0.5 m: must be 0.556 m or more, 10 internal steps of 1.000 ms at run.speed_kmh = \
+                200.0",
         ],
     ),
     (
@@ -536,7 +664,8 @@ const CURVES: &[(&str, &[&str])] = &[
     ),
 ];
 
-const CURVE: &str = "track.curve={ radius = 1500.0, direction = \"left\", cant = 0.1, start = 100.0, transition = 80.0, length = 200.0, \
+const CURVE: &str = "track.curve={ radius = 1500.0, direction = \"left\", cant = 0.1, start = 100.0, transition = \
+    80.0, length = 200.0, \
                      rounding = 6.0 }";
 
 #[test]
@@ -632,7 +761,8 @@ fn a_window_over_spans_that_are_divided_differently_is_refused() {
         message(EN, &[lengths, reduce, &format!("catenary.mesh={{ {mesh} }}")])
     };
     let refused = line("element_length = 0.93");
-    let reason = "model.reduce = \"window\": must be left out: catenary.mesh divides each wire into 66 elements in span 1 and otherwise";
+    let reason = "model.reduce = \"window\": must be left out: catenary.mesh divides each wire into 66 elements in \
+        span 1 and otherwise";
     holds(
         &refused,
         &[reason, "in span 7; elements_per_interval divides all spans alike"],
@@ -742,7 +872,8 @@ fn a_strip_on_a_base_beside_the_middle_must_reach_the_wire() {
     holds(
         &message(VEHICLE, &[&base(-0.9)]),
         &[
-            "catenary.stagger[1] = 0 m: must be within ±0.8 m of -0.9 m, the y of vehicle.pantograph_base, half the width of the strip",
+            "catenary.stagger[1] = 0 m: must be within ±0.8 m of -0.9 m, the y of vehicle.pantograph_base, half the \
+                width of the strip",
         ],
     );
 }
@@ -860,11 +991,13 @@ fn values_in_another_unit_are_refused_with_what_was_likely_meant() {
         ),
         (
             "catenary.contact_wire.tension=15",
-            "catenary.contact_wire.tension = 15 N: must be at least 100 N for a wire to hang straight; 15 kN are 15000 N",
+            "catenary.contact_wire.tension = 15 N: must be at least 100 N for a wire to hang straight; 15 kN are \
+                15000 N",
         ),
         (
             "catenary.messenger_wire.tension=16",
-            "catenary.messenger_wire.tension = 16 N: must be at least 100 N for a wire to hang straight; 16 kN are 16000 N",
+            "catenary.messenger_wire.tension = 16 N: must be at least 100 N for a wire to hang straight; 16 kN are \
+                16000 N",
         ),
     ] {
         assert_eq!(message(EN, &[set]), format!("x.toml: --set {set}: {told}"));

@@ -1,6 +1,6 @@
 //! A pantograph as one simulation unit: contact forces come in, the strip's motion goes out.
 use crate::given_motion::{Displaced, angles};
-use crate::{AppliedForce, PantographModel, VehicleError};
+use crate::{AppliedForce, PantographModel, Vehicle, VehicleError};
 use dynamics::{
     Columns, Constraint, Counters, FollowedInput, Force, Frame, Layout, Motion, Simulator, StepError, System,
 };
@@ -231,7 +231,7 @@ impl Subsystem {
     #[must_use]
     pub fn wheels(&self) -> usize {
         let vehicle = self.simulator.system.pantograph.vehicle();
-        vehicle.map_or(0, |vehicle| 2 * vehicle.wheel_count())
+        vehicle.map_or(0, Vehicle::wheel_count)
     }
 
     /// Vertical force of the rail on a wheel (from 0: left and right wheel of each wheelset in turn), N; 0 if there is

@@ -1,7 +1,8 @@
 //! FMUs in processes of their own: `isolate = true`.
 //!
 //! The child is this program again, under a subcommand that help does not show. It loads the FMU's binary, which this
-//! process then never does: an FMU that crashes, never returns or ends its process takes only the child with it, two FMUs
+//! process then never does: an FMU that crashes, never returns or ends its process takes only the child with it, two
+//! FMUs
 //! whose libraries clash do not meet, and one that needs an environment gets it.
 //!
 //! ```text
@@ -22,13 +23,16 @@
 //! - It is a process group of its own, so that Ctrl-C reaches this program only, and is killed as a group.
 //! - It ends when its socket is closed, however the parent ended: in order where it is idle, by force after
 //!   [`CLOSED_GRACE`] where the FMU holds it.
-//! - A call that takes longer than `step_timeout`, a crash or `exit()` is noticed in the child itself, which says what it
-//!   was in with an [`Obituary`](crate::import::guard::Obituary) and ends. The parent waits [`GRACE`] longer and then kills.
+//! - A call that takes longer than `step_timeout`, a crash or `exit()` is noticed in the child itself, which says what
+//! it
+//!   was in with an [`Obituary`](crate::import::guard::Obituary) and ends. The parent waits [`GRACE`] longer and then
+//! kills.
 //!
 //! # Protocol, version 1
 //!
 //! Both directions carry frames: a length (4 bytes), then as many bytes. Numbers are little-endian: `u8`, `u32`, `i32`,
-//! `u64`, `f64` (its bits, so that nothing is rounded); a list or text is its length in a `u32`, then its elements (text:
+//! `u64`, `f64` (its bits, so that nothing is rounded); a list or text is its length in a `u32`, then its elements
+//! (text:
 //! UTF-8, or whatever the system has in paths).
 //!
 //! ```text
@@ -40,7 +44,8 @@
 //!                          0xDE obituary; the last frame
 //! ```
 //!
-//! Requests of a frame are carried out in order until one fails; a step that is discarded ends the frame as well, without
+//! Requests of a frame are carried out in order until one fails; a step that is discarded ends the frame as well,
+//! without
 //! being a failure. What only sets something has no result and is put off by the parent until something is asked for: a
 //! coupling step — restore, inputs, their derivatives, step, outputs — is one frame each way.
 
@@ -158,7 +163,8 @@ pub enum IsolationError {
         source: std::io::Error,
     },
     /// The other side is another version of the program.
-    #[error("the program {} does not speak version {expected} of the protocol: it was replaced while this one was running", program.display())]
+    #[error("the program {} does not speak version {expected} of the protocol: it was replaced while this one was \
+        running", program.display())]
     Version {
         /// The program that was started.
         program: PathBuf,

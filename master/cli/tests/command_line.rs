@@ -402,7 +402,17 @@ fn a_failed_limit_ends_with_three_after_the_results_are_written() {
     assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
 
     // Slow: no limit fails, and some are not decided.
-    let output = run_short("monolithic", &holds, &["--fail-on-limits", "--set", "run.speed_kmh=80"]);
+    let output = run_short(
+        "monolithic",
+        &holds,
+        &[
+            "--fail-on-limits",
+            "--set",
+            "run.speed_kmh=80",
+            "--set",
+            "pantograph[1].static_force=85",
+        ],
+    );
     let table = text(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{table}{}", text(&output.stderr));
     assert!(

@@ -351,7 +351,7 @@ fn a_supplied_pantograph_comes_to_rest_before_the_run() {
 /// Start values are left out: they come from the statics, to the last bit.
 #[test]
 fn the_committed_model_descriptions_are_those_of_the_variable_tables() {
-    let tree = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let tree = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let text = std::fs::read_to_string(tree.join("scenes/thesis.toml")).unwrap();
     let thesis = system::load(&text, "scenes/thesis.toml", &[]).unwrap();
     let tables = [

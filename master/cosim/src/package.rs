@@ -83,7 +83,8 @@ impl Libraries {
         [&self.catenary, &self.pantograph]
     }
 
-    /// The libraries beside the program, where `cargo build --release`, `cargo test --release` and an installation put them;
+    /// The libraries beside the program, where `cargo build --release`, `cargo test --release` and an installation put
+    /// them;
     /// looked for once per process.
     ///
     /// # Errors

@@ -385,7 +385,8 @@ fn wiring(path: &Path, inspection: &Inspection, out: &mut String) -> std::fmt::R
             if toml.contains("align") {
                 writeln!(
                     out,
-                    "  the strip starts at its own height, not at that of a wire: the table below puts it under the wire, so that no rest \
+                    "  the strip starts at its own height, not at that of a wire: the table below puts it under the \
+                        wire, so that no rest \
                      position costs static force"
                 )?;
             }

@@ -23,7 +23,8 @@ pub enum CatenaryError {
     SlidingJoint,
     /// The scene was read and its mesh not yet chosen.
     #[error(
-        "catenary.mesh leaves elements or corrections to be chosen: a resolved scene is needed, such as the scene.toml that a \
+        "catenary.mesh leaves elements or corrections to be chosen: a resolved scene is needed, such as the \
+            scene.toml that a \
          run writes"
     )]
     OpenMesh,

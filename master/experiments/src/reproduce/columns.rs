@@ -3,7 +3,7 @@
 //! | `group` | a row is |
 //! | --- | --- |
 //! | `published`, `mesh`, `reading`, `open` | a run |
-//! | `relation` | a published change on one mesh: `quantity` (mean or std) of `case`, from the case that `value` names |
+//! | `relation` | published change on one mesh: `quantity` (mean or std) of `case`, from the case of `value` |
 //! | `spread` | an open `quantity` over its values (`value`) on one mesh, in `case` |
 //!
 //! The last two have a `verdict`, its figures in `reason`, mesh and step of the runs that they stand on, and the worst

@@ -63,60 +63,12 @@ fn fmus() -> [Vec<u8>; 2] {
     [wire, package.to_bytes(Path::new("Kollektor")).unwrap()]
 }
 
-const HEAD: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
-<s:SystemStructureDescription xmlns:s="http://ssp-standard.org/SSP1/SystemStructureDescription"
-  xmlns:c="http://ssp-standard.org/SSP1/SystemStructureCommon" xmlns:v="http://ssp-standard.org/SSP1/SystemStructureParameterValues"
-  xmlns:m="http://ssp-standard.org/SSP1/SystemStructureParameterMapping" version="1.0" name="fremd">
-"#;
+const HEAD: &str = include_str!("tests/head.xml");
 
 /// Another tool's way of writing: other prefixes, connections from input to output, values inline and in files.
-const BODY: &str = r#"<s:System name="anlage" description="Operator's &quot;line&quot;">
-  <s:ParameterBindings>
-    <s:ParameterBinding source="resources/set%20one.ssv" prefix="P.">
-      <s:ParameterMapping><m:ParameterMapping version="1.0">
-        <m:MappingEntry source="P.masse" target="sammler.m1"><c:LinearTransformation factor="0.001"/></m:MappingEntry>
-      </m:ParameterMapping></s:ParameterMapping>
-    </s:ParameterBinding>
-  </s:ParameterBindings>
-  <s:Elements>
-    <s:Component name="sammler" source="resources/k.fmu">
-      <s:Connectors>
-        <s:Connector name="Fc" kind="input"><c:Real unit="N"/></s:Connector>
-        <s:Connector name="lage" kind="output"/>
-        <s:Connector name="tempo" kind="output"><c:Real unit="m/s"/></s:Connector>
-      </s:Connectors>
-      <s:ParameterBindings><s:ParameterBinding><s:ParameterValues><v:ParameterSet version="1.0" name="inline">
-        <v:Parameters>
-          <v:Parameter name="speed"><v:Real value="180" unit="km/h"/></v:Parameter>
-          <v:Parameter name="m1"><v:Real value="1"/></v:Parameter>
-          <v:Parameter name="n"><v:Integer value="4"/></v:Parameter>
-          <v:Parameter name="on"><v:Boolean value="0"/></v:Parameter>
-          <v:Parameter name="unknown"><v:Real value="0"/></v:Parameter>
-        </v:Parameters>
-        <v:Units><c:Unit name="km/h"><c:BaseUnit m="1" s="-1" factor="0.2777777777777778"/></c:Unit></v:Units>
-      </v:ParameterSet></s:ParameterValues></s:ParameterBinding></s:ParameterBindings>
-    </s:Component>
-    <s:Component name="draht" source="resources/d.fmu">
-      <s:Connectors>
-        <s:Connector name="hoehe" kind="input"/>
-        <s:Connector name="hoehenrate" kind="input"/>
-        <s:Connector name="kraft" kind="output"><c:Real unit="N"/></s:Connector>
-      </s:Connectors>
-    </s:Component>
-  </s:Elements>
-  <s:Connections>
-    <s:Connection startElement="sammler" startConnector="Fc" endElement="draht" endConnector="kraft"><c:LinearTransformation factor="-1"/></s:Connection>
-    <s:Connection startElement="sammler" startConnector="lage" endElement="draht" endConnector="hoehe"><c:LinearTransformation offset="5.3"/></s:Connection>
-    <s:Connection startElement="sammler" startConnector="tempo" endElement="draht" endConnector="hoehenrate"/>
-  </s:Connections>
-</s:System>
-<s:Units><c:Unit name="N"><c:BaseUnit kg="1" m="1" s="-2"/></c:Unit><c:Unit name="m/s"><c:BaseUnit m="1" s="-1"/></c:Unit></s:Units>
-<s:DefaultExperiment startTime="0" stopTime="4"/>
-</s:SystemStructureDescription>
-"#;
+const BODY: &str = include_str!("tests/body.xml");
 
-const SSV: &str = r#"<v:ParameterSet xmlns:v="http://ssp-standard.org/SSP1/SystemStructureParameterValues" version="1.0" name="one">
-<v:Parameters><v:Parameter name="masse"><v:Real value="8500"/></v:Parameter></v:Parameters></v:ParameterSet>"#;
+const SSV: &str = include_str!("tests/vendor.ssv");
 
 /// An archive of that body in a folder of its own.
 fn archive(body: &str) -> (TempDir, PathBuf) {
@@ -211,34 +163,116 @@ fn what_is_not_of_this_shape_is_refused_with_the_element_and_its_line() {
         BODY.replace(from, to)
     };
     let cases = [
-        (with("<s:Elements>", "<s:Elements>\n<s:System name=\"innen\"/>"), "line 14: element \"innen\": a nested system"),
         (
-            with("<s:Elements>", "<s:Elements><s:SignalDictionaryReference name=\"d\" dictionary=\"x\"/>"),
+            with("<s:Elements>", "<s:Elements>\n<s:System name=\"innen\"/>"),
+            "line 14: element \"innen\": a nested \
+            system",
+        ),
+        (
+            with(
+                "<s:Elements>",
+                "<s:Elements><s:SignalDictionaryReference name=\"d\" dictionary=\"x\"/>",
+            ),
             "element \"d\": signal dictionaries are not supported",
         ),
-        (with("endConnector=\"kraft\"", "endConnector=\"Kraft\""), "component \"draht\" has no connector \"Kraft\""),
-        (with("endElement=\"draht\" endConnector=\"hoehe\"", "endElement=\"wire\" endConnector=\"hoehe\""), "there is no component \"wire\", only \"sammler\", \"draht\""),
-        (with("name=\"Fc\" kind=\"input\"", "name=\"Fc\" kind=\"output\""), "sammler.Fc is an output in the system, but its variable in the FMU is none"),
-        (with("startConnector=\"Fc\"", "startConnector=\"lage\""), "it joins an output to an output"),
         (
-            with("startConnector=\"tempo\" endElement=\"draht\" endConnector=\"hoehenrate\"", "startConnector=\"tempo\" endElement=\"draht\" endConnector=\"hoehe\""),
+            with("endConnector=\"kraft\"", "endConnector=\"Kraft\""),
+            "component \"draht\" has no connector \"Kraft\"",
+        ),
+        (
+            with(
+                "endElement=\"draht\" endConnector=\"hoehe\"",
+                "endElement=\"wire\" endConnector=\"hoehe\"",
+            ),
+            "there is \
+            no component \"wire\", only \"sammler\", \"draht\"",
+        ),
+        (
+            with("name=\"Fc\" kind=\"input\"", "name=\"Fc\" kind=\"output\""),
+            "sammler.Fc is an output in the system, \
+            but its variable in the FMU is none",
+        ),
+        (
+            with("startConnector=\"Fc\"", "startConnector=\"lage\""),
+            "it joins an output to an output",
+        ),
+        (
+            with(
+                "startConnector=\"tempo\" endElement=\"draht\" \
+                endConnector=\"hoehenrate\"",
+                "startConnector=\"tempo\" endElement=\"draht\" endConnector=\"hoehe\"",
+            ),
             "the input \"hoehe\" is connected twice",
         ),
-        (with("<c:Real unit=\"m/s\"/>", "<c:Boolean/>"), "sammler.tempo is not real"),
-        (with("<c:LinearTransformation factor=\"-1\"/>", "<c:BooleanMappingTransformation/>"), "BooleanMappingTransformation is not supported"),
-        (with("factor=\"-1\"", "factor=\"0\""), "factor of <c:LinearTransformation> is \"0\""),
-        (with("resources/k.fmu", "../k.fmu"), "component \"sammler\": source \"../k.fmu\""),
-        (with("resources/k.fmu", "resources/x.fmu"), "there is no such file in the archive"),
-        (with("resources/k.fmu", "resources/set%20one.ssv"), "component \"sammler\""),
+        (
+            with("<c:Real unit=\"m/s\"/>", "<c:Boolean/>"),
+            "sammler.tempo is not real",
+        ),
+        (
+            with(
+                "<c:LinearTransformation \
+            factor=\"-1\"/>",
+                "<c:BooleanMappingTransformation/>",
+            ),
+            "BooleanMappingTransformation is not supported",
+        ),
+        (
+            with("factor=\"-1\"", "factor=\"0\""),
+            "factor of <c:LinearTransformation> is \"0\"",
+        ),
+        (
+            with("resources/k.fmu", "../k.fmu"),
+            "component \"sammler\": source \"../k.fmu\"",
+        ),
+        (
+            with("resources/k.fmu", "resources/x.fmu"),
+            "there is no such file in the archive",
+        ),
+        (
+            with("resources/k.fmu", "resources/set%20one.ssv"),
+            "component \"sammler\"",
+        ),
         (with("set%20one.ssv", "two.ssv"), "source \"resources/two.ssv\""),
-        (with("value=\"4\"", "value=\"four\""), "value of <v:Integer> is \"four\", expected a whole number"),
-        (with("<v:Integer value=\"4\"/>", "<v:String value=\"4\"/>"), "parameter \"n\" of component \"sammler\": the value must be of type Integer"),
-        (with("m=\"1\" s=\"-1\" factor=\"0.2777777777777778\"", "m=\"1\""), "cannot be converted to m/s, the dimensions differ"),
-        (with("source=\"resources/k.fmu\"", "source=\"resources/k.fmu\" type=\"application/x-ssp-package\""), "the type application/x-ssp-package is not supported"),
-        (BODY.replace("<s:Connection startElement=\"sammler\" startConnector=\"Fc\" endElement=\"draht\" endConnector=\"kraft\"><c:LinearTransformation factor=\"-1\"/></s:Connection>", ""), "no component is a line"),
-        (with("name=\"draht\"", "name=\"sammler\""), "the component name \"sammler\" is used twice"),
+        (
+            with("value=\"4\"", "value=\"four\""),
+            "value of <v:Integer> is \"four\", expected a whole number",
+        ),
+        (
+            with("<v:Integer value=\"4\"/>", "<v:String value=\"4\"/>"),
+            "parameter \"n\" of component \"sammler\": the \
+            value must be of type Integer",
+        ),
+        (
+            with("m=\"1\" s=\"-1\" factor=\"0.2777777777777778\"", "m=\"1\""),
+            "cannot be converted to m/s, the \
+            dimensions differ",
+        ),
+        (
+            with(
+                "source=\"resources/k.fmu\"",
+                "source=\"resources/k.fmu\" type=\"application/x-ssp-package\"",
+            ),
+            "the \
+            type application/x-ssp-package is not supported",
+        ),
+        (
+            BODY.replace(
+                "<s:Connection startElement=\"sammler\" startConnector=\"Fc\" endElement=\"draht\" \
+            endConnector=\"kraft\"><c:LinearTransformation factor=\"-1\"/></s:Connection>",
+                "",
+            ),
+            "no component is a \
+            line",
+        ),
+        (
+            with("name=\"draht\"", "name=\"sammler\""),
+            "the component name \"sammler\" is used twice",
+        ),
         (with("stopTime=\"4\"", ""), "run.duration"),
-        (with("stopTime=\"4\"", "stopTime=\"inf\""), "stopTime of <s:DefaultExperiment> is \"inf\""),
+        (
+            with("stopTime=\"4\"", "stopTime=\"inf\""),
+            "stopTime of <s:DefaultExperiment> is \"inf\"",
+        ),
         (with("startTime=\"0\"", "startTime=\"1\""), "startTime = 1 s"),
     ];
     for (body, expected) in cases {
@@ -295,23 +329,30 @@ fn two_pantographs_are_ordered_by_where_they_start() {
     };
     let component = |name: &str, i: usize| {
         format!(
-            "<s:Component name=\"{name}\" source=\"{name}.fmu\"><s:Connectors><s:Connector name=\"contact[1].fz\" kind=\"input\"/>\
+            "<s:Component name=\"{name}\" source=\"{name}.fmu\"><s:Connectors><s:Connector name=\"contact[1].fz\" \
+                kind=\"input\"/>\
              <s:Connector name=\"strip[1].z\" kind=\"output\"/></s:Connectors></s:Component><!-- {i} -->"
         )
     };
     let wires = |name: &str, i: usize| {
         format!(
-            "<s:Connection startElement=\"{name}\" startConnector=\"strip[1].z\" endElement=\"L\" endConnector=\"strip[{i}].z\"/>\
-             <s:Connection startElement=\"L\" startConnector=\"contact[{i}].fz\" endElement=\"{name}\" endConnector=\"contact[1].fz\"/>"
+            "<s:Connection startElement=\"{name}\" startConnector=\"strip[1].z\" endElement=\"L\" \
+                endConnector=\"strip[{i}].z\"/>\
+             <s:Connection startElement=\"L\" startConnector=\"contact[{i}].fz\" endElement=\"{name}\" \
+                 endConnector=\"contact[1].fz\"/>"
         )
     };
     let connectors: String = (1..=2)
         .map(|i| {
-            format!("<s:Connector name=\"strip[{i}].z\" kind=\"input\"/><s:Connector name=\"contact[{i}].fz\" kind=\"output\"/>")
+            format!(
+                "<s:Connector name=\"strip[{i}].z\" kind=\"input\"/><s:Connector name=\"contact[{i}].fz\" \
+                kind=\"output\"/>"
+            )
         })
         .collect();
     let text = format!(
-        "{HEAD}<s:System name=\"x\"><s:Elements>{}{}<s:Component name=\"L\" source=\"L.fmu\"><s:Connectors>{connectors}</s:Connectors>\
+        "{HEAD}<s:System name=\"x\"><s:Elements>{}{}<s:Component name=\"L\" \
+            source=\"L.fmu\"><s:Connectors>{connectors}</s:Connectors>\
          </s:Component></s:Elements><s:Connections>{}{}</s:Connections></s:System><s:DefaultExperiment stopTime=\"1\"/>\
          </s:SystemStructureDescription>",
         component("Back", 1),
