@@ -21,7 +21,8 @@ pub struct SavedState(pub(crate) u32);
 
 /// An instance of an FMU: the functions of FMI 2.0 [FMI 2.0, 2 and 4], wherever they are carried out.
 ///
-/// What only sets something may be put off until something is asked for, together with its errors: each error names the
+/// Calls that only set something may be put off until something is asked for, together with its errors: each error
+/// names the
 /// function that it comes from.
 ///
 /// # Errors
@@ -100,7 +101,7 @@ pub trait FmuInstance: Send {
     /// Time up to which the last step was computed, s; `None` where the FMU cannot say.
     fn last_successful_time(&mut self) -> Result<Option<f64>, InstanceError>;
 
-    /// Whether the FMU wants to end the simulation; `false` where it cannot say.
+    /// `true` where the FMU wants to end the simulation; `false` where it cannot say.
     fn wants_to_terminate(&mut self) -> Result<bool, InstanceError>;
 
     /// Saves the present state.

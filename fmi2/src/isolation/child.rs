@@ -1,4 +1,4 @@
-//! What the child does: carry out requests until its socket is closed.
+//! Work of the child: it carries out requests until its socket is closed.
 
 use std::ffi::OsStr;
 use std::io;

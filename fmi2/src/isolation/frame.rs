@@ -217,8 +217,7 @@ impl<R: Read> Receiver<R> {
     /// Content of the next frame; `None` where the other side has closed.
     ///
     /// # Errors
-    /// What the socket reports, `WouldBlock` or `TimedOut` after its time limit (what has come so far is kept), and a
-    /// frame
+    /// Errors of the socket, `WouldBlock` or `TimedOut` after its time limit (the bytes so far are kept), and a frame
     /// that is longer than any.
     pub(super) fn receive(&mut self) -> io::Result<Option<&[u8]>> {
         let length = loop {

@@ -75,7 +75,7 @@ pub use child::serve;
 /// The hidden subcommand.
 pub const SUBCOMMAND: &str = "isolated-fmu";
 
-/// Whether this program has the subcommand.
+/// `true` where this program has the subcommand.
 static SERVES: AtomicBool = AtomicBool::new(false);
 
 /// Says that this program has the subcommand, so that children are started with it.
@@ -83,16 +83,16 @@ pub fn this_program_serves() {
     SERVES.store(true, Ordering::Relaxed);
 }
 
-/// Whether it has been said that this program has the subcommand.
+/// `true` once it has been said that this program has the subcommand.
 #[must_use]
 pub fn serves() -> bool {
     SERVES.load(Ordering::Relaxed)
 }
 
-/// What the parent allows beyond the time limit before it kills the child.
+/// Time that the parent allows beyond the time limit before it kills the child.
 pub const GRACE: Duration = Duration::from_secs(2);
 
-/// What a child is given to end by itself once the parent is gone.
+/// Time that a child is given to end by itself once the parent is gone.
 pub const CLOSED_GRACE: Duration = Duration::from_secs(1);
 
 /// How an FMU is isolated.
@@ -123,15 +123,15 @@ pub struct End {
     pub fmu: PathBuf,
     /// Name of the instance, function and time.
     pub call: String,
-    /// What became of it.
+    /// Fate of the child.
     pub ending: String,
-    /// What the FMU said last, or nothing.
+    /// Last words of the FMU, or nothing.
     pub words: crate::Log,
-    /// What may help.
+    /// Remedy for the user.
     pub remedy: String,
 }
 
-/// What goes wrong with an FMU in a process of its own.
+/// Failure of an FMU in a process of its own.
 #[derive(Debug, thiserror::Error)]
 pub enum IsolationError {
     /// The FMU reports it, as it would in this process.
@@ -139,7 +139,7 @@ pub enum IsolationError {
     Reported {
         /// Message of the error on the other side.
         message: String,
-        /// What kind of error it is.
+        /// Kind of the error.
         kind: Reported,
     },
     /// The child has ended while it was asked for something.
@@ -156,7 +156,7 @@ pub enum IsolationError {
     Start {
         /// The archive.
         fmu: PathBuf,
-        /// What failed.
+        /// Action that failed.
         what: &'static str,
         /// Reason of the operating system.
         #[source]
@@ -176,7 +176,7 @@ pub enum IsolationError {
     Protocol {
         /// Name of the instance.
         instance: String,
-        /// What was found.
+        /// Finding.
         what: &'static str,
     },
     /// There are no such processes on this system.

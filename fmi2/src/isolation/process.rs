@@ -45,7 +45,7 @@ pub(super) fn program() -> io::Result<PathBuf> {
     })
 }
 
-/// What the child has printed last.
+/// Last lines that the child has printed.
 type Lines = Arc<Mutex<VecDeque<String>>>;
 
 /// A child and the thread that hands on what it prints; killed when dropped, if it has not ended.

@@ -26,7 +26,7 @@ pub(super) mod outcome {
 
 macro_rules! codes {
     ($($(#[$doc:meta])* $name:ident = $value:literal,)*) => {
-        /// What can be asked for: arguments → results.
+        /// Requests: arguments → results.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[repr(u8)]
         pub(super) enum Code { $($(#[$doc])* $name = $value,)* }

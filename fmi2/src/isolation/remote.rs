@@ -46,7 +46,7 @@ pub(super) struct Remote {
     log: VecDeque<LogMessage>,
     /// Messages that are older than the last frame of requests.
     heard: usize,
-    /// What is read after each step, the values, and whether they are of the present.
+    /// References read after each step; their values, and whether these are of the present, stand beside.
     read_after_step: Vec<u32>,
     fetched: Vec<f64>,
     fresh: bool,
@@ -251,7 +251,7 @@ impl Remote {
         }))
     }
 
-    /// What may help against the end of the child in `function`.
+    /// Remedy against the end of the child in `function`.
     fn remedy(&self, function: &str, ending: Option<Ending>) -> String {
         let user = match (ending, function) {
             (Some(Ending::TimeLimit), _) => "raise step_timeout if it needs longer",
