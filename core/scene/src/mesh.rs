@@ -17,8 +17,8 @@ pub struct Mesh {
     pub axial_strain: AxialStrain,
     /// Terms that make up for the coarseness of the mesh, in the order of [`Correction::ALL`]; empty is the plain mesh.
     pub corrections: Vec<Correction>,
-    /// Speed of the strips when the scene was read, m/s: that of the contact's residual compliance. A standstill before
-    /// the run, or another speed set later, is not another mesh.
+    /// Speed of the strips when the scene was read, m/s: that of the contact's residual compliance. A phase at rest
+    /// before the run, or another speed set later, is not another mesh.
     pub contact_speed: f64,
     /// Choice that is left to the rules of the line's physics; until it is made nothing runs.
     pub choice: MeshChoice,

@@ -24,9 +24,8 @@
 //! - It ends when its socket is closed, however the parent ended: in order where it is idle, by force after
 //!   [`CLOSED_GRACE`] where the FMU holds it.
 //! - A call that takes longer than `step_timeout`, a crash or `exit()` is noticed in the child itself, which says what
-//! it
-//!   was in with an [`Obituary`](crate::import::guard::Obituary) and ends. The parent waits [`GRACE`] longer and then
-//! kills.
+//!   it was in with an [`Obituary`](crate::import::guard::Obituary) and ends. The parent waits [`GRACE`] longer and
+//!   then kills.
 //!
 //! # Protocol, version 1
 //!

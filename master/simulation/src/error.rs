@@ -88,10 +88,16 @@ pub enum SetupError {
     Coupling(#[from] CouplingError),
     /// The phase at rest before t = 0.
     #[error(transparent)]
-    Settling(#[from] SettlingError),
+    Settling(Box<SettlingError>),
     /// A slave does not give its outputs at the start.
     #[error(transparent)]
     Slave(#[from] SlaveError),
+}
+
+impl From<SettlingError> for SetupError {
+    fn from(error: SettlingError) -> Self {
+        Self::Settling(Box::new(error))
+    }
 }
 
 impl SetupError {

@@ -187,7 +187,10 @@ impl Run {
                 return Err(error);
             }
             Err(error) => {
-                attempt.interrupted = matches!(error, SetupError::Settling(SettlingError::Interrupted { .. }));
+                attempt.interrupted = matches!(
+                    &error,
+                    SetupError::Settling(reason) if matches!(**reason, SettlingError::Interrupted { .. })
+                );
                 attempt.lost = lost_a_process(&error);
                 attempt.row.status = (!attempt.interrupted).then_some(Status::Refused);
                 attempt.row.remark(&cosim::chain(&error));
@@ -332,7 +335,7 @@ mod tests {
         };
         let ways: [fn(SlaveError) -> Box<dyn Error>; 3] = [
             |error| Box::new(Failure::Step(CouplingError::Slave(error))),
-            |error| Box::new(SetupError::Settling(SettlingError::Step(error))),
+            |error| Box::new(SetupError::from(SettlingError::Step(error))),
             |error| Box::new(SetupError::Cosimulation(CosimulationError::Slave(error))),
         ];
         for way in ways {
