@@ -22,8 +22,7 @@ pub struct SavedState(pub(crate) u32);
 /// An instance of an FMU: the functions of FMI 2.0 [FMI 2.0, 2 and 4], wherever they are carried out.
 ///
 /// Calls that only set something may be put off until something is asked for, together with its errors: each error
-/// names the
-/// function that it comes from.
+/// names the function that it comes from.
 ///
 /// # Errors
 /// All functions: [`InstanceError`] where the FMU refuses, lacks the function, or has gone down.
@@ -136,8 +135,7 @@ pub trait FmuInstance: Send {
 ///
 /// # Errors
 /// No binary for this platform, a binary that cannot be loaded, an instance that cannot be made, and what a process of
-/// its
-/// own can die of.
+/// its own can die of.
 pub fn instantiate(
     fmu: &Fmu,
     name: &str,

@@ -1,5 +1,5 @@
 //! Values that cross the coupling, declared once: name, unit, meaning and order in the flat slices of a
-//! [`Slave`](cosim::slave::Slave).
+//! `cosim::slave::Slave`.
 //!
 //! | side | inputs | outputs |
 //! | --- | --- | --- |

@@ -38,7 +38,7 @@ impl<'a> Blocks<'a> {
         Self::to(Target::Trace(sum))
     }
 
-    /// Adds to `values`; `places[i]` is the position of the i-th recorded entry, see [`Blocks::skipped`].
+    /// Adds to `values`; `places[i]` is the position of the i-th recorded entry, see `Blocks::skipped`.
     pub fn add_to(places: &'a [u32], values: &'a mut [f64]) -> Self {
         Self::to(Target::Add {
             places,

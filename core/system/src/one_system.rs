@@ -189,7 +189,7 @@ impl OneSystem {
         Ok(())
     }
 
-    /// See [`system::disturbance::Deflection`]; `amplitude` in m.
+    /// See [`crate::disturbance::Deflection`]; `amplitude` in m.
     fn deflection(&mut self, amplitude: f64) -> Result<(), OneSystemError> {
         let mut state = self.simulator.state().clone();
         let Some(line) = self.simulator.system.line.shape() else {

@@ -2,7 +2,7 @@
 //!
 //! | what runs | parts | how they are measured |
 //! | --- | --- | --- |
-//! | coupled sides | `catenary`, `pantograph[i]` with its vehicle | calls of a side: [`Timed`](cosim::timed::Timed) |
+//! | coupled sides | `catenary`, `pantograph[i]` with its vehicle | calls of a side: `cosim::timed::Timed` |
 //! | one system | contributions, solver | an [`Profile`]: one step in [`EVERY`], factorisations always |
 //!
 //! The last share is always [`MASTER`]: what is left of the time loop, coupling and recording above all.

@@ -1,9 +1,9 @@
 //! Rail vehicles and pantographs on a base that travels along the track.
 //!
 //! Coordinates describe pantograph and vehicle in the frame of the base, which moves along the track at constant speed.
-//! On straight track this frame is inertial; in a curve the frame turns and leans with the track ([`Travel`]), and the
-//! inertia of bodies in the turning frame is a force ([`rail_vehicle::CurveInertia`]). Only markers seen from outside
-//! ([`Travelling`]) add the travel. Statics are rest in this frame, and no digits are lost to the distance covered.
+//! On straight track this frame is inertial; in a curve the frame turns and leans with the track (`Travel`), and the
+//! inertia of bodies in the turning frame is a force (`rail_vehicle::CurveInertia`). Only markers seen from outside
+//! (`Travelling`) add the travel. Statics are rest in this frame, and no digits are lost to the distance covered.
 //!
 //! [`PantographModel`] is a pantograph of a scene in a shared [`dynamics::Layout`]; [`Subsystem`] runs one alone under
 //! a contact force from outside.

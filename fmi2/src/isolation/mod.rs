@@ -2,8 +2,7 @@
 //!
 //! The child is this program again, under a subcommand that help does not show. It loads the FMU's binary, which this
 //! process then never does: an FMU that crashes, never returns or ends its process takes only the child with it, two
-//! FMUs
-//! whose libraries clash do not meet, and one that needs an environment gets it.
+//! FMUs whose libraries clash do not meet, and one that needs an environment gets it.
 //!
 //! ```text
 //! remote    an instance in a child, as seen from here: the link, and its calls as requests
@@ -44,9 +43,8 @@
 //! ```
 //!
 //! Requests of a frame are carried out in order until one fails; a step that is discarded ends the frame as well,
-//! without
-//! being a failure. What only sets something has no result and is put off by the parent until something is asked for: a
-//! coupling step — restore, inputs, their derivatives, step, outputs — is one frame each way.
+//! without being a failure. What only sets something has no result and is put off by the parent until something is
+//! asked for: a coupling step — restore, inputs, their derivatives, step, outputs — is one frame each way.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

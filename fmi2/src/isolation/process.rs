@@ -110,8 +110,7 @@ impl Process {
     /// The last lines that it printed, once it has ended.
     pub(super) fn last_lines(&mut self) -> Vec<String> {
         // its end of the pipe is closed, so that the thread ends as soon as it has read what is left; unless a process
-        // that
-        // it has started, and that has left its group, holds the pipe
+        // that it has started, and that has left its group, holds the pipe
         let begin = Instant::now();
         while self.printer.as_ref().is_some_and(|printer| !printer.is_finished()) && begin.elapsed() < GRACE {
             std::thread::sleep(Duration::from_millis(1));

@@ -84,8 +84,7 @@ impl Libraries {
     }
 
     /// The libraries beside the program, where `cargo build --release`, `cargo test --release` and an installation put
-    /// them;
-    /// looked for once per process.
+    /// them; looked for once per process.
     ///
     /// # Errors
     /// [`PackageError::NoLibrary`].

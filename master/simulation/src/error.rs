@@ -46,7 +46,7 @@ pub enum SetupError {
     NotAvailable(String),
     /// An FMU file cannot be used.
     #[error(transparent)]
-    FmuFile(fmi2::Error),
+    FmuFile(Box<fmi2::Error>),
     /// An FMU file that the scene names cannot be used.
     #[error("{key}")]
     SceneFmu {
@@ -56,7 +56,7 @@ pub enum SetupError {
         #[source]
         source: Box<fmi2::Error>,
     },
-    /// Somebody else's FMU does not fit what the scene says of it.
+    /// A supplied FMU does not fit what the scene says of it.
     #[error("{key}")]
     Wiring {
         /// Key of the scene.
@@ -67,7 +67,7 @@ pub enum SetupError {
     },
     /// An FMU cannot be made.
     #[error(transparent)]
-    Package(#[from] PackageError),
+    Package(Box<PackageError>),
     /// An FMU does not start.
     #[error(transparent)]
     Cosimulation(#[from] CosimulationError),
@@ -88,15 +88,15 @@ pub enum SetupError {
     Coupling(#[from] CouplingError),
     /// The phase at rest before t = 0.
     #[error(transparent)]
-    Settling(Box<SettlingError>),
+    Settling(#[from] SettlingError),
     /// A slave does not give its outputs at the start.
     #[error(transparent)]
     Slave(#[from] SlaveError),
 }
 
-impl From<SettlingError> for SetupError {
-    fn from(error: SettlingError) -> Self {
-        Self::Settling(Box::new(error))
+impl From<PackageError> for SetupError {
+    fn from(error: PackageError) -> Self {
+        Self::Package(Box::new(error))
     }
 }
 

@@ -28,8 +28,7 @@ pub fn load(text: &str, origin: &str, overrides: &[String]) -> Result<Scene, Sce
             What::Refused { value, expected } if !file.says(&key) => {
                 let expected = format!(
                     "a table with elements_per_interval or element_length, as none can be chosen for the default \
-                     error_percent \
-                     = {value}: {expected}"
+                     error_percent = {value}: {expected}"
                 );
                 ("catenary.mesh".to_owned(), What::Missing { expected })
             }

@@ -35,7 +35,9 @@ pub fn package(path: &Path, descriptions: Option<&Path>, common: &Common) -> Res
             })?;
         }
         let path = target.join(name);
-        archive.write(&path).map_err(SetupError::FmuFile)?;
+        archive
+            .write(&path)
+            .map_err(|error| SetupError::FmuFile(Box::new(error)))?;
         written.push(path);
     }
     if common.json {

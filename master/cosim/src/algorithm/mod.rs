@@ -71,6 +71,7 @@ pub use iterated::Iterated;
 pub use jacobi::Jacobi;
 pub use polynomial::Polynomial;
 pub(crate) use predict::strips as predicted_strips;
+pub use waveform::{Shape, Waveform};
 
 use scene::{Coupling, Force, Order};
 

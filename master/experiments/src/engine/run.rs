@@ -187,10 +187,7 @@ impl Run {
                 return Err(error);
             }
             Err(error) => {
-                attempt.interrupted = matches!(
-                    &error,
-                    SetupError::Settling(reason) if matches!(**reason, SettlingError::Interrupted { .. })
-                );
+                attempt.interrupted = matches!(error, SetupError::Settling(SettlingError::Interrupted { .. }));
                 attempt.lost = lost_a_process(&error);
                 attempt.row.status = (!attempt.interrupted).then_some(Status::Refused);
                 attempt.row.remark(&cosim::chain(&error));

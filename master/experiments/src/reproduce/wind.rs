@@ -1,8 +1,7 @@
 //! Readings of the thesis' wind.
 //!
 //! [Thesis, 5.2] says "20 m/s at a yaw angle of 15 degrees" and neither what the angle is relative to nor from which
-//! end
-//! of the train the wind comes. The scene takes the wind over the ground, from ahead; these are the others.
+//! end of the train the wind comes. The scene takes the wind over the ground, from ahead; these are the others.
 
 use std::f64::consts::PI;
 

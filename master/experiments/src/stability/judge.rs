@@ -154,7 +154,7 @@ pub enum StabilityJob {
 #[derive(Clone, Debug)]
 pub enum StabilityFound {
     /// A line of the table.
-    Line(Line),
+    Line(Box<Line>),
     /// Points of a curve.
     MapCurve(Boundary),
 }
@@ -192,7 +192,7 @@ impl Experiment for Stability {
                     bench,
                 };
                 let line = self.line(&case, way)?;
-                Ok(line.map(StabilityFound::Line))
+                Ok(line.map(|line| StabilityFound::Line(Box::new(line))))
             }
             StabilityJob::MapCurve(index) => Ok(self.tasks[index].points(bench)?.map(StabilityFound::MapCurve)),
         }
@@ -201,7 +201,7 @@ impl Experiment for Stability {
     fn judge(&self, found: &[Option<StabilityFound>]) -> StabilityTable {
         let (lines, curves) = found.split_at(self.lines.len());
         let line = |(found, (case, way)): (&Option<StabilityFound>, &(usize, Way))| match found {
-            Some(StabilityFound::Line(line)) => line.clone(),
+            Some(StabilityFound::Line(line)) => Line::clone(line),
             _ => planned(&self.cases[*case], way),
         };
         let points = |found: &Option<StabilityFound>| match found {

@@ -24,7 +24,7 @@ pub(crate) struct UpdateCore {
 
 /// Collects the terms `U C Uᵀ` that are added to the factored matrix: moving contact, switched droppers.
 ///
-/// A term is recognised by its `key` (unique within the system: see [`Updates::set_owner`]) and `version`: as long as
+/// A term is recognised by its `key` (unique within the system: see `Updates::set_owner`) and `version`: as long as
 /// both stay the same, the solver keeps `A₀⁻¹ u` and does not solve again.
 #[derive(Debug, Default)]
 pub struct Updates {

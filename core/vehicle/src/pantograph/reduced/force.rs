@@ -48,7 +48,7 @@ impl Force for ReducedLinkage {
         blocks.add(&[i, i + 1], &[i, i + 1], &values);
     }
 
-    /// Mass matrix of the start: [`Force::add_dynamic_force`] takes the present one.
+    /// Mass matrix of the start: [`OnePass::add_dynamic_force`] takes the present one.
     fn add_mass(&self, blocks: &mut Blocks<'_>) {
         let i = self.offsets.coordinate;
         let place = self.motion.place(self.start[0], self.start[1]);

@@ -31,8 +31,7 @@ fn moving(law: CreepLaw, left: f64) -> (Wheelset, State) {
 }
 
 /// Asserts the tangent by central differences over 10 nm and 20 µm/s: the penetration is some 30 µm, so that h² is
-/// 1e-8,
-/// and rounding of 1e-16 m of it by h is the same.
+/// 1e-8, and rounding of 1e-16 m of it by h is the same.
 pub(super) fn assert_tangent(wheel: &mut WheelRail, layout: &Layout, state: &State) {
     let trio = LawTrio {
         q_step: 1e-8,

@@ -1,4 +1,4 @@
-//! The built library.
+//! Built library of a shell; both shells run this test.
 
 use std::path::Path;
 
@@ -18,8 +18,11 @@ const FUNCTIONS: [&str; 8] = [
 fn the_shared_library_beside_this_test_exports_the_functions_of_the_standard() {
     let test = std::env::current_exe().expect("the test is a file");
     let folder = test.parent().expect("the test is in a folder");
+    let shell = env!("CARGO_PKG_NAME")
+        .strip_prefix("fmu-")
+        .expect("a shell of a component");
     let name = format!(
-        "{}catenary_fmu{}",
+        "{}{shell}_fmu{}",
         std::env::consts::DLL_PREFIX,
         std::env::consts::DLL_SUFFIX
     );
