@@ -28,18 +28,21 @@ impl Point {
     }
 
     /// Outputs of the line that belong to strip `i`.
+    #[inline]
     #[must_use]
     pub fn contact(&self, i: usize) -> &[f64] {
         &self.line[i * contact::COUNT..(i + 1) * contact::COUNT]
     }
 
     /// Outputs of pantograph `i`.
+    #[inline]
     #[must_use]
     pub fn strip(&self, i: usize) -> &[f64] {
         &self.strips[i * strip::OUTPUTS..(i + 1) * strip::OUTPUTS]
     }
 
     /// Number of strips.
+    #[inline]
     #[must_use]
     pub fn strip_count(&self) -> usize {
         self.strips.len() / strip::OUTPUTS
