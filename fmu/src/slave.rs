@@ -182,7 +182,7 @@ impl<C: Component> SceneSlave<C> {
 /// Completes the start of another scene: values left open are those of the packaged scene, moved with the height of the
 /// contact wire.
 fn fill_start(scene: &mut Scene, packaged: &Scene) {
-    let height = |scene: &Scene| scene.modelled_line().map_or(0.0, |(line, _)| line.contact_wire_height);
+    let height = |scene: &Scene| scene.modelled_line().map_or(0.0, |(line, _)| line.first().height_at(0));
     let rise = height(scene) - height(packaged);
     for (own, other) in scene.pantographs.iter_mut().zip(&packaged.pantographs) {
         if own.start.is_none() {

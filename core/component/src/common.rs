@@ -27,7 +27,8 @@ pub fn solver_parameters() -> [Parameter; 2] {
 #[must_use]
 pub fn start_parameters(strip: usize, prefix: &str) -> [Parameter; 4] {
     let start = move |scene: &Scene| {
-        let resting = scene.modelled_line().map_or(0.0, |(line, _)| line.contact_wire_height);
+        let x = scene.strip_start_x(strip);
+        let resting = scene.modelled_line().map_or(0.0, |(line, _)| line.chord_height(x));
         scene.pantographs[strip].start.unwrap_or(Start {
             height: resting,
             force: 0.0,

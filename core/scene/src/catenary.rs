@@ -1,24 +1,16 @@
 //! `[catenary]`: the overhead line.
 
-use crate::check::LONGEST_SPAN;
+use crate::TensionLength;
 use crate::choice::choice;
-use crate::keys::{Entry, Keys, Length, Number, Sentences};
+use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::mesh::Mesh;
-use crate::plausible::{HIGHEST_WIRE, LEAST_TENSION};
+use crate::plausible::LEAST_TENSION;
 
 /// `[catenary]`, the line as this program models it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Catenary {
-    /// Length of each span, m; `spans` and `span_length` in the file.
-    pub span_lengths: Vec<f64>,
-    /// Height of the contact wire at the supports above the top of rail, m.
-    pub contact_wire_height: f64,
-    /// Height of the messenger wire above the contact wire at the supports, m.
-    pub encumbrance: f64,
-    /// Lowering of the contact wire at mid-span, m.
-    pub presag: f64,
-    /// Lateral position y of the contact wire at the supports in turn, m; repeated cyclically, never empty.
-    pub stagger: Vec<f64>,
+    /// Geometry; one of them has its keys in this table itself.
+    pub tension_lengths: Vec<TensionLength>,
     /// How the wires end.
     pub wire_ends: WireEnds,
     /// How the static state is found.
@@ -72,8 +64,9 @@ pub struct Beam {
 /// `[catenary.droppers]`: the same in every span.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Droppers {
-    /// Distances from the left support of each span, m, strictly increasing, inside every span.
-    pub positions: Vec<f64>,
+    /// Distances from the left support, m, strictly increasing, inside the span: one list for all spans, or one for
+    /// each in turn.
+    pub positions: Vec<Vec<f64>>,
     /// N/m in tension; none in compression.
     pub stiffness: f64,
     /// N·s/m.
@@ -81,7 +74,7 @@ pub struct Droppers {
     /// kg per dropper, half of it at each end.
     pub mass: f64,
     /// Unstressed lengths, m, one per position; only with [`Statics::NodalDisplacement`].
-    pub lengths: Option<Vec<f64>>,
+    pub lengths: Option<Vec<Vec<f64>>>,
 }
 
 /// `[catenary.supports]`: the springs that hold the messenger wire.
@@ -166,7 +159,19 @@ impl Catenary {
     /// Number of spans.
     #[must_use]
     pub fn spans(&self) -> usize {
-        self.span_lengths.len()
+        self.first().spans()
+    }
+
+    /// The first tension length.
+    #[must_use]
+    pub fn first(&self) -> &TensionLength {
+        &self.tension_lengths[0]
+    }
+
+    /// Length of each span, m.
+    #[must_use]
+    pub fn span_lengths(&self) -> &[f64] {
+        &self.first().span_lengths
     }
 
     /// Length of the line from the first support to the last, m.
@@ -176,16 +181,9 @@ impl Catenary {
     }
 
     /// x of support `index`, m; counted from 0, at most [`Catenary::spans`].
-    ///
-    /// A product and not a sum for spans of one length, so that nothing accumulates.
     #[must_use]
     pub fn support_x(&self, index: usize) -> f64 {
-        let first = self.span_lengths[0];
-        if self.span_lengths.iter().all(|length| *length == first) {
-            index as f64 * first
-        } else {
-            self.span_lengths[..index].iter().sum()
-        }
+        self.first().support_x(index)
     }
 
     /// x of all supports, m; one more than there are spans.
@@ -194,10 +192,27 @@ impl Catenary {
         (0..=self.spans()).map(|index| self.support_x(index)).collect()
     }
 
+    /// True where some wire is not straight seen from above, or two are not above one another.
+    #[must_use]
+    pub fn is_staggered(&self) -> bool {
+        self.tension_lengths.iter().any(TensionLength::is_staggered)
+    }
+
     /// Lateral position y of the contact wire at support `index` (from 0), m.
     #[must_use]
     pub fn stagger_at(&self, index: usize) -> f64 {
-        self.stagger[index % self.stagger.len()]
+        self.first().stagger_at(index)
+    }
+
+    /// Height of the contact wire at rest at `x` (m), m, straight between its supports; beyond the line that of its
+    /// end.
+    #[must_use]
+    pub fn chord_height(&self, x: f64) -> f64 {
+        let line = self.first();
+        let span = (1..line.spans()).take_while(|&support| line.support_x(support) <= x).count();
+        let (left, right) = (line.support_x(span), line.support_x(span + 1));
+        let (from, to) = (line.height_at(span), line.height_at(span + 1));
+        from + (to - from) * ((x - left) / (right - left)).clamp(0.0, 1.0)
     }
 
     /// x of all droppers, m, span after span.
@@ -206,18 +221,56 @@ impl Catenary {
         (0..self.spans())
             .flat_map(|span| {
                 let left = self.support_x(span);
-                self.droppers.positions.iter().map(move |position| left + position)
+                self.droppers.of_span(span).iter().map(move |position| left + position)
             })
             .collect()
+    }
+
+    /// Spans from `start` up to and without `end` (from 0) as a line of their own, the first support at x = 0.
+    #[must_use]
+    pub fn part(&self, start: usize, end: usize) -> Self {
+        Self {
+            tension_lengths: vec![self.first().part(start, end)],
+            droppers: self.droppers.from_span(start),
+            ..self.clone()
+        }
     }
 }
 
 impl Droppers {
+    /// Positions in span `span` (from 0), m from its left support.
+    #[must_use]
+    pub fn of_span(&self, span: usize) -> &[f64] {
+        &self.positions[span % self.positions.len()]
+    }
+
+    /// Unstressed lengths in span `span` (from 0), m, where they are given.
+    #[must_use]
+    pub fn lengths_of_span(&self, span: usize) -> Option<&[f64]> {
+        let lengths = self.lengths.as_ref()?;
+        Some(&lengths[span % lengths.len()])
+    }
+
+    /// Droppers of a line that begins with span `start` (from 0) of this one.
+    fn from_span(&self, start: usize) -> Self {
+        let rotated = |lists: &Vec<Vec<f64>>| {
+            let mut lists = lists.clone();
+            let start = start % lists.len();
+            lists.rotate_left(start);
+            lists
+        };
+        Self {
+            positions: rotated(&self.positions),
+            lengths: self.lengths.as_ref().map(rotated),
+            ..self.clone()
+        }
+    }
+
     /// Droppers at `positions` (m) with a stiffness in N/m, without mass and damping, whose lengths follow.
     #[must_use]
     pub fn new(positions: &[f64], stiffness: f64) -> Self {
         Self {
-            positions: positions.to_vec(),
+            positions: vec![positions.to_vec()],
             stiffness,
             damping: 0.0,
             mass: 0.0,
@@ -270,27 +323,8 @@ impl Wire {
     }
 }
 
-/// More spans than any tensioning section has, and few enough to be numbered and stored.
-pub const MAX_SPANS: usize = 5000;
-
 impl Entry for Catenary {
     const SENTENCES: Sentences = &[
-        ("spans", "Number of spans, counted from 1 in the other keys."),
-        ("span_length", "Length of every span, or of each span in turn."),
-        (
-            "contact_wire_height",
-            "Height of the contact wire at the supports above the top of rail.",
-        ),
-        (
-            "encumbrance",
-            "Height of the messenger wire above the contact wire at the supports.",
-        ),
-        ("presag", "Lowering of the contact wire at mid-span."),
-        (
-            "stagger",
-            "Lateral position of the contact wire at the supports in turn, positive to the left; repeated \
-             cyclically.",
-        ),
         (
             "wire_ends",
             "Ends of both wires: sliding under the force of tensioning weights, or fixed.",
@@ -317,27 +351,8 @@ impl Entry for Catenary {
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
-        let spans = keys.count("spans", was.map(Self::spans), 1..=MAX_SPANS, None);
         Self {
-            span_lengths: keys.number_or_numbers(
-                "span_length",
-                was.map(|line| line.span_lengths.as_slice()),
-                Number::positive("m").at_most(LONGEST_SPAN),
-                spans,
-            ),
-            contact_wire_height: keys.number(
-                "contact_wire_height",
-                was.map(|line| line.contact_wire_height),
-                Number::positive("m").at_most(HIGHEST_WIRE),
-            ),
-            encumbrance: keys.number("encumbrance", was.map(|line| line.encumbrance), Number::positive("m")),
-            presag: keys.number("presag", was.map(|line| line.presag), Number::any("m")),
-            stagger: keys.numbers(
-                "stagger",
-                was.map(|line| line.stagger.as_slice()),
-                Number::any("m"),
-                Length::NotEmpty,
-            ),
+            tension_lengths: vec![keys.part(was.map(Self::first))],
             wire_ends: keys.word("wire_ends", was.map(|line| line.wire_ends), None),
             statics: keys.word("statics", was.map(|line| line.statics), None),
             gravity: keys.number("gravity", was.map(|line| line.gravity), Number::positive("m/s²")),
@@ -446,12 +461,7 @@ impl Entry for Droppers {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let lengths = was.map(|droppers| droppers.lengths.as_deref());
         Self {
-            positions: keys.numbers(
-                "positions",
-                was.map(|droppers| droppers.positions.as_slice()),
-                Number::any("m"),
-                Length::NotEmpty,
-            ),
+            positions: keys.list_or_lists("positions", was.map(|droppers| droppers.positions.as_slice()), Number::any("m")),
             stiffness: keys.number(
                 "stiffness",
                 was.map(|droppers| droppers.stiffness),
@@ -465,7 +475,7 @@ impl Entry for Droppers {
             mass: keys.number("mass", was.map(|droppers| droppers.mass), Number::not_negative("kg")),
             lengths: keys
                 .has("lengths", lengths.flatten().is_some())
-                .then(|| keys.numbers("lengths", lengths.flatten(), Number::positive("m"), Length::Any)),
+                .then(|| keys.list_or_lists("lengths", lengths.flatten(), Number::positive("m"))),
         }
     }
 }

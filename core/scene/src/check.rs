@@ -34,6 +34,14 @@ pub(crate) fn refuse(found: &mut Found, key: impl Into<String>, value: impl Into
     ));
 }
 
+/// Key of entry `index` (from 0) of a list; a list of one is written without brackets.
+pub(crate) fn entry_of<T>(key: &str, list: &[T], index: usize) -> String {
+    match list {
+        [_] => key.to_owned(),
+        _ => format!("{key}[{}]", index + 1),
+    }
+}
+
 /// Refuses principal moments of inertia (kg m²) of which one is more than the other two together; equality is a flat
 /// plate, `room` a share for what tables have beyond it.
 pub(crate) fn check_inertia(found: &mut Found, path: &str, inertia: &[f64; 3], room: f64) {
@@ -252,6 +260,7 @@ impl Scene {
                 );
             }
             let outermost = catenary
+                .first()
                 .stagger
                 .iter()
                 .enumerate()
@@ -329,44 +338,87 @@ impl Catenary {
         self.messenger_wire.check("catenary.messenger_wire", found);
         self.check_units(found);
         self.check_beam(found);
-        if self.presag >= self.contact_wire_height {
-            let expected = format!("must be less than contact_wire_height = {} m", self.contact_wire_height);
-            refuse(found, "catenary.presag", shown_number(self.presag, "m"), expected);
-        }
+        self.check_heights(found);
         self.check_spans(found);
         self.check_positions(found);
-        let positions = &self.droppers.positions;
         self.check_division(found);
-        if let Some(lengths) = &self.droppers.lengths {
-            let key = "catenary.droppers.lengths";
-            if self.statics == Statics::FormFinding {
-                let expected =
-                    "must be left out with catenary.statics = \"form_finding\", which finds the lengths itself";
-                refuse(found, key, format!("{lengths:?} m"), expected);
-            } else if lengths.len() != positions.len() {
-                let expected = format!(
-                    "has {} entries, must have {}, one per position",
-                    lengths.len(),
-                    positions.len()
-                );
-                refuse(found, key, format!("{lengths:?} m"), expected);
-            }
-        }
+        self.check_dropper_lengths(found);
     }
 }
 
 impl Catenary {
+    /// The contact wire stays above the rails.
+    fn check_heights(&self, found: &mut Found) {
+        let line = self.first();
+        for (i, &presag) in line.presag.iter().enumerate() {
+            let spans = (i..line.spans()).step_by(line.presag.len());
+            let heights = spans.map(|span| 0.5 * (line.height_at(span) + line.height_at(span + 1)));
+            let lowest = heights.fold(f64::INFINITY, f64::min);
+            if presag >= lowest {
+                let expected = format!("must be less than contact_wire_height = {lowest} m");
+                refuse(found, entry_of("catenary.presag", &line.presag, i), shown_number(presag, "m"), expected);
+            }
+        }
+    }
+
+    fn check_dropper_lengths(&self, found: &mut Found) {
+        let Some(lengths) = &self.droppers.lengths else {
+            return;
+        };
+        let key = "catenary.droppers.lengths";
+        let shown = |lengths: &[Vec<f64>]| match lengths {
+            [lengths] => format!("{lengths:?} m"),
+            all => format!("{all:?} m"),
+        };
+        if self.statics == Statics::FormFinding {
+            let expected = "must be left out with catenary.statics = \"form_finding\", which finds the lengths itself";
+            refuse(found, key, shown(lengths), expected);
+        } else if lengths.len() != self.droppers.positions.len() {
+            let expected = format!(
+                "has {} lists, must have {}, one per list of positions",
+                lengths.len(),
+                self.droppers.positions.len()
+            );
+            refuse(found, key, shown(lengths), expected);
+        } else {
+            for (i, (lengths, positions)) in lengths.iter().zip(&self.droppers.positions).enumerate() {
+                if lengths.len() != positions.len() {
+                    let expected = format!(
+                        "has {} entries, must have {}, one per position",
+                        lengths.len(),
+                        positions.len()
+                    );
+                    let key = entry_of(key, &self.droppers.positions, i);
+                    refuse(found, key, format!("{lengths:?} m"), expected);
+                }
+            }
+        }
+    }
+
     fn check_spans(&self, found: &mut Found) {
-        if let Some(length) = self.span_lengths.iter().find(|length| **length > LONGEST_SPAN) {
+        if let Some(length) = self.span_lengths().iter().find(|length| **length > LONGEST_SPAN) {
             let expected = format!("must be at most {LONGEST_SPAN} m, each span");
             refuse(found, "catenary.span_length", shown_number(*length, "m"), expected);
+        }
+        let (lists, spans) = (self.droppers.positions.len(), self.spans());
+        if lists != 1 && lists != spans {
+            let expected = format!("must be one list for all spans, or {spans}, one for each span");
+            refuse(found, "catenary.droppers.positions", format!("{lists} lists"), expected);
         }
     }
 
     /// Droppers are inside their span, in order, and apart from each other and from the supports.
     fn check_positions(&self, found: &mut Found) {
-        let shortest = self.span_lengths.iter().copied().fold(f64::INFINITY, f64::min);
-        let positions = &self.droppers.positions;
+        for list in 0..self.droppers.positions.len() {
+            self.check_positions_of(list, found);
+        }
+    }
+
+    fn check_positions_of(&self, list: usize, found: &mut Found) {
+        let lists = &self.droppers.positions;
+        let spans = self.span_lengths().iter().skip(list).step_by(lists.len());
+        let shortest = spans.copied().fold(f64::INFINITY, f64::min);
+        let positions = &lists[list];
         for (i, &position) in positions.iter().enumerate() {
             let before = if i > 0 { positions[i - 1] } else { 0.0 };
             let expected = if position <= 0.0 || position >= shortest {
@@ -381,7 +433,7 @@ impl Catenary {
             } else {
                 continue;
             };
-            let key = format!("catenary.droppers.positions[{}]", i + 1);
+            let key = format!("{}[{}]", entry_of("catenary.droppers.positions", lists, list), i + 1);
             refuse(found, key, shown_number(position, "m"), expected);
         }
     }

@@ -65,8 +65,8 @@ impl Division {
 impl Catenary {
     /// Lengths between neighbouring droppers and supports of a span (counted from 0) along the track, m.
     pub fn intervals_of(&self, span: usize) -> impl Iterator<Item = f64> + '_ {
-        let positions = self.droppers.positions.iter().copied();
-        let ends = positions.clone().chain([self.span_lengths[span]]);
+        let positions = self.droppers.of_span(span).iter().copied();
+        let ends = positions.clone().chain([self.span_lengths()[span]]);
         std::iter::once(0.0)
             .chain(positions)
             .zip(ends)
@@ -78,10 +78,11 @@ impl Catenary {
         (0..self.spans()).flat_map(|span| self.intervals_of(span))
     }
 
-    /// Number of intervals of one span.
+    /// Number of intervals of one span; where spans differ, of the one that has most.
     #[must_use]
     pub fn intervals_per_span(&self) -> usize {
-        self.droppers.positions.len() + 1
+        let most = self.droppers.positions.iter().map(Vec::len).max();
+        most.unwrap_or(0) + 1
     }
 
     /// Length of the longest interval, m.

@@ -55,13 +55,14 @@ mod scene;
 mod solver;
 mod supplied;
 mod table_file;
+mod tension_length;
 mod track;
 mod tree;
 mod vehicle;
 mod wind;
 mod write;
 
-pub use catenary::{Beam, Catenary, Damping, Droppers, MAX_SPANS, RegistrationArms, Statics, Supports, Wire, WireEnds};
+pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
 pub use check::Found;
 pub use contact::{Contact, ContactLaw};
 pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};
@@ -77,6 +78,7 @@ pub use run::{Electrification, Evaluate, Initialise, Run, kmh};
 pub use scene::{Line, Scene, SceneFile};
 pub use solver::{Formulation, Jacobian, Solver};
 pub use supplied::{Connection, Offset, ParameterValue, STEP_TIMEOUT, Supplied};
+pub use tension_length::{MAX_SPANS, TensionLength};
 pub use track::{Irregularities, Points, RailSection, Spectrum, Track};
 pub use vehicle::{
     Axis, BearingEntry, BushingEntry, Creep, GivenMotion, Pivot, Stop, Train, Vehicle, VehicleBody, WheelContact,

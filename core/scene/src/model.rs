@@ -79,7 +79,7 @@ impl Scene {
     #[must_use]
     pub fn pushed_sideways(&self) -> Option<String> {
         let (catenary, _) = self.modelled_line()?;
-        if catenary.stagger.iter().any(|y| *y != catenary.stagger[0]) {
+        if catenary.is_staggered() {
             return Some("catenary.stagger differs from support to support".to_owned());
         }
         if let Some(reason) = self.wind_pushes_sideways() {

@@ -2,7 +2,7 @@
 //!
 //! A value that cannot be meant is refused; one that a real line merely does not have is questioned and runs.
 
-use crate::check::{Found, refuse};
+use crate::check::{Found, entry_of, refuse};
 use crate::write::shown_number;
 use crate::{Catenary, Scene, Wire};
 
@@ -18,8 +18,11 @@ const LONGEST_GAP: f64 = 15.0;
 impl Catenary {
     /// Refuses heights and tensions that were typed in another unit.
     pub(crate) fn check_units(&self, found: &mut Found) {
-        let height = self.contact_wire_height;
-        if height > HIGHEST_WIRE {
+        let heights = &self.first().contact_wire_height;
+        for (i, &height) in heights.iter().enumerate() {
+            if height <= HIGHEST_WIRE {
+                continue;
+            }
             let meant = [("mm", 1e-3), ("cm", 1e-2)].into_iter().find_map(|(unit, factor)| {
                 let meters = (1e6 * height * factor).round() / 1e6;
                 USUAL_HEIGHTS
@@ -30,12 +33,8 @@ impl Catenary {
                 "must be at most {HIGHEST_WIRE} m above the top of rail{}",
                 meant.unwrap_or_default()
             );
-            refuse(
-                found,
-                "catenary.contact_wire_height",
-                shown_number(height, "m"),
-                expected,
-            );
+            let key = entry_of("catenary.contact_wire_height", heights, i);
+            refuse(found, key, shown_number(height, "m"), expected);
         }
     }
 }
@@ -81,7 +80,7 @@ impl Scene {
                 "catenary.droppers.positions = {:?} m: {} m of span {}, from {} m to {} m, are without a dropper, and \
                  lines have one \
                  every 4 to 12 m; is a position missing?",
-                line.droppers.positions,
+                line.droppers.of_span(span),
                 short(length),
                 span + 1,
                 short(from),

@@ -1,6 +1,6 @@
 //! `[run]`: what is driven, for how long, and what is evaluated.
 
-use crate::catenary::MAX_SPANS;
+use crate::MAX_SPANS;
 use crate::choice::choice;
 use crate::error::What;
 use crate::keys::{Entry, Keys, Number, Sentences, placeholder};

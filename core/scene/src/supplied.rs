@@ -110,7 +110,7 @@ fn line_names() -> [Vec<String>; 2] {
                 .into_iter()
                 .chain(samples)
         })
-        .chain((1..=crate::catenary::MAX_SPANS + 1).map(|k| format!("support[{k}].uplift")));
+        .chain((1..=crate::MAX_SPANS + 1).map(|k| format!("support[{k}].uplift")));
     [inputs.collect(), outputs.collect()]
 }
 

@@ -52,12 +52,13 @@ fn statics_hints(scene: &Scene) -> Vec<Suspect> {
         return Vec::new();
     };
     let of = |key: &str, value, unit, usual| Suspect::new(format!("catenary.{key}"), value, unit, usual);
-    let longest = line.span_lengths.iter().copied().fold(0.0, f64::max);
+    let largest = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let geometry = line.first();
     let (tension, mass) = ((3e3, 5e4), (0.2, 3.0));
     let mut all = vec![
-        of("span_length", longest, "m", (20.0, 100.0)),
-        of("encumbrance", line.encumbrance, "m", (0.3, 3.0)),
-        of("presag", line.presag, "m", (-0.2, 0.2)),
+        of("span_length", largest(&geometry.span_lengths), "m", (20.0, 100.0)),
+        of("encumbrance", largest(&geometry.encumbrance), "m", (0.3, 3.0)),
+        of("presag", largest(&geometry.presag), "m", (-0.2, 0.2)),
         of("contact_wire.tension", line.contact_wire.tension, "N", tension),
         of("messenger_wire.tension", line.messenger_wire.tension, "N", tension),
         of(

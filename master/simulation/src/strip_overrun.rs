@@ -119,7 +119,7 @@ pub fn foreseen(scene: &Scene) -> Vec<String> {
 /// Distance of the wire at rest from the middle of a strip that a motion carries along, m, along the strip, on a line
 /// with supports at these x in m; `x` m is where the strip is without the motion.
 fn aside(motion: &GivenMotion, (line, supports): (&Catenary, &[f64]), x: f64, time: f64) -> f64 {
-    let ([ahead, aside, up], [_, lateral, upward]) = motion.above(line.contact_wire_height, time);
+    let ([ahead, aside, up], [_, lateral, upward]) = motion.above(line.chord_height(x), time);
     (wire_y(line, supports, x + ahead) - aside) * lateral - up * upward
 }
 

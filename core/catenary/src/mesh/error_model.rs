@@ -159,7 +159,7 @@ fn has_a_rule(scene: &Scene, catenary: &Catenary) -> Result<(), String> {
              damped does not settle with finer meshes"
         ));
     }
-    let span = catenary.span_lengths.iter().sum::<f64>() / catenary.spans() as f64;
+    let span = catenary.span_lengths().iter().sum::<f64>() / catenary.spans() as f64;
     if f < v / span {
         return Err(format!(
             "run.low_pass_hz = {f} Hz: must be at least {:.2} Hz, at which spans of {span:.2} m pass at {:.1} km/h; \

@@ -177,7 +177,36 @@ impl Component for Subsystem {
         groups(self.strips(), self.supports())
     }
 
-    fn parameters(scene: &Scene) -> Vec<Parameter> {
+    /// Parameter of a list per support or span, in m: its first entry, with which the others move.
+fn geometry(
+    name: &'static str,
+    text: &'static str,
+    of: fn(&mut scene::TensionLength) -> &mut Vec<f64>,
+) -> Parameter {
+    let first = move |scene: &Scene| {
+        let mut line = scene.modelled_line()?.0.first().clone();
+        of(&mut line).first().copied()
+    };
+    Parameter::new(
+        name,
+        "m",
+        text,
+        move |scene| first(scene).unwrap_or(0.0),
+        move |scene, value| {
+            let lines = modelled(scene).into_iter().flat_map(|(line, _)| &mut line.tension_lengths);
+            let change = value - first(scene).unwrap_or(0.0);
+            for line in lines {
+                let list = of(line);
+                match list.as_mut_slice() {
+                    [only] => *only = value,
+                    all => all.iter_mut().for_each(|entry| *entry += change),
+                }
+            }
+        },
+    )
+}
+
+fn parameters(scene: &Scene) -> Vec<Parameter> {
         parameters(scene)
     }
 
@@ -223,7 +252,8 @@ fn failure(error: StepError) -> StepFailure {
 
 /// Start of a strip in the scene; by default on the wire without pressing.
 fn strip_start(scene: &Scene, strip: usize) -> StripStart {
-    let resting = scene.modelled_line().map_or(0.0, |(line, _)| line.contact_wire_height);
+    let x = scene.strip_start_x(strip);
+    let resting = scene.modelled_line().map_or(0.0, |(line, _)| line.chord_height(x));
     let height = scene.pantographs[strip].start.map_or(resting, |start| start.height);
     StripStart::of(scene, strip, height)
 }
@@ -254,26 +284,50 @@ fn modelled(scene: &mut Scene) -> Option<(&mut scene::Catenary, &mut scene::Cont
     }
 }
 
+/// Parameter of a list per support or span, in m: its first entry, with which the others move.
+fn geometry(
+    name: &'static str,
+    text: &'static str,
+    of: fn(&mut scene::TensionLength) -> &mut Vec<f64>,
+) -> Parameter {
+    let first = move |scene: &Scene| {
+        let mut line = scene.modelled_line()?.0.first().clone();
+        of(&mut line).first().copied()
+    };
+    Parameter::new(
+        name,
+        "m",
+        text,
+        move |scene| first(scene).unwrap_or(0.0),
+        move |scene, value| {
+            let lines = modelled(scene).into_iter().flat_map(|(line, _)| &mut line.tension_lengths);
+            let change = value - first(scene).unwrap_or(0.0);
+            for line in lines {
+                let list = of(line);
+                match list.as_mut_slice() {
+                    [only] => *only = value,
+                    all => all.iter_mut().for_each(|entry| *entry += change),
+                }
+            }
+        },
+    )
+}
+
 fn parameters(scene: &Scene) -> Vec<Parameter> {
     let mut parameters = vec![
-        parameter!(
+        geometry(
             "catenary.contact_wire_height",
-            "m",
             "Height of the contact wire at the supports above the top of rail",
-            catenary.contact_wire_height
+            |line| &mut line.contact_wire_height,
         ),
-        parameter!(
+        geometry(
             "catenary.encumbrance",
-            "m",
             "Height of the messenger wire above the contact wire at the supports",
-            catenary.encumbrance
+            |line| &mut line.encumbrance,
         ),
-        parameter!(
-            "catenary.presag",
-            "m",
-            "Lowering of the contact wire at mid-span",
-            catenary.presag
-        ),
+        geometry("catenary.presag", "Lowering of the contact wire at mid-span", |line| {
+            &mut line.presag
+        }),
         parameter!(
             "catenary.gravity",
             "m/s2",

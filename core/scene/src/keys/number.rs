@@ -293,6 +293,66 @@ impl Keys<'_> {
         }
     }
 
+    /// One number that holds everywhere, or a list of `n`.
+    pub(crate) fn one_or_each(&mut self, name: &str, was: Option<&[f64]>, number: Number, n: usize) -> Vec<f64> {
+        let range = format!("one number, or one for each in a list, each {}", number.range());
+        if was.is_none() && self.record(name, number.unit, range, number.default_shown()) {
+            return vec![f64::NAN];
+        }
+        match was {
+            Some([value]) => vec![self.number(name, Some(*value), number)],
+            Some(values) => self.numbers(name, Some(values), number, Length::Any),
+            None if self.is_list(name) => self.numbers(name, None, number, Length::Exactly(n)),
+            None => vec![self.number(name, None, number)],
+        }
+    }
+
+    /// A list of numbers that holds everywhere, or a list of such lists; at least one number in each.
+    pub(crate) fn list_or_lists(&mut self, name: &str, was: Option<&[Vec<f64>]>, number: Number) -> Vec<Vec<f64>> {
+        if let Some([list]) = was {
+            return vec![self.numbers(name, Some(list), number, Length::Any)];
+        }
+        if let Some(lists) = was {
+            let list = |row: &Vec<f64>| Value::List(row.iter().map(|value| Value::Float(*value).into()).collect());
+            self.push(name, Value::List(lists.iter().map(|row| list(row).into()).collect()));
+            return lists.to_vec();
+        }
+        let nested = matches!(
+            self.node(name),
+            Some(Node { value: Value::List(list), .. })
+                if list.first().is_some_and(|entry| matches!(entry.value, Value::List(_)))
+        );
+        if !nested {
+            return vec![self.numbers(name, None, number, Length::NotEmpty)];
+        }
+        let Some(Node {
+            value: Value::List(lists),
+            ..
+        }) = self.node(name).cloned()
+        else {
+            return Vec::new();
+        };
+        let mut found = Vec::with_capacity(lists.len());
+        for (i, list) in lists.iter().enumerate() {
+            let key = self.entry_key(name, i);
+            match &list.value {
+                Value::List(entries) => {
+                    let numbers = entries.iter().enumerate();
+                    let numbers = numbers.map(|(j, entry)| self.checked(format!("{key}[{}]", j + 1), entry, number));
+                    found.push(numbers.collect());
+                }
+                other => {
+                    let what = What::WrongType {
+                        value: shown(other),
+                        expected: format!("a list of numbers in {}", number.unit),
+                    };
+                    self.problem(list.at, key, what);
+                }
+            }
+        }
+        found
+    }
+
     /// Rows of numbers, a list of lists; left out where there are none.
     pub(crate) fn optional_rows(&mut self, name: &str, was: Option<&[Vec<f64>]>) -> Vec<Vec<f64>> {
         if let Some(rows) = was {

@@ -1,0 +1,211 @@
+//! Geometry of a tension length: spans, heights and lateral positions of its wires.
+
+use crate::check::LONGEST_SPAN;
+use crate::keys::{Entry, Keys, Length, Number, Sentences};
+use crate::plausible::HIGHEST_WIRE;
+
+/// Contact wire and messenger wire between two anchors: spans, heights and lateral positions.
+///
+/// A list per support or per span repeats itself where it is shorter; one entry holds everywhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TensionLength {
+    /// x of the first support, m.
+    pub start_x: f64,
+    /// Length of each span, m; `spans` and `span_length` in the file.
+    pub span_lengths: Vec<f64>,
+    /// Height of the contact wire above the top of rail, m, per support.
+    pub contact_wire_height: Vec<f64>,
+    /// Height of the messenger wire above the contact wire, m, per support.
+    pub encumbrance: Vec<f64>,
+    /// Lowering of the contact wire at mid-span against the chord of its supports, m, per span.
+    pub presag: Vec<f64>,
+    /// Lateral position y of the contact wire, m, per support; any number of entries is repeated cyclically.
+    pub stagger: Vec<f64>,
+    /// Lateral position y of the messenger wire, m, likewise; empty is that of the contact wire.
+    pub messenger_stagger: Vec<f64>,
+}
+
+/// Entry `index` of a list that repeats itself.
+fn repeated(list: &[f64], index: usize) -> f64 {
+    list[index % list.len()]
+}
+
+/// List that repeats itself, from entry `start` on.
+fn from(list: &[f64], start: usize) -> Vec<f64> {
+    let mut rotated = list.to_vec();
+    if !rotated.is_empty() {
+        rotated.rotate_left(start % list.len());
+    }
+    rotated
+}
+
+impl TensionLength {
+    /// Level wires without stagger over spans of these lengths (m), the contact wire at `height`, the messenger wire
+    /// `encumbrance` above (m).
+    #[must_use]
+    pub fn new(span_lengths: Vec<f64>, height: f64, encumbrance: f64) -> Self {
+        Self {
+            start_x: 0.0,
+            span_lengths,
+            contact_wire_height: vec![height],
+            encumbrance: vec![encumbrance],
+            presag: vec![0.0],
+            stagger: vec![0.0],
+            messenger_stagger: Vec::new(),
+        }
+    }
+
+    /// Number of spans.
+    #[must_use]
+    pub fn spans(&self) -> usize {
+        self.span_lengths.len()
+    }
+
+    /// x of support `index`, m; counted from 0, at most [`TensionLength::spans`].
+    ///
+    /// A product and not a sum for spans of one length, so that nothing accumulates.
+    #[must_use]
+    pub fn support_x(&self, index: usize) -> f64 {
+        let first = self.span_lengths[0];
+        let along = if self.span_lengths.iter().all(|length| *length == first) {
+            index as f64 * first
+        } else {
+            self.span_lengths[..index].iter().sum()
+        };
+        self.start_x + along
+    }
+
+    /// Height of the contact wire at support `index` (from 0), m.
+    #[must_use]
+    pub fn height_at(&self, index: usize) -> f64 {
+        repeated(&self.contact_wire_height, index)
+    }
+
+    /// Height of the messenger wire above the contact wire at support `index` (from 0), m.
+    #[must_use]
+    pub fn encumbrance_at(&self, index: usize) -> f64 {
+        repeated(&self.encumbrance, index)
+    }
+
+    /// Lowering of the contact wire in the middle of span `index` (from 0), m.
+    #[must_use]
+    pub fn presag_of(&self, index: usize) -> f64 {
+        repeated(&self.presag, index)
+    }
+
+    /// Lateral position of the contact wire at support `index` (from 0), m.
+    #[must_use]
+    pub fn stagger_at(&self, index: usize) -> f64 {
+        repeated(&self.stagger, index)
+    }
+
+    /// Lateral position of the messenger wire at support `index` (from 0), m.
+    #[must_use]
+    pub fn messenger_stagger_at(&self, index: usize) -> f64 {
+        if self.messenger_stagger.is_empty() {
+            self.stagger_at(index)
+        } else {
+            repeated(&self.messenger_stagger, index)
+        }
+    }
+
+    /// True where some wire is not straight seen from above, or the two are not above one another.
+    #[must_use]
+    pub fn is_staggered(&self) -> bool {
+        let mut all = self.stagger.iter().chain(&self.messenger_stagger);
+        all.any(|y| *y != self.stagger[0])
+    }
+
+    /// Spans from `start` up to and without `end` (from 0), the first support at x = 0.
+    #[must_use]
+    pub fn part(&self, start: usize, end: usize) -> Self {
+        Self {
+            start_x: 0.0,
+            span_lengths: self.span_lengths[start..end].to_vec(),
+            contact_wire_height: from(&self.contact_wire_height, start),
+            encumbrance: from(&self.encumbrance, start),
+            presag: from(&self.presag, start),
+            stagger: from(&self.stagger, start),
+            messenger_stagger: from(&self.messenger_stagger, start),
+        }
+    }
+}
+
+/// More spans than any tension length has, and few enough to be numbered and stored.
+pub const MAX_SPANS: usize = 5000;
+
+impl Entry for TensionLength {
+    const SENTENCES: Sentences = &[
+        ("spans", "Number of spans, counted from 1 in the other keys."),
+        ("span_length", "Length of every span, or of each span in turn."),
+        (
+            "contact_wire_height",
+            "Height of the contact wire at the supports above the top of rail: one for all, or one for each support \
+             in turn, with a straight slope of the chord between them.",
+        ),
+        (
+            "encumbrance",
+            "Height of the messenger wire above the contact wire at the supports: one for all, or one for each \
+             support in turn.",
+        ),
+        (
+            "presag",
+            "Lowering of the contact wire at mid-span against the chord of its supports: one for all, or one for each \
+             span in turn.",
+        ),
+        (
+            "stagger",
+            "Lateral position of the contact wire at the supports in turn, positive to the left; repeated \
+             cyclically.",
+        ),
+        (
+            "messenger_stagger",
+            "Lateral position of the messenger wire at the supports in turn; repeated cyclically. Left out, it hangs \
+             above the contact wire.",
+        ),
+    ];
+
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let spans = keys.count("spans", was.map(Self::spans), 1..=MAX_SPANS, None);
+        let list = |of: fn(&Self) -> &Vec<f64>| was.map(|line| of(line).as_slice());
+        Self {
+            start_x: 0.0,
+            span_lengths: keys.number_or_numbers(
+                "span_length",
+                list(|line| &line.span_lengths),
+                Number::positive("m").at_most(LONGEST_SPAN),
+                spans,
+            ),
+            contact_wire_height: keys.one_or_each(
+                "contact_wire_height",
+                list(|line| &line.contact_wire_height),
+                Number::positive("m").at_most(HIGHEST_WIRE),
+                spans + 1,
+            ),
+            encumbrance: keys.one_or_each(
+                "encumbrance",
+                list(|line| &line.encumbrance),
+                Number::positive("m"),
+                spans + 1,
+            ),
+            presag: keys.one_or_each("presag", list(|line| &line.presag), Number::any("m"), spans),
+            stagger: keys.numbers(
+                "stagger",
+                list(|line| &line.stagger),
+                Number::any("m"),
+                Length::NotEmpty,
+            ),
+            messenger_stagger: keys
+                .has("messenger_stagger", was.is_some_and(|line| !line.messenger_stagger.is_empty()))
+                .then(|| {
+                    keys.numbers(
+                        "messenger_stagger",
+                        list(|line| &line.messenger_stagger),
+                        Number::any("m"),
+                        Length::NotEmpty,
+                    )
+                })
+                .unwrap_or_default(),
+        }
+    }
+}
