@@ -312,7 +312,7 @@ fn a_moving_force_is_corrected_with_the_mass() {
 #[test]
 fn statics_of_a_corrected_coarse_mesh_are_those_of_a_fine_one() {
     let mut catenary = scene_line(EN, &[]);
-    catenary.span_lengths.truncate(4);
+    catenary.tension_lengths[0].span_lengths.truncate(4);
     catenary.mesh.division = Division::PerInterval(4);
     let corrections = LineOptions {
         layers: BendingLayers::AtAttachments,

@@ -31,6 +31,6 @@ pub fn solve(catenary: &Catenary) -> StaticLine {
 #[must_use]
 pub fn short_line(spans: usize) -> Catenary {
     let mut catenary = scene_line(EN, &[]);
-    catenary.span_lengths.truncate(spans);
+    catenary.tension_lengths[0].span_lengths.truncate(spans);
     catenary
 }

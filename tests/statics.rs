@@ -28,8 +28,8 @@ fn vertical_reactions(line: &StaticLine) -> f64 {
 #[test]
 fn form_finding_puts_every_node_at_its_x_and_the_contact_wire_at_its_heights() {
     let mut catenary = scene_line(EN, &["catenary.presag=0.03"]);
-    catenary.span_lengths[1] = 48.0;
-    catenary.droppers.positions.truncate(6);
+    catenary.tension_lengths[0].span_lengths[1] = 48.0;
+    catenary.droppers.positions[0].truncate(6);
     let line = solve(&catenary);
     let topology = line.line().topology();
     for name in [WireName::ContactWire, WireName::MessengerWire] {
@@ -40,9 +40,9 @@ fn form_finding_puts_every_node_at_its_x_and_the_contact_wire_at_its_heights() {
     let nodes = line.line().wire(WireName::ContactWire).geometry().nodes();
     for place in topology.droppers() {
         let left = catenary.support_x(place.span - 1);
-        let xi = (topology.x()[place.node] - left) / catenary.span_lengths[place.span - 1];
+        let xi = (topology.x()[place.lower.node] - left) / catenary.tension_lengths[0].span_lengths[place.span - 1];
         let height = 5.3 - 0.03 * 4.0 * xi * (1.0 - xi);
-        assert!((nodes[place.node].position.z - height).abs() < 1e-12);
+        assert!((nodes[place.lower.node].position.z - height).abs() < 1e-12);
     }
     for support in &line.report().supports {
         assert!((support.contact_wire_z - 5.3).abs() < 1e-12);
@@ -203,7 +203,7 @@ fn dropper_forces_are_the_reactions_of_a_beam_under_tension() {
     let line = solve(&catenary);
     let topology = line.line().topology();
     let mut nodes: Vec<usize> = topology.supports().to_vec();
-    nodes.extend(topology.droppers().iter().map(|place| place.node));
+    nodes.extend(topology.droppers().iter().map(|place| place.lower.node));
     nodes.sort_unstable();
     let x: Vec<f64> = nodes.iter().map(|&node| topology.x()[node]).collect();
     let q = wire.mass_per_length * catenary.gravity;
@@ -321,7 +321,7 @@ fn stagger_loads_arms_and_supports_with_tension_times_change_of_direction() {
         .find(|place| place.span == 5 && place.position == 4)
         .unwrap();
     let nodes = line.line().wire(WireName::ContactWire).geometry().nodes();
-    assert!(nodes[middle.node].position.y.abs() < 1e-6);
+    assert!(nodes[middle.lower.node].position.y.abs() < 1e-6);
 }
 
 #[test]
@@ -391,7 +391,7 @@ fn elasticity_is_symmetric_about_the_middle_of_the_line() {
 #[test]
 fn a_bare_wire_yields_as_a_pinned_beam_under_tension() {
     let mut catenary = short_line(1);
-    catenary.droppers.positions.clear();
+    catenary.droppers.positions[0].clear();
     catenary.mesh.division = Division::PerInterval(200);
     let line = solve(&catenary);
     let (l, t, ei) = (60.0, 20_000.0, 195.0_f64);
@@ -449,7 +449,7 @@ fn bending_layers_give_the_form_of_a_fine_mesh_on_a_coarse_one() {
         ..LineOptions::default()
     };
     let mut catenary = scene_line(EN, &["catenary.stagger=[0.3, -0.3]"]);
-    catenary.span_lengths.truncate(4);
+    catenary.tension_lengths[0].span_lengths.truncate(4);
     catenary.mesh.division = Division::PerInterval(2);
     let coarse = StaticLine::solve(&catenary, enriched).unwrap();
     catenary.mesh.division = Division::PerInterval(32);
@@ -466,7 +466,7 @@ fn wires_stretched_between_fixed_ends_sag_under_their_own_weight() {
     catenary.statics = scene::Statics::NodalDisplacement;
     catenary.wire_ends = scene::WireEnds::Fixed;
     // Droppers too long to touch, supports that hold.
-    catenary.droppers.lengths = Some(vec![3.0; 9]);
+    catenary.droppers.lengths = Some(vec![vec![3.0; 9]]);
     catenary.registration_arms.vertical_stiffness = 1e9;
     catenary.supports.messenger_vertical_stiffness = 1e9;
     let line = solve(&catenary);
@@ -499,7 +499,7 @@ fn wires_stretched_between_fixed_ends_sag_under_their_own_weight() {
             .find(|place| place.span == 2 && place.position == 4)
             .unwrap();
         let top = nodes[topology.supports()[2]].position.z;
-        let sag = top - nodes[middle.node].position.z;
+        let sag = top - nodes[middle.lower.node].position.z;
         // Clamped by symmetry at inner supports.
         let k = (h / parameters.bending_stiffness).sqrt();
         let expected = q * 3600.0 / (8.0 * h) - q * 60.0 / (2.0 * h * k) * (k * 15.0).tanh();
@@ -522,10 +522,10 @@ fn droppers_as_long_as_found_hold_the_contact_wire_where_it_was_found() {
     catenary.registration_arms.vertical_stiffness = 1e8;
     catenary.supports.messenger_vertical_stiffness = 1e8;
     let second_span = &found.report().droppers[9..18];
-    catenary.droppers.lengths = Some(second_span.iter().map(|dropper| dropper.length).collect());
+    catenary.droppers.lengths = Some(vec![second_span.iter().map(|dropper| dropper.length).collect()]);
     let again = solve(&catenary);
     let place = again.line().topology().droppers()[13];
-    let node = again.line().wire(WireName::ContactWire).geometry().nodes()[place.node];
+    let node = again.line().wire(WireName::ContactWire).geometry().nodes()[place.lower.node];
     // Straight element lengths are shorter by the sag than the found ones: the wires move along the track by
     // centimetres.
     assert!((node.position.z - 5.3).abs() < 5e-3, "{}", node.position.z);

@@ -156,7 +156,7 @@ fn forces(scene: &Scene, layout: Layout, line: Box<dyn OverheadLine>, steps: usi
     let mut line = Subsystem::with_line(scene, layout, line).unwrap();
     line.start(&starts(
         scene,
-        scene.modelled_line().unwrap().0.contact_wire_height + 0.045,
+        scene.modelled_line().unwrap().0.first().height_at(0) + 0.045,
     ))
     .unwrap();
     (0..steps)
@@ -253,7 +253,7 @@ fn a_step_too_short_to_see_changes_nothing_of_what_follows() {
     let statics = catenary::static_line(&scene).unwrap();
     let course = |short: Option<f64>| -> Vec<f64> {
         let mut line = Subsystem::new(&scene, &statics).unwrap();
-        let [start] = starts(&scene, scene.modelled_line().unwrap().0.contact_wire_height + 0.045);
+        let [start] = starts(&scene, scene.modelled_line().unwrap().0.first().height_at(0) + 0.045);
         line.start(&[start]).unwrap();
         let mut t = 0.0;
         let step = |n: i32| {

@@ -4,22 +4,19 @@ use catenary::static_line;
 use component::exchange::contact;
 use scene::{
     Catenary, Contact, Damping, Division, Droppers, Evaluate, Lumped, Mesh, RegistrationArms, Run, Scene, Statics,
-    Supports, Wire, WireEnds,
+    Supports, TensionLength, Wire, WireEnds,
 };
 use system::{equilibrium, one_system::OneSystem};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let line = Catenary {
-        span_lengths: vec![60.0; 8],
-        contact_wire_height: 5.3,
-        encumbrance: 1.2,
-        presag: 0.0,
-        stagger: vec![0.0],
+        tension_lengths: vec![TensionLength::new(vec![60.0; 8], 5.3, 1.2)], // m
         wire_ends: WireEnds::ConstantTension,
         statics: Statics::FormFinding,
         gravity: 9.81,
         contact_wire: Wire::new(1.35, 20_000.0, 1.7e7, 195.0), // kg/m, N, N, N m^2
         messenger_wire: Wire::new(1.07, 16_000.0, 1.1e7, 131.7),
+        stitch_wires: None,
         droppers: Droppers::new(&[5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0], 1e5), // m, N/m
         supports: Supports::new(5e5, 5e5, 0.0),
         registration_arms: RegistrationArms::new(0.0, 5e5, 0.0),

@@ -54,8 +54,8 @@ pub use contact::{
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
 pub use line::{
     BendingLayers, Dimension, DropperPlace, DropperSample, Line, LineOptions, LinearDropper, LinearDroppers,
-    LinearForce, LinearLine, MassCorrection, OverheadLine, Topology, WindowSize, WindowedLine, WireName, adopt_state,
-    follow_strips,
+    LinearForce, LinearLine, MassCorrection, NodeOfWire, OverheadLine, PlannedWire, Topology, WindowSize, WindowedLine,
+    WireName, adopt_state, follow_strips,
 };
 pub use mesh::load;
 pub use statics::{

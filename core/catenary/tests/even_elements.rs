@@ -37,7 +37,7 @@ fn no_element_is_longer_than_the_limit_and_every_span_has_the_same() {
     assert_eq!(supports.len(), 11);
     // Nodes stand where droppers and supports are.
     for (place, x) in topology.droppers().iter().zip(line.droppers_x()) {
-        assert_eq!(topology.x()[place.node], x);
+        assert_eq!(topology.x()[place.lower.node], x);
     }
 }
 
@@ -45,7 +45,7 @@ fn no_element_is_longer_than_the_limit_and_every_span_has_the_same() {
 fn statics_are_those_of_more_elements_with_the_same_longest_one() {
     let solve = |division: Division| {
         let mut line = line(division);
-        line.span_lengths.truncate(3);
+        line.tension_lengths[0].span_lengths.truncate(3);
         StaticLine::solve(&line, LineOptions::default()).expect("the line has an equilibrium")
     };
     let [even, more, fine, coarse] = [

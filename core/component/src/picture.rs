@@ -7,10 +7,13 @@ use serde::{Deserialize, Serialize};
 pub struct Frame {
     /// Time, s.
     pub time: f64,
-    /// Points along the contact wire.
+    /// Points along the first contact wire.
     pub contact_wire: Vec<(f64, f64)>,
-    /// Points along the messenger wire.
+    /// Points along the first messenger wire; empty without one.
     pub messenger_wire: Vec<(f64, f64)>,
+    /// Points along each further wire, with true for a contact wire; nothing in files of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub further_wires: Vec<(bool, Vec<(f64, f64)>)>,
     /// Droppers.
     pub droppers: Vec<DropperLine>,
     /// Polylines of each pantograph: `pantographs[i]` is a list of polylines, the collector strip

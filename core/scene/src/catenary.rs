@@ -1,10 +1,10 @@
 //! `[catenary]`: the overhead line.
 
-use crate::TensionLength;
 use crate::choice::choice;
 use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::mesh::Mesh;
 use crate::plausible::LEAST_TENSION;
+use crate::{StitchWires, TensionLength};
 
 /// `[catenary]`, the line as this program models it.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +21,8 @@ pub struct Catenary {
     pub contact_wire: Wire,
     /// `[catenary.messenger_wire]`.
     pub messenger_wire: Wire,
+    /// `[catenary.stitch_wires]`; none without.
+    pub stitch_wires: Option<StitchWires>,
     /// `[catenary.droppers]`.
     pub droppers: Droppers,
     /// `[catenary.supports]`.
@@ -192,6 +194,12 @@ impl Catenary {
         (0..=self.spans()).map(|index| self.support_x(index)).collect()
     }
 
+    /// True where all spans and supports are alike but for the stagger.
+    #[must_use]
+    pub fn is_uniform(&self) -> bool {
+        self.stitch_wires.is_none() && self.first().is_uniform() && self.droppers.positions.len() == 1
+    }
+
     /// True where some wire is not straight seen from above, or two are not above one another.
     #[must_use]
     pub fn is_staggered(&self) -> bool {
@@ -209,7 +217,9 @@ impl Catenary {
     #[must_use]
     pub fn chord_height(&self, x: f64) -> f64 {
         let line = self.first();
-        let span = (1..line.spans()).take_while(|&support| line.support_x(support) <= x).count();
+        let span = (1..line.spans())
+            .take_while(|&support| line.support_x(support) <= x)
+            .count();
         let (left, right) = (line.support_x(span), line.support_x(span + 1));
         let (from, to) = (line.height_at(span), line.height_at(span + 1));
         from + (to - from) * ((x - left) / (right - left)).clamp(0.0, 1.0)
@@ -337,7 +347,11 @@ impl Entry for Catenary {
         ("gravity", "Acceleration of gravity."),
         ("contact_wire", "Contact wire."),
         ("messenger_wire", "Messenger wire."),
-        ("droppers", "Droppers, the same in every span."),
+        (
+            "stitch_wires",
+            "Stitch wires about the inner supports; left out, all droppers hang from the messenger wire.",
+        ),
+        ("droppers", "Droppers."),
         ("supports", "Springs that hold the messenger wire."),
         (
             "registration_arms",
@@ -358,6 +372,7 @@ impl Entry for Catenary {
             gravity: keys.number("gravity", was.map(|line| line.gravity), Number::positive("m/s²")),
             contact_wire: keys.table("contact_wire", was.map(|line| &line.contact_wire)),
             messenger_wire: keys.table("messenger_wire", was.map(|line| &line.messenger_wire)),
+            stitch_wires: keys.optional_table("stitch_wires", was.map(|line| line.stitch_wires.as_ref())),
             droppers: keys.table("droppers", was.map(|line| &line.droppers)),
             supports: keys.table("supports", was.map(|line| &line.supports)),
             registration_arms: keys.table("registration_arms", was.map(|line| &line.registration_arms)),
@@ -461,7 +476,11 @@ impl Entry for Droppers {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let lengths = was.map(|droppers| droppers.lengths.as_deref());
         Self {
-            positions: keys.list_or_lists("positions", was.map(|droppers| droppers.positions.as_slice()), Number::any("m")),
+            positions: keys.list_or_lists(
+                "positions",
+                was.map(|droppers| droppers.positions.as_slice()),
+                Number::any("m"),
+            ),
             stiffness: keys.number(
                 "stiffness",
                 was.map(|droppers| droppers.stiffness),

@@ -356,7 +356,12 @@ impl Catenary {
             let lowest = heights.fold(f64::INFINITY, f64::min);
             if presag >= lowest {
                 let expected = format!("must be less than contact_wire_height = {lowest} m");
-                refuse(found, entry_of("catenary.presag", &line.presag, i), shown_number(presag, "m"), expected);
+                refuse(
+                    found,
+                    entry_of("catenary.presag", &line.presag, i),
+                    shown_number(presag, "m"),
+                    expected,
+                );
             }
         }
     }

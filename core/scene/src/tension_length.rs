@@ -109,6 +109,18 @@ impl TensionLength {
         }
     }
 
+    /// True where all spans and supports are alike but for the stagger of both wires together.
+    pub(crate) fn is_uniform(&self) -> bool {
+        let alike = |list: &[f64]| list.iter().all(|value| *value == list[0]);
+        let lists = [
+            &self.span_lengths,
+            &self.contact_wire_height,
+            &self.encumbrance,
+            &self.presag,
+        ];
+        lists.into_iter().all(|list| alike(list)) && self.messenger_stagger.is_empty()
+    }
+
     /// True where some wire is not straight seen from above, or the two are not above one another.
     #[must_use]
     pub fn is_staggered(&self) -> bool {
@@ -196,7 +208,10 @@ impl Entry for TensionLength {
                 Length::NotEmpty,
             ),
             messenger_stagger: keys
-                .has("messenger_stagger", was.is_some_and(|line| !line.messenger_stagger.is_empty()))
+                .has(
+                    "messenger_stagger",
+                    was.is_some_and(|line| !line.messenger_stagger.is_empty()),
+                )
                 .then(|| {
                     keys.numbers(
                         "messenger_stagger",

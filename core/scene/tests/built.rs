@@ -2,22 +2,19 @@
 
 use scene::{
     AxialStrain, Catenary, Contact, Correction, Damping, Division, Droppers, Element, Evaluate, Lumped, Mesh,
-    MeshChoice, RegistrationArms, Run, Scene, Statics, Supports, Wire, WireEnds,
+    MeshChoice, RegistrationArms, Run, Scene, Statics, Supports, TensionLength, Wire, WireEnds,
 };
 
 /// The line of EN 50318 under its pantograph at 250 km/h, with the mesh of the shipped scene.
 fn built() -> Scene {
     let line = Catenary {
-        span_lengths: vec![60.0; 10],
-        contact_wire_height: 5.3,
-        encumbrance: 1.2,
-        presag: 0.0,
-        stagger: vec![0.0],
+        tension_lengths: vec![TensionLength::new(vec![60.0; 10], 5.3, 1.2)],
         wire_ends: WireEnds::ConstantTension,
         statics: Statics::FormFinding,
         gravity: 9.81,
         contact_wire: Wire::new(1.35, 20_000.0, 1.7e7, 195.0),
         messenger_wire: Wire::new(1.07, 16_000.0, 1.1e7, 131.7),
+        stitch_wires: None,
         droppers: Droppers::new(&[5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0], 1e5),
         supports: Supports {
             messenger_vertical_stiffness: 5e5,
@@ -78,7 +75,7 @@ fn a_wrong_value_of_a_built_scene_is_refused_as_that_of_a_file() {
              are 15000 N",
         ),
         (
-            refusal(&|scene| line(scene, &|line| line.stagger.clear())),
+            refusal(&|scene| line(scene, &|line| line.tension_lengths[0].stagger.clear())),
             "built: catenary.stagger = []: has 0 entries, must be a list of numbers in m, at least one",
         ),
         (refusal(&|scene| scene.pantographs.clear()), "pantograph"),

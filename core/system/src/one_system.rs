@@ -202,8 +202,8 @@ impl OneSystem {
             .iter()
             .map(|&node| contact_wire[node].position.x)
             .collect();
-        for name in [WireName::ContactWire, WireName::MessengerWire] {
-            for node in line.wire(name).geometry().nodes() {
+        for wire in line.wires() {
+            for node in wire.geometry().nodes() {
                 let x = node.position.x;
                 let span = supports
                     .partition_point(|support| *support <= x)

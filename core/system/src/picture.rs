@@ -9,12 +9,18 @@ const WIRE_POINTS: usize = 240;
 
 /// Adds wires and droppers to a picture.
 pub fn draw_wires(line: &dyn OverheadLine, motion: &Motion<'_>, frame: &mut Frame) {
-    let wire = |name: WireName| {
-        let points = line.polyline(name, motion.q, WIRE_POINTS);
-        points.iter().map(|r| (r.x, r.z)).collect()
-    };
-    frame.contact_wire = wire(WireName::ContactWire);
-    frame.messenger_wire = wire(WireName::MessengerWire);
+    frame.further_wires.clear();
+    for name in [WireName::ContactWire, WireName::MessengerWire, WireName::StitchWire] {
+        let wires = line.polylines(name, motion.q, WIRE_POINTS);
+        let mut points = wires.iter().map(|wire| wire.iter().map(|r| (r.x, r.z)).collect());
+        match name {
+            WireName::ContactWire => frame.contact_wire = points.next().unwrap_or_default(),
+            WireName::MessengerWire => frame.messenger_wire = points.next().unwrap_or_default(),
+            WireName::StitchWire => {}
+        }
+        let further = points.map(|wire| (name == WireName::ContactWire, wire));
+        frame.further_wires.extend(further);
+    }
     frame.droppers = line
         .dropper_samples(motion)
         .iter()

@@ -32,6 +32,9 @@ impl Animation {
                 time: rounded(frame.time),
                 contact_wire: line(&frame.contact_wire),
                 messenger_wire: line(&frame.messenger_wire),
+                further_wires: (frame.further_wires.iter())
+                    .map(|(contact, wire)| (*contact, line(wire)))
+                    .collect(),
                 droppers: frame
                     .droppers
                     .iter()

@@ -40,6 +40,7 @@ pub fn run(complete: bool) -> (RunInfo, Record) {
                 time: 0.0,
                 contact_wire: vec![(0.0, 5.0), (60.0, 5.123456)],
                 messenger_wire: vec![(0.0, 6.2), (60.0, 6.2)],
+                further_wires: Vec::new(),
                 droppers: vec![DropperLine {
                     top: (10.0, 6.0),
                     bottom: (10.0, 5.0),

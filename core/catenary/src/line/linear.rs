@@ -2,8 +2,7 @@
 use super::LinearForce;
 use crate::unilateral::{restore_step, save_step};
 use crate::{
-    Attachment, DropperLaw, DropperSample, Line, StaticLine, UnilateralStart, UnilateralStep, Wire, WireCurve,
-    WireDrag, WireName,
+    Attachment, DropperLaw, DropperSample, Line, StaticLine, UnilateralStart, UnilateralStep, Wire, WireCurve, WireDrag,
 };
 use dynamics::{Blocks, Force, Layout, LowRank, Motion, PartVisitor, SparseMatrix, StepHistory, Updates, Weights};
 use std::sync::Arc;
@@ -279,8 +278,8 @@ impl LinearLine {
         let first = layout.coordinates();
         let line = statics.line_in(layout);
         let held = layout.fixed().to_vec();
-        for name in WireName::BOTH {
-            for node in line.wire(name).geometry().nodes() {
+        for wire in line.wires() {
+            for node in wire.geometry().nodes() {
                 for index in [node.map.position(0), node.map.slope(0)].into_iter().flatten() {
                     if !held.contains(&index) {
                         layout.fix(index);
@@ -390,10 +389,7 @@ impl Linear {
         let motion = rest.motion(&[]);
         let mut load = vec![0.0; layout.coordinates()];
         line.forces(&mut |part| part.add_force(&motion, &mut load));
-        let wires: Option<Vec<Wire>> = WireName::BOTH
-            .iter()
-            .map(|&name| line.wire(name).linearised())
-            .collect();
+        let wires: Option<Vec<Wire>> = line.wires().iter().map(Wire::linearised).collect();
         let mut in_matrices = |visit: &mut dyn FnMut(&mut dyn Force)| match &wires {
             Some(_) => line.attachments(&mut |_, force| visit(force)),
             None => line.forces(visit),

@@ -3,24 +3,30 @@
 //! ```text
 //! file          subject
 //! overhead      the trait that contact and coupling see: any line
-//! topology      nodes of a line, their positions and their coordinates
+//! options       discretisation beyond the mesh of the scene
+//! topology      wires of a line, their nodes, and the parts that join them
+//! coordinates   coordinates of the wires
 //! nonlinear     the line in full: wires, droppers, supports, arms, ends
 //! linear        constant matrices with unilateral droppers
 //! linear_force  a force linear in coordinates, velocities and accelerations
 //! window        the line in full around the strips, condensed elsewhere
 //! ```
+mod coordinates;
 mod linear;
 mod linear_force;
 mod nonlinear;
+mod options;
 mod overhead;
 mod topology;
 pub(crate) mod window;
 
+pub(crate) use coordinates::WireCoordinates;
 pub use linear::{LinearDropper, LinearDroppers, LinearLine};
 pub use linear_force::LinearForce;
 pub use nonlinear::{DropperSample, Line};
 pub(crate) use nonlinear::{Equilibrium, layers, wire};
+pub use options::{BendingLayers, Dimension, LineOptions, MassCorrection};
 pub use overhead::{OverheadLine, adopt_state, follow_strips};
-pub(crate) use topology::WireCoordinates;
-pub use topology::{BendingLayers, Dimension, DropperPlace, LineOptions, MassCorrection, Topology, WireName};
+pub(crate) use topology::EndsOfWire;
+pub use topology::{DropperPlace, NodeOfWire, PlannedWire, Topology, WireName};
 pub use window::{WindowSize, WindowedLine};

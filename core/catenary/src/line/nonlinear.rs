@@ -1,12 +1,12 @@
 //! The nonlinear overhead line as a list of contributions.
 
-use super::topology::WireCoordinates;
+use super::{EndsOfWire, PlannedWire, WireCoordinates};
 use crate::wire::contact_wire_directors;
 use crate::{
     Anchor, Attachment, AxialLaw, BendingLaw, CorrectedWire, Directors, Dropper, DropperLaw, Droppers, Enrichment,
-    LineEnd, LineEnds, LoadCorrection, MassCorrection, NodeMap, Rayleigh, RegistrationArms, ResidualCompliance,
-    Supports, Topology, Wire, WireCurve, WireDirectors, WireDrag, WireGeometry, WireName, WireNode, WireSection,
-    WiresInWind,
+    LineEnd, LineEnds, LoadCorrection, MassCorrection, NodeMap, NodeOfWire, Rayleigh, RegistrationArms,
+    ResidualCompliance, Supports, Topology, Wire, WireCurve, WireDirectors, WireDrag, WireGeometry, WireName, WireNode,
+    WireSection, WiresInWind,
 };
 use dynamics::{Force, Motion, PartVisitor};
 use nalgebra::Vector3;
@@ -16,8 +16,8 @@ use std::sync::Arc;
 /// Static state of a line: all values that follow from statics and not from the scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Equilibrium {
-    pub contact_wire: WireGeometry,
-    pub messenger_wire: WireGeometry,
+    /// The wires, in the order of [`Topology::wires`].
+    pub wires: Vec<WireGeometry>,
     /// Directors of a contact wire of beam elements, else empty.
     pub directors: Vec<Directors>,
     /// Unstressed length of each dropper, m.
@@ -32,8 +32,7 @@ impl Equilibrium {
     /// Renumbers all coordinates from `first` on.
     fn shifted(&self, first: usize) -> Self {
         Self {
-            contact_wire: shifted(&self.contact_wire, first),
-            messenger_wire: shifted(&self.messenger_wire, first),
+            wires: self.wires.iter().map(|wire| shifted(wire, first)).collect(),
             directors: (self.directors.iter())
                 .map(|directors| Directors {
                     first: directors.first + first,
@@ -75,17 +74,15 @@ pub struct DropperSample {
     pub force: f64,
 }
 
-/// Both wires, droppers, supports, registration arms and sliding ends: an overhead line whose reference (all
-/// coordinates zero) is its static state.
-///
-/// The messenger wire hangs vertically above the contact wire, with the same stagger.
+/// Wires, droppers, supports, registration arms and sliding ends: an overhead line whose reference (all coordinates
+/// zero) is its static state.
 #[derive(Clone, Debug)]
 pub struct Line {
     topology: Arc<Topology>,
-    contact_wire: Wire,
+    /// The wires, in the order of [`Topology::wires`].
+    wires: Vec<Wire>,
     /// Directors of a contact wire of beam elements.
     directors: Option<WireDirectors>,
-    messenger_wire: Wire,
     droppers: Droppers,
     supports: Supports,
     arms: RegistrationArms,
@@ -95,7 +92,7 @@ pub struct Line {
     compliance: Option<Arc<ResidualCompliance>>,
     /// Correction of the forces of strips that belongs to the corrected inertia of the contact wire.
     load: Option<LoadCorrection>,
-    /// Drag of both wires; empty without wind.
+    /// Drag of the wires; empty without wind.
     drag: Vec<WireDrag>,
 }
 
@@ -103,23 +100,21 @@ impl Line {
     /// A line in the coordinates of `equilibrium`, shifted by `first`.
     pub(crate) fn new(catenary: &Catenary, topology: &Arc<Topology>, equilibrium: &Equilibrium, first: usize) -> Self {
         let equilibrium = equilibrium.shifted(first);
-        let [mut contact_wire, messenger_wire] = [
-            (equilibrium.contact_wire, WireName::ContactWire),
-            (equilibrium.messenger_wire, WireName::MessengerWire),
-        ]
-        .map(|(geometry, name)| wire(catenary, name, Arc::new(geometry)));
+        let planned = topology.wires().iter().zip(equilibrium.wires);
+        let mut wires: Vec<Wire> = planned
+            .map(|(planned, geometry)| wire(catenary, planned, Arc::new(geometry)))
+            .collect();
         let beam = catenary.contact_wire.beam.filter(|_| !equilibrium.directors.is_empty());
         let directors = beam.map(|beam| {
-            contact_wire = contact_wire.without_bending();
-            contact_wire_directors(catenary, &beam, contact_wire.geometry(), &equilibrium.directors)
+            wires[0] = wires[0].without_bending();
+            contact_wire_directors(catenary, &beam, wires[0].geometry(), &equilibrium.directors)
         });
-        let upper = |node: usize| Attachment::node(&messenger_wire.geometry().nodes()[node]);
-        let lower = |node: usize| Attachment::node(&contact_wire.geometry().nodes()[node]);
+        let node = |at: NodeOfWire| Attachment::node(&wires[at.wire].geometry().nodes()[at.node]);
 
         let droppers = topology.droppers().iter().zip(&equilibrium.dropper_lengths);
         let droppers = droppers.map(|(place, &unstressed_length)| Dropper {
-            upper: upper(place.node),
-            lower: lower(place.node),
+            upper: node(place.upper),
+            lower: node(place.lower),
             unstressed_length,
             mass: catenary.droppers.mass,
         });
@@ -128,9 +123,9 @@ impl Line {
             damping: catenary.droppers.damping,
         };
         let springs = &catenary.supports;
-        let supports = topology.inner_supports().zip(&equilibrium.support_reactions);
-        let supports = supports.map(|((_, node), &reaction)| Anchor {
-            node: upper(node),
+        let supports = topology.inner_supports().iter().zip(&equilibrium.support_reactions);
+        let supports = supports.map(|(&[_, upper], &reaction)| Anchor {
+            node: node(upper),
             reaction,
             stiffness: Vector3::new(
                 springs.messenger_longitudinal_stiffness,
@@ -139,36 +134,36 @@ impl Line {
             ),
         });
         let arm = &catenary.registration_arms;
-        let arms = topology.inner_supports().zip(&equilibrium.arm_reactions);
-        let arms = arms.map(|((_, node), &reaction)| Anchor {
-            node: lower(node),
+        let arms = topology.inner_supports().iter().zip(&equilibrium.arm_reactions);
+        let arms = arms.map(|(&[lower, _], &reaction)| Anchor {
+            node: node(lower),
             reaction,
             stiffness: Vector3::new(0.0, arm.lateral_stiffness, arm.vertical_stiffness),
         });
-        let ends = [
-            (lower(0), -catenary.contact_wire.tension),
-            (upper(0), -catenary.messenger_wire.tension),
-            (lower(topology.last()), catenary.contact_wire.tension),
-            (upper(topology.last()), catenary.messenger_wire.tension),
-        ];
         let sliding = catenary.wire_ends == WireEnds::ConstantTension;
-        let ends = ends.iter().filter(|_| sliding).filter_map(|&(node, force)| {
-            let index = node.coordinate(0)?;
-            Some(LineEnd { index, force })
+        let anchored = topology.wires().iter().zip(&wires);
+        let anchored = anchored.filter(|(planned, _)| sliding && planned.ends == EndsOfWire::Anchored);
+        let ends = anchored.flat_map(|(planned, wire)| {
+            let tension = planned.parameters.tension;
+            [(0, -tension), (planned.last(), tension)]
+                .into_iter()
+                .filter_map(|(node, force)| {
+                    let index = wire.geometry().nodes()[node].map.position(0)?;
+                    Some(LineEnd { index, force })
+                })
         });
         Self {
             droppers: Droppers::new(law, droppers.collect(), catenary.gravity),
             supports: Supports::new(supports.collect()),
             arms: RegistrationArms::new(arms.collect(), arm.mass, catenary.gravity),
             ends: LineEnds::new(ends.collect()),
-            uplift_reference: vec![0.0; topology.supports().len()],
+            uplift_reference: vec![0.0; topology.support_nodes().len()],
             compliance: None,
             load: None,
             drag: Vec::new(),
             topology: Arc::clone(topology),
-            contact_wire,
             directors,
-            messenger_wire,
+            wires,
         }
     }
 
@@ -188,8 +183,8 @@ impl Line {
             kappa: of_trapezoid / 6.0,
         });
         let step = step * of_trapezoid.sqrt();
-        self.contact_wire = self.contact_wire.with_mass_correction(step);
-        self.messenger_wire = self.messenger_wire.with_mass_correction(step);
+        let wires = self.wires.into_iter();
+        self.wires = wires.map(|wire| wire.with_mass_correction(step)).collect();
         self
     }
 
@@ -200,12 +195,12 @@ impl Line {
         self
     }
 
-    /// Lets the wind act on both wires, or nothing.
+    /// Lets the wind act on all wires, or nothing.
     #[must_use]
     pub fn in_wind(mut self, wind: Option<&WiresInWind>) -> Self {
-        let both = WireName::BOTH.iter();
+        let wires = self.topology.wires().iter().zip(&self.wires);
         self.drag = wind.map_or_else(Vec::new, |wind| {
-            both.map(|&name| wind.on(name, self.wire(name))).collect()
+            wires.map(|(planned, wire)| wind.on(planned.name, wire)).collect()
         });
         self
     }
@@ -217,8 +212,9 @@ impl Line {
 
     /// Visits every contribution with the name of its part, always in the same order.
     pub fn parts(&mut self, visit: &mut PartVisitor<'_>) {
-        visit("wires", &mut self.contact_wire);
-        visit("wires", &mut self.messenger_wire);
+        for wire in &mut self.wires {
+            visit("wires", wire);
+        }
         if let Some(directors) = &mut self.directors {
             visit("wires", directors);
         }
@@ -244,7 +240,7 @@ impl Line {
     /// The contact wire as contact sees it.
     #[must_use]
     pub fn contact_curve(&self) -> Arc<dyn WireCurve> {
-        let geometry = Arc::clone(self.contact_wire.geometry());
+        let geometry = Arc::clone(self.wires[0].geometry());
         if self.compliance.is_none() && self.load.is_none() {
             return geometry;
         }
@@ -261,13 +257,21 @@ impl Line {
         self.compliance.as_ref()
     }
 
-    /// One of the wires.
+    /// The wires, in the order of [`Topology::wires`].
+    #[must_use]
+    pub fn wires(&self) -> &[Wire] {
+        &self.wires
+    }
+
+    /// The first wire of this name.
+    ///
+    /// # Panics
+    /// When there is none.
     #[must_use]
     pub fn wire(&self, name: WireName) -> &Wire {
-        match name {
-            WireName::ContactWire => &self.contact_wire,
-            WireName::MessengerWire => &self.messenger_wire,
-        }
+        let mut all = self.topology.wires().iter().zip(&self.wires);
+        let found = all.find(|(planned, _)| planned.name == name);
+        found.expect("the line has a wire of this name").1
     }
 
     /// Nodes, supports and droppers.
@@ -297,12 +301,13 @@ impl Line {
     /// Number of supports, the ends included.
     #[must_use]
     pub fn support_count(&self) -> usize {
-        self.topology.supports().len()
+        self.topology.support_nodes().len()
     }
 
     /// Height of the contact wire at support `support` (from 0), m above the static height.
     fn rise(&self, support: usize, q: &[f64]) -> f64 {
-        let node = &self.contact_wire.geometry().nodes()[self.topology.supports()[support]];
+        let [NodeOfWire { wire, node }, _] = self.topology.support_nodes()[support];
+        let node = &self.wires[wire].geometry().nodes()[node];
         node.map.position(2).map_or(0.0, |index| q[index])
     }
 
@@ -334,24 +339,13 @@ impl Line {
     /// Potential energy, J, of strain, weight and preloads.
     #[must_use]
     pub fn energy(&self, motion: &Motion<'_>) -> f64 {
-        let parts: [&dyn Force; 6] = [
-            &self.contact_wire,
-            &self.messenger_wire,
-            &self.droppers,
-            &self.supports,
-            &self.arms,
-            &self.ends,
-        ];
+        let wires = self.wires.iter().map(|wire| wire as &dyn Force);
+        let others: [&dyn Force; 4] = [&self.droppers, &self.supports, &self.arms, &self.ends];
         let directors = self
             .directors
             .as_ref()
             .map_or(0.0, |directors| directors.energy(motion));
-        parts.iter().map(|part| part.energy(motion)).sum::<f64>() + directors
-    }
-
-    /// Positions of the nodes of a wire, m, as a polyline for pictures.
-    pub fn polyline<'a>(&'a self, name: WireName, q: &'a [f64]) -> impl Iterator<Item = Vector3<f64>> + 'a {
-        self.wire(name).geometry().nodes().iter().map(move |node| node.at(q).0)
+        wires.chain(others).map(|part| part.energy(motion)).sum::<f64>() + directors
     }
 
     /// Ends and tension of every dropper.
@@ -371,7 +365,7 @@ impl Line {
     /// ends of the wire.
     #[must_use]
     pub fn contact_wire_s(&self, x: f64, q: &[f64]) -> f64 {
-        let geometry = self.contact_wire.geometry();
+        let geometry = self.wires[0].geometry();
         let v = vec![0.0; q.len()];
         let at = |s: f64| geometry.point(s, q, &v);
         let (mut low, mut high) = (0.0, geometry.length());
@@ -401,8 +395,8 @@ impl Line {
 }
 
 /// Wire of the scene along `geometry`.
-pub(crate) fn wire(catenary: &Catenary, name: WireName, geometry: Arc<WireGeometry>) -> Wire {
-    let parameters = name.parameters(catenary);
+pub(crate) fn wire(catenary: &Catenary, planned: &PlannedWire, geometry: Arc<WireGeometry>) -> Wire {
+    let parameters = &planned.parameters;
     let section = WireSection {
         axial_stiffness: parameters.axial_stiffness,
         bending_stiffness: parameters.bending_stiffness,

@@ -1,86 +1,77 @@
-//! Nodes of a line: positions, coordinates and attached parts.
-use crate::NodeMap;
-use dynamics::Layout;
+//! Wires of a line, their nodes, and the parts that join them.
+use super::options::{BendingLayers, Dimension, LineOptions};
 use nalgebra::Vector3;
-use scene::{Catenary, Element, WireEnds};
+use scene::{Catenary, Element};
 
-/// Coordinates of the nodes of a line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Dimension {
-    /// Six coordinates per node.
-    #[default]
-    Spatial,
-    /// Four coordinates per node, none of them lateral: for lines in which nothing moves sideways.
-    Planar,
-}
-
-/// Unknowns for the bending layers at the attachments of the wires, see [`crate::Enrichment`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum BendingLayers {
-    /// Cubic elements only.
-    #[default]
-    Absent,
-    /// One vertical layer per attachment and wire, and a lateral one at the supports of a line with lateral
-    /// coordinates.
-    AtAttachments,
-    /// [`BendingLayers::AtAttachments`] and a layer at each end: the end of a section whose wires go on has half of the
-    /// layer there. `ψ` and its slope vanish at the node, so that each half is a layer of its own.
-    AtAttachmentsAndEnds,
-}
-
-/// A mass matrix for one time step, see [`crate::Line::with_mass_correction`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MassCorrection {
-    /// Internal step of the integrator, s.
-    pub step: f64,
-    /// Spectral radius of the integrator at infinite frequency, –.
-    pub rho_inf: f64,
-}
-
-/// Discretisation of a line beyond the mesh of the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LineOptions {
-    /// Coordinates per node.
-    pub dimension: Dimension,
-    /// Extra unknowns at attachments.
-    pub layers: BendingLayers,
-    /// Speed of the strips for which the contact wire has its residual compliance, m/s, see
-    /// [`crate::ResidualCompliance`]. Statics use the compliance of a strip at rest, except for the start of a run.
-    pub contact_compliance: Option<f64>,
-    /// Corrected inertia of the wires; without effect on statics.
-    pub mass_correction: Option<MassCorrection>,
-}
-
-/// One of the two wires.
+/// Kind of a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WireName {
-    /// The lower wire, which collector strips touch.
+    /// Wire that collector strips touch.
     ContactWire,
-    /// The upper wire, which carries the contact wire.
+    /// Wire at the supports that carries the contact wire.
     MessengerWire,
+    /// Wire below the messenger wire about a support, clamped to it at both ends.
+    StitchWire,
 }
 
 impl WireName {
-    /// Both wires, in the order in which coordinates are numbered.
-    pub const BOTH: [Self; 2] = [Self::ContactWire, Self::MessengerWire];
-
     /// Name of the wire in messages.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::ContactWire => "contact_wire",
             Self::MessengerWire => "messenger_wire",
+            Self::StitchWire => "stitch_wire",
         }
     }
+}
 
-    /// Parameters of the wire in a scene.
-    #[must_use]
-    pub fn parameters(self, catenary: &Catenary) -> &scene::Wire {
-        match self {
-            Self::ContactWire => &catenary.contact_wire,
-            Self::MessengerWire => &catenary.messenger_wire,
-        }
-    }
+/// A node of one of the wires of a line, both counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NodeOfWire {
+    /// The wire, in the order of [`Topology::wires`].
+    pub wire: usize,
+    /// The node along the wire.
+    pub node: usize,
+}
+
+/// Fastening of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Fastening {
+    /// None: a node between elements.
+    Free,
+    /// A dropper or a clamp pulls vertically.
+    Hanger,
+    /// A support or a registration arm.
+    Support,
+}
+
+/// Ends of a wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EndsOfWire {
+    /// At the anchors of the line.
+    Anchored,
+    /// Clamped to these nodes of another wire, whose positions are those of the ends.
+    Clamped([NodeOfWire; 2]),
+}
+
+/// A wire of a line and its division.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlannedWire {
+    /// Kind of the wire.
+    pub name: WireName,
+    /// Name in messages.
+    pub label: String,
+    /// Section, tension and strength.
+    pub parameters: scene::Wire,
+    /// Nominal x of the nodes, m.
+    pub x: Vec<f64>,
+    /// Span of each node, from 1; a support belongs to the span before it.
+    pub(crate) span: Vec<usize>,
+    pub(crate) fastenings: Vec<Fastening>,
+    pub(crate) ends: EndsOfWire,
+    /// True for beam elements.
+    pub(crate) beam: bool,
 }
 
 /// Place of a dropper in the line.
@@ -90,38 +81,144 @@ pub struct DropperPlace {
     pub span: usize,
     /// Number within the span, counted from 0.
     pub position: usize,
-    /// Node of both wires.
-    pub node: usize,
+    /// Node above: of the messenger wire, or of a stitch wire.
+    pub upper: NodeOfWire,
+    /// Node of the contact wire.
+    pub lower: NodeOfWire,
 }
 
-/// Nodes of both wires, which stand at the same x: supports, droppers, and equal divisions between them.
+/// The wires of a line with their nodes, at supports, droppers, clamps and equal divisions between them, and the parts
+/// that join them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Topology {
-    x: Vec<f64>,
-    span: Vec<usize>,
-    supports: Vec<usize>,
+    wires: Vec<PlannedWire>,
+    /// For each support, its node of the contact wire and of the messenger wire.
+    supports: Vec<[NodeOfWire; 2]>,
     droppers: Vec<DropperPlace>,
     options: LineOptions,
-    /// For each wire, true with bending stiffness; a string has no layers.
-    bends: [bool; 2],
-    element: Element,
 }
 
-/// The unknowns of one bending layer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LayerCoordinate {
-    pub node: usize,
-    pub index: usize,
-    pub direction: Vector3<f64>,
+const CONTACT: usize = 0;
+const MESSENGER: usize = 1;
+
+/// Fastening of a wire, and the way to it from the one before.
+struct Station {
+    /// x, m.
+    x: f64,
+    /// Distance from the station before, m.
+    length: f64,
+    /// Span, from 1.
+    span: usize,
+    fastening: Fastening,
 }
 
-/// Coordinates of one wire.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct WireCoordinates {
-    pub nodes: Vec<NodeMap>,
-    pub layers: Vec<LayerCoordinate>,
-    /// First of the six coordinates of the directors of each node; none in a wire of cable elements.
-    pub directors: Vec<usize>,
+impl PlannedWire {
+    /// A wire through `stations`, with equal elements between them.
+    fn new(
+        (name, label, parameters): (WireName, String, scene::Wire),
+        division: scene::Division,
+        stations: &[Station],
+        ends: EndsOfWire,
+    ) -> Self {
+        let first = &stations[0];
+        let mut wire = Self {
+            name,
+            label,
+            parameters,
+            x: vec![first.x],
+            span: vec![first.span],
+            fastenings: vec![first.fastening],
+            ends,
+            beam: false,
+        };
+        for (start, end) in stations.iter().zip(&stations[1..]) {
+            let elements = division.elements(end.length);
+            for i in 1..elements {
+                let xi = i as f64 / elements as f64;
+                wire.x.push(start.x + (end.x - start.x) * xi);
+                wire.span.push(end.span);
+                wire.fastenings.push(Fastening::Free);
+            }
+            wire.x.push(end.x);
+            wire.span.push(end.span);
+            wire.fastenings.push(end.fastening);
+        }
+        wire
+    }
+
+    /// The last node.
+    #[must_use]
+    pub fn last(&self) -> usize {
+        self.x.len() - 1
+    }
+
+    /// Nodes with a fastening, ascending.
+    pub(crate) fn fastened(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.x.len()).filter(|&node| self.fastenings[node] != Fastening::Free)
+    }
+
+    /// Directions of the bending layers at a node.
+    pub(crate) fn layer_directions(&self, node: usize, options: &LineOptions) -> Vec<Vector3<f64>> {
+        let inner = node > 0 && node < self.last();
+        let has_layers = match options.layers {
+            BendingLayers::Absent => false,
+            BendingLayers::AtAttachments => inner,
+            BendingLayers::AtAttachmentsAndEnds => inner || self.ends == EndsOfWire::Anchored,
+        };
+        // A string has no layers.
+        let bends = self.parameters.bending_stiffness > 0.0;
+        match self.fastenings[node] {
+            Fastening::Support if has_layers && bends && options.dimension == Dimension::Spatial => {
+                vec![Vector3::z(), Vector3::y()]
+            }
+            Fastening::Support | Fastening::Hanger if has_layers && bends => vec![Vector3::z()],
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// Stations of a wire that runs over all supports, with hangers at these positions in each span.
+fn along_the_line(catenary: &Catenary, hangers: impl Fn(usize) -> Vec<f64>) -> Vec<Station> {
+    let mut stations = vec![Station {
+        x: catenary.support_x(0),
+        length: 0.0,
+        span: 1,
+        fastening: Fastening::Support,
+    }];
+    for span in 0..catenary.spans() {
+        let (left, right) = (catenary.support_x(span), catenary.support_x(span + 1));
+        // Lengths within the span: equal spans have equal ones, while differences of x are rounded.
+        let mut start = 0.0;
+        let mut station = |position: f64, x: f64, fastening: Fastening| {
+            stations.push(Station {
+                x,
+                length: position - start,
+                span: span + 1,
+                fastening,
+            });
+            start = position;
+        };
+        for position in hangers(span) {
+            station(position, left + position, Fastening::Hanger);
+        }
+        station(catenary.span_lengths()[span], right, Fastening::Support);
+    }
+    stations
+}
+
+/// Stations of the stitch wire about a support (from 0): from clamp to clamp, with the droppers it carries.
+fn about_a_support(catenary: &Catenary, support: usize) -> Vec<Station> {
+    let x = catenary.support_x(support);
+    let mut stations: Vec<Station> = Vec::new();
+    for (offset, fastening) in catenary.stitch_stations(support) {
+        stations.push(Station {
+            x: x + offset,
+            length: stations.last().map_or(0.0, |before| x + offset - before.x),
+            span: support + usize::from(offset > 0.0),
+            fastening: if fastening { Fastening::Hanger } else { Fastening::Free },
+        });
+    }
+    stations
 }
 
 impl Topology {
@@ -131,51 +228,101 @@ impl Topology {
     /// When a staggered line or one with beam elements is to be planar.
     #[must_use]
     pub fn new(catenary: &Catenary, options: LineOptions) -> Self {
-        let staggered = catenary.stagger.iter().any(|y| *y != catenary.stagger[0]);
-        let bends = WireName::BOTH.map(|name| name.parameters(catenary).bending_stiffness > 0.0);
         assert!(
-            options.dimension == Dimension::Spatial || !staggered,
+            options.dimension == Dimension::Spatial || !catenary.is_staggered(),
             "a staggered line has lateral coordinates"
         );
         assert!(
             options.dimension == Dimension::Spatial || catenary.mesh.element == Element::Cable,
             "a beam has lateral coordinates"
         );
-        let (mut x, mut span, mut droppers) = (vec![0.0], vec![1], Vec::new());
-        let mut supports = vec![0];
-        for number in 1..=catenary.spans() {
-            let (left, right) = (catenary.support_x(number - 1), catenary.support_x(number));
-            let attachments = catenary.droppers.positions.iter().map(|position| left + position);
-            let mut start = left;
-            // Lengths within the span: equal spans have equal ones, while differences of x are rounded.
-            let lengths = catenary.intervals_of(number - 1);
-            for (position, (end, length)) in attachments.chain([right]).zip(lengths).enumerate() {
-                let elements = catenary.mesh.division.elements(length);
-                for i in 1..=elements {
-                    let xi = i as f64 / elements as f64;
-                    x.push(if i == elements { end } else { start + (end - start) * xi });
-                    span.push(number);
-                }
-                if position < catenary.droppers.positions.len() {
-                    droppers.push(DropperPlace {
-                        span: number,
-                        position,
-                        node: x.len() - 1,
-                    });
-                }
-                start = end;
-            }
-            supports.push(x.len() - 1);
-        }
-        Self {
-            x,
-            span,
-            supports,
-            droppers,
+        let division = catenary.mesh.division;
+        let wire = |name: WireName, parameters: scene::Wire, hangers: &dyn Fn(usize) -> Vec<f64>| {
+            let stations = along_the_line(catenary, hangers);
+            let label = name.name().to_owned();
+            PlannedWire::new((name, label, parameters), division, &stations, EndsOfWire::Anchored)
+        };
+        let contact_wire = PlannedWire {
+            beam: catenary.mesh.element == Element::Beam,
+            ..wire(WireName::ContactWire, catenary.contact_wire, &|span| {
+                catenary.droppers.of_span(span).to_vec()
+            })
+        };
+        let messenger_wire = wire(WireName::MessengerWire, catenary.messenger_wire, &|span| {
+            catenary.messenger_attachments(span)
+        });
+        let mut topology = Self {
+            wires: vec![contact_wire, messenger_wire],
+            supports: Vec::new(),
+            droppers: Vec::new(),
             options,
-            bends,
-            element: catenary.mesh.element,
+        };
+        for support in 0..=catenary.spans() {
+            topology.add_stitch_wire(catenary, support);
         }
+        topology.supports = (0..=catenary.spans())
+            .map(|support| {
+                let x = catenary.support_x(support);
+                [CONTACT, MESSENGER].map(|wire| topology.node_at(wire, x))
+            })
+            .collect();
+        for span in 0..catenary.spans() {
+            let left = catenary.support_x(span);
+            for (position, &at) in catenary.droppers.of_span(span).iter().enumerate() {
+                let x = left + at;
+                let above = catenary.stitch_wire_over(span, at);
+                let above = above.and_then(|support| topology.stitch_wire_about(catenary.support_x(support)));
+                topology.droppers.push(DropperPlace {
+                    span: span + 1,
+                    position,
+                    upper: topology.node_at(above.unwrap_or(MESSENGER), x),
+                    lower: topology.node_at(CONTACT, x),
+                });
+            }
+        }
+        topology
+    }
+
+    fn add_stitch_wire(&mut self, catenary: &Catenary, support: usize) {
+        let Some(stitch) = catenary.stitch_wire_at(support) else {
+            return;
+        };
+        let mut stations = about_a_support(catenary, support);
+        let last = stations.len() - 1;
+        let clamps = [0, last].map(|end| self.node_at(MESSENGER, stations[end].x));
+        for (end, clamp) in [0, last].into_iter().zip(clamps) {
+            stations[end].x = self.wires[clamp.wire].x[clamp.node];
+        }
+        let label = format!("{} at support {}", WireName::StitchWire.name(), support + 1);
+        self.wires.push(PlannedWire::new(
+            (WireName::StitchWire, label, stitch.wire),
+            catenary.mesh.division,
+            &stations,
+            EndsOfWire::Clamped(clamps),
+        ));
+    }
+
+    /// Node of a wire next to `x`, m.
+    fn node_at(&self, wire: usize, x: f64) -> NodeOfWire {
+        let nodes = &self.wires[wire].x;
+        let right = nodes.partition_point(|&node| node < x).min(nodes.len() - 1);
+        let node = if right > 0 && x - nodes[right - 1] < nodes[right] - x {
+            right - 1
+        } else {
+            right
+        };
+        NodeOfWire { wire, node }
+    }
+
+    /// The stitch wire over `x`, m.
+    fn stitch_wire_about(&self, x: f64) -> Option<usize> {
+        let over = |wire: &PlannedWire| wire.name == WireName::StitchWire && wire.x[0] < x && x < wire.x[wire.last()];
+        self.wires.iter().position(over)
+    }
+
+    /// True where all wires have their nodes at the same x, as a line cut at its supports must.
+    pub(crate) fn has_common_nodes(&self) -> bool {
+        self.wires.iter().all(|wire| wire.x == self.wires[CONTACT].x)
     }
 
     /// Discretisation of the line.
@@ -184,15 +331,26 @@ impl Topology {
         &self.options
     }
 
-    /// Nominal x of the nodes, m.
+    /// The wires: contact wire, messenger wire, then the stitch wires from the first support on.
     #[must_use]
-    pub fn x(&self) -> &[f64] {
-        &self.x
+    pub fn wires(&self) -> &[PlannedWire] {
+        &self.wires
     }
 
-    /// Nodes at the supports, from the first to the last.
+    /// Nominal x of the nodes of the contact wire, m.
     #[must_use]
-    pub fn supports(&self) -> &[usize] {
+    pub fn x(&self) -> &[f64] {
+        &self.wires[CONTACT].x
+    }
+
+    /// Nodes of the contact wire at the supports, from the first to the last.
+    #[must_use]
+    pub fn supports(&self) -> Vec<usize> {
+        self.supports.iter().map(|nodes| nodes[CONTACT].node).collect()
+    }
+
+    /// Node of the contact wire and node of the messenger wire at each support, from the first to the last.
+    pub(crate) fn support_nodes(&self) -> &[[NodeOfWire; 2]] {
         &self.supports
     }
 
@@ -202,119 +360,48 @@ impl Topology {
         &self.droppers
     }
 
-    /// Elements of both wires together.
+    /// Elements of all wires together.
     #[must_use]
     pub fn elements(&self) -> usize {
-        2 * (self.x.len() - 1)
+        self.wires.iter().map(PlannedWire::last).sum()
     }
 
-    /// The last node.
+    /// Supports that are not ends: their nodes of contact wire and messenger wire.
+    pub(crate) fn inner_supports(&self) -> &[[NodeOfWire; 2]] {
+        &self.supports[1..self.supports.len() - 1]
+    }
+
+    /// Position of a node within its span, 0…1, and the span, from 0.
+    fn within_span(&self, NodeOfWire { wire, node }: NodeOfWire) -> (usize, f64) {
+        let span = self.wires[wire].span[node] - 1;
+        let [left, right] = [span, span + 1].map(|support| self.x()[self.supports[support][CONTACT].node]);
+        (span, (self.wires[wire].x[node] - left) / (right - left))
+    }
+
+    /// Lateral position of a node, m: straight between the stagger of neighbouring supports; of a stitch wire that of
+    /// the messenger wire.
     #[must_use]
-    pub fn last(&self) -> usize {
-        self.x.len() - 1
-    }
-
-    /// Supports that are not ends, with their number from 0.
-    pub(crate) fn inner_supports(&self) -> impl Iterator<Item = (usize, usize)> {
-        let count = self.supports.len();
-        self.supports.iter().copied().enumerate().skip(1).take(count - 2)
-    }
-
-    /// Adds the coordinates of both wires, node after node (contact wire first), so that neighbours are close in the
-    /// numbering.
-    pub(crate) fn register(&self, layout: &mut Layout) -> [WireCoordinates; 2] {
-        let mut wires = [WireCoordinates::default(), WireCoordinates::default()];
-        let mut within = 0;
-        for (node, &span) in self.span.iter().enumerate() {
-            within = if node > 0 && self.span[node - 1] == span {
-                within + 1
-            } else {
-                1
-            };
-            for ((wire, name), bends) in wires.iter_mut().zip(WireName::BOTH).zip(self.bends) {
-                let label = format!("{}, span {span}, node {within}", name.name());
-                wire.nodes.push(match self.options.dimension {
-                    Dimension::Spatial => NodeMap::spatial(layout.add_coordinates(6, label.clone())),
-                    Dimension::Planar => NodeMap::planar(layout.add_coordinates(4, label.clone())),
-                });
-                if self.element == Element::Beam && name == WireName::ContactWire {
-                    let name = format!("{label}, directors");
-                    wire.directors.push(layout.add_coordinates(6, name));
-                }
-                for direction in self.layer_directions(node).into_iter().filter(|_| bends) {
-                    let index = layout.add_coordinates(1, format!("{label}, bending layer"));
-                    wire.layers.push(LayerCoordinate { node, index, direction });
-                }
-            }
-        }
-        wires
-    }
-
-    fn layer_directions(&self, node: usize) -> Vec<Vector3<f64>> {
-        let support = self.supports.binary_search(&node).is_ok();
-        let dropper = self.droppers.binary_search_by_key(&node, |place| place.node).is_ok();
-        let inner = node > 0 && node < self.last();
-        let has_layers = match self.options.layers {
-            BendingLayers::Absent => false,
-            BendingLayers::AtAttachments => inner && (support || dropper),
-            BendingLayers::AtAttachmentsAndEnds => support || dropper,
+    pub fn lateral(&self, catenary: &Catenary, node: NodeOfWire) -> f64 {
+        let (span, xi) = self.within_span(node);
+        let line = catenary.first();
+        let stagger = |support: usize| match self.wires[node.wire].name {
+            WireName::ContactWire => line.stagger_at(support),
+            WireName::MessengerWire | WireName::StitchWire => line.messenger_stagger_at(support),
         };
-        if !has_layers {
-            return Vec::new();
-        }
-        let mut directions = vec![Vector3::z()];
-        if support && self.options.dimension == Dimension::Spatial {
-            directions.push(Vector3::y());
-        }
-        directions
-    }
-
-    /// Holds the directors while the wires are treated as cables.
-    pub(crate) fn hold_directors(wires: &[WireCoordinates; 2], layout: &mut Layout) {
-        for &first in wires.iter().flat_map(|wire| &wire.directors) {
-            (first..first + 6).for_each(|index| layout.fix(index));
-        }
-    }
-
-    /// Holds the ends of both wires: y and z always, x for fixed ends; a beam is also held against spinning about its
-    /// axis.
-    pub(crate) fn fix_ends(&self, wires: &[WireCoordinates; 2], ends: WireEnds, layout: &mut Layout) {
-        for wire in wires {
-            for directors in wire.directors.first().into_iter().chain(wire.directors.last()) {
-                layout.fix(directors + 2);
-            }
-            for map in [wire.nodes[0], wire.nodes[self.last()]] {
-                for axis in 0..3 {
-                    if let Some(index) = map.position(axis)
-                        && (axis > 0 || ends == WireEnds::Fixed)
-                    {
-                        layout.fix(index);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Lateral position of both wires at a node, m: straight between the stagger of neighbouring supports.
-    #[must_use]
-    pub fn lateral(&self, catenary: &Catenary, node: usize) -> f64 {
-        let number = self.span[node];
-        let (left, right) = (self.x[self.supports[number - 1]], self.x[self.supports[number]]);
-        let xi = (self.x[node] - left) / (right - left);
-        let (a, b) = (catenary.stagger_at(number - 1), catenary.stagger_at(number));
+        let (a, b) = (stagger(span), stagger(span + 1));
         a + (b - a) * xi
     }
 
     /// Height of the contact wire that form finding prescribes at a node, m.
     ///
     /// ```text
-    /// z = h − presag · 4 ξ (1 − ξ)        ξ position within the span, 0…1
+    /// z = h − presag · 4 ξ (1 − ξ)        ξ position within the span, 0…1; h straight between the supports
     /// ```
     #[must_use]
     pub fn prescribed_height(&self, catenary: &Catenary, node: usize) -> f64 {
-        let number = self.span[node];
-        let (left, right) = (self.x[self.supports[number - 1]], self.x[self.supports[number]]);
-        let xi = (self.x[node] - left) / (right - left);
-        catenary.contact_wire_height - catenary.presag * 4.0 * xi * (1.0 - xi)
+        let (span, xi) = self.within_span(NodeOfWire { wire: CONTACT, node });
+        let line = catenary.first();
+        let (a, b) = (line.height_at(span), line.height_at(span + 1));
+        a + (b - a) * xi - line.presag_of(span) * 4.0 * xi * (1.0 - xi)
     }
 }

@@ -17,7 +17,7 @@ pub(super) fn turn_into_beam(
     let mut layout = Layout::new();
     let coordinates = topology.register(&mut layout);
     topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);
-    let nodes = equilibrium.contact_wire.nodes().iter();
+    let nodes = equilibrium.wires[0].nodes().iter();
     equilibrium.directors = nodes
         .zip(&coordinates[0].directors)
         .map(|(node, &first)| Directors::across(&node.slope, first))

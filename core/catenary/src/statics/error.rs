@@ -62,7 +62,7 @@ pub enum StaticsError {
     #[error("{wire} breaks: static tension {tension:.1} N at x = {x:.2} m, breaking force {limit} N")]
     WireBreaks {
         /// `contact_wire` or `messenger_wire`.
-        wire: &'static str,
+        wire: String,
         /// Largest static tension, N.
         tension: f64,
         /// Position along the track, m.

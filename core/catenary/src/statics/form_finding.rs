@@ -1,10 +1,9 @@
 //! Form finding: the shape and the lengths of a line whose contact wire is held at its heights.
 use super::load::{DeadLoad, LateralPull};
 use super::{StaticsError, options};
-use crate::line::WireCoordinates;
-use crate::line::{Equilibrium, layers, wire};
-use crate::{Attachment, Topology, Wire, WireGeometry, WireName, WireNode};
-use dynamics::{Force, Layout, System, solve_static};
+use crate::line::{EndsOfWire, Equilibrium, WireCoordinates, layers, wire};
+use crate::{Attachment, NodeOfWire, PlannedWire, Topology, Wire, WireGeometry, WireName, WireNode};
+use dynamics::{Force, Layout, State, System, solve_static};
 use nalgebra::Vector3;
 use scene::Catenary;
 use std::sync::Arc;
@@ -14,10 +13,10 @@ const TOLERANCE: f64 = 1e-10;
 /// Most rounds of form finding; convergent lines need fewer than ten.
 const MOST_ROUNDS: usize = 60;
 
-/// Both wires, each held at its prescribed places, with the droppers replaced by their forces.
+/// Wires, each held at its prescribed places, with the droppers replaced by their forces.
 struct Wires {
     layout: Layout,
-    wires: [Wire; 2],
+    wires: Vec<Wire>,
     loads: DeadLoad,
     lateral: LateralPull,
 }
@@ -39,9 +38,11 @@ impl System for Wires {
 /// Finds the form of a line:
 ///
 /// - the contact wire is held at its prescribed heights at droppers and supports (laterally at supports), the messenger
-///   wire at its supports; each wire has one end fixed and the nominal tension as horizontal force at the other;
-/// - the force that holds the contact wire at a dropper is the dropper's, and hangs on the messenger wire;
-/// - element lengths are corrected by nominal/found `Δx` until every node stands at its nominal x;
+///   wire at its supports; each has one end fixed and the nominal tension as horizontal force at the other; stitch
+///   wires are clamped to the messenger wire;
+/// - the force that holds the contact wire at a dropper is the dropper's, and hangs on the wire above;
+/// - element lengths are corrected by nominal/found `Δx` until every node stands at its nominal x, those of a stitch
+///   wire also until it has its tension;
 /// - a dropper's unstressed length is its length less `F/k`; the forces at supports and arms become their preloads.
 ///
 /// Returns the state and the number of Newton iterations.
@@ -50,42 +51,41 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
     let coordinates = topology.register(&mut layout);
     hold(topology, &coordinates, &mut layout);
     Topology::hold_directors(&coordinates, &mut layout);
-    let [contact, messenger] = &coordinates;
+    let planned = topology.wires();
+    let first_guess = |(number, planned): (usize, &PlannedWire)| {
+        let z = match planned.name {
+            WireName::ContactWire => contact_wire_heights(catenary, topology, planned),
+            WireName::MessengerWire | WireName::StitchWire => messenger_wire_heights(catenary, &planned.x),
+        };
+        let geometry = guess(catenary, topology, number, &coordinates[number], z);
+        wire(catenary, planned, Arc::new(geometry))
+    };
     let mut wires = Wires {
-        wires: [
-            wire(
-                catenary,
-                WireName::ContactWire,
-                Arc::new(contact_wire_guess(catenary, topology, contact)),
-            ),
-            wire(
-                catenary,
-                WireName::MessengerWire,
-                Arc::new(messenger_wire_guess(catenary, topology, messenger)),
-            ),
-        ],
+        wires: planned.iter().enumerate().map(first_guess).collect(),
         loads: DeadLoad::default(),
         lateral: LateralPull::default(),
         layout,
     };
     let options = options(200);
     let half_weight = 0.5 * catenary.droppers.mass * catenary.gravity;
-    let tension_load = [
-        (position(contact, topology.last(), 0), catenary.contact_wire.tension),
-        (position(messenger, topology.last(), 0), catenary.messenger_wire.tension),
-    ];
+    let anchored = planned.iter().zip(&coordinates);
+    let anchored = anchored.filter(|(planned, _)| planned.ends == EndsOfWire::Anchored);
+    let tension_load: Vec<(usize, f64)> = anchored
+        .map(|(planned, own)| (position(own, planned.last(), 0), planned.parameters.tension))
+        .collect();
+    let vertical = |at: NodeOfWire| position(&coordinates[at.wire], at.node, 2);
     let mut pulls = vec![Vector3::<f64>::zeros(); topology.droppers().len()];
     let mut iterations = 0;
     let mut distance = f64::INFINITY;
     for _ in 0..MOST_ROUNDS {
-        wires.loads.entries = tension_load.to_vec();
+        wires.loads.entries.clone_from(&tension_load);
         wires.lateral.ties.clear();
         for (place, pull) in topology.droppers().iter().zip(&pulls) {
             // The pull along the track ends at zero, with both ends at the same x; in earlier rounds it would only slow
             // the search down.
-            let hanging = position(messenger, place.node, 2);
-            wires.loads.entries.push((hanging, -pull.z - half_weight));
-            let [lower, upper] = [0, 1].map(|wire| Attachment::node(&wires.wires[wire].geometry().nodes()[place.node]));
+            wires.loads.entries.push((vertical(place.upper), -pull.z - half_weight));
+            let [lower, upper] = [place.lower, place.upper]
+                .map(|at| Attachment::node(&wires.wires[at.wire].geometry().nodes()[at.node]));
             let height = upper.reference.z - lower.reference.z;
             wires.lateral.ties.push((upper, lower, pull.z / height));
         }
@@ -98,39 +98,44 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
         let mut change = 0.0_f64;
         for (place, pull) in topology.droppers().iter().zip(&mut pulls) {
             let ends =
-                [&wires.wires[1], &wires.wires[0]].map(|wire| wire.geometry().nodes()[place.node].at(&state.q).0);
+                [place.upper, place.lower].map(|at| wires.wires[at.wire].geometry().nodes()[at.node].at(&state.q).0);
             let between = ends[0] - ends[1];
-            let vertical = half_weight - force[position(contact, place.node, 2)];
+            let vertical = half_weight - force[vertical(place.lower)];
             let next = Vector3::new(0.0, between.y, between.z) * (vertical / between.z);
             change = change.max((next - *pull).amax());
             *pull = next;
         }
         distance = 0.0;
-        for wire in &mut wires.wires {
-            distance = distance.max(adjust(wire, topology, &state.q));
+        let mut off_tension = 0.0_f64;
+        for (wire, planned) in wires.wires.iter_mut().zip(planned) {
+            let excess = match planned.ends {
+                EndsOfWire::Anchored => 0.0,
+                EndsOfWire::Clamped(_) => horizontal_tension(wire, &state) - planned.parameters.tension,
+            };
+            off_tension = off_tension.max(excess.abs() / planned.parameters.tension);
+            distance = distance.max(adjust(wire, planned, excess, &state.q));
         }
-        if distance <= TOLERANCE && change <= 1e-9 * catenary.contact_wire.tension {
-            let reaction = |wire: &WireCoordinates, node: usize| {
-                Vector3::from_fn(|axis, _| match (axis, wire.nodes[node].position(axis)) {
+        let settled = change.max(off_tension * catenary.contact_wire.tension);
+        if distance <= TOLERANCE && settled <= 1e-9 * catenary.contact_wire.tension {
+            let reaction = |at: NodeOfWire| {
+                let map = &coordinates[at.wire].nodes[at.node];
+                Vector3::from_fn(|axis, _| match (axis, map.position(axis)) {
                     (0, _) | (_, None) => 0.0,
                     (_, Some(index)) => -force[index],
                 })
             };
             let arm_weight = Vector3::z() * (catenary.registration_arms.mass * catenary.gravity);
-            let [contact_wire, messenger_wire] = &wires.wires;
+            let supports = topology.inner_supports().iter();
             let mut equilibrium = Equilibrium {
-                contact_wire: WireGeometry::clone(contact_wire.geometry()),
-                messenger_wire: WireGeometry::clone(messenger_wire.geometry()),
+                wires: wires
+                    .wires
+                    .iter()
+                    .map(|wire| WireGeometry::clone(wire.geometry()))
+                    .collect(),
                 directors: Vec::new(),
                 dropper_lengths: Vec::new(),
-                support_reactions: topology
-                    .inner_supports()
-                    .map(|(_, node)| reaction(messenger, node))
-                    .collect(),
-                arm_reactions: topology
-                    .inner_supports()
-                    .map(|(_, node)| reaction(contact, node) + arm_weight)
-                    .collect(),
+                support_reactions: supports.clone().map(|&[_, upper]| reaction(upper)).collect(),
+                arm_reactions: supports.map(|&[lower, _]| reaction(lower) + arm_weight).collect(),
             };
             equilibrium.dropper_lengths = dropper_lengths(catenary, topology, &equilibrium, &pulls)?;
             return Ok((equilibrium, iterations));
@@ -143,100 +148,104 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
     })
 }
 
+/// Horizontal force in a wire at its first end, N.
+fn horizontal_tension(wire: &Wire, state: &State) -> f64 {
+    let mut force = vec![0.0; state.q.len()];
+    wire.clone().add_force(&state.motion(&[]), &mut force);
+    let first = wire.geometry().nodes()[0].map.position(0);
+    first.map_or(0.0, |index| force[index])
+}
+
 fn position(wire: &WireCoordinates, node: usize, axis: usize) -> usize {
     wire.nodes[node].position(axis).expect("x and z exist in every node")
 }
 
 /// Holds the coordinates that form finding prescribes.
-fn hold(topology: &Topology, [contact, messenger]: &[WireCoordinates; 2], layout: &mut Layout) {
-    let mut fix = |wire: &WireCoordinates, node: usize, axis: usize| {
-        if let Some(index) = wire.nodes[node].position(axis) {
+fn hold(topology: &Topology, coordinates: &[WireCoordinates], layout: &mut Layout) {
+    let mut fix = |at: NodeOfWire, axis: usize| {
+        if let Some(index) = coordinates[at.wire].nodes[at.node].position(axis) {
             layout.fix(index);
         }
     };
-    for wire in [contact, messenger] {
-        fix(wire, 0, 0);
-        for &node in topology.supports() {
-            fix(wire, node, 1);
-            fix(wire, node, 2);
+    for (wire, planned) in topology.wires().iter().enumerate() {
+        if planned.ends == EndsOfWire::Anchored {
+            fix(NodeOfWire { wire, node: 0 }, 0);
         }
     }
+    for &node in topology.support_nodes().iter().flatten() {
+        fix(node, 1);
+        fix(node, 2);
+    }
     for place in topology.droppers() {
-        fix(contact, place.node, 2);
+        fix(place.lower, 2);
     }
 }
 
-/// Takes the found state as the reference and corrects each element's length by nominal/found `Δx`; returns the largest
-/// distance of a node from its nominal x, m.
-fn adjust(wire: &mut Wire, topology: &Topology, q: &[f64]) -> f64 {
+/// Takes the found state as the reference and corrects each element's length by nominal/found `Δx`, and by the strain
+/// of `excess` tension in N; returns the largest distance of a node from its nominal x, m.
+fn adjust(wire: &mut Wire, planned: &PlannedWire, excess: f64, q: &[f64]) -> f64 {
     let geometry = wire.geometry();
     let found: Vec<f64> = geometry.nodes().iter().map(|node| node.at(q).0.x).collect();
     let distance = found
         .iter()
-        .zip(topology.x())
+        .zip(&planned.x)
         .fold(0.0_f64, |max, (x, nominal)| max.max((x - nominal).abs()));
-    let steps = found.windows(2).zip(topology.x().windows(2));
+    let slack = 1.0 + excess / planned.parameters.axial_stiffness;
+    let steps = found.windows(2).zip(planned.x.windows(2));
     let lengths = geometry.lengths().iter().zip(steps).map(|(length, (found, nominal))| {
         if distance <= TOLERANCE {
-            return *length;
+            return *length * slack;
         }
-        length * (nominal[1] - nominal[0]) / (found[1] - found[0])
+        length * (nominal[1] - nominal[0]) / (found[1] - found[0]) * slack
     });
     let lengths = lengths.collect();
     *wire = wire.with_geometry(Arc::new(geometry.with_reference(q).with_lengths(lengths)));
     distance
 }
 
-fn contact_wire_guess(catenary: &Catenary, topology: &Topology, wire: &WireCoordinates) -> WireGeometry {
-    // Straight from attachment to attachment.
-    let attached: Vec<usize> = {
-        let mut nodes: Vec<usize> = topology.supports().to_vec();
-        nodes.extend(topology.droppers().iter().map(|place| place.node));
-        nodes.sort_unstable();
-        nodes
-    };
-    let z = (0..=topology.last()).map(|node| {
+/// Heights of the contact wire, m, straight from fastening to fastening.
+fn contact_wire_heights(catenary: &Catenary, topology: &Topology, planned: &PlannedWire) -> Vec<f64> {
+    let attached: Vec<usize> = planned.fastened().collect();
+    let height = |node: usize| {
         let right = attached.partition_point(|&other| other < node).max(1);
         let (a, b) = (attached[right - 1], attached[right]);
         let (z_a, z_b) = (
             topology.prescribed_height(catenary, a),
             topology.prescribed_height(catenary, b),
         );
-        z_a + (z_b - z_a) * (topology.x()[node] - topology.x()[a]) / (topology.x()[b] - topology.x()[a])
-    });
-    guess(catenary, topology, wire, &catenary.contact_wire, z.collect())
+        z_a + (z_b - z_a) * (planned.x[node] - planned.x[a]) / (planned.x[b] - planned.x[a])
+    };
+    (0..=planned.last()).map(height).collect()
 }
 
-fn messenger_wire_guess(catenary: &Catenary, topology: &Topology, wire: &WireCoordinates) -> WireGeometry {
+/// Heights at `x` (m) of a messenger wire that carries both wires, m: a parabola from support to support.
+fn messenger_wire_heights(catenary: &Catenary, x: &[f64]) -> Vec<f64> {
     let weight = (catenary.contact_wire.mass_per_length + catenary.messenger_wire.mass_per_length) * catenary.gravity;
-    let top = catenary.contact_wire_height + catenary.encumbrance;
-    let z = topology.x().iter().map(|&x| {
-        let right = topology
-            .supports()
-            .partition_point(|&node| topology.x()[node] < x)
-            .max(1);
-        let (a, b) = (
-            topology.x()[topology.supports()[right - 1]],
-            topology.x()[topology.supports()[right]],
-        );
-        top - weight * (x - a) * (b - x) / (2.0 * catenary.messenger_wire.tension)
-    });
-    guess(catenary, topology, wire, &catenary.messenger_wire, z.collect())
+    let (line, supports) = (catenary.first(), catenary.supports_x());
+    let top = |support: usize| line.height_at(support) + line.encumbrance_at(support);
+    let height = |&x: &f64| {
+        let right = supports.partition_point(|&support| support < x).max(1);
+        let (a, b) = (supports[right - 1], supports[right]);
+        let chord = top(right - 1) + (top(right) - top(right - 1)) * (x - a) / (b - a);
+        chord - weight * (x - a) * (b - x) / (2.0 * catenary.messenger_wire.tension)
+    };
+    x.iter().map(height).collect()
 }
 
 /// A wire through the nodes at heights `z`, with chords as element lengths and chord directions as slopes.
 pub(super) fn guess(
     catenary: &Catenary,
     topology: &Topology,
+    number: usize,
     wire: &WireCoordinates,
-    parameters: &scene::Wire,
     z: Vec<f64>,
 ) -> WireGeometry {
-    let points: Vec<Vector3<f64>> = z
-        .iter()
-        .enumerate()
-        .map(|(node, &z)| Vector3::new(topology.x()[node], topology.lateral(catenary, node), z))
-        .collect();
+    let planned = &topology.wires()[number];
+    let point = |(node, &z): (usize, &f64)| {
+        let lateral = topology.lateral(catenary, NodeOfWire { wire: number, node });
+        Vector3::new(planned.x[node], lateral, z)
+    };
+    let points: Vec<Vector3<f64>> = z.iter().enumerate().map(point).collect();
     let chords: Vec<Vector3<f64>> = points.windows(2).map(|ends| ends[1] - ends[0]).collect();
     let nodes = points.iter().enumerate().map(|(i, &position)| {
         let (before, after) = (chords[i.saturating_sub(1)], chords[i.min(chords.len() - 1)]);
@@ -247,7 +256,7 @@ pub(super) fn guess(
         }
     });
     let lengths = chords.iter().map(|chord| chord.norm());
-    WireGeometry::new(nodes.collect(), lengths.collect(), layers(parameters, wire))
+    WireGeometry::new(nodes.collect(), lengths.collect(), layers(&planned.parameters, wire))
 }
 
 fn dropper_lengths(
@@ -259,9 +268,10 @@ fn dropper_lengths(
     let places = topology.droppers().iter().zip(pulls);
     places
         .map(|(place, pull)| {
-            let between = equilibrium.messenger_wire.nodes()[place.node].position
-                - equilibrium.contact_wire.nodes()[place.node].position;
-            let (span, dropper, x) = (place.span, place.position + 1, topology.x()[place.node]);
+            let [upper, lower] =
+                [place.upper, place.lower].map(|at| equilibrium.wires[at.wire].nodes()[at.node].position);
+            let between = upper - lower;
+            let (span, dropper, x) = (place.span, place.position + 1, topology.x()[place.lower.node]);
             if between.z <= 0.0 {
                 let length = between.z;
                 return Err(StaticsError::NoRoomForDropper {

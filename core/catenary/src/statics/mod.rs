@@ -24,8 +24,8 @@ pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, 
 use crate::line::Equilibrium;
 use crate::line::window::{Cells, Source};
 use crate::{
-    CurveColumns, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireCurve, WireGeometry, WireName,
-    WiresInWind,
+    CurveColumns, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance, Topology, WireCurve,
+    WireGeometry, WireName, WiresInWind,
 };
 use dynamics::{Force, Layout, NewtonOptions, State, StaticOptions, System, solve_static};
 use load::DeadLoad;
@@ -218,9 +218,8 @@ impl StaticLine {
     /// [`StaticLine::line_in`] numbered from `first`.
     pub(crate) fn straight_line(&self, first: usize) -> Line {
         let (catenary, equilibrium) = (&self.catenary, &self.equilibrium);
-        let x = self.topology.x();
-        let lengths: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let straight = |wire: &WireGeometry| {
+        let straight = |(planned, wire): (&PlannedWire, &WireGeometry)| {
+            let lengths: Vec<f64> = planned.x.windows(2).map(|pair| pair[1] - pair[0]).collect();
             let start = wire.nodes()[0].position;
             let map = |node: usize| wire.nodes()[node].map;
             let enrichments = wire.enrichments().iter().map(|enrichment| Enrichment {
@@ -229,10 +228,16 @@ impl StaticLine {
             });
             WireGeometry::straight(start, Vector3::x(), &lengths, map).with_enrichments(enrichments.collect())
         };
+        let highest = catenary.first().encumbrance.iter().copied().fold(0.0, f64::max);
         let straight = Equilibrium {
-            contact_wire: straight(&equilibrium.contact_wire),
-            messenger_wire: straight(&equilibrium.messenger_wire),
-            dropper_lengths: vec![2.0 * catenary.encumbrance; equilibrium.dropper_lengths.len()],
+            wires: self
+                .topology
+                .wires()
+                .iter()
+                .zip(&equilibrium.wires)
+                .map(straight)
+                .collect(),
+            dropper_lengths: vec![2.0 * highest; equilibrium.dropper_lengths.len()],
             ..equilibrium.clone()
         };
         self.corrected(Line::new(catenary, &self.topology, &straight, first))
@@ -270,7 +275,13 @@ impl StaticLine {
         for span in first..=last {
             let (left, right) = (self.whole.support_x(span - 1), self.whole.support_x(span));
             points.extend([0.0, 0.25, 0.5, 0.75, 1.0].map(|xi| left + (right - left) * xi));
-            points.extend(self.catenary.droppers.positions.iter().map(|position| left + position));
+            points.extend(
+                self.whole
+                    .droppers
+                    .of_span(span - 1)
+                    .iter()
+                    .map(|position| left + position),
+            );
         }
         points.sort_by(f64::total_cmp);
         // A dropper at mid-span may differ from the quarter point by rounding.
@@ -334,10 +345,12 @@ impl StaticLine {
         let free = (0..force.len()).filter(|index| !fixed.contains(index));
         let residual = free.map(|index| force[index].abs()).fold(0.0, f64::max);
         let line = &self.system.line;
-        let at = |name: WireName, node: usize, axis: usize| {
-            let index = line.wire(name).geometry().nodes()[node].map.position(axis);
+        let node = |at: NodeOfWire| &line.wires()[at.wire].geometry().nodes()[at.node];
+        let at = |place: NodeOfWire, axis: usize| {
+            let index = node(place).map.position(axis);
             index.expect("x and z exist in every node")
         };
+        let x = |at: NodeOfWire| self.topology.wires()[at.wire].x[at.node];
         let droppers = self
             .topology
             .droppers()
@@ -345,17 +358,15 @@ impl StaticLine {
             .enumerate()
             .map(|(index, place)| DropperReport {
                 span: place.span,
-                x: self.topology.x()[place.node],
+                x: x(place.lower),
                 length: line.droppers().as_slice()[index].unstressed_length,
                 force: line.droppers().tension(index, &motion),
             });
-        let last = self.topology.supports().len() - 1;
-        let supports = self.topology.supports().iter().enumerate().map(|(number, &node)| {
+        let last = self.topology.support_nodes().len() - 1;
+        let supports = self.topology.support_nodes().iter().enumerate();
+        let supports = supports.map(|(number, &[lower, upper])| {
             let (messenger_reaction, arm_force) = if number == 0 || number == last {
-                (
-                    -force[at(WireName::MessengerWire, node, 2)],
-                    -force[at(WireName::ContactWire, node, 2)],
-                )
+                (-force[at(upper, 2)], -force[at(lower, 2)])
             } else {
                 (
                     line.supports().as_slice()[number - 1].reaction.z,
@@ -363,17 +374,18 @@ impl StaticLine {
                 )
             };
             SupportReport {
-                x: self.topology.x()[node],
+                x: x(lower),
                 messenger_reaction,
                 arm_force,
-                contact_wire_z: line.wire(WireName::ContactWire).geometry().nodes()[node].position.z,
+                contact_wire_z: node(lower).position.z,
             }
         });
         let horizontal = |name: WireName| {
             let mut wire = line.wire(name).clone();
             let mut own = vec![0.0; state.q.len()];
             wire.add_force(&motion, &mut own);
-            -own[at(name, self.topology.last(), 0)]
+            let last = wire.geometry().nodes().last().and_then(|node| node.map.position(0));
+            -own[last.expect("x exists in every node")]
         };
         StaticsReport {
             iterations,
@@ -391,19 +403,17 @@ impl StaticLine {
     /// Refuses a line with a wire that breaks under its own weight and tension.
     fn check_strength(&self) -> Result<(), StaticsError> {
         let rest = self.system.layout.state_at_rest();
-        for name in WireName::BOTH {
-            let limit = match name {
-                WireName::ContactWire => self.catenary.contact_wire.breaking_force,
-                WireName::MessengerWire => self.catenary.messenger_wire.breaking_force,
+        for (planned, wire) in self.topology.wires().iter().zip(self.line().wires()) {
+            let Some(limit) = planned.parameters.breaking_force else {
+                continue;
             };
-            let Some(limit) = limit else { continue };
-            for element in 0..self.topology.last() {
-                let tension = self.line().wire(name).tension(element, &rest.q);
+            for element in 0..planned.last() {
+                let tension = wire.tension(element, &rest.q);
                 if tension > limit {
                     return Err(StaticsError::WireBreaks {
-                        wire: name.name(),
+                        wire: planned.label.clone(),
                         tension,
-                        x: self.topology.x()[element],
+                        x: planned.x[element],
                         limit,
                     });
                 }

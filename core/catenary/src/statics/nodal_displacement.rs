@@ -2,7 +2,7 @@
 use super::form_finding::guess;
 use super::{Standalone, StaticsError, options};
 use crate::line::Equilibrium;
-use crate::{Anchor, Line, Topology};
+use crate::{Anchor, Line, PlannedWire, Topology, WireName};
 use dynamics::{Layout, State, solve_static};
 use nalgebra::Vector3;
 use scene::Catenary;
@@ -23,30 +23,36 @@ pub(super) fn displace_ends(
     let coordinates = topology.register(&mut layout);
     topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);
     Topology::hold_directors(&coordinates, &mut layout);
-    let [contact, messenger] = &coordinates;
-    let straight = |z: f64| vec![z; topology.x().len()];
-    let low = catenary.contact_wire_height;
+    let line = catenary.first();
     let arm_weight = Vector3::z() * (catenary.registration_arms.mass * catenary.gravity);
+    let straight = |(number, planned): (usize, &PlannedWire)| {
+        let height = |support: usize| match planned.name {
+            WireName::ContactWire => line.height_at(support),
+            WireName::MessengerWire | WireName::StitchWire => line.height_at(support) + line.encumbrance_at(support),
+        };
+        let z = planned.x.iter().map(|&x| {
+            let (left, right, xi) = between_supports(catenary, x);
+            height(left) + (height(right) - height(left)) * xi
+        });
+        guess(catenary, topology, number, &coordinates[number], z.collect())
+    };
     let start = Equilibrium {
-        contact_wire: guess(catenary, topology, contact, &catenary.contact_wire, straight(low)),
-        messenger_wire: guess(
-            catenary,
-            topology,
-            messenger,
-            &catenary.messenger_wire,
-            straight(low + catenary.encumbrance),
-        ),
+        wires: topology.wires().iter().enumerate().map(straight).collect(),
         directors: Vec::new(),
         dropper_lengths: topology
             .droppers()
             .iter()
-            .map(|place| match &catenary.droppers.lengths {
+            .map(|place| match catenary.droppers.lengths_of_span(place.span - 1) {
                 Some(lengths) => lengths[place.position],
-                None => catenary.encumbrance,
+                None => {
+                    let (left, right, xi) = between_supports(catenary, topology.x()[place.lower.node]);
+                    let (a, b) = (line.encumbrance_at(left), line.encumbrance_at(right));
+                    a + (b - a) * xi
+                }
             })
             .collect(),
-        support_reactions: topology.inner_supports().map(|_| Vector3::zeros()).collect(),
-        arm_reactions: topology.inner_supports().map(|_| arm_weight).collect(),
+        support_reactions: topology.inner_supports().iter().map(|_| Vector3::zeros()).collect(),
+        arm_reactions: topology.inner_supports().iter().map(|_| arm_weight).collect(),
     };
     let mut system = Standalone {
         line: Line::new(catenary, topology, &start, 0),
@@ -58,14 +64,10 @@ pub(super) fn displace_ends(
     // Start from the parabola of both wires together: the messenger wire is held at every support.
     let weight = (catenary.contact_wire.mass_per_length + catenary.messenger_wire.mass_per_length) * catenary.gravity;
     let tension = catenary.contact_wire.tension + catenary.messenger_wire.tension;
-    for wire in &coordinates {
-        for (map, &x) in wire.nodes.iter().zip(topology.x()) {
-            let right = topology
-                .supports()
-                .partition_point(|&node| topology.x()[node] < x)
-                .max(1);
-            let a = topology.x()[topology.supports()[right - 1]];
-            let b = topology.x()[topology.supports()[right]];
+    for (wire, planned) in coordinates.iter().zip(topology.wires()) {
+        for (map, &x) in wire.nodes.iter().zip(&planned.x) {
+            let (left, right, _) = between_supports(catenary, x);
+            let (a, b) = (catenary.support_x(left), catenary.support_x(right));
             if let (Some(z), Some(z_s)) = (map.position(2), map.slope(2)) {
                 state.q[z] = -weight * (x - a) * (b - x) / (2.0 * tension);
                 state.q[z_s] = -weight * (a + b - 2.0 * x) / (2.0 * tension);
@@ -89,6 +91,14 @@ pub(super) fn displace_ends(
     Ok((equilibrium, iterations))
 }
 
+/// Supports (from 0) on either side of `x` (m), and the position between them, 0…1.
+fn between_supports(catenary: &Catenary, x: f64) -> (usize, usize, f64) {
+    let supports = catenary.supports_x();
+    let right = supports.partition_point(|&support| support < x).max(1);
+    let (a, b) = (supports[right - 1], supports[right]);
+    (right - 1, right, (x - a) / (b - a))
+}
+
 /// Rounds after which the springs at sliding ends are taken as unloaded; each round reduces their force to about a
 /// thousandth.
 const MOST_ROUNDS: usize = 8;
@@ -100,8 +110,7 @@ pub(super) fn taken_as_reference(before: &Equilibrium, line: &Line, state: &Stat
     let motion = state.motion(&[]);
     let forces = |anchors: &[Anchor]| anchors.iter().map(|anchor| anchor.force(&motion)).collect();
     Equilibrium {
-        contact_wire: before.contact_wire.with_reference(&state.q),
-        messenger_wire: before.messenger_wire.with_reference(&state.q),
+        wires: before.wires.iter().map(|wire| wire.with_reference(&state.q)).collect(),
         directors: before
             .directors
             .iter()

@@ -26,7 +26,11 @@ impl Repeat {
     /// Map of a line with all spans solved.
     pub fn of_solved(source: &Source<'_>) -> Self {
         let spans = source.catenary.spans();
-        let middle = MARGIN..spans.saturating_sub(MARGIN);
+        let middle = MARGIN..if source.topology.has_common_nodes() {
+            spans.saturating_sub(MARGIN)
+        } else {
+            0
+        };
         let period = (1..=LONGEST_PERIOD)
             .filter(|period| middle.len() >= 2 * period)
             .find(|&period| {
@@ -66,19 +70,13 @@ impl StaticLine {
     /// # Errors
     /// See [`StaticsError`].
     pub fn solve_long(catenary: &Catenary, options: LineOptions, together: usize) -> Result<Self, StaticsError> {
-        let (spans, cycle) = (catenary.spans(), catenary.stagger.len());
-        let uniform = catenary
-            .span_lengths
-            .iter()
-            .all(|length| *length == catenary.span_lengths[0]);
+        let (spans, cycle) = (catenary.spans(), catenary.first().stagger.len());
+        let uniform = catenary.is_uniform();
         let mut known = KNOWN.max(2 * MARGIN + 2 * cycle + together);
         // The last support keeps its phase of the stagger.
         known += spans.saturating_sub(known) % cycle;
         while uniform && cycle <= LONGEST_PERIOD && 2 * known <= spans {
-            let short = Catenary {
-                span_lengths: catenary.span_lengths[..known].to_vec(),
-                ..catenary.clone()
-            };
+            let short = catenary.part(0, known);
             let mut line = Self::solve(&short, options)?;
             let repeat = Repeat::of_solved(&line.source());
             if repeat.period.is_some_and(|period| cycle % period == 0) {
@@ -109,7 +107,7 @@ impl StaticLine {
         if self.repeat.spans == self.repeat.known {
             return x;
         }
-        let length = self.whole.span_lengths[0];
+        let length = self.whole.span_lengths()[0];
         let span = ((x / length).max(0.0) as usize).min(self.repeat.spans - 1);
         x - self.whole.support_x(span) + self.catenary.support_x(self.repeat.source_of(span, 1))
     }
@@ -155,7 +153,7 @@ impl StaticLine {
     /// Report on all spans from that on a short line.
     fn repeated(&self, found: &StaticsReport) -> StaticsReport {
         let repeat = &self.repeat;
-        let per_span = self.catenary.droppers.positions.len();
+        let per_span = self.catenary.droppers.of_span(0).len();
         let mut report = StaticsReport {
             droppers: Vec::new(),
             supports: Vec::new(),

@@ -177,36 +177,7 @@ impl Component for Subsystem {
         groups(self.strips(), self.supports())
     }
 
-    /// Parameter of a list per support or span, in m: its first entry, with which the others move.
-fn geometry(
-    name: &'static str,
-    text: &'static str,
-    of: fn(&mut scene::TensionLength) -> &mut Vec<f64>,
-) -> Parameter {
-    let first = move |scene: &Scene| {
-        let mut line = scene.modelled_line()?.0.first().clone();
-        of(&mut line).first().copied()
-    };
-    Parameter::new(
-        name,
-        "m",
-        text,
-        move |scene| first(scene).unwrap_or(0.0),
-        move |scene, value| {
-            let lines = modelled(scene).into_iter().flat_map(|(line, _)| &mut line.tension_lengths);
-            let change = value - first(scene).unwrap_or(0.0);
-            for line in lines {
-                let list = of(line);
-                match list.as_mut_slice() {
-                    [only] => *only = value,
-                    all => all.iter_mut().for_each(|entry| *entry += change),
-                }
-            }
-        },
-    )
-}
-
-fn parameters(scene: &Scene) -> Vec<Parameter> {
+    fn parameters(scene: &Scene) -> Vec<Parameter> {
         parameters(scene)
     }
 
@@ -285,11 +256,7 @@ fn modelled(scene: &mut Scene) -> Option<(&mut scene::Catenary, &mut scene::Cont
 }
 
 /// Parameter of a list per support or span, in m: its first entry, with which the others move.
-fn geometry(
-    name: &'static str,
-    text: &'static str,
-    of: fn(&mut scene::TensionLength) -> &mut Vec<f64>,
-) -> Parameter {
+fn geometry(name: &'static str, text: &'static str, of: fn(&mut scene::TensionLength) -> &mut Vec<f64>) -> Parameter {
     let first = move |scene: &Scene| {
         let mut line = scene.modelled_line()?.0.first().clone();
         of(&mut line).first().copied()
@@ -300,8 +267,10 @@ fn geometry(
         text,
         move |scene| first(scene).unwrap_or(0.0),
         move |scene, value| {
-            let lines = modelled(scene).into_iter().flat_map(|(line, _)| &mut line.tension_lengths);
             let change = value - first(scene).unwrap_or(0.0);
+            let lines = modelled(scene)
+                .into_iter()
+                .flat_map(|(line, _)| &mut line.tension_lengths);
             for line in lines {
                 let list = of(line);
                 match list.as_mut_slice() {

@@ -4,7 +4,8 @@ use dynamics::{CrossFlow, Wind};
 use scene::Scene;
 use std::sync::Arc;
 
-/// The wind on contact and messenger wire. Droppers and registration arms, thin or short, feel none.
+/// The wind on the wires, stitch wires as thick as the messenger wire. Droppers and registration arms, thin or short,
+/// feel none.
 #[derive(Clone, Debug)]
 pub struct WiresInWind {
     wind: Arc<Wind>,
@@ -40,7 +41,7 @@ impl WiresInWind {
     pub(crate) fn on(&self, name: WireName, wire: &Wire) -> WireDrag {
         let law = match name {
             WireName::ContactWire => self.contact_wire,
-            WireName::MessengerWire => self.messenger_wire,
+            WireName::MessengerWire | WireName::StitchWire => self.messenger_wire,
         };
         WireDrag::new(Arc::clone(wire.geometry()), law, Arc::clone(&self.wind))
     }

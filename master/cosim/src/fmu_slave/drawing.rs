@@ -48,6 +48,7 @@ impl<C: Component> Drawing for CoreDrawing<C> {
                 None => {
                     frame.contact_wire = own.contact_wire;
                     frame.messenger_wire = own.messenger_wire;
+                    frame.further_wires = own.further_wires;
                     frame.droppers = own.droppers;
                 }
             }

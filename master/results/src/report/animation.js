@@ -27,6 +27,7 @@
     const a = frames[low], b = frames[high];
     const s = b.time > a.time ? Math.min(1, Math.max(0, (t - a.time) / (b.time - a.time))) : 0;
     return { contact: between(a.contact_wire, b.contact_wire, s), messenger: between(a.messenger_wire, b.messenger_wire, s),
+             further: between(a.further_wires || [], b.further_wires || [], s),
              droppers: between(a.droppers, b.droppers, s), slack: (s < 0.5 ? a : b).droppers.map((d) => d[4] > 0),
              pantographs: between(a.pantographs, b.pantographs, s), forces: between(a.forces, b.forces, s),
              contacts: between(a.contacts, b.contacts, s) };
@@ -41,6 +42,10 @@
         bounds.low = Math.min(bounds.low, z); bounds.top = Math.max(bounds.top, z);
       }
       for (const [, z] of frame.messenger_wire) bounds.top = Math.max(bounds.top, z);
+      for (const [, wire] of frame.further_wires || []) for (const [x, z] of wire) {
+        bounds.x0 = Math.min(bounds.x0, x); bounds.x1 = Math.max(bounds.x1, x);
+        bounds.low = Math.min(bounds.low, z); bounds.top = Math.max(bounds.top, z);
+      }
     }
     time = film.frames[0].time;
     draw();
@@ -104,6 +109,7 @@
     picture.droppers.forEach(([xa, za, xb, zb], i) =>
       stroke([[xa, za], [xb, zb]], picture.slack[i] ? colour.slack : colour.dropper, picture.slack[i] ? 2.5 : 1.2, picture.slack[i] ? [4, 3] : []));
     stroke(picture.messenger, colour.messenger, 1.6);
+    picture.further.forEach(([contact, wire]) => stroke(wire, contact ? colour.contact : colour.messenger, contact ? 2 : 1.3));
     stroke(picture.contact, colour.contact, 2);
     picture.pantographs.forEach((polylines) => polylines.forEach((line, i) => {
       if (i === 0) {

@@ -1,6 +1,5 @@
 //! Sections of a line cut out of its static state.
-use crate::line::WireCoordinates;
-use crate::line::{Equilibrium, layers};
+use crate::line::{Equilibrium, WireCoordinates, layers};
 use crate::{
     BendingLayers, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName, WireNode,
 };
@@ -36,10 +35,9 @@ impl Source<'_> {
 
     fn cut_with(&self, layers: BendingLayers, spans: Range<usize>, first: usize) -> (Line, usize) {
         let catenary = Catenary {
-            span_lengths: self.catenary.span_lengths[spans.clone()].to_vec(),
             // No forces of tensioning devices.
             wire_ends: WireEnds::Fixed,
-            ..self.catenary.clone()
+            ..self.catenary.part(spans.start, spans.end)
         };
         let options = LineOptions {
             layers,
@@ -77,7 +75,7 @@ impl Source<'_> {
         (line.with_contact_compliance(known.clone()), count)
     }
 
-    fn equilibrium_of(&self, spans: &Range<usize>, coordinates: &[WireCoordinates; 2]) -> Equilibrium {
+    fn equilibrium_of(&self, spans: &Range<usize>, coordinates: &[WireCoordinates]) -> Equilibrium {
         let nodes = self.nodes(spans);
         let start = Vector3::x() * self.topology.x()[nodes.start];
         let droppers = self.topology.droppers();
@@ -86,7 +84,8 @@ impl Source<'_> {
             .zip(&self.equilibrium.dropper_lengths)
             .filter(|(place, _)| spans.contains(&(place.span - 1)));
         let inner = |reactions: &[Vector3<f64>]| reactions[spans.start..spans.end - 1].to_vec();
-        let wire = |name: WireName, geometry: &WireGeometry, coordinates: &WireCoordinates| {
+        let wire = |number: usize| {
+            let (geometry, coordinates) = (&self.equilibrium.wires[number], &coordinates[number]);
             let cut = geometry.nodes()[nodes.clone()].iter().zip(&coordinates.nodes);
             let cut = cut.map(|(node, &map)| WireNode {
                 position: node.position - start,
@@ -94,7 +93,7 @@ impl Source<'_> {
                 ..*node
             });
             let lengths = geometry.lengths()[nodes.start..nodes.end - 1].to_vec();
-            let layers = layers(name.parameters(self.catenary), coordinates)
+            let layers = layers(&self.topology.wires()[number].parameters, coordinates)
                 .into_iter()
                 .map(|layer| {
                     let same = |other: &&Enrichment| {
@@ -110,12 +109,7 @@ impl Source<'_> {
             WireGeometry::new(cut.collect(), lengths, layers.collect())
         };
         Equilibrium {
-            contact_wire: wire(WireName::ContactWire, &self.equilibrium.contact_wire, &coordinates[0]),
-            messenger_wire: wire(
-                WireName::MessengerWire,
-                &self.equilibrium.messenger_wire,
-                &coordinates[1],
-            ),
+            wires: (0..coordinates.len()).map(wire).collect(),
             // Empty: windows are cut from lines of cables only.
             directors: Vec::new(),
             dropper_lengths: droppers.map(|(_, &length)| length).collect(),
@@ -140,7 +134,7 @@ impl Source<'_> {
         let x = self.topology.x();
         let shift = Vector3::x() * (x[supports[b]] - x[supports[a]]);
         let mut largest = 0.0_f64;
-        for wire in [&self.equilibrium.contact_wire, &self.equilibrium.messenger_wire] {
+        for wire in &self.equilibrium.wires {
             for i in 0..=count {
                 let (mine, other) = (&wire.nodes()[supports[a] + i], &wire.nodes()[supports[b] + i]);
                 largest = largest.max((mine.position + shift - other.position).amax());
@@ -151,10 +145,17 @@ impl Source<'_> {
                 }
             }
         }
-        let per_span = self.catenary.droppers.positions.len();
-        let droppers = &self.equilibrium.dropper_lengths;
-        for i in 0..per_span {
-            largest = largest.max((droppers[a * per_span + i] - droppers[b * per_span + i]).abs());
+        let lengths = |span: usize| {
+            let droppers = self.topology.droppers().iter().zip(&self.equilibrium.dropper_lengths);
+            droppers
+                .filter(move |(place, _)| place.span == span + 1)
+                .map(|(_, length)| *length)
+        };
+        if lengths(a).count() != lengths(b).count() {
+            return f64::INFINITY;
+        }
+        for (mine, other) in lengths(a).zip(lengths(b)) {
+            largest = largest.max((mine - other).abs());
         }
         largest
     }

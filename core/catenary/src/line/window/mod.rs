@@ -46,9 +46,7 @@ mod transfer;
 
 use crate::line::Equilibrium;
 use crate::statics::Repeat;
-use crate::{
-    Dimension, Line, LinearLine, OverheadLine, ResidualCompliance, StaticLine, StaticsError, Topology, WireName,
-};
+use crate::{Dimension, Line, LinearLine, OverheadLine, ResidualCompliance, StaticLine, StaticsError, Topology, Wire};
 use cell::{Cell, LONGITUDINAL, SpanMatrices};
 pub(crate) use cut::Source;
 use dynamics::{Blocks, Continuity, Layout, Motion, SparseMatrix, Weights};
@@ -271,8 +269,8 @@ impl WindowedLine {
     pub fn most_spans(scene: &Scene, catenary: &Catenary) -> usize {
         let starts = || (0..scene.pantographs.len()).map(|i| scene.strip_start_x(i));
         let apart = starts().fold(f64::NEG_INFINITY, f64::max) - starts().fold(f64::INFINITY, f64::min);
-        let shortest = catenary.span_lengths.iter().copied().fold(f64::INFINITY, f64::min);
-        BEHIND + AHEAD + 1 + (apart / shortest).ceil() as usize + catenary.stagger.len() - 1
+        let shortest = catenary.span_lengths().iter().copied().fold(f64::INFINITY, f64::min);
+        BEHIND + AHEAD + 1 + (apart / shortest).ceil() as usize + catenary.first().stagger.len() - 1
     }
 
     /// Builds all contributions for the present arrangement.
@@ -388,12 +386,12 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     let source = statics.source();
     let (catenary, repeat) = statics.whole();
     let stride = repeat.period.unwrap_or(1);
-    let window = WindowedLine::most_spans(scene, catenary) + stride - catenary.stagger.len();
+    let window = WindowedLine::most_spans(scene, catenary) + stride - catenary.first().stagger.len();
     let window = window.min(repeat.known);
     let (line, inner) = source.cut(0..window, 0);
     let numbers = places(&line, 0);
     let wires = [&catenary.contact_wire, &catenary.messenger_wire];
-    let longest = catenary.span_lengths.iter().copied().fold(0.0, f64::max);
+    let longest = catenary.span_lengths().iter().copied().fold(0.0, f64::max);
     let directions = if source.topology.options().dimension == Dimension::Planar {
         1
     } else {
@@ -432,7 +430,7 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
 
 /// Positions of the coordinates of a line numbered from 0, shifted by `first`.
 fn places(line: &Line, first: usize) -> SpanPlaces {
-    let wires = WireName::BOTH.map(|name| line.wire(name).geometry());
+    let wires: Vec<_> = line.wires().iter().map(Wire::geometry).collect();
     let nodes = line.topology().supports();
     let at = |node: usize| {
         let indices = wires.iter().flat_map(move |wire| wire.nodes()[node].map.indices());
@@ -459,7 +457,7 @@ fn places(line: &Line, first: usize) -> SpanPlaces {
 fn droppers_on_the_interface(catenary: &Catenary) -> usize {
     let droppers = &catenary.droppers;
     if droppers.damping > 0.0 {
-        droppers.positions.len()
+        droppers.of_span(0).len()
     } else {
         0
     }
@@ -511,9 +509,9 @@ fn matrices(source: &Source<'_>, span: usize, plan: &Plan) -> SpanMatrices {
     let (mut stiffness, mut damping, mut mass) = (matrix(stiffness), matrix(damping), matrix(mass));
     let places = places(&line, 0);
     let layers = EndLayers::eliminate(&places.layers.concat(), [&mut stiffness, &mut damping, &mut mass]);
-    let wires = WireName::BOTH.map(|name| line.wire(name).geometry());
+    let wires = line.wires().iter().map(Wire::geometry);
     let mut longitudinal = vec![false; size];
-    let maps = wires.iter().flat_map(|wire| wire.nodes()).map(|node| node.map);
+    let maps = wires.flat_map(|wire| wire.nodes()).map(|node| node.map);
     for index in maps.flat_map(|map| [map.position(0), map.slope(0)]).flatten() {
         longitudinal[index] = true;
     }

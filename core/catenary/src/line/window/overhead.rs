@@ -1,7 +1,7 @@
 //! A windowed line as an overhead line.
 use super::curve::WindowCurve;
 use super::{WindowedLine, span_at};
-use crate::{DropperSample, Line, OverheadLine, WireCurve, WireName};
+use crate::{DropperSample, Line, NodeOfWire, OverheadLine, WireCurve, WireName};
 use dynamics::{Continuity, Force, Motion, PartVisitor, State, StepHistory};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -53,14 +53,14 @@ impl OverheadLine for WindowedLine {
             sample.bottom += start;
         }
         let fixed = &self.fixed;
-        let [lower, upper] = [&fixed.equilibrium.contact_wire, &fixed.equilibrium.messenger_wire];
+        let node = |at: NodeOfWire| fixed.equilibrium.wires[at.wire].nodes()[at.node].position;
         for span in self.drawn().filter(|span| !self.arrangement.window.contains(span)) {
             let from = fixed.source_of(span, 1);
             let shift = Vector3::x() * (fixed.supports_x[span] - fixed.topology.x()[fixed.topology.supports()[from]]);
             let droppers = fixed.topology.droppers().iter().zip(&fixed.equilibrium.dropper_lengths);
             let of_span = droppers.filter(|(place, _)| place.span == from + 1);
             samples.extend(of_span.map(|(place, unstressed_length)| {
-                let [top, bottom] = [upper, lower].map(|wire| wire.nodes()[place.node].position + shift);
+                let [top, bottom] = [place.upper, place.lower].map(|at| node(at) + shift);
                 let elongation = (top - bottom).norm() - unstressed_length;
                 DropperSample {
                     top,
@@ -101,16 +101,16 @@ impl OverheadLine for WindowedLine {
     }
 
     /// Reduced spans and those beyond are drawn at rest.
-    fn polyline(&self, name: WireName, q: &[f64], most: usize) -> Vec<Vector3<f64>> {
+    fn polylines(&self, name: WireName, q: &[f64], most: usize) -> Vec<Vec<Vector3<f64>>> {
         let fixed = &self.fixed;
         let drawn = self.drawn();
         let nodes = fixed.topology.supports();
         let stride = ((nodes[1] - nodes[0]) * drawn.len()).div_ceil(most).max(1);
-        let own = self.inner.shape().map(|line| line.wire(name).geometry());
-        let rest = match name {
-            WireName::ContactWire => &fixed.equilibrium.contact_wire,
-            WireName::MessengerWire => &fixed.equilibrium.messenger_wire,
+        let Some(number) = fixed.topology.wires().iter().position(|planned| planned.name == name) else {
+            return Vec::new();
         };
+        let own = self.inner.shape().map(|line| line.wires()[number].geometry());
+        let rest = &fixed.equilibrium.wires[number];
         let mut points = Vec::new();
         for span in drawn.clone() {
             let from = fixed.source_of(span, 1);
@@ -133,7 +133,7 @@ impl OverheadLine for WindowedLine {
                 });
             }
         }
-        points
+        vec![points]
     }
 
     fn follow(&mut self, (rear, _): (f64, f64), state: &mut State) -> Continuity {
