@@ -186,7 +186,7 @@ where
 #[test]
 fn the_same_contact_runs_along_the_line_and_its_linearisation() {
     let mut exact = alone(&solve(&short_line(3)));
-    let curve = exact.line.contact_curve();
+    let curve = exact.line.contact_curve(0);
     let linear = Alone {
         layout: exact.layout.clone(),
         line: LinearLine::about(&mut exact.line, &exact.layout),

@@ -77,7 +77,7 @@ fn contact_force(scene: &mut Scene, kind: Kind, step: f64) -> Series {
     let mut state = layout.state_at_rest();
     let start = pantograph.equilibrium_at_height(free_height + 0.02).unwrap();
     pantograph.set_initial(&start, &mut state);
-    let contact = contact_pair(scene, &*line, 0, pantograph.strip()).unwrap();
+    let contact = contact_pair(scene, &*line, (0, 0), pantograph.strip()).unwrap();
     let whole = Whole {
         layout,
         line,

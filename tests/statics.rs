@@ -6,7 +6,10 @@ use scene::{Catenary, Division};
 fn weight(catenary: &Catenary, line: &StaticLine) -> f64 {
     let wires = [
         (WireName::ContactWire, catenary.contact_wire.mass_per_length),
-        (WireName::MessengerWire, catenary.messenger_wire.mass_per_length),
+        (
+            WireName::MessengerWire,
+            catenary.messenger_wire.unwrap().mass_per_length,
+        ),
     ];
     let mut mass: f64 = wires
         .iter()
@@ -80,7 +83,7 @@ fn the_found_state_balances_the_whole_line_and_has_the_nominal_tension_at_its_en
             report.residual
         );
         assert!((report.tension.contact_wire - catenary.contact_wire.tension).abs() < 1e-4);
-        assert!((report.tension.messenger_wire - catenary.messenger_wire.tension).abs() < 1e-4);
+        assert!((report.tension.messenger_wire - catenary.messenger_wire.unwrap().tension).abs() < 1e-4);
         assert!(report.iterations > 0 && report.iterations < 100);
     }
 }
@@ -277,7 +280,7 @@ fn a_messenger_wire_that_sags_to_the_contact_wire_is_refused() {
 #[test]
 fn a_wire_above_its_breaking_force_is_refused_with_both_numbers() {
     let mut catenary = short_line(2);
-    catenary.messenger_wire.breaking_force = Some(16_010.0);
+    catenary.messenger_wire.as_mut().unwrap().breaking_force = Some(16_010.0);
     let error = StaticLine::solve(&catenary, LineOptions::default()).unwrap_err();
     assert!(
         error.to_string().contains("messenger_wire") && error.to_string().contains("16010"),
@@ -486,7 +489,7 @@ fn wires_stretched_between_fixed_ends_sag_under_their_own_weight() {
         ),
         (
             WireName::MessengerWire,
-            catenary.messenger_wire,
+            catenary.messenger_wire.unwrap(),
             report.tension.messenger_wire,
         ),
     ] {
@@ -539,11 +542,11 @@ fn the_position_along_the_track_is_found_again_on_the_wire() {
         &["catenary.presag=0.05", "catenary.stagger=[0.2, -0.2]"],
     ));
     let answer = line.wire_height_under(270.0, 200.0).unwrap();
-    let (curve, q) = (line.line().contact_curve(), &answer.state.q);
+    let (curve, q) = (line.line().contact_curve(0), &answer.state.q);
     for x in [0.1, 59.9, 60.0, 123.4, 270.0, 599.9] {
-        let s = line.line().contact_wire_s(x, q);
+        let s = line.line().contact_wire_s(0, x, q);
         assert!((curve.point(s, q, &vec![0.0; q.len()]).r.x - x).abs() < 1e-9, "{x}");
     }
-    assert_eq!(line.line().contact_wire_s(-1.0, q), 0.0);
-    assert_eq!(line.line().contact_wire_s(601.0, q), curve.length());
+    assert_eq!(line.line().contact_wire_s(0, -1.0, q), 0.0);
+    assert_eq!(line.line().contact_wire_s(0, 601.0, q), curve.length());
 }

@@ -47,9 +47,9 @@ pub use ancf::{
     CableSection, Coordinates, Tangent, beam_mass_matrix, beam_shape, mass_matrix,
 };
 pub use contact::{
-    Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, CorrectedWire, CurveColumn, CurveColumns,
-    CurvePoint, LoadCorrection, OnWire, PenaltyContact, PrescribedStrip, ResidualCompliance, STRIP_VALUES, Sensitivity,
-    SlidingJoint, StripContact, WireCurve,
+    Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, ContactTotal, CorrectedWire, CurveColumn,
+    CurveColumns, CurvePoint, LoadCorrection, OnWire, PenaltyContact, PrescribedStrip, ResidualCompliance,
+    STRIP_VALUES, Sensitivity, SlidingJoint, StripContact, WireCurve,
 };
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
 pub use line::{

@@ -1,15 +1,17 @@
 //! `[catenary]`: the overhead line.
 
 use crate::choice::choice;
+use crate::error::What;
 use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::mesh::Mesh;
 use crate::plausible::LEAST_TENSION;
-use crate::{StitchWires, TensionLength};
+use crate::tension_length::{Placed, from};
+use crate::{Section, StitchWires, TensionLength};
 
 /// `[catenary]`, the line as this program models it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Catenary {
-    /// Geometry; one of them has its keys in this table itself.
+    /// Geometry, at least one; a single one has its keys in this table itself.
     pub tension_lengths: Vec<TensionLength>,
     /// How the wires end.
     pub wire_ends: WireEnds,
@@ -19,8 +21,10 @@ pub struct Catenary {
     pub gravity: f64,
     /// `[catenary.contact_wire]`.
     pub contact_wire: Wire,
-    /// `[catenary.messenger_wire]`.
-    pub messenger_wire: Wire,
+    /// Distance between the two wires of a twin contact wire, m; none for one wire.
+    pub contact_wire_spacing: Option<f64>,
+    /// `[catenary.messenger_wire]`; none for a single wire, which its steady arms carry.
+    pub messenger_wire: Option<Wire>,
     /// `[catenary.stitch_wires]`; none without.
     pub stitch_wires: Option<StitchWires>,
     /// `[catenary.droppers]`.
@@ -157,90 +161,139 @@ choice! {
     unavailable: []
 }
 
+/// Largest distance of supports of one mast along the track, m.
+const SAME_MAST: f64 = 1e-6;
+
 impl Catenary {
-    /// Number of spans.
+    /// Number of spans between neighbouring masts.
     #[must_use]
     pub fn spans(&self) -> usize {
-        self.first().spans()
+        match self.tension_lengths.as_slice() {
+            [only] => only.spans(),
+            _ => self.supports_x().len() - 1,
+        }
     }
 
-    /// The first tension length.
-    #[must_use]
-    pub fn first(&self) -> &TensionLength {
-        &self.tension_lengths[0]
-    }
-
-    /// Length of each span, m.
+    /// Length of each span of the first tension length, m.
     #[must_use]
     pub fn span_lengths(&self) -> &[f64] {
-        &self.first().span_lengths
+        &self.tension_lengths[0].span_lengths
     }
 
-    /// Length of the line from the first support to the last, m.
+    /// Length of the line from the first mast to the last, m.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.support_x(self.spans())
     }
 
-    /// x of support `index`, m; counted from 0, at most [`Catenary::spans`].
+    /// x of mast `index`, m; counted from 0, at most [`Catenary::spans`].
     #[must_use]
     pub fn support_x(&self, index: usize) -> f64 {
-        self.first().support_x(index)
+        match self.tension_lengths.as_slice() {
+            [only] => only.support_x(index),
+            _ => self.supports_x()[index],
+        }
     }
 
-    /// x of all supports, m; one more than there are spans.
+    /// x of all masts, m; one more than there are spans. Supports of several tension lengths at one x are one mast.
     #[must_use]
     pub fn supports_x(&self) -> Vec<f64> {
-        (0..=self.spans()).map(|index| self.support_x(index)).collect()
+        let mut all: Vec<f64> = self
+            .tension_lengths
+            .iter()
+            .flat_map(TensionLength::supports_x)
+            .collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup_by(|b, a| *b - *a < SAME_MAST);
+        all
     }
 
     /// True where all spans and supports are alike but for the stagger.
     #[must_use]
     pub fn is_uniform(&self) -> bool {
-        self.stitch_wires.is_none() && self.first().is_uniform() && self.droppers.positions.len() == 1
+        let lines = self.tension_lengths.as_slice();
+        self.stitch_wires.is_none() && lines.len() == 1 && lines[0].is_uniform() && self.droppers.positions.len() == 1
     }
 
     /// True where some wire is not straight seen from above, or two are not above one another.
     #[must_use]
     pub fn is_staggered(&self) -> bool {
-        self.tension_lengths.iter().any(TensionLength::is_staggered)
+        let stagger = self.tension_lengths[0].stagger[0];
+        let aside = |line: &TensionLength| line.is_staggered() || line.stagger[0] != stagger;
+        self.contact_wire_spacing.is_some() || self.tension_lengths.iter().any(aside)
     }
 
-    /// Lateral position y of the contact wire at support `index` (from 0), m.
+    /// Lateral distances of the contact wires from the stagger, m: one, or two of a twin contact wire.
     #[must_use]
-    pub fn stagger_at(&self, index: usize) -> f64 {
-        self.first().stagger_at(index)
+    pub fn contact_wire_offsets(&self) -> Vec<f64> {
+        match self.contact_wire_spacing {
+            None => vec![0.0],
+            Some(spacing) => vec![-0.5 * spacing, 0.5 * spacing],
+        }
     }
 
-    /// Height of the contact wire at rest at `x` (m), m, straight between its supports; beyond the line that of its
-    /// end.
+    /// Number of contact wires, those of all tension lengths.
+    #[must_use]
+    pub fn contact_wires(&self) -> usize {
+        self.tension_lengths.len() * self.contact_wire_offsets().len()
+    }
+
+    /// Height of the lowest contact wire at rest at `x` (m), m, straight between its supports; beyond the line that of
+    /// its end.
     #[must_use]
     pub fn chord_height(&self, x: f64) -> f64 {
-        let line = self.first();
-        let span = (1..line.spans())
-            .take_while(|&support| line.support_x(support) <= x)
-            .count();
-        let (left, right) = (line.support_x(span), line.support_x(span + 1));
-        let (from, to) = (line.height_at(span), line.height_at(span + 1));
-        from + (to - from) * ((x - left) / (right - left)).clamp(0.0, 1.0)
+        self.section(self.lowest_at(x)).chord_height(x)
     }
 
-    /// x of all droppers, m, span after span.
+    /// Lateral position of the lowest contact wire at rest at `x` (m), m, straight between its supports.
+    #[must_use]
+    pub fn chord_lateral(&self, x: f64) -> f64 {
+        self.section(self.lowest_at(x)).chord_lateral(x)
+    }
+
+    /// Tension length (from 0) whose contact wire is lowest at `x` (m); the first one beyond the line.
+    #[must_use]
+    pub fn lowest_at(&self, x: f64) -> usize {
+        if let [_] = self.tension_lengths.as_slice() {
+            return 0;
+        }
+        let there = |(_, section): &(usize, Section<'_>)| {
+            let (start, end) = (section.support_x(0), section.support_x(section.spans()));
+            (start - SAME_MAST..=end + SAME_MAST).contains(&x)
+        };
+        let lowest = self.sections().enumerate().filter(there);
+        let lowest = lowest.min_by(|a, b| a.1.chord_height(x).total_cmp(&b.1.chord_height(x)));
+        lowest.map_or(0, |(number, _)| number)
+    }
+
+    /// x of all droppers, m, tension length after tension length, span after span.
     #[must_use]
     pub fn droppers_x(&self) -> Vec<f64> {
-        (0..self.spans())
-            .flat_map(|span| {
-                let left = self.support_x(span);
-                self.droppers.of_span(span).iter().map(move |position| left + position)
-            })
-            .collect()
+        self.sections().flat_map(Section::droppers_x).collect()
+    }
+
+    /// Slowest transverse wave of the wires, m/s.
+    #[must_use]
+    pub fn slowest_wave(&self) -> f64 {
+        let speeds = self.wire_kinds().map(|(_, wire)| wire.wave_speed());
+        speeds.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Wires of the line with what they are called, contact wire first.
+    pub fn wire_kinds(&self) -> impl Iterator<Item = (&'static str, &Wire)> {
+        let stitch = self.stitch_wires.as_ref().map(|stitch| ("stitch wire", &stitch.wire));
+        let messenger = self.messenger_wire.as_ref().map(|wire| ("messenger wire", wire));
+        [("contact wire", &self.contact_wire)]
+            .into_iter()
+            .chain(messenger)
+            .chain(stitch)
     }
 
     /// Spans from `start` up to and without `end` (from 0) as a line of their own, the first support at x = 0.
     #[must_use]
     pub fn part(&self, start: usize, end: usize) -> Self {
         Self {
-            tension_lengths: vec![self.first().part(start, end)],
+            tension_lengths: vec![self.tension_lengths[0].part(start, end)],
             droppers: self.droppers.from_span(start),
             ..self.clone()
         }
@@ -248,32 +301,20 @@ impl Catenary {
 }
 
 impl Droppers {
-    /// Positions in span `span` (from 0), m from its left support.
-    #[must_use]
-    pub fn of_span(&self, span: usize) -> &[f64] {
-        &self.positions[span % self.positions.len()]
-    }
-
-    /// Unstressed lengths in span `span` (from 0), m, where they are given.
-    #[must_use]
-    pub fn lengths_of_span(&self, span: usize) -> Option<&[f64]> {
-        let lengths = self.lengths.as_ref()?;
-        Some(&lengths[span % lengths.len()])
-    }
-
     /// Droppers of a line that begins with span `start` (from 0) of this one.
     fn from_span(&self, start: usize) -> Self {
-        let rotated = |lists: &Vec<Vec<f64>>| {
-            let mut lists = lists.clone();
-            let start = start % lists.len();
-            lists.rotate_left(start);
-            lists
-        };
+        let rotated = |lists: &Vec<Vec<f64>>| from(lists, start);
         Self {
             positions: rotated(&self.positions),
             lengths: self.lengths.as_ref().map(rotated),
             ..self.clone()
         }
+    }
+
+    /// No droppers at all.
+    #[must_use]
+    pub fn none() -> Self {
+        Self::new(&[], 1.0)
     }
 
     /// Droppers at `positions` (m) with a stiffness in N/m, without mass and damping, whose lengths follow.
@@ -346,7 +387,18 @@ impl Entry for Catenary {
         ),
         ("gravity", "Acceleration of gravity."),
         ("contact_wire", "Contact wire."),
-        ("messenger_wire", "Messenger wire."),
+        (
+            "contact_wire_spacing",
+            "Lateral distance between the two wires of a twin contact wire, about the stagger.",
+        ),
+        (
+            "messenger_wire",
+            "Messenger wire; left out, with droppers and supports, for a single wire that its steady arms carry.",
+        ),
+        (
+            "tension_length",
+            "Tension lengths, each with geometry of its own, where a line has several.",
+        ),
         (
             "stitch_wires",
             "Stitch wires about the inner supports; left out, all droppers hang from the messenger wire.",
@@ -365,16 +417,63 @@ impl Entry for Catenary {
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let several = keys.has("tension_length", was.is_some_and(|line| line.tension_lengths.len() > 1));
+        let tension_lengths = if several && !keys.describes() {
+            keys.leave_out::<TensionLength>("[[catenary.tension_length]] has it");
+            let was: Option<Vec<Placed>> = was.map(|line| line.tension_lengths.iter().cloned().map(Placed).collect());
+            let placed = keys.tables("tension_length", was.as_deref());
+            placed.into_iter().map(|placed| placed.0).collect()
+        } else {
+            if keys.describes() {
+                keys.tables::<Placed>("tension_length", None);
+            }
+            vec![keys.part(was.and_then(|line| line.tension_lengths.first()))]
+        };
+        let wire_ends = keys.word("wire_ends", was.map(|line| line.wire_ends), None);
+        let statics = keys.word("statics", was.map(|line| line.statics), None);
+        let gravity = keys.number("gravity", was.map(|line| line.gravity), Number::positive("m/s²"));
+        let contact_wire = keys.table("contact_wire", was.map(|line| &line.contact_wire));
+        let contact_wire_spacing = keys.optional_number(
+            "contact_wire_spacing",
+            was.map(|line| line.contact_wire_spacing),
+            Number::positive("m"),
+        );
+        let messenger_wire = keys.optional_table("messenger_wire", was.map(|line| line.messenger_wire.as_ref()));
+        let stitch_wires = keys.optional_table("stitch_wires", was.map(|line| line.stitch_wires.as_ref()));
+        let carried = messenger_wire.is_some();
+        let because = "a line without messenger_wire has none".to_owned();
+        let mut part = |name: &str| {
+            let given = keys.has(name, carried);
+            if given && !carried {
+                keys.report(
+                    name,
+                    What::LeaveOut {
+                        because: because.clone(),
+                    },
+                );
+            }
+            carried
+        };
+        let (has_droppers, has_supports) = (part("droppers"), part("supports"));
         Self {
-            tension_lengths: vec![keys.part(was.map(Self::first))],
-            wire_ends: keys.word("wire_ends", was.map(|line| line.wire_ends), None),
-            statics: keys.word("statics", was.map(|line| line.statics), None),
-            gravity: keys.number("gravity", was.map(|line| line.gravity), Number::positive("m/s²")),
-            contact_wire: keys.table("contact_wire", was.map(|line| &line.contact_wire)),
-            messenger_wire: keys.table("messenger_wire", was.map(|line| &line.messenger_wire)),
-            stitch_wires: keys.optional_table("stitch_wires", was.map(|line| line.stitch_wires.as_ref())),
-            droppers: keys.table("droppers", was.map(|line| &line.droppers)),
-            supports: keys.table("supports", was.map(|line| &line.supports)),
+            tension_lengths,
+            wire_ends,
+            statics,
+            gravity,
+            contact_wire,
+            contact_wire_spacing,
+            messenger_wire,
+            stitch_wires,
+            droppers: if has_droppers {
+                keys.table("droppers", was.map(|line| &line.droppers))
+            } else {
+                Droppers::none()
+            },
+            supports: if has_supports {
+                keys.table("supports", was.map(|line| &line.supports))
+            } else {
+                Supports::new(0.0, 0.0, 0.0)
+            },
             registration_arms: keys.table("registration_arms", was.map(|line| &line.registration_arms)),
             damping: keys.table("damping", was.map(|line| &line.damping)),
             mesh: keys.table_or_empty("mesh", was.map(|line| &line.mesh)),

@@ -3,23 +3,19 @@
 use crate::error::What;
 use crate::write::{shown_key, shown_number};
 use crate::{
-    Catenary, ContactLaw, Element, Evaluate, Initialise, Line, Lumped, Offset, Pantograph, PantographModel, Scene,
-    Statics, Supplied, Wire,
+    ContactLaw, Evaluate, Initialise, Line, Lumped, Offset, Pantograph, PantographModel, Scene, Supplied, Wire,
 };
 
 /// Problems found so far: the path of the key and what is wrong with it.
 pub type Found = Vec<(String, What)>;
 
 /// Room for rounding where a time or a place may lie on the edge of its range, in s and m.
-const ROUNDING: f64 = 1e-9;
+pub(crate) const ROUNDING: f64 = 1e-9;
 /// A run of more steps or rows than this is a mistake in a key.
 const MAX_STEPS: f64 = 1e8;
 /// Longest span, m: far beyond any real one, so that a single wire as good as endless can be tried, and short of a slip
 /// in a power of ten.
 pub(crate) const LONGEST_SPAN: f64 = 5000.0;
-/// Shortest distance of droppers from each other and from supports, m: less than their clamps need, and so short that
-/// the elements between them are too stiff for the statics to close to their tolerance.
-const SHORTEST_INTERVAL: f64 = 0.1;
 /// Least distance of a strip from the end of the line for its static balance, m: closer by, the wire has nothing to
 /// yield with.
 const END_OF_LINE: f64 = 0.01;
@@ -259,13 +255,12 @@ impl Scene {
                     ),
                 );
             }
-            let outermost = catenary
-                .first()
-                .stagger
-                .iter()
-                .enumerate()
-                .max_by(|a, b| (a.1 - aside).abs().total_cmp(&(b.1 - aside).abs()));
-            if let (Some(width), Some((k, stagger))) = (pantograph.strip_width(), outermost)
+            let staggers = catenary.tension_lengths.iter().enumerate().flat_map(|(number, line)| {
+                let entries = line.stagger.iter().enumerate();
+                entries.map(move |(k, stagger)| (number, k, stagger))
+            });
+            let outermost = staggers.max_by(|a, b| (a.2 - aside).abs().total_cmp(&(b.2 - aside).abs()));
+            if let (Some(width), Some((number, k, stagger))) = (pantograph.strip_width(), outermost)
                 && (stagger - aside).abs() > width / 2.0
             {
                 let middle = if aside == 0.0 {
@@ -275,7 +270,7 @@ impl Scene {
                 };
                 refuse(
                     found,
-                    format!("catenary.stagger[{}]", k + 1),
+                    format!("{}.stagger[{}]", catenary.key_of(number), k + 1),
                     shown_number(*stagger, "m"),
                     format!("must be within ±{} m{middle}, half the width of {strip}", width / 2.0),
                 );
@@ -332,151 +327,8 @@ impl Scene {
     }
 }
 
-impl Catenary {
-    fn check(&self, found: &mut Found) {
-        self.contact_wire.check("catenary.contact_wire", found);
-        self.messenger_wire.check("catenary.messenger_wire", found);
-        self.check_units(found);
-        self.check_beam(found);
-        self.check_heights(found);
-        self.check_spans(found);
-        self.check_positions(found);
-        self.check_division(found);
-        self.check_dropper_lengths(found);
-    }
-}
-
-impl Catenary {
-    /// The contact wire stays above the rails.
-    fn check_heights(&self, found: &mut Found) {
-        let line = self.first();
-        for (i, &presag) in line.presag.iter().enumerate() {
-            let spans = (i..line.spans()).step_by(line.presag.len());
-            let heights = spans.map(|span| 0.5 * (line.height_at(span) + line.height_at(span + 1)));
-            let lowest = heights.fold(f64::INFINITY, f64::min);
-            if presag >= lowest {
-                let expected = format!("must be less than contact_wire_height = {lowest} m");
-                refuse(
-                    found,
-                    entry_of("catenary.presag", &line.presag, i),
-                    shown_number(presag, "m"),
-                    expected,
-                );
-            }
-        }
-    }
-
-    fn check_dropper_lengths(&self, found: &mut Found) {
-        let Some(lengths) = &self.droppers.lengths else {
-            return;
-        };
-        let key = "catenary.droppers.lengths";
-        let shown = |lengths: &[Vec<f64>]| match lengths {
-            [lengths] => format!("{lengths:?} m"),
-            all => format!("{all:?} m"),
-        };
-        if self.statics == Statics::FormFinding {
-            let expected = "must be left out with catenary.statics = \"form_finding\", which finds the lengths itself";
-            refuse(found, key, shown(lengths), expected);
-        } else if lengths.len() != self.droppers.positions.len() {
-            let expected = format!(
-                "has {} lists, must have {}, one per list of positions",
-                lengths.len(),
-                self.droppers.positions.len()
-            );
-            refuse(found, key, shown(lengths), expected);
-        } else {
-            for (i, (lengths, positions)) in lengths.iter().zip(&self.droppers.positions).enumerate() {
-                if lengths.len() != positions.len() {
-                    let expected = format!(
-                        "has {} entries, must have {}, one per position",
-                        lengths.len(),
-                        positions.len()
-                    );
-                    let key = entry_of(key, &self.droppers.positions, i);
-                    refuse(found, key, format!("{lengths:?} m"), expected);
-                }
-            }
-        }
-    }
-
-    fn check_spans(&self, found: &mut Found) {
-        if let Some(length) = self.span_lengths().iter().find(|length| **length > LONGEST_SPAN) {
-            let expected = format!("must be at most {LONGEST_SPAN} m, each span");
-            refuse(found, "catenary.span_length", shown_number(*length, "m"), expected);
-        }
-        let (lists, spans) = (self.droppers.positions.len(), self.spans());
-        if lists != 1 && lists != spans {
-            let expected = format!("must be one list for all spans, or {spans}, one for each span");
-            refuse(found, "catenary.droppers.positions", format!("{lists} lists"), expected);
-        }
-    }
-
-    /// Droppers are inside their span, in order, and apart from each other and from the supports.
-    fn check_positions(&self, found: &mut Found) {
-        for list in 0..self.droppers.positions.len() {
-            self.check_positions_of(list, found);
-        }
-    }
-
-    fn check_positions_of(&self, list: usize, found: &mut Found) {
-        let lists = &self.droppers.positions;
-        let spans = self.span_lengths().iter().skip(list).step_by(lists.len());
-        let shortest = spans.copied().fold(f64::INFINITY, f64::min);
-        let positions = &lists[list];
-        for (i, &position) in positions.iter().enumerate() {
-            let before = if i > 0 { positions[i - 1] } else { 0.0 };
-            let expected = if position <= 0.0 || position >= shortest {
-                format!("must be inside its span, between 0 and {shortest} m")
-            } else if position <= before {
-                format!("must be greater than the position before it, {before} m")
-            } else if position - before < SHORTEST_INTERVAL - ROUNDING {
-                let neighbour = if i > 0 { "position before it" } else { "support" };
-                format!("must be at least {SHORTEST_INTERVAL} m from the {neighbour}, at {before} m")
-            } else if shortest - position < SHORTEST_INTERVAL - ROUNDING {
-                format!("must be at least {SHORTEST_INTERVAL} m from the support, at {shortest} m")
-            } else {
-                continue;
-            };
-            let key = format!("{}[{}]", entry_of("catenary.droppers.positions", lists, list), i + 1);
-            refuse(found, key, shown_number(position, "m"), expected);
-        }
-    }
-
-    /// The contact wire has what its elements need and nothing else.
-    fn check_beam(&self, found: &mut Found) {
-        let (key, shown) = ("catenary.contact_wire.beam", |given: bool| {
-            if given { "{ … }" } else { "left out" }.to_owned()
-        });
-        let given = self.contact_wire.beam.is_some();
-        match self.mesh.element {
-            Element::Cable if given => {
-                let expected =
-                    "must be left out with catenary.mesh.element = \"cable\", which neither shears nor twists";
-                refuse(found, key, shown(given), expected);
-            }
-            Element::Beam if !given => {
-                let expected = "must be given with catenary.mesh.element = \"beam\": { shear_stiffness = … N, \
-                                torsional_stiffness = … N m², rotary_inertia = … kg m }";
-                refuse(found, key, shown(given), expected);
-            }
-            Element::Cable | Element::Beam => {}
-        }
-        if self.mesh.element == Element::Beam && self.contact_wire.bending_stiffness == 0.0 {
-            let expected =
-                "must be greater than 0 with catenary.mesh.element = \"beam\": directors of a string have no hold";
-            let key = "catenary.contact_wire.bending_stiffness";
-            refuse(found, key, shown_number(0.0, "N m²"), expected);
-        }
-        if self.messenger_wire.beam.is_some() {
-            let expected = "must be left out: the messenger wire is of cable elements";
-            refuse(found, "catenary.messenger_wire.beam", shown(true), expected);
-        }
-    }
-}
-
 impl Wire {
-    fn check(&self, path: &str, found: &mut Found) {
+    pub(crate) fn check(&self, path: &str, found: &mut Found) {
         self.check_unit_of_tension(path, found);
         if let Some(breaking_force) = self.breaking_force
             && self.tension >= breaking_force

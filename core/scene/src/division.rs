@@ -1,10 +1,10 @@
 //! How many elements lie between neighbouring droppers or supports.
 
-use crate::Catenary;
 use crate::check::{Found, refuse};
 use crate::error::What;
 use crate::keys::{Keys, Number};
 use crate::write::shown_number;
+use crate::{Catenary, Section, Wire};
 
 /// Equal elements between neighbouring droppers or supports: how many.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,50 +62,94 @@ impl Division {
     }
 }
 
-impl Catenary {
+/// Lengths between neighbouring places of a span of `length` (m), its ends included.
+fn between<I: Iterator<Item = f64> + Clone>(places: I, length: f64) -> impl Iterator<Item = f64> + use<I> {
+    let ends = places.clone().chain([length]);
+    std::iter::once(0.0)
+        .chain(places)
+        .zip(ends)
+        .map(|(start, end)| end - start)
+}
+
+impl<'a> Section<'a> {
     /// Lengths between neighbouring droppers and supports of a span (counted from 0) along the track, m.
-    pub fn intervals_of(&self, span: usize) -> impl Iterator<Item = f64> + '_ {
-        let positions = self.droppers.of_span(span).iter().copied();
-        let ends = positions.clone().chain([self.span_lengths()[span]]);
-        std::iter::once(0.0)
-            .chain(positions)
-            .zip(ends)
-            .map(|(start, end)| end - start)
+    pub fn intervals_of(self, span: usize) -> impl Iterator<Item = f64> + use<'a> {
+        between(self.droppers_of(span).iter().copied(), self.geometry.span_lengths[span])
     }
 
-    /// Lengths between neighbouring droppers and supports along the track, m, span after span.
-    pub fn intervals(&self) -> impl Iterator<Item = f64> + '_ {
-        (0..self.spans()).flat_map(|span| self.intervals_of(span))
+    /// Lengths between neighbouring fastenings of each kind of wire along the track, m; of equal spans those of one.
+    fn intervals(self) -> impl Iterator<Item = (&'a Wire, f64)> {
+        let line = self.line;
+        let spans = if line.is_uniform() { 1 } else { self.spans() };
+        let of_span = move |span: usize| {
+            let contact = self.intervals_of(span).map(|length| (&line.contact_wire, length));
+            let messenger = line.messenger_wire.as_ref().map(|wire| {
+                let places = self.messenger_attachments(span);
+                let lengths: Vec<f64> = between(places.iter().copied(), self.span_lengths[span]).collect();
+                lengths.into_iter().map(move |length| (wire, length))
+            });
+            contact.chain(messenger.into_iter().flatten())
+        };
+        let of_stitch_wire = move |support: usize| {
+            let wire = self.stitch_wire_at(support).map(|stitch| &stitch.wire);
+            let stations = self.stitch_stations(support);
+            let lengths: Vec<f64> = stations.windows(2).map(|ends| ends[1].0 - ends[0].0).collect();
+            wire.into_iter()
+                .flat_map(move |wire| lengths.clone().into_iter().map(move |length| (wire, length)))
+        };
+        (0..spans)
+            .flat_map(of_span)
+            .chain((0..=self.spans()).flat_map(of_stitch_wire))
+    }
+}
+
+impl Catenary {
+    /// Lengths between neighbouring fastenings of each kind of wire along the track, m; of equal spans those of one.
+    pub fn intervals(&self) -> impl Iterator<Item = (&Wire, f64)> {
+        self.sections().flat_map(Section::intervals)
     }
 
-    /// Number of intervals of one span; where spans differ, of the one that has most.
+    /// Number of intervals of the contact wire in one span; where spans differ, in the one that has most.
     #[must_use]
     pub fn intervals_per_span(&self) -> usize {
-        let most = self.droppers.positions.iter().map(Vec::len).max();
-        most.unwrap_or(0) + 1
+        let sections = self.sections();
+        let most = sections.flat_map(|section| (0..section.spans()).map(move |span| section.droppers_of(span).len()));
+        most.max().unwrap_or(0) + 1
     }
 
     /// Length of the longest interval, m.
     #[must_use]
     pub fn longest_interval(&self) -> f64 {
-        self.intervals().fold(0.0, f64::max)
+        self.intervals().map(|(_, length)| length).fold(0.0, f64::max)
     }
 
-    /// Elements that a division makes of the intervals of a span.
-    fn elements_of(&self, span: usize, division: Division) -> impl Iterator<Item = usize> + '_ {
-        self.intervals_of(span).map(move |length| division.elements(length))
-    }
-
-    /// Elements that a division makes of each wire in a span; where spans differ, in the one that has most.
+    /// Elements that a division makes of the contact wire in a span; where spans differ, in the one that has most.
     #[must_use]
     pub fn elements_per_span(&self, division: Division) -> usize {
-        let of_span = |span| self.elements_of(span, division).sum();
-        (0..self.spans()).map(of_span).max().unwrap_or(0)
+        let of_section = |section: Section<'_>| {
+            let counts = (0..section.spans()).map(|span| elements_of(section, span, division).sum());
+            counts.max().unwrap_or(0)
+        };
+        self.sections().map(of_section).max().unwrap_or(0)
     }
 
-    /// Why spans are not divided alike: two of them, and what divides them so.
+    /// Why the line cannot be cut at its supports into spans that are divided alike.
     pub(crate) fn uneven_spans(&self) -> Option<String> {
-        let counts = |span: usize| self.elements_of(span, self.mesh.division);
+        if self.tension_lengths.len() > 1 {
+            return Some("it is made for one tension length".to_owned());
+        }
+        let other = [
+            ("stitch wires, which pass the supports", self.stitch_wires.is_some()),
+            ("a twin contact wire", self.contact_wire_spacing.is_some()),
+            ("a single wire", self.messenger_wire.is_none()),
+        ];
+        if let Some((what, _)) = other.into_iter().find(|(_, has)| *has) {
+            return Some(format!(
+                "it is made for one contact wire and one messenger wire, and the line has {what}"
+            ));
+        }
+        let section = self.first();
+        let counts = |span: usize| elements_of(section, span, self.mesh.division);
         let other = (1..self.spans()).find(|&span| !counts(span).eq(counts(0)))?;
         let [first, second] = [0, other].map(|span| counts(span).sum::<usize>());
         Some(format!(
@@ -115,24 +159,26 @@ impl Catenary {
         ))
     }
 
-    /// Length of the elements of each interval along the track, m, and their number.
-    pub fn elements(&self) -> impl Iterator<Item = (f64, usize)> + '_ {
-        self.intervals().map(|length| {
+    /// Length of the elements of each interval along the track, m, and their number, with the kind of wire.
+    pub fn elements(&self) -> impl Iterator<Item = (&Wire, f64, usize)> {
+        self.intervals().map(|(wire, length)| {
             let count = self.mesh.division.elements(length);
-            (length / count as f64, count)
+            (wire, length / count as f64, count)
         })
     }
 
     /// Length of the shortest element along the track, m.
     #[must_use]
     pub fn shortest_element(&self) -> f64 {
-        self.elements().map(|(length, _)| length).fold(f64::INFINITY, f64::min)
+        self.elements()
+            .map(|(_, length, _)| length)
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// Length of the longest element along the track, m.
     #[must_use]
     pub fn longest_element(&self) -> f64 {
-        self.elements().map(|(length, _)| length).fold(0.0, f64::max)
+        self.elements().map(|(_, length, _)| length).fold(0.0, f64::max)
     }
 
     /// No interval has more elements than it may.
@@ -155,6 +201,11 @@ impl Catenary {
             );
         }
     }
+}
+
+/// Elements that a division makes of each interval of the contact wire in a span.
+fn elements_of(section: Section<'_>, span: usize, division: Division) -> impl Iterator<Item = usize> {
+    section.intervals_of(span).map(move |length| division.elements(length))
 }
 
 #[cfg(test)]

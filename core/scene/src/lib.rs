@@ -33,6 +33,7 @@
 
 mod catenary;
 mod check;
+mod check_line;
 mod check_linkage;
 mod check_vehicle;
 mod choice;
@@ -52,6 +53,7 @@ mod reference;
 mod renames;
 mod run;
 mod scene;
+mod section;
 mod solver;
 mod stitch_wires;
 mod supplied;
@@ -77,6 +79,7 @@ pub use pantograph::{Lumped, Pantograph, PantographModel, Start, Strip};
 pub use reference::reference;
 pub use run::{Electrification, Evaluate, Initialise, Run, kmh};
 pub use scene::{Line, Scene, SceneFile};
+pub use section::Section;
 pub use solver::{Formulation, Jacobian, Solver};
 pub use stitch_wires::StitchWires;
 pub use supplied::{Connection, Offset, ParameterValue, STEP_TIMEOUT, Supplied};

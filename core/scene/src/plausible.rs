@@ -4,7 +4,7 @@
 
 use crate::check::{Found, entry_of, refuse};
 use crate::write::shown_number;
-use crate::{Catenary, Scene, Wire};
+use crate::{Scene, Section, Wire};
 
 /// Highest contact wire, m: above any road crossing or double-stack clearance, and below a height typed in cm.
 pub(crate) const HIGHEST_WIRE: f64 = 20.0;
@@ -15,10 +15,10 @@ pub(crate) const LEAST_TENSION: f64 = 100.0;
 /// Longest part of a span without a dropper that is not questioned, m; lines have one every 4 to 12 m.
 const LONGEST_GAP: f64 = 15.0;
 
-impl Catenary {
-    /// Refuses heights and tensions that were typed in another unit.
-    pub(crate) fn check_units(&self, found: &mut Found) {
-        let heights = &self.first().contact_wire_height;
+impl Section<'_> {
+    /// Refuses heights that were typed in another unit.
+    pub(crate) fn check_units(&self, path: &str, found: &mut Found) {
+        let heights = &self.contact_wire_height;
         for (i, &height) in heights.iter().enumerate() {
             if height <= HIGHEST_WIRE {
                 continue;
@@ -33,7 +33,7 @@ impl Catenary {
                 "must be at most {HIGHEST_WIRE} m above the top of rail{}",
                 meant.unwrap_or_default()
             );
-            let key = entry_of("catenary.contact_wire_height", heights, i);
+            let key = entry_of(&format!("{path}.contact_wire_height"), heights, i);
             refuse(found, key, shown_number(height, "m"), expected);
         }
     }
@@ -64,9 +64,13 @@ impl Scene {
             return Vec::new();
         };
         let mut asked = Vec::new();
-        let stretches = (0..line.spans()).flat_map(|span| {
+        if line.messenger_wire.is_none() {
+            return asked;
+        }
+        let first = line.first();
+        let stretches = (0..first.spans()).flat_map(|span| {
             let mut start = 0.0;
-            line.intervals_of(span).map(move |length| {
+            first.intervals_of(span).map(move |length| {
                 let from = start;
                 start += length;
                 (length, from, span)
@@ -80,7 +84,7 @@ impl Scene {
                 "catenary.droppers.positions = {:?} m: {} m of span {}, from {} m to {} m, are without a dropper, and \
                  lines have one \
                  every 4 to 12 m; is a position missing?",
-                line.droppers.of_span(span),
+                first.droppers_of(span),
                 short(length),
                 span + 1,
                 short(from),

@@ -23,6 +23,8 @@ pub struct TensionLength {
     pub stagger: Vec<f64>,
     /// Lateral position y of the messenger wire, m, likewise; empty is that of the contact wire.
     pub messenger_stagger: Vec<f64>,
+    /// Positions of the droppers as [`crate::Droppers::positions`], where this tension length has its own; else empty.
+    pub dropper_positions: Vec<Vec<f64>>,
 }
 
 /// Entry `index` of a list that repeats itself.
@@ -31,7 +33,7 @@ fn repeated(list: &[f64], index: usize) -> f64 {
 }
 
 /// List that repeats itself, from entry `start` on.
-fn from(list: &[f64], start: usize) -> Vec<f64> {
+pub(crate) fn from<T: Clone>(list: &[T], start: usize) -> Vec<T> {
     let mut rotated = list.to_vec();
     if !rotated.is_empty() {
         rotated.rotate_left(start % list.len());
@@ -52,6 +54,7 @@ impl TensionLength {
             presag: vec![0.0],
             stagger: vec![0.0],
             messenger_stagger: Vec::new(),
+            dropper_positions: Vec::new(),
         }
     }
 
@@ -73,6 +76,21 @@ impl TensionLength {
             self.span_lengths[..index].iter().sum()
         };
         self.start_x + along
+    }
+
+    /// x of all supports, m.
+    pub fn supports_x(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..=self.spans()).map(|index| self.support_x(index))
+    }
+
+    /// Span (from 0) at `x` (m) and the position within it, 0…1; of the first or last span beyond its end.
+    #[must_use]
+    pub fn span_at(&self, x: f64) -> (usize, f64) {
+        let span = (1..self.spans())
+            .take_while(|&support| self.support_x(support) <= x)
+            .count();
+        let (left, right) = (self.support_x(span), self.support_x(span + 1));
+        (span, (x - left) / (right - left))
     }
 
     /// Height of the contact wire at support `index` (from 0), m.
@@ -139,6 +157,7 @@ impl TensionLength {
             presag: from(&self.presag, start),
             stagger: from(&self.stagger, start),
             messenger_stagger: from(&self.messenger_stagger, start),
+            dropper_positions: from(&self.dropper_positions, start),
         }
     }
 }
@@ -158,7 +177,7 @@ impl Entry for TensionLength {
         (
             "encumbrance",
             "Height of the messenger wire above the contact wire at the supports: one for all, or one for each \
-             support in turn.",
+             support in turn; left out with a single wire.",
         ),
         (
             "presag",
@@ -194,12 +213,13 @@ impl Entry for TensionLength {
                 Number::positive("m").at_most(HIGHEST_WIRE),
                 spans + 1,
             ),
-            encumbrance: keys.one_or_each(
-                "encumbrance",
-                list(|line| &line.encumbrance),
-                Number::positive("m"),
-                spans + 1,
-            ),
+            encumbrance: keys
+                .has("encumbrance", was.is_some_and(|line| !line.encumbrance.is_empty()))
+                .then(|| {
+                    let list = list(|line| &line.encumbrance);
+                    keys.one_or_each("encumbrance", list, Number::positive("m"), spans + 1)
+                })
+                .unwrap_or_default(),
             presag: keys.one_or_each("presag", list(|line| &line.presag), Number::any("m"), spans),
             stagger: keys.numbers(
                 "stagger",
@@ -221,6 +241,40 @@ impl Entry for TensionLength {
                     )
                 })
                 .unwrap_or_default(),
+            dropper_positions: Vec::new(),
         }
+    }
+}
+
+/// An entry of `[[catenary.tension_length]]`: a tension length with a place of its own.
+pub(crate) struct Placed(pub TensionLength);
+
+impl Entry for Placed {
+    const SENTENCES: Sentences = &[
+        (
+            "start_x",
+            "Place of the first support along the track; 0 for the tension length that the line begins with.",
+        ),
+        (
+            "dropper_positions",
+            "Positions of the droppers, as `catenary.droppers.positions`, where this tension length has its own.",
+        ),
+    ];
+
+    fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        let was = was.map(|placed| &placed.0);
+        let own = was.is_some_and(|line| !line.dropper_positions.is_empty());
+        let start = Number::not_negative("m").default(0.0);
+        Self(TensionLength {
+            start_x: keys.number("start_x", was.map(|line| line.start_x), start),
+            dropper_positions: keys
+                .has("dropper_positions", own)
+                .then(|| {
+                    let positions = was.map(|line| line.dropper_positions.as_slice());
+                    keys.list_or_lists("dropper_positions", positions, Number::any("m"))
+                })
+                .unwrap_or_default(),
+            ..keys.part(was)
+        })
     }
 }

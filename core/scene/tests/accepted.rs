@@ -135,7 +135,7 @@ fn everything_optional_survives_writing() {
     assert_eq!(catenary.statics, Statics::NodalDisplacement);
     assert_eq!(catenary.support_x(3), 60.0 + 60.5 + 61.0);
     assert_eq!(catenary.length(), 600.5);
-    assert_eq!(catenary.stagger_at(3), -0.2);
+    assert_eq!(catenary.first().stagger_at(3), -0.2);
     assert_eq!(lumped(&scene).friction, [0.0, 2.5]);
 }
 

@@ -13,7 +13,8 @@ fn built() -> Scene {
         statics: Statics::FormFinding,
         gravity: 9.81,
         contact_wire: Wire::new(1.35, 20_000.0, 1.7e7, 195.0),
-        messenger_wire: Wire::new(1.07, 16_000.0, 1.1e7, 131.7),
+        contact_wire_spacing: None,
+        messenger_wire: Some(Wire::new(1.07, 16_000.0, 1.1e7, 131.7)),
         stitch_wires: None,
         droppers: Droppers::new(&[5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0], 1e5),
         supports: Supports {

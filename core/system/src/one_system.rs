@@ -112,10 +112,11 @@ impl OneSystem {
             .map(|index| StripStart::of(scene, index, starts[index].height))
             .collect();
         alone.start(&strips)?;
-        let contacts = pantographs
-            .iter()
-            .enumerate()
-            .map(|(index, pantograph)| strip_contact(scene, &*line, index, pantograph.strip(), &mut layout));
+        let wires = line.contact_wires();
+        let contacts = (0..pantographs.len() * wires).map(|contact| {
+            let (index, wire) = (contact / wires, contact % wires);
+            strip_contact(scene, &*line, (index, wire), pantographs[index].strip(), &mut layout)
+        });
         let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
         let mut state = layout.state_at_rest();
         let settled = alone.q();
@@ -279,7 +280,7 @@ impl OneSystem {
     /// Values exchanged between the two sides, as a communication point at `t` in s.
     #[must_use]
     pub fn point(&mut self, t: f64) -> Point {
-        let strips = self.simulator.system.contacts.len();
+        let strips = self.simulator.system.pantographs.len();
         let mut point = Point {
             t,
             from: t,

@@ -40,8 +40,7 @@ pub fn described(scene: &Scene) -> String {
 #[must_use]
 pub fn expected_error(scene: &Scene, step: f64) -> Option<String> {
     let (catenary, _) = scene.modelled_line()?;
-    let waves = [&catenary.contact_wire, &catenary.messenger_wire].map(scene::Wire::wave_speed);
-    let (c, v) = (waves[0].min(waves[1]), scene.run.speed);
+    let (c, v) = (catenary.slowest_wave(), scene.run.speed);
     if v >= c {
         return Some(format!(
             "mesh: the train is faster than the waves of a wire ({v:.1} m/s, {c:.1} m/s): no mesh resolves the waves \

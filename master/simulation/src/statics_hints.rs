@@ -57,24 +57,21 @@ fn statics_hints(scene: &Scene) -> Vec<Suspect> {
     let (tension, mass) = ((3e3, 5e4), (0.2, 3.0));
     let mut all = vec![
         of("span_length", largest(&geometry.span_lengths), "m", (20.0, 100.0)),
-        of("encumbrance", largest(&geometry.encumbrance), "m", (0.3, 3.0)),
         of("presag", largest(&geometry.presag), "m", (-0.2, 0.2)),
         of("contact_wire.tension", line.contact_wire.tension, "N", tension),
-        of("messenger_wire.tension", line.messenger_wire.tension, "N", tension),
         of(
             "contact_wire.mass_per_length",
             line.contact_wire.mass_per_length,
             "kg/m",
             mass,
         ),
-        of(
-            "messenger_wire.mass_per_length",
-            line.messenger_wire.mass_per_length,
-            "kg/m",
-            mass,
-        ),
         of("droppers.stiffness", line.droppers.stiffness, "N/m", (1e3, 1e8)),
     ];
+    if let Some(wire) = &line.messenger_wire {
+        all.push(of("encumbrance", largest(&geometry.encumbrance), "m", (0.3, 3.0)));
+        all.push(of("messenger_wire.tension", wire.tension, "N", tension));
+        all.push(of("messenger_wire.mass_per_length", wire.mass_per_length, "kg/m", mass));
+    }
     // A sliding joint has no spring.
     if contact.stiffness.is_finite() {
         all.push(Suspect::new("contact.stiffness", contact.stiffness, "N/m", (1e3, 1e8)));

@@ -89,7 +89,6 @@ pub fn foreseen(scene: &Scene) -> Vec<String> {
         return Vec::new();
     };
     let motion = GivenMotion::new(entry);
-    let supports = line.supports_x();
     let step = scene.run.output_step.max(scene.run.duration / SAMPLES);
     let count = (scene.run.duration / step) as usize;
     let mechanisms = half_widths(scene).into_iter().filter(|(index, _)| {
@@ -99,10 +98,7 @@ pub fn foreseen(scene: &Scene) -> Vec<String> {
     let seen = mechanisms.filter_map(|(index, half)| {
         let samples = (0..=count).map(|k| {
             let time = k as f64 * step;
-            (
-                time,
-                aside(&motion, (line, &supports), scene.strip_x(index, time), time),
-            )
+            (time, aside(&motion, line, scene.strip_x(index, time), time))
         });
         let found = beside(samples, half)?;
         Some(remark(
@@ -116,19 +112,11 @@ pub fn foreseen(scene: &Scene) -> Vec<String> {
     seen.collect()
 }
 
-/// Distance of the wire at rest from the middle of a strip that a motion carries along, m, along the strip, on a line
-/// with supports at these x in m; `x` m is where the strip is without the motion.
-fn aside(motion: &GivenMotion, (line, supports): (&Catenary, &[f64]), x: f64, time: f64) -> f64 {
+/// Distance of the wire at rest from the middle of a strip that a motion carries along, m, along the strip; `x` m is
+/// where the strip is without the motion.
+fn aside(motion: &GivenMotion, line: &Catenary, x: f64, time: f64) -> f64 {
     let ([ahead, aside, up], [_, lateral, upward]) = motion.above(line.chord_height(x), time);
-    (wire_y(line, supports, x + ahead) - aside) * lateral - up * upward
-}
-
-/// Lateral position of the contact wire at rest, m, straight between its supports.
-fn wire_y(line: &Catenary, supports: &[f64], x: f64) -> f64 {
-    let span = supports[1..line.spans()].partition_point(|&support| support <= x);
-    let (start, end) = (supports[span], supports[span + 1]);
-    let (left, right) = (line.stagger_at(span), line.stagger_at(span + 1));
-    left + (right - left) * ((x - start) / (end - start)).clamp(0.0, 1.0)
+    (line.chord_lateral(x + ahead) - aside) * lateral - up * upward
 }
 
 fn remark(scene: &Scene, index: usize, half: f64, found: &Beside, what: &str) -> String {

@@ -186,7 +186,7 @@ pub struct LinearLine {
     wires: Vec<Wire>,
     force: LinearForce,
     droppers: LinearDroppers,
-    contact_wire: Arc<dyn WireCurve>,
+    contact_wires: Vec<Arc<dyn WireCurve>>,
     /// Drag of the wires in the wind, nonlinear as on [`Line`].
     drag: Vec<WireDrag>,
     /// Line whose positions of wires, supports and droppers are drawn; its forces are not used.
@@ -196,12 +196,12 @@ pub struct LinearLine {
 impl LinearLine {
     /// A line of given matrices.
     #[must_use]
-    pub fn new(force: LinearForce, droppers: LinearDroppers, contact_wire: Arc<dyn WireCurve>) -> Self {
+    pub fn new(force: LinearForce, droppers: LinearDroppers, contact_wires: Vec<Arc<dyn WireCurve>>) -> Self {
         Self {
             wires: Vec::new(),
             force,
             droppers,
-            contact_wire,
+            contact_wires,
             drag: Vec::new(),
             shape: None,
         }
@@ -258,7 +258,7 @@ impl LinearLine {
             });
         }
         let linear = linear
-            .with(LinearDroppers::new(law, droppers), line.contact_curve(), layout)
+            .with(LinearDroppers::new(law, droppers), curves(line), layout)
             .with_shape(line.clone());
         Self { drag, ..linear }
     }
@@ -308,7 +308,7 @@ impl LinearLine {
             });
         }
         linear
-            .with(LinearDroppers::new(law, droppers), line.contact_curve(), layout)
+            .with(LinearDroppers::new(law, droppers), curves(&line), layout)
             .with_shape(line)
     }
 
@@ -352,10 +352,16 @@ impl LinearLine {
         self.parts(&mut |_, force| visit(force));
     }
 
-    /// The contact wire as contact sees it.
+    /// Number of contact wires.
     #[must_use]
-    pub fn contact_curve(&self) -> Arc<dyn WireCurve> {
-        Arc::clone(&self.contact_wire)
+    pub fn contact_wires(&self) -> usize {
+        self.contact_wires.len()
+    }
+
+    /// Contact wire `wire` (from 0) as contact sees it.
+    #[must_use]
+    pub fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve> {
+        Arc::clone(&self.contact_wires[wire])
     }
 
     /// The droppers.
@@ -370,6 +376,11 @@ impl LinearLine {
         let wires: f64 = self.wires.iter().map(|wire| wire.energy(motion)).sum();
         wires + self.force.energy(motion) + self.droppers.energy(motion)
     }
+}
+
+/// The contact wires of a line as contact sees them.
+fn curves(line: &Line) -> Vec<Arc<dyn WireCurve>> {
+    (0..line.contact_wires()).map(|wire| line.contact_curve(wire)).collect()
 }
 
 /// A line to first order without its droppers' springs: its wires, as far as they can be linear by themselves, and the
@@ -410,7 +421,7 @@ impl Linear {
     }
 
     /// The line with these droppers.
-    fn with(mut self, droppers: LinearDroppers, contact_wire: Arc<dyn WireCurve>, layout: &Layout) -> LinearLine {
+    fn with(mut self, droppers: LinearDroppers, contact_wires: Vec<Arc<dyn WireCurve>>, layout: &Layout) -> LinearLine {
         let rest = layout.state_at_rest();
         let motion = rest.motion(&[]);
         let mut of_wires = vec![0.0; self.load.len()];
@@ -429,7 +440,7 @@ impl Linear {
         );
         LinearLine {
             wires: self.wires,
-            ..LinearLine::new(force, droppers, contact_wire)
+            ..LinearLine::new(force, droppers, contact_wires)
         }
     }
 }

@@ -87,9 +87,12 @@ pub struct Line {
     supports: Supports,
     arms: RegistrationArms,
     ends: LineEnds,
-    /// Height of the contact wire at each support that uplift is counted from, m above the static height.
-    uplift_reference: Vec<f64>,
-    compliance: Option<Arc<ResidualCompliance>>,
+    /// Height of each contact wire at each mast that uplift is counted from, m above the static height.
+    uplift_reference: Vec<Vec<f64>>,
+    /// Residual compliance of each contact wire; empty without.
+    compliance: Vec<Option<Arc<ResidualCompliance>>>,
+    /// Numbers of the contact wires among the wires.
+    contact_wires: Vec<usize>,
     /// Correction of the forces of strips that belongs to the corrected inertia of the contact wire.
     load: Option<LoadCorrection>,
     /// Drag of the wires; empty without wind.
@@ -123,8 +126,8 @@ impl Line {
             damping: catenary.droppers.damping,
         };
         let springs = &catenary.supports;
-        let supports = topology.inner_supports().iter().zip(&equilibrium.support_reactions);
-        let supports = supports.map(|(&[_, upper], &reaction)| Anchor {
+        let supports = topology.held_by_supports().zip(&equilibrium.support_reactions);
+        let supports = supports.map(|(upper, &reaction)| Anchor {
             node: node(upper),
             reaction,
             stiffness: Vector3::new(
@@ -134,8 +137,8 @@ impl Line {
             ),
         });
         let arm = &catenary.registration_arms;
-        let arms = topology.inner_supports().iter().zip(&equilibrium.arm_reactions);
-        let arms = arms.map(|(&[lower, _], &reaction)| Anchor {
+        let arms = topology.held_by_arms().zip(&equilibrium.arm_reactions);
+        let arms = arms.map(|(lower, &reaction)| Anchor {
             node: node(lower),
             reaction,
             stiffness: Vector3::new(0.0, arm.lateral_stiffness, arm.vertical_stiffness),
@@ -157,8 +160,9 @@ impl Line {
             supports: Supports::new(supports.collect()),
             arms: RegistrationArms::new(arms.collect(), arm.mass, catenary.gravity),
             ends: LineEnds::new(ends.collect()),
-            uplift_reference: vec![0.0; topology.support_nodes().len()],
-            compliance: None,
+            uplift_reference: topology.masts().iter().map(|nodes| vec![0.0; nodes.len()]).collect(),
+            compliance: Vec::new(),
+            contact_wires: topology.contact_wires().collect(),
             load: None,
             drag: Vec::new(),
             topology: Arc::clone(topology),
@@ -188,9 +192,9 @@ impl Line {
         self
     }
 
-    /// Gives the contact wire its residual compliance under strips, see [`ResidualCompliance`].
+    /// Gives each contact wire its residual compliance under strips, see [`ResidualCompliance`].
     #[must_use]
-    pub fn with_contact_compliance(mut self, compliance: Option<Arc<ResidualCompliance>>) -> Self {
+    pub fn with_contact_compliance(mut self, compliance: Vec<Option<Arc<ResidualCompliance>>>) -> Self {
         self.compliance = compliance;
         self
     }
@@ -237,24 +241,42 @@ impl Line {
         visit("supports", &mut self.ends);
     }
 
-    /// The contact wire as contact sees it.
+    /// Number of contact wires.
     #[must_use]
-    pub fn contact_curve(&self) -> Arc<dyn WireCurve> {
-        let geometry = Arc::clone(self.wires[0].geometry());
-        if self.compliance.is_none() && self.load.is_none() {
+    pub fn contact_wires(&self) -> usize {
+        self.contact_wires.len()
+    }
+
+    /// Contact wire `wire` (from 0).
+    #[must_use]
+    pub fn contact_wire(&self, wire: usize) -> &Wire {
+        &self.wires[self.contact_wires[wire]]
+    }
+
+    /// Contact wire `wire` (from 0) as contact sees it.
+    #[must_use]
+    pub fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve> {
+        let geometry = Arc::clone(self.contact_wire(wire).geometry());
+        let compliance = self.compliance_of(wire).cloned();
+        if compliance.is_none() && self.load.is_none() {
             return geometry;
         }
         Arc::new(CorrectedWire {
             geometry,
-            compliance: self.compliance.clone(),
+            compliance,
             load: self.load,
         })
     }
 
-    /// Residual compliance of the contact wire under strips, see [`ResidualCompliance`].
+    /// Residual compliance of the contact wires under strips, see [`ResidualCompliance`]; empty without.
     #[must_use]
-    pub fn compliance(&self) -> Option<&Arc<ResidualCompliance>> {
-        self.compliance.as_ref()
+    pub fn compliance(&self) -> &[Option<Arc<ResidualCompliance>>] {
+        &self.compliance
+    }
+
+    /// Residual compliance of contact wire `wire` (from 0).
+    pub(crate) fn compliance_of(&self, wire: usize) -> Option<&Arc<ResidualCompliance>> {
+        self.compliance.get(wire)?.as_ref()
     }
 
     /// The wires, in the order of [`Topology::wires`].
@@ -298,36 +320,46 @@ impl Line {
         &self.arms
     }
 
-    /// Number of supports, the ends included.
+    /// Number of masts, the ends included.
     #[must_use]
     pub fn support_count(&self) -> usize {
-        self.topology.support_nodes().len()
+        self.topology.masts().len()
     }
 
-    /// Height of the contact wire at support `support` (from 0), m above the static height.
-    fn rise(&self, support: usize, q: &[f64]) -> f64 {
-        let [NodeOfWire { wire, node }, _] = self.topology.support_nodes()[support];
-        let node = &self.wires[wire].geometry().nodes()[node];
-        node.map.position(2).map_or(0.0, |index| q[index])
+    /// Part of `values` of a node that is vertical.
+    fn vertical(&self, at: NodeOfWire, values: &[f64]) -> f64 {
+        let node = &self.wires[at.wire].geometry().nodes()[at.node];
+        node.map.position(2).map_or(0.0, |index| values[index])
     }
 
     /// Counts uplift from the state `q` on.
     pub fn set_uplift_reference(&mut self, q: &[f64]) {
-        for support in 0..self.uplift_reference.len() {
-            self.uplift_reference[support] = self.rise(support, q);
+        for mast in 0..self.uplift_reference.len() {
+            for wire in 0..self.uplift_reference[mast].len() {
+                let at = self.topology.masts()[mast][wire];
+                self.uplift_reference[mast][wire] = self.vertical(at, q);
+            }
         }
     }
 
-    /// Rise of the contact wire at support `support` (from 0) above its height in the reference state, m.
+    /// Rise of the contact wire at mast `mast` (from 0) above its height in the reference state, m; of several wires
+    /// the largest.
     #[must_use]
-    pub fn uplift(&self, support: usize, q: &[f64]) -> f64 {
-        self.rise(support, q) - self.uplift_reference[support]
+    pub fn uplift(&self, mast: usize, q: &[f64]) -> f64 {
+        self.most_lifted(mast, q).map_or(0.0, |(rise, _)| rise)
     }
 
     /// Rate of [`Line::uplift`], m/s.
     #[must_use]
-    pub fn uplift_rate(&self, support: usize, v: &[f64]) -> f64 {
-        self.rise(support, v)
+    pub fn uplift_rate(&self, mast: usize, q: &[f64], v: &[f64]) -> f64 {
+        self.most_lifted(mast, q).map_or(0.0, |(_, at)| self.vertical(at, v))
+    }
+
+    /// Largest rise of the contact wires at a mast, m, and its node.
+    fn most_lifted(&self, mast: usize, q: &[f64]) -> Option<(f64, NodeOfWire)> {
+        let nodes = self.topology.masts()[mast].iter().zip(&self.uplift_reference[mast]);
+        let rises = nodes.map(|(&at, reference)| (self.vertical(at, q) - reference, at));
+        rises.reduce(|a, b| if b.0 > a.0 { b } else { a })
     }
 
     /// Number of droppers without tension.
@@ -361,15 +393,15 @@ impl Line {
             })
     }
 
-    /// Parameter `s` of the contact wire at the position `x` along the track, m, for coordinates `q`; clamped to the
-    /// ends of the wire.
+    /// Parameter `s` of contact wire `wire` (from 0) at the position `x` along the track, m, for coordinates `q`;
+    /// clamped to the ends of the wire.
     #[must_use]
-    pub fn contact_wire_s(&self, x: f64, q: &[f64]) -> f64 {
-        let geometry = self.wires[0].geometry();
+    pub fn contact_wire_s(&self, wire: usize, x: f64, q: &[f64]) -> f64 {
+        let geometry = self.contact_wire(wire).geometry();
         let v = vec![0.0; q.len()];
         let at = |s: f64| geometry.point(s, q, &v);
         let (mut low, mut high) = (0.0, geometry.length());
-        let mut s = x.clamp(low, high);
+        let mut s = (x - geometry.nodes()[0].position.x).clamp(low, high);
         // Newton's method inside a shrinking bracket; x grows with s.
         for _ in 0..100 {
             let point = at(s);

@@ -16,8 +16,13 @@ pub trait OverheadLine: Send {
         self.parts(&mut |_, force| visit(force));
     }
 
-    /// The contact wire as contact sees it.
-    fn contact_curve(&self) -> Arc<dyn WireCurve>;
+    /// Number of contact wires.
+    fn contact_wires(&self) -> usize {
+        1
+    }
+
+    /// Contact wire `wire` (from 0) as contact sees it.
+    fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve>;
 
     /// Number of droppers that exert no force.
     fn slack_count(&self, motion: &Motion<'_>) -> usize;
@@ -56,8 +61,8 @@ pub trait OverheadLine: Send {
     }
 
     /// Rate of [`OverheadLine::uplift`], m/s.
-    fn uplift_rate(&self, support: usize, v: &[f64]) -> f64 {
-        self.shape().map_or(0.0, |shape| shape.uplift_rate(support, v))
+    fn uplift_rate(&self, support: usize, q: &[f64], v: &[f64]) -> f64 {
+        self.shape().map_or(0.0, |shape| shape.uplift_rate(support, q, v))
     }
 
     /// Points along the wires of a name for pictures, m, a polyline for each, not many more than `most` points in all.
@@ -96,7 +101,8 @@ pub trait OverheadLine: Send {
     }
 }
 
-/// [`dynamics::System::follow`] for a system of a line and strips on it.
+/// [`dynamics::System::follow`] for a system of a line and strips on it; `contacts` are those of each strip in turn with
+/// each contact wire in turn.
 pub fn follow_strips<C: OnWire>(
     line: &mut dyn OverheadLine,
     contacts: &mut [C],
@@ -133,8 +139,9 @@ fn take_over<C: OnWire>(continuity: Continuity, line: &dyn OverheadLine, contact
     if let Some((range, held)) = line.held() {
         layout.fix_within(range, held);
     }
-    for contact in contacts {
-        contact.set_curve(line.contact_curve());
+    let wires = line.contact_wires();
+    for (index, contact) in contacts.iter_mut().enumerate() {
+        contact.set_curve(line.contact_curve(index % wires));
     }
 }
 
@@ -143,8 +150,12 @@ impl OverheadLine for Line {
         self.parts(visit);
     }
 
-    fn contact_curve(&self) -> Arc<dyn WireCurve> {
-        self.contact_curve()
+    fn contact_wires(&self) -> usize {
+        self.contact_wires()
+    }
+
+    fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve> {
+        self.contact_curve(wire)
     }
 
     fn slack_count(&self, motion: &Motion<'_>) -> usize {
@@ -177,8 +188,12 @@ impl OverheadLine for LinearLine {
         self.parts(visit);
     }
 
-    fn contact_curve(&self) -> Arc<dyn WireCurve> {
-        self.contact_curve()
+    fn contact_wires(&self) -> usize {
+        self.contact_wires()
+    }
+
+    fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve> {
+        self.contact_curve(wire)
     }
 
     fn slack_count(&self, motion: &Motion<'_>) -> usize {

@@ -1,7 +1,7 @@
 //! Wires of a line, their nodes, and the parts that join them.
 use super::options::{BendingLayers, Dimension, LineOptions};
 use nalgebra::Vector3;
-use scene::{Catenary, Element};
+use scene::{Catenary, Element, Section};
 
 /// Kind of a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +62,10 @@ pub struct PlannedWire {
     pub name: WireName,
     /// Name in messages.
     pub label: String,
+    /// Tension length, from 0.
+    pub section: usize,
+    /// Lateral distance from the stagger, m.
+    pub(crate) offset: f64,
     /// Section, tension and strength.
     pub parameters: scene::Wire,
     /// Nominal x of the nodes, m.
@@ -77,6 +81,8 @@ pub struct PlannedWire {
 /// Place of a dropper in the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DropperPlace {
+    /// Tension length, from 0.
+    pub section: usize,
     /// Span, counted from 1.
     pub span: usize,
     /// Number within the span, counted from 0.
@@ -87,19 +93,32 @@ pub struct DropperPlace {
     pub lower: NodeOfWire,
 }
 
+/// A support of one tension length.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SupportPlace {
+    /// Tension length, from 0.
+    pub section: usize,
+    /// x, m.
+    pub x: f64,
+    /// Nodes of the contact wires.
+    pub contact_wires: Vec<NodeOfWire>,
+    /// Node of the messenger wire; none of a single wire.
+    pub messenger_wire: Option<NodeOfWire>,
+    /// True where the wires end.
+    pub is_end: bool,
+}
+
 /// The wires of a line with their nodes, at supports, droppers, clamps and equal divisions between them, and the parts
 /// that join them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Topology {
     wires: Vec<PlannedWire>,
-    /// For each support, its node of the contact wire and of the messenger wire.
-    supports: Vec<[NodeOfWire; 2]>,
+    supports: Vec<SupportPlace>,
+    /// Nodes of the contact wires at each mast, from the first to the last.
+    masts: Vec<Vec<NodeOfWire>>,
     droppers: Vec<DropperPlace>,
     options: LineOptions,
 }
-
-const CONTACT: usize = 0;
-const MESSENGER: usize = 1;
 
 /// Fastening of a wire, and the way to it from the one before.
 struct Station {
@@ -116,6 +135,7 @@ impl PlannedWire {
     /// A wire through `stations`, with equal elements between them.
     fn new(
         (name, label, parameters): (WireName, String, scene::Wire),
+        section: usize,
         division: scene::Division,
         stations: &[Station],
         ends: EndsOfWire,
@@ -124,6 +144,8 @@ impl PlannedWire {
         let mut wire = Self {
             name,
             label,
+            section,
+            offset: 0.0,
             parameters,
             x: vec![first.x],
             span: vec![first.span],
@@ -177,16 +199,16 @@ impl PlannedWire {
     }
 }
 
-/// Stations of a wire that runs over all supports, with hangers at these positions in each span.
-fn along_the_line(catenary: &Catenary, hangers: impl Fn(usize) -> Vec<f64>) -> Vec<Station> {
+/// Stations of a wire that runs over all supports of a tension length, with hangers at these positions in each span.
+fn along(section: Section<'_>, hangers: impl Fn(usize) -> Vec<f64>) -> Vec<Station> {
     let mut stations = vec![Station {
-        x: catenary.support_x(0),
+        x: section.support_x(0),
         length: 0.0,
         span: 1,
         fastening: Fastening::Support,
     }];
-    for span in 0..catenary.spans() {
-        let (left, right) = (catenary.support_x(span), catenary.support_x(span + 1));
+    for span in 0..section.spans() {
+        let (left, right) = (section.support_x(span), section.support_x(span + 1));
         // Lengths within the span: equal spans have equal ones, while differences of x are rounded.
         let mut start = 0.0;
         let mut station = |position: f64, x: f64, fastening: Fastening| {
@@ -201,21 +223,21 @@ fn along_the_line(catenary: &Catenary, hangers: impl Fn(usize) -> Vec<f64>) -> V
         for position in hangers(span) {
             station(position, left + position, Fastening::Hanger);
         }
-        station(catenary.span_lengths()[span], right, Fastening::Support);
+        station(section.span_lengths[span], right, Fastening::Support);
     }
     stations
 }
 
 /// Stations of the stitch wire about a support (from 0): from clamp to clamp, with the droppers it carries.
-fn about_a_support(catenary: &Catenary, support: usize) -> Vec<Station> {
-    let x = catenary.support_x(support);
+fn about_a_support(section: Section<'_>, support: usize) -> Vec<Station> {
+    let x = section.support_x(support);
     let mut stations: Vec<Station> = Vec::new();
-    for (offset, fastening) in catenary.stitch_stations(support) {
+    for (offset, fastened) in section.stitch_stations(support) {
         stations.push(Station {
             x: x + offset,
             length: stations.last().map_or(0.0, |before| x + offset - before.x),
             span: support + usize::from(offset > 0.0),
-            fastening: if fastening { Fastening::Hanger } else { Fastening::Free },
+            fastening: if fastened { Fastening::Hanger } else { Fastening::Free },
         });
     }
     stations
@@ -236,70 +258,127 @@ impl Topology {
             options.dimension == Dimension::Spatial || catenary.mesh.element == Element::Cable,
             "a beam has lateral coordinates"
         );
-        let division = catenary.mesh.division;
-        let wire = |name: WireName, parameters: scene::Wire, hangers: &dyn Fn(usize) -> Vec<f64>| {
-            let stations = along_the_line(catenary, hangers);
-            let label = name.name().to_owned();
-            PlannedWire::new((name, label, parameters), division, &stations, EndsOfWire::Anchored)
-        };
-        let contact_wire = PlannedWire {
-            beam: catenary.mesh.element == Element::Beam,
-            ..wire(WireName::ContactWire, catenary.contact_wire, &|span| {
-                catenary.droppers.of_span(span).to_vec()
-            })
-        };
-        let messenger_wire = wire(WireName::MessengerWire, catenary.messenger_wire, &|span| {
-            catenary.messenger_attachments(span)
-        });
         let mut topology = Self {
-            wires: vec![contact_wire, messenger_wire],
+            wires: Vec::new(),
             supports: Vec::new(),
+            masts: Vec::new(),
             droppers: Vec::new(),
             options,
         };
-        for support in 0..=catenary.spans() {
-            topology.add_stitch_wire(catenary, support);
+        for (number, section) in catenary.sections().enumerate() {
+            topology.add_section(section, number);
         }
-        topology.supports = (0..=catenary.spans())
-            .map(|support| {
-                let x = catenary.support_x(support);
-                [CONTACT, MESSENGER].map(|wire| topology.node_at(wire, x))
-            })
-            .collect();
-        for span in 0..catenary.spans() {
-            let left = catenary.support_x(span);
-            for (position, &at) in catenary.droppers.of_span(span).iter().enumerate() {
-                let x = left + at;
-                let above = catenary.stitch_wire_over(span, at);
-                let above = above.and_then(|support| topology.stitch_wire_about(catenary.support_x(support)));
-                topology.droppers.push(DropperPlace {
-                    span: span + 1,
-                    position,
-                    upper: topology.node_at(above.unwrap_or(MESSENGER), x),
-                    lower: topology.node_at(CONTACT, x),
-                });
-            }
+        let masts = catenary.supports_x();
+        topology.masts = vec![Vec::new(); masts.len()];
+        for support in &topology.supports {
+            let right = masts.partition_point(|&x| x < support.x).min(masts.len() - 1);
+            let nearer = right > 0 && support.x - masts[right - 1] < masts[right] - support.x;
+            topology.masts[right - usize::from(nearer)].extend(&support.contact_wires);
         }
         topology
     }
 
-    fn add_stitch_wire(&mut self, catenary: &Catenary, support: usize) {
-        let Some(stitch) = catenary.stitch_wire_at(support) else {
-            return;
+    fn add_section(&mut self, section: Section<'_>, number: usize) {
+        let line = section.line;
+        let of_several = |label: String| match line.tension_lengths.len() {
+            1 => label,
+            _ => format!("{label} of tension length {}", number + 1),
         };
-        let mut stations = about_a_support(catenary, support);
+        let offsets = line.contact_wire_offsets();
+        let mut contact_wires = Vec::new();
+        for (twin, &offset) in offsets.iter().enumerate() {
+            let name = WireName::ContactWire;
+            let label = match offsets.len() {
+                1 => name.name().to_owned(),
+                _ => format!("{} {}", name.name(), twin + 1),
+            };
+            let stations = along(section, |span| section.droppers_of(span).to_vec());
+            contact_wires.push(self.wires.len());
+            self.wires.push(PlannedWire {
+                beam: line.mesh.element == Element::Beam,
+                offset,
+                ..PlannedWire::new(
+                    (name, of_several(label), line.contact_wire),
+                    number,
+                    line.mesh.division,
+                    &stations,
+                    EndsOfWire::Anchored,
+                )
+            });
+        }
+        let messenger_wire = line.messenger_wire.map(|parameters| {
+            let name = WireName::MessengerWire;
+            let stations = along(section, |span| section.messenger_attachments(span));
+            self.wires.push(PlannedWire::new(
+                (name, of_several(name.name().to_owned()), parameters),
+                number,
+                line.mesh.division,
+                &stations,
+                EndsOfWire::Anchored,
+            ));
+            self.wires.len() - 1
+        });
+        let mut stitch_wires = vec![None; section.spans() + 1];
+        if let Some(messenger) = messenger_wire {
+            for (support, stitch_wire) in stitch_wires.iter_mut().enumerate() {
+                *stitch_wire = self.add_stitch_wire(section, (number, messenger), support, &of_several);
+            }
+        }
+        for support in 0..=section.spans() {
+            let x = section.support_x(support);
+            self.supports.push(SupportPlace {
+                section: number,
+                x,
+                contact_wires: contact_wires.iter().map(|&wire| self.node_at(wire, x)).collect(),
+                messenger_wire: messenger_wire.map(|wire| self.node_at(wire, x)),
+                is_end: support == 0 || support == section.spans(),
+            });
+        }
+        let Some(messenger) = messenger_wire else { return };
+        for span in 0..section.spans() {
+            let left = section.support_x(span);
+            for (position, &at) in section.droppers_of(span).iter().enumerate() {
+                let x = left + at;
+                let above = section
+                    .stitch_wire_over(span, at)
+                    .and_then(|support| stitch_wires[support]);
+                for &lower in &contact_wires {
+                    self.droppers.push(DropperPlace {
+                        section: number,
+                        span: span + 1,
+                        position,
+                        upper: self.node_at(above.unwrap_or(messenger), x),
+                        lower: self.node_at(lower, x),
+                    });
+                }
+            }
+        }
+    }
+
+    /// Adds the stitch wire about a support, if there is one; its number among the wires.
+    fn add_stitch_wire(
+        &mut self,
+        section: Section<'_>,
+        (number, messenger): (usize, usize),
+        support: usize,
+        of_several: &dyn Fn(String) -> String,
+    ) -> Option<usize> {
+        let stitch = section.stitch_wire_at(support)?;
+        let mut stations = about_a_support(section, support);
         let last = stations.len() - 1;
-        let clamps = [0, last].map(|end| self.node_at(MESSENGER, stations[end].x));
+        let clamps = [0, last].map(|end| self.node_at(messenger, stations[end].x));
         for (end, clamp) in [0, last].into_iter().zip(clamps) {
-            stations[end].x = self.wires[clamp.wire].x[clamp.node];
+            stations[end].x = self.wires[messenger].x[clamp.node];
         }
         let label = format!("{} at support {}", WireName::StitchWire.name(), support + 1);
         self.wires.push(PlannedWire::new(
-            (WireName::StitchWire, label, stitch.wire),
-            catenary.mesh.division,
+            (WireName::StitchWire, of_several(label), stitch.wire),
+            number,
+            section.line.mesh.division,
             &stations,
             EndsOfWire::Clamped(clamps),
         ));
+        Some(self.wires.len() - 1)
     }
 
     /// Node of a wire next to `x`, m.
@@ -314,15 +393,9 @@ impl Topology {
         NodeOfWire { wire, node }
     }
 
-    /// The stitch wire over `x`, m.
-    fn stitch_wire_about(&self, x: f64) -> Option<usize> {
-        let over = |wire: &PlannedWire| wire.name == WireName::StitchWire && wire.x[0] < x && x < wire.x[wire.last()];
-        self.wires.iter().position(over)
-    }
-
     /// True where all wires have their nodes at the same x, as a line cut at its supports must.
     pub(crate) fn has_common_nodes(&self) -> bool {
-        self.wires.iter().all(|wire| wire.x == self.wires[CONTACT].x)
+        self.wires.len() == 2 && self.wires.iter().all(|wire| wire.x == self.x())
     }
 
     /// Discretisation of the line.
@@ -331,27 +404,42 @@ impl Topology {
         &self.options
     }
 
-    /// The wires: contact wire, messenger wire, then the stitch wires from the first support on.
+    /// The wires of each tension length in turn: contact wires, messenger wire, stitch wires from the first support on.
     #[must_use]
     pub fn wires(&self) -> &[PlannedWire] {
         &self.wires
     }
 
-    /// Nominal x of the nodes of the contact wire, m.
+    /// Numbers of the contact wires among all wires.
+    pub fn contact_wires(&self) -> impl Iterator<Item = usize> + '_ {
+        let all = self.wires.iter().enumerate();
+        all.filter(|(_, wire)| wire.name == WireName::ContactWire)
+            .map(|(number, _)| number)
+    }
+
+    /// Nominal x of the nodes of the first contact wire, m.
     #[must_use]
     pub fn x(&self) -> &[f64] {
-        &self.wires[CONTACT].x
+        &self.wires[0].x
     }
 
-    /// Nodes of the contact wire at the supports, from the first to the last.
+    /// Nodes of the first contact wire at its supports, from the first to the last.
     #[must_use]
     pub fn supports(&self) -> Vec<usize> {
-        self.supports.iter().map(|nodes| nodes[CONTACT].node).collect()
+        let first = self.supports.iter().filter(|support| support.section == 0);
+        first.map(|support| support.contact_wires[0].node).collect()
     }
 
-    /// Node of the contact wire and node of the messenger wire at each support, from the first to the last.
-    pub(crate) fn support_nodes(&self) -> &[[NodeOfWire; 2]] {
+    /// Supports of each tension length in turn, from the first to the last.
+    #[must_use]
+    pub fn support_places(&self) -> &[SupportPlace] {
         &self.supports
+    }
+
+    /// Nodes of the contact wires at each mast, from the first to the last.
+    #[must_use]
+    pub fn masts(&self) -> &[Vec<NodeOfWire>] {
+        &self.masts
     }
 
     /// The droppers, span after span.
@@ -360,21 +448,37 @@ impl Topology {
         &self.droppers
     }
 
+    /// Nominal x of a node, m.
+    #[must_use]
+    pub fn x_of(&self, at: NodeOfWire) -> f64 {
+        self.wires[at.wire].x[at.node]
+    }
+
     /// Elements of all wires together.
     #[must_use]
     pub fn elements(&self) -> usize {
         self.wires.iter().map(PlannedWire::last).sum()
     }
 
-    /// Supports that are not ends: their nodes of contact wire and messenger wire.
-    pub(crate) fn inner_supports(&self) -> &[[NodeOfWire; 2]] {
-        &self.supports[1..self.supports.len() - 1]
+    fn inner_supports(&self) -> impl Iterator<Item = &SupportPlace> {
+        self.supports.iter().filter(|support| !support.is_end)
     }
 
-    /// Position of a node within its span, 0…1, and the span, from 0.
-    fn within_span(&self, NodeOfWire { wire, node }: NodeOfWire) -> (usize, f64) {
+    /// Nodes of the messenger wires at supports that are not their ends.
+    pub(crate) fn held_by_supports(&self) -> impl Iterator<Item = NodeOfWire> + '_ {
+        self.inner_supports().filter_map(|support| support.messenger_wire)
+    }
+
+    /// Nodes of the contact wires at supports that are not their ends.
+    pub(crate) fn held_by_arms(&self) -> impl Iterator<Item = NodeOfWire> + '_ {
+        self.inner_supports()
+            .flat_map(|support| support.contact_wires.iter().copied())
+    }
+
+    /// Span (from 0) of a node, its position within the span, 0…1.
+    fn within_span(&self, section: Section<'_>, NodeOfWire { wire, node }: NodeOfWire) -> (usize, f64) {
         let span = self.wires[wire].span[node] - 1;
-        let [left, right] = [span, span + 1].map(|support| self.x()[self.supports[support][CONTACT].node]);
+        let (left, right) = (section.support_x(span), section.support_x(span + 1));
         (span, (self.wires[wire].x[node] - left) / (right - left))
     }
 
@@ -382,26 +486,27 @@ impl Topology {
     /// the messenger wire.
     #[must_use]
     pub fn lateral(&self, catenary: &Catenary, node: NodeOfWire) -> f64 {
-        let (span, xi) = self.within_span(node);
-        let line = catenary.first();
-        let stagger = |support: usize| match self.wires[node.wire].name {
-            WireName::ContactWire => line.stagger_at(support),
-            WireName::MessengerWire | WireName::StitchWire => line.messenger_stagger_at(support),
+        let planned = &self.wires[node.wire];
+        let section = catenary.section(planned.section);
+        let (span, xi) = self.within_span(section, node);
+        let stagger = |support: usize| match planned.name {
+            WireName::ContactWire => section.stagger_at(support) + planned.offset,
+            WireName::MessengerWire | WireName::StitchWire => section.messenger_stagger_at(support),
         };
         let (a, b) = (stagger(span), stagger(span + 1));
         a + (b - a) * xi
     }
 
-    /// Height of the contact wire that form finding prescribes at a node, m.
+    /// Height that form finding prescribes at a node of a contact wire, m.
     ///
     /// ```text
     /// z = h − presag · 4 ξ (1 − ξ)        ξ position within the span, 0…1; h straight between the supports
     /// ```
     #[must_use]
-    pub fn prescribed_height(&self, catenary: &Catenary, node: usize) -> f64 {
-        let (span, xi) = self.within_span(NodeOfWire { wire: CONTACT, node });
-        let line = catenary.first();
-        let (a, b) = (line.height_at(span), line.height_at(span + 1));
-        a + (b - a) * xi - line.presag_of(span) * 4.0 * xi * (1.0 - xi)
+    pub fn prescribed_height(&self, catenary: &Catenary, node: NodeOfWire) -> f64 {
+        let section = catenary.section(self.wires[node.wire].section);
+        let (span, xi) = self.within_span(section, node);
+        let (a, b) = (section.height_at(span), section.height_at(span + 1));
+        a + (b - a) * xi - section.presag_of(span) * 4.0 * xi * (1.0 - xi)
     }
 }

@@ -1,18 +1,19 @@
 //! Corrections of coarse elements: which of them a line can have.
 
-use scene::{Catenary, ContactLaw, Correction, Element, Found, Scene, What, WireEnds};
+use scene::{Catenary, ContactLaw, Correction, Element, Found, Scene, What, Wire, WireEnds};
 
 /// Least spectral radius of the integrator for the mass correction: below, numerical damping and not dispersion is the
 /// leading error of a step.
 const LEAST_RHO_INF: f64 = 0.9;
 
-/// Longest step for the mass correction: a share of the time that a wave takes through an element, and the length of
-/// that element, m, of the dropper interval that takes the shortest step. Beyond, the corrected mass matrix is not
-/// positive definite: the shares stay below those at which its smallest eigenvalue vanishes, which are lower with
-/// bending layers, with few elements between them, and along a wire whose end moves freely. With other numbers in each
-/// interval the bound is that of the interval by itself, tested in `core/catenary/tests/even_elements.rs`.
-fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64) {
-    let of_interval = |(length, elements): (f64, usize)| {
+/// Longest step for the mass correction: a share of the time that a wave takes through an element, with the length of
+/// that element, m, and the speed of the wave, m/s, of the interval and wire that take the shortest step. Beyond, the
+/// corrected mass matrix is not positive definite: the shares stay below those at which its smallest eigenvalue
+/// vanishes, which are lower with bending layers, with few elements between them, and along a wire whose end moves
+/// freely. With other numbers in each interval the bound is that of the interval by itself, tested in
+/// `core/catenary/tests/even_elements.rs`.
+fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64, f64) {
+    let of_interval = |(wire, length, elements): (&Wire, f64, usize)| {
         let inner: f64 = match (layers, elements) {
             (false, _) => 0.31,
             (true, 4..) => 0.28,
@@ -22,9 +23,9 @@ fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64) {
             WireEnds::ConstantTension => inner.min(0.25),
             WireEnds::Fixed => inner,
         };
-        (share, length)
+        (share, length, wire.wave_speed())
     };
-    let step = |of: &(f64, f64)| of.0 * of.1;
+    let step = |of: &(f64, f64, f64)| of.0 * of.1 / of.2;
     let all = catenary.elements().map(of_interval);
     all.min_by(|a, b| step(a).total_cmp(&step(b))).unwrap_or_default()
 }
@@ -65,11 +66,7 @@ fn obstacle_of(scene: &Scene, correction: Correction, others: &[Correction]) -> 
                      error of a step"
                 ));
             }
-            let c = catenary
-                .contact_wire
-                .wave_speed()
-                .max(catenary.messenger_wire.wave_speed());
-            let (share, length) = longest_corrected_step(catenary, others.contains(&Correction::BendingLayers));
+            let (share, length, c) = longest_corrected_step(catenary, others.contains(&Correction::BendingLayers));
             let (step, limit) = (scene.internal_step(), share * length / c);
             (step > limit).then(|| {
                 format!(
@@ -142,19 +139,13 @@ pub fn contradictions(scene: &Scene) -> Found {
 }
 
 fn layers_obstacle(catenary: &Catenary) -> Option<String> {
-    let wires = [
-        ("contact wire", &catenary.contact_wire),
-        ("messenger wire", &catenary.messenger_wire),
-    ];
-    if wires.iter().all(|(_, wire)| wire.bending_stiffness == 0.0) {
+    if catenary.wire_kinds().all(|(_, wire)| wire.bending_stiffness == 0.0) {
         return Some(
-            "both wires are strings, bending_stiffness = 0 for both wires, so there is no bending layer to \
-                     resolve"
-                .to_owned(),
+            "all wires are strings, bending_stiffness = 0, so there is no bending layer to resolve".to_owned(),
         );
     }
     let shortest = catenary.shortest_element();
-    wires.iter().find_map(|(name, wire)| {
+    catenary.wire_kinds().find_map(|(name, wire)| {
         let layer = wire.bending_length();
         (layer > shortest).then(|| {
             format!(

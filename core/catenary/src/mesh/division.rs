@@ -61,7 +61,7 @@ pub fn evenly_divided(catenary: &Catenary, count: usize) -> Division {
     // A limit with few digits is one that can be typed.
     let longest = catenary.longest_interval() / count as f64;
     let even = Division::UpTo((1e4 * longest - 1e-6).ceil() / 1e4);
-    if catenary.intervals().all(|length| even.elements(length) == count) {
+    if catenary.intervals().all(|(_, length)| even.elements(length) == count) {
         Division::PerInterval(count)
     } else {
         even

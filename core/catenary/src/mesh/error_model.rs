@@ -130,12 +130,14 @@ pub fn error_goes_by_waves(scene: &Scene) -> bool {
 /// `Err` says by key, value and bound for what no rule is known.
 fn has_a_rule(scene: &Scene, catenary: &Catenary) -> Result<(), String> {
     let (v, f) = (scene.run.speed, scene.run.low_pass_hz);
-    let waves = [&catenary.contact_wire, &catenary.messenger_wire].map(Wire::wave_speed);
-    if v >= waves[0].min(waves[1]) {
-        let [contact, messenger] = waves.map(kmh);
+    if v >= catenary.slowest_wave() {
+        let waves: Vec<String> = (catenary.wire_kinds())
+            .map(|(_, wire)| format!("{:.1}", kmh(wire.wave_speed())))
+            .collect();
         return Err(format!(
-            "{:.1} km/h on wires with waves of {contact:.1} and {messenger:.1} km/h: run.speed_kmh must be below both",
-            kmh(v)
+            "{:.1} km/h on wires with waves of {} km/h: run.speed_kmh must be below all",
+            kmh(v),
+            waves.join(" and ")
         ));
     }
     if v < LEAST_SPEED {
@@ -181,7 +183,7 @@ fn space_error(catenary: &Catenary, v: f64, f: f64) -> f64 {
 
 /// `W(f)`, %.
 fn error_by_waves(catenary: &Catenary, v: f64, f: f64) -> f64 {
-    let mu = catenary.longest_element() / shortest_wave(catenary, v, f);
+    let mu = longest_of_waves(catenary, v, f);
     let plain = PLAIN * mu.powi(2);
     match force_corrections(catenary) {
         2 => plain.min(CORRECTED * mu.powi(4)),
@@ -210,9 +212,12 @@ fn force_corrections(catenary: &Catenary) -> usize {
         .count()
 }
 
-/// Geometric mean of the waves that a force of frequency `f` Hz sends out at rest and ahead of itself at the speed `v`,
-/// m, on the wire where it is shorter. `v` is below both waves' speeds.
-fn shortest_wave(catenary: &Catenary, v: f64, f: f64) -> f64 {
-    let c = (catenary.contact_wire.wave_speed()).min(catenary.messenger_wire.wave_speed());
-    (c * (c - v)).sqrt() / f
+/// Largest part that an element is of the waves on its wire: of the geometric mean of the waves that a force of
+/// frequency `f` Hz sends out at rest and ahead of itself at the speed `v`, m/s, below all waves' speeds.
+fn longest_of_waves(catenary: &Catenary, v: f64, f: f64) -> f64 {
+    let part = |(wire, length, _): (&Wire, f64, usize)| {
+        let c = wire.wave_speed();
+        length / ((c * (c - v)).sqrt() / f)
+    };
+    catenary.elements().map(part).fold(0.0, f64::max)
 }

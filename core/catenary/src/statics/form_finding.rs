@@ -54,8 +54,8 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
     let planned = topology.wires();
     let first_guess = |(number, planned): (usize, &PlannedWire)| {
         let z = match planned.name {
-            WireName::ContactWire => contact_wire_heights(catenary, topology, planned),
-            WireName::MessengerWire | WireName::StitchWire => messenger_wire_heights(catenary, &planned.x),
+            WireName::ContactWire => contact_wire_heights(catenary, topology, number),
+            WireName::MessengerWire | WireName::StitchWire => messenger_wire_heights(catenary, planned),
         };
         let geometry = guess(catenary, topology, number, &coordinates[number], z);
         wire(catenary, planned, Arc::new(geometry))
@@ -125,7 +125,6 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
                 })
             };
             let arm_weight = Vector3::z() * (catenary.registration_arms.mass * catenary.gravity);
-            let supports = topology.inner_supports().iter();
             let mut equilibrium = Equilibrium {
                 wires: wires
                     .wires
@@ -134,8 +133,8 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
                     .collect(),
                 directors: Vec::new(),
                 dropper_lengths: Vec::new(),
-                support_reactions: supports.clone().map(|&[_, upper]| reaction(upper)).collect(),
-                arm_reactions: supports.map(|&[lower, _]| reaction(lower) + arm_weight).collect(),
+                support_reactions: topology.held_by_supports().map(reaction).collect(),
+                arm_reactions: topology.held_by_arms().map(|at| reaction(at) + arm_weight).collect(),
             };
             equilibrium.dropper_lengths = dropper_lengths(catenary, topology, &equilibrium, &pulls)?;
             return Ok((equilibrium, iterations));
@@ -172,9 +171,11 @@ fn hold(topology: &Topology, coordinates: &[WireCoordinates], layout: &mut Layou
             fix(NodeOfWire { wire, node: 0 }, 0);
         }
     }
-    for &node in topology.support_nodes().iter().flatten() {
-        fix(node, 1);
-        fix(node, 2);
+    for support in topology.support_places() {
+        for &node in support.contact_wires.iter().chain(&support.messenger_wire) {
+            fix(node, 1);
+            fix(node, 2);
+        }
     }
     for place in topology.droppers() {
         fix(place.lower, 2);
@@ -203,33 +204,37 @@ fn adjust(wire: &mut Wire, planned: &PlannedWire, excess: f64, q: &[f64]) -> f64
     distance
 }
 
-/// Heights of the contact wire, m, straight from fastening to fastening.
-fn contact_wire_heights(catenary: &Catenary, topology: &Topology, planned: &PlannedWire) -> Vec<f64> {
+/// Heights of contact wire `wire`, m, straight from fastening to fastening.
+fn contact_wire_heights(catenary: &Catenary, topology: &Topology, wire: usize) -> Vec<f64> {
+    let planned = &topology.wires()[wire];
     let attached: Vec<usize> = planned.fastened().collect();
+    let prescribed = |node: usize| topology.prescribed_height(catenary, NodeOfWire { wire, node });
     let height = |node: usize| {
         let right = attached.partition_point(|&other| other < node).max(1);
         let (a, b) = (attached[right - 1], attached[right]);
-        let (z_a, z_b) = (
-            topology.prescribed_height(catenary, a),
-            topology.prescribed_height(catenary, b),
-        );
+        let (z_a, z_b) = (prescribed(a), prescribed(b));
         z_a + (z_b - z_a) * (planned.x[node] - planned.x[a]) / (planned.x[b] - planned.x[a])
     };
     (0..=planned.last()).map(height).collect()
 }
 
-/// Heights at `x` (m) of a messenger wire that carries both wires, m: a parabola from support to support.
-fn messenger_wire_heights(catenary: &Catenary, x: &[f64]) -> Vec<f64> {
-    let weight = (catenary.contact_wire.mass_per_length + catenary.messenger_wire.mass_per_length) * catenary.gravity;
-    let (line, supports) = (catenary.first(), catenary.supports_x());
-    let top = |support: usize| line.height_at(support) + line.encumbrance_at(support);
+/// Heights of a messenger wire that carries contact wires and itself, m: a parabola from support to support.
+fn messenger_wire_heights(catenary: &Catenary, planned: &PlannedWire) -> Vec<f64> {
+    let Some(messenger) = &catenary.messenger_wire else {
+        return Vec::new();
+    };
+    let contact = catenary.contact_wire.mass_per_length * catenary.contact_wire_offsets().len() as f64;
+    let weight = (contact + messenger.mass_per_length) * catenary.gravity;
+    let section = catenary.section(planned.section);
+    let supports: Vec<f64> = section.supports_x().collect();
+    let top = |support: usize| section.height_at(support) + section.encumbrance_at(support);
     let height = |&x: &f64| {
         let right = supports.partition_point(|&support| support < x).max(1);
         let (a, b) = (supports[right - 1], supports[right]);
         let chord = top(right - 1) + (top(right) - top(right - 1)) * (x - a) / (b - a);
-        chord - weight * (x - a) * (b - x) / (2.0 * catenary.messenger_wire.tension)
+        chord - weight * (x - a) * (b - x) / (2.0 * messenger.tension)
     };
-    x.iter().map(height).collect()
+    planned.x.iter().map(height).collect()
 }
 
 /// A wire through the nodes at heights `z`, with chords as element lengths and chord directions as slopes.
@@ -271,7 +276,7 @@ fn dropper_lengths(
             let [upper, lower] =
                 [place.upper, place.lower].map(|at| equilibrium.wires[at.wire].nodes()[at.node].position);
             let between = upper - lower;
-            let (span, dropper, x) = (place.span, place.position + 1, topology.x()[place.lower.node]);
+            let (span, dropper, x) = (place.span, place.position + 1, topology.x_of(place.lower));
             if between.z <= 0.0 {
                 let length = between.z;
                 return Err(StaticsError::NoRoomForDropper {

@@ -24,8 +24,8 @@ pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, 
 use crate::line::Equilibrium;
 use crate::line::window::{Cells, Source};
 use crate::{
-    CurveColumns, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance, Topology, WireCurve,
-    WireGeometry, WireName, WiresInWind,
+    CurveColumns, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance, Topology, WireGeometry,
+    WireName, WiresInWind,
 };
 use dynamics::{Force, Layout, NewtonOptions, State, StaticOptions, System, solve_static};
 use load::DeadLoad;
@@ -80,8 +80,8 @@ pub struct StaticLine {
     /// Spans reduced to modes, made on the first request.
     cells: OnceLock<Cells>,
     system: Standalone,
-    /// Residual compliance of the contact wire under strips at rest.
-    at_rest: Option<Arc<ResidualCompliance>>,
+    /// Residual compliance of each contact wire under strips at rest; empty without.
+    at_rest: Vec<Option<Arc<ResidualCompliance>>>,
     /// Wind on the wires; the static state itself is without wind.
     wind: Option<WiresInWind>,
     report: StaticsReport,
@@ -114,12 +114,13 @@ impl StaticLine {
         let coordinates = topology.register(&mut layout);
         topology.fix_ends(&coordinates, catenary.wire_ends, &mut layout);
         let line = Line::new(catenary, &topology, &equilibrium, 0);
-        let compliance = |speed: f64| {
-            let wire = line.wire(WireName::ContactWire);
-            ResidualCompliance::new(wire.geometry(), wire.section(), speed).map(Arc::new)
+        let compliance = |speed: f64| -> Vec<Option<Arc<ResidualCompliance>>> {
+            let wires = (0..line.contact_wires()).map(|wire| line.contact_wire(wire));
+            let found = wires.map(|wire| ResidualCompliance::new(wire.geometry(), wire.section(), speed));
+            found.map(|found| found.map(Arc::new)).collect()
         };
-        let at_rest = options.contact_compliance.and_then(|_| compliance(0.0));
-        let moving = options.contact_compliance.and_then(compliance);
+        let at_rest = options.contact_compliance.map_or_else(Vec::new, |_| compliance(0.0));
+        let moving = options.contact_compliance.map_or_else(Vec::new, compliance);
         let mut line = Self {
             system: Standalone {
                 line: line.with_contact_compliance(moving),
@@ -207,7 +208,7 @@ impl StaticLine {
 
     /// Adds the residual compliance and the corrected mass of the options to a line.
     fn corrected(&self, line: Line) -> Line {
-        let line = line.with_contact_compliance(self.system.line.compliance().cloned());
+        let line = line.with_contact_compliance(self.system.line.compliance().to_vec());
         match self.topology.options().mass_correction {
             None => line,
             Some(correction) => line.with_mass_correction(correction),
@@ -228,7 +229,8 @@ impl StaticLine {
             });
             WireGeometry::straight(start, Vector3::x(), &lengths, map).with_enrichments(enrichments.collect())
         };
-        let highest = catenary.first().encumbrance.iter().copied().fold(0.0, f64::max);
+        let lines = catenary.tension_lengths.iter();
+        let highest = lines.flat_map(|line| &line.encumbrance).copied().fold(0.0, f64::max);
         let straight = Equilibrium {
             wires: self
                 .topology
@@ -260,7 +262,7 @@ impl StaticLine {
             let rise = answer.height - self.height(x, &rest.q);
             reports.push(ElasticityReport {
                 x,
-                elasticity: rise / ELASTICITY_FORCE + self.residual(self.at_rest.as_ref(), x, &answer.state),
+                elasticity: rise / ELASTICITY_FORCE + self.residual(&self.at_rest, x, &answer.state),
             });
             start = answer.state;
         }
@@ -272,16 +274,12 @@ impl StaticLine {
     #[must_use]
     pub fn elasticity_points(&self, first: usize, last: usize) -> Vec<f64> {
         let mut points = Vec::new();
+        let droppers = self.whole.droppers_x();
         for span in first..=last {
             let (left, right) = (self.whole.support_x(span - 1), self.whole.support_x(span));
             points.extend([0.0, 0.25, 0.5, 0.75, 1.0].map(|xi| left + (right - left) * xi));
-            points.extend(
-                self.whole
-                    .droppers
-                    .of_span(span - 1)
-                    .iter()
-                    .map(|position| left + position),
-            );
+            let here = |x: &f64| (left..=right).contains(x);
+            points.extend(droppers.iter().copied().filter(here));
         }
         points.sort_by(f64::total_cmp);
         // A dropper at mid-span may differ from the quarter point by rounding.
@@ -289,18 +287,38 @@ impl StaticLine {
         points
     }
 
-    /// Residual compliance at `x` (m), m/N; 0 where the line has none.
-    fn residual(&self, compliance: Option<&Arc<ResidualCompliance>>, x: f64, state: &State) -> f64 {
-        compliance.map_or(0.0, |compliance| {
-            compliance.at(self.system.line.contact_wire_s(x, &state.q)).value
-        })
+    /// Contact wires that share a force at `x` (m): those of the tension length that is lowest there.
+    fn touched_at(&self, x: f64) -> Vec<usize> {
+        let section = self.catenary.lowest_at(x);
+        let contact_wires = self.topology.contact_wires().enumerate();
+        let touched = contact_wires.filter(|&(_, wire)| self.topology.wires()[wire].section == section);
+        touched.map(|(number, _)| number).collect()
     }
 
-    /// Height of the contact wire at `x` (m) for coordinates `q`, m.
+    /// Residual compliance under a force at `x` (m), m/N; 0 where the line has none.
+    fn residual(&self, compliance: &[Option<Arc<ResidualCompliance>>], x: f64, state: &State) -> f64 {
+        let touched = self.touched_at(x);
+        let share = 1.0 / touched.len() as f64;
+        let of_wire = |&wire: &usize| {
+            let compliance = compliance.get(wire)?.as_ref()?;
+            Some(compliance.at(self.system.line.contact_wire_s(wire, x, &state.q)).value)
+        };
+        touched
+            .iter()
+            .filter_map(of_wire)
+            .map(|value| value * share * share)
+            .sum()
+    }
+
+    /// Height of the contact wires at `x` (m) for coordinates `q`, m; the mean of a twin contact wire.
     fn height(&self, x: f64, q: &[f64]) -> f64 {
-        let s = self.system.line.contact_wire_s(x, q);
+        let touched = self.touched_at(x);
         let v = vec![0.0; q.len()];
-        self.system.line.contact_curve().point(s, q, &v).r.z
+        let height = |&wire: &usize| {
+            let s = self.system.line.contact_wire_s(wire, x, q);
+            self.system.line.contact_curve(wire).point(s, q, &v).r.z
+        };
+        touched.iter().map(height).sum::<f64>() / touched.len() as f64
     }
 
     fn answer(
@@ -310,22 +328,31 @@ impl StaticLine {
         force: f64,
         mut state: State,
     ) -> Result<StaticAnswer, StaticsError> {
-        let curve: Arc<dyn WireCurve> = system.line.contact_curve();
+        let touched = self.touched_at(x);
+        let share = force / touched.len() as f64;
         let options = StaticOptions::default();
-        let mut s = system.line.contact_wire_s(x, &state.q);
-        // The wire slides past x by fractions of a millimetre, so a few passes find the point.
+        let places = |line: &Line, q: &[f64]| -> Vec<f64> {
+            touched.iter().map(|&wire| line.contact_wire_s(wire, x, q)).collect()
+        };
+        let mut at = places(&system.line, &state.q);
+        // A wire slides past x by fractions of a millimetre, so a few passes find the point.
         for _ in 0..10 {
-            let mut columns = CurveColumns::default();
-            curve.columns(s, &mut columns);
-            system.load.entries = columns
-                .as_slice()
-                .iter()
-                .map(|column| (column.index, force * column.n.z))
-                .collect();
+            system.load.entries.clear();
+            for (&wire, &s) in touched.iter().zip(&at) {
+                let mut columns = CurveColumns::default();
+                system.line.contact_curve(wire).columns(s, &mut columns);
+                let entries = columns.as_slice().iter();
+                let entries = entries.map(|column| (column.index, share * column.n.z));
+                system.load.entries.extend(entries);
+            }
             solve_static(&mut system, &mut state, &[], &options)?;
-            let next = system.line.contact_wire_s(x, &state.q);
-            let moved = (next - s).abs();
-            s = next;
+            let next = places(&system.line, &state.q);
+            let moved = at
+                .iter()
+                .zip(&next)
+                .map(|(s, next)| (next - s).abs())
+                .fold(0.0, f64::max);
+            at = next;
             if moved < 1e-6 {
                 break;
             }
@@ -350,7 +377,6 @@ impl StaticLine {
             let index = node(place).map.position(axis);
             index.expect("x and z exist in every node")
         };
-        let x = |at: NodeOfWire| self.topology.wires()[at.wire].x[at.node];
         let droppers = self
             .topology
             .droppers()
@@ -358,30 +384,39 @@ impl StaticLine {
             .enumerate()
             .map(|(index, place)| DropperReport {
                 span: place.span,
-                x: x(place.lower),
+                x: self.topology.x_of(place.lower),
                 length: line.droppers().as_slice()[index].unstressed_length,
                 force: line.droppers().tension(index, &motion),
             });
-        let last = self.topology.support_nodes().len() - 1;
-        let supports = self.topology.support_nodes().iter().enumerate();
-        let supports = supports.map(|(number, &[lower, upper])| {
-            let (messenger_reaction, arm_force) = if number == 0 || number == last {
-                (-force[at(upper, 2)], -force[at(lower, 2)])
+        let (mut held, mut arms) = (
+            line.supports().as_slice().iter(),
+            line.registration_arms().as_slice().iter(),
+        );
+        let mut supports = Vec::new();
+        for support in self.topology.support_places() {
+            let at_end = |node: &NodeOfWire| -force[at(*node, 2)];
+            let (messenger_reaction, arm_force) = if support.is_end {
+                let arm_force = support.contact_wires.iter().map(at_end).sum();
+                (support.messenger_wire.as_ref().map_or(0.0, at_end), arm_force)
             } else {
+                let arms = arms.by_ref().take(support.contact_wires.len());
+                let held = held.by_ref().take(usize::from(support.messenger_wire.is_some()));
                 (
-                    line.supports().as_slice()[number - 1].reaction.z,
-                    line.registration_arms().as_slice()[number - 1].reaction.z,
+                    held.map(|anchor| anchor.reaction.z).sum(),
+                    arms.map(|anchor| anchor.reaction.z).sum(),
                 )
             };
-            SupportReport {
-                x: x(lower),
+            supports.push(SupportReport {
+                x: support.x,
                 messenger_reaction,
                 arm_force,
-                contact_wire_z: node(lower).position.z,
-            }
-        });
+                contact_wire_z: node(support.contact_wires[0]).position.z,
+            });
+        }
         let horizontal = |name: WireName| {
-            let mut wire = line.wire(name).clone();
+            let planned = self.topology.wires().iter().position(|planned| planned.name == name);
+            let Some(number) = planned else { return 0.0 };
+            let mut wire = line.wires()[number].clone();
             let mut own = vec![0.0; state.q.len()];
             wire.add_force(&motion, &mut own);
             let last = wire.geometry().nodes().last().and_then(|node| node.map.position(0));
@@ -391,7 +426,7 @@ impl StaticLine {
             iterations,
             residual,
             droppers: droppers.collect(),
-            supports: supports.collect(),
+            supports,
             elasticity: Vec::new(),
             tension: TensionReport {
                 contact_wire: horizontal(WireName::ContactWire),

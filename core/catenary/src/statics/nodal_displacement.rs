@@ -42,7 +42,7 @@ pub(super) fn displace_ends(
         dropper_lengths: topology
             .droppers()
             .iter()
-            .map(|place| match catenary.droppers.lengths_of_span(place.span - 1) {
+            .map(|place| match line.dropper_lengths_of(place.span - 1) {
                 Some(lengths) => lengths[place.position],
                 None => {
                     let (left, right, xi) = between_supports(catenary, topology.x()[place.lower.node]);
@@ -51,8 +51,8 @@ pub(super) fn displace_ends(
                 }
             })
             .collect(),
-        support_reactions: topology.inner_supports().iter().map(|_| Vector3::zeros()).collect(),
-        arm_reactions: topology.inner_supports().iter().map(|_| arm_weight).collect(),
+        support_reactions: topology.held_by_supports().map(|_| Vector3::zeros()).collect(),
+        arm_reactions: topology.held_by_arms().map(|_| arm_weight).collect(),
     };
     let mut system = Standalone {
         line: Line::new(catenary, topology, &start, 0),
@@ -62,8 +62,9 @@ pub(super) fn displace_ends(
     let mut state = system.layout.state_at_rest();
     let options = options(500);
     // Start from the parabola of both wires together: the messenger wire is held at every support.
-    let weight = (catenary.contact_wire.mass_per_length + catenary.messenger_wire.mass_per_length) * catenary.gravity;
-    let tension = catenary.contact_wire.tension + catenary.messenger_wire.tension;
+    let wires = topology.wires().iter().map(|planned| &planned.parameters);
+    let weight = wires.clone().map(|wire| wire.mass_per_length).sum::<f64>() * catenary.gravity;
+    let tension: f64 = wires.map(|wire| wire.tension).sum();
     for (wire, planned) in coordinates.iter().zip(topology.wires()) {
         for (map, &x) in wire.nodes.iter().zip(&planned.x) {
             let (left, right, _) = between_supports(catenary, x);

@@ -153,7 +153,7 @@ impl StaticLine {
     /// Report on all spans from that on a short line.
     fn repeated(&self, found: &StaticsReport) -> StaticsReport {
         let repeat = &self.repeat;
-        let per_span = self.catenary.droppers.of_span(0).len();
+        let per_span = self.catenary.droppers.positions[0].len();
         let mut report = StaticsReport {
             droppers: Vec::new(),
             supports: Vec::new(),

@@ -57,7 +57,7 @@ impl LineAtRest {
         let joints = (0..scene.pantographs.len()).map(|strip| {
             let first = strip * STRIP_VALUES;
             SlidingJoint::new(
-                line.contact_curve(),
+                line.contact_curve(0),
                 Box::new(PrescribedStrip { first }),
                 layout.add_constraints(1),
                 ContactTangent::Exact,

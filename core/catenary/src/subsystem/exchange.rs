@@ -29,7 +29,18 @@ struct Rates {
 }
 
 impl Rates {
-    fn of(pair: &ContactPair, motion: &Motion<'_>) -> Self {
+    /// Sums over the contacts of a strip.
+    fn of(pairs: &[ContactPair], motion: &Motion<'_>) -> Self {
+        let rates = pairs.iter().map(|pair| Self::of_pair(pair, motion));
+        let sum = rates.reduce(|a, b| Self {
+            force: a.force + b.force,
+            on_strip: a.on_strip + b.on_strip,
+            power: a.power + b.power,
+        });
+        sum.unwrap_or_default()
+    }
+
+    fn of_pair(pair: &ContactPair, motion: &Motion<'_>) -> Self {
         let Some(contact) = pair.state(motion) else {
             return Self::default();
         };
@@ -67,8 +78,8 @@ impl ContactIntegrals {
     /// Starts a communication step.
     pub fn begin(&mut self, model: &Model, motion: &Motion<'_>) {
         self.tau = 0.0;
-        for (i, pair) in model.contacts.iter().enumerate() {
-            self.last[i] = Rates::of(pair, motion);
+        for i in 0..self.last.len() {
+            self.last[i] = Rates::of(model.contacts_of(i), motion);
             self.integral[i] = Rates::default();
             self.history[i].clear();
             self.history[i].push((0.0, self.last[i].force));
@@ -78,8 +89,8 @@ impl ContactIntegrals {
     /// Adds an internal step of `dt` s that has just ended.
     pub fn add(&mut self, model: &Model, motion: &Motion<'_>, dt: f64) {
         self.tau += dt;
-        for (i, pair) in model.contacts.iter().enumerate() {
-            let (last, now) = (self.last[i], Rates::of(pair, motion));
+        for i in 0..self.last.len() {
+            let (last, now) = (self.last[i], Rates::of(model.contacts_of(i), motion));
             let integral = &mut self.integral[i];
             integral.force += 0.5 * dt * (last.force + now.force);
             integral.on_strip += 0.5 * dt * (last.on_strip + now.on_strip);

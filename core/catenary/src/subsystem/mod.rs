@@ -18,9 +18,9 @@ use exchange::{ContactIntegrals, Exchange};
 pub use model::{CatenaryError, Model, contact_pair, scene_line, static_line, strip_contact};
 use signals::input_direction;
 
-use crate::contact::{ContactPair, ContactState, STRIP_INPUTS, STRIP_VALUES};
+use crate::contact::{ContactPair, ContactState, ContactTotal, STRIP_INPUTS, STRIP_VALUES};
 use crate::{OverheadLine, StaticLine};
-use dynamics::{Counters, FollowedInput, Layout, Simulator, StaticOptions, StepError, System};
+use dynamics::{Counters, FollowedInput, Layout, Motion, Simulator, StaticOptions, StepError, System};
 use nalgebra::Vector3;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -190,11 +190,11 @@ impl Subsystem {
         }
         self.outputs.fill(None);
         for strip in 0..self.exchanges.len() {
-            let contact = self.evaluate(strip);
-            let force = contact.map_or(0.0, |contact| contact.force);
+            let total = self.total(strip);
+            let force = total.map_or(0.0, |total| total.force);
             self.exchanges[strip] = Exchange {
                 mean_force: force,
-                mean_on_strip: contact.map_or_else(Vector3::zeros, |contact| contact.force_on_strip()),
+                mean_on_strip: total.map_or_else(Vector3::zeros, |total| total.on_strip),
                 samples: [force; SAMPLES],
                 work: 0.0,
             };
@@ -281,42 +281,59 @@ impl Subsystem {
         outputs
     }
 
+    /// Contact of a strip with all contact wires.
+    fn total(&mut self, strip: usize) -> Option<ContactTotal> {
+        let (model, motion) = self.simulator.parts();
+        let contacts = model.contacts_of(strip).iter();
+        ContactTotal::of(contacts.filter_map(|pair| pair.state(&motion)))
+    }
+
     fn evaluate_outputs(&mut self, strip: usize) -> ContactOutputs {
         let exchange = self.exchanges[strip];
         let place = |k: usize| self.inputs[strip * STRIP_INPUTS + k].value();
         let beyond = Vector3::new(place(0), place(1), place(2));
-        let contact = self.evaluate(strip);
+        let total = self.total(strip);
         ContactOutputs {
-            force: contact.map_or(0.0, |c| c.force),
-            on_strip: contact.map_or_else(Vector3::zeros, |c| c.force_on_strip()),
+            force: total.map_or(0.0, |total| total.force),
+            on_strip: total.map_or_else(Vector3::zeros, |total| total.on_strip),
             mean_force: exchange.mean_force,
             mean_on_strip: exchange.mean_on_strip,
             samples: exchange.samples,
             work: exchange.work,
-            position: contact.map_or(beyond, |c| c.position()),
-            wire_vz: contact.map_or(0.0, |c| c.wire_velocity().z),
-            gap: contact.map_or(f64::MAX, |c| c.gap()),
-            closed: contact.is_some_and(|c| c.closed()),
+            position: total.map_or(beyond, |total| total.position),
+            wire_vz: total.map_or(0.0, |total| total.wire_vz),
+            gap: total.map_or(f64::MAX, |total| total.gap),
+            closed: total.is_some_and(|total| total.closed),
         }
     }
 
     /// Derivative of the contact outputs with respect to input `input` of a strip, states frozen.
     pub fn contact_sensitivity(&mut self, strip: usize, input: usize) -> Option<crate::Sensitivity> {
-        let contact = self.evaluate(strip)?;
-        let (model, motion) = self.simulator.parts();
-        Some(model.contacts[strip].sensitivity(&contact, &motion, input_direction(input)))
+        self.changes(strip, |pair, contact, motion| {
+            pair.sensitivity(contact, motion, input_direction(input))
+        })
     }
 
     /// Rates of the contact outputs along the present motion, per second.
     pub fn contact_rates(&mut self, strip: usize) -> Option<crate::Sensitivity> {
-        let contact = self.evaluate(strip)?;
-        let (model, motion) = self.simulator.parts();
-        Some(model.contacts[strip].rates(&contact, &motion))
+        self.changes(strip, ContactPair::rates)
     }
 
-    fn evaluate(&mut self, strip: usize) -> Option<ContactState> {
+    /// Change of the contact outputs from the changes of the contacts of a strip.
+    fn changes(
+        &mut self,
+        strip: usize,
+        change: impl Fn(&ContactPair, &ContactState, &Motion<'_>) -> crate::Sensitivity,
+    ) -> Option<crate::Sensitivity> {
         let (model, motion) = self.simulator.parts();
-        model.contacts[strip].state(&motion)
+        let part = |pair: &ContactPair| {
+            let contact = pair.state(&motion)?;
+            Some((contact, change(pair, &contact, &motion)))
+        };
+        match model.contacts_of(strip) {
+            [only] => part(only).map(|(_, change)| change),
+            all => ContactTotal::change(all.iter().filter_map(part)),
+        }
     }
 
     fn refresh_inputs(&mut self) {
@@ -340,7 +357,7 @@ impl Subsystem {
     /// Rate of [`Subsystem::support_uplift`], m/s.
     pub fn support_uplift_rate(&mut self, k: usize) -> f64 {
         let (model, motion) = self.simulator.parts();
-        model.line.uplift_rate(k, motion.v)
+        model.line.uplift_rate(k, motion.q, motion.v)
     }
 
     /// Number of strips.

@@ -49,7 +49,7 @@ pub struct Model {
     layout: Layout,
     /// The line.
     pub line: Box<dyn OverheadLine>,
-    /// One contact per strip.
+    /// Contacts of each strip in turn with each contact wire in turn.
     pub contacts: Vec<ContactPair>,
 }
 
@@ -63,12 +63,21 @@ impl Model {
         layout: Layout,
         line: Box<dyn OverheadLine>,
     ) -> Result<Self, CatenaryError> {
-        let contacts = (0..scene.pantographs.len()).map(|strip| {
+        let wires = line.contact_wires();
+        let contacts = (0..scene.pantographs.len() * wires).map(|contact| {
+            let (strip, wire) = (contact / wires, contact % wires);
             let first = strip * STRIP_VALUES;
-            contact_pair(scene, &*line, strip, Box::new(PrescribedStrip { first }))
+            contact_pair(scene, &*line, (strip, wire), Box::new(PrescribedStrip { first }))
         });
         let contacts = contacts.collect::<Result<_, _>>()?;
         Ok(Self { layout, line, contacts })
+    }
+
+    /// Contacts of a strip (from 0) with each contact wire in turn.
+    #[must_use]
+    pub fn contacts_of(&self, strip: usize) -> &[ContactPair] {
+        let wires = self.line.contact_wires();
+        &self.contacts[strip * wires..(strip + 1) * wires]
     }
 }
 
@@ -155,14 +164,15 @@ pub fn scene_line(
     Ok(Box::new(line))
 }
 
-/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's penalty law.
+/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with contact wire `wire` (from 0), under the
+/// scene's penalty law.
 ///
 /// # Errors
 /// See [`CatenaryError::SuppliedLine`] and [`CatenaryError::SlidingJoint`].
 pub fn contact_pair(
     scene: &Scene,
     line: &dyn OverheadLine,
-    index: usize,
+    (index, wire): (usize, usize),
     strip: Box<dyn Marker>,
 ) -> Result<ContactPair, CatenaryError> {
     let (_, contact) = scene.modelled_line().ok_or(CatenaryError::SuppliedLine)?;
@@ -177,31 +187,31 @@ pub fn contact_pair(
     let width = scene.pantographs[index].strip_width().unwrap_or(f64::INFINITY);
     Ok(ContactPair::new(
         law,
-        line.contact_curve(),
+        line.contact_curve(wire),
         strip,
         width,
         tangent(scene),
     ))
 }
 
-/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with the scene's law; a joint adds its
-/// equation to `layout`, and its constraint is to be visited after those that are there.
+/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with contact wire `wire` (from 0), under the
+/// scene's law; a joint adds its equation to `layout`, and its constraint is to be visited after those that are there.
 ///
 /// # Errors
 /// See [`CatenaryError::SuppliedLine`].
 pub fn strip_contact(
     scene: &Scene,
     line: &dyn OverheadLine,
-    index: usize,
+    (index, wire): (usize, usize),
     strip: Box<dyn Marker>,
     layout: &mut Layout,
 ) -> Result<StripContact, CatenaryError> {
     let (_, contact) = scene.modelled_line().ok_or(CatenaryError::SuppliedLine)?;
     Ok(match contact.law {
-        ContactLaw::Penalty => StripContact::Penalty(contact_pair(scene, line, index, strip)?),
+        ContactLaw::Penalty => StripContact::Penalty(contact_pair(scene, line, (index, wire), strip)?),
         ContactLaw::SlidingJoint => {
             let multiplier = layout.add_constraints(1);
-            let joint = SlidingJoint::new(line.contact_curve(), strip, multiplier, tangent(scene));
+            let joint = SlidingJoint::new(line.contact_curve(wire), strip, multiplier, tangent(scene));
             StripContact::SlidingJoint(joint)
         }
     })

@@ -255,10 +255,33 @@ fn modelled(scene: &mut Scene) -> Option<(&mut scene::Catenary, &mut scene::Cont
     }
 }
 
+/// Parameter of the messenger wire; 0 on a line without one, where nothing sets it.
+fn messenger(
+    name: &'static str,
+    unit: &'static str,
+    text: &'static str,
+    of: fn(&mut scene::Wire) -> &mut f64,
+) -> Parameter {
+    Parameter::new(
+        name,
+        unit,
+        text,
+        move |scene| {
+            let wire = scene.modelled_line().and_then(|(line, _)| line.messenger_wire);
+            wire.map_or(0.0, |mut wire| *of(&mut wire))
+        },
+        move |scene, value| {
+            if let Some(wire) = modelled(scene).and_then(|(line, _)| line.messenger_wire.as_mut()) {
+                *of(wire) = value;
+            }
+        },
+    )
+}
+
 /// Parameter of a list per support or span, in m: its first entry, with which the others move.
 fn geometry(name: &'static str, text: &'static str, of: fn(&mut scene::TensionLength) -> &mut Vec<f64>) -> Parameter {
     let first = move |scene: &Scene| {
-        let mut line = scene.modelled_line()?.0.first().clone();
+        let mut line = scene.modelled_line()?.0.tension_lengths[0].clone();
         of(&mut line).first().copied()
     };
     Parameter::new(
@@ -327,29 +350,29 @@ fn parameters(scene: &Scene) -> Vec<Parameter> {
             "Bending stiffness EI of the contact wire",
             catenary.contact_wire.bending_stiffness
         ),
-        parameter!(
+        messenger(
             "catenary.messenger_wire.mass_per_length",
             "kg/m",
             "Mass per length of the messenger wire",
-            catenary.messenger_wire.mass_per_length
+            |wire| &mut wire.mass_per_length,
         ),
-        parameter!(
+        messenger(
             "catenary.messenger_wire.tension",
             "N",
             "Tension of the messenger wire",
-            catenary.messenger_wire.tension
+            |wire| &mut wire.tension,
         ),
-        parameter!(
+        messenger(
             "catenary.messenger_wire.axial_stiffness",
             "N",
             "Axial stiffness EA of the messenger wire",
-            catenary.messenger_wire.axial_stiffness
+            |wire| &mut wire.axial_stiffness,
         ),
-        parameter!(
+        messenger(
             "catenary.messenger_wire.bending_stiffness",
             "N.m2",
             "Bending stiffness EI of the messenger wire",
-            catenary.messenger_wire.bending_stiffness
+            |wire| &mut wire.bending_stiffness,
         ),
         parameter!(
             "catenary.droppers.stiffness",

@@ -1,6 +1,6 @@
 //! Line and pantographs as one [`System`].
 
-use catenary::{OnWire, OverheadLine, Slackening, StripContact, adopt_state, follow_strips};
+use catenary::{ContactTotal, OnWire, OverheadLine, Slackening, StripContact, adopt_state, follow_strips};
 use dynamics::{Constraint, Continuity, Force, Layout, Motion, PartVisitor, Stage, State, System};
 use vehicle::PantographModel;
 
@@ -14,6 +14,7 @@ pub(super) struct Whole {
     pub layout: Layout,
     pub line: Box<dyn OverheadLine>,
     pub pantographs: Vec<PantographModel>,
+    /// Contacts of each pantograph in turn with each contact wire in turn.
     pub contacts: Vec<StripContact>,
     pub slackening: Slackening,
     /// Here except while contributions are visited for it.
@@ -114,8 +115,9 @@ impl Whole {
 
     /// Writes what is exchanged between the two sides; the supports of these numbers (from 1) are read out.
     pub fn read(&self, (motion, lambda): (&Motion<'_>, &[f64]), supports: &[usize], point: &mut Point) {
-        for (i, pair) in self.contacts.iter().enumerate() {
-            let frame = pair.strip(motion);
+        let contacts = self.contacts.chunks_exact(self.line.contact_wires());
+        for (i, contacts) in contacts.enumerate() {
+            let frame = contacts[0].strip(motion);
             let values = &mut point.strips[i * strip::OUTPUTS..(i + 1) * strip::OUTPUTS];
             for axis in 0..3 {
                 values[strip::X + axis] = frame.position[axis];
@@ -123,10 +125,11 @@ impl Whole {
             }
             values[strip::ROLL] = frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]);
             [values[strip::WIND_DRAG], values[strip::WIND_LIFT]] = self.pantographs[i].wind_on_head(motion);
-            let state = pair.state(motion, lambda);
-            let on_strip = state.map(|state| state.force_on_strip());
-            let position = state.map_or(frame.position, |state| state.position());
-            let force = state.map_or(0.0, |state| state.force);
+            let states = contacts.iter().filter_map(|contact| contact.state(motion, lambda));
+            let total = ContactTotal::of(states);
+            let on_strip = total.map(|total| total.on_strip);
+            let position = total.map_or(frame.position, |total| total.position);
+            let force = total.map_or(0.0, |total| total.force);
             let values = &mut point.line[i * contact::COUNT..(i + 1) * contact::COUNT];
             for axis in 0..3 {
                 values[contact::FX + axis] = on_strip.map_or(0.0, |force| force[axis]);
@@ -136,9 +139,9 @@ impl Whole {
             values[contact::X] = position.x;
             values[contact::Y] = position.y;
             values[contact::WIRE_Z] = position.z;
-            values[contact::GAP] = state.map_or(f64::MAX, |state| state.gap());
+            values[contact::GAP] = total.map_or(f64::MAX, |total| total.gap);
         }
-        let first = self.contacts.len() * contact::COUNT;
+        let first = self.pantographs.len() * contact::COUNT;
         for (k, &support) in supports.iter().enumerate() {
             point.line[first + k] = self.line.uplift(support - 1, motion.q);
         }

@@ -72,7 +72,7 @@ impl Source<'_> {
             };
             *known = found.map(Arc::new);
         }
-        (line.with_contact_compliance(known.clone()), count)
+        (line.with_contact_compliance(vec![known.clone()]), count)
     }
 
     fn equilibrium_of(&self, spans: &Range<usize>, coordinates: &[WireCoordinates]) -> Equilibrium {

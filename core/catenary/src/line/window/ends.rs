@@ -50,7 +50,10 @@ impl Fixed {
         let catenary = &self.catenary;
         let true_end = support == 0 || support == self.plan.spans;
         let cut = support == arrangement.modelled.start || support == arrangement.modelled.end;
-        let wires = [(contact, &catenary.contact_wire), (messenger, &catenary.messenger_wire)];
+        let [lower, upper] = self.topology.wires() else {
+            return;
+        };
+        let wires = [(contact, &lower.parameters), (messenger, &upper.parameters)];
         if true_end || cut {
             held.extend(
                 wires

@@ -390,7 +390,12 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     let window = window.min(repeat.known);
     let (line, inner) = source.cut(0..window, 0);
     let numbers = places(&line, 0);
-    let wires = [&catenary.contact_wire, &catenary.messenger_wire];
+    let wires: Vec<&scene::Wire> = source
+        .topology
+        .wires()
+        .iter()
+        .map(|planned| &planned.parameters)
+        .collect();
     let longest = catenary.span_lengths().iter().copied().fold(0.0, f64::max);
     let directions = if source.topology.options().dimension == Dimension::Planar {
         1
@@ -400,12 +405,16 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     let elongations = droppers_on_the_interface(catenary);
     let all = numbers.inner[0].len() - elongations;
     let modes_up_to = |frequency: f64| -> usize {
-        let per_wire = wires.map(|wire| (2.0 * longest * frequency / wire.wave_speed()).ceil() as usize);
-        (directions * per_wire.iter().sum::<usize>() + LONGITUDINAL).min(all)
+        let per_wire = wires
+            .iter()
+            .map(|wire| (2.0 * longest * frequency / wire.wave_speed()).ceil() as usize);
+        (directions * per_wire.sum::<usize>() + LONGITUDINAL).min(all)
     };
-    let along = wires.map(|wire| (wire.axial_stiffness / wire.mass_per_length).sqrt());
-    let second_longitudinal = along[0].max(along[1]) / longest;
-    let slower = wires[0].wave_speed().min(wires[1].wave_speed());
+    let along = wires
+        .iter()
+        .map(|wire| (wire.axial_stiffness / wire.mass_per_length).sqrt());
+    let second_longitudinal = along.fold(0.0, f64::max) / longest;
+    let slower = wires.iter().map(|wire| wire.wave_speed()).fold(f64::INFINITY, f64::min);
     let shift = (1.0 - scene.run.speed / slower).max(1e-3);
     let far = modes_up_to(FAR_BAND * scene.run.low_pass_hz);
     let plan = Plan {
@@ -457,7 +466,7 @@ fn places(line: &Line, first: usize) -> SpanPlaces {
 fn droppers_on_the_interface(catenary: &Catenary) -> usize {
     let droppers = &catenary.droppers;
     if droppers.damping > 0.0 {
-        droppers.of_span(0).len()
+        droppers.positions[0].len()
     } else {
         0
     }

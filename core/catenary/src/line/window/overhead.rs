@@ -24,9 +24,9 @@ impl OverheadLine for WindowedLine {
         visit("wires", &mut self.far);
     }
 
-    fn contact_curve(&self) -> Arc<dyn WireCurve> {
+    fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve> {
         Arc::new(WindowCurve {
-            inner: self.inner.contact_curve(),
+            inner: self.inner.contact_curve(wire),
             position: self.fixed.position,
             origin: self.origin,
         })
@@ -96,7 +96,7 @@ impl OverheadLine for WindowedLine {
         self.raised(support, q) - self.uplift_reference[support]
     }
 
-    fn uplift_rate(&self, support: usize, v: &[f64]) -> f64 {
+    fn uplift_rate(&self, support: usize, _q: &[f64], v: &[f64]) -> f64 {
         self.raised(support, v)
     }
 
