@@ -120,7 +120,7 @@ fn a_mesh_takes_every_correction_that_it_can_have() {
                 "catenary.messenger_wire.bending_stiffness=0",
             ],
             Correction::BendingLayers,
-            "both wires are strings",
+            "all wires are strings",
         ),
         (
             &["catenary.mesh.elements_per_interval=64"],

@@ -218,9 +218,9 @@ impl Catenary {
     /// True where some wire is not straight seen from above, or two are not above one another.
     #[must_use]
     pub fn is_staggered(&self) -> bool {
-        let stagger = self.tension_lengths[0].stagger[0];
-        let aside = |line: &TensionLength| line.is_staggered() || line.stagger[0] != stagger;
-        self.contact_wire_spacing.is_some() || self.tension_lengths.iter().any(aside)
+        let mut all = self.tension_lengths.iter().flat_map(TensionLength::laterals);
+        let first = all.next();
+        self.contact_wire_spacing.is_some() || all.any(|lateral| Some(lateral) != first)
     }
 
     /// Lateral distances of the contact wires from the stagger, m: one, or two of a twin contact wire.

@@ -139,11 +139,9 @@ impl TensionLength {
         lists.into_iter().all(|list| alike(list)) && self.messenger_stagger.is_empty()
     }
 
-    /// True where some wire is not straight seen from above, or the two are not above one another.
-    #[must_use]
-    pub fn is_staggered(&self) -> bool {
-        let mut all = self.stagger.iter().chain(&self.messenger_stagger);
-        all.any(|y| *y != self.stagger[0])
+    /// Lateral positions of both wires at the supports, m.
+    pub(crate) fn laterals(&self) -> impl Iterator<Item = f64> + '_ {
+        self.stagger.iter().chain(&self.messenger_stagger).copied()
     }
 
     /// Spans from `start` up to and without `end` (from 0), the first support at x = 0.
