@@ -37,6 +37,7 @@ fn compliant(geometry: &Arc<WireGeometry>, speed: f64) -> CorrectedWire {
         geometry: Arc::clone(geometry),
         compliance: Some(Arc::new(compliance)),
         load: None,
+        surface: None,
     }
 }
 

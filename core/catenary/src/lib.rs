@@ -49,7 +49,7 @@ pub use ancf::{
 pub use contact::{
     Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, ContactTotal, CorrectedWire, CurveColumn,
     CurveColumns, CurvePoint, LoadCorrection, OnWire, PenaltyContact, PrescribedStrip, ResidualCompliance,
-    STRIP_VALUES, Sensitivity, SlidingJoint, StripContact, WireCurve,
+    RunningSurface, STRIP_VALUES, Sensitivity, SlidingJoint, StripContact, WireCurve,
 };
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
 pub use line::{
@@ -66,8 +66,8 @@ pub use subsystem::{
     CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StripStart, Subsystem, contact_pair,
     scene_line, static_line, strip_contact,
 };
-pub use support::{Anchor, Attachment, RegistrationArms, Supports};
-pub(crate) use support::{LineEnd, LineEnds};
+pub use support::{Anchor, Attachment, PointMasses, RegistrationArms, Supports};
+pub(crate) use support::{DeadLoad, LineEnd, LineEnds};
 pub use unilateral::{UnilateralStart, UnilateralStep};
 pub(crate) use wire::{DirectorInertia, Directors, WireDirectors};
 pub use wire::{

@@ -51,6 +51,7 @@ mod linear;
 mod marker;
 mod motion;
 mod random;
+mod resting_spline;
 pub mod rotation;
 mod system;
 pub mod testing;
@@ -73,6 +74,7 @@ pub use linear::{FactoredMatrix, SparseMatrix, Updates};
 pub use marker::{Column, Columns, Frame, Marker};
 pub use motion::{Motion, State};
 pub use random::SplitMix64;
+pub use resting_spline::RestingSpline;
 pub use system::{Continuity, PartVisitor, Stage, System};
 pub use wind::{
     AerodynamicForce, AerodynamicLaw, AerodynamicLoad, CrossFlow, Flow, Gust, GustProfile, Polar, Turbulence,

@@ -6,7 +6,7 @@ use crate::keys::{Entry, Keys, Number, Sentences};
 use crate::mesh::Mesh;
 use crate::plausible::LEAST_TENSION;
 use crate::tension_length::{Placed, from};
-use crate::{Section, StitchWires, TensionLength};
+use crate::{Change, PointMass, Section, StitchWires, Surface, TensionLength};
 
 /// `[catenary]`, the line as this program models it.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +33,12 @@ pub struct Catenary {
     pub supports: Supports,
     /// `[catenary.registration_arms]`.
     pub registration_arms: RegistrationArms,
+    /// `[[catenary.point_mass]]`.
+    pub point_masses: Vec<PointMass>,
+    /// `[catenary.surface]`; none for an even running surface.
+    pub surface: Option<Surface>,
+    /// `[catenary.change]`; none for the line as erected.
+    pub change: Option<Change>,
     /// `[catenary.damping]`.
     pub damping: Damping,
     /// `[catenary.mesh]`; left out it is chosen as for `error_percent = 1.0`.
@@ -79,6 +85,10 @@ pub struct Droppers {
     pub damping: f64,
     /// kg per dropper, half of it at each end.
     pub mass: f64,
+    /// Mass of the clamp at the upper end, kg.
+    pub upper_clamp_mass: f64,
+    /// Mass of the clamp at the lower end, kg.
+    pub lower_clamp_mass: f64,
     /// Unstressed lengths, m, one per position; only with [`Statics::NodalDisplacement`].
     pub lengths: Option<Vec<Vec<f64>>>,
 }
@@ -161,6 +171,38 @@ choice! {
     unavailable: []
 }
 
+impl Catenary {
+    /// One tension length of plain wires between tensioning weights, its dropper lengths to be found, under 9.81 m/s².
+    #[must_use]
+    pub fn new(
+        line: TensionLength,
+        (contact_wire, messenger_wire): (Wire, Wire),
+        droppers: Droppers,
+        (supports, registration_arms): (Supports, RegistrationArms),
+        damping: Damping,
+        mesh: Mesh,
+    ) -> Self {
+        Self {
+            tension_lengths: vec![line],
+            wire_ends: WireEnds::ConstantTension,
+            statics: Statics::FormFinding,
+            gravity: 9.81,
+            contact_wire,
+            contact_wire_spacing: None,
+            messenger_wire: Some(messenger_wire),
+            stitch_wires: None,
+            droppers,
+            supports,
+            registration_arms,
+            point_masses: Vec::new(),
+            surface: None,
+            change: None,
+            damping,
+            mesh,
+        }
+    }
+}
+
 /// Largest distance of supports of one mast along the track, m.
 const SAME_MAST: f64 = 1e-6;
 
@@ -212,7 +254,12 @@ impl Catenary {
     #[must_use]
     pub fn is_uniform(&self) -> bool {
         let lines = self.tension_lengths.as_slice();
-        self.stitch_wires.is_none() && lines.len() == 1 && lines[0].is_uniform() && self.droppers.positions.len() == 1
+        let changed = self.change.is_some() || !self.point_masses.is_empty();
+        !changed
+            && self.stitch_wires.is_none()
+            && lines.len() == 1
+            && lines[0].is_uniform()
+            && self.droppers.positions.len() == 1
     }
 
     /// True where some wire is not straight seen from above, or two are not above one another.
@@ -325,6 +372,8 @@ impl Droppers {
             stiffness,
             damping: 0.0,
             mass: 0.0,
+            upper_clamp_mass: 0.0,
+            lower_clamp_mass: 0.0,
             lengths: None,
         }
     }
@@ -409,6 +458,15 @@ impl Entry for Catenary {
             "registration_arms",
             "Steady arms that hold the contact wire at the supports.",
         ),
+        (
+            "point_mass",
+            "Section insulators, splices, feeder clamps: masses on a wire.",
+        ),
+        ("surface", "Running surface of the contact wires; left out, it is even."),
+        (
+            "change",
+            "Temperature, ice, and droppers that are not as erected; left out, the line is as erected.",
+        ),
         ("damping", "Rayleigh damping of the wires."),
         (
             "mesh",
@@ -475,6 +533,9 @@ impl Entry for Catenary {
                 Supports::new(0.0, 0.0, 0.0)
             },
             registration_arms: keys.table("registration_arms", was.map(|line| &line.registration_arms)),
+            point_masses: keys.any_tables("point_mass", was.map(|line| line.point_masses.as_slice())),
+            surface: keys.optional_table("surface", was.map(|line| line.surface.as_ref())),
+            change: keys.optional_table("change", was.map(|line| line.change.as_ref())),
             damping: keys.table("damping", was.map(|line| &line.damping)),
             mesh: keys.table_or_empty("mesh", was.map(|line| &line.mesh)),
         }
@@ -566,6 +627,11 @@ impl Entry for Droppers {
         ("stiffness", "Stiffness in tension; a dropper bears no compression."),
         ("damping", "Damping while in tension."),
         ("mass", "Mass of a dropper, half of it at each end."),
+        ("upper_clamp_mass", "Mass of the clamp at the upper end of a dropper."),
+        (
+            "lower_clamp_mass",
+            "Mass of the clamp at the lower end of a dropper, on the contact wire.",
+        ),
         (
             "lengths",
             "Unstressed lengths, one per position; only with `statics = \"nodal_displacement\"`.",
@@ -591,6 +657,16 @@ impl Entry for Droppers {
                 Number::not_negative("N s/m"),
             ),
             mass: keys.number("mass", was.map(|droppers| droppers.mass), Number::not_negative("kg")),
+            upper_clamp_mass: keys.number(
+                "upper_clamp_mass",
+                was.map(|droppers| droppers.upper_clamp_mass),
+                Number::not_negative("kg").default(0.0),
+            ),
+            lower_clamp_mass: keys.number(
+                "lower_clamp_mass",
+                was.map(|droppers| droppers.lower_clamp_mass),
+                Number::not_negative("kg").default(0.0),
+            ),
             lengths: keys
                 .has("lengths", lengths.flatten().is_some())
                 .then(|| keys.list_or_lists("lengths", lengths.flatten(), Number::positive("m"))),

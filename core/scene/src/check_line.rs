@@ -36,6 +36,7 @@ impl Catenary {
         self.check_division(found);
         self.check_dropper_lengths(found);
         self.check_several(found);
+        self.check_changes(found);
     }
 
     fn check_several(&self, found: &mut Found) {

@@ -142,10 +142,14 @@ impl Catenary {
             ("stitch wires, which pass the supports", self.stitch_wires.is_some()),
             ("a twin contact wire", self.contact_wire_spacing.is_some()),
             ("a single wire", self.messenger_wire.is_none()),
+            ("changes after its erection", self.change.is_some()),
+            ("point masses", !self.point_masses.is_empty()),
+            ("a running surface that is not even", self.surface.is_some()),
+            ("curves", self.first().is_curved()),
         ];
         if let Some((what, _)) = other.into_iter().find(|(_, has)| *has) {
             return Some(format!(
-                "it is made for one contact wire and one messenger wire, and the line has {what}"
+                "it is made for one contact wire and one messenger wire as erected, and the line has {what}"
             ));
         }
         let section = self.first();

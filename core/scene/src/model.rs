@@ -82,6 +82,9 @@ impl Scene {
         if catenary.is_staggered() {
             return Some("catenary.stagger differs from support to support".to_owned());
         }
+        if catenary.tension_lengths.iter().any(crate::TensionLength::is_curved) {
+            return Some("catenary.curve_radius bends the track".to_owned());
+        }
         if let Some(reason) = self.wind_pushes_sideways() {
             return Some(reason);
         }

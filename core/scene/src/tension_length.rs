@@ -23,6 +23,9 @@ pub struct TensionLength {
     pub stagger: Vec<f64>,
     /// Lateral position y of the messenger wire, m, likewise; empty is that of the contact wire.
     pub messenger_stagger: Vec<f64>,
+    /// Radius of the curve in which the track lies at each support, m, positive with the middle to the left, infinite
+    /// where it is straight; between supports the curvature is linear. Empty on straight track.
+    pub curve_radius: Vec<f64>,
     /// Positions of the droppers as [`crate::Droppers::positions`], where this tension length has its own; else empty.
     pub dropper_positions: Vec<Vec<f64>>,
 }
@@ -54,6 +57,7 @@ impl TensionLength {
             presag: vec![0.0],
             stagger: vec![0.0],
             messenger_stagger: Vec::new(),
+            curve_radius: Vec::new(),
             dropper_positions: Vec::new(),
         }
     }
@@ -117,6 +121,22 @@ impl TensionLength {
         repeated(&self.stagger, index)
     }
 
+    /// Curvature of the track at support `index` (from 0), 1/m, positive with the middle to the left.
+    #[must_use]
+    pub fn curvature_at(&self, index: usize) -> f64 {
+        if self.curve_radius.is_empty() {
+            0.0
+        } else {
+            1.0 / repeated(&self.curve_radius, index)
+        }
+    }
+
+    /// True where the track is curved somewhere.
+    #[must_use]
+    pub fn is_curved(&self) -> bool {
+        self.curve_radius.iter().any(|radius| radius.is_finite())
+    }
+
     /// Lateral position of the messenger wire at support `index` (from 0), m.
     #[must_use]
     pub fn messenger_stagger_at(&self, index: usize) -> f64 {
@@ -136,7 +156,8 @@ impl TensionLength {
             &self.encumbrance,
             &self.presag,
         ];
-        lists.into_iter().all(|list| alike(list)) && self.messenger_stagger.is_empty()
+        let own = [&self.messenger_stagger, &self.curve_radius];
+        lists.into_iter().all(|list| alike(list)) && own.into_iter().all(Vec::is_empty)
     }
 
     /// Lateral positions of both wires at the supports, m.
@@ -155,6 +176,7 @@ impl TensionLength {
             presag: from(&self.presag, start),
             stagger: from(&self.stagger, start),
             messenger_stagger: from(&self.messenger_stagger, start),
+            curve_radius: from(&self.curve_radius, start),
             dropper_positions: from(&self.dropper_positions, start),
         }
     }
@@ -191,6 +213,12 @@ impl Entry for TensionLength {
             "messenger_stagger",
             "Lateral position of the messenger wire at the supports in turn; repeated cyclically. Left out, it hangs \
              above the contact wire.",
+        ),
+        (
+            "curve_radius",
+            "Radius of the curve of the track at the supports, positive with the middle to the left, `inf` where it is \
+             straight: one for all, or one for each support in turn; the curvature is linear between them. Left out, \
+             the track is straight.",
         ),
     ];
 
@@ -237,6 +265,13 @@ impl Entry for TensionLength {
                         Number::any("m"),
                         Length::NotEmpty,
                     )
+                })
+                .unwrap_or_default(),
+            curve_radius: keys
+                .has("curve_radius", was.is_some_and(|line| !line.curve_radius.is_empty()))
+                .then(|| {
+                    let list = list(|line| &line.curve_radius);
+                    keys.one_or_each("curve_radius", list, Number::radius(), spans + 1)
                 })
                 .unwrap_or_default(),
             dropper_positions: Vec::new(),

@@ -2,33 +2,22 @@
 
 use scene::{
     AxialStrain, Catenary, Contact, Correction, Damping, Division, Droppers, Element, Evaluate, Lumped, Mesh,
-    MeshChoice, RegistrationArms, Run, Scene, Statics, Supports, TensionLength, Wire, WireEnds,
+    MeshChoice, RegistrationArms, Run, Scene, Supports, TensionLength, Wire,
 };
 
 /// The line of EN 50318 under its pantograph at 250 km/h, with the mesh of the shipped scene.
 fn built() -> Scene {
-    let line = Catenary {
-        tension_lengths: vec![TensionLength::new(vec![60.0; 10], 5.3, 1.2)],
-        wire_ends: WireEnds::ConstantTension,
-        statics: Statics::FormFinding,
-        gravity: 9.81,
-        contact_wire: Wire::new(1.35, 20_000.0, 1.7e7, 195.0),
-        contact_wire_spacing: None,
-        messenger_wire: Some(Wire::new(1.07, 16_000.0, 1.1e7, 131.7)),
-        stitch_wires: None,
-        droppers: Droppers::new(&[5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0], 1e5),
-        supports: Supports {
-            messenger_vertical_stiffness: 5e5,
-            messenger_lateral_stiffness: 5e5,
-            messenger_longitudinal_stiffness: 0.0,
-        },
-        registration_arms: RegistrationArms::new(0.0, 5e5, 0.0),
-        damping: Damping {
-            alpha: 0.0125,
-            beta: 1e-4,
-        },
-        mesh: Mesh::new(Division::PerInterval(8)),
-    };
+    let line = Catenary::new(
+        TensionLength::new(vec![60.0; 10], 5.3, 1.2),
+        (
+            Wire::new(1.35, 20_000.0, 1.7e7, 195.0),
+            Wire::new(1.07, 16_000.0, 1.1e7, 131.7),
+        ),
+        Droppers::new(&[5.0, 10.5, 17.0, 23.5, 30.0, 36.5, 43.0, 49.5, 55.0], 1e5),
+        (Supports::new(5e5, 5e5, 0.0), RegistrationArms::new(0.0, 5e5, 0.0)),
+        Damping::new(0.0125, 1e-4),
+        Mesh::new(Division::PerInterval(8)),
+    );
     let head = Lumped::new(1.2, 120.0, &[7.2, 15.0], &[4200.0, 50.0], &[10.0, 90.0]);
     let run = Run::new(250.0 / 3.6, 7.0, 20.0, Evaluate::Spans { first: 5, last: 6 });
     Scene::new(

@@ -1,7 +1,7 @@
 //! Base with a prescribed motion.
 use crate::multibody::BaseMarker;
-use crate::spline::RestingSpline;
 use dynamics::Frame;
+use dynamics::RestingSpline;
 use nalgebra::{Matrix3, Vector3};
 
 /// Motion of the base relative to straight travel, as that of a rigid body.

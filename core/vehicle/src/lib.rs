@@ -38,7 +38,6 @@ pub mod multibody;
 mod pantograph;
 mod rail_vehicle;
 mod signals;
-mod spline;
 mod subsystem;
 mod track;
 mod travel;

@@ -1,9 +1,9 @@
 //! A wire with corrections for its mesh and for the time step under strips.
-use super::{Compliance, LoadCorrection, ResidualCompliance};
+use super::{Compliance, LoadCorrection, ResidualCompliance, RunningSurface};
 use crate::{CurveColumns, CurvePoint, WireCurve, WireGeometry};
 use std::sync::Arc;
 
-/// A wire with corrections for its mesh and for the time step under strips.
+/// A wire with its running surface, and with corrections for its mesh and for the time step under strips.
 #[derive(Clone, Debug)]
 pub struct CorrectedWire {
     /// The wire.
@@ -12,6 +12,8 @@ pub struct CorrectedWire {
     pub compliance: Option<Arc<ResidualCompliance>>,
     /// Correction of the contact force that belongs to the corrected inertia.
     pub load: Option<LoadCorrection>,
+    /// Running surface that is not even.
+    pub surface: Option<Arc<RunningSurface>>,
 }
 
 impl WireCurve for CorrectedWire {
@@ -20,7 +22,11 @@ impl WireCurve for CorrectedWire {
     }
 
     fn point(&self, s: f64, q: &[f64], v: &[f64]) -> CurvePoint {
-        self.geometry.point(s, q, v)
+        let mut point = self.geometry.point(s, q, v);
+        if let Some(surface) = &self.surface {
+            surface.raise(s, &mut point);
+        }
+        point
     }
 
     fn columns(&self, s: f64, columns: &mut CurveColumns) {

@@ -13,6 +13,7 @@
 //! pair            penalty contact as a contribution of forces
 //! sliding_joint   bilateral contact as a constraint
 //! on_wire         a strip under either law
+//! surface         running surface of a wire
 //! total           a strip on all contact wires together
 //! strip           a strip whose motion is prescribed
 //! ```
@@ -27,6 +28,7 @@ mod sides;
 mod sliding_joint;
 mod state;
 mod strip;
+mod surface;
 mod total;
 mod wire_curve;
 
@@ -40,5 +42,6 @@ pub use pair::{ContactPair, ContactTangent};
 pub use sliding_joint::SlidingJoint;
 pub use state::{ContactState, Sensitivity};
 pub use strip::{PrescribedStrip, STRIP_INPUTS, STRIP_VALUES};
+pub use surface::RunningSurface;
 pub use total::ContactTotal;
 pub use wire_curve::{CurveColumn, CurveColumns, CurvePoint, WireCurve};

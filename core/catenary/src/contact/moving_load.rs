@@ -184,6 +184,7 @@ mod tests {
         CorrectedWire {
             geometry: Arc::new(geometry),
             compliance: None,
+            surface: None,
             load: Some(LoadCorrection {
                 step: STEP,
                 kappa: KAPPA,

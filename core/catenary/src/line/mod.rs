@@ -6,12 +6,14 @@
 //! options       discretisation beyond the mesh of the scene
 //! topology      wires of a line, their nodes, and the parts that join them
 //! coordinates   coordinates of the wires
+//! curve_pull    pull of curved track on the wires
 //! nonlinear     the line in full: wires, droppers, supports, arms, ends
 //! linear        constant matrices with unilateral droppers
 //! linear_force  a force linear in coordinates, velocities and accelerations
 //! window        the line in full around the strips, condensed elsewhere
 //! ```
 mod coordinates;
+mod curve_pull;
 mod linear;
 mod linear_force;
 mod nonlinear;
@@ -21,6 +23,7 @@ mod topology;
 pub(crate) mod window;
 
 pub(crate) use coordinates::WireCoordinates;
+pub(crate) use curve_pull::curve_pull;
 pub use linear::{LinearDropper, LinearDroppers, LinearLine};
 pub use linear_force::LinearForce;
 pub use nonlinear::{DropperSample, Line};

@@ -1,12 +1,12 @@
 //! The nonlinear overhead line as a list of contributions.
 
-use super::{EndsOfWire, PlannedWire, WireCoordinates};
+use super::{EndsOfWire, PlannedWire, WireCoordinates, curve_pull};
 use crate::wire::contact_wire_directors;
 use crate::{
-    Anchor, Attachment, AxialLaw, BendingLaw, CorrectedWire, Directors, Dropper, DropperLaw, Droppers, Enrichment,
-    LineEnd, LineEnds, LoadCorrection, MassCorrection, NodeMap, NodeOfWire, Rayleigh, RegistrationArms,
-    ResidualCompliance, Supports, Topology, Wire, WireCurve, WireDirectors, WireDrag, WireGeometry, WireName, WireNode,
-    WireSection, WiresInWind,
+    Anchor, Attachment, AxialLaw, BendingLaw, CorrectedWire, DeadLoad, Directors, Dropper, DropperLaw, Droppers,
+    Enrichment, LineEnd, LineEnds, LoadCorrection, MassCorrection, NodeMap, NodeOfWire, PointMasses, Rayleigh,
+    RegistrationArms, ResidualCompliance, RunningSurface, Supports, Topology, Wire, WireCurve, WireDirectors, WireDrag,
+    WireGeometry, WireName, WireNode, WireSection, WiresInWind,
 };
 use dynamics::{Force, Motion, PartVisitor};
 use nalgebra::Vector3;
@@ -86,6 +86,9 @@ pub struct Line {
     droppers: Droppers,
     supports: Supports,
     arms: RegistrationArms,
+    masses: PointMasses,
+    /// Pull of curved track.
+    pull: DeadLoad,
     ends: LineEnds,
     /// Height of each contact wire at each mast that uplift is counted from, m above the static height.
     uplift_reference: Vec<Vec<f64>>,
@@ -93,6 +96,8 @@ pub struct Line {
     compliance: Vec<Option<Arc<ResidualCompliance>>>,
     /// Numbers of the contact wires among the wires.
     contact_wires: Vec<usize>,
+    /// Running surface of each contact wire; empty where they are even.
+    surfaces: Vec<Arc<RunningSurface>>,
     /// Correction of the forces of strips that belongs to the corrected inertia of the contact wire.
     load: Option<LoadCorrection>,
     /// Drag of the wires; empty without wind.
@@ -143,6 +148,14 @@ impl Line {
             reaction,
             stiffness: Vector3::new(0.0, arm.lateral_stiffness, arm.vertical_stiffness),
         });
+        let surface = |wire: usize| {
+            let surface = catenary.surface.as_ref()?;
+            Some(Arc::new(RunningSurface::new(surface, wires[wire].geometry())))
+        };
+        let surfaces = topology.contact_wires().filter_map(surface).collect();
+        let masses = topology.masses().iter().map(|&(at, mass)| (node(at), mass));
+        let masses = PointMasses::new(masses.collect(), catenary.gravity);
+        let pull = curve_pull(catenary, topology, |at| &wires[at.wire].geometry().nodes()[at.node].map);
         let sliding = catenary.wire_ends == WireEnds::ConstantTension;
         let anchored = topology.wires().iter().zip(&wires);
         let anchored = anchored.filter(|(planned, _)| sliding && planned.ends == EndsOfWire::Anchored);
@@ -159,10 +172,13 @@ impl Line {
             droppers: Droppers::new(law, droppers.collect(), catenary.gravity),
             supports: Supports::new(supports.collect()),
             arms: RegistrationArms::new(arms.collect(), arm.mass, catenary.gravity),
+            masses,
+            pull,
             ends: LineEnds::new(ends.collect()),
             uplift_reference: topology.masts().iter().map(|nodes| vec![0.0; nodes.len()]).collect(),
             compliance: Vec::new(),
             contact_wires: topology.contact_wires().collect(),
+            surfaces,
             load: None,
             drag: Vec::new(),
             topology: Arc::clone(topology),
@@ -238,6 +254,12 @@ impl Line {
         visit("droppers", &mut self.droppers);
         visit("supports", &mut self.supports);
         visit("registration_arms", &mut self.arms);
+        if !self.masses.is_empty() {
+            visit("supports", &mut self.masses);
+        }
+        if !self.pull.entries.is_empty() {
+            visit("supports", &mut self.pull);
+        }
         visit("supports", &mut self.ends);
     }
 
@@ -258,13 +280,15 @@ impl Line {
     pub fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve> {
         let geometry = Arc::clone(self.contact_wire(wire).geometry());
         let compliance = self.compliance_of(wire).cloned();
-        if compliance.is_none() && self.load.is_none() {
+        let surface = self.surfaces.get(wire).cloned();
+        if compliance.is_none() && self.load.is_none() && surface.is_none() {
             return geometry;
         }
         Arc::new(CorrectedWire {
             geometry,
             compliance,
             load: self.load,
+            surface,
         })
     }
 
@@ -372,7 +396,14 @@ impl Line {
     #[must_use]
     pub fn energy(&self, motion: &Motion<'_>) -> f64 {
         let wires = self.wires.iter().map(|wire| wire as &dyn Force);
-        let others: [&dyn Force; 4] = [&self.droppers, &self.supports, &self.arms, &self.ends];
+        let others: [&dyn Force; 6] = [
+            &self.droppers,
+            &self.supports,
+            &self.arms,
+            &self.masses,
+            &self.pull,
+            &self.ends,
+        ];
         let directors = self
             .directors
             .as_ref()

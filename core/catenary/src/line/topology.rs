@@ -1,7 +1,7 @@
 //! Wires of a line, their nodes, and the parts that join them.
 use super::options::{BendingLayers, Dimension, LineOptions};
 use nalgebra::Vector3;
-use scene::{Catenary, Element, Section};
+use scene::{Catenary, Element, MassOn, Section};
 
 /// Kind of a wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,6 +117,8 @@ pub struct Topology {
     /// Nodes of the contact wires at each mast, from the first to the last.
     masts: Vec<Vec<NodeOfWire>>,
     droppers: Vec<DropperPlace>,
+    /// Nodes with masses of clamps, insulators and splices, kg.
+    masses: Vec<(NodeOfWire, f64)>,
     options: LineOptions,
 }
 
@@ -199,6 +201,31 @@ impl PlannedWire {
     }
 }
 
+/// Places of point masses on a kind of wire in span `span` (from 0) of tension length `number` (from 0), m from its
+/// left support, with their masses in kg.
+fn masses_on(section: Section<'_>, number: usize, wire: MassOn, span: usize) -> impl Iterator<Item = (f64, f64)> {
+    let (left, right) = (section.support_x(span), section.support_x(span + 1));
+    let here = move |point: &&scene::PointMass| {
+        point.wire == wire && point.tension_length == number + 1 && (left..right).contains(&point.x)
+    };
+    let points = section.line.point_masses.iter().filter(here);
+    points.map(move |point| (point.x - left, point.mass))
+}
+
+/// Hangers and point masses of a span, ascending; a mass at a hanger is at its node.
+fn stations_with(mut hangers: Vec<f64>, masses: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+    for (position, _) in masses {
+        if position > SAME_PLACE && hangers.iter().all(|hanger| (hanger - position).abs() > SAME_PLACE) {
+            hangers.push(position);
+        }
+    }
+    hangers.sort_by(f64::total_cmp);
+    hangers
+}
+
+/// Distance below which a mass sits at the node of another fastening, m.
+const SAME_PLACE: f64 = 0.05;
+
 /// Stations of a wire that runs over all supports of a tension length, with hangers at these positions in each span.
 fn along(section: Section<'_>, hangers: impl Fn(usize) -> Vec<f64>) -> Vec<Station> {
     let mut stations = vec![Station {
@@ -263,6 +290,7 @@ impl Topology {
             supports: Vec::new(),
             masts: Vec::new(),
             droppers: Vec::new(),
+            masses: Vec::new(),
             options,
         };
         for (number, section) in catenary.sections().enumerate() {
@@ -292,7 +320,10 @@ impl Topology {
                 1 => name.name().to_owned(),
                 _ => format!("{} {}", name.name(), twin + 1),
             };
-            let stations = along(section, |span| section.droppers_of(span).to_vec());
+            let stations = along(section, |span| {
+                let masses = masses_on(section, number, MassOn::ContactWire, span);
+                stations_with(section.droppers_of(span).to_vec(), masses)
+            });
             contact_wires.push(self.wires.len());
             self.wires.push(PlannedWire {
                 beam: line.mesh.element == Element::Beam,
@@ -308,7 +339,10 @@ impl Topology {
         }
         let messenger_wire = line.messenger_wire.map(|parameters| {
             let name = WireName::MessengerWire;
-            let stations = along(section, |span| section.messenger_attachments(span));
+            let stations = along(section, |span| {
+                let masses = masses_on(section, number, MassOn::MessengerWire, span);
+                stations_with(section.messenger_attachments(span), masses)
+            });
             self.wires.push(PlannedWire::new(
                 (name, of_several(name.name().to_owned()), parameters),
                 number,
@@ -334,6 +368,21 @@ impl Topology {
                 is_end: support == 0 || support == section.spans(),
             });
         }
+        for span in 0..section.spans() {
+            let left = section.support_x(span);
+            for &wire in &contact_wires {
+                let masses = masses_on(section, number, MassOn::ContactWire, span);
+                let masses = masses.map(|(position, mass)| (self.node_at(wire, left + position), mass));
+                let masses: Vec<_> = masses.collect();
+                self.masses.extend(masses);
+            }
+            if let Some(wire) = messenger_wire {
+                let masses = masses_on(section, number, MassOn::MessengerWire, span);
+                let masses = masses.map(|(position, mass)| (self.node_at(wire, left + position), mass));
+                let masses: Vec<_> = masses.collect();
+                self.masses.extend(masses);
+            }
+        }
         let Some(messenger) = messenger_wire else { return };
         for span in 0..section.spans() {
             let left = section.support_x(span);
@@ -343,12 +392,18 @@ impl Topology {
                     .stitch_wire_over(span, at)
                     .and_then(|support| stitch_wires[support]);
                 for &lower in &contact_wires {
+                    let (upper, lower) = (self.node_at(above.unwrap_or(messenger), x), self.node_at(lower, x));
+                    let clamps = [
+                        (upper, line.droppers.upper_clamp_mass),
+                        (lower, line.droppers.lower_clamp_mass),
+                    ];
+                    self.masses.extend(clamps.iter().filter(|(_, mass)| *mass > 0.0));
                     self.droppers.push(DropperPlace {
                         section: number,
                         span: span + 1,
                         position,
-                        upper: self.node_at(above.unwrap_or(messenger), x),
-                        lower: self.node_at(lower, x),
+                        upper,
+                        lower,
                     });
                 }
             }
@@ -369,6 +424,9 @@ impl Topology {
         let clamps = [0, last].map(|end| self.node_at(messenger, stations[end].x));
         for (end, clamp) in [0, last].into_iter().zip(clamps) {
             stations[end].x = self.wires[messenger].x[clamp.node];
+        }
+        if stitch.clamp_mass > 0.0 {
+            self.masses.extend(clamps.map(|clamp| (clamp, stitch.clamp_mass)));
         }
         let label = format!("{} at support {}", WireName::StitchWire.name(), support + 1);
         self.wires.push(PlannedWire::new(
@@ -446,6 +504,34 @@ impl Topology {
     #[must_use]
     pub fn droppers(&self) -> &[DropperPlace] {
         &self.droppers
+    }
+
+    /// Nodes with masses of clamps, insulators and splices, kg.
+    #[must_use]
+    pub fn masses(&self) -> &[(NodeOfWire, f64)] {
+        &self.masses
+    }
+
+    /// Line without those droppers that `keep` is false for; the nodes stay.
+    pub(crate) fn with_droppers(&self, keep: impl Fn(&DropperPlace) -> bool) -> Self {
+        let mut changed = self.clone();
+        changed.droppers.retain(keep);
+        changed
+    }
+
+    /// Line with other wires at the same nodes.
+    pub(crate) fn with_parameters(&self, change: impl Fn(&scene::Wire) -> scene::Wire) -> Self {
+        let mut changed = self.clone();
+        for wire in &mut changed.wires {
+            wire.parameters = change(&wire.parameters);
+        }
+        changed
+    }
+
+    /// Curvature of the track at a node, 1/m, positive with the middle to the left.
+    pub(crate) fn curvature(&self, catenary: &Catenary, at: NodeOfWire) -> f64 {
+        let section = catenary.section(self.wires[at.wire].section);
+        section.between_supports(self.x_of(at), |support| section.curvature_at(support))
     }
 
     /// Nominal x of a node, m.

@@ -1,8 +1,8 @@
 //! Form finding: the shape and the lengths of a line whose contact wire is held at its heights.
-use super::load::{DeadLoad, LateralPull};
+use super::load::LateralPull;
 use super::{StaticsError, options};
-use crate::line::{EndsOfWire, Equilibrium, WireCoordinates, layers, wire};
-use crate::{Attachment, NodeOfWire, PlannedWire, Topology, Wire, WireGeometry, WireName, WireNode};
+use crate::line::{EndsOfWire, Equilibrium, WireCoordinates, curve_pull, layers, wire};
+use crate::{Attachment, DeadLoad, NodeOfWire, PlannedWire, Topology, Wire, WireGeometry, WireName, WireNode};
 use dynamics::{Force, Layout, State, System, solve_static};
 use nalgebra::Vector3;
 use scene::Catenary;
@@ -74,11 +74,17 @@ pub(super) fn find_form(catenary: &Catenary, topology: &Topology) -> Result<(Equ
         .map(|(planned, own)| (position(own, planned.last(), 0), planned.parameters.tension))
         .collect();
     let vertical = |at: NodeOfWire| position(&coordinates[at.wire], at.node, 2);
+    let weights = topology
+        .masses()
+        .iter()
+        .map(|&(at, mass)| (vertical(at), -mass * catenary.gravity));
+    let pull = curve_pull(catenary, topology, |at| &coordinates[at.wire].nodes[at.node]);
+    let dead: Vec<(usize, f64)> = tension_load.into_iter().chain(weights).chain(pull.entries).collect();
     let mut pulls = vec![Vector3::<f64>::zeros(); topology.droppers().len()];
     let mut iterations = 0;
     let mut distance = f64::INFINITY;
     for _ in 0..MOST_ROUNDS {
-        wires.loads.entries.clone_from(&tension_load);
+        wires.loads.entries.clone_from(&dead);
         wires.lateral.ties.clear();
         for (place, pull) in topology.droppers().iter().zip(&pulls) {
             // The pull along the track ends at zero, with both ends at the same x; in earlier rounds it would only slow

@@ -1,30 +1,7 @@
-//! Loads that stand for parts of the line.
+//! Lateral pull of droppers whose force is known.
 use crate::Attachment;
 use dynamics::{Blocks, Force, Motion, Weights};
 use nalgebra::{Matrix3, Vector3};
-
-/// A constant generalised force.
-#[derive(Clone, Debug, Default)]
-pub(super) struct DeadLoad {
-    /// Coordinate and force on it, N.
-    pub entries: Vec<(usize, f64)>,
-}
-
-impl Force for DeadLoad {
-    fn add_force(&mut self, _motion: &Motion<'_>, force: &mut [f64]) {
-        for &(index, value) in &self.entries {
-            force[index] += value;
-        }
-    }
-
-    fn energy(&self, motion: &Motion<'_>) -> f64 {
-        -self
-            .entries
-            .iter()
-            .map(|&(index, value)| value * motion.q[index])
-            .sum::<f64>()
-    }
-}
 
 /// Lateral forces of droppers that hang between two wires and pull with known vertical force: those of springs of
 /// `F/height`.

@@ -4,11 +4,13 @@
 //! file                subject
 //! form_finding        contact wire held at its heights; lengths follow
 //! nodal_displacement  lengths given; shape follows
+//! change              temperature, ice and wrong droppers after the erection
 //! directors           a contact wire of beams, from one of cables
 //! repeat              long lines, from short ones
 //! report              figures of the static state, with the names of the result files
 //! error               errors of statics
 //! ```
+mod change;
 mod directors;
 mod error;
 mod form_finding;
@@ -24,11 +26,10 @@ pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, 
 use crate::line::Equilibrium;
 use crate::line::window::{Cells, Source};
 use crate::{
-    CurveColumns, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance, Topology, WireGeometry,
-    WireName, WiresInWind,
+    CurveColumns, DeadLoad, Enrichment, Line, LineOptions, NodeOfWire, PlannedWire, ResidualCompliance, Topology,
+    WireGeometry, WireName, WiresInWind,
 };
 use dynamics::{Force, Layout, NewtonOptions, State, StaticOptions, System, solve_static};
-use load::DeadLoad;
 use nalgebra::Vector3;
 use scene::Catenary;
 use std::sync::{Arc, OnceLock};
@@ -102,13 +103,18 @@ impl StaticLine {
     /// # Errors
     /// See [`StaticsError`].
     pub fn solve(catenary: &Catenary, options: LineOptions) -> Result<Self, StaticsError> {
-        let topology = Arc::new(Topology::new(catenary, options));
+        let mut topology = Arc::new(Topology::new(catenary, options));
         let (mut equilibrium, mut iterations) = match catenary.statics {
             scene::Statics::FormFinding => form_finding::find_form(catenary, &topology)?,
             scene::Statics::NodalDisplacement => nodal_displacement::displace_ends(catenary, &topology)?,
         };
         if catenary.mesh.element == scene::Element::Beam {
             iterations += directors::turn_into_beam(catenary, &topology, &mut equilibrium)?;
+        }
+        if let Some(change) = &catenary.change {
+            let (changed, at_rest, more) = change::change((catenary, &topology), &equilibrium, change)?;
+            (topology, equilibrium) = (changed, at_rest);
+            iterations += more;
         }
         let mut layout = Layout::new();
         let coordinates = topology.register(&mut layout);

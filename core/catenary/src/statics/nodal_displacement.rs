@@ -54,13 +54,12 @@ pub(super) fn displace_ends(
         support_reactions: topology.held_by_supports().map(|_| Vector3::zeros()).collect(),
         arm_reactions: topology.held_by_arms().map(|_| arm_weight).collect(),
     };
-    let mut system = Standalone {
+    let system = Standalone {
         line: Line::new(catenary, topology, &start, 0),
         layout,
         load: Default::default(),
     };
     let mut state = system.layout.state_at_rest();
-    let options = options(500);
     // Start from the parabola of both wires together: the messenger wire is held at every support.
     let wires = topology.wires().iter().map(|planned| &planned.parameters);
     let weight = wires.clone().map(|wire| wire.mass_per_length).sum::<f64>() * catenary.gravity;
@@ -75,10 +74,22 @@ pub(super) fn displace_ends(
             }
         }
     }
-    let mut equilibrium = start;
+    settle((catenary, topology), &start, system, state)
+}
+
+/// Lets a line come to rest from `state`: its equilibrium, and the number of Newton iterations.
+///
+/// The first round finds the state; further rounds, with the found state as the reference, remove the small forces of
+/// the springs at sliding ends.
+pub(super) fn settle(
+    (catenary, topology): (&Catenary, &Arc<Topology>),
+    start: &Equilibrium,
+    mut system: Standalone,
+    mut state: State,
+) -> Result<(Equilibrium, usize), StaticsError> {
+    let options = options(500);
+    let mut equilibrium = start.clone();
     let mut iterations = 0;
-    // The first round finds the state; further rounds, with the found state as the reference, remove the small forces
-    // of the springs at sliding ends.
     for _ in 0..MOST_ROUNDS {
         iterations += solve_static(&mut system, &mut state, &[], &options)?.iterations;
         let moved = state.q.iter().fold(0.0_f64, |max, q| max.max(q.abs()));

@@ -22,8 +22,12 @@ enum Range {
     Positive,
     NotNegative,
     NotZero,
+    Radius,
     Between(f64, f64),
 }
+
+/// Smallest radius of a track, m: below that of any tramway.
+const LEAST_RADIUS: f64 = 10.0;
 
 impl Number {
     const fn new(unit: &'static str, range: Range) -> Self {
@@ -50,6 +54,11 @@ impl Number {
 
     pub(crate) const fn not_zero() -> Self {
         Self::new("", Range::NotZero)
+    }
+
+    /// A radius in m with the sign of a side; infinite for straight.
+    pub(crate) const fn radius() -> Self {
+        Self::new("m", Range::Radius)
     }
 
     pub(crate) const fn between(from: f64, to: f64) -> Self {
@@ -82,6 +91,7 @@ impl Number {
             (Range::Positive, None) => "> 0".to_owned(),
             (Range::NotNegative, None) => "≥ 0".to_owned(),
             (Range::NotZero, None) => "≠ 0".to_owned(),
+            (Range::Radius, None) => "≥ 10 either way, or inf".to_owned(),
         };
         match self.most {
             Some(most) if matches!(self.range, Range::Any) => format!("≤ {most}"),
@@ -106,6 +116,7 @@ impl Number {
             Range::Positive => format!("a positive number{unit}"),
             Range::NotNegative => format!("a number{unit}, not negative"),
             Range::NotZero => format!("a number{unit}, not zero"),
+            Range::Radius => format!("a radius{unit} with a sign, or inf"),
             Range::Between(from, to) => format!("a number{unit} from {from} to {to}"),
         }
     }
@@ -117,6 +128,11 @@ impl Number {
             Range::Positive => (value > 0.0, "must be positive and finite".to_string()),
             Range::NotNegative => (value >= 0.0, "must be zero or positive, and finite".to_string()),
             Range::NotZero => (value != 0.0, "must be finite and not zero".to_string()),
+            Range::Radius => {
+                let holds = value.abs() >= LEAST_RADIUS;
+                let expected = format!("must be {LEAST_RADIUS} m or more to the left, negative to the right, or inf");
+                return (!holds).then_some(expected);
+            }
             Range::Between(from, to) => ((from..=to).contains(&value), format!("must be from {from} to {to}")),
         };
         (!(holds && value.is_finite())).then_some(expected)

@@ -74,6 +74,12 @@ impl Keys<'_> {
         self.tables_expecting(name, was, expected)
     }
 
+    /// An array of tables that may be left out.
+    pub(crate) fn any_tables<T: Entry>(&mut self, name: &str, was: Option<&[T]>) -> Vec<T> {
+        let there = self.has(name, was.is_some_and(|values| !values.is_empty()));
+        if there { self.tables(name, was) } else { Vec::new() }
+    }
+
     /// As [`Keys::tables`], where one table may stand there without a list.
     pub(crate) fn table_or_tables<T: Entry>(&mut self, name: &str, was: Option<&[T]>) -> Vec<T> {
         let path = self.key(name);

@@ -4,7 +4,7 @@ mod spectrum;
 
 pub(crate) use alignment::Alignment;
 
-use crate::spline::RestingSpline;
+use dynamics::RestingSpline;
 use scene::{Irregularities, Points};
 use std::sync::Arc;
 

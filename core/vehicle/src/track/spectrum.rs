@@ -1,6 +1,6 @@
 //! Irregularities made from power spectral densities.
 use super::{RailShape, Reach, TrackShape};
-use crate::spline::RestingSpline;
+use dynamics::RestingSpline;
 use dynamics::SplitMix64;
 use scene::Spectrum;
 use std::f64::consts::TAU;
