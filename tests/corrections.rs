@@ -255,6 +255,7 @@ fn error_ahead_of_a_strip(h: f64, corrected_load: bool) -> f64 {
         geometry: Arc::clone(wire.geometry()),
         compliance: ResidualCompliance::new(wire.geometry(), &section, v).map(Arc::new),
         load: corrected_load.then_some(LoadCorrection { step: h, kappa }),
+        surface: None,
     });
     let strip = Box::new(PrescribedStrip { first: 0 });
     wire.contact = Some(ContactPair::new(law, curve, strip, 1.2, ContactTangent::RankOne));
