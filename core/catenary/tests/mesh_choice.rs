@@ -115,14 +115,6 @@ fn a_mesh_takes_every_correction_that_it_can_have() {
             "internal steps of 2.0000 ms are longer than 1.2778 ms",
         ),
         (
-            &[
-                "catenary.contact_wire.bending_stiffness=0",
-                "catenary.messenger_wire.bending_stiffness=0",
-            ],
-            Correction::BendingLayers,
-            "all wires are strings",
-        ),
-        (
             &["catenary.mesh.elements_per_interval=64"],
             Correction::BendingLayers,
             "is below the bending length",

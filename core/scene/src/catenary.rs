@@ -45,6 +45,35 @@ pub struct Catenary {
     pub mesh: Mesh,
 }
 
+/// Kind of a wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WireKind {
+    /// The wires that strips touch.
+    Contact,
+    /// The wire at the supports that carries the contact wires.
+    Messenger,
+    /// The wires below the messenger wire about the supports.
+    Stitch,
+}
+
+impl WireKind {
+    /// The kind in words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Contact => "contact wire",
+            Self::Messenger => "messenger wire",
+            Self::Stitch => "stitch wire",
+        }
+    }
+
+    /// True for wires along the whole line, which carry waves; a stitch wire ends before a wave has formed.
+    #[must_use]
+    pub fn runs_along(self) -> bool {
+        self != Self::Stitch
+    }
+}
+
 /// `[catenary.contact_wire]` or `[catenary.messenger_wire]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wire {
@@ -319,21 +348,22 @@ impl Catenary {
         self.sections().flat_map(Section::droppers_x).collect()
     }
 
-    /// Slowest transverse wave of the wires, m/s.
+    /// Slowest transverse wave of the wires that carry waves along the line, m/s.
     #[must_use]
     pub fn slowest_wave(&self) -> f64 {
-        let speeds = self.wire_kinds().map(|(_, wire)| wire.wave_speed());
-        speeds.fold(f64::INFINITY, f64::min)
+        let along = self.wire_kinds().filter(|(kind, _)| kind.runs_along());
+        along.map(|(_, wire)| wire.wave_speed()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Wires of the line with what they are called, contact wire first.
-    pub fn wire_kinds(&self) -> impl Iterator<Item = (&'static str, &Wire)> {
-        let stitch = self.stitch_wires.as_ref().map(|stitch| ("stitch wire", &stitch.wire));
-        let messenger = self.messenger_wire.as_ref().map(|wire| ("messenger wire", wire));
-        [("contact wire", &self.contact_wire)]
-            .into_iter()
-            .chain(messenger)
-            .chain(stitch)
+    /// Kinds of wires of the line with their sections, contact wire first.
+    pub fn wire_kinds(&self) -> impl Iterator<Item = (WireKind, &Wire)> {
+        let stitch = self
+            .stitch_wires
+            .as_ref()
+            .map(|stitch| (WireKind::Stitch, &stitch.wire));
+        let messenger = self.messenger_wire.as_ref().map(|wire| (WireKind::Messenger, wire));
+        let contact = (WireKind::Contact, &self.contact_wire);
+        [contact].into_iter().chain(messenger).chain(stitch)
     }
 
     /// Spans from `start` up to and without `end` (from 0) as a line of their own, the first support at x = 0.

@@ -4,7 +4,7 @@ use crate::check::{Found, refuse};
 use crate::error::What;
 use crate::keys::{Keys, Number};
 use crate::write::shown_number;
-use crate::{Catenary, Section, Wire};
+use crate::{Catenary, Section, Wire, WireKind};
 
 /// Equal elements between neighbouring droppers or supports: how many.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,15 +78,19 @@ impl<'a> Section<'a> {
     }
 
     /// Lengths between neighbouring fastenings of each kind of wire along the track, m; of equal spans those of one.
-    fn intervals(self) -> impl Iterator<Item = (&'a Wire, f64)> {
+    fn intervals(self) -> impl Iterator<Item = ((WireKind, &'a Wire), f64)> {
         let line = self.line;
         let spans = if line.is_uniform() { 1 } else { self.spans() };
         let of_span = move |span: usize| {
-            let contact = self.intervals_of(span).map(|length| (&line.contact_wire, length));
+            let contact = self
+                .intervals_of(span)
+                .map(|length| ((WireKind::Contact, &line.contact_wire), length));
             let messenger = line.messenger_wire.as_ref().map(|wire| {
                 let places = self.messenger_attachments(span);
                 let lengths: Vec<f64> = between(places.iter().copied(), self.span_lengths[span]).collect();
-                lengths.into_iter().map(move |length| (wire, length))
+                lengths
+                    .into_iter()
+                    .map(move |length| ((WireKind::Messenger, wire), length))
             });
             contact.chain(messenger.into_iter().flatten())
         };
@@ -94,8 +98,12 @@ impl<'a> Section<'a> {
             let wire = self.stitch_wire_at(support).map(|stitch| &stitch.wire);
             let stations = self.stitch_stations(support);
             let lengths: Vec<f64> = stations.windows(2).map(|ends| ends[1].0 - ends[0].0).collect();
-            wire.into_iter()
-                .flat_map(move |wire| lengths.clone().into_iter().map(move |length| (wire, length)))
+            wire.into_iter().flat_map(move |wire| {
+                lengths
+                    .clone()
+                    .into_iter()
+                    .map(move |length| ((WireKind::Stitch, wire), length))
+            })
         };
         (0..spans)
             .flat_map(of_span)
@@ -105,7 +113,7 @@ impl<'a> Section<'a> {
 
 impl Catenary {
     /// Lengths between neighbouring fastenings of each kind of wire along the track, m; of equal spans those of one.
-    pub fn intervals(&self) -> impl Iterator<Item = (&Wire, f64)> {
+    pub fn intervals(&self) -> impl Iterator<Item = ((WireKind, &Wire), f64)> {
         self.sections().flat_map(Section::intervals)
     }
 
@@ -164,7 +172,7 @@ impl Catenary {
     }
 
     /// Length of the elements of each interval along the track, m, and their number, with the kind of wire.
-    pub fn elements(&self) -> impl Iterator<Item = (&Wire, f64, usize)> {
+    pub fn elements(&self) -> impl Iterator<Item = ((WireKind, &Wire), f64, usize)> {
         self.intervals().map(|(wire, length)| {
             let count = self.mesh.division.elements(length);
             (wire, length / count as f64, count)

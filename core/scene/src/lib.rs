@@ -66,7 +66,7 @@ mod vehicle;
 mod wind;
 mod write;
 
-pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds};
+pub use catenary::{Beam, Catenary, Damping, Droppers, RegistrationArms, Statics, Supports, Wire, WireEnds, WireKind};
 pub use check::Found;
 pub use contact::{Contact, ContactLaw};
 pub use coupling::{Algorithm, Coupling, Force, Order, Parallel, StepControl};

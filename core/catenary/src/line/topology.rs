@@ -189,8 +189,8 @@ impl PlannedWire {
             BendingLayers::AtAttachments => inner,
             BendingLayers::AtAttachmentsAndEnds => inner || self.ends == EndsOfWire::Anchored,
         };
-        // A string has no layers.
-        let bends = self.parameters.bending_stiffness > 0.0;
+        // A strip has no normal on a kink: a contact wire that is a string stays smooth.
+        let bends = self.parameters.bending_stiffness > 0.0 || self.name != WireName::ContactWire;
         match self.fastenings[node] {
             Fastening::Support if has_layers && bends && options.dimension == Dimension::Spatial => {
                 vec![Vector3::z(), Vector3::y()]

@@ -13,7 +13,7 @@ const LEAST_RHO_INF: f64 = 0.9;
 /// freely. With other numbers in each interval the bound is that of the interval by itself, tested in
 /// `core/catenary/tests/even_elements.rs`.
 fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64, f64) {
-    let of_interval = |(wire, length, elements): (&Wire, f64, usize)| {
+    let of_interval = |((_, wire), length, elements): ((_, &Wire), f64, usize)| {
         let inner: f64 = match (layers, elements) {
             (false, _) => 0.31,
             (true, 4..) => 0.28,
@@ -139,19 +139,18 @@ pub fn contradictions(scene: &Scene) -> Found {
 }
 
 fn layers_obstacle(catenary: &Catenary) -> Option<String> {
-    if catenary.wire_kinds().all(|(_, wire)| wire.bending_stiffness == 0.0) {
-        return Some(
-            "all wires are strings, bending_stiffness = 0, so there is no bending layer to resolve".to_owned(),
-        );
+    let bends = |(_, wire): (_, &Wire)| wire.bending_stiffness > 0.0;
+    if !catenary.wire_kinds().any(bends) && catenary.messenger_wire.is_none() {
+        return Some("the wire is a string, bending_stiffness = 0, so there is no bending layer to resolve".to_owned());
     }
     let shortest = catenary.shortest_element();
-    catenary.wire_kinds().find_map(|(name, wire)| {
+    catenary.wire_kinds().find_map(|(kind, wire)| {
         let layer = wire.bending_length();
         (layer > shortest).then(|| {
             format!(
-                "the shortest element, {shortest:.4} m, is below the bending length of the {name}, \
-                 √(bending_stiffness / tension) \
-                 = {layer:.4} m: the elements follow the bend themselves"
+                "the shortest element, {shortest:.4} m, is below the bending length of the {}, √(bending_stiffness / \
+                 tension) = {layer:.4} m: the elements follow the bend themselves",
+                kind.words()
             )
         })
     })

@@ -215,9 +215,10 @@ fn force_corrections(catenary: &Catenary) -> usize {
 /// Largest part that an element is of the waves on its wire: of the geometric mean of the waves that a force of
 /// frequency `f` Hz sends out at rest and ahead of itself at the speed `v`, m/s, below all waves' speeds.
 fn longest_of_waves(catenary: &Catenary, v: f64, f: f64) -> f64 {
-    let part = |(wire, length, _): (&Wire, f64, usize)| {
+    let along = catenary.elements().filter(|((kind, _), ..)| kind.runs_along());
+    let part = |((_, wire), length, _): ((_, &Wire), f64, usize)| {
         let c = wire.wave_speed();
         length / ((c * (c - v)).sqrt() / f)
     };
-    catenary.elements().map(part).fold(0.0, f64::max)
+    along.map(part).fold(0.0, f64::max)
 }

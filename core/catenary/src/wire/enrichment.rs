@@ -11,7 +11,11 @@ use nalgebra::{Vector3, Vector4};
 ///
 /// `ψ` lives on the two neighbouring elements; `ψ` and its slope vanish at the nodes, so that nodal coordinates keep
 /// their meaning. A tensioned beam under a point force bends within `λ` (decimetres): the exponential is that layer,
-/// derived from `EI w⁗ = T w″`.
+/// derived from `EI w⁗ = T w″`. In a string, `λ = 0`, the layer is a kink, `r,ₓ` jumps by `2 a d`:
+///
+/// ```text
+/// ψ(x) = L (ξ − 2 ξ² + ξ³),    ξ = |x − xⱼ|/L        L length of the element
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enrichment {
     /// Node at the centre of the layer.
@@ -20,7 +24,7 @@ pub struct Enrichment {
     pub index: usize,
     /// `d`, a unit vector.
     pub direction: Vector3<f64>,
-    /// `λ`, m.
+    /// `λ`, m; 0 for a kink.
     pub bending_length: f64,
     /// Reference value of `a`, –.
     pub reference: f64,
@@ -55,9 +59,16 @@ impl Layer {
             End::Start => (location.x, -1.0),
             End::Finish => (length - location.x, 1.0),
         };
-        let exponential = (-distance / bending_length).exp();
         let h = interpolant(end, bending_length, length);
         let shape = &location.shape;
+        if bending_length == 0.0 {
+            return Self {
+                psi: -shape.s.dot(&h),
+                psi_x: -shape.s_x.dot(&h),
+                psi_xx: -shape.s_xx.dot(&h),
+            };
+        }
+        let exponential = (-distance / bending_length).exp();
         Self {
             psi: bending_length * exponential - shape.s.dot(&h),
             psi_x: sign * exponential - shape.s_x.dot(&h),
@@ -68,7 +79,11 @@ impl Layer {
 
 /// Value and slope at start and finish (m, –, m, –) of the exponential centred at `end`.
 fn interpolant(end: End, bending_length: f64, length: f64) -> Vector4<f64> {
-    let far = (-length / bending_length).exp();
+    let far = if bending_length == 0.0 {
+        0.0
+    } else {
+        (-length / bending_length).exp()
+    };
     match end {
         End::Start => Vector4::new(bending_length, -1.0, bending_length * far, -far),
         End::Finish => Vector4::new(bending_length * far, far, bending_length, 1.0),
@@ -144,7 +159,12 @@ pub(super) fn pair_integrals(ends: (End, End), bending_lengths: (f64, f64), leng
 fn quadrature(bending_length: f64, length: f64, mut add: impl FnMut(&Location, f64)) {
     let panel = 0.5 * bending_length;
     let layer = (80.0 * panel).min(0.5 * length);
-    let count = (layer / panel).ceil().max(1.0) as usize;
+    // A kink is made of cubics alone.
+    let count = if layer > 0.0 {
+        (layer / panel).ceil() as usize
+    } else {
+        1
+    };
     let width = layer / count as f64;
     let mut borders: Vec<f64> = (0..=count).map(|i| width * i as f64).collect();
     borders.extend((0..=count).rev().map(|i| length - width * i as f64));

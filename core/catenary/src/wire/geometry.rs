@@ -69,7 +69,7 @@ impl WireGeometry {
                 "no node {node} to enrich, there are {}",
                 nodes.len()
             );
-            assert!(layer > 0.0, "bending length {layer} m at node {node}");
+            assert!(layer >= 0.0, "bending length {layer} m at node {node}");
         }
         let first_enrichment = (0..=nodes.len())
             .map(|node| enrichments.partition_point(|enrichment| enrichment.node < node))
