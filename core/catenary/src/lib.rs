@@ -57,7 +57,7 @@ pub use line::{
     LinearForce, LinearLine, MassCorrection, NodeOfWire, OverheadLine, PlannedWire, Topology, WindowSize, WindowedLine,
     WireName, adopt_state, follow_strips,
 };
-pub use mesh::load;
+pub use mesh::{load, load_with};
 pub use statics::{
     DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport, SupportReport,
     TensionReport,

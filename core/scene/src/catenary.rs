@@ -456,6 +456,15 @@ impl Wire {
 impl Entry for Catenary {
     const SENTENCES: Sentences = &[
         (
+            "from",
+            "Path of a library file with keys of this table, relative to the scene; keys that the scene has win.",
+        ),
+        (
+            "table",
+            "Path of a table of supports, relative to the scene: one row per support and tension length, in place of \
+             `spans` to `curve_radius`; see the guide to real lines.",
+        ),
+        (
             "wire_ends",
             "Ends of both wires: sliding under the force of tensioning weights, or fixed.",
         ),
@@ -505,6 +514,8 @@ impl Entry for Catenary {
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        keys.written_out("from", "", "text");
+        keys.written_out("table", "", "text");
         let several = keys.has("tension_length", was.is_some_and(|line| line.tension_lengths.len() > 1));
         let tension_lengths = if several && !keys.describes() {
             keys.leave_out::<TensionLength>("[[catenary.tension_length]] has it");
@@ -652,7 +663,18 @@ impl Entry for Droppers {
     const SENTENCES: Sentences = &[
         (
             "positions",
-            "Distances from the left support of each span, ascending, inside every span.",
+            "Distances from the left support of each span, ascending, inside the span: one list for all spans, or one list \
+             for each span.",
+        ),
+        (
+            "rule",
+            "Positions by a rule, in place of `positions`: the first and last dropper `first` from the supports, the \
+             others evenly between them at intervals of at most `longest`.",
+        ),
+        ("pattern", "Positions by names of `patterns`, in place of `positions`."),
+        (
+            "patterns",
+            "Named lists of positions, for `pattern` and for tables of supports.",
         ),
         ("stiffness", "Stiffness in tension; a dropper bears no compression."),
         ("damping", "Damping while in tension."),
@@ -670,6 +692,9 @@ impl Entry for Droppers {
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let lengths = was.map(|droppers| droppers.lengths.as_deref());
+        keys.written_out("rule", "m", "table `{ first, longest }`");
+        keys.written_out("pattern", "", "text, or one for each span in a list");
+        keys.written_out("patterns", "m", "table `{ name = [positions], … }`");
         Self {
             positions: keys.list_or_lists(
                 "positions",

@@ -29,6 +29,8 @@ pub enum Place {
     File(String),
     /// A line of a file, from 1.
     Line(String, usize),
+    /// A cell of a table: file, line from 1, name of the column.
+    Cell(String, usize, String),
     /// An override, as typed after `--set`, of a value of a file.
     Override(String, String),
 }
@@ -119,6 +121,7 @@ impl fmt::Display for Place {
         match self {
             Self::File(file) => f.write_str(file),
             Self::Line(file, line) => write!(f, "{file}:{line}"),
+            Self::Cell(file, line, column) => write!(f, "{file}, row {line}, column {column}"),
             Self::Override(file, text) => write!(f, "{file}: --set {text}"),
         }
     }

@@ -19,7 +19,7 @@ mod word;
 pub(crate) use describe::{Default, Described, Section, Sentences, describe};
 pub(crate) use number::{Length, Number};
 pub(crate) use table::placeholder;
-use word::nearest;
+pub(crate) use word::nearest;
 
 /// A table of the scene.
 pub(crate) trait Entry: Sized {
@@ -168,6 +168,16 @@ impl Keys<'_> {
                 expected: expected.into(),
             },
         );
+    }
+
+    /// A key that is written out as others before the keys are read; `range` describes its value.
+    pub(crate) fn written_out(&mut self, name: &str, unit: &'static str, range: &str) {
+        if self.describes() {
+            self.may_be_left_out(name);
+            self.record(name, unit, range.to_owned(), None);
+        } else {
+            self.known.push(name.to_owned());
+        }
     }
 
     /// True where the table that is read has no key at all.

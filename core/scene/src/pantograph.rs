@@ -129,6 +129,10 @@ impl Entry for Pantograph {
             "Place of the strip relative to `run.start_x`, negative behind.",
         ),
         (
+            "from",
+            "Path of a library file with keys of this table, relative to the scene; keys that the scene has win.",
+        ),
+        (
             "model",
             "Masses one above the other, or a mechanism of rigid bodies; left out with `fmu`.",
         ),
@@ -139,6 +143,7 @@ impl Entry for Pantograph {
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
+        keys.written_out("from", "", "text");
         let offset_x = keys.number(
             "offset_x",
             was.map(|pantograph| pantograph.offset_x),

@@ -2,6 +2,8 @@
 
 use crate::check::Found;
 use crate::error::{SceneError, What};
+use crate::expand::expand;
+use crate::files::Files;
 use crate::keys::{Entry, Keys, Sentences, read, write};
 use crate::tree::{Sources, Table, parse};
 use crate::{
@@ -57,14 +59,31 @@ pub struct SceneFile<'a> {
 }
 
 impl<'a> SceneFile<'a> {
-    /// Reads every key, see [`Scene::from_toml`].
+    /// Reads every key, see [`Scene::from_toml`]; tables and library files that the scene names are taken from `files`.
     ///
     /// # Errors
     ///
     /// Text that is not TOML; keys that are unknown, missing, of the wrong type or out of range.
-    pub fn read(text: &str, origin: &'a str, overrides: &'a [String]) -> Result<Self, SceneError> {
-        let sources = Sources { origin, overrides };
-        let root = parse(text, sources).map_err(|problems| SceneError { problems })?;
+    pub fn read(
+        text: &str,
+        origin: &'a str,
+        overrides: &'a [String],
+        files: &'a Files<'a>,
+    ) -> Result<Self, SceneError> {
+        let sources = Sources {
+            origin,
+            overrides,
+            files,
+        };
+        let mut root = parse(text, sources).map_err(|problems| SceneError { problems })?;
+        let mut wrong = expand(&mut root, files);
+        if !wrong.is_empty() {
+            wrong.sort_by_key(|(at, ..)| *at);
+            let problems = wrong.into_iter().map(|(at, key, what)| sources.problem(at, key, what));
+            return Err(SceneError {
+                problems: problems.collect(),
+            });
+        }
         let scene = read(&root, sources)?;
         Ok(Self { scene, root, sources })
     }
@@ -159,7 +178,8 @@ impl Scene {
     /// Every problem found: text that is not TOML; keys that are unknown, missing, of the wrong type or out of range;
     /// and, where there is none of these, values that contradict each other ([`Scene::check`]).
     pub fn from_toml(text: &str, origin: &str, overrides: &[String]) -> Result<Self, SceneError> {
-        let file = SceneFile::read(text, origin, overrides)?;
+        let files = Files::none();
+        let file = SceneFile::read(text, origin, overrides, &files)?;
         file.check(&|_| Found::new())?;
         Ok(file.scene)
     }
@@ -190,7 +210,12 @@ impl Scene {
     ///
     /// Every contradiction found.
     pub fn check_with(&self, origin: &str, further: &dyn Fn(&Self) -> Found) -> Result<(), SceneError> {
-        let sources = Sources { origin, overrides: &[] };
+        let files = Files::none();
+        let sources = Sources {
+            origin,
+            overrides: &[],
+            files: &files,
+        };
         // Values of single keys are those of a file that holds them.
         read::<Self>(&write(self), sources)?;
         let found = self.contradictions(further);

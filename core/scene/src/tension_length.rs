@@ -205,6 +205,10 @@ impl Entry for TensionLength {
              span in turn.",
         ),
         (
+            "presag_ratio",
+            "Presag of each span as a share of its length, in place of `presag`.",
+        ),
+        (
             "stagger",
             "Lateral position of the contact wire at the supports in turn, positive to the left; repeated \
              cyclically.",
@@ -224,6 +228,7 @@ impl Entry for TensionLength {
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let spans = keys.count("spans", was.map(Self::spans), 1..=MAX_SPANS, None);
+        keys.written_out("presag_ratio", "", "any number, within ±0.02");
         let list = |of: fn(&Self) -> &Vec<f64>| was.map(|line| of(line).as_slice());
         Self {
             start_x: 0.0,

@@ -3,6 +3,7 @@
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Place, Problem, What};
+use crate::files::Files;
 use crate::write::{shown, shown_key};
 
 /// Place of something that was typed; indices into the text and the overrides that a [`Sources`] holds.
@@ -14,6 +15,15 @@ pub(crate) enum At {
     Line(usize),
     /// Override, from 0.
     Override(usize),
+    /// Line (from 1) and column of another file, by its number in [`Files`].
+    Other {
+        /// Number of the file.
+        file: u16,
+        /// Line, from 1.
+        line: usize,
+        /// Column of a table, from 0.
+        column: Option<u16>,
+    },
 }
 
 /// A value and where its key, or for an entry of a list itself, was typed.
@@ -43,6 +53,20 @@ pub(crate) struct Table {
     pub(crate) entries: Vec<(String, Node)>,
 }
 
+impl Node {
+    fn move_to(&mut self, file: u16) {
+        if let At::Line(line) = self.at {
+            let column = None;
+            self.at = At::Other { file, line, column };
+        }
+        match &mut self.value {
+            Value::List(list) => list.iter_mut().for_each(|node| node.move_to(file)),
+            Value::Table(table) => table.move_to(file),
+            _ => {}
+        }
+    }
+}
+
 impl From<Value> for Node {
     fn from(value: Value) -> Self {
         Self { at: At::File, value }
@@ -50,6 +74,18 @@ impl From<Value> for Node {
 }
 
 impl Table {
+    pub(crate) fn node_mut(&mut self, key: &str) -> Option<&mut Node> {
+        self.entries
+            .iter_mut()
+            .find(|(name, _)| name == key)
+            .map(|(_, node)| node)
+    }
+
+    /// Places of a text of its own become places of file `file`.
+    pub(crate) fn move_to(&mut self, file: u16) {
+        self.entries.iter_mut().for_each(|(_, node)| node.move_to(file));
+    }
+
     pub(crate) fn node(&self, key: &str) -> Option<&Node> {
         self.entries.iter().find(|(name, _)| name == key).map(|(_, node)| node)
     }
@@ -99,6 +135,7 @@ impl Table {
 pub(crate) struct Sources<'a> {
     pub(crate) origin: &'a str,
     pub(crate) overrides: &'a [String],
+    pub(crate) files: &'a Files<'a>,
 }
 
 impl Sources<'_> {
@@ -108,6 +145,7 @@ impl Sources<'_> {
             At::File => Place::File(file),
             At::Line(line) => Place::Line(file, line),
             At::Override(i) => Place::Override(file, self.overrides[i].clone()),
+            At::Other { file, line, column } => self.files.place(file, line, column),
         }
     }
 

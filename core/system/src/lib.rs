@@ -17,7 +17,7 @@ pub mod picture;
 pub mod run;
 pub mod time_shares;
 
-pub use catenary::load;
+pub use catenary::{load, load_with};
 
 /// Share of the work that crossed the contact beyond which the energy that the coupling added is worth a note (–).
 pub const ENERGY_SHARE: f64 = 0.01;

@@ -14,7 +14,7 @@ pub use corrections::{contradictions, corrections_left_out, impossible_correctio
 pub use division::{evenly_divided, resolve};
 pub use error_model::{MeshError, error_goes_by_waves, expected_error, expected_error_at};
 
-use scene::{Scene, SceneError, SceneFile, What};
+use scene::{Files, Scene, SceneError, SceneFile, What};
 
 /// Reads a scene from the text of a file with overrides, see [`Scene::from_toml`], chooses what it leaves open of its
 /// mesh, and checks it.
@@ -22,7 +22,15 @@ use scene::{Scene, SceneError, SceneFile, What};
 /// # Errors
 /// Every problem found; see [`Scene::from_toml`], [`resolve`] and [`contradictions`].
 pub fn load(text: &str, origin: &str, overrides: &[String]) -> Result<Scene, SceneError> {
-    let mut file = SceneFile::read(text, origin, overrides)?;
+    load_with(text, origin, overrides, &Files::none())
+}
+
+/// As [`load`], where the scene takes tables and parts from files beside it.
+///
+/// # Errors
+/// As [`load`]; in the files with file, line and column.
+pub fn load_with(text: &str, origin: &str, overrides: &[String], files: &Files<'_>) -> Result<Scene, SceneError> {
+    let mut file = SceneFile::read(text, origin, overrides, files)?;
     if let Err((key, what)) = resolve(&mut file.scene) {
         let problem = match what {
             What::Refused { value, expected } if !file.says(&key) => {

@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use scene::Scene;
+use scene::{Files, Scene};
 use tempfile::TempDir;
 
 use crate::cli::Common;
@@ -253,8 +253,14 @@ impl SceneFile {
             });
         }
         let text = scene_text(&found, path)?;
-        let scene = system::load(&text, &path.display().to_string(), &common.overrides).map_err(SetupError::from)?;
         let base = found.parent().unwrap_or(Path::new("")).to_owned();
+        let files = Files::new(|path| {
+            let read = std::fs::read_to_string(base.join(path));
+            read.map_err(|error| format!("cannot be read: {error}"))
+        });
+        let origin = path.display().to_string();
+        let scene = system::load_with(&text, &origin, &common.overrides, &files).map_err(SetupError::from)?;
+        drop(files);
         Ok(Self {
             scene,
             name: scene_name(&found),
