@@ -258,25 +258,20 @@ impl Section<'_> {
                 );
                 return;
             }
-            let all = self.messenger_attachments(span);
-            if let Some(pair) = all
-                .windows(2)
-                .find(|pair| pair[1] - pair[0] < SHORTEST_INTERVAL - ROUNDING)
-            {
-                let expected = format!(
-                    "must leave {SHORTEST_INTERVAL} m between a clamp and the droppers: in span {} of {path} they are \
-                     at {} m and {} m",
-                    span + 1,
-                    pair[0],
-                    pair[1]
-                );
-                refuse(
-                    found,
-                    "catenary.stitch_wires.length",
-                    shown_number(stitch.length, "m"),
-                    expected,
-                );
-                return;
+            let of_stitch_wire: Vec<f64> = self.stitch_stations(span).iter().map(|(offset, _)| *offset).collect();
+            for places in [self.messenger_attachments(span), of_stitch_wire] {
+                let close = |pair: &&[f64]| pair[1] - pair[0] < SHORTEST_INTERVAL - ROUNDING;
+                if let Some(pair) = places.windows(2).find(close) {
+                    let expected = format!(
+                        "must leave {SHORTEST_INTERVAL} m between a clamp and the droppers: in span {} of {path} two \
+                         are {:.3} m apart",
+                        span + 1,
+                        pair[1] - pair[0]
+                    );
+                    let value = shown_number(stitch.length, "m");
+                    refuse(found, "catenary.stitch_wires.length", value, expected);
+                    return;
+                }
             }
         }
     }

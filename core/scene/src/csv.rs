@@ -119,16 +119,15 @@ impl Csv {
         if cell.is_empty() {
             return Ok(None);
         }
-        match cell.parse::<f64>() {
-            Ok(number) if !number.is_nan() => Ok(Some(if factor == 1.0 { number } else { number * factor })),
-            _ => {
+        // A straight track has an infinite radius.
+        let good = |number: &f64| number.is_finite() || (name == "curve_radius_m" && !number.is_nan());
+        match cell.parse::<f64>().ok().filter(good) {
+            Some(number) if factor == 1.0 => Ok(Some(number)),
+            Some(number) => Ok(Some(number * factor)),
+            None => {
                 let at = self.at(row, Some(name));
-                Err(wrong(
-                    at,
-                    name,
-                    format!("{cell:?}"),
-                    "must be a number, with a point in decimals",
-                ))
+                let expected = "must be a number, with a point in decimals";
+                Err(wrong(at, name, format!("{cell:?}"), expected))
             }
         }
     }
