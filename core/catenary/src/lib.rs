@@ -60,7 +60,7 @@ pub use line::{
 pub use mesh::{load, load_with};
 pub use statics::{
     DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport, SupportReport,
-    TensionReport,
+    TensionReport, gradients, non_uniformity,
 };
 pub use subsystem::{
     CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StripStart, Subsystem, contact_pair,

@@ -94,11 +94,14 @@ enum Command {
         #[arg(long)]
         quick: bool,
     },
-    /// Solves the statics of a scene and says what will be modelled
-    #[command(arg = hidden_out(), after_help = EXIT_STATUS)]
+    /// Solves the statics of a scene, says what will be modelled and draws the line
+    #[command(after_help = EXIT_STATUS)]
     Check {
         /// Scene file, or an .ssp
         scene: PathBuf,
+        /// No page and no tables of the line.
+        #[arg(long)]
+        no_report: bool,
     },
     /// Writes Catenary.fmu and Pantograph.fmu for a scene
     #[command(after_help = EXIT_STATUS)]
@@ -207,7 +210,7 @@ pub fn main() -> ExitCode {
             quick,
         } => command::reproduce::thesis(quick, &common),
         Command::Stability { cases, quick } => command::stability::stability(&cases, quick, &common),
-        Command::Check { scene } => command::check::check(&scene, &common),
+        Command::Check { scene, no_report } => command::check::check(&scene, no_report, &common),
         Command::Package {
             scene,
             write_descriptions,

@@ -8,6 +8,7 @@ use serde::Serialize;
 use crate::strip_overrun;
 use crate::{Other, Prepared, SetupError, evaluated_spans};
 use results::Model;
+use scene::Scene;
 
 /// Statics, model and waves of a scene.
 #[derive(Clone, Debug, Serialize)]
@@ -107,7 +108,7 @@ impl Report {
         let scene = &prepared.scene;
         writeln!(out, "{}: {}", prepared.name, scene.title)?;
         match &self.statics {
-            Some(statics) => self.write_statics(statics, evaluated_spans(scene), out)?,
+            Some(statics) => self.write_statics(statics, scene, out)?,
             None => writeln!(out, "\nstatics: none, the line is a supplied FMU")?,
         }
         writeln!(out, "\nstart")?;
@@ -155,23 +156,20 @@ impl Report {
         Ok(())
     }
 
-    fn write_statics(
-        &self,
-        statics: &StaticsReport,
-        (first, last): (usize, usize),
-        out: &mut String,
-    ) -> std::fmt::Result {
+    fn write_statics(&self, statics: &StaticsReport, scene: &Scene, out: &mut String) -> std::fmt::Result {
+        let (first, last) = evaluated_spans(scene);
         writeln!(
             out,
             "\nstatics: {} iterations, residual {:.1e} N",
             statics.iterations, statics.residual
         )?;
         let tension = &statics.tension;
-        writeln!(
-            out,
-            "  tension: contact wire {:.1} N, messenger wire {:.1} N",
-            tension.contact_wire, tension.messenger_wire
-        )?;
+        let line = scene.modelled_line().map(|(line, _)| line);
+        let messenger = match line.is_some_and(|line| line.messenger_wire.is_some()) {
+            true => format!(", messenger wire {:.1} N", tension.messenger_wire),
+            false => String::new(),
+        };
+        writeln!(out, "  tension: contact wire {:.1} N{messenger}", tension.contact_wire)?;
         if let Some(waves) = &self.waves {
             writeln!(
                 out,
@@ -179,30 +177,50 @@ impl Report {
                 waves.contact_wire, waves.speed_ratio
             )?;
         }
-        writeln!(
-            out,
-            "\ndroppers of spans {first} to {last}\n  span        x [m]   length [m]    force [N]"
-        )?;
-        for dropper in statics
+        let several = line.is_some_and(|line| line.tension_lengths.len() > 1);
+        let length = |number: usize| {
+            if several {
+                format!("  {number:14}")
+            } else {
+                String::new()
+            }
+        };
+        let head = if several { "  tension length" } else { "" };
+        let (from, to) = line.map_or((0.0, 0.0), |line| (line.support_x(first - 1), line.support_x(last)));
+        let evaluated = statics
             .droppers
             .iter()
-            .filter(|dropper| (first..=last).contains(&dropper.span))
-        {
+            .filter(|dropper| (from..=to).contains(&dropper.x));
+        if !statics.droppers.is_empty() {
             writeln!(
                 out,
-                "  {:4} {:12.3} {:12.6} {:12.3}",
-                dropper.span, dropper.x, dropper.length, dropper.force
+                "\ndroppers of spans {first} to {last}\n{head}  span        x [m]   length [m]    force [N]"
+            )?;
+        }
+        for dropper in evaluated {
+            writeln!(
+                out,
+                "{}  {:4} {:12.3} {:12.6} {:12.3}",
+                length(dropper.tension_length),
+                dropper.span,
+                dropper.x,
+                dropper.length,
+                dropper.force
             )?;
         }
         writeln!(
             out,
-            "\nsupports\n     x [m]   messenger [N]     arm [N]   contact wire z [m]"
+            "\nsupports\n{head}     x [m]   messenger [N]     arm [N]   contact wire z [m]"
         )?;
         for support in &statics.supports {
             writeln!(
                 out,
-                "{:10.3} {:15.3} {:11.3} {:20.6}",
-                support.x, support.messenger_reaction, support.arm_force, support.contact_wire_z
+                "{}{:10.3} {:15.3} {:11.3} {:20.6}",
+                length(support.tension_length),
+                support.x,
+                support.messenger_reaction,
+                support.arm_force,
+                support.contact_wire_z
             )?;
         }
         writeln!(out, "\nelasticity under 100 N\n     x [m]   rise [mm/N]")?;

@@ -3,6 +3,7 @@
 #![forbid(unsafe_code)]
 
 pub mod check;
+pub mod check_page;
 mod error;
 mod mesh;
 mod modelled;

@@ -2,9 +2,11 @@
 use super::options::{BendingLayers, Dimension, LineOptions};
 use nalgebra::Vector3;
 use scene::{Catenary, Element, MassOn, Section};
+use serde::{Deserialize, Serialize};
 
 /// Kind of a wire.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum WireName {
     /// Wire that collector strips touch.
     ContactWire,

@@ -21,7 +21,9 @@ mod report;
 
 pub use error::StaticsError;
 pub(crate) use repeat::Repeat;
-pub use report::{DropperReport, ElasticityReport, StaticsReport, SupportReport, TensionReport};
+pub use report::{
+    DropperReport, ElasticityReport, StaticsReport, SupportReport, TensionReport, gradients, non_uniformity,
+};
 
 use crate::line::Equilibrium;
 use crate::line::window::{Cells, Source};
@@ -165,6 +167,12 @@ impl StaticLine {
     #[must_use]
     pub fn report(&self) -> &StaticsReport {
         &self.report
+    }
+
+    /// The line of the scene that was solved: a long line of equal spans is solved as a short one.
+    #[must_use]
+    pub fn scene_line(&self) -> &Catenary {
+        &self.catenary
     }
 
     /// The line in its own layout, coordinates numbered from 0.
@@ -389,7 +397,10 @@ impl StaticLine {
             .iter()
             .enumerate()
             .map(|(index, place)| DropperReport {
+                tension_length: place.section + 1,
                 span: place.span,
+                dropper: place.position + 1,
+                hangs_from: self.topology.wires()[place.upper.wire].name,
                 x: self.topology.x_of(place.lower),
                 length: line.droppers().as_slice()[index].unstressed_length,
                 force: line.droppers().tension(index, &motion),
@@ -413,6 +424,7 @@ impl StaticLine {
                 )
             };
             supports.push(SupportReport {
+                tension_length: support.section + 1,
                 x: support.x,
                 messenger_reaction,
                 arm_force,

@@ -1,5 +1,33 @@
 //! Report of statics for people, tests and tools.
+use crate::WireName;
 use serde::{Deserialize, Serialize};
+
+/// Slopes of the chords between neighbouring supports of one tension length: to the next support, and the change at
+/// this one; none where there is no chord.
+#[must_use]
+pub fn gradients(supports: &[SupportReport]) -> Vec<(Option<f64>, Option<f64>)> {
+    let slope = |i: usize| {
+        let (a, b) = (supports.get(i)?, supports.get(i + 1)?);
+        (a.tension_length == b.tension_length).then(|| (b.contact_wire_z - a.contact_wire_z) / (b.x - a.x))
+    };
+    (0..supports.len())
+        .map(|i| {
+            let next = slope(i);
+            let before = i.checked_sub(1).and_then(slope);
+            (next, next.zip(before).map(|(next, before)| next - before))
+        })
+        .collect()
+}
+
+/// Non-uniformity of the elasticity, `u = (e_max − e_min)/(e_max + e_min)`, –, with the least and the largest
+/// elasticity, m/N; none without points.
+#[must_use]
+pub fn non_uniformity(points: &[ElasticityReport]) -> Option<(f64, f64, f64)> {
+    let values = points.iter().map(|point| point.elasticity);
+    let least = values.clone().reduce(f64::min)?;
+    let most = values.reduce(f64::max)?;
+    Some(((most - least) / (most + least), least, most))
+}
 
 /// Report of the static state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -22,8 +50,14 @@ pub struct StaticsReport {
 /// One dropper in the static state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DropperReport {
-    /// Span, counted from 1.
+    /// Tension length, counted from 1.
+    pub tension_length: usize,
+    /// Span of the tension length, counted from 1.
     pub span: usize,
+    /// Number within the span, counted from 1.
+    pub dropper: usize,
+    /// Wire from which the dropper hangs.
+    pub hangs_from: WireName,
     /// Position along the track, m.
     pub x: f64,
     /// Unstressed length, m, as `droppers.lengths` of a scene.
@@ -37,6 +71,8 @@ pub struct DropperReport {
 /// One support in the static state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SupportReport {
+    /// Tension length, counted from 1.
+    pub tension_length: usize,
     /// Position along the track, m.
     pub x: f64,
     /// Vertical force on the messenger wire, N, upwards.
@@ -69,4 +105,44 @@ pub struct TensionReport {
     /// N.
     #[serde(rename = "messenger_wire_N")]
     pub messenger_wire: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn support(tension_length: usize, x: f64, contact_wire_z: f64) -> SupportReport {
+        SupportReport {
+            tension_length,
+            x,
+            messenger_reaction: 0.0,
+            arm_force: 0.0,
+            contact_wire_z,
+        }
+    }
+
+    #[test]
+    fn gradients_are_those_of_chords_within_a_tension_length() {
+        let all = [
+            support(1, 0.0, 5.3),
+            support(1, 50.0, 5.4),
+            support(1, 100.0, 5.4),
+            support(2, 80.0, 5.3),
+            support(2, 130.0, 5.25),
+        ];
+        let found = gradients(&all);
+        let near = |a: Option<f64>, b: f64| (a.unwrap() - b).abs() < 1e-12;
+        assert!(near(found[0].0, 0.002) && found[0].1.is_none());
+        assert!(near(found[1].0, 0.0) && near(found[1].1, -0.002));
+        assert_eq!(found[2], (None, None));
+        assert!(near(found[3].0, -0.001) && found[3].1.is_none());
+    }
+
+    #[test]
+    fn non_uniformity_is_half_the_spread_over_the_mean() {
+        let point = |elasticity| ElasticityReport { x: 0.0, elasticity };
+        let (u, least, most) = non_uniformity(&[point(4e-4), point(6e-4), point(5e-4)]).unwrap();
+        assert!((u - 0.2).abs() < 1e-12 && (least, most) == (4e-4, 6e-4));
+        assert!(non_uniformity(&[]).is_none());
+    }
 }

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `html` | a self-contained page |
 //! | `label` | names of runs on one page |
+//! | `line` | page of a line at rest |
 //! | `verdict` | which limits fail, which hold, by how much |
 //! | `sections` | text and tables of the page |
 //! | `plots` | plots of the page |
@@ -14,6 +15,7 @@
 mod animation;
 mod html;
 mod label;
+mod line;
 pub mod plots;
 mod progress;
 mod sections;
@@ -24,6 +26,7 @@ mod verdict;
 
 pub use html::{Page, escape, head_cells, plot_html, remarks};
 pub use label::labels;
+pub use line::{LinePage, PageDropper, PageSpan, PageSupport, PageWire};
 pub use progress::{Progress, Show};
 pub use table::aligned;
 pub use table::table;

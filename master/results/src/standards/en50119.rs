@@ -23,6 +23,23 @@ fn largest(system: Electrification, speed_kmh: f64) -> f64 {
     }
 }
 
+/// Largest gradient of the contact wire against the track and largest change of it at a support, – and –, at a speed in
+/// km/h.  `[EN 50119:2009, 5.10.3]`, remembered
+#[must_use]
+pub fn gradient_limit(speed_kmh: f64) -> (f64, f64) {
+    const TABLE: [(f64, f64, f64); 7] = [
+        (50.0, 40.0, 40.0),
+        (60.0, 50.0, 100.0),
+        (100.0, 167.0, 333.0),
+        (120.0, 250.0, 500.0),
+        (160.0, 300.0, 600.0),
+        (200.0, 500.0, 1000.0),
+        (250.0, 1000.0, 2000.0),
+    ];
+    let row = TABLE.iter().find(|(speed, ..)| speed_kmh <= speed + 1e-9);
+    row.map_or((0.0, 0.0), |(_, gradient, change)| (1.0 / gradient, 1.0 / change))
+}
+
 /// Limits for one pantograph: in Table 4 the maximum goes with system and speed, the minimum is positive.
 pub(super) fn of_pantograph(conditions: &Conditions, figures: &Figures) -> [Limit; 2] {
     let table = (NAME, "2009, 5.2.5.2, Table 4");

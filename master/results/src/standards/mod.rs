@@ -30,6 +30,7 @@ mod en50367;
 #[cfg(test)]
 mod tests;
 
+pub use en50119::gradient_limit;
 use scene::Electrification;
 use serde::{Deserialize, Serialize};
 
