@@ -371,7 +371,7 @@ impl Catenary {
     pub fn part(&self, start: usize, end: usize) -> Self {
         Self {
             tension_lengths: vec![self.tension_lengths[0].part(start, end)],
-            droppers: self.droppers.from_span(start),
+            droppers: self.droppers.beginning_with(start),
             ..self.clone()
         }
     }
@@ -379,7 +379,7 @@ impl Catenary {
 
 impl Droppers {
     /// Droppers of a line that begins with span `start` (from 0) of this one.
-    fn from_span(&self, start: usize) -> Self {
+    fn beginning_with(&self, start: usize) -> Self {
         let rotated = |lists: &Vec<Vec<f64>>| from(lists, start);
         Self {
             positions: rotated(&self.positions),

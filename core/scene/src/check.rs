@@ -103,6 +103,12 @@ impl Scene {
     /// A sliding joint needs the equations of both sides.
     fn check_joint(&self, found: &mut Found) {
         let joined = (self.contact.as_ref()).is_some_and(|contact| contact.law == ContactLaw::SlidingJoint);
+        let wires = self.modelled_line().map_or(1, |(line, _)| line.contact_wires());
+        if joined && wires > 1 {
+            let expected =
+                format!("must be \"penalty\" on a line of {wires} contact wires: a joint holds a strip on one");
+            refuse(found, "contact.law", "\"sliding_joint\"", expected);
+        }
         let other = |pantograph: &Pantograph| matches!(pantograph.model, PantographModel::Supplied(_));
         if let Some(index) = self.pantographs.iter().position(other).filter(|_| joined) {
             let expected = format!(

@@ -4,9 +4,12 @@ use std::cell::RefCell;
 
 use crate::error::Place;
 
+/// Text of a file, or why there is none.
+type Open<'a> = Box<dyn Fn(&str) -> Result<String, String> + 'a>;
+
 /// Files beside a scene, and what was read of them, which messages name.
 pub struct Files<'a> {
-    open: Box<dyn Fn(&str) -> Result<String, String> + 'a>,
+    open: Open<'a>,
     read: RefCell<Vec<Read>>,
 }
 

@@ -244,13 +244,12 @@ impl Entry for TensionLength {
                 Number::positive("m").at_most(HIGHEST_WIRE),
                 spans + 1,
             ),
-            encumbrance: keys
-                .has("encumbrance", was.is_some_and(|line| !line.encumbrance.is_empty()))
-                .then(|| {
-                    let list = list(|line| &line.encumbrance);
-                    keys.one_or_each("encumbrance", list, Number::positive("m"), spans + 1)
-                })
-                .unwrap_or_default(),
+            encumbrance: keys.optional_one_or_each(
+                "encumbrance",
+                list(|line| &line.encumbrance),
+                Number::positive("m"),
+                spans + 1,
+            ),
             presag: keys.one_or_each("presag", list(|line| &line.presag), Number::any("m"), spans),
             stagger: keys.numbers(
                 "stagger",
@@ -258,27 +257,17 @@ impl Entry for TensionLength {
                 Number::any("m"),
                 Length::NotEmpty,
             ),
-            messenger_stagger: keys
-                .has(
-                    "messenger_stagger",
-                    was.is_some_and(|line| !line.messenger_stagger.is_empty()),
-                )
-                .then(|| {
-                    keys.numbers(
-                        "messenger_stagger",
-                        list(|line| &line.messenger_stagger),
-                        Number::any("m"),
-                        Length::NotEmpty,
-                    )
-                })
-                .unwrap_or_default(),
-            curve_radius: keys
-                .has("curve_radius", was.is_some_and(|line| !line.curve_radius.is_empty()))
-                .then(|| {
-                    let list = list(|line| &line.curve_radius);
-                    keys.one_or_each("curve_radius", list, Number::radius(), spans + 1)
-                })
-                .unwrap_or_default(),
+            messenger_stagger: keys.optional_numbers(
+                "messenger_stagger",
+                list(|line| &line.messenger_stagger),
+                Number::any("m"),
+            ),
+            curve_radius: keys.optional_one_or_each(
+                "curve_radius",
+                list(|line| &line.curve_radius),
+                Number::radius(),
+                spans + 1,
+            ),
             dropper_positions: Vec::new(),
         }
     }
@@ -303,15 +292,16 @@ impl Entry for Placed {
         let was = was.map(|placed| &placed.0);
         let own = was.is_some_and(|line| !line.dropper_positions.is_empty());
         let start = Number::not_negative("m").default(0.0);
+        let start_x = keys.number("start_x", was.map(|line| line.start_x), start);
+        let dropper_positions = if keys.has("dropper_positions", own) {
+            let positions = was.map(|line| line.dropper_positions.as_slice());
+            keys.list_or_lists("dropper_positions", positions, Number::any("m"))
+        } else {
+            Vec::new()
+        };
         Self(TensionLength {
-            start_x: keys.number("start_x", was.map(|line| line.start_x), start),
-            dropper_positions: keys
-                .has("dropper_positions", own)
-                .then(|| {
-                    let positions = was.map(|line| line.dropper_positions.as_slice());
-                    keys.list_or_lists("dropper_positions", positions, Number::any("m"))
-                })
-                .unwrap_or_default(),
+            start_x,
+            dropper_positions,
             ..keys.part(was)
         })
     }

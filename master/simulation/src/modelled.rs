@@ -54,9 +54,10 @@ impl Prepared {
         let elements = window.map_or(elements, |window| window.elements);
         let line = match &scene.catenary {
             scene::Line::Supplied(entry) => format!("FMU {}", entry.fmu),
-            scene::Line::Modelled(_) => format!(
-                "{elements} cable elements in two wires, {} spans; mesh: {}; {}; {}{}",
-                statics.map_or(0, catenary::StaticLine::spans),
+            scene::Line::Modelled(line) => format!(
+                "{elements} cable elements in {}, {} spans; mesh: {}; {}; {}{}",
+                wires(line),
+                statics.map_or(0, |_| line.spans()),
                 mesh::described(scene),
                 dimension(scene),
                 motion(scene),
@@ -356,6 +357,23 @@ fn around(window: WindowSize) -> String {
 }
 
 /// Start of a supplied pantograph in words.
+/// The wires of a line in words.
+fn wires(line: &scene::Catenary) -> String {
+    let mut text = match (line.contact_wire_spacing, &line.messenger_wire) {
+        (None, Some(_)) => "two wires".to_owned(),
+        (Some(_), Some(_)) => "a twin contact wire and a messenger wire".to_owned(),
+        (None, None) => "a single wire".to_owned(),
+        (Some(_), None) => "a twin contact wire".to_owned(),
+    };
+    if line.stitch_wires.is_some() {
+        text.push_str(" and stitch wires");
+    }
+    match line.tension_lengths.len() {
+        1 => text,
+        count => format!("{text}, {count} tension lengths"),
+    }
+}
+
 fn supplied_start(initialise: Initialise, settling: Option<Settling>, start: Start) -> String {
     let Start { height, force } = start;
     match (initialise, settling) {

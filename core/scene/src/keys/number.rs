@@ -323,6 +323,30 @@ impl Keys<'_> {
         }
     }
 
+    /// As [`Keys::one_or_each`], where the key may be left out: an empty list.
+    pub(crate) fn optional_one_or_each(
+        &mut self,
+        name: &str,
+        was: Option<&[f64]>,
+        number: Number,
+        n: usize,
+    ) -> Vec<f64> {
+        if self.has(name, was.is_some_and(|list| !list.is_empty())) {
+            self.one_or_each(name, was, number, n)
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// A list of at least one number, where the key may be left out: an empty list.
+    pub(crate) fn optional_numbers(&mut self, name: &str, was: Option<&[f64]>, number: Number) -> Vec<f64> {
+        if self.has(name, was.is_some_and(|list| !list.is_empty())) {
+            self.numbers(name, was, number, Length::NotEmpty)
+        } else {
+            Vec::new()
+        }
+    }
+
     /// A list of numbers that holds everywhere, or a list of such lists; at least one number in each.
     pub(crate) fn list_or_lists(&mut self, name: &str, was: Option<&[Vec<f64>]>, number: Number) -> Vec<Vec<f64>> {
         if let Some([list]) = was {
