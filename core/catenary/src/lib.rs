@@ -11,7 +11,6 @@
 //! contact     contact wire against collector strips
 //! unilateral  force law that contacts and droppers share, over a time step
 //! subsystem   the line of a scene under prescribed strips as one simulation unit
-//! simd        several elements side by side in vector registers
 //! ```
 //!
 //! # Sources
@@ -35,7 +34,6 @@ mod contact;
 mod dropper;
 mod line;
 pub mod mesh;
-mod simd;
 mod statics;
 mod subsystem;
 mod support;

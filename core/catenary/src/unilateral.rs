@@ -1,6 +1,6 @@
 //! Unilateral law: a spring and a damper that only push (a contact) or only pull (a dropper), over a time step.
-use crate::simd::Number;
 use dynamics::Weights;
+use dynamics::simd::Number;
 
 /// `max(0, k δ + φ d δ̇)`, N: force of a unilateral spring `k` (N/m) and damper `d` (N·s/m). `part` is `φ`, the
 /// fraction of the time step in which the damper acts, see [`UnilateralStep`].

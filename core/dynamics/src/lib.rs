@@ -27,6 +27,8 @@
 //! | `random` | reproducible random numbers |
 //! | `integrate` | equilibrium, and motion in time |
 //! | `linear` | linear systems of Newton's method |
+//! | `simd` | numbers of several owners side by side in vector registers |
+//! | `resting_spline` | smooth curves through samples |
 //! | `wind` | wind along the track, and its forces |
 //! | `testing` | checks of laws by differences, for tests |
 //!
@@ -53,6 +55,7 @@ mod motion;
 mod random;
 mod resting_spline;
 pub mod rotation;
+pub mod simd;
 mod system;
 pub mod testing;
 mod wind;

@@ -663,8 +663,8 @@ impl Entry for Droppers {
     const SENTENCES: Sentences = &[
         (
             "positions",
-            "Distances from the left support of each span, ascending, inside the span: one list for all spans, or one list \
-             for each span.",
+            "Distances from the left support of each span, ascending, inside the span: one list for all spans, or one \
+             list for each span.",
         ),
         (
             "rule",

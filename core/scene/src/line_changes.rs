@@ -1,4 +1,5 @@
-//! What a line meets after it was erected: `[catenary.change]`, `[[catenary.point_mass]]`, `[catenary.surface]`.
+//! Changes of an erected line, masses and the running surface: `[catenary.change]`, `[[catenary.point_mass]]`,
+//! `[catenary.surface]`.
 
 use crate::check::{Found, refuse};
 use crate::choice::choice;

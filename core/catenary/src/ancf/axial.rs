@@ -2,7 +2,7 @@
 //!
 //! `X` is the arc length of the unstressed wire, `x = λ X` that at nominal tension: `r,_X = λ r,ₓ`.
 use super::slopes::{Length, SlopeTangent, Slopes, TENSION, add_block, add_identity_blocks, weights};
-use crate::simd::{Number, Space};
+use dynamics::simd::{Number, Space};
 use nalgebra::{Matrix3, SVector};
 
 /// Five Gauss points on `0 ≤ ξ ≤ 1` with their weights: exact to degree nine.

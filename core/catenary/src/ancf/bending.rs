@@ -1,6 +1,6 @@
 //! Bending laws.
 use super::slopes::{BENDING, Length, SlopeTangent, Slopes, add_block, add_identity_blocks, weights};
-use crate::simd::{Number, Space};
+use dynamics::simd::{Number, Space};
 use nalgebra::{Matrix3, Vector3};
 
 /// Three Gauss points on `0 ≤ ξ ≤ 1` with their weights, as the published cable elements use them.

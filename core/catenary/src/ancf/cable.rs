@@ -3,7 +3,7 @@ use super::axial::{Axial, AxialLaw, nominal_stretch};
 use super::bending::{Bending, BendingLaw};
 use super::shape::{bending_matrix, tension_matrix};
 use super::slopes::{Length, SlopeTangent, Slopes};
-use crate::simd::{Number, Space};
+use dynamics::simd::{Number, Space};
 use nalgebra::{SMatrix, Vector3};
 
 /// The twelve coordinates as columns `r₁, r₁,ₓ, r₂, r₂,ₓ` [Thesis, Eq. (1)]; also a force on them (N, N·m, N, N·m).

@@ -1,5 +1,5 @@
 //! Constant matrices of an element that are the same from either end.
-use crate::simd::{Number, Space};
+use dynamics::simd::{Number, Space};
 use nalgebra::Matrix4;
 
 /// A symmetric 4 × 4 matrix `A` on `e = (r₁, r₁,ₓ, r₂, r₂,ₓ)` that is equal for an element seen from its other end, as

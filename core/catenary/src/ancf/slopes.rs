@@ -1,5 +1,5 @@
 //! Slopes: the variables that the strain of an element depends on.
-use crate::simd::{Number, Space};
+use dynamics::simd::{Number, Space};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Length of an element, m, and its inverse for divisions.

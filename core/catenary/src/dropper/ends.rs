@@ -2,7 +2,7 @@
 use super::Dropper;
 use super::lanes::{Array, LANES};
 use crate::Attachment;
-use crate::simd::Transpose;
+use dynamics::simd::Transpose;
 use pulp::Simd;
 
 /// Positions of the coordinates of the upper and lower ends of some droppers among those of the system.

@@ -101,8 +101,8 @@ pub trait OverheadLine: Send {
     }
 }
 
-/// [`dynamics::System::follow`] for a system of a line and strips on it; `contacts` are those of each strip in turn with
-/// each contact wire in turn.
+/// [`dynamics::System::follow`] for a system of a line and strips on it; `contacts` are those of each strip in turn
+/// with each contact wire in turn.
 pub fn follow_strips<C: OnWire>(
     line: &mut dyn OverheadLine,
     contacts: &mut [C],

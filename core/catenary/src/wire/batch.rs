@@ -7,7 +7,7 @@ use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, NodePlaces};
 use super::rows::NodeRows;
 use crate::ancf::{CableSection, EvenMatrix, Length, Slopes};
-use crate::simd::{Components, GROUP, Lanes, Space, Transpose};
+use dynamics::simd::{Components, GROUP, Lanes, Space, Transpose};
 use dynamics::{Blocks, Motion, Weights};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};

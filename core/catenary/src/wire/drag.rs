@@ -4,7 +4,7 @@ use super::geometry::WireGeometry;
 use super::places::{BLOCK, NODES, NodeArrays, NodePlaces};
 use super::rows::NodeRows;
 use crate::ancf::ShapeFunctions;
-use crate::simd::{GROUP, Transpose};
+use dynamics::simd::{GROUP, Transpose};
 use dynamics::{Blocks, ByRange, CrossFlow, Force, Motion, OnePass, Power, Weights, Wind};
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, WithSimd};

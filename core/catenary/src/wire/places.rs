@@ -1,7 +1,7 @@
 //! Transfer between the coordinates of a system and the arrays of a batch of elements.
 use super::node::WireNode;
 use super::rows::{NodeRows, gather, scatter};
-use crate::simd::{GROUP, Transpose};
+use dynamics::simd::{GROUP, Transpose};
 use pulp::Simd;
 use std::ops::Range;
 

@@ -1,9 +1,9 @@
 //! Numbers of nodes, consecutive among the coordinates, as the rows that elements take.
 use super::places::{NODES, NodeArrays};
-use crate::simd::{GROUP, Transpose, change, run};
+use dynamics::simd::{GROUP, Transpose, change, run};
 use pulp::Simd;
 
-/// Numbers of each node of a block, in the order of [`crate::simd::Transpose`]: the first four, then the rest.
+/// Numbers of each node of a block, in the order of [`dynamics::simd::Transpose`]: the first four, then the rest.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub(super) struct NodeRows {

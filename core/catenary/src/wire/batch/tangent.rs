@@ -1,7 +1,7 @@
 //! The tangent of the elements.
 use super::{BLOCK, Block, ElementGroup, GroupLanes, Sweep, TangentGroup, Transpose};
 use crate::ancf::{CableSection, EvenMatrix};
-use crate::simd::{GROUP, Lanes};
+use dynamics::simd::{GROUP, Lanes};
 use dynamics::{Blocks, Motion, Weights};
 use pulp::{Arch, Simd, WithSimd};
 

@@ -8,7 +8,8 @@ use pulp::{Interleave, Simd};
 /// The fewest instructions that turn rows into columns permute as many rows as a register has lanes: rows are put in
 /// such an order that columns come out in that of the owners.
 #[derive(Clone, Copy)]
-pub(crate) struct Transpose<S: Simd> {
+pub struct Transpose<S: Simd> {
+    /// The processor's registers.
     pub simd: S,
     /// Row of each lane's owner.
     of_four: [usize; GROUP],
@@ -20,6 +21,7 @@ pub(crate) struct Transpose<S: Simd> {
 struct Aligned<T>(T);
 
 impl<S: Simd> Transpose<S> {
+    /// Transposition in these registers.
     #[inline(always)]
     pub fn new(simd: S) -> Self {
         let mut order = Self {
@@ -144,13 +146,13 @@ impl<S: Simd> Transpose<S> {
 
 /// The `D` numbers that begin at `start`.
 #[inline(always)]
-pub(crate) fn run<const D: usize>(values: &[f64], start: usize) -> &[f64; D] {
+pub fn run<const D: usize>(values: &[f64], start: usize) -> &[f64; D] {
     values[start..].first_chunk().expect("owners are within")
 }
 
 /// Changes the `D` numbers that begin at `start`; `to` is given each with its place among them.
 #[inline(always)]
-pub(crate) fn change<const D: usize>(values: &mut [f64], start: usize, to: impl Fn(f64, usize) -> f64) {
+pub fn change<const D: usize>(values: &mut [f64], start: usize, to: impl Fn(f64, usize) -> f64) {
     let run = values[start..].first_chunk_mut::<D>().expect("owners are within");
     *run = std::array::from_fn(|i| to(run[i], i));
 }

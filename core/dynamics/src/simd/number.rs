@@ -3,7 +3,7 @@ use nalgebra::Vector3;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Number per element.
-pub(crate) trait Number:
+pub trait Number:
     Copy
     + Neg<Output = Self>
     + Add<Output = Self>
@@ -27,7 +27,7 @@ pub(crate) trait Number:
 }
 
 /// Vector per element.
-pub(crate) trait Space:
+pub trait Space:
     Copy + Neg<Output = Self> + Add<Output = Self> + Sub<Output = Self> + Mul<Self::Number, Output = Self>
 {
     /// Number that multiplies a vector.

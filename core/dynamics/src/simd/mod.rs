@@ -10,6 +10,6 @@ mod lanes;
 mod number;
 mod transpose;
 
-pub(crate) use lanes::{Components, GROUP, Lanes};
-pub(crate) use number::{Number, Space};
-pub(crate) use transpose::{Transpose, change, run};
+pub use lanes::{Components, GROUP, Lanes};
+pub use number::{Number, Space};
+pub use transpose::{Transpose, change, run};

@@ -4,11 +4,11 @@ use pulp::Simd;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Elements per group in memory; a vector register holds 1, 4 or 8 of their numbers.
-pub(crate) const GROUP: usize = 8;
+pub const GROUP: usize = 8;
 
 /// Number of each element of a group in a register.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lanes<S: Simd> {
+pub struct Lanes<S: Simd> {
     simd: S,
     values: S::f64s,
 }
@@ -125,7 +125,7 @@ impl<S: Simd> Number for Lanes<S> {
 
 /// A vector of `D` components: x, y, z or, in a plane, x and z.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Components<N, const D: usize>(pub [N; D]);
+pub struct Components<N, const D: usize>(pub [N; D]);
 
 impl<N: Number, const D: usize> Components<N, D> {
     /// Applies `operation` to every component. Iterators are avoided: code that is not inlined cannot use vector
