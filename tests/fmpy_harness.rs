@@ -179,11 +179,24 @@ fn write_system(text: &str, overrides: &[&str], name: &str, folder: &Path) {
     fs::write(path, exported.archive).unwrap();
 }
 
+/// A line with stitch wires, whose elements have coordinates that do not follow each other.
+const STITCHED: &str = include_str!("../scenes/ac-stitched.toml");
+const SHORT_AND_COARSE: &[&str] = &[
+    "catenary.mesh.elements_per_interval=1",
+    "catenary.spans=8",
+    "run.duration=3",
+    "run.evaluate={ time = [1, 2] }",
+];
+
 #[test]
 fn both_fmus_pass_the_checks_in_fmpy() {
     let interpreter = environment("fmpy", &tree().join("tests/fmpy/requirements.txt"));
     let data = tempfile::tempdir().unwrap();
-    for (name, text, overrides) in [("en50318", EN_250, COARSE), ("thesis", THESIS, &[])] {
+    for (name, text, overrides) in [
+        ("en50318", EN_250, COARSE),
+        ("thesis", THESIS, &[]),
+        ("stitched", STITCHED, SHORT_AND_COARSE),
+    ] {
         let folder = data.path().join(name);
         fs::create_dir(&folder).unwrap();
         let fmus = Packaged::new(text, overrides);

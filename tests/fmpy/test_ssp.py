@@ -11,7 +11,7 @@ from lxml import etree
 from driver import Table
 
 
-@pytest.fixture(params=("en50318", "thesis"))
+@pytest.fixture(params=("en50318", "thesis", "stitched"))
 def exported(request):
     return pathlib.Path(request.config.getoption("--data")) / request.param / "system.ssp"
 

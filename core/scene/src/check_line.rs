@@ -247,7 +247,7 @@ impl Section<'_> {
             let length = self.span_lengths[span];
             if needed > length {
                 let expected = format!(
-                    "must be less: the halves of the stitch wires in span {} of {path} need {needed} m of its {length} m",
+                    "must be less: in span {} of {path} the halves of stitch wires need {needed} m of its {length} m",
                     span + 1
                 );
                 refuse(

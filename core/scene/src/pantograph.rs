@@ -51,6 +51,8 @@ pub struct Lumped {
     pub strip: Strip,
     /// Upward force that the raised pantograph exerts at rest, N.
     pub static_force: f64,
+    /// Upward force of the air that meets the pantograph, N per (m/s)² of the speed.
+    pub aero_coefficient: f64,
     /// kg, positive, n entries.
     pub masses: Vec<f64>,
     /// N/m, not negative, n entries.
@@ -74,12 +76,28 @@ impl Lumped {
         Self {
             strip: Strip { width: strip_width },
             static_force,
+            aero_coefficient: 0.0,
             masses: masses.to_vec(),
             stiffnesses: stiffnesses.to_vec(),
             dampings: dampings.to_vec(),
             reference_height: None,
             unilateral: vec![false; masses.len()],
             friction: vec![0.0; masses.len()],
+        }
+    }
+
+    /// The pantograph with the upward force of its air at `speed` (m/s) as part of its static force.
+    #[must_use]
+    pub fn at_speed(&self, speed: f64) -> Self {
+        let lift = if self.aero_coefficient == 0.0 {
+            0.0
+        } else {
+            self.aero_coefficient * speed * speed
+        };
+        Self {
+            static_force: self.static_force + lift,
+            aero_coefficient: 0.0,
+            ..self.clone()
         }
     }
 }
@@ -251,6 +269,11 @@ impl Entry for Lumped {
             "static_force",
             "Upward force that the raised pantograph exerts at rest.",
         ),
+        (
+            "aero_coefficient",
+            "Upward force of the air on the pantograph per square of the speed, part of the static force of a run; \
+             without a table of wind.",
+        ),
         ("stiffnesses", "Spring under each mass, the last one to the base."),
         ("dampings", "Damper under each mass."),
         (
@@ -283,6 +306,11 @@ impl Entry for Lumped {
                 "static_force",
                 was.map(|lumped| lumped.static_force),
                 Number::positive("N"),
+            ),
+            aero_coefficient: keys.number(
+                "aero_coefficient",
+                was.map(|lumped| lumped.aero_coefficient),
+                Number::any("N s²/m²").default(0.0),
             ),
             masses,
             stiffnesses: keys.numbers(

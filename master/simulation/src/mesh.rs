@@ -35,8 +35,8 @@ pub fn described(scene: &Scene) -> String {
     text
 }
 
-/// The error that mesh and internal steps of `step` s are expected to make, or why none is known; `None` for somebody
-/// else's line.
+/// The error that mesh and internal steps of `step` s are expected to make, or why none is known; `None` for a
+/// supplied line.
 #[must_use]
 pub fn expected_error(scene: &Scene, step: f64) -> Option<String> {
     let (catenary, _) = scene.modelled_line()?;

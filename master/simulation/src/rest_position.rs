@@ -21,7 +21,7 @@ pub(crate) fn warnings(prepared: &Prepared) -> Vec<String> {
     let scene = &prepared.scene;
     let numbered = scene.pantographs.iter().enumerate();
     let warned = numbered.filter_map(|(index, pantograph)| match &pantograph.model {
-        PantographModel::Lumped(lumped) => lumped_warning(scene, index, lumped),
+        PantographModel::Lumped(lumped) => lumped_warning(scene, index, &lumped.at_speed(scene.run.speed)),
         PantographModel::Supplied(_) => {
             let stated = *prepared.stated_forces.get(index)?;
             if prepared.settling.is_some() {

@@ -128,7 +128,7 @@ pub(crate) fn build(
     let travel = base.vehicle().map(|vehicle| vehicle.travel());
     match entry {
         Entry::Lumped(entry) => {
-            let mut lumped = Lumped::new(entry, name, layout)?;
+            let mut lumped = Lumped::new(&entry.at_speed(placement.speed), name, layout)?;
             lumped.mount_on(&mount, base.base_point(lumped.reference_height()));
             if let Some(travel) = travel {
                 lumped.follow_curves(travel, gravity);

@@ -1,4 +1,4 @@
-//! Somebody else's pantograph through the program's command line.
+//! A supplied pantograph through the program's command line.
 
 use std::process::Output;
 

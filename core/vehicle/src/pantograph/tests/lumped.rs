@@ -10,6 +10,7 @@ fn en50318() -> scene::Lumped {
     scene::Lumped {
         strip: scene::Strip { width: 1.2 },
         static_force: 120.0,
+        aero_coefficient: 0.0,
         masses: vec![7.2, 15.0],
         stiffnesses: vec![4200.0, 50.0],
         dampings: vec![0.0, 0.0],
@@ -69,6 +70,27 @@ fn integrator(rho_inf: f64) -> GeneralizedAlpha {
 /// Force at rest with the strip at the height of unstretched unloaded springs: 50 N/m bear what 120 N shorten the 4200
 /// N/m by.
 const AT_REFERENCE: f64 = 120.0 / (1.0 + 50.0 / 4200.0);
+
+#[test]
+fn the_air_adds_its_coefficient_times_the_square_of_the_speed_to_the_static_force() {
+    // The placement runs at 70 m/s.
+    let (plain, _) = alone(
+        scene::Lumped {
+            static_force: 120.0 + 0.01 * 4900.0,
+            ..en50318()
+        },
+        false,
+    );
+    let (lifted, _) = alone(
+        scene::Lumped {
+            aero_coefficient: 0.01,
+            ..en50318()
+        },
+        false,
+    );
+    assert_eq!(lifted.model.uplift_force(), plain.model.uplift_force());
+    assert_eq!(lifted.model.static_force(), plain.model.static_force());
+}
 
 #[test]
 fn the_reference_state_is_at_rest_under_the_static_force_less_what_the_ground_spring_takes() {
