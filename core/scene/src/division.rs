@@ -82,9 +82,10 @@ impl<'a> Section<'a> {
         let line = self.line;
         let spans = if line.is_uniform() { 1 } else { self.spans() };
         let of_span = move |span: usize| {
-            let contact = self
-                .intervals_of(span)
-                .map(|length| ((WireKind::Contact, &line.contact_wire), length));
+            let places = self.contact_attachments(span);
+            let contact: Vec<f64> = between(places.iter().copied(), self.span_lengths[span]).collect();
+            let contact = contact.into_iter();
+            let contact = contact.map(|length| ((WireKind::Contact, &line.contact_wire), length));
             let messenger = line.messenger_wire.as_ref().map(|wire| {
                 let places = self.messenger_attachments(span);
                 let lengths: Vec<f64> = between(places.iter().copied(), self.span_lengths[span]).collect();

@@ -1,11 +1,13 @@
 //! A tension length with the parts that all tension lengths of a line have in common.
 
-use crate::{Catenary, StitchWires, TensionLength};
+use crate::{Catenary, MassOn, PointMass, StitchWires, TensionLength};
 use std::ops::Deref;
 
 /// One tension length of a line: where its wires are fastened to each other.
 #[derive(Clone, Copy, Debug)]
 pub struct Section<'a> {
+    /// Number among the tension lengths, from 0.
+    pub number: usize,
     /// The line.
     pub line: &'a Catenary,
     /// Spans, heights and lateral positions.
@@ -68,17 +70,42 @@ impl<'a> Section<'a> {
             })
     }
 
-    /// Distances of droppers and clamps on the messenger wire from the left support of span `span` (from 0), m,
+    /// Point masses on a wire in span `span` (from 0): distance from its left support in m, mass in kg.
+    pub fn masses_on(self, wire: MassOn, span: usize) -> impl Iterator<Item = (f64, f64)> + 'a {
+        let (left, right) = (self.support_x(span), self.support_x(span + 1));
+        let here = move |point: &&PointMass| {
+            point.wire == wire && point.tension_length == self.number + 1 && (left..right).contains(&point.x)
+        };
+        let points = self.line.point_masses.iter().filter(here);
+        points.map(move |point| (point.x - left, point.mass))
+    }
+
+    /// Distances of droppers and point masses on the contact wire from the left support of span `span` (from 0), m,
     /// ascending.
+    #[must_use]
+    pub fn contact_attachments(&self, span: usize) -> Vec<f64> {
+        let droppers = self.droppers_of(span).to_vec();
+        with_masses(
+            droppers,
+            self.span_lengths[span],
+            self.masses_on(MassOn::ContactWire, span),
+        )
+    }
+
+    /// Distances of droppers, clamps and point masses on the messenger wire from the left support of span `span`
+    /// (from 0), m, ascending.
     #[must_use]
     pub fn messenger_attachments(&self, span: usize) -> Vec<f64> {
         let droppers = self.droppers_of(span).iter().copied();
         let own = droppers.filter(|position| self.stitch_wire_over(span, *position).is_none());
         let half = |support: usize| Some(0.5 * self.stitch_wire_at(support)?.length);
         let clamps = [half(span), half(span + 1).map(|half| self.span_lengths[span] - half)];
-        let mut all: Vec<f64> = own.chain(clamps.into_iter().flatten()).collect();
-        all.sort_by(f64::total_cmp);
-        all
+        let all = own.chain(clamps.into_iter().flatten()).collect();
+        with_masses(
+            all,
+            self.span_lengths[span],
+            self.masses_on(MassOn::MessengerWire, span),
+        )
     }
 
     /// Stations of the stitch wire about support `support` (from 0) in m from the support, from clamp to clamp, each
@@ -118,18 +145,33 @@ impl<'a> Section<'a> {
     }
 }
 
+/// Distance below which a mass sits at the place of another fastening, m.
+const SAME_PLACE: f64 = 0.1;
+
+/// Fastenings of a span of `length` (m) and its masses, ascending; a mass next to a fastening or a support is at its
+/// place.
+fn with_masses(mut fastenings: Vec<f64>, length: f64, masses: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
+    for (position, _) in masses {
+        let apart = |place: &f64| (place - position).abs() >= SAME_PLACE;
+        if (SAME_PLACE..=length - SAME_PLACE).contains(&position) && fastenings.iter().all(apart) {
+            fastenings.push(position);
+        }
+    }
+    fastenings.sort_by(f64::total_cmp);
+    fastenings
+}
+
 impl Catenary {
     /// The tension lengths.
     pub fn sections(&self) -> impl Iterator<Item = Section<'_>> {
-        self.tension_lengths
-            .iter()
-            .map(|geometry| Section { line: self, geometry })
+        (0..self.tension_lengths.len()).map(|number| self.section(number))
     }
 
     /// Tension length `number`, from 0.
     #[must_use]
     pub fn section(&self, number: usize) -> Section<'_> {
         Section {
+            number,
             line: self,
             geometry: &self.tension_lengths[number],
         }

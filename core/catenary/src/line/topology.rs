@@ -203,31 +203,6 @@ impl PlannedWire {
     }
 }
 
-/// Places of point masses on a kind of wire in span `span` (from 0) of tension length `number` (from 0), m from its
-/// left support, with their masses in kg.
-fn masses_on(section: Section<'_>, number: usize, wire: MassOn, span: usize) -> impl Iterator<Item = (f64, f64)> {
-    let (left, right) = (section.support_x(span), section.support_x(span + 1));
-    let here = move |point: &&scene::PointMass| {
-        point.wire == wire && point.tension_length == number + 1 && (left..right).contains(&point.x)
-    };
-    let points = section.line.point_masses.iter().filter(here);
-    points.map(move |point| (point.x - left, point.mass))
-}
-
-/// Hangers and point masses of a span, ascending; a mass at a hanger is at its node.
-fn stations_with(mut hangers: Vec<f64>, masses: impl Iterator<Item = (f64, f64)>) -> Vec<f64> {
-    for (position, _) in masses {
-        if position > SAME_PLACE && hangers.iter().all(|hanger| (hanger - position).abs() > SAME_PLACE) {
-            hangers.push(position);
-        }
-    }
-    hangers.sort_by(f64::total_cmp);
-    hangers
-}
-
-/// Distance below which a mass sits at the node of another fastening, m.
-const SAME_PLACE: f64 = 0.05;
-
 /// Stations of a wire that runs over all supports of a tension length, with hangers at these positions in each span.
 fn along(section: Section<'_>, hangers: impl Fn(usize) -> Vec<f64>) -> Vec<Station> {
     let mut stations = vec![Station {
@@ -322,10 +297,7 @@ impl Topology {
                 1 => name.name().to_owned(),
                 _ => format!("{} {}", name.name(), twin + 1),
             };
-            let stations = along(section, |span| {
-                let masses = masses_on(section, number, MassOn::ContactWire, span);
-                stations_with(section.droppers_of(span).to_vec(), masses)
-            });
+            let stations = along(section, |span| section.contact_attachments(span));
             contact_wires.push(self.wires.len());
             self.wires.push(PlannedWire {
                 beam: line.mesh.element == Element::Beam,
@@ -341,10 +313,7 @@ impl Topology {
         }
         let messenger_wire = line.messenger_wire.map(|parameters| {
             let name = WireName::MessengerWire;
-            let stations = along(section, |span| {
-                let masses = masses_on(section, number, MassOn::MessengerWire, span);
-                stations_with(section.messenger_attachments(span), masses)
-            });
+            let stations = along(section, |span| section.messenger_attachments(span));
             self.wires.push(PlannedWire::new(
                 (name, of_several(name.name().to_owned()), parameters),
                 number,
@@ -370,19 +339,17 @@ impl Topology {
                 is_end: support == 0 || support == section.spans(),
             });
         }
-        for span in 0..section.spans() {
-            let left = section.support_x(span);
-            for &wire in &contact_wires {
-                let masses = masses_on(section, number, MassOn::ContactWire, span);
-                let masses = masses.map(|(position, mass)| (self.node_at(wire, left + position), mass));
-                let masses: Vec<_> = masses.collect();
-                self.masses.extend(masses);
-            }
-            if let Some(wire) = messenger_wire {
-                let masses = masses_on(section, number, MassOn::MessengerWire, span);
-                let masses = masses.map(|(position, mass)| (self.node_at(wire, left + position), mass));
-                let masses: Vec<_> = masses.collect();
-                self.masses.extend(masses);
+        for (on, wires) in [
+            (MassOn::ContactWire, contact_wires.as_slice()),
+            (MassOn::MessengerWire, messenger_wire.as_slice()),
+        ] {
+            for span in 0..section.spans() {
+                for (position, mass) in section.masses_on(on, span) {
+                    let x = section.support_x(span) + position;
+                    let nodes = wires.iter().map(|&wire| (self.node_at(wire, x), mass));
+                    let nodes: Vec<_> = nodes.collect();
+                    self.masses.extend(nodes);
+                }
             }
         }
         let Some(messenger) = messenger_wire else { return };
