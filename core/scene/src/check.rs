@@ -261,9 +261,10 @@ impl Scene {
                     ),
                 );
             }
+            // Wires on their way to an anchor are above the strips and may be beside them.
             let staggers = catenary.tension_lengths.iter().enumerate().flat_map(|(number, line)| {
-                let entries = line.stagger.iter().enumerate();
-                entries.map(move |(k, stagger)| (number, k, stagger))
+                let supports = (0..=line.spans()).filter(move |support| catenary.is_in_reach(number, *support));
+                supports.map(move |support| (number, support % line.stagger.len(), line.stagger_at(support)))
             });
             let outermost = staggers.max_by(|a, b| (a.2 - aside).abs().total_cmp(&(b.2 - aside).abs()));
             if let (Some(width), Some((number, k, stagger))) = (pantograph.strip_width(), outermost)
@@ -277,7 +278,7 @@ impl Scene {
                 refuse(
                     found,
                     format!("{}.stagger[{}]", catenary.key_of(number), k + 1),
-                    shown_number(*stagger, "m"),
+                    shown_number(stagger, "m"),
                     format!("must be within ±{} m{middle}, half the width of {strip}", width / 2.0),
                 );
             }

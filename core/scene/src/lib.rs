@@ -35,6 +35,7 @@ mod catenary;
 mod check;
 mod check_line;
 mod check_linkage;
+mod check_overlap;
 mod check_vehicle;
 mod choice;
 mod contact;

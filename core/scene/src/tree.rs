@@ -2,7 +2,7 @@
 
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{Place, Problem, What};
+use crate::error::{Place, Problem, SceneError, What};
 use crate::files::Files;
 use crate::write::{shown, shown_key};
 
@@ -24,6 +24,26 @@ pub(crate) enum At {
         /// Column of a table, from 0.
         column: Option<u16>,
     },
+}
+
+impl At {
+    /// A place in a text of its own as one of file `file`.
+    pub(crate) fn moved_to(self, file: u16) -> Self {
+        let (line, column) = match self {
+            Self::Line(line) => (line, None),
+            Self::File => (1, None),
+            other => return other,
+        };
+        Self::Other { file, line, column }
+    }
+
+    /// Number of the file; none for the scene itself.
+    pub(crate) fn file(self) -> Option<u16> {
+        match self {
+            Self::Other { file, .. } => Some(file),
+            _ => None,
+        }
+    }
 }
 
 /// A value and where its key, or for an entry of a list itself, was typed.
@@ -55,14 +75,28 @@ pub(crate) struct Table {
 
 impl Node {
     fn move_to(&mut self, file: u16) {
-        if let At::Line(line) = self.at {
-            let column = None;
-            self.at = At::Other { file, line, column };
-        }
+        self.at = self.at.moved_to(file);
         match &mut self.value {
             Value::List(list) => list.iter_mut().for_each(|node| node.move_to(file)),
             Value::Table(table) => table.move_to(file),
             _ => {}
+        }
+    }
+}
+
+impl Node {
+    /// A list whose entries have places of their own.
+    pub(crate) fn list(at: At, entries: impl IntoIterator<Item = Self>) -> Self {
+        let value = Value::List(entries.into_iter().collect());
+        Self { at, value }
+    }
+
+    /// A number; none for anything else.
+    pub(crate) fn number(&self) -> Option<f64> {
+        match self.value {
+            Value::Float(number) => Some(number),
+            Value::Integer(number) => Some(number as f64),
+            _ => None,
         }
     }
 }
@@ -79,6 +113,25 @@ impl Table {
             .iter_mut()
             .find(|(name, _)| name == key)
             .map(|(_, node)| node)
+    }
+
+    /// Takes out a key.
+    pub(crate) fn take(&mut self, key: &str) -> Option<Node> {
+        let index = self.entries.iter().position(|(name, _)| name == key)?;
+        Some(self.entries.remove(index).1)
+    }
+
+    /// The table under a key.
+    pub(crate) fn table_mut(&mut self, key: &str) -> Option<&mut Table> {
+        match &mut self.node_mut(key)?.value {
+            Value::Table(table) => Some(table),
+            _ => None,
+        }
+    }
+
+    /// Adds a key that is not there.
+    pub(crate) fn push(&mut self, key: &str, node: Node) {
+        self.entries.push((key.to_owned(), node));
     }
 
     /// Places of a text of its own become places of file `file`.
@@ -158,29 +211,48 @@ impl Sources<'_> {
     }
 }
 
-/// Parses `text` and applies the overrides in turn.
-pub(crate) fn parse(text: &str, sources: Sources) -> Result<Table, Vec<Problem>> {
+impl Sources<'_> {
+    /// Everything that is wrong, in the order of its places.
+    pub(crate) fn refuse(&self, mut wrong: Vec<(At, String, What)>) -> SceneError {
+        wrong.sort_by_key(|(at, ..)| *at);
+        let problems = wrong.into_iter().map(|(at, key, what)| self.problem(at, key, what));
+        SceneError {
+            problems: problems.collect(),
+        }
+    }
+}
+
+/// Parses `text`; the error is its place and what is wrong there.
+pub(crate) fn parse(text: &str) -> Result<Table, (At, What)> {
     let lines = Lines::of(text);
     let parsed = DeTable::parse(text).map_err(|error| {
         let at = error.span().map_or(At::File, |span| At::Line(lines.line(span.start)));
-        let message = error.message().trim().replace('\n', ", ");
-        vec![sources.problem(
-            at,
-            "",
-            What::Syntax {
-                message: format!("not valid TOML: {message}"),
-            },
-        )]
+        let message = format!("not valid TOML: {}", error.message().trim().replace('\n', ", "));
+        (at, What::Syntax { message })
     })?;
-    let place = |offset: usize| At::Line(lines.line(offset));
-    let mut root = table(parsed.get_ref(), &place);
-    let problems: Vec<Problem> = (0..sources.overrides.len())
-        .filter_map(|i| {
-            let (key, what) = apply(&mut root, &sources.overrides[i], At::Override(i)).err()?;
-            Some(sources.problem(At::Override(i), key, what))
-        })
-        .collect();
-    if problems.is_empty() { Ok(root) } else { Err(problems) }
+    Ok(table(parsed.get_ref(), &|offset| At::Line(lines.line(offset))))
+}
+
+/// Applies in turn the overrides for which `chosen` holds.
+pub(crate) fn override_with(
+    root: &mut Table,
+    overrides: &[String],
+    chosen: impl Fn(&str) -> bool,
+) -> Vec<(At, String, What)> {
+    let all = overrides.iter().enumerate().filter(|(_, text)| chosen(text));
+    all.filter_map(|(i, text)| {
+        let (key, what) = apply(root, text, At::Override(i)).err()?;
+        Some((At::Override(i), key, what))
+    })
+    .collect()
+}
+
+/// Last key of an override's path, where it has one.
+pub(crate) fn last_key(text: &str) -> Option<String> {
+    match steps(split(text)?.0)?.pop()? {
+        Step::Key(key) => Some(key),
+        Step::Entry(_) => None,
+    }
 }
 
 /// Offsets at which the lines of a text begin.
@@ -249,7 +321,7 @@ enum Step {
 }
 
 /// Table, key whose override takes the place of others, and these others.
-const REPLACED: [(&str, &str, &[&str]); 3] = [
+const REPLACED: [(&str, &str, &[&str]); 8] = [
     (
         "catenary.mesh",
         "elements_per_interval",
@@ -265,7 +337,24 @@ const REPLACED: [(&str, &str, &[&str]); 3] = [
         "error_percent",
         &["elements_per_interval", "element_length", "corrections"],
     ),
+    ("catenary", "presag", &["presag_ratio"]),
+    ("catenary", "presag_ratio", &["presag"]),
+    ("catenary.droppers", "positions", &["rule", "pattern"]),
+    ("catenary.droppers", "rule", &["positions", "pattern"]),
+    ("catenary.droppers", "pattern", &["positions", "rule"]),
 ];
+
+/// Keys whose place `key` of the table with this path takes where it is said later.
+pub(crate) fn replaced_by(path: &str, key: &str) -> &'static [&'static str] {
+    // Tension lengths have the keys of a line of one.
+    let path = match path.strip_prefix("catenary.tension_length[") {
+        Some(rest) if rest.ends_with(']') => "catenary",
+        _ => path,
+    };
+    let mut all = REPLACED.iter();
+    all.find(|(of, by, _)| (*of, *by) == (path, key))
+        .map_or(&[], |(_, _, others)| others)
+}
 
 const FORM: &str = "an override must have the form key.path=value, such as run.speed_kmh=250, \
                     coupling.algorithm=jacobi or pantograph[1].static_force=100";
@@ -369,10 +458,8 @@ fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
 
 /// Takes out of the table with this path what an override of `key` takes the place of.
 fn drop_replaced(table: &mut Table, path: &str, key: &str) {
-    let mut all = REPLACED.iter();
-    if let Some((_, _, others)) = all.find(|(of, by, _)| (*of, *by) == (path, key)) {
-        table.entries.retain(|(name, _)| !others.contains(&name.as_str()));
-    }
+    let others = replaced_by(path, key);
+    table.entries.retain(|(name, _)| !others.contains(&name.as_str()));
 }
 
 /// The entry `key` of a table; an empty table where there is none yet.

@@ -1,8 +1,8 @@
 //! A scene that is read is the one that was typed, and a written one reads again as the same.
 
 use scene::{
-    Algorithm, ContactLaw, Evaluate, Force, Line, Offset, Order, PantographModel, ParameterValue, Reduction, Scene,
-    Start, Statics,
+    Algorithm, ContactLaw, Evaluate, Files, Force, Line, Offset, Order, PantographModel, ParameterValue, Reduction,
+    Scene, SceneFile, Start, Statics,
 };
 
 const EN_250: &str = include_str!("../../../scenes/en50318-250.toml");
@@ -30,8 +30,13 @@ fn every_shipped_scene_is_accepted() {
         let path = file.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "toml") {
             let text = std::fs::read_to_string(&path).unwrap();
-            let scene =
-                Scene::from_toml(&text, &path.display().to_string(), &[]).unwrap_or_else(|error| panic!("{error}"));
+            let origin = path.display().to_string();
+            let files = Files::new(|file| {
+                std::fs::read_to_string(format!("{folder}/{file}")).map_err(|error| error.to_string())
+            });
+            let read = SceneFile::read(&text, &origin, &[], &files);
+            let read = read.and_then(|file| file.check(&|_| Vec::new()).map(|()| file.scene));
+            let scene = read.unwrap_or_else(|error| panic!("{error}"));
             assert!(scene.source.is_some(), "{} names no source", path.display());
             assert_eq!(scene.questions(), Vec::<String>::new(), "{}", path.display());
             read_scenes += 1;
