@@ -5,7 +5,7 @@ use crate::error::{SceneError, What};
 use crate::expand::{FILE_KEYS, apply_rules, take_files};
 use crate::files::Files;
 use crate::keys::{Entry, Keys, Sentences, read, write};
-use crate::tree::{Sources, Table, last_key, override_with, parse};
+use crate::tree::{At, Sources, Table, last_key, override_with, parse};
 use crate::{
     Catenary, Contact, Coupling, Evaluate, MeshChoice, Model, Pantograph, Run, Solver, Supplied, Track, Vehicle, Wind,
 };
@@ -211,6 +211,14 @@ impl Scene {
             overrides: &[],
             files: &files,
         };
+        if let Line::Modelled(line) = &self.catenary
+            && line.tension_lengths.is_empty()
+        {
+            // No file can say this: one without tension_length has the keys of a single one.
+            let expected = "at least one tension length".to_owned();
+            let key = "catenary.tension_length".to_owned();
+            return Err(sources.refuse(vec![(At::File, key, What::Missing { expected })]));
+        }
         // Values of single keys are those of a file that holds them.
         read::<Self>(&write(self), sources)?;
         let found = self.contradictions(further);
@@ -218,7 +226,7 @@ impl Scene {
             return Ok(());
         }
         let found = found.into_iter();
-        let found = found.map(|(key, what)| (crate::tree::At::File, key, what));
+        let found = found.map(|(key, what)| (At::File, key, what));
         Err(sources.refuse(found.collect()))
     }
 
