@@ -678,8 +678,8 @@ impl Entry for Droppers {
         ),
         (
             "pattern",
-            "Positions by names of `patterns`, in place of `positions`: one name for all spans, or exactly one for each \
-             span; names are not repeated.",
+            "Positions by names of `patterns`, in place of `positions`: one name for all spans, or exactly one for \
+             each span; names are not repeated.",
         ),
         (
             "patterns",

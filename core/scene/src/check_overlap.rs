@@ -30,8 +30,8 @@ impl Catenary {
         }
     }
 
-    /// Where a tension length begins or ends within the line, at its support `support` (from 0), its contact wire is not
-    /// out of reach below all others: a strip on it would lose it.
+    /// Refuses a contact wire that is out of reach below all others where its tension length begins or ends within the
+    /// line, at its support `support` (from 0): a strip on it would lose it.
     fn check_end(&self, (number, section, support): (usize, Section<'_>, usize), found: &mut Found) {
         let x = section.support_x(support);
         let begins = support == 0;

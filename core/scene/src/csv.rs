@@ -77,8 +77,8 @@ impl Csv {
             return Err(vec![wrong(line(1), "table", "empty", expected)]);
         };
         if header.contains([';', '\t']) {
-            let expected = "must be separated by commas, with points in decimals: export the table as CSV in an English \
-                            locale";
+            let expected = "must be separated by commas, with points in decimals: export the table as CSV in an \
+                            English locale";
             return Err(vec![wrong(line(header_line), "table", format!("{header:?}"), expected)]);
         }
         let columns = match cells(header) {

@@ -107,83 +107,118 @@ fn holds(message: &Result<Scene, String>, edit: &str, parts: &[&str]) {
 #[rustfmt::skip]
 const SUPPORTS_EDITS: &[(&str, &str, &[&str])] = &[
     // The header.
-    ("chainage_m", "chainage", &["supports.csv:2: column = \"chainage\": unknown without its unit: must be chainage_m or chainage_mm"]),
-    ("stagger_m", "stagger", &["supports.csv:2: column = \"stagger\": unknown without its unit: must be stagger_m or stagger_mm"]),
-    ("stagger_m", "stagger_ft", &["supports.csv:2: column = \"stagger_ft\": unknown column, did you mean \"stagger_m\"?"]),
-    ("encumbrance_m", "encumberance_m", &["column = \"encumberance_m\": unknown column, did you mean \"encumbrance_m\"?"]),
-    ("droppers", "dropper", &["column = \"dropper\": unknown column, did you mean \"droppers\"?", "known columns: tension_length"]),
+    ("chainage_m", "chainage", &["supports.csv:2: column = \"chainage\": unknown without its unit: must be \
+        chainage_m or chainage_mm"]),
+    ("stagger_m", "stagger", &["supports.csv:2: column = \"stagger\": unknown without its unit: must be stagger_m or \
+        stagger_mm"]),
+    ("stagger_m", "stagger_ft", &["supports.csv:2: column = \"stagger_ft\": unknown column, did you mean \
+        \"stagger_m\"?"]),
+    ("encumbrance_m", "encumberance_m", &["column = \"encumberance_m\": unknown column, did you mean \
+        \"encumbrance_m\"?"]),
+    ("droppers", "dropper", &["column = \"dropper\": unknown column, did you mean \"droppers\"?", "known columns: \
+        tension_length"]),
     ("stagger_m", "presag_m", &["supports.csv:2: column = \"presag_m\": must be there once, is there twice"]),
     ("stagger_m", "presag_mm", &["supports.csv:2: presag_mm: must be left out: presag_m has it"]),
-    ("presag_m", "span_length_m", &["supports.csv:2: columns = both: must be chainage_m or span_length_m, one of the two"]),
-    ("chainage_m", "span_length_m", &["columns = span_length_m: must be chainage_m in place of span_length_m, so that 2 tension lengths have places"]),
-    ("stagger_m", "messenger_stagger_m", &["supports.csv:2: stagger_m is missing: must be a column of the table, or catenary.stagger"]),
+    ("presag_m", "span_length_m", &["supports.csv:2: columns = both: must be chainage_m or span_length_m, one of the \
+        two"]),
+    ("chainage_m", "span_length_m", &["columns = span_length_m: must be chainage_m in place of span_length_m, so \
+        that 2 tension lengths have places"]),
+    ("stagger_m", "messenger_stagger_m", &["supports.csv:2: stagger_m is missing: must be a column of the table, or \
+        catenary.stagger"]),
     ("presag_m", "curve_radius_m", &["supports.csv:2: presag_m is missing", "catenary.presag a key of the scene"]),
     ("contact_wire_height_m", "messenger_stagger_m", &["supports.csv:2: contact_wire_height_m is missing"]),
     ("encumbrance_m", "messenger_stagger_m", &["supports.csv:2: encumbrance_m is missing"]),
-    ("chainage_m,", "chainage_m;", &["supports.csv:2: table = \"tension_length", "must be separated by commas, with points in decimals"]),
+    ("chainage_m,", "chainage_m;", &["supports.csv:2: table = \"tension_length", "must be separated by commas, with \
+        points in decimals"]),
     ("chainage_m,", "chainage_m\t", &["supports.csv:2", "must be separated by commas"]),
     ("chainage_m", "\"chainage_m", &["supports.csv:2", "must end each \"…\" with a quotation mark"]),
     ("tension_length,", ",", &["supports.csv:2: column = \"\": unknown column"]),
     ("tension_length,", "", &["supports.csv:4: row = 7 cells: must have 6, one per column; a decimal comma"]),
     // Rows as a whole.
-    ("east,1060,", "east,1060,0,", &["supports.csv:5: row = 8 cells: must have 7, one per column; a decimal comma makes two cells of one"]),
+    ("east,1060,", "east,1060,0,", &["supports.csv:5: row = 8 cells: must have 7, one per column; a decimal comma \
+        makes two cells of one"]),
     ("east,1060,5.3", "east,1060,5,3", &["supports.csv:5: row = 8 cells: must have 7", "write points"]),
     ("east,1060,", "east,", &["supports.csv:5: row = 6 cells: must have 7, one per column"]),
-    ("east,1060,5.3,1.2,-0.2,0,long", "east,1060,5.3,1.2,-0.2,0,\"long", &["supports.csv:5: row = east", "must end each"]),
-    ("east,1000", "eest,1000", &["supports.csv:4: tension_length = 1 row: must have at least two rows, one for each support of tension length \"eest\""]),
-    ("east,1060", ",1060", &["supports.csv, row 5, column tension_length: tension_length is missing: must be the number or name of a tension length, in every row"]),
+    ("east,1060,5.3,1.2,-0.2,0,long", "east,1060,5.3,1.2,-0.2,0,\"long", &["supports.csv:5: row = east", "must end \
+        each"]),
+    ("east,1000", "eest,1000", &["supports.csv:4: tension_length = 1 row: must have at least two rows, one for each \
+        support of tension length \"eest\""]),
+    ("east,1060", ",1060", &["supports.csv, row 5, column tension_length: tension_length is missing: must be the \
+        number or name of a tension length, in every row"]),
     // Chainages.
     ("east,1060", "east,", &["row 5, column chainage_m: chainage_m is missing: must be a number in m"]),
-    ("east,1060", "east,km 1", &["row 5, column chainage_m: chainage_m = \"km 1\": must be a number in m, with a point in decimals"]),
+    ("east,1060", "east,km 1", &["row 5, column chainage_m: chainage_m = \"km 1\": must be a number in m, with a \
+        point in decimals"]),
     ("east,1060", "east,1060 m", &["row 5, column chainage_m: chainage_m = \"1060 m\": must be a number in m"]),
-    ("east,1060", "east,1000", &["row 5, column chainage_m: chainage_m = 1000 m: must be greater than 1000 m in row 4 of the same tension length"]),
+    ("east,1060", "east,1000", &["row 5, column chainage_m: chainage_m = 1000 m: must be greater than 1000 m in row \
+        4 of the same tension length"]),
     ("east,1060", "east,990", &["row 5, column chainage_m: chainage_m = 990 m: must be greater than 1000 m in row 4"]),
     ("east,1060", "east,1e999", &["row 5, column chainage_m: chainage_m = \"1e999\": must be a number in m"]),
     ("east,1060", "east,-inf", &["row 5, column chainage_m", "\"-inf\""]),
-    ("east,1060", "east,1000.0000001", &["row 4, column chainage_m: catenary.tension_length[1].span_length[1] = 0 m: must be positive"]),
-    ("west,1480", "west,91480", &["row 14, column chainage_m: catenary.tension_length[2].span_length[5] = 90060 m: must be at most 5000 m"]),
-    ("west,1180,5.8,1.2,0.5,0,short\nwest,1240,5.3,1.2,0.3,0,long\nwest,1300", "west,1310", &["row 10, column chainage_m: \
+    ("east,1060", "east,1000.0000001", &["row 4, column chainage_m: catenary.tension_length[1].span_length[1] = 0 m: \
+        must be positive"]),
+    ("west,1480", "west,91480", &["row 14, column chainage_m: catenary.tension_length[2].span_length[5] = 90060 m: \
+        must be at most 5000 m"]),
+    ("west,1180,5.8,1.2,0.5,0,short\nwest,1240,5.3,1.2,0.3,0,long\nwest,1300", "west,1310", &["row 10, column \
+        chainage_m: \
         catenary.tension_length[2].start_x = 310 m: must be at most 300 m", "strips need a wire everywhere"]),
     // Heights.
-    ("east,1060,5.3,", "east,1060,,", &["row 5, column contact_wire_height_m: contact_wire_height_m is missing: must be a number in m"]),
+    ("east,1060,5.3,", "east,1060,,", &["row 5, column contact_wire_height_m: contact_wire_height_m is missing: must \
+        be a number in m"]),
     ("east,1060,5.3,", "east,1060,nan,", &["row 5, column contact_wire_height_m: contact_wire_height_m = \"nan\""]),
-    ("east,1060,5.3,", "east,1060,5300,", &["row 5, column contact_wire_height_m: catenary.tension_length[1].contact_wire_height[2] = \
+    ("east,1060,5.3,", "east,1060,5300,", &["row 5, column contact_wire_height_m: \
+        catenary.tension_length[1].contact_wire_height[2] = \
         5300 m: must be at most 20 m above the top of rail; 5300 mm are 5.3 m"]),
-    ("east,1060,5.3,", "east,1060,0,", &["row 5, column contact_wire_height_m: catenary.tension_length[1].contact_wire_height[2] = 0 m: \
+    ("east,1060,5.3,", "east,1060,0,", &["row 5, column contact_wire_height_m: \
+        catenary.tension_length[1].contact_wire_height[2] = 0 m: \
         must be positive and finite"]),
-    ("east,1060,5.3,1.2", "east,1060,5.3,-1.2", &["row 5, column encumbrance_m: catenary.tension_length[1].encumbrance[2] = -1.2 m: must \
+    ("east,1060,5.3,1.2", "east,1060,5.3,-1.2", &["row 5, column encumbrance_m: \
+        catenary.tension_length[1].encumbrance[2] = -1.2 m: must \
         be positive and finite"]),
     ("east,1060,5.3,1.2", "east,1060,5.3,", &["row 5, column encumbrance_m: encumbrance_m is missing"]),
     // Lateral positions.
     ("1.2,-0.2,0,long", "1.2,,0,long", &["row 5, column stagger_m: stagger_m is missing"]),
-    ("1.2,-0.2,0,long", "1.2,-0.9,0,long", &["row 5, column stagger_m: catenary.tension_length[1].stagger[2] = -0.9 m: must be within \
+    ("1.2,-0.2,0,long", "1.2,-0.9,0,long", &["row 5, column stagger_m: catenary.tension_length[1].stagger[2] = -0.9 \
+        m: must be within \
         ±0.8 m, half the width of the strip of pantograph[1]"]),
-    ("1.2,-0.2,0,long", "1.2,-200,0,long", &["row 5, column stagger_m: catenary.tension_length[1].stagger[2] = -200 m"]),
+    ("1.2,-0.2,0,long", "1.2,-200,0,long", &["row 5, column stagger_m: catenary.tension_length[1].stagger[2] = -200 \
+        m"]),
     ("1.2,-0.2,0,long", "1.2,left,0,long", &["row 5, column stagger_m: stagger_m = \"left\": must be a number in m"]),
     // Presag.
     ("1.2,-0.2,0,long", "1.2,-0.2,,long", &["row 5, column presag_m: presag_m is missing: must be a number in m"]),
-    ("1.2,-0.2,0,long", "1.2,-0.2,5.4,long", &["row 5, column presag_m: catenary.tension_length[1].presag[2] = 5.4 m: must be less than \
+    ("1.2,-0.2,0,long", "1.2,-0.2,5.4,long", &["row 5, column presag_m: catenary.tension_length[1].presag[2] = 5.4 \
+        m: must be less than \
         contact_wire_height = 5.3 m"]),
-    ("5.8,1.2,-0.4,,", "5.8,1.2,-0.4,0,", &["row 9, column presag_m: presag_m = \"0\": must be empty in the last row of a tension length"]),
-    ("5.3,1.2,-0.2,,", "5.3,1.2,-0.2,,long", &["row 15, column droppers: droppers = \"long\": must be empty in the last row"]),
+    ("5.8,1.2,-0.4,,", "5.8,1.2,-0.4,0,", &["row 9, column presag_m: presag_m = \"0\": must be empty in the last row \
+        of a tension length"]),
+    ("5.3,1.2,-0.2,,", "5.3,1.2,-0.2,,long", &["row 15, column droppers: droppers = \"long\": must be empty in the \
+        last row"]),
     // Droppers.
-    ("0.3,0,long", "0.3,0,", &["row 11, column droppers: droppers is missing: must be positions in m with spaces between, the name of a \
+    ("0.3,0,long", "0.3,0,", &["row 11, column droppers: droppers is missing: must be positions in m with spaces \
+        between, the name of a \
         pattern, or none"]),
-    ("0.3,0,long", "0.3,0,lang", &["row 11, column droppers: catenary.tension_length[2].dropper_positions = \"lang\": unknown word, did you \
+    ("0.3,0,long", "0.3,0,lang", &["row 11, column droppers: catenary.tension_length[2].dropper_positions = \
+        \"lang\": unknown word, did you \
         mean \"long\"?; must be \"long\" or \"short\""]),
-    ("0.3,0,long", "0.3,0,10 sixty", &["row 11, column droppers: catenary.tension_length[2].dropper_positions = \"10 sixty\": unknown word"]),
-    ("0.3,0,long", "0.3,0,10 70", &["row 11, column droppers: catenary.tension_length[2].dropper_positions[2][2] = 70 m: must be inside its \
+    ("0.3,0,long", "0.3,0,10 sixty", &["row 11, column droppers: catenary.tension_length[2].dropper_positions = \"10 \
+        sixty\": unknown word"]),
+    ("0.3,0,long", "0.3,0,10 70", &["row 11, column droppers: catenary.tension_length[2].dropper_positions[2][2] = \
+        70 m: must be inside its \
         span, between 0 and 60 m"]),
-    ("0.3,0,long", "0.3,0,50 10", &["row 11, column droppers: catenary.tension_length[2].dropper_positions[2][2] = 10 m: must be greater \
+    ("0.3,0,long", "0.3,0,50 10", &["row 11, column droppers: catenary.tension_length[2].dropper_positions[2][2] = \
+        10 m: must be greater \
         than the position before it, 50 m"]),
-    ("0.3,0,long", "0.3,0,50 50.05", &["row 11, column droppers", "50.05 m: must be at least 0.1 m from the position before it"]),
+    ("0.3,0,long", "0.3,0,50 50.05", &["row 11, column droppers", "50.05 m: must be at least 0.1 m from the position \
+        before it"]),
     ("west,1300", "west,1296", &["accepted"]),
     // Overlaps.
     ("east,1300,5.8", "east,1300,5.1", &["supports.csv, row 9, column contact_wire_height_m: \
-        catenary.tension_length[1].contact_wire_height[6] = 5.1 m: must be at least 5.200 m where its tension length ends, at x = 300 m: \
+        catenary.tension_length[1].contact_wire_height[6] = 5.1 m: must be at least 5.200 m where its tension length \
+        ends, at x = 300 m: \
         the contact wire of tension length 2 is at 5.300 m there, and a strip would lose its wire"]),
     ("west,1180,5.8", "west,1180,5.1", &["supports.csv, row 10, column contact_wire_height_m: \
-        catenary.tension_length[2].contact_wire_height[1] = 5.1 m: must be at least 5.200 m where its tension length begins, at x = 180 m",
+        catenary.tension_length[2].contact_wire_height[1] = 5.1 m: must be at least 5.200 m where its tension length \
+        begins, at x = 180 m",
         "a strip would come under it"]),
     ("east,1240,5.34", "east,1240,4.8", &["accepted"]),
 ];
@@ -204,27 +239,37 @@ fn wrong_supports_are_refused() {
 /// (what is replaced in the table of droppers, by what, parts of the message).
 #[rustfmt::skip]
 const DROPPERS_EDITS: &[(&str, &str, &[&str])] = &[
-    ("position_m", "position", &["droppers.csv:1: column = \"position\": unknown without its unit: must be position_m or position_mm"]),
+    ("position_m", "position", &["droppers.csv:1: column = \"position\": unknown without its unit: must be \
+        position_m or position_mm"]),
     ("position_m", "remark", &["droppers.csv:1: position_m is missing: must be a column of the table"]),
     ("span,", "spam,", &["droppers.csv:1: column = \"spam\": unknown column, did you mean \"span\"?"]),
     ("span,", "remark,", &["droppers.csv:1: span is missing: must be a column of the table"]),
-    ("tension_length,", "remark,", &["droppers.csv:1: tension_length is missing: must be a column of the table where there are several"]),
-    ("east,1,20", "eest,1,20", &["droppers.csv, row 2, column tension_length: tension_length = \"eest\": must be one of the tension \
+    ("tension_length,", "remark,", &["droppers.csv:1: tension_length is missing: must be a column of the table where \
+        there are several"]),
+    ("east,1,20", "eest,1,20", &["droppers.csv, row 2, column tension_length: tension_length = \"eest\": must be one \
+        of the tension \
         lengths east, west"]),
     ("east,1,20", "1,1,20", &["droppers.csv, row 2, column tension_length: tension_length = \"1\""]),
     ("east,1,20", "east,0,20", &["droppers.csv, row 2, column span: span = \"0\": must be a whole number from 1 to 5"]),
     ("east,1,20", "east,6,20", &["droppers.csv, row 2, column span: span = \"6\": must be a whole number from 1 to 5"]),
     ("east,1,20", "east,1.5,20", &["droppers.csv, row 2, column span: span = \"1.5\""]),
-    ("east,1,20", "east,,20", &["droppers.csv, row 2, column span: span is missing: must be a whole number from 1 to 5, in every row"]),
-    ("east,1,20", "east,1,left", &["droppers.csv, row 2, column position_m: position_m = \"left\": must be a number in m"]),
-    ("east,1,20", "east,1,60", &["droppers.csv, row 2, column position_m: catenary.tension_length[1].dropper_positions[1][1] = 60 m: must \
+    ("east,1,20", "east,,20", &["droppers.csv, row 2, column span: span is missing: must be a whole number from 1 to \
+        5, in every row"]),
+    ("east,1,20", "east,1,left", &["droppers.csv, row 2, column position_m: position_m = \"left\": must be a number \
+        in m"]),
+    ("east,1,20", "east,1,60", &["droppers.csv, row 2, column position_m: \
+        catenary.tension_length[1].dropper_positions[1][1] = 60 m: must \
         be inside its span, between 0 and 60 m"]),
-    ("east,1,20", "east,1,50", &["droppers.csv, row 3, column position_m: catenary.tension_length[1].dropper_positions[1][2] = 40 m: must \
+    ("east,1,20", "east,1,50", &["droppers.csv, row 3, column position_m: \
+        catenary.tension_length[1].dropper_positions[1][2] = 40 m: must \
         be greater than the position before it, 50 m"]),
-    ("east,1,20", "east,1,", &["droppers.csv, row 3, column position_m: position_m = 40: must be left out: a row before says that this \
+    ("east,1,20", "east,1,", &["droppers.csv, row 3, column position_m: position_m = 40: must be left out: a row \
+        before says that this \
         span has no droppers"]),
-    ("east,1,40", "east,1,", &["droppers.csv, row 3, column position_m: position_m is missing: must be a position, as the span has another row"]),
-    ("west,4,30\n", "", &["droppers.csv:1: span is missing: must be a row for span 4 of tension length west, with an empty position"]),
+    ("east,1,40", "east,1,", &["droppers.csv, row 3, column position_m: position_m is missing: must be a position, \
+        as the span has another row"]),
+    ("west,4,30\n", "", &["droppers.csv:1: span is missing: must be a row for span 4 of tension length west, with an \
+        empty position"]),
     ("west,4,30", "west,4,30,5", &["droppers.csv:11: row = 4 cells: must have 3"]),
 ];
 
@@ -255,29 +300,42 @@ fn wrong_tables_of_droppers_are_refused() {
 /// (what is replaced in the scene, by what, parts of the message), without the column of droppers.
 #[rustfmt::skip]
 const SCENE_EDITS: &[(&str, &str, &[&str])] = &[
-    ("patterns = {", "pattern = \"lang\"\npatterns = {", &["catenary.droppers.pattern = \"lang\": unknown word, did you mean \"long\"?"]),
-    ("patterns = {", "pattern = [\"long\", \"short\"]\npatterns = {", &["catenary.droppers.pattern = [\"long\", \"short\"]: must be one name \
+    ("patterns = {", "pattern = \"lang\"\npatterns = {", &["catenary.droppers.pattern = \"lang\": unknown word, did \
+        you mean \"long\"?"]),
+    ("patterns = {", "pattern = [\"long\", \"short\"]\npatterns = {", &["catenary.droppers.pattern = [\"long\", \
+        \"short\"]: must be one name \
         for all spans: give each tension length its own dropper_pattern"]),
     ("patterns = {", "pattern = 3\npatterns = {", &["catenary.droppers.pattern = 3: must be the name of a pattern"]),
     ("patterns = {", "pattern = \"long\"\nrule = { first = 5, longest = 8 }\npatterns = {", &["catenary.droppers"]),
-    ("patterns = { long", "pattern = \"long\"\npatterns = { 5 = [10], long", &["catenary.droppers.patterns.5 = [10]: must have a name that is \
+    ("patterns = { long", "pattern = \"long\"\npatterns = { 5 = [10], long", &["catenary.droppers.patterns.5 = [10]: \
+        must have a name that is \
         no number and not none"]),
     ("short = [10, 50]", "short = 10", &["catenary.droppers.patterns.short = 10: must be a list of numbers in m"]),
-    ("short = [10, 50]", "short = [10, \"x\"]", &["catenary.droppers.patterns.short[2] = \"x\": must be a number in m"]),
-    ("patterns = {", "rule = { first = 40, longest = 8 }\npatterns = {", &["catenary.droppers.rule.first = 40 m: must be at most 30 m, half \
+    ("short = [10, 50]", "short = [10, \"x\"]", &["catenary.droppers.patterns.short[2] = \"x\": must be a number in \
+        m"]),
+    ("patterns = {", "rule = { first = 40, longest = 8 }\npatterns = {", &["catenary.droppers.rule.first = 40 m: \
+        must be at most 30 m, half \
         of the shortest span of catenary.tension_length[1]"]),
-    ("patterns = {", "rule = { frist = 4, longest = 8 }\npatterns = {", &["catenary.droppers.rule.frist: unknown key, did you mean \
+    ("patterns = {", "rule = { frist = 4, longest = 8 }\npatterns = {", &["catenary.droppers.rule.frist: unknown \
+        key, did you mean \
         \"first\"?"]),
-    ("patterns = {", "rule = { first = 5, longest = -8 }\npatterns = {", &["catenary.droppers.rule.longest = -8: must be a length of at least \
+    ("patterns = {", "rule = { first = 5, longest = -8 }\npatterns = {", &["catenary.droppers.rule.longest = -8: \
+        must be a length of at least \
         0.1 m"]),
-    ("patterns = {", "patterns = {", &["catenary.droppers.positions is missing: must be a list of numbers in m, at least one, or a rule"]),
-    ("table = \"supports.csv\"", "table = \"other.csv\"", &["line.toml:17: catenary.table = \"other.csv\": cannot be read: no file other.csv"]),
-    ("[catenary.droppers]\n", "[catenary.droppers]\ntable = \"other.csv\"\n", &["catenary.droppers.table = \"other.csv\": cannot be read"]),
+    ("patterns = {", "patterns = {", &["catenary.droppers.positions is missing: must be a list of numbers in m, at \
+        least one, or a rule"]),
+    ("table = \"supports.csv\"", "table = \"other.csv\"", &["line.toml:17: catenary.table = \"other.csv\": cannot be \
+        read: no file other.csv"]),
+    ("[catenary.droppers]\n", "[catenary.droppers]\ntable = \"other.csv\"\n", &["catenary.droppers.table = \
+        \"other.csv\": cannot be read"]),
     ("table = \"supports.csv\"", "", &["catenary.spans is missing"]),
-    ("table = \"supports.csv\"", "table = \"supports.csv\"\ntables = \"x\"", &["catenary.tables: unknown key, did you mean \"table\"?"]),
-    ("table = \"supports.csv\"", "table = \"supports.csv\"\npresag = 0.0", &["line.toml:18: catenary.presag: must be left out: the table \
+    ("table = \"supports.csv\"", "table = \"supports.csv\"\ntables = \"x\"", &["catenary.tables: unknown key, did \
+        you mean \"table\"?"]),
+    ("table = \"supports.csv\"", "table = \"supports.csv\"\npresag = 0.0", &["line.toml:18: catenary.presag: must be \
+        left out: the table \
         \"supports.csv\" has it"]),
-    ("table = \"supports.csv\"", "table = \"supports.csv\"\npresag_ratio = 0.001", &["catenary.presag_ratio: must be left out"]),
+    ("table = \"supports.csv\"", "table = \"supports.csv\"\npresag_ratio = 0.001", &["catenary.presag_ratio: must be \
+        left out"]),
 ];
 
 #[test]

@@ -191,7 +191,7 @@ fn pattern(
         Value::List(names) => {
             if let Some(spans) = spans.filter(|spans| *spans != names.len()) {
                 let expected = format!(
-                    "has {} names, must have {spans}, one for each span, or be one name for all: names are not repeated",
+                    "has {} names, must have {spans}, one for each span, or be one name for all; none is repeated",
                     names.len()
                 );
                 return found.push(wrong(node.at, key, shown(&node.value), expected));
