@@ -52,6 +52,7 @@ mod linkage;
 mod mesh;
 mod model;
 mod one_motion;
+mod overrides;
 mod pantograph;
 mod plausible;
 mod reference;

@@ -5,7 +5,8 @@ use crate::error::{SceneError, What};
 use crate::expand::{FILE_KEYS, apply_rules, take_files};
 use crate::files::Files;
 use crate::keys::{Entry, Keys, Sentences, read, write};
-use crate::tree::{At, Sources, Table, last_key, override_with, parse};
+use crate::overrides::{last_key, override_with};
+use crate::tree::{At, Sources, Table, parse};
 use crate::{
     Catenary, Contact, Coupling, Evaluate, MeshChoice, Model, Pantograph, Run, Solver, Supplied, Track, Vehicle, Wind,
 };

@@ -5,7 +5,8 @@ use std::path::Path;
 use super::file_of;
 use crate::csv::{Wrong, wrong};
 use crate::files::Files;
-use crate::tree::{Table, Value, parse, replaced_by};
+use crate::overrides::replaced_by;
+use crate::tree::{Node, Table, Value, parse};
 
 /// Files that may take keys from each other in a row.
 const DEEPEST: usize = 4;
@@ -71,7 +72,7 @@ fn merge(table: &mut Table, library: Table, path: &str) {
                 let replaced = |own: &String| replaced_by(path, own).contains(&key.as_str());
                 if !own.contains(&key) && !own.iter().any(replaced) {
                     let at = node.at;
-                    table.push(&key, crate::tree::Node { at, value });
+                    table.push(&key, Node { at, value });
                 }
                 continue;
             }
