@@ -3,6 +3,7 @@ use integration_tests::documents::{block, text};
 use integration_tests::fmus::{COARSE, Packaged, tree};
 use integration_tests::python::{environment, run_apart};
 use integration_tests::runs::{EN_300, Run, run, run_beside, scene_with};
+use scene::Files;
 use simulation::Mode;
 use std::fs;
 use std::process::Command;
@@ -48,6 +49,31 @@ fn the_example_for_fmpy_runs_as_printed_and_does_what_the_program_does() {
     println!("{out}{expected} N in a run of the program");
     assert!((mean - expected).abs() < 1e-3, "{mean} {expected}");
     assert!(passed > 0.0 && added.abs() < 0.03 * passed, "{out}");
+}
+
+#[test]
+fn the_line_from_a_table_runs_as_printed_and_refuses_a_cell_as_printed() {
+    let [page, headline] = ["docs/guide/real-lines.md", "Your own line from a table"];
+    let table = block(page, headline, "csv");
+    let load = |table: &str| {
+        let table = table.to_owned();
+        let files = Files::new(move |path| match path {
+            "my-line.csv" => Ok(table.clone()),
+            path => Ok(text(path)),
+        });
+        let overrides: Vec<String> = [COARSE, SHORT].concat().iter().map(ToString::to_string).collect();
+        system::load_with(&block(page, headline, "toml"), "my-line.toml", &overrides, &files)
+    };
+    let scene = load(&table).unwrap();
+    let geometry = &scene.modelled_line().unwrap().0.tension_lengths[0];
+    assert_eq!(
+        (geometry.spans(), geometry.span_lengths[0], geometry.stagger[1]),
+        (9, 54.0, -0.19)
+    );
+    let run = run(scene, Mode::Inprocess, "real-lines");
+    assert!(run.record.pantographs[0].force.iter().all(|force| force.is_finite()));
+    let refused = load(&table.replace("5.302", "53000")).unwrap_err().to_string();
+    assert_eq!(refused, block(page, headline, "text").trim_end());
 }
 
 #[test]

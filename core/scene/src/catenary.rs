@@ -388,6 +388,11 @@ impl Droppers {
         }
     }
 
+    /// True where no span has a dropper, unless tension lengths have their own.
+    pub(crate) fn is_none(&self) -> bool {
+        self.positions.iter().all(Vec::is_empty)
+    }
+
     /// No droppers at all.
     #[must_use]
     pub fn none() -> Self {
@@ -457,12 +462,12 @@ impl Entry for Catenary {
     const SENTENCES: Sentences = &[
         (
             "from",
-            "Path of a library file with keys of this table, relative to the scene; keys that the scene has win.",
+            "Path of a library file with keys of this table, relative to the file that names it, whose own keys win.",
         ),
         (
             "table",
-            "Path of a table of supports, relative to the scene: one row per support and tension length, in place of \
-             `spans` to `curve_radius`; see the guide to real lines.",
+            "Path of a table of supports, relative to the file that names it: one row per support and tension length, \
+             in place of the keys from `spans` on that it has columns for; see the guide to real lines.",
         ),
         (
             "wire_ends",
@@ -664,17 +669,26 @@ impl Entry for Droppers {
         (
             "positions",
             "Distances from the left support of each span, ascending, inside the span: one list for all spans, or one \
-             list for each span.",
+             list for each span. Left out where a rule, names, a table or each tension length have them.",
         ),
         (
             "rule",
-            "Positions by a rule, in place of `positions`: the first and last dropper `first` from the supports, the \
-             others evenly between them at intervals of at most `longest`.",
+            "Positions by a rule, in place of `positions`: in each span the first and last dropper `first` from the \
+             supports, the others evenly between them at intervals of at most `longest`.",
         ),
-        ("pattern", "Positions by names of `patterns`, in place of `positions`."),
+        (
+            "pattern",
+            "Positions by names of `patterns`, in place of `positions`: one name for all spans, or exactly one for \
+             each span; names are not repeated.",
+        ),
         (
             "patterns",
             "Named lists of positions, for `pattern` and for tables of supports.",
+        ),
+        (
+            "table",
+            "Path of a table of droppers, relative to the file that names it, in place of `positions`: one row per \
+             dropper; see the guide to real lines.",
         ),
         ("stiffness", "Stiffness in tension; a dropper bears no compression."),
         ("damping", "Damping while in tension."),
@@ -693,14 +707,16 @@ impl Entry for Droppers {
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
         let lengths = was.map(|droppers| droppers.lengths.as_deref());
         keys.written_out("rule", "m", "table `{ first, longest }`");
-        keys.written_out("pattern", "", "text, or one for each span in a list");
+        keys.written_out("pattern", "", "text, or a list of texts");
         keys.written_out("patterns", "m", "table `{ name = [positions], … }`");
+        keys.written_out("table", "", "text");
         Self {
-            positions: keys.list_or_lists(
-                "positions",
-                was.map(|droppers| droppers.positions.as_slice()),
-                Number::any("m"),
-            ),
+            positions: if keys.has("positions", was.is_some_and(|droppers| !droppers.is_none())) {
+                let positions = was.map(|droppers| droppers.positions.as_slice());
+                keys.list_or_lists("positions", positions, Number::any("m"))
+            } else {
+                Self::none().positions
+            },
             stiffness: keys.number(
                 "stiffness",
                 was.map(|droppers| droppers.stiffness),

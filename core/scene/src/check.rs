@@ -261,14 +261,18 @@ impl Scene {
                     ),
                 );
             }
-            let staggers = catenary.tension_lengths.iter().enumerate().flat_map(|(number, line)| {
-                let entries = line.stagger.iter().enumerate();
-                entries.map(move |(k, stagger)| (number, k, stagger))
+            let Some(width) = pantograph.strip_width() else {
+                continue;
+            };
+            // Wires on their way to an anchor are above the strips and may be beside them.
+            let outside = catenary.tension_lengths.iter().enumerate().flat_map(|(number, line)| {
+                let staggers = (0..=line.spans()).map(move |support| (number, support, line.stagger_at(support)));
+                staggers.filter(|(.., stagger)| (stagger - aside).abs() > width / 2.0)
             });
-            let outermost = staggers.max_by(|a, b| (a.2 - aside).abs().total_cmp(&(b.2 - aside).abs()));
-            if let (Some(width), Some((number, k, stagger))) = (pantograph.strip_width(), outermost)
-                && (stagger - aside).abs() > width / 2.0
-            {
+            let outside = outside.filter(|(number, support, _)| catenary.is_in_reach(*number, *support));
+            let outermost = outside.max_by(|a, b| (a.2 - aside).abs().total_cmp(&(b.2 - aside).abs()));
+            if let Some((number, support, stagger)) = outermost {
+                let k = support % catenary.tension_lengths[number].stagger.len();
                 let middle = if aside == 0.0 {
                     String::new()
                 } else {
@@ -277,7 +281,7 @@ impl Scene {
                 refuse(
                     found,
                     format!("{}.stagger[{}]", catenary.key_of(number), k + 1),
-                    shown_number(*stagger, "m"),
+                    shown_number(stagger, "m"),
                     format!("must be within ±{} m{middle}, half the width of {strip}", width / 2.0),
                 );
             }

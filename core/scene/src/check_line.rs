@@ -36,6 +36,7 @@ impl Catenary {
         self.check_division(found);
         self.check_dropper_lengths(found);
         self.check_several(found);
+        self.check_overlaps(found);
         self.check_changes(found);
     }
 
@@ -60,22 +61,6 @@ impl Catenary {
             let expected = "must be \"form_finding\" on a line with stitch wires, several tension lengths or a single \
                             wire: lengths are found for it and cannot be given";
             refuse(found, "catenary.statics", "\"nodal_displacement\"", expected);
-        }
-        // Every place of the line has a wire.
-        let mut reach = 0.0_f64;
-        let mut spans: Vec<(f64, f64, usize)> = (self.tension_lengths.iter().enumerate())
-            .map(|(number, line)| (line.start_x, line.support_x(line.spans()), number))
-            .collect();
-        spans.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for (start, end, number) in spans {
-            if start > reach + ROUNDING {
-                let expected = format!(
-                    "must be at most {reach} m, where the tension length before it ends: strips need a wire everywhere"
-                );
-                let key = format!("{}.start_x", self.key_of(number));
-                refuse(found, key, shown_number(start, "m"), expected);
-            }
-            reach = reach.max(end);
         }
     }
 
@@ -170,20 +155,28 @@ impl Section<'_> {
             let because = "a line without messenger_wire has none".to_owned();
             found.push((format!("{path}.encumbrance"), What::LeaveOut { because }));
         }
-        if let Some(length) = self.span_lengths.iter().find(|length| **length > LONGEST_SPAN) {
+        let mut lengths = self.span_lengths.iter();
+        if let Some(span) = lengths.position(|length| *length > LONGEST_SPAN) {
+            let length = self.span_lengths[span];
             let expected = format!("must be at most {LONGEST_SPAN} m, each span");
-            refuse(
-                found,
-                format!("{path}.span_length"),
-                shown_number(*length, "m"),
-                expected,
-            );
+            let key = format!("{path}.span_length");
+            let alike = self.span_lengths.iter().all(|other| *other == length);
+            let key = if alike { key } else { format!("{key}[{}]", span + 1) };
+            refuse(found, key, shown_number(length, "m"), expected);
         }
         let (own, key) = if self.dropper_positions.is_empty() {
             (&self.line.droppers.positions, "catenary.droppers.positions".to_owned())
         } else {
             (&self.dropper_positions, format!("{path}.dropper_positions"))
         };
+        if self.dropper_positions.is_empty() && self.line.droppers.is_none() && self.line.messenger_wire.is_some() {
+            missing(
+                found,
+                key,
+                "a list of numbers in m, at least one, or a rule, names or a table in place of it",
+            );
+            return;
+        }
         let (lists, spans) = (own.len(), self.spans());
         if lists != 1 && lists != spans {
             let expected = format!("must be one list for all spans, or {spans}, one for each span");

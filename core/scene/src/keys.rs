@@ -4,7 +4,7 @@
 //! or `None` when reading, and gives back the value written or read. Reading never stops at a problem: the
 //! problem goes to the report, a placeholder comes back, and [`read`] lets no scene with problems out.
 
-use crate::error::{Problem, SceneError, What};
+use crate::error::{SceneError, What};
 use crate::renames;
 use crate::tree::{At, Node, Sources, Table, Value};
 use crate::write::{shown, shown_key};
@@ -52,15 +52,10 @@ pub(crate) fn read<T: Entry>(root: &Table, sources: Sources) -> Result<T, SceneE
     {
         report.retain(|(_, _, what)| !matches!(what, What::Missing { .. }));
     }
-    report.sort_by_key(|(at, _, _)| *at);
-    let problems: Vec<Problem> = report
-        .into_iter()
-        .map(|(at, key, what)| sources.problem(at, key, what))
-        .collect();
-    if problems.is_empty() {
+    if report.is_empty() {
         Ok(value)
     } else {
-        Err(SceneError { problems })
+        Err(sources.refuse(report))
     }
 }
 
@@ -175,8 +170,8 @@ impl Keys<'_> {
         if self.describes() {
             self.may_be_left_out(name);
             self.record(name, unit, range.to_owned(), None);
-        } else {
-            self.known.push(name.to_owned());
+        } else if self.node(name).is_some() {
+            self.refuse(name, "must stand in a file, or in an override of this key alone");
         }
     }
 

@@ -2,10 +2,11 @@
 
 use crate::check::Found;
 use crate::error::{SceneError, What};
-use crate::expand::expand;
+use crate::expand::{FILE_KEYS, apply_rules, take_files};
 use crate::files::Files;
 use crate::keys::{Entry, Keys, Sentences, read, write};
-use crate::tree::{Sources, Table, parse};
+use crate::overrides::{last_key, override_with};
+use crate::tree::{At, Sources, Table, parse};
 use crate::{
     Catenary, Contact, Coupling, Evaluate, MeshChoice, Model, Pantograph, Run, Solver, Supplied, Track, Vehicle, Wind,
 };
@@ -75,15 +76,17 @@ impl<'a> SceneFile<'a> {
             overrides,
             files,
         };
-        let mut root = parse(text, sources).map_err(|problems| SceneError { problems })?;
-        let mut wrong = expand(&mut root, files);
-        if !wrong.is_empty() {
-            wrong.sort_by_key(|(at, ..)| *at);
-            let problems = wrong.into_iter().map(|(at, key, what)| sources.problem(at, key, what));
-            return Err(SceneError {
-                problems: problems.collect(),
-            });
-        }
+        let mut root = parse(text).map_err(|(at, what)| sources.refuse(vec![(at, String::new(), what)]))?;
+        let agree = |wrong: Vec<_>| match wrong.is_empty() {
+            true => Ok(()),
+            false => Err(sources.refuse(wrong)),
+        };
+        // An override holds for what a file gave; files themselves and rules follow overrides.
+        let of_files = |text: &str| last_key(text).is_some_and(|key| FILE_KEYS.contains(&key.as_str()));
+        agree(override_with(&mut root, overrides, of_files))?;
+        agree(take_files(&mut root, files))?;
+        agree(override_with(&mut root, overrides, |text| !of_files(text)))?;
+        agree(apply_rules(&mut root))?;
         let scene = read(&root, sources)?;
         Ok(Self { scene, root, sources })
     }
@@ -100,19 +103,12 @@ impl<'a> SceneFile<'a> {
     ///
     /// All of them, where there are any.
     pub fn refuse(&self, found: Found) -> Result<(), SceneError> {
-        let mut found: Vec<_> = found
-            .into_iter()
-            .map(|(key, what)| (self.root.place_of(&key), key, what))
-            .collect();
-        found.sort_by_key(|(at, _, _)| *at);
         if found.is_empty() {
             return Ok(());
         }
-        let problems = found
-            .into_iter()
-            .map(|(at, key, what)| self.sources.problem(at, key, what))
-            .collect();
-        Err(SceneError { problems })
+        let found = found.into_iter();
+        let found = found.map(|(key, what)| (self.root.place_of(&key), key, what));
+        Err(self.sources.refuse(found.collect()))
     }
 
     /// Checks across keys, see [`Scene::check_with`].
@@ -216,17 +212,23 @@ impl Scene {
             overrides: &[],
             files: &files,
         };
+        if let Line::Modelled(line) = &self.catenary
+            && line.tension_lengths.is_empty()
+        {
+            // No file can say this: one without tension_length has the keys of a single one.
+            let expected = "at least one tension length".to_owned();
+            let key = "catenary.tension_length".to_owned();
+            return Err(sources.refuse(vec![(At::File, key, What::Missing { expected })]));
+        }
         // Values of single keys are those of a file that holds them.
         read::<Self>(&write(self), sources)?;
         let found = self.contradictions(further);
         if found.is_empty() {
             return Ok(());
         }
-        let problems = found
-            .into_iter()
-            .map(|(key, what)| sources.problem(crate::tree::At::File, key, what))
-            .collect();
-        Err(SceneError { problems })
+        let found = found.into_iter();
+        let found = found.map(|(key, what)| (At::File, key, what));
+        Err(sources.refuse(found.collect()))
     }
 
     /// The line and the contact law that this program models, unless the line is a supplied FMU.

@@ -82,6 +82,12 @@ impl TensionLength {
         self.start_x + along
     }
 
+    /// x of the last support, m.
+    #[must_use]
+    pub fn end_x(&self) -> f64 {
+        self.support_x(self.spans())
+    }
+
     /// x of all supports, m.
     pub fn supports_x(&self) -> impl Iterator<Item = f64> + '_ {
         (0..=self.spans()).map(|index| self.support_x(index))
@@ -286,6 +292,10 @@ impl Entry for Placed {
             "dropper_positions",
             "Positions of the droppers, as `catenary.droppers.positions`, where this tension length has its own.",
         ),
+        (
+            "dropper_pattern",
+            "The same by names of `catenary.droppers.patterns`, in place of `dropper_positions`.",
+        ),
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
@@ -299,6 +309,7 @@ impl Entry for Placed {
         } else {
             Vec::new()
         };
+        keys.written_out("dropper_pattern", "", "text, or a list of texts");
         Self(TensionLength {
             start_x,
             dropper_positions,

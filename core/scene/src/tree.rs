@@ -1,10 +1,9 @@
-//! The file as parsed: values with the place where each was typed, and overrides applied to them.
+//! The file as parsed: values with the place where each was typed.
 
 use toml::de::{DeTable, DeValue};
 
-use crate::error::{Place, Problem, What};
+use crate::error::{Place, Problem, SceneError, What};
 use crate::files::Files;
-use crate::write::{shown, shown_key};
 
 /// Place of something that was typed; indices into the text and the overrides that a [`Sources`] holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,6 +23,26 @@ pub(crate) enum At {
         /// Column of a table, from 0.
         column: Option<u16>,
     },
+}
+
+impl At {
+    /// A place in a text of its own as one of file `file`.
+    pub(crate) fn moved_to(self, file: u16) -> Self {
+        let (line, column) = match self {
+            Self::Line(line) => (line, None),
+            Self::File => (1, None),
+            other => return other,
+        };
+        Self::Other { file, line, column }
+    }
+
+    /// Number of the file; none for the scene itself.
+    pub(crate) fn file(self) -> Option<u16> {
+        match self {
+            Self::Other { file, .. } => Some(file),
+            _ => None,
+        }
+    }
 }
 
 /// A value and where its key, or for an entry of a list itself, was typed.
@@ -55,14 +74,28 @@ pub(crate) struct Table {
 
 impl Node {
     fn move_to(&mut self, file: u16) {
-        if let At::Line(line) = self.at {
-            let column = None;
-            self.at = At::Other { file, line, column };
-        }
+        self.at = self.at.moved_to(file);
         match &mut self.value {
             Value::List(list) => list.iter_mut().for_each(|node| node.move_to(file)),
             Value::Table(table) => table.move_to(file),
             _ => {}
+        }
+    }
+}
+
+impl Node {
+    /// A list whose entries have places of their own.
+    pub(crate) fn list(at: At, entries: impl IntoIterator<Item = Self>) -> Self {
+        let value = Value::List(entries.into_iter().collect());
+        Self { at, value }
+    }
+
+    /// A number; none for anything else.
+    pub(crate) fn number(&self) -> Option<f64> {
+        match self.value {
+            Value::Float(number) => Some(number),
+            Value::Integer(number) => Some(number as f64),
+            _ => None,
         }
     }
 }
@@ -79,6 +112,25 @@ impl Table {
             .iter_mut()
             .find(|(name, _)| name == key)
             .map(|(_, node)| node)
+    }
+
+    /// Takes out a key.
+    pub(crate) fn take(&mut self, key: &str) -> Option<Node> {
+        let index = self.entries.iter().position(|(name, _)| name == key)?;
+        Some(self.entries.remove(index).1)
+    }
+
+    /// The table under a key.
+    pub(crate) fn table_mut(&mut self, key: &str) -> Option<&mut Table> {
+        match &mut self.node_mut(key)?.value {
+            Value::Table(table) => Some(table),
+            _ => None,
+        }
+    }
+
+    /// Adds a key that is not there.
+    pub(crate) fn push(&mut self, key: &str, node: Node) {
+        self.entries.push((key.to_owned(), node));
     }
 
     /// Places of a text of its own become places of file `file`.
@@ -158,29 +210,26 @@ impl Sources<'_> {
     }
 }
 
-/// Parses `text` and applies the overrides in turn.
-pub(crate) fn parse(text: &str, sources: Sources) -> Result<Table, Vec<Problem>> {
+impl Sources<'_> {
+    /// Everything that is wrong, in the order of its places.
+    pub(crate) fn refuse(&self, mut wrong: Vec<(At, String, What)>) -> SceneError {
+        wrong.sort_by_key(|(at, ..)| *at);
+        let problems = wrong.into_iter().map(|(at, key, what)| self.problem(at, key, what));
+        SceneError {
+            problems: problems.collect(),
+        }
+    }
+}
+
+/// Parses `text`; the error is its place and what is wrong there.
+pub(crate) fn parse(text: &str) -> Result<Table, (At, What)> {
     let lines = Lines::of(text);
     let parsed = DeTable::parse(text).map_err(|error| {
         let at = error.span().map_or(At::File, |span| At::Line(lines.line(span.start)));
-        let message = error.message().trim().replace('\n', ", ");
-        vec![sources.problem(
-            at,
-            "",
-            What::Syntax {
-                message: format!("not valid TOML: {message}"),
-            },
-        )]
+        let message = format!("not valid TOML: {}", error.message().trim().replace('\n', ", "));
+        (at, What::Syntax { message })
     })?;
-    let place = |offset: usize| At::Line(lines.line(offset));
-    let mut root = table(parsed.get_ref(), &place);
-    let problems: Vec<Problem> = (0..sources.overrides.len())
-        .filter_map(|i| {
-            let (key, what) = apply(&mut root, &sources.overrides[i], At::Override(i)).err()?;
-            Some(sources.problem(At::Override(i), key, what))
-        })
-        .collect();
-    if problems.is_empty() { Ok(root) } else { Err(problems) }
+    Ok(table(parsed.get_ref(), &|offset| At::Line(lines.line(offset))))
 }
 
 /// Offsets at which the lines of a text begin.
@@ -216,7 +265,7 @@ fn table(parsed: &DeTable, place: &dyn Fn(usize) -> At) -> Table {
     Table { inline: false, entries }
 }
 
-fn value(parsed: &DeValue, place: &dyn Fn(usize) -> At) -> Value {
+pub(crate) fn value(parsed: &DeValue, place: &dyn Fn(usize) -> At) -> Value {
     match parsed {
         DeValue::String(text) => Value::String(text.to_string()),
         DeValue::Integer(digits) => match i64::from_str_radix(digits.as_str(), digits.radix()) {
@@ -239,178 +288,17 @@ fn value(parsed: &DeValue, place: &dyn Fn(usize) -> At) -> Value {
     }
 }
 
-/// One step of an override's path.
+/// One step of a path.
 #[derive(Debug, PartialEq)]
-enum Step {
+pub(crate) enum Step {
     /// A key; all digits mean an entry from 0 where the path has reached a list.
     Key(String),
     /// `[n]`, an entry of a list, from 1.
     Entry(usize),
 }
 
-/// Table, key whose override takes the place of others, and these others.
-const REPLACED: [(&str, &str, &[&str]); 3] = [
-    (
-        "catenary.mesh",
-        "elements_per_interval",
-        &["element_length", "error_percent"],
-    ),
-    (
-        "catenary.mesh",
-        "element_length",
-        &["elements_per_interval", "error_percent"],
-    ),
-    (
-        "catenary.mesh",
-        "error_percent",
-        &["elements_per_interval", "element_length", "corrections"],
-    ),
-];
-
-const FORM: &str = "an override must have the form key.path=value, such as run.speed_kmh=250, \
-                    coupling.algorithm=jacobi or pantograph[1].static_force=100";
-
-/// Sets one value; the error is the key and what is wrong with it.
-fn apply(root: &mut Table, text: &str, at: At) -> Result<(), (String, What)> {
-    let syntax = |message: &str| {
-        (
-            String::new(),
-            What::Syntax {
-                message: message.to_string(),
-            },
-        )
-    };
-    let (path, typed) = split(text).ok_or_else(|| syntax(FORM))?;
-    let steps = steps(path).ok_or_else(|| syntax(FORM))?;
-    let new = Node {
-        at,
-        value: typed_value(typed.trim(), at).map_err(|message| (path.trim().to_string(), What::Syntax { message }))?,
-    };
-
-    let mut walked = String::new();
-    let mut steps = steps.into_iter().peekable();
-    let Some(Step::Key(first)) = steps.next() else {
-        return Err(syntax(FORM));
-    };
-    walked.push_str(&shown_key(&first));
-    let mut last_is_new = root.node(&first).is_none();
-    let mut node = entry(root, first, at);
-    for step in steps {
-        let refused = |value: &Value, expected: String| {
-            (
-                walked.clone(),
-                What::Refused {
-                    value: shown(value),
-                    expected,
-                },
-            )
-        };
-        let is_new = std::mem::take(&mut last_is_new);
-        node = match (&mut node.value, step) {
-            // A list that the file does not have: reading it reports the key, with the known ones beside it.
-            (Value::Table(_), Step::Entry(_)) if is_new => return Ok(()),
-            (Value::Table(table), Step::Key(key)) => {
-                drop_replaced(table, &walked, &key);
-                walked.push('.');
-                walked.push_str(&shown_key(&key));
-                last_is_new = table.node(&key).is_none();
-                entry(table, key, at)
-            }
-            (Value::List(list), step) => {
-                let index = match &step {
-                    Step::Entry(number) => number.checked_sub(1),
-                    Step::Key(digits) => digits.parse().ok(),
-                };
-                let count = list.len();
-                match index.filter(|index| *index < count) {
-                    Some(index) => {
-                        walked.push_str(&format!("[{}]", index + 1));
-                        &mut list[index]
-                    }
-                    None => {
-                        let expected = match step {
-                            Step::Entry(number) => {
-                                format!("has {count} entries, [1] to [{count}], and no [{number}]")
-                            }
-                            Step::Key(digits) if index.is_some() => {
-                                format!("has {count} entries, [1] to [{count}], and no .{digits}")
-                            }
-                            Step::Key(key) => {
-                                format!("has {count} entries; say which one, such as {walked}[1].{key}")
-                            }
-                        };
-                        return Err((
-                            walked.clone(),
-                            What::Refused {
-                                value: "list".into(),
-                                expected,
-                            },
-                        ));
-                    }
-                }
-            }
-            (value, Step::Key(key)) => {
-                return Err(refused(
-                    value,
-                    format!("is not a table, so there is no key {key} in it"),
-                ));
-            }
-            (value, Step::Entry(number)) => {
-                return Err(refused(
-                    value,
-                    format!("is not a list, so there is no entry [{number}] in it"),
-                ));
-            }
-        };
-    }
-    *node = new;
-    Ok(())
-}
-
-/// Takes out of the table with this path what an override of `key` takes the place of.
-fn drop_replaced(table: &mut Table, path: &str, key: &str) {
-    let mut all = REPLACED.iter();
-    if let Some((_, _, others)) = all.find(|(of, by, _)| (*of, *by) == (path, key)) {
-        table.entries.retain(|(name, _)| !others.contains(&name.as_str()));
-    }
-}
-
-/// The entry `key` of a table; an empty table where there is none yet.
-fn entry(table: &mut Table, key: String, at: At) -> &mut Node {
-    let index = table
-        .entries
-        .iter()
-        .position(|(name, _)| *name == key)
-        .unwrap_or_else(|| {
-            table.entries.push((
-                key,
-                Node {
-                    at,
-                    value: Value::Table(Table::default()),
-                },
-            ));
-            table.entries.len() - 1
-        });
-    &mut table.entries[index].1
-}
-
-/// Splits at the first `=` outside quotes.
-fn split(text: &str) -> Option<(&str, &str)> {
-    let mut quote = None;
-    let at = text.char_indices().find_map(|(i, c)| {
-        match (quote, c) {
-            (Some(open), c) if c == open => quote = None,
-            (None, '"' | '\'') => quote = Some(c),
-            (None, '=') => return Some(i),
-            _ => {}
-        }
-        None
-    })?;
-    Some((&text[..at], &text[at + 1..]))
-}
-
 /// Steps of a path such as `pantograph[1].parameters."static.force"`.
-fn steps(path: &str) -> Option<Vec<Step>> {
+pub(crate) fn steps(path: &str) -> Option<Vec<Step>> {
     let mut rest = path.trim();
     let mut steps = Vec::new();
     loop {
@@ -436,19 +324,5 @@ fn steps(path: &str) -> Option<Vec<Step>> {
             return Some(steps);
         }
         rest = rest.strip_prefix('.')?;
-    }
-}
-
-/// The value of an override: a TOML value, or a bare word as a string.
-fn typed_value(typed: &str, at: At) -> Result<Value, String> {
-    match DeValue::parse(typed) {
-        Ok(parsed) => Ok(value(parsed.get_ref(), &|_| at)),
-        Err(_) if !typed.is_empty() && !typed.starts_with(['"', '\'', '[', '{']) => {
-            Ok(Value::String(typed.to_string()))
-        }
-        Err(error) => Err(format!(
-            "{typed:?} is not a TOML value: {}",
-            error.message().trim().replace('\n', ", ")
-        )),
     }
 }

@@ -30,13 +30,13 @@ fn every_shipped_scene_is_accepted() {
         let path = file.unwrap().path();
         if path.extension().is_some_and(|extension| extension == "toml") {
             let text = std::fs::read_to_string(&path).unwrap();
-            let files = Files::new(|file| {
-                std::fs::read_to_string(path.with_file_name(file)).map_err(|error| error.to_string())
-            });
             let origin = path.display().to_string();
-            let read = SceneFile::read(&text, &origin, &[], &files).unwrap_or_else(|error| panic!("{error}"));
-            read.check(&|_| Vec::new()).unwrap_or_else(|error| panic!("{error}"));
-            let scene = read.scene.clone();
+            let files = Files::new(|file| {
+                std::fs::read_to_string(format!("{folder}/{file}")).map_err(|error| error.to_string())
+            });
+            let read = SceneFile::read(&text, &origin, &[], &files);
+            let read = read.and_then(|file| file.check(&|_| Vec::new()).map(|()| file.scene));
+            let scene = read.unwrap_or_else(|error| panic!("{error}"));
             assert!(scene.source.is_some(), "{} names no source", path.display());
             assert_eq!(scene.questions(), Vec::<String>::new(), "{}", path.display());
             read_scenes += 1;

@@ -68,6 +68,22 @@ fn a_wrong_value_of_a_built_scene_is_refused_as_that_of_a_file() {
             refusal(&|scene| line(scene, &|line| line.tension_lengths[0].stagger.clear())),
             "built: catenary.stagger = []: has 0 entries, must be a list of numbers in m, at least one",
         ),
+        (
+            refusal(&|scene| line(scene, &|line| line.tension_lengths.clear())),
+            "built: catenary.tension_length is missing: must be at least one tension length",
+        ),
+        (
+            refusal(&|scene| line(scene, &|line| line.tension_lengths[0].span_lengths.clear())),
+            "built: catenary.spans = 0: must be a whole number from 1 to 5000",
+        ),
+        (
+            refusal(&|scene| line(scene, &|line| line.tension_lengths[0].presag.clear())),
+            "built: catenary.presag = []: has 0 entries",
+        ),
+        (
+            refusal(&|scene| line(scene, &|line| line.droppers.positions.clear())),
+            "built: catenary.droppers.positions is missing",
+        ),
         (refusal(&|scene| scene.pantographs.clear()), "pantograph"),
         (
             refusal(&|scene| scene.run.duration = 80.0),

@@ -944,7 +944,7 @@ point = [10.58842934, 0.0, 4.26522551]"#,
 
 #[test]
 fn no_word_is_suggested_that_is_spelt_far_from_what_was_typed() {
-    for (key, value) in [("feeders", "1"), ("gradient", "0.01")] {
+    for (key, value) in [("anchors", "1"), ("gradient", "0.01")] {
         let told = message(
             &edited(EN, "[catenary]\n", &format!("[catenary]\n{key} = {value}\n")),
             &[],

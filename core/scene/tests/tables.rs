@@ -324,27 +324,80 @@ fn wrong_tables_are_refused_as_a_whole() {
 
 #[test]
 fn what_a_table_and_the_scene_both_say_is_refused() {
-    for (override_, parts) in [
-        ("catenary.spans=12", ["catenary.spans", "as-built.csv"]),
-        ("catenary.stagger=[0.2]", ["catenary.stagger", "has it"]),
-        ("catenary.presag=0", ["catenary.presag", "has it"]),
+    for (header, added, parts) in [
+        ("[catenary]\n", "spans = 12", ["catenary.spans", "as-built.csv"]),
+        ("[catenary]\n", "span_length = 50", ["catenary.span_length", "has it"]),
+        ("[catenary]\n", "stagger = [0.2]", ["catenary.stagger", "has it"]),
+        ("[catenary]\n", "presag = 0", ["catenary.presag", "has it"]),
         (
-            "catenary.contact_wire_height=5.3",
+            "[catenary]\n",
+            "presag_ratio = 0.001",
+            ["catenary.presag_ratio", "has it"],
+        ),
+        (
+            "[catenary]\n",
+            "contact_wire_height = 5.3",
             ["catenary.contact_wire_height", "has it"],
         ),
+        (
+            "[catenary.droppers]",
+            "\nrule = { first = 5, longest = 8 }",
+            ["catenary.droppers.rule", "has it"],
+        ),
+        (
+            "[catenary.droppers]",
+            "\npositions = [5, 10]",
+            ["catenary.droppers.positions", "has it"],
+        ),
+        (
+            "[catenary.droppers]",
+            "\ntable = \"as-built.csv\"",
+            ["catenary.droppers.table", "has it"],
+        ),
+        (
+            "[catenary.contact_wire]",
+            "\nx = 1\n[[catenary.tension_length]]\nspans = 2",
+            ["catenary.tension_length", "has it"],
+        ),
+    ] {
+        let message = read(&TOML.replace(header, &format!("{header}{added}\n")), CSV, &[]).unwrap_err();
+        for part in parts {
+            assert!(message.contains(part), "{added}: no {part:?} in {message}");
+        }
+    }
+    for (override_, parts) in [
         ("catenary.table=other.csv", ["catenary.table", "no file other.csv"]),
         ("catenary.table=3", ["catenary.table = 3", "the path of a file"]),
         ("catenary.from=lib.toml", ["catenary.from", "no file lib.toml"]),
-        (
-            "catenary.droppers.rule={first=5, longest=8}",
-            ["catenary.droppers.positions", "has it"],
-        ),
     ] {
         let message = read(TOML, CSV, &[override_]).unwrap_err();
         for part in parts {
             assert!(message.contains(part), "{override_}: no {part:?} in {message}");
         }
     }
+}
+
+#[test]
+fn an_override_takes_the_place_of_what_a_table_gave() {
+    let line = |override_: &str| {
+        let scene = read(TOML, CSV, &[override_]).unwrap();
+        scene.modelled_line().unwrap().0.clone()
+    };
+    assert_eq!(line("catenary.stagger=[0.1]").tension_lengths[0].stagger, [0.1]);
+    let changed = line("catenary.contact_wire_height[3]=5.31");
+    assert_eq!(
+        changed.tension_lengths[0].contact_wire_height[1..4],
+        [5.302, 5.31, 5.305]
+    );
+    let presag = line("catenary.presag_ratio=0.001").tension_lengths[0].presag.clone();
+    assert_eq!(presag[1], 0.0598);
+    let droppers = line("catenary.droppers.rule={first=5, longest=10}").droppers;
+    assert_eq!(droppers.positions[1], [5.0, 14.96, 24.92, 34.88, 44.84, 54.8]);
+    let message = read(TOML, CSV, &["catenary.stagger[4]=0.9"]).unwrap_err();
+    assert!(
+        message.contains("--set catenary.stagger[4]=0.9: catenary.stagger[4] = 0.9 m"),
+        "{message}"
+    );
 }
 
 #[test]

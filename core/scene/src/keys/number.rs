@@ -286,8 +286,8 @@ impl Keys<'_> {
             return vec![f64::NAN; n];
         }
         match was {
-            Some(values) if values.iter().all(|value| *value == values[0]) => {
-                vec![self.number(name, Some(values[0]), number); n]
+            Some([first, others @ ..]) if others.iter().all(|value| value == first) => {
+                vec![self.number(name, Some(*first), number); n]
             }
             Some(values) => self.numbers(name, Some(values), number, Length::Exactly(n)),
             None if self.is_list(name) => self.numbers(name, None, number, Length::Exactly(n)),
