@@ -190,10 +190,10 @@ fn two_equal_tension_lengths_share_the_strip_evenly() {
     ]
     .concat();
     let single = run(scene_with(EN, &doubled), Mode::Monolithic, "one line");
-    let text = EN.replace(
-        "spans = 10\nspan_length = 60.0                      # m\ncontact_wire_height = 5.3               # m above rail, chosen: does not enter the dynamics\nencumbrance = 1.2                       # m, messenger wire above contact wire at the supports\npresag = 0.0                            # m, lowering of the contact wire at mid-span\nstagger = [0.0]                         # m, at the supports in turn, repeated cyclically\n",
-        "",
-    );
+    // The keys from `spans` to `stagger` are those of the tension lengths.
+    let (head, rest) = EN.split_once("spans = 10\n").unwrap();
+    let (_, tail) = rest.split_once("wire_ends").unwrap();
+    let text = format!("{head}wire_ends{tail}");
     let length = |stagger: f64| {
         format!(
             "[[catenary.tension_length]]\nspans = 4\nspan_length = 60.0\ncontact_wire_height = 5.3\n\

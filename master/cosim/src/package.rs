@@ -213,7 +213,8 @@ fn dependencies(identifier: &str, needs: &Needs) -> String {
 fn documentation<C: Component>(scene: &Scene) -> String {
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta \
-         charset=\"utf-8\"><title>{0}, Pantoline</title></head><body>\n<h1>{0}</h1>\n<p>An FMU of Pantoline. {1}</p>\n<p>Scene: {2}</p>\n<p>x runs \
+         charset=\"utf-8\"><title>{0}, Pantoline</title></head><body>\n<h1>{0}</h1>\n\
+         <p>An FMU of Pantoline. {1}</p>\n<p>Scene: {2}</p>\n<p>x runs \
          along the track in the direction of travel, 0 at the first support, y to the left, z up from the top of \
          rail; SI units. <i>contact.force</i> is positive in compression, <i>fx, fy, fz</i> act on the strip.</p>\n\
          <p>Inside a step an input follows the derivatives given with fmi2SetRealInputDerivatives (orders 1 to 3, at \

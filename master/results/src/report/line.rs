@@ -340,8 +340,8 @@ impl LinePage {
             ));
         }
         format!(
-            "{}<p>Gradients are those of the chords between supports on which strips run. At {:.0} km/h EN 50119 allows \
-             {:.2} ‰ and changes of {:.2} ‰ [R, remembered and not verified].</p>\n",
+            "{}<p>Gradients are those of the chords between supports on which strips run. At {:.0} km/h EN 50119 \
+             allows {:.2} ‰ and changes of {:.2} ‰ [R, remembered and not verified].</p>\n",
             table(&columns, &rows),
             self.speed_kmh,
             1e3 * most,
