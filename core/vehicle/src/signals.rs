@@ -103,7 +103,12 @@ static PANTOGRAPH: [SignalEntry<Subsystem>; 2] = [
 
 /// Signals of a pantograph on a vehicle with this many wheels, or on none.
 fn groups(wheels: Option<usize>) -> [SignalGroup<Subsystem>; 7] {
-    let group = |name, entries, members| SignalGroup { name, entries, members };
+    let group = |name, entries, members| SignalGroup {
+        name,
+        entries,
+        members,
+        parts: None,
+    };
     let [base, wheel, more_base] = vehicle::groups(wheels);
     [
         group(Some(load::GROUP), &LOAD[..], 1),
