@@ -2,8 +2,10 @@
 
 use catenary::{CatenaryError, LineAtRest, StaticLine, StaticsError, StripStart};
 use dynamics::Layout;
+use nalgebra::DMatrix;
 use scene::{Initialise, PantographModel, Scene, Start};
-use vehicle::VehicleError;
+use std::ops::Range;
+use vehicle::{Equilibrium, VehicleError};
 
 /// Difference between what line and pantograph exert at the start that counts as balance, N.
 const TOLERANCE: f64 = 1e-6;
@@ -72,33 +74,56 @@ pub enum EquilibriumError {
 /// One pantograph alone.
 struct Side {
     index: usize,
-    x: f64,
+    /// Strips of its head, over all heads.
+    strips: Range<usize>,
+    /// See [`vehicle::PantographModel::rises`].
+    rises: Vec<Vec<f64>>,
     model: vehicle::PantographModel,
 }
 
 impl Side {
-    /// Contact force at rest at `height` in m, N.
-    fn force(&self, height: f64) -> Result<f64, EquilibriumError> {
-        let found = self.model.equilibrium_at_height(height);
-        found
-            .map(|equilibrium| equilibrium.force)
-            .map_err(|source| self.refused(source))
+    fn new(scene: &Scene, index: usize) -> Result<Self, EquilibriumError> {
+        let model = vehicle::PantographModel::of_scene(scene, index, &mut Layout::new());
+        let model = model.map_err(|source| EquilibriumError::Pantograph {
+            pantograph: index + 1,
+            source,
+        })?;
+        Ok(Self {
+            index,
+            strips: scene.strips_of(index),
+            rises: model.rises(),
+            model,
+        })
     }
 
-    fn refused(&self, source: VehicleError) -> EquilibriumError {
-        EquilibriumError::Pantograph {
+    /// The pantograph at rest with its strips at these heights in m.
+    fn at(&self, heights: &[f64]) -> Result<Equilibrium, EquilibriumError> {
+        let found = self.model.equilibrium_at_heights(heights);
+        found.map_err(|source| EquilibriumError::Pantograph {
             pantograph: self.index + 1,
             source,
-        }
+        })
+    }
+
+    /// Heights of its strips among those of all, m.
+    fn heights(&self, strips: &[StripStart]) -> Vec<f64> {
+        strips[self.strips.clone()].iter().map(|strip| strip.height).collect()
+    }
+
+    /// Forces on the strips, N, along each of the motions that the head allows.
+    fn along_rises<'a>(&'a self, forces: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let along = move |rise: &Vec<f64>| rise.iter().zip(forces).map(|(rise, force)| rise * force).sum();
+        self.rises.iter().map(along)
     }
 }
 
-/// Height of the unloaded contact wire, or under an upward `force` in N, over the start of pantograph `index`, m.
+/// Height of the unloaded contact wire, or under an upward `force` in N, over the start of the head of pantograph
+/// `index` (from 0), m.
 ///
 /// # Errors
 /// [`EquilibriumError::Wire`].
 pub fn wire_height(scene: &Scene, statics: &StaticLine, index: usize, force: f64) -> Result<f64, EquilibriumError> {
-    let x = scene.strip_start_x(index);
+    let x = scene.head_start_x(index);
     let answer = statics.wire_height_under(x, force);
     answer
         .map(|answer| answer.height)
@@ -136,50 +161,47 @@ pub fn resolve(scene: &mut Scene, statics: &StaticLine) -> Result<(), Equilibriu
     }
     let mut sides = Vec::new();
     for index in (0..scene.pantographs.len()).filter(|&index| missing(&scene.pantographs[index])) {
-        let model = vehicle::PantographModel::of_scene(scene, index, &mut Layout::new());
-        let model = model.map_err(|source| EquilibriumError::Pantograph {
-            pantograph: index + 1,
-            source,
-        })?;
-        sides.push(Side {
-            index,
-            x: scene.strip_start_x(index),
-            model,
-        });
+        sides.push(Side::new(scene, index)?);
     }
     let mut line = LineAtRest::new(scene, statics)?;
-    let mut strips: Vec<StripStart> = (0..scene.pantographs.len())
-        .map(|index| {
-            let start = scene.pantographs[index].start;
-            StripStart::of(scene, index, start.map_or(0.0, |start| start.height))
+    let mut strips: Vec<StripStart> = (0..scene.strip_count())
+        .map(|strip| {
+            let start = scene.strip_start(strip);
+            StripStart::of(scene, strip, start.map_or(0.0, |start| start.height))
         })
         .collect();
     match scene.run.initialise {
         Initialise::Equilibrium => balance(scene, statics, &mut line, &sides, &mut strips)?,
         Initialise::AsGiven => {
             for side in &sides {
-                strips[side.index].height = side.model.reference_height();
+                for strip in &mut strips[side.strips.clone()] {
+                    strip.height = side.model.reference_height();
+                }
             }
             line.start(&strips)?;
         }
     }
     for side in &sides {
+        let heights = side.heights(&strips);
+        let of_line: Vec<f64> = side.strips.clone().map(|strip| line.force(strip)).collect();
         let force = match scene.run.initialise {
-            Initialise::Equilibrium => side.force(strips[side.index].height)?,
-            Initialise::AsGiven => line.force(side.index),
+            Initialise::Equilibrium => side.at(&heights)?.force,
+            Initialise::AsGiven => of_line.iter().sum(),
         };
+        let height = heights.iter().sum::<f64>() / heights.len() as f64;
         if force < 0.0 {
-            let height = strips[side.index].height;
             return Err(EquilibriumError::OutOfReach {
                 pantograph: side.index + 1,
                 height,
                 force,
             });
         }
-        scene.pantographs[side.index].start = Some(Start {
-            height: strips[side.index].height,
-            force,
-        });
+        let pantograph = &mut scene.pantographs[side.index];
+        pantograph.start = Some(Start { height, force });
+        if heights.len() > 1 {
+            let starts = heights.into_iter().zip(of_line);
+            pantograph.strip_starts = starts.map(|(height, force)| Start { height, force }).collect();
+        }
     }
     Ok(())
 }
@@ -195,16 +217,27 @@ struct Compliance {
 }
 
 impl Compliance {
-    /// Equilibrium of strips that do not see each other, on these stiffnesses (N/m).
-    fn diagonal(stiffness: &[f64]) -> Self {
-        let row = |i: usize| {
-            (0..stiffness.len())
-                .map(|j| if i == j { 1.0 / stiffness[i] } else { 0.0 })
-                .collect()
-        };
-        Self {
-            rows: (0..stiffness.len()).map(row).collect(),
+    /// Equilibrium of heads that do not see each other, on these stiffnesses (N/m), one matrix per head.
+    fn of_heads(stiffnesses: &[DMatrix<f64>]) -> Self {
+        let size = stiffnesses.iter().map(DMatrix::nrows).sum();
+        let mut rows = Vec::with_capacity(size);
+        let mut first = 0;
+        for stiffness in stiffnesses {
+            let compliance = match stiffness.as_slice() {
+                [only] => DMatrix::from_element(1, 1, 1.0 / only),
+                // A matrix without an inverse stands still, and is told of as one that does not settle.
+                _ => stiffness.clone().try_inverse().unwrap_or_else(|| stiffness * 0.0),
+            };
+            for own in compliance.row_iter() {
+                let mut row = vec![0.0; size];
+                for (entry, value) in row[first..].iter_mut().zip(own.iter()) {
+                    *entry = *value;
+                }
+                rows.push(row);
+            }
+            first += stiffness.nrows();
         }
+        Self { rows }
     }
 
     fn times(&self, forces: &[f64]) -> Vec<f64> {
@@ -232,9 +265,45 @@ impl Compliance {
     }
 }
 
-/// Moves the strips of `sides` until the line presses on each as hard as its pantograph pushes.
+/// Stiffness of line and pantograph against the motions that the head allows, N/m: the line gives way under all strips
+/// of the head together as under one, and to a difference between them hardly more than the `contact` (N/m).
 ///
-/// The first correction takes the line's own stiffness under each strip, contact included; how strips in one span see
+/// `heights` (m) are those of the strips, which press with `force` (N) in sum and have risen by `rise` m.
+fn stiffness_of(
+    side: &Side,
+    heights: &[f64],
+    force: f64,
+    rise: f64,
+    contact: f64,
+) -> Result<DMatrix<f64>, EquilibriumError> {
+    /// Rise of the difference, m: the pantograph is linear but for its stops.
+    const STEP: f64 = 1e-4;
+    let count = heights.len();
+    if count == 1 {
+        return Ok(DMatrix::from_element(1, 1, force / rise));
+    }
+    let together = force / rise / count as f64;
+    let rises = &side.rises;
+    let mut matrix = DMatrix::zeros(rises.len(), rises.len());
+    let here = side.at(heights)?.strip_forces;
+    for (column, by) in rises.iter().enumerate() {
+        let moved: Vec<f64> = heights.iter().zip(by).map(|(height, rise)| height + STEP * rise).collect();
+        let there = side.at(&moved)?.strip_forces;
+        let mean = by.iter().sum::<f64>() / count as f64;
+        let forces: Vec<f64> = (0..count)
+            .map(|strip| together * mean + contact * (by[strip] - mean) + (here[strip] - there[strip]) / STEP)
+            .collect();
+        for (row, force) in side.along_rises(&forces).enumerate() {
+            matrix[(row, column)] = force;
+        }
+    }
+    Ok(matrix)
+}
+
+/// Moves the strips of `sides` until the line presses on each as hard as its pantograph pushes; on a head with several
+/// strips, along each of the motions that the head allows.
+///
+/// The first correction takes the line's own stiffness under each head, contact included; how heads in one span see
 /// each other is learnt from the corrections.
 fn balance(
     scene: &Scene,
@@ -247,10 +316,11 @@ fn balance(
         .contact
         .as_ref()
         .map_or(f64::INFINITY, |contact| contact.stiffness);
-    let mut stiffness = Vec::with_capacity(sides.len());
+    let mut stiffnesses = Vec::with_capacity(sides.len());
     for side in sides {
         let free = wire_height(scene, statics, side.index, 0.0)?;
-        let force = side.force(free)?;
+        let count = side.strips.len();
+        let force = side.at(&vec![free; count])?.force;
         if force <= 0.0 {
             return Err(EquilibriumError::OutOfReach {
                 pantograph: side.index + 1,
@@ -258,42 +328,62 @@ fn balance(
                 force,
             });
         }
-        let height = wire_height(scene, statics, side.index, force)? + force / contact;
-        strips[side.index].height = height;
-        stiffness.push(force / (height - free));
-        debug_assert_eq!(side.x, strips[side.index].x);
+        let height = wire_height(scene, statics, side.index, force)? + force / (count as f64 * contact);
+        for strip in &mut strips[side.strips.clone()] {
+            strip.height = height;
+        }
+        let stiffness = stiffness_of(side, &vec![height; count], force, height - free, contact)?;
+        stiffnesses.push(stiffness);
     }
     let (mut residual, mut worst) = (f64::INFINITY, 0);
-    let mut compliance = Compliance::diagonal(&stiffness);
+    let mut compliance = Compliance::of_heads(&stiffnesses);
     let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
+    // Places along the motions of all heads, m; of a single strip its height.
+    let mut rises: Vec<f64> = (sides.iter())
+        .flat_map(|side| vec![strips[side.strips.start].height; side.rises.len()])
+        .collect();
     for _ in 0..ITERATIONS {
         line.start(strips)?;
         residual = 0.0;
-        let heights: Vec<f64> = sides.iter().map(|side| strips[side.index].height).collect();
-        let mut missing = Vec::with_capacity(sides.len());
-        for (side, height) in sides.iter().zip(&heights) {
-            let here = side.force(*height)? - line.force(side.index);
-            // Also a difference that is no number.
-            if here.abs() > residual || here.is_nan() {
-                (residual, worst) = (here.abs(), side.index);
+        let mut missing = Vec::with_capacity(rises.len());
+        for side in sides {
+            let pushed = side.at(&side.heights(strips))?.strip_forces;
+            let forces: Vec<f64> = (side.strips.clone().zip(&pushed))
+                .map(|(strip, pushed)| pushed - line.force(strip))
+                .collect();
+            for here in side.along_rises(&forces) {
+                // Also a difference that is no number.
+                if here.abs() > residual || here.is_nan() {
+                    (residual, worst) = (here.abs(), side.index);
+                }
+                missing.push(here);
             }
-            missing.push(here);
         }
         if residual <= TOLERANCE {
             return Ok(());
         }
         if let Some((before, was)) = &last {
-            compliance.learn(&difference(&heights, before), &difference(&missing, was));
+            compliance.learn(&difference(&rises, before), &difference(&missing, was));
         }
-        for (side, change) in sides.iter().zip(compliance.times(&missing)) {
-            strips[side.index].height += change;
+        let changes = compliance.times(&missing);
+        last = Some((rises.clone(), missing));
+        let mut first = 0;
+        for side in sides {
+            for (rise, change) in side.rises.iter().zip(&changes[first..]) {
+                for (strip, rise) in strips[side.strips.clone()].iter_mut().zip(rise) {
+                    strip.height += change * rise;
+                }
+            }
+            first += side.rises.len();
         }
-        last = Some((heights, missing));
+        for (rise, change) in rises.iter_mut().zip(&changes) {
+            *rise += change;
+        }
     }
     Err(EquilibriumError::NotConverged {
         start_x: scene.run.start_x,
         pantograph: worst + 1,
-        x: scene.strip_start_x(worst),
+        x: scene.head_start_x(worst),
         residual,
         iterations: ITERATIONS,
     })
@@ -312,7 +402,7 @@ mod tests {
                 .map(|i| b[i] - stiffness[i][0] * x[0] - stiffness[i][1] * x[1])
                 .collect()
         };
-        let mut compliance = Compliance::diagonal(&[2000.0, 2100.0]);
+        let mut compliance = Compliance::of_heads(&[2000.0, 2100.0].map(|stiffness| DMatrix::from_element(1, 1, stiffness)));
         let mut x = vec![0.0, 0.0];
         let mut last = missing(&x);
         let mut steps = 0;
@@ -329,7 +419,7 @@ mod tests {
 
     #[test]
     fn one_strip_is_a_secant() {
-        let mut compliance = Compliance::diagonal(&[1000.0]);
+        let mut compliance = Compliance::of_heads(&[DMatrix::from_element(1, 1, 1000.0)]);
         compliance.learn(&[0.01], &[-20.0]);
         assert!((compliance.times(&[4.0])[0] - 0.002).abs() < 1e-15);
     }
