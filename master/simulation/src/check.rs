@@ -78,7 +78,7 @@ impl Report {
         let starts = scene.pantographs.iter().enumerate().filter_map(|(index, pantograph)| {
             let start = pantograph.start?;
             Some(StartReport {
-                x: scene.strip_start_x(index),
+                x: scene.head_start_x(index),
                 height: start.height,
                 force: start.force,
             })
