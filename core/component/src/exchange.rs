@@ -192,7 +192,10 @@ mod tests {
         assert_eq!(line_inputs(2)[strip::MOTION + strip::VZ], "strip[2].vz");
         assert_eq!(pantograph_inputs(1)[load::FZ], "contact[1].fz");
         assert_eq!(pantograph_outputs(1)[strip::WORK], "strip[1].work");
-        assert_eq!(pantograph_outputs(2)[strip::OUTPUTS + strip::WIND_LIFT], "strip[2].wind.lift");
+        assert_eq!(
+            pantograph_outputs(2)[strip::OUTPUTS + strip::WIND_LIFT],
+            "strip[2].wind.lift"
+        );
     }
 
     #[test]

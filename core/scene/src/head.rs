@@ -77,11 +77,17 @@ impl Entry for HeadStrip {
                 damping: damping.unwrap_or(0.0),
             }),
             (Some(_), None) => {
-                keys.refuse("mass", "must have stiffness (N/m) beside it, the spring that carries the strip");
+                keys.refuse(
+                    "mass",
+                    "must have stiffness (N/m) beside it, the spring that carries the strip",
+                );
                 None
             }
             (None, Some(_)) => {
-                keys.refuse("stiffness", "must have mass (kg) beside it, that of the strip on the spring");
+                keys.refuse(
+                    "stiffness",
+                    "must have mass (kg) beside it, that of the strip on the spring",
+                );
                 None
             }
             (None, None) => {
@@ -131,7 +137,10 @@ pub(crate) fn check(strips: &[HeadStrip], pitch: Option<&HeadPitch>, path: &str,
             let expected = format!("must be within ±{HALF_HEAD} m of the middle of the head, in m");
             refuse(found, key, shown_number(strip.x, "m"), expected);
         } else if let Some(other) = strips[..i].iter().position(|other| other.x == strip.x) {
-            let expected = format!("must differ from strips[{}].x: two strips are not in one place", other + 1);
+            let expected = format!(
+                "must differ from strips[{}].x: two strips are not in one place",
+                other + 1
+            );
             refuse(found, key, shown_number(strip.x, "m"), expected);
         }
     }
@@ -140,7 +149,12 @@ pub(crate) fn check(strips: &[HeadStrip], pitch: Option<&HeadPitch>, path: &str,
         let fixed = strips.iter().position(|strip| strip.spring.is_none()).unwrap_or(0);
         let expected = "must be given: the other strips of the head are on springs of their own (or leave out mass, \
                         stiffness and damping of all)";
-        refuse(found, format!("{path}.strips[{}].mass", fixed + 1), "left out", expected);
+        refuse(
+            found,
+            format!("{path}.strips[{}].mass", fixed + 1),
+            "left out",
+            expected,
+        );
     }
     if pitch.is_none() {
         return;

@@ -115,7 +115,9 @@ impl Scene {
         let found = heads
             .filter(|(_, strips)| strips.contains(&strip))
             .map(|(pantograph, strips)| (pantograph, strip - strips.start));
-        found.last().unwrap_or_else(|| panic!("strip {strip} of {}", self.strip_count()))
+        found
+            .last()
+            .unwrap_or_else(|| panic!("strip {strip} of {}", self.strip_count()))
     }
 
     /// x of the middle of the head of pantograph `index` (from 0) at t = 0, m.
@@ -169,7 +171,9 @@ impl Scene {
         let reach = |index: usize| {
             let offset = self.pantographs[index].offset_x;
             let places = self.pantographs[index].strips().iter().map(|strip| offset + strip.x);
-            places.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), x| (from.min(x), to.max(x)))
+            places.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), x| {
+                (from.min(x), to.max(x))
+            })
         };
         for index in 1..self.pantographs.len() {
             let ((behind, _), (_, ahead)) = (reach(index - 1), reach(index));

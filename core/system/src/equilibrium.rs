@@ -287,7 +287,11 @@ fn stiffness_of(
     let mut matrix = DMatrix::zeros(rises.len(), rises.len());
     let here = side.at(heights)?.strip_forces;
     for (column, by) in rises.iter().enumerate() {
-        let moved: Vec<f64> = heights.iter().zip(by).map(|(height, rise)| height + STEP * rise).collect();
+        let moved: Vec<f64> = heights
+            .iter()
+            .zip(by)
+            .map(|(height, rise)| height + STEP * rise)
+            .collect();
         let there = side.at(&moved)?.strip_forces;
         let mean = by.iter().sum::<f64>() / count as f64;
         let forces: Vec<f64> = (0..count)
@@ -402,7 +406,8 @@ mod tests {
                 .map(|i| b[i] - stiffness[i][0] * x[0] - stiffness[i][1] * x[1])
                 .collect()
         };
-        let mut compliance = Compliance::of_heads(&[2000.0, 2100.0].map(|stiffness| DMatrix::from_element(1, 1, stiffness)));
+        let mut compliance =
+            Compliance::of_heads(&[2000.0, 2100.0].map(|stiffness| DMatrix::from_element(1, 1, stiffness)));
         let mut x = vec![0.0, 0.0];
         let mut last = missing(&x);
         let mut steps = 0;

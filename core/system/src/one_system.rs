@@ -122,7 +122,13 @@ impl OneSystem {
         let contacts = (0..strips.len() * wires).map(|contact| {
             let (strip, wire) = (contact / wires, contact % wires);
             let (head, own) = scene.head_of(strip);
-            strip_contact(scene, &*line, (strip, wire), pantographs[head].strip_at(own), &mut layout)
+            strip_contact(
+                scene,
+                &*line,
+                (strip, wire),
+                pantographs[head].strip_at(own),
+                &mut layout,
+            )
         });
         let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
         let mut state = layout.state_at_rest();

@@ -209,8 +209,16 @@ impl PantographModel {
     #[must_use]
     pub fn is_balanced(&self, rest: &Equilibrium, forces: &[f64], room: f64) -> bool {
         let strips = || forces.iter().zip(&rest.strip_forces);
-        let missing = |rise: &Vec<f64>| strips().zip(rise).map(|((force, held), rise)| rise * (force - held)).sum();
-        self.rises().iter().map(missing).all(|missing: f64| missing.abs() <= room)
+        let missing = |rise: &Vec<f64>| {
+            strips()
+                .zip(rise)
+                .map(|((force, held), rise)| rise * (force - held))
+                .sum()
+        };
+        self.rises()
+            .iter()
+            .map(missing)
+            .all(|missing: f64| missing.abs() <= room)
     }
 
     /// State of rest of the pantograph, by `solve` over its base, and the vehicle, if there is one.

@@ -49,8 +49,11 @@ static LOAD: [SignalEntry<Subsystem>; load::COUNT] = [
 ];
 
 const fn wind(name: &'static str, description: &'static str) -> SignalEntry<Subsystem> {
-    input!(DeclaredSignal::real(name, "m/s", description), |_, _| 0.0, |strips, _| strips
-        * load::COUNT)
+    input!(
+        DeclaredSignal::real(name, "m/s", description),
+        |_, _| 0.0,
+        |strips, _| strips * load::COUNT
+    )
 }
 
 static WIND: [SignalEntry<Subsystem>; 3] = [

@@ -91,7 +91,10 @@ impl Prepared {
                 None => {
                     let name = format!("pantograph {}", index + 1);
                     let strips = self.scene.strips_of(index).len();
-                    let (inputs, outputs) = (exchange::pantograph_inputs(strips), exchange::pantograph_outputs(strips));
+                    let (inputs, outputs) = (
+                        exchange::pantograph_inputs(strips),
+                        exchange::pantograph_outputs(strips),
+                    );
                     let role = role(name, inputs, outputs);
                     let slave = FmuSlave::start(fmu(&package::pantograph_file(index)), role)?;
                     Box::new(slave.drawn_by(of_pantograph(&self.scene, index), inprocess::draw_pantograph))

@@ -127,8 +127,9 @@ impl Whole {
             }
             values[strip::ROLL] = frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]);
             let (head, strips) = self.heads[i];
-            [values[strip::WIND_DRAG], values[strip::WIND_LIFT]] =
-                self.pantographs[head].wind_on_head(motion).map(|force| force / strips as f64);
+            [values[strip::WIND_DRAG], values[strip::WIND_LIFT]] = self.pantographs[head]
+                .wind_on_head(motion)
+                .map(|force| force / strips as f64);
             let states = contacts.iter().filter_map(|contact| contact.state(motion, lambda));
             let total = ContactTotal::of(states);
             let on_strip = total.map(|total| total.on_strip);

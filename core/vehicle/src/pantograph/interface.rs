@@ -58,11 +58,7 @@ pub(crate) trait Pantograph: std::fmt::Debug + Send {
     ///
     /// # Errors
     /// See [`Pantograph::equilibrium`].
-    fn equilibrium_under(
-        &self,
-        base: Option<BaseDisplacement>,
-        heights: &[f64],
-    ) -> Result<Equilibrium, VehicleError> {
+    fn equilibrium_under(&self, base: Option<BaseDisplacement>, heights: &[f64]) -> Result<Equilibrium, VehicleError> {
         self.equilibrium(base, Target::Height(heights[0]))
     }
 

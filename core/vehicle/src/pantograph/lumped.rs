@@ -262,7 +262,8 @@ impl Pantograph for Lumped {
         self.air = AirForces::default();
         if let Some(coefficient) = air.uplift {
             let law = AerodynamicLaw::Uplift { coefficient };
-            self.air.push(air.force(AirMarker::Head(self.head.middle), base, law), true);
+            self.air
+                .push(air.force(AirMarker::Head(self.head.middle), base, law), true);
         }
     }
 
@@ -297,11 +298,7 @@ impl Pantograph for Lumped {
         self.head.rises()
     }
 
-    fn equilibrium_under(
-        &self,
-        base: Option<BaseDisplacement>,
-        heights: &[f64],
-    ) -> Result<Equilibrium, VehicleError> {
+    fn equilibrium_under(&self, base: Option<BaseDisplacement>, heights: &[f64]) -> Result<Equilibrium, VehicleError> {
         if let [height] = *heights {
             return self.equilibrium(base, Target::Height(height));
         }
@@ -338,7 +335,11 @@ impl Pantograph for Lumped {
         let furthest = strips.iter().map(|strip| strip.x.abs()).fold(HALF_HEAD, f64::max);
         let mut lines = vec![line(middle, furthest)];
         if strips.len() > 1 {
-            lines.extend(strips.iter().map(|strip| line(strip.frame(motion).position, HALF_STRIP)));
+            lines.extend(
+                strips
+                    .iter()
+                    .map(|strip| line(strip.frame(motion).position, HALF_STRIP)),
+            );
         }
         lines
     }

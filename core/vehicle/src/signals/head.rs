@@ -6,7 +6,9 @@ use scene::{HeadPitch, Lumped, PantographModel, Scene, StripSpring};
 type Values<T, const N: usize> = [(&'static str, &'static str, &'static str, fn(&mut T) -> &mut f64); N];
 
 const SPRING: Values<StripSpring, 3> = [
-    ("mass", "kg", "Mass of strip {} on its spring", |spring| &mut spring.mass),
+    ("mass", "kg", "Mass of strip {} on its spring", |spring| {
+        &mut spring.mass
+    }),
     ("stiffness", "N/m", "Stiffness of the spring under strip {}", |spring| {
         &mut spring.stiffness
     }),

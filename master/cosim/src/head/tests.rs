@@ -122,8 +122,16 @@ fn a_step_that_is_taken_back_begins_anew() {
 
 #[test]
 fn one_strip_is_the_pantograph_itself() {
-    let [slave] = &strips_of(Box::new(Beam { given: Vec::new(), rate: Vec::new(), height: 0.0, kept: 0.0, steps: 0 }), 1)[..]
-    else {
+    let [slave] = &strips_of(
+        Box::new(Beam {
+            given: Vec::new(),
+            rate: Vec::new(),
+            height: 0.0,
+            kept: 0.0,
+            steps: 0,
+        }),
+        1,
+    )[..] else {
         panic!("one slave");
     };
     assert_eq!(slave.name(), "pantograph 1");
