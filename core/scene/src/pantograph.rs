@@ -223,6 +223,9 @@ impl Entry for Pantograph {
                     (Kind::Linkage, _) => PantographModel::Linkage(keys.part(None)),
                 })
         };
+        if let Some(PantographModel::Linkage(_)) = &model {
+            refuse_heads(keys);
+        }
         let model = model.unwrap_or_else(|| {
             keys.abandon();
             PantographModel::Lumped(placeholder())
@@ -232,6 +235,18 @@ impl Entry for Pantograph {
             model,
             start: keys.optional_inline_table("start", was.map(|pantograph| pantograph.start.as_ref())),
             strip_starts: keys.any_tables("strip_start", was.map(|pantograph| pantograph.strip_starts.as_slice())),
+        }
+    }
+}
+
+/// Refuses keys of heads with several strips on a linkage.
+fn refuse_heads(keys: &mut Keys) {
+    for name in ["strips", "pitch"] {
+        if keys.has(name, false) {
+            let because = "model is \"linkage\", whose static balance is that of one force on one strip; a head with \
+                           several is modelled with model = \"lumped\"";
+            let because = because.to_string();
+            keys.report(name, What::LeaveOut { because });
         }
     }
 }

@@ -112,11 +112,11 @@ impl Scene {
     #[must_use]
     pub fn head_of(&self, strip: usize) -> (usize, usize) {
         let heads = (0..self.pantographs.len()).map(|pantograph| (pantograph, self.strips_of(pantograph)));
-        let found = heads
+        let mut found = heads
             .filter(|(_, strips)| strips.contains(&strip))
             .map(|(pantograph, strips)| (pantograph, strip - strips.start));
         found
-            .last()
+            .next()
             .unwrap_or_else(|| panic!("strip {strip} of {}", self.strip_count()))
     }
 

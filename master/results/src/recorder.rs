@@ -28,8 +28,8 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Records `strips` pantographs with one strip each and the `supports` with these numbers (from 1) every `output_step` s from 0 to
-    /// `duration` s.
+    /// Records `strips` pantographs with one strip each and the `supports` with these numbers (from 1) every
+    /// `output_step` s from 0 to `duration` s.
     #[must_use]
     pub fn new(duration: f64, output_step: f64, strips: usize, supports: &[usize], line: LineGeometry) -> Self {
         let rows = (duration / output_step * (1.0 + f64::EPSILON) + ROUNDING).floor() as usize + 1;

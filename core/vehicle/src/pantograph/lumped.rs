@@ -1,16 +1,18 @@
 //! The lumped pantograph: any number of masses one above the other.
 mod chain;
 mod head;
+mod marker;
 
 use super::air::{Air, AirForces, AirMarker};
 use super::base_mount::{BaseDisplacement, BaseMount};
 use super::equilibrium::{Equilibrium, Offsets, Target};
 use super::interface::Pantograph;
 use crate::{Base, Travel, Travelling, VehicleError};
-pub(super) use chain::{ChainElement, ChainInertia, HeadMarker};
+pub(super) use chain::{ChainElement, ChainInertia};
 use chain::{ChainMasses, Foot};
 use dynamics::{AerodynamicLaw, Layout, Marker, Motion, PartVisitor};
 use head::{Head, HeadAtRest};
+pub(super) use marker::HeadMarker;
 use nalgebra::{Matrix3, Vector3};
 
 /// A vertical chain of masses, collector head first, each on a spring–damper, the last one on the base.

@@ -1,5 +1,6 @@
 //! Head of a lumped pantograph: strips on its first mass.
-use super::chain::{ChainElement, ChainMasses, HeadMarker};
+use super::HeadMarker;
+use super::chain::{ChainElement, ChainMasses};
 use dynamics::{Force, Layout};
 use scene::HeadStrip;
 
@@ -9,7 +10,7 @@ use scene::HeadStrip;
 /// z_k = h + q₀ − x_k θ                      strips fixed to a head that rises by q₀ and pitches by θ
 /// I θ̈ + c θ̇ + k θ = Σ F_k x_k               positive where the front is lowered
 ///
-/// m_k z̈_k = P_k + k_k (q₀ − q_k) + c_k (q̇₀ − q̇_k) − F_k     strips on springs; P_k = F₀ k_k/Σ k in the reference state
+/// m_k z̈_k = P_k + k_k (q₀ − q_k) + c_k (q̇₀ − q̇_k) − F_k,   P_k = F₀ k_k/Σ k        strips on springs
 /// ```
 ///
 /// The kinematics of small angles are taken as exact: strips stay at `x_k` and at right angles to the track. `F₀` is

@@ -1,0 +1,119 @@
+//! Heads with several strips on a line: coupled runs against one system, numbering, record.
+use integration_tests::runs::{EN_250, Run, prepared, rms, run, scene_with};
+use simulation::Mode;
+
+fn deviation(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt()
+}
+
+/// Four spans of the reference model on a coarse mesh, which does not enter the error of the coupling.
+const SHORT: [&str; 5] = [
+    "catenary.spans=4",
+    "catenary.mesh.elements_per_interval=2",
+    "run.duration=1.8",
+    "run.evaluate={time=[0.3,1.7]}",
+    "run.start_x=30",
+];
+
+const RIGID: &str = "pantograph[1].strips=[{ x = 0.29 }, { x = -0.29 }]";
+const PITCH: &str = "pantograph[1].pitch={ inertia = 0.4, stiffness = 100.0, damping = 2.0 }";
+const SPRUNG: &str = "pantograph[1].strips=[{ x = 0.29, mass = 1.5, stiffness = 5000.0, damping = 10.0 }, { x = \
+                      -0.29, mass = 1.5, stiffness = 5000.0, damping = 10.0 }]";
+
+fn short(mode: Mode, more: &[&str]) -> Run {
+    run(scene_with(EN_250, &[&SHORT[..], more].concat()), mode, "heads")
+}
+
+#[test]
+fn a_line_under_a_head_coupled_at_a_millisecond_is_as_one_system() {
+    for head in [&[RIGID][..], &[RIGID, PITCH], &[SPRUNG]] {
+        let whole = short(Mode::Monolithic, head);
+        let coupled = short(Mode::Inprocess, head);
+        let scene = scene_with(EN_250, &[&SHORT[..], head].concat());
+        let start = prepared(scene, "heads").scene.pantographs[0].start.unwrap();
+        let percent = 100.0 * whole.filtered_difference(&coupled) / whole.sigma();
+        println!("{head:?}: {percent:.4} % of σ = {:.2} N", whole.sigma());
+        assert!(percent < 0.2, "{head:?}: {percent} %");
+        for run in [&whole, &coupled] {
+            let pantograph = &run.record.pantographs[0];
+            assert_eq!(pantograph.strips.len(), 2);
+            for (row, force) in pantograph.force.iter().enumerate() {
+                let sum: f64 = pantograph.strips.iter().map(|strip| strip.force[row]).sum();
+                assert_eq!(sum, *force);
+            }
+            // Both begin at rest: the line presses as the pantograph pushes, but for the tolerance of that balance.
+            assert!(
+                (pantograph.force[0] - start.force).abs() < 1e-5,
+                "{} {start:?}",
+                pantograph.force[0]
+            );
+        }
+    }
+}
+
+#[test]
+fn other_algorithms_couple_heads_as_well() {
+    let whole = short(Mode::Monolithic, &[RIGID, PITCH]);
+    for (algorithm, bound) in [
+        ("gauss_seidel", 1.0),
+        ("jacobi", 2.0),
+        ("iterated", 1.0),
+        ("interface_jacobian", 0.2),
+    ] {
+        let algorithm = format!("coupling.algorithm=\"{algorithm}\"");
+        let coupled = short(Mode::Inprocess, &[RIGID, PITCH, &algorithm]);
+        let percent = 100.0 * whole.filtered_difference(&coupled) / whole.sigma();
+        println!("{algorithm}: {percent:.4} %");
+        assert!(percent < bound, "{algorithm}: {percent} %");
+    }
+}
+
+#[test]
+fn a_list_of_one_strip_in_the_middle_changes_no_bit() {
+    let plain = short(Mode::Monolithic, &[]);
+    let listed = short(Mode::Monolithic, &["pantograph[1].strips=[{ x = 0.0 }]"]);
+    assert_eq!(plain.record.pantographs, listed.record.pantographs);
+}
+
+#[test]
+fn strips_are_numbered_over_all_heads() {
+    let second = "pantograph=[{ model = \"lumped\", static_force = 120, strip = { width = 1.2 }, masses = [7.2, 15], \
+                  stiffnesses = [4200, 50], dampings = [10, 90], strips = [{ x = 0.29 }, { x = -0.29 }] }, { model = \
+                  \"lumped\", offset_x = -25, static_force = 120, strip = { width = 1.2 }, masses = [7.2, 15], \
+                  stiffnesses = [4200, 50], dampings = [10, 90] }]";
+    let keys = [
+        "run.start_x=60",
+        "run.duration=1.4",
+        "run.evaluate={time=[0.3,1.3]}",
+        second,
+    ];
+    let [whole, coupled] = [Mode::Monolithic, Mode::Inprocess].map(|mode| short(mode, &keys));
+    let [leading, trailing] = &whole.record.pantographs[..] else {
+        panic!("two heads");
+    };
+    let starts = leading.strips.iter().chain([trailing]).map(|strip| strip.contact_x[0]);
+    for (x, expected) in starts.zip([60.29, 59.71, 35.0]) {
+        assert!((x - expected).abs() < 1e-3, "{x}");
+    }
+    let force = |run: &Run, pantograph: usize| run.record.pantographs[pantograph].force.clone();
+    for pantograph in [0, 1] {
+        let (whole, coupled) = (force(&whole, pantograph), force(&coupled, pantograph));
+        let percent = 100.0 * rms(&whole, &coupled) / deviation(&whole);
+        assert!(
+            percent < 0.2,
+            "pantograph {}: {percent} % of the raw force",
+            pantograph + 1
+        );
+    }
+}
+
+#[test]
+fn the_fmus_of_a_head_with_two_strips_give_what_the_core_gives() {
+    for head in [&[RIGID, PITCH][..], &[SPRUNG]] {
+        let time = ["run.duration=0.5", "run.evaluate={time=[0.1,0.4]}"];
+        let [own, fmus] = [Mode::Inprocess, Mode::Cosimulation].map(|mode| short(mode, &[head, &time].concat()));
+        assert_eq!(own.record.pantographs, fmus.record.pantographs);
+    }
+}
