@@ -195,8 +195,8 @@ impl Scene {
     }
 
     /// Displacement (m) of a given motion and its time (s) at which strip `strip` (from 0, over all heads) is not on
-    /// the line; between two samples it is no further off than at one of them, but for the overshoot of the curve through
-    /// them.
+    /// the line; between two samples it is no further off than at one of them, but for the overshoot of the curve
+    /// through them.
     fn moved_off_the_line(&self, strip: usize, length: f64) -> Option<(f64, f64)> {
         let Some(crate::Vehicle::RigidMotion(motion)) = self.vehicle.as_deref() else {
             return None;

@@ -296,8 +296,8 @@ impl Subsystem {
         vehicle.map_or(0.0, |vehicle| vehicle.derailment_quotient(wheel, &motion))
     }
 
-    /// Acceleration of the middle of strip `strip` (from 0) from the accelerations of the coordinates, m/s², without the
-    /// centripetal acceleration of a turning body.
+    /// Acceleration of the middle of strip `strip` (from 0) from the accelerations of the coordinates, m/s², without
+    /// the centripetal acceleration of a turning body.
     pub fn strip_acceleration(&mut self, strip: usize) -> Vector3<f64> {
         let mut columns = Columns::default();
         let (model, motion) = self.simulator.parts();

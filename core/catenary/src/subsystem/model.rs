@@ -164,8 +164,8 @@ pub fn scene_line(
     Ok(Box::new(line))
 }
 
-/// The contact of strip `index` (from 0, over all heads) of a scene, seen through `strip`, with contact wire `wire` (from
-/// 0), under the scene's penalty law.
+/// The contact of strip `index` (from 0, over all heads) of a scene, seen through `strip`, with contact wire `wire`
+/// (from 0), under the scene's penalty law.
 ///
 /// # Errors
 /// See [`CatenaryError::SuppliedLine`] and [`CatenaryError::SlidingJoint`].
@@ -195,8 +195,9 @@ pub fn contact_pair(
     ))
 }
 
-/// The contact of strip `index` (from 0, over all heads) of a scene, seen through `strip`, with contact wire `wire` (from
-/// 0), under the scene's law; a joint adds its equation to `layout`, and its constraint is to be visited after those that are there.
+/// The contact of strip `index` (from 0, over all heads) of a scene, seen through `strip`, with contact wire `wire`
+/// (from 0), under the scene's law; a joint adds its equation to `layout`, and its constraint is to be visited after
+/// those that are there.
 ///
 /// # Errors
 /// See [`CatenaryError::SuppliedLine`].
