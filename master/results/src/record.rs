@@ -20,8 +20,8 @@ pub struct Record {
     pub animation: Animation,
 }
 
-/// Contact of one collector strip, or of a head with several: the force is their sum, the contact point that of the
-/// resultant, the height their mean, the gap the smallest.
+/// Contact of one collector strip, or of a head with several: the force is their sum, places and heights are means, the
+/// gap is the smallest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StripRecord {
     /// Contact force, N, not negative.
