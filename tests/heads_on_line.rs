@@ -221,3 +221,32 @@ fn heads_on_a_raised_base_press_more_by_its_spring() {
         );
     }
 }
+
+#[test]
+fn the_air_lifts_the_head_and_its_strips_have_equal_parts_of_it() {
+    let wind = "wind={ speed = 5.0, yaw_deg = 0.0, air_density = 1.225, pantograph = { uplift = 0.004 } }";
+    let time = ["run.duration=0.3", "run.evaluate={time=[0.1,0.2]}"];
+    for head in [&[RIGID][..], &[SPRUNG]] {
+        let [whole, coupled] =
+            [Mode::Monolithic, Mode::Inprocess].map(|mode| short(mode, &[head, &time, &[wind]].concat()));
+        let plain = short(Mode::Monolithic, &[head, &time].concat());
+        let [with, without] = [&whole, &plain].map(|run| &run.record.pantographs[0]);
+        let lift = &with.wind.as_ref().unwrap().lift;
+        let parts = with.strips.iter().map(|strip| strip.wind.as_ref().unwrap().lift[0]);
+        assert!(
+            lift[0] > 10.0 && parts.clone().all(|part| part == 0.5 * lift[0]),
+            "{} N",
+            lift[0]
+        );
+        // All of it but what the grounded spring of 50 N/m takes as the line rises.
+        let more = with.force[0] - without.force[0];
+        assert!((0.97..1.0).contains(&(more / lift[0])), "{more} N of {} N", lift[0]);
+        let (a, b) = (&with.force, &coupled.record.pantographs[0].force);
+        assert!(
+            rms(a, b) < 0.002 * deviation(a),
+            "{} N of {} N",
+            rms(a, b),
+            deviation(a)
+        );
+    }
+}

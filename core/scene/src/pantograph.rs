@@ -95,6 +95,13 @@ impl Lumped {
         }
     }
 
+    /// Stiffness of all springs under strips together, N/m; none without such springs.
+    #[must_use]
+    pub fn strip_stiffness(&self) -> Option<f64> {
+        let springs = self.strips.iter().filter_map(|strip| strip.spring);
+        springs.map(|spring| spring.stiffness).reduce(|a, b| a + b)
+    }
+
     /// The pantograph with the upward force of its air at `speed` (m/s) as part of its static force.
     #[must_use]
     pub fn at_speed(&self, speed: f64) -> Self {

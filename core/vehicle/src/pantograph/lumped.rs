@@ -376,7 +376,7 @@ fn reference_force(entry: &scene::Lumped) -> f64 {
         _ => return entry.static_force,
     };
     let mut compliance: f64 = upper.iter().map(|stiffness| 1.0 / stiffness).sum();
-    if let Some(strips) = head::stiffness(&entry.strips) {
+    if let Some(strips) = entry.strip_stiffness() {
         compliance += 1.0 / strips;
     }
     entry.static_force / (1.0 + grounded * compliance)

@@ -44,12 +44,6 @@ pub struct HeadAtRest {
     pub q: Vec<f64>,
 }
 
-/// Stiffness of all springs under strips together, N/m; none without such springs.
-pub fn stiffness(strips: &[HeadStrip]) -> Option<f64> {
-    let springs = strips.iter().filter_map(|strip| strip.spring);
-    springs.map(|spring| spring.stiffness).reduce(|a, b| a + b)
-}
-
 impl Head {
     /// Adds the coordinates of the head to `layout`; `reference_force` (N) is the contact force at rest at the height
     /// of `middle`.
@@ -73,7 +67,7 @@ impl Head {
         let at = |strip: &HeadStrip| HeadMarker { x: strip.x, ..middle };
         head.strips = entry.strips.iter().map(at).collect();
         let springs: Vec<_> = entry.strips.iter().filter_map(|strip| strip.spring).collect();
-        if let Some(all) = stiffness(&entry.strips) {
+        if let Some(all) = entry.strip_stiffness() {
             let first = layout.add_coordinates(springs.len(), format!("{name}, strip"));
             for (coordinate, (strip, spring)) in (first..).zip(head.strips.iter_mut().zip(&springs)) {
                 strip.coordinate = coordinate;
