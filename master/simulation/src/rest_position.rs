@@ -151,9 +151,9 @@ mod tests {
 
     #[test]
     fn the_height_that_fits_a_head_counts_the_springs_under_its_strips() {
-        let strips = "pantograph[1].strips=[{ x = 0.3, mass = 1.5, stiffness = 500 }, { x = -0.3, mass = 1.5, stiffness \
-                      = 500 }]";
-        let warned = |height: &str| of_keys(&[strips, &format!("pantograph[1].reference_height={height}")]);
+        let strip = |x: f64| format!("{{ x = {x}, mass = 1.5, stiffness = 500 }}");
+        let strips = format!("pantograph[1].strips=[{}, {}]", strip(0.3), strip(-0.3));
+        let warned = |height: &str| of_keys(&[&strips, &format!("pantograph[1].reference_height={height}")]);
         let [warning] = &warned("5.0")[..] else {
             panic!("one warning");
         };
