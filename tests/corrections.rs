@@ -1,8 +1,8 @@
 //! Corrections of a coarse mesh, against closed forms and fine meshes.
 use catenary::{
-    AxialLaw, BendingLaw, BendingLayers, ContactPair, ContactTangent, CorrectedWire, Enrichment, LineOptions,
-    LoadCorrection, MassCorrection, NodeMap, PenaltyContact, PrescribedStrip, ResidualCompliance, StaticLine,
-    WireCurve, WireGeometry, WireSection,
+    AxialLaw, BendingLaw, BendingLayers, ContactPair, ContactTangent, CorrectedSteps, CorrectedWire, Enrichment,
+    LineOptions, LoadCorrection, MassCorrection, NodeMap, PenaltyContact, PrescribedStrip, ResidualCompliance,
+    StaticLine, WireCurve, WireGeometry, WireSection,
 };
 use dynamics::{StaticOptions, solve_static};
 use integration_tests::lines::{EN, scene_line};
@@ -320,7 +320,7 @@ fn statics_of_a_corrected_coarse_mesh_are_those_of_a_fine_one() {
         layers: BendingLayers::AtAttachments,
         contact_compliance: Some(83.3),
         mass_correction: Some(MassCorrection {
-            step: 1e-3,
+            steps: CorrectedSteps::alike(1e-3),
             rho_inf: 0.9,
         }),
         ..LineOptions::default()

@@ -145,12 +145,17 @@ fn write_other_scenes(scene: &Scene, plain: &str, folder: &Path) {
     fs::write(folder.join("other.json"), same.to_string()).unwrap();
     fs::write(folder.join("other.toml"), other.to_toml()).unwrap();
     fs::write(folder.join("plain.toml"), plain).unwrap();
-    let spans = match &scene.catenary {
-        scene::Line::Modelled(line) => line.spans() + 2,
-        scene::Line::Supplied(_) => unreachable!("the shipped scenes have lines of their own"),
+    let (line, _) = scene
+        .modelled_line()
+        .expect("the shipped scenes have lines of their own");
+    let longer = match line.tension_lengths.as_slice() {
+        [_] => {
+            let overrides = [format!("catenary.spans={}", line.spans() + 2)];
+            system::load(&scene.to_toml(), "longer.toml", &overrides).unwrap()
+        }
+        // Spans of several tension lengths have tables each: another line in their place.
+        _ => system::load(TWIN, "longer.toml", &[]).unwrap(),
     };
-    let overrides = [format!("catenary.spans={spans}")];
-    let longer = system::load(&scene.to_toml(), "longer.toml", &overrides).unwrap();
     fs::write(folder.join("longer.toml"), longer.to_toml()).unwrap();
 }
 
@@ -181,6 +186,15 @@ fn write_system(text: &str, overrides: &[&str], name: &str, folder: &Path) {
 
 /// A line with stitch wires, whose elements have coordinates that do not follow each other.
 const STITCHED: &str = include_str!("../scenes/ac-stitched.toml");
+/// Lines whose strips touch two contact wires.
+const TWIN: &str = include_str!("../scenes/dc-twin-wire.toml");
+const OVERLAP: &str = include_str!("../scenes/overlap.toml");
+const IN_THE_OVERLAP: &[&str] = &[
+    "catenary.mesh.elements_per_interval=1",
+    "run.start_x=290",
+    "run.duration=3",
+    "run.evaluate={ time = [1, 2] }",
+];
 const SHORT_AND_COARSE: &[&str] = &[
     "catenary.mesh.elements_per_interval=1",
     "catenary.spans=8",
@@ -196,6 +210,8 @@ fn both_fmus_pass_the_checks_in_fmpy() {
         ("en50318", EN_250, COARSE),
         ("thesis", THESIS, &[]),
         ("stitched", STITCHED, SHORT_AND_COARSE),
+        ("twin", TWIN, SHORT_AND_COARSE),
+        ("overlap", OVERLAP, IN_THE_OVERLAP),
     ] {
         let folder = data.path().join(name);
         fs::create_dir(&folder).unwrap();

@@ -1,5 +1,6 @@
 //! Real lines against closed forms: stitch wires, overlaps, twin and single wires, curves, changes after the erection.
-use catenary::{LineOptions, StaticLine, WireName};
+use catenary::{LineOptions, StaticLine, Subsystem, WireName};
+use component::Component;
 use dynamics::Force;
 use integration_tests::runs::{Run, rms, run, scene_with};
 use scene::Catenary;
@@ -459,4 +460,63 @@ fn a_wave_of_the_running_surface_drives_a_pantograph_as_a_moving_base_does() {
     let total = div(mul(contact, head), (contact.0 + head.0, contact.1 + head.1));
     let expected = amplitude * total.0.hypot(total.1);
     assert!((found / expected - 1.0).abs() < 0.01, "{found} N, {expected} N");
+}
+
+/// In the middle span of the overlap the strip, 20 mm above the wires' height at rest, touches both.
+#[test]
+fn a_contact_with_two_wires_is_the_sum_of_its_parts() {
+    let scene = scene_with(
+        OVERLAP,
+        &[
+            "catenary.mesh={elements_per_interval=3}",
+            "run.start_x=330",
+            "run.duration=1",
+            "run.evaluate={time=[0.2,0.8]}",
+        ],
+    );
+    let signals = Subsystem::signals(&scene);
+    let position = |name: &str| signals.iter().position(|signal| signal.name == name).unwrap();
+    let mut line = Subsystem::build(&scene).unwrap();
+    let z = position("strip[1].z");
+    let rest = line.input(z);
+    line.set_input(z, rest + 0.02);
+    line.do_step(0.0, 1e-3).unwrap();
+
+    let parts = |name: &str| [1, 2].map(|wire| position(&format!("contact[1].wire[{wire}].{name}")));
+    let [first, second] = parts("force").map(|signal| line.output(signal));
+    let total = line.output(position("contact[1].force"));
+    assert!(first > 1.0 && second > 1.0, "{first} N and {second} N");
+    assert!(
+        (first + second - total).abs() < 1e-12 * total,
+        "{first} + {second} N, {total} N"
+    );
+    let [left, right] = parts("y").map(|signal| line.output(signal));
+    assert!((left - right).abs() > 0.1, "wires at {left} m and {right} m");
+
+    for name in ["force", "x", "y", "z", "gap"] {
+        for signal in parts(name) {
+            let partial = line.sensitivity(signal, z);
+            let of_strip: Vec<usize> = (0..signals.len())
+                .filter(|i| signals[*i].name.starts_with("strip[1]."))
+                .collect();
+            assert_eq!(signals[signal].feedthrough, of_strip, "{name}");
+            let mut at = |height: f64| {
+                line.set_input(z, height);
+                line.output(signal)
+            };
+            let difference = (at(rest + 0.02 + 1e-6) - at(rest + 0.02 - 1e-6)) / 2e-6;
+            line.set_input(z, rest + 0.02);
+            let scale = difference.abs().max(1.0);
+            assert!(
+                (partial - difference).abs() < 1e-5 * scale,
+                "{name}: {partial}, {difference}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_contact_with_the_only_wire_has_no_parts() {
+    let signals = Subsystem::signals(&scene_with(EN, &[]));
+    assert!(signals.iter().all(|signal| !signal.name.contains("wire[")));
 }

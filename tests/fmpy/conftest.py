@@ -1,7 +1,7 @@
 """Fixtures: the packaged FMUs and their reference trajectories."""
 import pytest
 
-from driver import Fmu
+from driver import SCENES, Fmu
 
 
 def pytest_addoption(parser):
@@ -9,13 +9,13 @@ def pytest_addoption(parser):
 
 
 def pytest_generate_tests(metafunc):
-    cases = [(scene, kind) for scene in ("en50318", "thesis", "stitched") for kind in ("Catenary", "Pantograph")]
+    cases = [(scene, kind) for scene in SCENES for kind in ("Catenary", "Pantograph")]
     if "fmu" in metafunc.fixturenames:
         metafunc.parametrize("fmu", cases, ids="-".join, indirect=True, scope="session")
     if "line" in metafunc.fixturenames:
         metafunc.parametrize("line", [case for case in cases if case[1] == "Catenary"], ids="-".join, indirect=True, scope="session")
     if "pair" in metafunc.fixturenames:
-        metafunc.parametrize("pair", ("en50318", "thesis", "stitched"), indirect=True, scope="session")
+        metafunc.parametrize("pair", SCENES, indirect=True, scope="session")
 
 
 @pytest.fixture(scope="session")

@@ -9,6 +9,8 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 STEP = 1e-3
+# Scenes whose FMUs are checked.
+SCENES = ("en50318", "thesis", "stitched", "twin", "overlap")
 
 
 class Table:
@@ -53,6 +55,11 @@ class Fmu:
 
     def start(self, name):
         return float(self.variables[name].start)
+
+    def contacts(self):
+        """Contacts of strip 1: with each contact wire, or with the only one."""
+        parts = [name.removesuffix(".force") for name in self.outputs if name.startswith("contact[1].wire[") and name.endswith(".force")]
+        return parts or ["contact[1]"]
 
     def instance(self):
         """An instance before its initialisation."""

@@ -6,16 +6,13 @@ from fmpy.fmi1 import FMICallException
 def test_another_contact_stiffness_changes_the_force(line):
     with line.running(**{"contact.stiffness": 2.0 * line.start("contact.stiffness")}) as stiff, line.running() as soft:
         forces = [instance.get("contact[1].force") for instance in (stiff, soft)]
-        assert forces[0] > 1.02 * forces[1], forces
-        # The contact is in series with the residual compliance of the wire, the same in both.
-        yields = [
-            1.0
-            / instance.slave.getDirectionalDerivative(
-                [line.references["contact[1].force"]], [line.references["strip[1].z"]], [1.0]
-            )[0]
-            for instance in (soft, stiff)
-        ]
-        assert abs((yields[0] - yields[1]) * 2.0 * line.start("contact.stiffness") - 1.0) < 1e-3
+        assert forces[0] > 1.01 * forces[1], forces
+        # Each contact is in series with the residual compliance of its wire, the same in both.
+        for contact in line.contacts():
+            if soft.get(f"{contact}.force") > 0.0:
+                force, height = line.references[f"{contact}.force"], line.references["strip[1].z"]
+                yields = [1.0 / instance.slave.getDirectionalDerivative([force], [height], [1.0])[0] for instance in (soft, stiff)]
+                assert abs((yields[0] - yields[1]) * 2.0 * line.start("contact.stiffness") - 1.0) < 1e-3
 
 
 def test_start_height_and_position_of_the_line_side_move_the_strip(line):

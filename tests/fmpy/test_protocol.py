@@ -95,11 +95,14 @@ def test_directional_derivatives_equal_difference_quotients(fmu):
                     assert name in named, f"{unknown.variable.name} depends on {name}, its description does not say so"
         slave.freeFMUState(state)
         if fmu.kind == "Catenary":
-            force, gap = (fmu.references[f"contact[1].{name}"] for name in ("force", "gap"))
-            stiffness, closing = slave.getDirectionalDerivative([force, gap], [fmu.references["strip[1].z"]], [1.0])
-            # The contact has the share of the motion that the residual compliance leaves.
-            share = stiffness / fmu.start("contact.stiffness")
-            assert 0.3 < share < 1.0 + 1e-3 and abs(closing + share) < 1e-3
+            touched = [contact for contact in fmu.contacts() if instance.get(f"{contact}.force") > 0.0]
+            assert touched
+            for contact in touched:
+                force, gap = (fmu.references[f"{contact}.{name}"] for name in ("force", "gap"))
+                stiffness, closing = slave.getDirectionalDerivative([force, gap], [fmu.references["strip[1].z"]], [1.0])
+                # The contact has the share of the motion that the residual compliance leaves.
+                share = stiffness / fmu.start("contact.stiffness")
+                assert 0.3 < share < 1.0 + 1e-3 and abs(closing + share) < 1e-3
         else:
             motion = [fmu.references[f"strip[1].{name}"] for name in ("z", "vz")]
             assert slave.getDirectionalDerivative(motion, [fmu.references["contact[1].fz"]], [1.0]) == [0.0, 0.0]

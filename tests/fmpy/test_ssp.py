@@ -8,10 +8,10 @@ from fmpy.ssp import simulation
 from fmpy.ssp.ssd import Parameter, ParameterSet, read_ssd, read_ssv, validate_tree
 from lxml import etree
 
-from driver import Table
+from driver import SCENES, Table
 
 
-@pytest.fixture(params=("en50318", "thesis", "stitched"))
+@pytest.fixture(params=SCENES)
 def exported(request):
     return pathlib.Path(request.config.getoption("--data")) / request.param / "system.ssp"
 

@@ -51,9 +51,9 @@ pub use contact::{
 };
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
 pub use line::{
-    BendingLayers, Dimension, DropperPlace, DropperSample, Line, LineOptions, LinearDropper, LinearDroppers,
-    LinearForce, LinearLine, MassCorrection, NodeOfWire, OverheadLine, PlannedWire, Topology, WindowSize, WindowedLine,
-    WireName, adopt_state, follow_strips,
+    BendingLayers, CorrectedSteps, Dimension, DropperPlace, DropperSample, Line, LineOptions, LinearDropper,
+    LinearDroppers, LinearForce, LinearLine, MassCorrection, NodeOfWire, OverheadLine, PlannedWire, Topology,
+    WindowSize, WindowedLine, WireName, adopt_state, follow_strips,
 };
 pub use mesh::{load, load_with};
 pub use statics::{

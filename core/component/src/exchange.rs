@@ -108,6 +108,22 @@ group! {
 }
 
 group! {
+    /// Outputs of the line per strip and contact wire, where the line has several; the values of [`contact`] are their
+    /// sum. Variables of the FMU only.
+    contact_of_wire: "contact" {
+        FORCE: "force" ["N"], "Normal contact force with contact wire {}, compression positive";
+        X: "x" ["m"], "Position of the contact point with contact wire {} along the track";
+        Y: "y" ["m"], "Lateral position of the contact point with contact wire {}";
+        Z: "z" ["m"], "Height of contact wire {} at the contact point";
+        GAP: "gap" ["m"], "Gap between strip and contact wire {}, positive when open";
+        CLOSED: "closed" [], "Whether strip and contact wire {} touch";
+    }
+
+    /// Name of a part of a contact.
+    pub const PART: &str = "wire";
+}
+
+group! {
     /// Outputs of the line per recorded support.
     support: "support" {
         UPLIFT: "uplift" ["m"], "Rise of the contact wire at support {} above its height at the start";

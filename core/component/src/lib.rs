@@ -137,7 +137,7 @@ pub trait Component: Sized + Send + 'static {
     fn output(&mut self, signal: usize) -> f64 {
         let at = located(self.groups().as_ref(), signal);
         match at.entry.access {
-            Access::Output { get, .. } => get(self, at.member),
+            Access::Output { get, .. } => get(self, at.part),
             Access::Input { get, .. } => get(self, at.member, at.index),
             Access::Parameter { get, .. } => get(self),
         }
@@ -147,7 +147,7 @@ pub trait Component: Sized + Send + 'static {
     fn output_rate(&mut self, signal: usize) -> f64 {
         let at = located(self.groups().as_ref(), signal);
         match at.entry.access {
-            Access::Output { rate, .. } => rate(self, at.member),
+            Access::Output { rate, .. } => rate(self, at.part),
             _ => 0.0,
         }
     }
@@ -162,7 +162,7 @@ pub trait Component: Sized + Send + 'static {
                     partial: Some(partial), ..
                 },
                 Access::Input { .. },
-            ) if output.member == input.member => partial(self, output.member, input.index),
+            ) if output.member == input.member => partial(self, output.part, input.index),
             _ => 0.0,
         }
     }

@@ -3,7 +3,7 @@ use crate::{Causality, DeclaredSignal, Signal};
 use scene::Scene;
 
 /// Functions behind a signal of a component `C`. The arguments `member` and `entry` count from 0: the member of the
-/// group and the entry of the group's table.
+/// group and the entry of the group's table. In a group with parts `member` counts the parts of all members.
 pub enum Access<C> {
     /// Real input.
     Input {
@@ -83,36 +83,59 @@ pub struct SignalGroup<C: 'static> {
     pub entries: &'static [SignalEntry<C>],
     /// Number of members.
     pub members: usize,
+    /// Parts of each member that have the signals, by name and number, as in `contact[1].wire[2].force`; `None` for
+    /// signals of the member itself. Of groups of one name the one without parts comes first.
+    pub parts: Option<(&'static str, usize)>,
 }
 
 impl<C> SignalGroup<C> {
+    /// Number of parts of a member that have the signals; 1 for the member itself.
+    fn parts_of_member(&self) -> usize {
+        self.parts.map_or(1, |(_, count)| count)
+    }
+
     /// Number of signals.
     fn len(&self) -> usize {
-        self.entries.len() * self.members
+        self.entries.len() * self.members * self.parts_of_member()
+    }
+
+    /// Full name of a signal of a part (from 0), counted through all members.
+    fn name_of(&self, part: usize, declared: &DeclaredSignal) -> String {
+        match (self.name, self.parts) {
+            (None, _) => declared.name.to_owned(),
+            (Some(name), None) => declared.of(name, part + 1),
+            (Some(name), Some((of_part, count))) => {
+                let whole = format!("{name}[{}].{of_part}", part / count + 1);
+                declared.of(&whole, part % count + 1)
+            }
+        }
     }
 }
 
 /// Signal at a position: entry, and where the entry belongs.
 pub(crate) struct Located<C: 'static> {
     pub entry: &'static SignalEntry<C>,
+    /// Member of the group.
     pub member: usize,
+    /// Argument `member` of the functions of [`Access`]: the part, or the member itself.
+    pub part: usize,
     pub index: usize,
 }
 
 /// The signal at `position`, counted through all groups, their members and the entries of each member.
 pub(crate) fn located<C>(groups: &[SignalGroup<C>], position: usize) -> Located<C> {
     let mut offset = position;
-    for SignalGroup { entries, members, .. } in groups {
-        let count = entries.len() * members;
-        if offset < count {
-            let index = offset % entries.len();
+    for group in groups {
+        if offset < group.len() {
+            let (part, index) = (offset / group.entries.len(), offset % group.entries.len());
             return Located {
-                entry: &entries[index],
-                member: offset / entries.len(),
+                entry: &group.entries[index],
+                member: part / group.parts_of_member(),
+                part,
                 index,
             };
         }
-        offset -= count;
+        offset -= group.len();
     }
     panic!("position {position} of a table that ends {offset} signals before");
 }
@@ -121,8 +144,10 @@ pub(crate) fn located<C>(groups: &[SignalGroup<C>], position: usize) -> Located<
 pub(crate) fn signals<C>(groups: &[SignalGroup<C>], scene: &Scene) -> Vec<Signal> {
     let mut signals = Vec::with_capacity(groups.iter().map(SignalGroup::len).sum());
     for group in groups {
-        for member in 0..group.members {
-            let number = member + 1;
+        let parts = group.parts_of_member();
+        for part in 0..group.members * parts {
+            let member = part / parts;
+            let number = group.parts.map_or(member, |(_, count)| part % count) + 1;
             for SignalEntry { declared, access } in group.entries {
                 let (causality, start, direct) = match access {
                     Access::Input { start, .. } => (Causality::Input, start(scene, member), false),
@@ -130,9 +155,7 @@ pub(crate) fn signals<C>(groups: &[SignalGroup<C>], scene: &Scene) -> Vec<Signal
                     Access::Parameter { start, .. } => (Causality::Parameter, *start, false),
                 };
                 signals.push(Signal {
-                    name: group
-                        .name
-                        .map_or_else(|| declared.name.to_owned(), |name| declared.of(name, number)),
+                    name: group.name_of(part, declared),
                     causality,
                     kind: declared.kind,
                     description: declared.description.replace("{}", &number.to_string()),
@@ -150,7 +173,7 @@ fn inputs_of<C>(groups: &[SignalGroup<C>], member: usize) -> Vec<usize> {
     let mut inputs = Vec::new();
     let mut first = 0;
     for group in groups {
-        if member < group.members {
+        if member < group.members && group.parts.is_none() {
             let own = (first + member * group.entries.len()..).zip(group.entries);
             inputs.extend(
                 own.filter(|(_, entry)| entry.causality() == Causality::Input)

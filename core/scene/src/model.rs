@@ -33,7 +33,8 @@ impl Model {
 choice! {
     /// An entry of `model.reduce`.
     pub enum Reduction {
-        /// No lateral coordinates of the line: exact where nothing pushes it sideways.
+        /// No lateral coordinates of the line: exact where nothing pushes or leads it sideways. Staggered wires are
+        /// taken as straight seen from above, and the track as straight.
         Planar = "planar",
         /// The line linearised about its static, sagging state: exact for small motion only.
         Linearised = "linearised",
@@ -75,16 +76,26 @@ impl Reduction {
 }
 
 impl Scene {
-    /// Why the line cannot be planar: what pushes or leads it sideways; `None` where nothing does.
+    /// Why a planar line is not the line itself: what pushes or leads it sideways; `None` where nothing does.
     #[must_use]
-    pub fn pushed_sideways(&self) -> Option<String> {
+    pub fn leaves_its_plane(&self) -> Option<String> {
         let (catenary, _) = self.modelled_line()?;
+        if catenary.contact_wire_spacing.is_some() {
+            return Some("catenary.contact_wire_spacing sets two contact wires side by side".to_owned());
+        }
         if catenary.is_staggered() {
             return Some("catenary.stagger differs from support to support".to_owned());
         }
         if catenary.tension_lengths.iter().any(crate::TensionLength::is_curved) {
             return Some("catenary.curve_radius bends the track".to_owned());
         }
+        self.pushed_sideways()
+    }
+
+    /// Why the line cannot be planar: what pushes it or its strips sideways; `None` where nothing does.
+    #[must_use]
+    pub fn pushed_sideways(&self) -> Option<String> {
+        self.modelled_line()?;
         if let Some(reason) = self.wind_pushes_sideways() {
             return Some(reason);
         }
@@ -116,7 +127,7 @@ impl Scene {
         if !std::mem::take(&mut self.model.auto) {
             return;
         }
-        let can_be_planar = self.pushed_sideways().is_none() && self.element_obstacle().is_none();
+        let can_be_planar = self.leaves_its_plane().is_none() && self.element_obstacle().is_none();
         if self.modelled_line().is_some() && can_be_planar {
             self.model.reductions.push(Reduction::Planar);
         }

@@ -729,20 +729,6 @@ fn no_line_left_out_and_no_value_replaced_makes_the_reader_panic() {
 }
 
 #[test]
-fn a_planar_or_flat_line_with_stagger_is_refused() {
-    for word in ["planar", "flat"] {
-        let reduce = format!("model.reduce=[\"{word}\"]");
-        let overrides = ["catenary.stagger=[0.2, -0.2]".to_owned(), reduce];
-        let error = Scene::from_toml(EN, "en50318-250.toml", &overrides)
-            .unwrap_err()
-            .to_string();
-        let expected =
-            format!("model.reduce = \"{word}\": must be left out: catenary.stagger differs from support to support");
-        assert!(error.contains(&expected), "{error}");
-    }
-}
-
-#[test]
 fn a_line_is_linear_in_one_way_only() {
     let overrides = ["model.reduce=[\"linearised\", \"flat\"]".to_owned()];
     let error = Scene::from_toml(EN, "en50318-250.toml", &overrides)

@@ -118,7 +118,12 @@ static PANTOGRAPH: [SignalEntry<Subsystem>; 2] = [
 
 /// Signals of a pantograph with this many strips on a vehicle with this many wheels, or on none.
 fn groups(strips: usize, wheels: Option<usize>) -> [SignalGroup<Subsystem>; 7] {
-    let group = |name, entries, members| SignalGroup { name, entries, members };
+    let group = |name, entries, members| SignalGroup {
+        name,
+        entries,
+        members,
+        parts: None,
+    };
     let [base, wheel, more_base] = vehicle::groups(wheels);
     [
         group(Some(load::GROUP), &LOAD[..], strips),

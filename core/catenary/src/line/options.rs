@@ -1,4 +1,5 @@
 //! Discretisation of a line beyond the mesh of the scene.
+use super::topology::WireName;
 
 /// Coordinates of the nodes of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,11 +25,44 @@ pub enum BendingLayers {
     AtAttachmentsAndEnds,
 }
 
-/// A mass matrix for one time step, see [`crate::Line::with_mass_correction`].
+/// Time steps that the mass of each kind of wire is corrected for, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CorrectedSteps {
+    /// Contact wires.
+    pub contact_wire: f64,
+    /// Messenger wires.
+    pub messenger_wire: f64,
+    /// Stitch wires.
+    pub stitch_wire: f64,
+}
+
+impl CorrectedSteps {
+    /// One step for all wires, s.
+    #[must_use]
+    pub fn alike(step: f64) -> Self {
+        Self {
+            contact_wire: step,
+            messenger_wire: step,
+            stitch_wire: step,
+        }
+    }
+
+    /// Step of a kind of wire, s.
+    #[must_use]
+    pub fn of(&self, name: WireName) -> f64 {
+        match name {
+            WireName::ContactWire => self.contact_wire,
+            WireName::MessengerWire => self.messenger_wire,
+            WireName::StitchWire => self.stitch_wire,
+        }
+    }
+}
+
+/// A mass matrix for a time step, see [`crate::Line::with_mass_correction`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassCorrection {
-    /// Internal step of the integrator, s.
-    pub step: f64,
+    /// Internal step of the integrator, or the longest one that a wire can be corrected for, s.
+    pub steps: CorrectedSteps,
     /// Spectral radius of the integrator at infinite frequency, –.
     pub rho_inf: f64,
 }

@@ -251,13 +251,9 @@ impl Topology {
     /// Divides the line of a scene.
     ///
     /// # Panics
-    /// When a staggered line or one with beam elements is to be planar.
+    /// When a line with beam elements is to be planar.
     #[must_use]
     pub fn new(catenary: &Catenary, options: LineOptions) -> Self {
-        assert!(
-            options.dimension == Dimension::Spatial || !catenary.is_staggered(),
-            "a staggered line has lateral coordinates"
-        );
         assert!(
             options.dimension == Dimension::Spatial || catenary.mesh.element == Element::Cable,
             "a beam has lateral coordinates"
@@ -538,11 +534,17 @@ impl Topology {
     }
 
     /// Lateral position of a node, m: straight between the stagger of neighbouring supports; of a stitch wire that of
-    /// the messenger wire.
+    /// the messenger wire. In a planar line of staggered wires all wires of a tension length are in one plane along the
+    /// track, at the mean stagger of its contact wire.
     #[must_use]
     pub fn lateral(&self, catenary: &Catenary, node: NodeOfWire) -> f64 {
         let planned = &self.wires[node.wire];
         let section = catenary.section(planned.section);
+        if self.options.dimension == Dimension::Planar && catenary.is_staggered() {
+            let supports = 0..=section.spans();
+            let count = supports.clone().count() as f64;
+            return supports.map(|support| section.stagger_at(support)).sum::<f64>() / count;
+        }
         let (span, xi) = self.within_span(section, node);
         let stagger = |support: usize| match planned.name {
             WireName::ContactWire => section.stagger_at(support) + planned.offset,

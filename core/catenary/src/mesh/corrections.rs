@@ -1,18 +1,41 @@
 //! Corrections of coarse elements: which of them a line can have.
 
-use scene::{Catenary, ContactLaw, Correction, Element, Found, Scene, What, Wire, WireEnds};
+use crate::CorrectedSteps;
+use scene::{Catenary, ContactLaw, Correction, Element, Found, Scene, What, Wire, WireEnds, WireKind};
 
 /// Least spectral radius of the integrator for the mass correction: below, numerical damping and not dispersion is the
 /// leading error of a step.
 const LEAST_RHO_INF: f64 = 0.9;
 
-/// Longest step for the mass correction: a share of the time that a wave takes through an element, with the length of
-/// that element, m, and the speed of the wave, m/s, of the interval and wire that take the shortest step. Beyond, the
-/// corrected mass matrix is not positive definite: the shares stay below those at which its smallest eigenvalue
-/// vanishes, which are lower with bending layers, with few elements between them, and along a wire whose end moves
-/// freely. With other numbers in each interval the bound is that of the interval by itself, tested in
+/// Least part of the dispersion of a step, which goes with its square, that the mass correction of the contact wire
+/// takes away, –.
+const LEAST_CORRECTED: f64 = 0.5;
+
+/// Longest step for the mass correction of a kind of wire: a share of the time that a wave takes through an element.
+struct LongestStep {
+    /// Share of that time, –.
+    share: f64,
+    /// Length of the element, m.
+    length: f64,
+    /// Speed of the waves, m/s.
+    wave_speed: f64,
+}
+
+impl LongestStep {
+    /// The step, s.
+    fn step(&self) -> f64 {
+        self.share * self.length / self.wave_speed
+    }
+}
+
+/// Longest step for the mass correction of the wires of a kind, that of the interval that takes the shortest; none
+/// without such wires.
+///
+/// Beyond, the corrected mass matrix is not positive definite: the shares stay below those at which its smallest
+/// eigenvalue vanishes, which are lower with bending layers, with few elements between them, and along a wire whose end
+/// moves freely. With other numbers in each interval the bound is that of the interval by itself, tested in
 /// `core/catenary/tests/even_elements.rs`.
-fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64, f64) {
+fn longest_corrected_step(catenary: &Catenary, kind: WireKind, layers: bool) -> Option<LongestStep> {
     let of_interval = |((_, wire), length, elements): ((_, &Wire), f64, usize)| {
         let inner: f64 = match (layers, elements) {
             (false, _) => 0.31,
@@ -23,11 +46,32 @@ fn longest_corrected_step(catenary: &Catenary, layers: bool) -> (f64, f64, f64) 
             WireEnds::ConstantTension => inner.min(0.25),
             WireEnds::Fixed => inner,
         };
-        (share, length, wire.wave_speed())
+        LongestStep {
+            share,
+            length,
+            wave_speed: wire.wave_speed(),
+        }
     };
-    let step = |of: &(f64, f64, f64)| of.0 * of.1 / of.2;
-    let all = catenary.elements().map(of_interval);
-    all.min_by(|a, b| step(a).total_cmp(&step(b))).unwrap_or_default()
+    let of_kind = catenary.elements().filter(|((of, _), ..)| *of == kind);
+    of_kind.map(of_interval).min_by(|a, b| a.step().total_cmp(&b.step()))
+}
+
+/// Steps that the mass correction of a scene's line is made for: the internal step, or the longest one that a wire can
+/// be corrected for.
+#[must_use]
+pub fn corrected_steps(scene: &Scene, catenary: &Catenary) -> CorrectedSteps {
+    let layers = catenary.mesh.has(Correction::BendingLayers);
+    let of = |kind| {
+        let longest = longest_corrected_step(catenary, kind, layers);
+        longest
+            .map_or(f64::INFINITY, |longest| longest.step())
+            .min(scene.internal_step())
+    };
+    CorrectedSteps {
+        contact_wire: of(WireKind::Contact),
+        messenger_wire: of(WireKind::Messenger),
+        stitch_wire: of(WireKind::Stitch),
+    }
 }
 
 /// Why `correction` cannot be used in this scene's line beside `others`; `None` where it can.
@@ -66,13 +110,19 @@ fn obstacle_of(scene: &Scene, correction: Correction, others: &[Correction]) -> 
                      error of a step"
                 ));
             }
-            let (share, length, c) = longest_corrected_step(catenary, others.contains(&Correction::BendingLayers));
-            let (step, limit) = (scene.internal_step(), share * length / c);
-            (step > limit).then(|| {
+            let layers = others.contains(&Correction::BendingLayers);
+            let longest = longest_corrected_step(catenary, WireKind::Contact, layers)?;
+            let (step, limit) = (scene.internal_step(), longest.step());
+            (limit.powi(2) < LEAST_CORRECTED * step.powi(2)).then(|| {
+                let LongestStep {
+                    share,
+                    length,
+                    wave_speed,
+                } = longest;
                 format!(
-                    "internal steps of {:.4} ms are longer than {:.4} ms, {share} of the time that a wave of {c:.1} \
-                     m/s takes \
-                     through an element of {length:.3} m: the corrected mass would not be positive",
+                    "internal steps of {:.4} ms are too long beside {:.4} ms, {share} of the time that a wave of \
+                     {wave_speed:.1} m/s takes through an element of {length:.3} m of the contact wire: the corrected \
+                     mass would not be positive, and corrected for shorter steps it would hardly help",
                     1e3 * step,
                     1e3 * limit
                 )

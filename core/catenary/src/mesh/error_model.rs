@@ -25,6 +25,7 @@
 //! a much finer corrected mesh at a quarter of the step; the tests of `core/catenary/tests/mesh_choice.rs` hold the
 //! rule against them. Below `f₀` and `v₀` the rule is an upper bound rather than an estimate.
 
+use super::corrections::corrected_steps;
 use scene::{Catenary, ContactLaw, Correction, Scene, Wire, kmh};
 
 /// Factor `a` of the plain mesh, %.
@@ -101,7 +102,7 @@ pub fn expected_error(scene: &Scene) -> Result<MeshError, String> {
 pub fn expected_error_at(scene: &Scene, step: f64) -> Result<MeshError, String> {
     let (catenary, contact) = scene.modelled_line().ok_or("a line that is a supplied FMU")?;
     has_a_rule(scene, catenary)?;
-    let (f, corrected) = (scene.run.low_pass_hz, scene.internal_step());
+    let (f, corrected) = (scene.run.low_pass_hz, corrected_steps(scene, catenary).contact_wire);
     let squares = match (catenary.mesh.has(Correction::MassCorrection), contact.law) {
         (false, _) => STEP * (step * f).powi(2),
         (true, law) => {

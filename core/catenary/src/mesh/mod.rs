@@ -10,7 +10,7 @@ mod corrections;
 mod division;
 mod error_model;
 
-pub use corrections::{contradictions, corrections_left_out, impossible_corrections};
+pub use corrections::{contradictions, corrected_steps, corrections_left_out, impossible_corrections};
 pub use division::{evenly_divided, resolve};
 pub use error_model::{MeshError, error_goes_by_waves, expected_error, expected_error_at};
 

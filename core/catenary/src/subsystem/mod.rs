@@ -4,12 +4,14 @@
 //! file      subject
 //! model     the line of a scene together with the strips on it
 //! exchange  forces and work between strips and line over a communication step
+//! of_wire   contact of a strip with one of several contact wires
 //! signals   names, units and dependencies of inputs and outputs
 //! at_rest   static equilibrium over strips of given heights
 //! ```
 mod at_rest;
 mod exchange;
 mod model;
+mod of_wire;
 mod signals;
 
 pub use at_rest::LineAtRest;
@@ -288,10 +290,15 @@ impl Subsystem {
         ContactTotal::of(contacts.filter_map(|pair| pair.state(&motion)))
     }
 
+    /// Middle of a strip, m: the place of its contact where no wire reaches over it.
+    fn middle_of(&self, strip: usize) -> Vector3<f64> {
+        let place = |k: usize| self.inputs[strip * STRIP_INPUTS + k].value();
+        Vector3::new(place(0), place(1), place(2))
+    }
+
     fn evaluate_outputs(&mut self, strip: usize) -> ContactOutputs {
         let exchange = self.exchanges[strip];
-        let place = |k: usize| self.inputs[strip * STRIP_INPUTS + k].value();
-        let beyond = Vector3::new(place(0), place(1), place(2));
+        let beyond = self.middle_of(strip);
         let total = self.total(strip);
         ContactOutputs {
             force: total.map_or(0.0, |total| total.force),
@@ -364,6 +371,12 @@ impl Subsystem {
     #[must_use]
     pub fn strips(&self) -> usize {
         self.exchanges.len()
+    }
+
+    /// Number of contact wires.
+    #[must_use]
+    pub fn contact_wires(&self) -> usize {
+        self.simulator.system.line.contact_wires()
     }
 
     /// Number of supports.

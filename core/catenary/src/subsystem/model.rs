@@ -128,7 +128,7 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
         },
         contact_compliance: mesh.has(Correction::ContactCompliance).then_some(mesh.contact_speed),
         mass_correction: mesh.has(Correction::MassCorrection).then(|| MassCorrection {
-            step: scene.internal_step(),
+            steps: crate::mesh::corrected_steps(scene, catenary),
             rho_inf: scene.solver.rho_inf,
         }),
     };

@@ -2,7 +2,7 @@
 use super::SAMPLES;
 use crate::contact::STRIP_INPUTS;
 use crate::{CatenaryError, Checkpoint, Sensitivity, StripStart, Subsystem, static_line};
-use component::exchange::{contact, strip, support};
+use component::exchange::{contact, contact_of_wire, strip, support};
 use component::{Access, Component, DeclaredSignal, Parameter, SignalEntry, SignalGroup, SignalKind, StepFailure};
 use dynamics::StepError;
 use nalgebra::Vector3;
@@ -103,6 +103,45 @@ static CONTACT: [SignalEntry<Subsystem>; contact::SIGNALS.len()] = [
     contact_output!(contact::CLOSED, |contact| f64::from(u8::from(contact.closed)), |_| 0.0),
 ];
 
+/// An output of a strip's contact with one wire, with its change.
+macro_rules! output_of_wire {
+    ($index:expr, |$contact:ident| $value:expr, |$change:pat_param| $direct:expr) => {
+        SignalEntry {
+            declared: contact_of_wire::SIGNALS[$index],
+            access: Access::Output {
+                get: |line: &mut Subsystem, part| {
+                    let $contact = line.contact_of_wire(part);
+                    $value
+                },
+                rate: |line, part| line.rates_of_wire(part).map_or(0.0, |$change: Sensitivity| $direct),
+                partial: Some(|line, part, input| {
+                    line.sensitivity_of_wire(part, input)
+                        .map_or(0.0, |$change: Sensitivity| $direct)
+                }),
+            },
+        }
+    };
+}
+
+static CONTACT_OF_WIRE: [SignalEntry<Subsystem>; contact_of_wire::SIGNALS.len()] = [
+    output_of_wire!(contact_of_wire::FORCE, |contact| contact.force, |change| change.force),
+    output_of_wire!(contact_of_wire::X, |contact| contact.position.x, |change| change
+        .position
+        .x),
+    output_of_wire!(contact_of_wire::Y, |contact| contact.position.y, |change| change
+        .position
+        .y),
+    output_of_wire!(contact_of_wire::Z, |contact| contact.position.z, |change| change
+        .position
+        .z),
+    output_of_wire!(contact_of_wire::GAP, |contact| contact.gap, |change| change.gap),
+    output_of_wire!(
+        contact_of_wire::CLOSED,
+        |contact| f64::from(u8::from(contact.closed)),
+        |_| 0.0
+    ),
+];
+
 static SUPPORT: [SignalEntry<Subsystem>; 1] = [SignalEntry::output_with_rate(
     support::SIGNALS[support::UPLIFT],
     Subsystem::support_uplift,
@@ -141,21 +180,33 @@ static LINE: [SignalEntry<Subsystem>; 3] = [
     },
 ];
 
-/// Signals of a line with this many strips and supports.
-fn groups(strips: usize, supports: usize) -> [SignalGroup<Subsystem>; 4] {
-    let group = |name, entries, members| SignalGroup { name, entries, members };
+/// Signals of a line with this many strips, contact wires and supports.
+fn groups(strips: usize, wires: usize, supports: usize) -> [SignalGroup<Subsystem>; 5] {
+    let group = |name, entries, members| SignalGroup {
+        name,
+        entries,
+        members,
+        parts: None,
+    };
+    // The only wire has the signals of the strip's contact.
+    let several = if wires > 1 { strips } else { 0 };
+    let of_wires = SignalGroup {
+        parts: Some((contact_of_wire::PART, wires)),
+        ..group(Some(contact_of_wire::GROUP), &CONTACT_OF_WIRE[..], several)
+    };
     [
         group(Some(strip::GROUP), &STRIP[..], strips),
         group(Some(contact::GROUP), &CONTACT[..], strips),
         group(Some(support::GROUP), &SUPPORT[..], supports),
         group(None, &LINE[..], 1),
+        of_wires,
     ]
 }
 
 impl Component for Subsystem {
     type Checkpoint = Checkpoint;
     type Error = CatenaryError;
-    type Groups = [SignalGroup<Self>; 4];
+    type Groups = [SignalGroup<Self>; 5];
 
     const IDENTIFIER: &'static str = "Catenary";
     const DESCRIPTION: &'static str = "Overhead line of ANCF wires under collector strips that are given from outside.";
@@ -169,12 +220,13 @@ impl Component for Subsystem {
     }
 
     fn groups_of(scene: &Scene) -> Self::Groups {
-        let supports = scene.modelled_line().map_or(0, |(line, _)| line.spans() + 1);
-        groups(scene.strip_count(), supports)
+        let line = scene.modelled_line().map(|(line, _)| line);
+        let wires = line.map_or(0, scene::Catenary::contact_wires);
+        groups(scene.strip_count(), wires, line.map_or(0, |line| line.spans() + 1))
     }
 
     fn groups(&self) -> Self::Groups {
-        groups(self.strips(), self.supports())
+        groups(self.strips(), self.contact_wires(), self.supports())
     }
 
     fn parameters(scene: &Scene) -> Vec<Parameter> {

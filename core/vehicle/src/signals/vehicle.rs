@@ -71,7 +71,12 @@ static MORE_BASE: [SignalEntry<Subsystem>; 2] = [
 
 /// Additional signals on a vehicle with this many wheels; empty groups without vehicle.
 pub(super) fn groups(wheels: Option<usize>) -> [SignalGroup<Subsystem>; 3] {
-    let group = |name, entries, members| SignalGroup { name, entries, members };
+    let group = |name, entries, members| SignalGroup {
+        name,
+        entries,
+        members,
+        parts: None,
+    };
     let base = usize::from(wheels.is_some());
     [
         group(None, &BASE[..], base),

@@ -284,7 +284,7 @@ impl Subject {
     /// Reductions that change nothing at all.
     #[must_use]
     pub fn exact(&self) -> Vec<String> {
-        let planar = self.meshed && self.scene.pushed_sideways().is_none();
+        let planar = self.meshed && self.scene.leaves_its_plane().is_none();
         if planar { vec!["planar".to_owned()] } else { Vec::new() }
     }
 
