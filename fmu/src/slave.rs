@@ -186,10 +186,14 @@ fn fill_start(scene: &mut Scene, packaged: &Scene) {
     let rise = height(scene) - height(packaged);
     for (own, other) in scene.pantographs.iter_mut().zip(&packaged.pantographs) {
         if own.start.is_none() {
-            own.start = other.start.map(|start| Start {
+            let risen = |start: Start| Start {
                 height: start.height + rise,
                 ..start
-            });
+            };
+            own.start = other.start.map(risen);
+            if own.strips().len() == other.strip_starts.len() {
+                own.strip_starts = other.strip_starts.iter().copied().map(risen).collect();
+            }
         }
         if let (PantographModel::Lumped(own), PantographModel::Lumped(other)) = (&mut own.model, &other.model)
             && own.reference_height.is_none()
@@ -214,7 +218,7 @@ fn check<C: Component>(scene: &Scene) -> ModelResult<()> {
         alone.run.speed = SLOW;
     }
     let room = alone.modelled_line().map_or(f64::INFINITY, |(line, _)| {
-        let starts = (0..alone.pantographs.len()).map(|strip| alone.strip_start_x(strip));
+        let starts = (0..alone.strip_count()).map(|strip| alone.strip_start_x(strip));
         (line.length() - starts.fold(f64::NEG_INFINITY, f64::max)) / alone.run.speed
     });
     if room > 0.0 {
@@ -247,7 +251,7 @@ fn load<C: Component>(text: &str, origin: &str) -> ModelResult<Scene> {
 /// Number of strips and of supports.
 fn size(scene: &Scene) -> (usize, usize) {
     let supports = scene.modelled_line().map_or(0, |(line, _)| line.spans() + 1);
-    (scene.pantographs.len(), supports)
+    (scene.strip_count(), supports)
 }
 
 impl<C: Component> Model for SceneSlave<C> {

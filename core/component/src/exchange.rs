@@ -131,7 +131,7 @@ group! {
 }
 
 group! {
-    /// Inputs of a pantograph, as its contact 1.
+    /// Inputs of a pantograph per strip, from contact 1 on.
     ///
     /// The components x, y, z of the force follow each other.
     load: "contact" {
@@ -175,16 +175,18 @@ pub fn line_outputs(strips: usize, supports: &[usize]) -> Vec<String> {
         .collect()
 }
 
-/// Names of a pantograph's inputs.
+/// Names of the inputs of a pantograph with `strips` strips.
 #[must_use]
-pub fn pantograph_inputs() -> Vec<String> {
-    load::SIGNALS.iter().map(|signal| signal.of(load::GROUP, 1)).collect()
+pub fn pantograph_inputs(strips: usize) -> Vec<String> {
+    let of_strip = |i| load::SIGNALS.iter().map(move |signal| signal.of(load::GROUP, i));
+    (1..=strips).flat_map(of_strip).collect()
 }
 
-/// Names of a pantograph's outputs.
+/// Names of the outputs of a pantograph with `strips` strips.
 #[must_use]
-pub fn pantograph_outputs() -> Vec<String> {
-    strip::SIGNALS.iter().map(|signal| signal.of(strip::GROUP, 1)).collect()
+pub fn pantograph_outputs(strips: usize) -> Vec<String> {
+    let of_strip = |i| strip::SIGNALS.iter().map(move |signal| signal.of(strip::GROUP, i));
+    (1..=strips).flat_map(of_strip).collect()
 }
 
 #[cfg(test)]
@@ -204,9 +206,12 @@ mod tests {
         assert_eq!(line[contact::GAP], "contact[1].gap");
         assert_eq!(line[2 * contact::COUNT], "support[5].uplift");
         assert_eq!(line_inputs(2)[strip::MOTION + strip::VZ], "strip[2].vz");
-        assert_eq!(pantograph_inputs()[load::FZ], "contact[1].fz");
-        assert_eq!(pantograph_outputs()[strip::WORK], "strip[1].work");
-        assert_eq!(pantograph_outputs()[strip::WIND_LIFT], "strip[1].wind.lift");
+        assert_eq!(pantograph_inputs(1)[load::FZ], "contact[1].fz");
+        assert_eq!(pantograph_outputs(1)[strip::WORK], "strip[1].work");
+        assert_eq!(
+            pantograph_outputs(2)[strip::OUTPUTS + strip::WIND_LIFT],
+            "strip[2].wind.lift"
+        );
     }
 
     #[test]

@@ -14,7 +14,7 @@ mod share;
 mod signal;
 mod table;
 
-pub use common::{of_pantograph, solver_parameters, start_parameters};
+pub use common::{of_pantograph, solver_parameters, start_parameters, strip_start_parameters};
 pub use observer::{Observer, Progress};
 pub use parameter::Parameter;
 pub use picture::{DropperLine, Frame};

@@ -69,6 +69,7 @@ impl Scene {
             pantograph.check(&format!("pantograph[{}]", i + 1), &mut found);
         }
         self.check_order_of_strips(&mut found);
+        self.check_heads(&mut found);
         self.check_joint(&mut found);
         self.check_steps(&mut found);
         self.solver.check(&mut found);
@@ -193,10 +194,10 @@ impl Scene {
         }
     }
 
-    /// Displacement (m) of a given motion and its time (s) at which the strip of pantograph `index` (from 0) is not on
+    /// Displacement (m) of a given motion and its time (s) at which strip `strip` (from 0, over all heads) is not on
     /// the line; between two samples it is no further off than at one of them, but for the overshoot of the curve
     /// through them.
-    fn moved_off_the_line(&self, index: usize, length: f64) -> Option<(f64, f64)> {
+    fn moved_off_the_line(&self, strip: usize, length: f64) -> Option<(f64, f64)> {
         let Some(crate::Vehicle::RigidMotion(motion)) = self.vehicle.as_deref() else {
             return None;
         };
@@ -208,7 +209,7 @@ impl Scene {
         let held = last.filter(|(_, time)| **time <= duration).map(|(&x, _)| (x, duration));
         within
             .chain(held)
-            .find(|(x, time)| !(-ROUNDING..=length + ROUNDING).contains(&(self.strip_x(index, *time) + x)))
+            .find(|(x, time)| !(-ROUNDING..=length + ROUNDING).contains(&(self.strip_x(strip, *time) + x)))
     }
 
     fn check_strips_on_the_line(&self, found: &mut Found) {
@@ -217,9 +218,10 @@ impl Scene {
         };
         let length = catenary.length();
         let aside = self.base_aside();
-        for (i, pantograph) in self.pantographs.iter().enumerate() {
+        for i in 0..self.strip_count() {
             let (start, end) = (self.strip_start_x(i), self.strip_x(i, self.run.duration));
-            let strip = format!("the strip of pantograph[{}]", i + 1);
+            let (head, own) = self.head_of(i);
+            let strip = self.strip_name(i);
             let at_rest = self.run.initialise == Initialise::Equilibrium;
             if at_rest && (-ROUNDING..END_OF_LINE - ROUNDING).contains(&start) {
                 refuse(
@@ -261,7 +263,8 @@ impl Scene {
                     ),
                 );
             }
-            let Some(width) = pantograph.strip_width() else {
+            // The strips of a head are of one width.
+            let Some(width) = self.pantographs[head].strip_width().filter(|_| own == 0) else {
                 continue;
             };
             // Wires on their way to an anchor are above the strips and may be beside them.
@@ -326,8 +329,8 @@ impl Scene {
                              pantograph[{}] \
                              runs from {:.3} m to {:.3} m",
                             i + 1,
-                            self.strip_start_x(i),
-                            self.strip_x(i, duration),
+                            self.head_start_x(i),
+                            self.head_x(i, duration),
                         );
                         refuse(found, "run.evaluate.spans", value.clone(), expected);
                     }
@@ -370,6 +373,7 @@ impl Pantograph {
             PantographModel::Linkage(linkage) => linkage.check(path, found),
             PantographModel::Supplied(side) => side.check(path, found),
         }
+        self.check_strip_starts(path, found);
     }
 }
 
@@ -399,6 +403,7 @@ impl Lumped {
                 );
             }
         }
+        crate::head::check(&self.strips, self.pitch.as_ref(), path, found);
     }
 }
 

@@ -2,17 +2,19 @@
 
 use crate::error::What;
 use crate::keys::{Entry, Keys, Length, Number, Sentences, placeholder};
-use crate::{Linkage, Supplied};
+use crate::{HeadPitch, HeadStrip, Linkage, Supplied};
 
 /// `[[pantograph]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pantograph {
-    /// x of its strip relative to `run.start_x`, m; negative behind.
+    /// x of the middle of its head relative to `run.start_x`, m; negative behind.
     pub offset_x: f64,
     /// Model of the pantograph.
     pub model: PantographModel,
     /// The state at t = 0 where it is already known; the program writes it into the resolved scene.
     pub start: Option<Start>,
+    /// The state of each strip of a head with several at t = 0; empty where nothing is known, or one strip is all.
+    pub strip_starts: Vec<Start>,
 }
 
 /// `pantograph.model`, or `pantograph.fmu`.
@@ -29,9 +31,9 @@ pub enum PantographModel {
 /// `pantograph.start`: height and force at t = 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
-    /// Height of the strip above the top of rail, m.
+    /// Height of the strip above the top of rail, m; of a head with several strips, the mean of theirs.
     pub height: f64,
-    /// Contact force, N, not negative.
+    /// Contact force, N, not negative; of a head with several strips, the sum of theirs.
     pub force: f64,
 }
 
@@ -66,6 +68,11 @@ pub struct Lumped {
     pub unilateral: Vec<bool>,
     /// Coulomb friction force of element i, N, not negative, n entries; all 0 by default.
     pub friction: Vec<f64>,
+    /// Strips of the head; empty is one in its middle. With strips on springs of their own, the first mass is the frame
+    /// under them.
+    pub strips: Vec<HeadStrip>,
+    /// Rotation of a head with several fixed strips; none is a head that rises only.
+    pub pitch: Option<HeadPitch>,
 }
 
 impl Lumped {
@@ -83,7 +90,16 @@ impl Lumped {
             reference_height: None,
             unilateral: vec![false; masses.len()],
             friction: vec![0.0; masses.len()],
+            strips: Vec::new(),
+            pitch: None,
         }
+    }
+
+    /// Stiffness of all springs under strips together, N/m; none without such springs.
+    #[must_use]
+    pub fn strip_stiffness(&self) -> Option<f64> {
+        let springs = self.strips.iter().filter_map(|strip| strip.spring);
+        springs.map(|spring| spring.stiffness).reduce(|a, b| a + b)
     }
 
     /// The pantograph with the upward force of its air at `speed` (m/s) as part of its static force.
@@ -115,6 +131,7 @@ impl From<PantographModel> for Pantograph {
             offset_x: 0.0,
             model,
             start: None,
+            strip_starts: Vec::new(),
         }
     }
 }
@@ -144,7 +161,7 @@ impl Entry for Pantograph {
     const SENTENCES: Sentences = &[
         (
             "offset_x",
-            "Place of the strip relative to `run.start_x`, negative behind.",
+            "Place of the strip, or of the middle of a head with several, relative to `run.start_x`, negative behind.",
         ),
         (
             "from",
@@ -157,6 +174,10 @@ impl Entry for Pantograph {
         (
             "start",
             "State at t = 0 where it is known; the program writes it into resolved scenes.",
+        ),
+        (
+            "strip_start",
+            "State of each strip of a head with several at t = 0; the program writes it into resolved scenes.",
         ),
     ];
 
@@ -209,6 +230,9 @@ impl Entry for Pantograph {
                     (Kind::Linkage, _) => PantographModel::Linkage(keys.part(None)),
                 })
         };
+        if let Some(PantographModel::Linkage(_)) = &model {
+            refuse_heads(keys);
+        }
         let model = model.unwrap_or_else(|| {
             keys.abandon();
             PantographModel::Lumped(placeholder())
@@ -217,6 +241,19 @@ impl Entry for Pantograph {
             offset_x,
             model,
             start: keys.optional_inline_table("start", was.map(|pantograph| pantograph.start.as_ref())),
+            strip_starts: keys.any_tables("strip_start", was.map(|pantograph| pantograph.strip_starts.as_slice())),
+        }
+    }
+}
+
+/// Refuses keys of heads with several strips on a linkage.
+fn refuse_heads(keys: &mut Keys) {
+    for name in ["strips", "pitch"] {
+        if keys.has(name, false) {
+            let because = "model is \"linkage\", whose static balance is that of one force on one strip; a head with \
+                           several is modelled with model = \"lumped\"";
+            let because = because.to_string();
+            keys.report(name, What::LeaveOut { because });
         }
     }
 }
@@ -226,6 +263,7 @@ impl Pantograph {
     fn described(keys: &mut Keys, offset_x: f64) -> Self {
         keys.word_among("model", None, &KINDS, &[], None);
         let start = keys.optional_inline_table("start", None);
+        let strip_starts = keys.any_tables("strip_start", None);
         let lumped = keys.only("`model = \"lumped\"`", |keys| keys.part(None));
         keys.only("`model = \"linkage\"`", |keys| keys.part::<Linkage>(None));
         keys.only("`fmu`", |keys| Supplied::pantograph(keys, None));
@@ -233,6 +271,7 @@ impl Pantograph {
             offset_x,
             model: PantographModel::Lumped(lumped),
             start,
+            strip_starts,
         }
     }
 }
@@ -289,6 +328,15 @@ impl Entry for Lumped {
             "friction",
             "Coulomb friction force under each mass; all 0 where left out.",
         ),
+        (
+            "strips",
+            "Strips of the head along the track; left out, one in its middle. With springs of their own, the first of \
+             `masses` is the frame under them.",
+        ),
+        (
+            "pitch",
+            "Rotation of a head with several fixed strips about its lateral axis; left out, the head rises only.",
+        ),
     ];
 
     fn entry(keys: &mut Keys, was: Option<&Self>) -> Self {
@@ -338,6 +386,8 @@ impl Entry for Lumped {
             } else {
                 vec![0.0; n]
             },
+            strips: keys.any_tables("strips", was.map(|lumped| lumped.strips.as_slice())),
+            pitch: keys.optional_inline_table("pitch", was.map(|lumped| lumped.pitch.as_ref())),
         }
     }
 }

@@ -278,12 +278,6 @@ impl Scene {
         macro_step / (macro_step / self.solver.micro_step - 1e-9).ceil().max(1.0)
     }
 
-    /// x of the strip of pantograph `index` (from 0) at t = 0, m.
-    #[must_use]
-    pub fn strip_start_x(&self, index: usize) -> f64 {
-        self.run.start_x + self.pantographs[index].offset_x
-    }
-
     /// y of the strips at t = 0, m: that of the base on a vehicle, or the nearest sample before of a given motion.
     #[must_use]
     pub fn strip_start_y(&self) -> f64 {
@@ -300,18 +294,12 @@ impl Scene {
         train.map_or(0.0, |train| train.pantograph_base[1])
     }
 
-    /// x of the strip of pantograph `index` (from 0) at `time` in s, m, as the train moves.
-    #[must_use]
-    pub fn strip_x(&self, index: usize, time: f64) -> f64 {
-        self.strip_start_x(index) + self.run.speed * time
-    }
-
     /// Evaluation range in time of pantograph `index` (from 0), (from, to) in s.
     #[must_use]
     pub fn evaluation_time(&self, index: usize) -> (f64, f64) {
         match (self.run.evaluate, &self.catenary) {
             (Evaluate::Spans { first, last }, Line::Modelled(catenary)) => {
-                let time = |x: f64| (x - self.strip_start_x(index)) / self.run.speed;
+                let time = |x: f64| (x - self.head_start_x(index)) / self.run.speed;
                 (time(catenary.support_x(first - 1)), time(catenary.support_x(last)))
             }
             (Evaluate::Time { from, to }, _) => (from, to),
@@ -329,7 +317,7 @@ impl Scene {
             }
             _ => {
                 let (from, to) = self.evaluation_time(index);
-                (self.strip_x(index, from), self.strip_x(index, to))
+                (self.head_x(index, from), self.head_x(index, to))
             }
         }
     }

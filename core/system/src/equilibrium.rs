@@ -1,9 +1,14 @@
 //! The state at t = 0: heights and forces at which both sides are at rest.
 
+mod compliance;
+
 use catenary::{CatenaryError, LineAtRest, StaticLine, StaticsError, StripStart};
+use compliance::{Compliance, difference};
 use dynamics::Layout;
+use nalgebra::DMatrix;
 use scene::{Initialise, PantographModel, Scene, Start};
-use vehicle::VehicleError;
+use std::ops::Range;
+use vehicle::{Equilibrium, VehicleError};
 
 /// Difference between what line and pantograph exert at the start that counts as balance, N.
 const TOLERANCE: f64 = 1e-6;
@@ -72,33 +77,56 @@ pub enum EquilibriumError {
 /// One pantograph alone.
 struct Side {
     index: usize,
-    x: f64,
+    /// Strips of its head, over all heads.
+    strips: Range<usize>,
+    /// See [`vehicle::PantographModel::rises`].
+    rises: Vec<Vec<f64>>,
     model: vehicle::PantographModel,
 }
 
 impl Side {
-    /// Contact force at rest at `height` in m, N.
-    fn force(&self, height: f64) -> Result<f64, EquilibriumError> {
-        let found = self.model.equilibrium_at_height(height);
-        found
-            .map(|equilibrium| equilibrium.force)
-            .map_err(|source| self.refused(source))
+    fn new(scene: &Scene, index: usize) -> Result<Self, EquilibriumError> {
+        let model = vehicle::PantographModel::of_scene(scene, index, &mut Layout::new());
+        let model = model.map_err(|source| EquilibriumError::Pantograph {
+            pantograph: index + 1,
+            source,
+        })?;
+        Ok(Self {
+            index,
+            strips: scene.strips_of(index),
+            rises: model.rises(),
+            model,
+        })
     }
 
-    fn refused(&self, source: VehicleError) -> EquilibriumError {
-        EquilibriumError::Pantograph {
+    /// The pantograph at rest with its strips at these heights in m.
+    fn at(&self, heights: &[f64]) -> Result<Equilibrium, EquilibriumError> {
+        let found = self.model.equilibrium_at_heights(heights);
+        found.map_err(|source| EquilibriumError::Pantograph {
             pantograph: self.index + 1,
             source,
-        }
+        })
+    }
+
+    /// Heights of its strips among those of all, m.
+    fn heights(&self, strips: &[StripStart]) -> Vec<f64> {
+        strips[self.strips.clone()].iter().map(|strip| strip.height).collect()
+    }
+
+    /// Forces on the strips, N, along each of the motions that the head allows.
+    fn along_rises<'a>(&'a self, forces: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let along = move |rise: &Vec<f64>| rise.iter().zip(forces).map(|(rise, force)| rise * force).sum();
+        self.rises.iter().map(along)
     }
 }
 
-/// Height of the unloaded contact wire, or under an upward `force` in N, over the start of pantograph `index`, m.
+/// Height of the unloaded contact wire, or under an upward `force` in N, over the start of the head of pantograph
+/// `index` (from 0), m.
 ///
 /// # Errors
 /// [`EquilibriumError::Wire`].
 pub fn wire_height(scene: &Scene, statics: &StaticLine, index: usize, force: f64) -> Result<f64, EquilibriumError> {
-    let x = scene.strip_start_x(index);
+    let x = scene.head_start_x(index);
     let answer = statics.wire_height_under(x, force);
     answer
         .map(|answer| answer.height)
@@ -136,105 +164,94 @@ pub fn resolve(scene: &mut Scene, statics: &StaticLine) -> Result<(), Equilibriu
     }
     let mut sides = Vec::new();
     for index in (0..scene.pantographs.len()).filter(|&index| missing(&scene.pantographs[index])) {
-        let model = vehicle::PantographModel::of_scene(scene, index, &mut Layout::new());
-        let model = model.map_err(|source| EquilibriumError::Pantograph {
-            pantograph: index + 1,
-            source,
-        })?;
-        sides.push(Side {
-            index,
-            x: scene.strip_start_x(index),
-            model,
-        });
+        sides.push(Side::new(scene, index)?);
     }
     let mut line = LineAtRest::new(scene, statics)?;
-    let mut strips: Vec<StripStart> = (0..scene.pantographs.len())
-        .map(|index| {
-            let start = scene.pantographs[index].start;
-            StripStart::of(scene, index, start.map_or(0.0, |start| start.height))
+    let mut strips: Vec<StripStart> = (0..scene.strip_count())
+        .map(|strip| {
+            let start = scene.strip_start(strip);
+            StripStart::of(scene, strip, start.map_or(0.0, |start| start.height))
         })
         .collect();
     match scene.run.initialise {
         Initialise::Equilibrium => balance(scene, statics, &mut line, &sides, &mut strips)?,
         Initialise::AsGiven => {
             for side in &sides {
-                strips[side.index].height = side.model.reference_height();
+                for strip in &mut strips[side.strips.clone()] {
+                    strip.height = side.model.reference_height();
+                }
             }
             line.start(&strips)?;
         }
     }
     for side in &sides {
+        let heights = side.heights(&strips);
+        let of_line: Vec<f64> = side.strips.clone().map(|strip| line.force(strip)).collect();
         let force = match scene.run.initialise {
-            Initialise::Equilibrium => side.force(strips[side.index].height)?,
-            Initialise::AsGiven => line.force(side.index),
+            Initialise::Equilibrium => side.at(&heights)?.force,
+            Initialise::AsGiven => of_line.iter().sum(),
         };
+        let height = heights.iter().sum::<f64>() / heights.len() as f64;
         if force < 0.0 {
-            let height = strips[side.index].height;
             return Err(EquilibriumError::OutOfReach {
                 pantograph: side.index + 1,
                 height,
                 force,
             });
         }
-        scene.pantographs[side.index].start = Some(Start {
-            height: strips[side.index].height,
-            force,
-        });
+        let pantograph = &mut scene.pantographs[side.index];
+        pantograph.start = Some(Start { height, force });
+        if heights.len() > 1 {
+            let starts = heights.into_iter().zip(of_line);
+            pantograph.strip_starts = starts.map(|(height, force)| Start { height, force }).collect();
+        }
     }
     Ok(())
 }
 
-fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a - b).collect()
-}
-
-/// Rise of the strips per newton that is missing, m/N, by Broyden's method [Broyden, Math. Comp. 19 (1965)]; with
-/// one strip a secant.
-struct Compliance {
-    rows: Vec<Vec<f64>>,
-}
-
-impl Compliance {
-    /// Equilibrium of strips that do not see each other, on these stiffnesses (N/m).
-    fn diagonal(stiffness: &[f64]) -> Self {
-        let row = |i: usize| {
-            (0..stiffness.len())
-                .map(|j| if i == j { 1.0 / stiffness[i] } else { 0.0 })
-                .collect()
-        };
-        Self {
-            rows: (0..stiffness.len()).map(row).collect(),
-        }
-    }
-
-    fn times(&self, forces: &[f64]) -> Vec<f64> {
-        let product = |row: &Vec<f64>| row.iter().zip(forces).map(|(a, b)| a * b).sum();
-        self.rows.iter().map(product).collect()
-    }
-
-    /// Takes in that a rise (m) has changed the missing forces by `change` (N), where that tells more than rounding and
-    /// more than a contact that has just closed.
-    fn learn(&mut self, rise: &[f64], change: &[f64]) {
-        let square: f64 = rise.iter().map(|s| s * s).sum();
-        let expected = self.times(change);
-        let along: f64 = rise.iter().zip(&expected).map(|(s, y)| s * y).sum();
-        if square < 1e-18 || along > -0.1 * square {
-            return;
-        }
-        let left: Vec<f64> = (0..rise.len())
-            .map(|j| rise.iter().zip(&self.rows).map(|(s, row)| s * row[j]).sum())
-            .collect();
-        for (row, (s, y)) in self.rows.iter_mut().zip(rise.iter().zip(&expected)) {
-            for (entry, left) in row.iter_mut().zip(&left) {
-                *entry -= (s + y) * left / along;
-            }
-        }
-    }
-}
-
-/// Moves the strips of `sides` until the line presses on each as hard as its pantograph pushes.
+/// Stiffness of line and pantograph against the motions that the head allows, N/m: the line gives way under all strips
+/// of the head together as under one, and to a difference between them hardly more than the `contact` (N/m).
 ///
-/// The first correction takes the line's own stiffness under each strip, contact included; how strips in one span see
+/// `heights` (m) are those of the strips, which press with `force` (N) in sum and have risen by `rise` m.
+fn stiffness_of(
+    side: &Side,
+    heights: &[f64],
+    force: f64,
+    rise: f64,
+    contact: f64,
+) -> Result<DMatrix<f64>, EquilibriumError> {
+    /// Rise of the difference, m: the pantograph is linear but for its stops.
+    const STEP: f64 = 1e-4;
+    let count = heights.len();
+    if count == 1 {
+        return Ok(DMatrix::from_element(1, 1, force / rise));
+    }
+    let together = force / rise / count as f64;
+    let rises = &side.rises;
+    let mut matrix = DMatrix::zeros(rises.len(), rises.len());
+    let here = side.at(heights)?.strip_forces;
+    for (column, by) in rises.iter().enumerate() {
+        let moved: Vec<f64> = heights
+            .iter()
+            .zip(by)
+            .map(|(height, rise)| height + STEP * rise)
+            .collect();
+        let there = side.at(&moved)?.strip_forces;
+        let mean = by.iter().sum::<f64>() / count as f64;
+        let forces: Vec<f64> = (0..count)
+            .map(|strip| together * mean + contact * (by[strip] - mean) + (here[strip] - there[strip]) / STEP)
+            .collect();
+        for (row, force) in side.along_rises(&forces).enumerate() {
+            matrix[(row, column)] = force;
+        }
+    }
+    Ok(matrix)
+}
+
+/// Moves the strips of `sides` until the line presses on each as hard as its pantograph pushes; on a head with several
+/// strips, along each of the motions that the head allows.
+///
+/// The first correction takes the line's own stiffness under each head, contact included; how heads in one span see
 /// each other is learnt from the corrections.
 fn balance(
     scene: &Scene,
@@ -247,10 +264,11 @@ fn balance(
         .contact
         .as_ref()
         .map_or(f64::INFINITY, |contact| contact.stiffness);
-    let mut stiffness = Vec::with_capacity(sides.len());
+    let mut stiffnesses = Vec::with_capacity(sides.len());
     for side in sides {
         let free = wire_height(scene, statics, side.index, 0.0)?;
-        let force = side.force(free)?;
+        let count = side.strips.len();
+        let force = side.at(&vec![free; count])?.force;
         if force <= 0.0 {
             return Err(EquilibriumError::OutOfReach {
                 pantograph: side.index + 1,
@@ -258,79 +276,63 @@ fn balance(
                 force,
             });
         }
-        let height = wire_height(scene, statics, side.index, force)? + force / contact;
-        strips[side.index].height = height;
-        stiffness.push(force / (height - free));
-        debug_assert_eq!(side.x, strips[side.index].x);
+        let height = wire_height(scene, statics, side.index, force)? + force / (count as f64 * contact);
+        for strip in &mut strips[side.strips.clone()] {
+            strip.height = height;
+        }
+        let stiffness = stiffness_of(side, &vec![height; count], force, height - free, contact)?;
+        stiffnesses.push(stiffness);
     }
     let (mut residual, mut worst) = (f64::INFINITY, 0);
-    let mut compliance = Compliance::diagonal(&stiffness);
+    let mut compliance = Compliance::of_heads(&stiffnesses);
     let mut last: Option<(Vec<f64>, Vec<f64>)> = None;
+    // Places along the motions of all heads, m; of a single strip its height.
+    let mut rises: Vec<f64> = (sides.iter())
+        .flat_map(|side| vec![strips[side.strips.start].height; side.rises.len()])
+        .collect();
     for _ in 0..ITERATIONS {
         line.start(strips)?;
         residual = 0.0;
-        let heights: Vec<f64> = sides.iter().map(|side| strips[side.index].height).collect();
-        let mut missing = Vec::with_capacity(sides.len());
-        for (side, height) in sides.iter().zip(&heights) {
-            let here = side.force(*height)? - line.force(side.index);
-            // Also a difference that is no number.
-            if here.abs() > residual || here.is_nan() {
-                (residual, worst) = (here.abs(), side.index);
+        let mut missing = Vec::with_capacity(rises.len());
+        for side in sides {
+            let pushed = side.at(&side.heights(strips))?.strip_forces;
+            let forces: Vec<f64> = (side.strips.clone().zip(&pushed))
+                .map(|(strip, pushed)| pushed - line.force(strip))
+                .collect();
+            for here in side.along_rises(&forces) {
+                // Also a difference that is no number.
+                if here.abs() > residual || here.is_nan() {
+                    (residual, worst) = (here.abs(), side.index);
+                }
+                missing.push(here);
             }
-            missing.push(here);
         }
         if residual <= TOLERANCE {
             return Ok(());
         }
         if let Some((before, was)) = &last {
-            compliance.learn(&difference(&heights, before), &difference(&missing, was));
+            compliance.learn(&difference(&rises, before), &difference(&missing, was));
         }
-        for (side, change) in sides.iter().zip(compliance.times(&missing)) {
-            strips[side.index].height += change;
+        let changes = compliance.times(&missing);
+        last = Some((rises.clone(), missing));
+        let mut first = 0;
+        for side in sides {
+            for (rise, change) in side.rises.iter().zip(&changes[first..]) {
+                for (strip, rise) in strips[side.strips.clone()].iter_mut().zip(rise) {
+                    strip.height += change * rise;
+                }
+            }
+            first += side.rises.len();
         }
-        last = Some((heights, missing));
+        for (rise, change) in rises.iter_mut().zip(&changes) {
+            *rise += change;
+        }
     }
     Err(EquilibriumError::NotConverged {
         start_x: scene.run.start_x,
         pantograph: worst + 1,
-        x: scene.strip_start_x(worst),
+        x: scene.head_start_x(worst),
         residual,
         iterations: ITERATIONS,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn strips_that_see_each_other_come_to_rest_by_what_is_learnt() {
-        // Missing forces b − K x of two springs that are coupled as strongly as two strips in one span.
-        let (stiffness, b) = ([[2000.0, 1700.0], [1700.0, 2100.0]], [110.0, 120.0]);
-        let missing = |x: &[f64]| -> Vec<f64> {
-            (0..2)
-                .map(|i| b[i] - stiffness[i][0] * x[0] - stiffness[i][1] * x[1])
-                .collect()
-        };
-        let mut compliance = Compliance::diagonal(&[2000.0, 2100.0]);
-        let mut x = vec![0.0, 0.0];
-        let mut last = missing(&x);
-        let mut steps = 0;
-        while last.iter().any(|force| force.abs() > 1e-9) {
-            let rise = compliance.times(&last);
-            x = x.iter().zip(&rise).map(|(x, s)| x + s).collect();
-            let now = missing(&x);
-            compliance.learn(&rise, &difference(&now, &last));
-            last = now;
-            steps += 1;
-            assert!(steps <= 8, "{last:?}");
-        }
-    }
-
-    #[test]
-    fn one_strip_is_a_secant() {
-        let mut compliance = Compliance::diagonal(&[1000.0]);
-        compliance.learn(&[0.01], &[-20.0]);
-        assert!((compliance.times(&[4.0])[0] - 0.002).abs() < 1e-15);
-    }
 }

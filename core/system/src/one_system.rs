@@ -108,14 +108,27 @@ impl OneSystem {
 
         // The line settles under the strips as it does alone; a linkage has its own statics.
         let mut alone = LineAtRest::new(scene, statics)?;
-        let strips: Vec<StripStart> = (0..starts.len())
-            .map(|index| StripStart::of(scene, index, starts[index].height))
+        let strips: Vec<StripStart> = (0..scene.strip_count())
+            .map(|strip| {
+                let (head, _) = scene.head_of(strip);
+                let several = scene.pantographs[head].has_several_strips();
+                let start = scene.strip_start(strip).filter(|_| several);
+                let height = start.map_or(starts[head].height, |start| start.height);
+                StripStart::of(scene, strip, height)
+            })
             .collect();
         alone.start(&strips)?;
         let wires = line.contact_wires();
-        let contacts = (0..pantographs.len() * wires).map(|contact| {
-            let (index, wire) = (contact / wires, contact % wires);
-            strip_contact(scene, &*line, (index, wire), pantographs[index].strip(), &mut layout)
+        let contacts = (0..strips.len() * wires).map(|contact| {
+            let (strip, wire) = (contact / wires, contact % wires);
+            let (head, own) = scene.head_of(strip);
+            strip_contact(
+                scene,
+                &*line,
+                (strip, wire),
+                pantographs[head].strip_at(own),
+                &mut layout,
+            )
         });
         let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
         let mut state = layout.state_at_rest();
@@ -128,13 +141,17 @@ impl OneSystem {
             .all(|contact| matches!(contact, StripContact::Penalty(pair) if !pair.is_damped()));
         for (index, (pantograph, start)) in pantographs.iter_mut().zip(&starts).enumerate() {
             pantograph.set_initial(start, &mut state);
-            balanced &= (alone.force(index) - start.force).abs() < AT_REST;
+            let forces: Vec<f64> = scene.strips_of(index).map(|strip| alone.force(strip)).collect();
+            balanced &= pantograph.is_balanced(start, &forces, AT_REST);
         }
+        let heads = (0..strips.len()).map(|strip| scene.head_of(strip).0);
+        let heads = heads.map(|head| (head, scene.strips_of(head).len())).collect();
         let dropper_stiffness = scene.modelled_line().map_or(0.0, |(line, _)| line.droppers.stiffness);
         let whole = Whole {
             layout,
             line,
             pantographs,
+            heads,
             contacts,
             slackening: Slackening::new(dropper_stiffness),
             profile: Some(Box::default()),
@@ -280,7 +297,7 @@ impl OneSystem {
     /// Values exchanged between the two sides, as a communication point at `t` in s.
     #[must_use]
     pub fn point(&mut self, t: f64) -> Point {
-        let strips = self.simulator.system.pantographs.len();
+        let strips = self.simulator.system.heads.len();
         let mut point = Point {
             t,
             from: t,

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Start, speed and surroundings of a pantograph's travel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
-    /// x of the strip at t = 0, m.
+    /// x of the strip, or of the middle of a head with several, at t = 0, m.
     pub start_x: f64,
     /// Speed, m/s.
     pub speed: f64,
@@ -33,7 +33,7 @@ impl Placement {
     #[must_use]
     pub fn of_scene(scene: &Scene, index: usize) -> Self {
         Self {
-            start_x: scene.strip_start_x(index),
+            start_x: scene.head_start_x(index),
             speed: scene.run.speed,
             gravity: scene.gravity(),
             one_motion: scene.model.has(scene::Reduction::Linkage),
@@ -104,16 +104,19 @@ impl PantographModel {
     }
 
     /// Pantograph `index` (from 0) of a scene as [`PantographModel::of_scene`], and the state of rest in which a run
-    /// starts: with the strip at the start height of the scene, or at the reference height. Markers taken from the
+    /// starts: with its strips at the start heights of the scene, or at the reference height. Markers taken from the
     /// model belong to the start.
     ///
     /// # Errors
     /// See [`VehicleError`].
     pub fn started(scene: &Scene, index: usize, layout: &mut Layout) -> Result<(Self, Equilibrium), VehicleError> {
         let mut model = Self::of_scene(scene, index, layout)?;
-        let start = scene.pantographs[index].start;
-        let height = start.map_or_else(|| model.reference_height(), |start| start.height);
-        let rest = model.equilibrium_at_height(height)?;
+        let start = |strip: usize| {
+            let start = scene.pantographs[index].strip_start(strip);
+            start.map_or_else(|| model.reference_height(), |start| start.height)
+        };
+        let heights: Vec<f64> = (0..model.strips()).map(start).collect();
+        let rest = model.equilibrium_at_heights(&heights)?;
         model.start_at(&rest);
         Ok((model, rest))
     }
@@ -166,7 +169,7 @@ impl PantographModel {
     /// # Errors
     /// Without such a state: [`VehicleError::OutOfReach`], [`VehicleError::NotConverged`].
     pub fn equilibrium_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Target::Force(force))
+        self.equilibrium(&|base| self.pantograph.equilibrium(base, Target::Force(force)))
     }
 
     /// State of rest with the strip at `height` (m above the top of rail).
@@ -176,11 +179,53 @@ impl PantographModel {
     /// # Errors
     /// Without such a state: [`VehicleError::OutOfReach`], [`VehicleError::NotConverged`].
     pub fn equilibrium_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
-        self.equilibrium(Target::Height(height))
+        self.equilibrium(&|base| self.pantograph.equilibrium(base, Target::Height(height)))
     }
 
-    /// State of rest of the pantograph and the vehicle, if there is one.
-    fn equilibrium(&self, target: Target) -> Result<Equilibrium, VehicleError> {
+    /// State of rest with the strips at these heights (m above the top of rail, one per strip), as far as the head
+    /// allows them, see [`PantographModel::rises`].
+    ///
+    /// # Errors
+    /// Without such a state: [`VehicleError::OutOfReach`], [`VehicleError::NotConverged`].
+    pub fn equilibrium_at_heights(&self, heights: &[f64]) -> Result<Equilibrium, VehicleError> {
+        self.equilibrium(&|base| self.pantograph.equilibrium_under(base, heights))
+    }
+
+    /// Number of strips.
+    #[must_use]
+    pub fn strips(&self) -> usize {
+        self.pantograph.strips()
+    }
+
+    /// Changes of the strips' heights (m, one per strip) that the head allows beside each other, one row for each: of
+    /// one strip its rise, of a head that pitches its rise and its turn by 1 rad.
+    #[must_use]
+    pub fn rises(&self) -> Vec<Vec<f64>> {
+        self.pantograph.rises()
+    }
+
+    /// True where contact forces on the strips (N, one per strip) hold the pantograph in `rest`, but for differences of
+    /// `room` N.
+    #[must_use]
+    pub fn is_balanced(&self, rest: &Equilibrium, forces: &[f64], room: f64) -> bool {
+        let strips = || forces.iter().zip(&rest.strip_forces);
+        let missing = |rise: &Vec<f64>| {
+            strips()
+                .zip(rise)
+                .map(|((force, held), rise)| rise * (force - held))
+                .sum()
+        };
+        self.rises()
+            .iter()
+            .map(missing)
+            .all(|missing: f64| missing.abs() <= room)
+    }
+
+    /// State of rest of the pantograph, by `solve` over its base, and the vehicle, if there is one.
+    fn equilibrium(
+        &self,
+        solve: &dyn Fn(Option<BaseDisplacement>) -> Result<Equilibrium, VehicleError>,
+    ) -> Result<Equilibrium, VehicleError> {
         let reference = self.base_motion.base_point(self.base_z());
         let displaced = |frame| Some(BaseDisplacement { reference, frame });
         match (&self.base_motion, &self.alone) {
@@ -193,7 +238,7 @@ impl PantographModel {
                     u: &[],
                 };
                 let frame = self.base_motion.mount().frame(reference, &initial);
-                self.pantograph.equilibrium(displaced(frame), target)
+                solve(displaced(frame))
             }
             (BaseMotion::Vehicle(_), Some(alone)) => {
                 let (mut vehicle, layout) = (alone.0.clone(), &alone.1);
@@ -201,7 +246,7 @@ impl PantographModel {
                 let mut frame = vehicle.base_frame(&state.motion(&[]));
                 let mut change = f64::INFINITY;
                 for _ in 0..ITERATIONS {
-                    let mut equilibrium = self.pantograph.equilibrium(displaced(frame), target)?;
+                    let mut equilibrium = solve(displaced(frame))?;
                     let loads = self.pantograph.loads(&equilibrium, frame.position)?;
                     let rest = vehicle.rest(layout, &mut state, &loads)?;
                     change = (rest.base.position - frame.position)
@@ -218,7 +263,7 @@ impl PantographModel {
                     iterations: ITERATIONS,
                 })
             }
-            _ => self.pantograph.equilibrium(None, target),
+            _ => solve(None),
         }
     }
 
@@ -238,17 +283,29 @@ impl PantographModel {
         self.base_motion.set_rest(equilibrium.vehicle.as_deref(), state);
     }
 
-    /// Middle of the strip in the world; the second axis runs along the strip.
+    /// Middle of the strip, the first of several, in the world; the second axis runs along the strip.
     #[must_use]
     pub fn strip(&self) -> Box<dyn Marker> {
-        self.pantograph.strip(self.base)
+        self.strip_at(0)
     }
 
-    /// Contact force on the strip as inputs `u[first..first + 4]`, see [`AppliedForce`].
+    /// Middle of strip `strip` (from 0) in the world; the second axis runs along the strip.
+    #[must_use]
+    pub fn strip_at(&self, strip: usize) -> Box<dyn Marker> {
+        self.pantograph.strip(self.base, strip)
+    }
+
+    /// Contact force on the strip, the first of several, as inputs `u[first..first + 4]`, see [`AppliedForce`].
     #[must_use]
     pub fn applied_force(&self, first: usize) -> AppliedForce {
+        self.applied_force_at(0, first)
+    }
+
+    /// Contact force on strip `strip` (from 0) as inputs `u[first..first + 4]`, see [`AppliedForce`].
+    #[must_use]
+    pub fn applied_force_at(&self, strip: usize, first: usize) -> AppliedForce {
         AppliedForce {
-            marker: self.strip(),
+            marker: self.strip_at(strip),
             first,
         }
     }

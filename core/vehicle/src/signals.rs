@@ -1,44 +1,59 @@
 //! The pantograph as a component: table of its signals, and its parameters.
-use crate::subsystem::INPUTS;
-use crate::{Checkpoint, Subsystem, VehicleError};
+use crate::{AppliedForce, Checkpoint, INPUTS, Subsystem, VehicleError};
 use component::exchange::{load, strip};
 use component::{Access, Component, DeclaredSignal, Parameter, SignalEntry, SignalGroup, StepFailure};
 use dynamics::StepError;
 use scene::{PantographModel, Scene};
 
+mod head;
 mod vehicle;
 
-const _: () = assert!(INPUTS == load::COUNT + WIND.len());
+const _: () = assert!(INPUTS == load::COUNT + WIND.len() && AppliedForce::INPUTS == load::COUNT);
 
-/// Input `FIRST` plus its entry in the table of its group.
-const fn input<const FIRST: usize>(
-    declared: DeclaredSignal,
-    start: fn(&Scene, usize) -> f64,
-) -> SignalEntry<Subsystem> {
-    SignalEntry {
-        declared,
-        access: Access::Input {
-            start,
-            get: |side: &Subsystem, _, entry| side.contact_input(FIRST + entry),
-            set: |side, _, entry, value| side.set_contact_input(FIRST + entry, value),
-            set_derivative: |side, _, entry, order, value| {
-                side.set_contact_input_derivative(FIRST + entry, order, value);
+/// Input at `first` (strips of the pantograph, member of the group) plus its entry in the table of its group.
+macro_rules! input {
+    ($declared:expr, $start:expr, |$strips:pat_param, $member:pat_param| $first:expr) => {
+        SignalEntry {
+            declared: $declared,
+            access: Access::Input {
+                start: $start,
+                get: |side: &Subsystem, $member, entry| {
+                    let $strips = side.strips();
+                    side.contact_input($first + entry)
+                },
+                set: |side, $member, entry, value| {
+                    let $strips = side.strips();
+                    side.set_contact_input($first + entry, value);
+                },
+                set_derivative: |side, $member, entry, order, value| {
+                    let $strips = side.strips();
+                    side.set_contact_input_derivative($first + entry, order, value);
+                },
             },
-        },
-    }
+        }
+    };
+}
+
+/// Load of a strip.
+const fn load_entry(index: usize, start: fn(&Scene, usize) -> f64) -> SignalEntry<Subsystem> {
+    input!(load::SIGNALS[index], start, |_, strip| strip * load::COUNT)
 }
 
 static LOAD: [SignalEntry<Subsystem>; load::COUNT] = [
-    input::<0>(load::SIGNALS[load::FX], |_, _| 0.0),
-    input::<0>(load::SIGNALS[load::FY], |_, _| 0.0),
-    input::<0>(load::SIGNALS[load::FZ], |scene, _| {
-        -scene.pantographs[0].start.map_or(0.0, |start| start.force)
+    load_entry(load::FX, |_, _| 0.0),
+    load_entry(load::FY, |_, _| 0.0),
+    load_entry(load::FZ, |scene, strip| {
+        -scene.strip_start(strip).map_or(0.0, |start| start.force)
     }),
-    input::<0>(load::SIGNALS[load::Y], |_, _| 0.0),
+    load_entry(load::Y, |_, _| 0.0),
 ];
 
 const fn wind(name: &'static str, description: &'static str) -> SignalEntry<Subsystem> {
-    input::<{ load::COUNT }>(DeclaredSignal::real(name, "m/s", description), |_, _| 0.0)
+    input!(
+        DeclaredSignal::real(name, "m/s", description),
+        |_, _| 0.0,
+        |strips, _| strips * load::COUNT
+    )
 }
 
 static WIND: [SignalEntry<Subsystem>; 3] = [
@@ -59,16 +74,16 @@ static WIND: [SignalEntry<Subsystem>; 3] = [
 const fn position<const AXIS: usize>() -> SignalEntry<Subsystem> {
     SignalEntry::output_with_rate(
         strip::SIGNALS[strip::X + AXIS],
-        |side: &mut Subsystem, _| side.strip().position[AXIS],
-        |side, _| side.strip().velocity[AXIS],
+        |side: &mut Subsystem, strip| side.strip_at(strip).position[AXIS],
+        |side, strip| side.strip_at(strip).velocity[AXIS],
     )
 }
 
 const fn velocity<const AXIS: usize>() -> SignalEntry<Subsystem> {
     SignalEntry::output_with_rate(
         strip::SIGNALS[strip::VX + AXIS],
-        |side: &mut Subsystem, _| side.strip().velocity[AXIS],
-        |side, _| side.strip_acceleration()[AXIS],
+        |side: &mut Subsystem, strip| side.strip_at(strip).velocity[AXIS],
+        |side, strip| side.strip_acceleration(strip)[AXIS],
     )
 }
 
@@ -81,12 +96,12 @@ static STRIP: [SignalEntry<Subsystem>; strip::OUTPUTS] = [
     velocity::<2>(),
     SignalEntry::output_with_rate(
         strip::SIGNALS[strip::ROLL],
-        |side, _| side.strip().roll,
-        |side, _| side.strip_angular_velocity().x,
+        |side, strip| side.strip_at(strip).roll,
+        |side, strip| side.strip_angular_velocity(strip).x,
     ),
-    SignalEntry::output(strip::SIGNALS[strip::WORK], |side, _| side.work()),
-    SignalEntry::output(strip::SIGNALS[strip::WIND_DRAG], |side, _| side.wind_on_head()[0]),
-    SignalEntry::output(strip::SIGNALS[strip::WIND_LIFT], |side, _| side.wind_on_head()[1]),
+    SignalEntry::output(strip::SIGNALS[strip::WORK], |side, strip| side.work(strip)),
+    SignalEntry::output(strip::SIGNALS[strip::WIND_DRAG], |side, _| side.wind_on_strip()[0]),
+    SignalEntry::output(strip::SIGNALS[strip::WIND_LIFT], |side, _| side.wind_on_strip()[1]),
 ];
 
 /// Signals of the pantograph below the strip.
@@ -101,8 +116,8 @@ static PANTOGRAPH: [SignalEntry<Subsystem>; 2] = [
     ),
 ];
 
-/// Signals of a pantograph on a vehicle with this many wheels, or on none.
-fn groups(wheels: Option<usize>) -> [SignalGroup<Subsystem>; 7] {
+/// Signals of a pantograph with this many strips on a vehicle with this many wheels, or on none.
+fn groups(strips: usize, wheels: Option<usize>) -> [SignalGroup<Subsystem>; 7] {
     let group = |name, entries, members| SignalGroup {
         name,
         entries,
@@ -111,9 +126,9 @@ fn groups(wheels: Option<usize>) -> [SignalGroup<Subsystem>; 7] {
     };
     let [base, wheel, more_base] = vehicle::groups(wheels);
     [
-        group(Some(load::GROUP), &LOAD[..], 1),
+        group(Some(load::GROUP), &LOAD[..], strips),
         group(None, &WIND[..], 1),
-        group(Some(strip::GROUP), &STRIP[..], 1),
+        group(Some(strip::GROUP), &STRIP[..], strips),
         group(None, &PANTOGRAPH[..], 1),
         base,
         wheel,
@@ -131,22 +146,30 @@ impl Component for Subsystem {
         "Pantograph on a travelling base under a contact force that is given from outside.";
 
     fn groups_of(scene: &Scene) -> Self::Groups {
-        groups(scene.vehicle.is_some().then(|| vehicle::wheel_count(scene)))
+        let strips = scene.pantographs[0].strips().len();
+        groups(strips, scene.vehicle.is_some().then(|| vehicle::wheel_count(scene)))
     }
 
     fn groups(&self) -> Self::Groups {
         // A pantograph without vehicle ends before the groups of the vehicle.
-        groups(Some(self.wheels()))
+        groups(self.strips(), Some(self.wheels()))
     }
 
     fn parameters(scene: &Scene) -> Vec<Parameter> {
         let mut parameters = match &scene.pantographs[0].model {
-            PantographModel::Lumped(lumped) => lumped_parameters(lumped.masses.len()),
+            PantographModel::Lumped(lumped) => {
+                let mut parameters = lumped_parameters(lumped.masses.len());
+                parameters.extend(head::parameters(lumped));
+                parameters
+            }
             PantographModel::Linkage(_) => linkage_parameters(),
             PantographModel::Supplied(_) => Vec::new(),
         };
         parameters.extend(component::solver_parameters());
-        parameters.extend(component::start_parameters(0, ""));
+        parameters.extend(component::start_parameters());
+        if scene.pantographs[0].has_several_strips() {
+            parameters.extend((0..scene.strip_count()).flat_map(component::strip_start_parameters));
+        }
         parameters.extend(vehicle::parameters(scene));
         parameters
     }

@@ -8,8 +8,12 @@ use nalgebra::Vector3;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
-/// Inputs: force on the strip in x, y, z (N), lateral position of the contact (m), wind in x, y, z (m/s).
-pub const INPUTS: usize = AppliedForce::INPUTS + 3;
+/// Inputs for the wind in x, y, z, m/s, after those of the strips.
+const WIND_INPUTS: usize = 3;
+
+/// Inputs of a pantograph with one strip: force on the strip in x, y, z (N), lateral position of the contact (m), wind
+/// in x, y, z (m/s). The first four come again for each further strip.
+pub const INPUTS: usize = AppliedForce::INPUTS + WIND_INPUTS;
 
 /// Difference between the start force of the scene and the force of rest at the start height up to which the start
 /// counts as rest, N.
@@ -19,7 +23,8 @@ const AT_REST: f64 = 1e-3;
 struct Model {
     layout: Layout,
     pantograph: PantographModel,
-    contact: AppliedForce,
+    /// One per strip.
+    contacts: Vec<AppliedForce>,
 }
 
 impl System for Model {
@@ -29,7 +34,9 @@ impl System for Model {
 
     fn forces(&mut self, visit: &mut dyn FnMut(&mut dyn Force)) {
         self.pantograph.forces(visit);
-        visit(&mut self.contact);
+        for contact in &mut self.contacts {
+            visit(contact);
+        }
     }
 
     fn constraints(&mut self, visit: &mut dyn FnMut(&mut dyn Constraint)) {
@@ -54,18 +61,22 @@ pub struct Checkpoint {
     simulator: dynamics::Checkpoint,
     inputs: Vec<FollowedInput>,
     reached: Vec<f64>,
-    work: f64,
+    work: Vec<f64>,
 }
 
 /// One pantograph of a scene.
 pub struct Subsystem {
     simulator: Simulator<Model>,
-    inputs: [FollowedInput; INPUTS],
+    inputs: Vec<FollowedInput>,
     /// Inputs at the end of the last step; inputs set since then jump.
     reached: Vec<f64>,
-    /// Work done by the contact on the strip since the start, J.
-    work: f64,
+    /// Work done by the contact on each strip since the start, J.
+    work: Vec<f64>,
+    /// Power of the contact on each strip at the end of the last internal step, W, and its integral over the step, J.
+    power: Vec<(f64, f64)>,
     before: Checkpoint,
+    /// Room for the values of the inputs.
+    values: Vec<f64>,
 }
 
 impl Subsystem {
@@ -77,20 +88,29 @@ impl Subsystem {
     pub fn new(scene: &Scene, index: usize) -> Result<Self, VehicleError> {
         let mut layout = Layout::new();
         let (mut pantograph, rest) = PantographModel::started(scene, index, &mut layout)?;
-        pantograph.add_wind_input(AppliedForce::INPUTS);
+        let strips = pantograph.strips();
+        pantograph.add_wind_input(strips * AppliedForce::INPUTS);
         let mut state = layout.state_at_rest();
         pantograph.set_initial(&rest, &mut state);
-        let contact = pantograph.applied_force(0);
-        let start = scene.pantographs[index].start;
-        let force = start.map_or(rest.force, |start| start.force);
+        let contacts = (0..strips).map(|strip| pantograph.applied_force_at(strip, strip * AppliedForce::INPUTS));
+        let contacts = contacts.collect();
+        let forces: Vec<f64> = (0..strips)
+            .map(|strip| {
+                let start = scene.pantographs[index].strip_start(strip);
+                start.map_or(rest.strip_forces[strip], |start| start.force)
+            })
+            .collect();
         let solver = &scene.solver;
-        let mut inputs = [FollowedInput::default(); INPUTS];
-        inputs[2].set(-force);
-        let u = inputs.map(|input| input.value()).to_vec();
+        let mut inputs = vec![FollowedInput::default(); strips * AppliedForce::INPUTS + WIND_INPUTS];
+        for (inputs, force) in inputs.chunks_exact_mut(AppliedForce::INPUTS).zip(&forces) {
+            inputs[2].set(-force);
+        }
+        let u: Vec<f64> = inputs.iter().map(FollowedInput::value).collect();
+        let at_rest = pantograph.is_balanced(&rest, &forces, AT_REST);
         let model = Model {
             layout,
             pantograph,
-            contact,
+            contacts,
         };
         let reached = u.clone();
         let mut simulator = Simulator::new(
@@ -101,15 +121,17 @@ impl Subsystem {
             solver.rho_inf,
             solver.newton_options(),
         );
-        if (force - rest.force).abs() > AT_REST {
+        if !at_rest {
             simulator.start_accelerations()?;
         }
         Ok(Self {
             simulator,
             inputs,
             reached,
-            work: 0.0,
+            work: vec![0.0; strips],
+            power: vec![(0.0, 0.0); strips],
             before: Checkpoint::default(),
+            values: Vec::new(),
         })
     }
 
@@ -119,7 +141,13 @@ impl Subsystem {
         (&model.pantograph, motion)
     }
 
-    /// Sets input 0…6, see [`INPUTS`].
+    /// Number of strips.
+    #[must_use]
+    pub fn strips(&self) -> usize {
+        self.work.len()
+    }
+
+    /// Sets an input, see [`INPUTS`].
     pub fn set_contact_input(&mut self, input: usize, value: f64) {
         self.inputs[input].set(value);
         self.refresh_inputs();
@@ -137,8 +165,11 @@ impl Subsystem {
     }
 
     fn refresh_inputs(&mut self) {
-        let u = self.inputs.map(|input| input.value());
+        let mut u = std::mem::take(&mut self.values);
+        u.clear();
+        u.extend(self.inputs.iter().map(FollowedInput::value));
         self.simulator.set_inputs(&u);
+        self.values = u;
     }
 
     /// Advances from `t` to `t + h`, s.
@@ -159,9 +190,10 @@ impl Subsystem {
     fn advance(&mut self, t: f64, h: f64) -> Result<(), StepError> {
         self.simulator.jump(&self.reached, h)?;
         let (model, motion) = self.simulator.parts();
-        let mut last = power(model, &motion);
-        let mut work = 0.0;
-        let inputs = &self.inputs;
+        for (strip, (last, work)) in self.power.iter_mut().enumerate() {
+            (*last, *work) = (power(&model.contacts[strip], &motion), 0.0);
+        }
+        let (inputs, powers) = (&self.inputs, &mut self.power);
         self.simulator.advance(
             t,
             h,
@@ -171,12 +203,16 @@ impl Subsystem {
                 }
             },
             &mut |model, motion, _, dt| {
-                let now = power(model, &motion);
-                work += 0.5 * dt * (last + now);
-                last = now;
+                for ((last, work), contact) in powers.iter_mut().zip(&model.contacts) {
+                    let now = power(contact, &motion);
+                    *work += 0.5 * dt * (*last + now);
+                    *last = now;
+                }
             },
         )?;
-        self.work += work;
+        for (work, (_, more)) in self.work.iter_mut().zip(&self.power) {
+            *work += more;
+        }
         self.reached.copy_from_slice(self.simulator.inputs());
         for input in &mut self.inputs {
             input.finish(input.at(h));
@@ -184,14 +220,19 @@ impl Subsystem {
         Ok(())
     }
 
-    fn frame(&mut self) -> Frame {
+    fn frame(&mut self, strip: usize) -> Frame {
         let (model, motion) = self.simulator.parts();
-        model.contact.marker.frame(&motion)
+        model.contacts[strip].marker.frame(&motion)
     }
 
-    /// The strip's motion now.
+    /// Motion of the strip, the first of several, now.
     pub fn strip(&mut self) -> StripMotion {
-        let frame = self.frame();
+        self.strip_at(0)
+    }
+
+    /// Motion of strip `strip` (from 0) now.
+    pub fn strip_at(&mut self, strip: usize) -> StripMotion {
+        let frame = self.frame(strip);
         StripMotion {
             position: frame.position,
             velocity: frame.velocity,
@@ -203,6 +244,12 @@ impl Subsystem {
     pub fn wind_on_head(&mut self) -> [f64; 2] {
         let (pantograph, motion) = self.pantograph();
         pantograph.wind_on_head(&motion)
+    }
+
+    /// Drag and lift of the air on the body of the head, N, of which each strip has an equal part.
+    pub fn wind_on_strip(&mut self) -> [f64; 2] {
+        let strips = self.strips() as f64;
+        self.wind_on_head().map(|force| force / strips)
     }
 
     /// The pantograph's base in the world.
@@ -249,12 +296,12 @@ impl Subsystem {
         vehicle.map_or(0.0, |vehicle| vehicle.derailment_quotient(wheel, &motion))
     }
 
-    /// Acceleration of the strip's middle from the accelerations of the coordinates, m/s², without the centripetal
-    /// acceleration of a turning body.
-    pub fn strip_acceleration(&mut self) -> Vector3<f64> {
+    /// Acceleration of the middle of strip `strip` (from 0) from the accelerations of the coordinates, m/s², without
+    /// the centripetal acceleration of a turning body.
+    pub fn strip_acceleration(&mut self, strip: usize) -> Vector3<f64> {
         let mut columns = Columns::default();
         let (model, motion) = self.simulator.parts();
-        model.contact.marker.columns(&motion, &mut columns);
+        model.contacts[strip].marker.columns(&motion, &mut columns);
         let v_dot = &self.simulator.state().v_dot;
         columns
             .as_slice()
@@ -263,15 +310,15 @@ impl Subsystem {
             .sum()
     }
 
-    /// Angular velocity of the strip, rad/s, world axes.
-    pub fn strip_angular_velocity(&mut self) -> Vector3<f64> {
-        self.frame().angular_velocity
+    /// Angular velocity of strip `strip` (from 0), rad/s, world axes.
+    pub fn strip_angular_velocity(&mut self, strip: usize) -> Vector3<f64> {
+        self.frame(strip).angular_velocity
     }
 
-    /// Work done by the contact on the strip since the start, J.
+    /// Work done by the contact on strip `strip` (from 0) since the start, J.
     #[must_use]
-    pub fn work(&self) -> f64 {
-        self.work
+    pub fn work(&self, strip: usize) -> f64 {
+        self.work[strip]
     }
 
     /// Number of generalised coordinates.
@@ -298,7 +345,7 @@ impl Subsystem {
         checkpoint.inputs.clear();
         checkpoint.inputs.extend_from_slice(&self.inputs);
         checkpoint.reached.clone_from(&self.reached);
-        checkpoint.work = self.work;
+        checkpoint.work.clone_from(&self.work);
     }
 
     /// Restores a checkpoint.
@@ -309,16 +356,17 @@ impl Subsystem {
         self.simulator.restore(&checkpoint.simulator)?;
         self.inputs.copy_from_slice(&checkpoint.inputs);
         self.reached.clone_from(&checkpoint.reached);
-        self.work = checkpoint.work;
+        self.work.clone_from(&checkpoint.work);
         Ok(())
     }
 }
 
-/// Power of the contact on the strip, W.
-fn power(model: &Model, motion: &Motion<'_>) -> f64 {
-    let frame = model.contact.marker.frame(motion);
+/// Power of a contact on its strip, W.
+fn power(contact: &AppliedForce, motion: &Motion<'_>) -> f64 {
+    let frame = contact.marker.frame(motion);
+    let u = &motion.u[contact.first..];
     let lateral: Vector3<f64> = frame.axes.column(1).into();
-    let lever = lateral * ((motion.u[3] - frame.position.y) / lateral.y);
+    let lever = lateral * ((u[3] - frame.position.y) / lateral.y);
     let velocity = frame.velocity + frame.angular_velocity.cross(&lever);
-    Vector3::new(motion.u[0], motion.u[1], motion.u[2]).dot(&velocity)
+    Vector3::new(u[0], u[1], u[2]).dot(&velocity)
 }

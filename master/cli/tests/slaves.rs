@@ -54,7 +54,7 @@ fn role(inputs: Vec<String>, outputs: Vec<String>) -> Role {
 fn all_slaves(scene: &Scene, folder: &Path) -> [[Box<dyn Slave>; 2]; 2] {
     let fmus = fmus(scene, folder);
     let line = role(exchange::line_inputs(1), exchange::line_outputs(1, &[2]));
-    let pantograph = role(exchange::pantograph_inputs(), exchange::pantograph_outputs());
+    let pantograph = role(exchange::pantograph_inputs(1), exchange::pantograph_outputs(1));
     [
         [
             Box::new(InProcess::line(scene, &[2]).unwrap()),

@@ -7,12 +7,14 @@ use system::disturbance::{Disturbance, Lift};
 
 use crate::slave::{Abilities, Slave, SlaveError};
 
-/// Puts a disturbance on the slaves of a coupled run, in place; `line_outputs` is the number of the line's outputs.
+/// Puts a disturbance on the slaves of a coupled run, in place; `line_outputs` is the number of the line's outputs,
+/// `strips` that of the strips of each pantograph.
 pub fn disturb(
     disturbance: &Disturbance,
     line: &mut Box<dyn Slave>,
     pantographs: &mut [Box<dyn Slave>],
     line_outputs: usize,
+    strips: &[usize],
 ) {
     if disturbance.lift.is_none() && disturbance.discards.is_none() && !disturbance.repeated {
         return;
@@ -22,8 +24,8 @@ pub fn disturb(
         ..disturbance.clone()
     };
     wrap(line, &without_lift, line_outputs, 0);
-    for (index, pantograph) in pantographs.iter_mut().enumerate() {
-        wrap(pantograph, disturbance, strip::OUTPUTS, index as u64 + 1);
+    for (index, (pantograph, strips)) in pantographs.iter_mut().zip(strips).enumerate() {
+        wrap(pantograph, disturbance, strips * strip::OUTPUTS, index as u64 + 1);
     }
 }
 
@@ -94,9 +96,9 @@ struct Disturbed {
     /// Outputs of a step and of its repetition.
     seen: [Vec<f64>; 2],
     t: f64,
-    /// Work of the contact on the motion of the lift, J.
-    work: f64,
-    kept: (f64, f64),
+    /// Work of the contacts on the motion of the lift, J, one per strip of a pantograph.
+    work: Vec<f64>,
+    kept: (f64, Vec<f64>),
 }
 
 impl Disturbed {
@@ -113,8 +115,8 @@ impl Disturbed {
             orders: 0,
             seen: [vec![0.0; outputs], vec![0.0; outputs]],
             t: 0.0,
-            work: 0.0,
-            kept: (0.0, 0.0),
+            work: vec![0.0; outputs / strip::OUTPUTS],
+            kept: (0.0, vec![0.0; outputs / strip::OUTPUTS]),
         }
     }
 
@@ -124,8 +126,8 @@ impl Disturbed {
         dice.is_some_and(|(random, one_in)| random.next() % *one_in == 0)
     }
 
-    /// Vertical force that the slave was given, `tau` s into the step, N.
-    fn force(&self, tau: f64) -> f64 {
+    /// Vertical force that strip `strip` (from 0) was given, `tau` s into the step, N.
+    fn force(&self, strip: usize, tau: f64) -> f64 {
         use component::exchange::load;
         let mut term = 1.0;
         let mut sum = 0.0;
@@ -133,7 +135,7 @@ impl Disturbed {
             if order > 0 {
                 term *= tau / order as f64;
             }
-            sum += term * values.get(load::FZ).copied().unwrap_or(0.0);
+            sum += term * values.get(strip * load::COUNT + load::FZ).copied().unwrap_or(0.0);
         }
         sum
     }
@@ -209,9 +211,9 @@ impl Slave for Disturbed {
         if let Some(lift) = &self.lift {
             // Simpson's rule in ten parts.
             let parts = 10;
-            let power = |k: usize| {
+            let power = |strip: usize, k: usize| {
                 let tau = h * k as f64 / f64::from(parts);
-                self.force(tau) * lift.at(t + tau).1
+                self.force(strip, tau) * lift.at(t + tau).1
             };
             let weight = |k: usize| match k {
                 0 => 1.0,
@@ -219,8 +221,14 @@ impl Slave for Disturbed {
                 k if k % 2 == 1 => 4.0,
                 _ => 2.0,
             };
-            let sum: f64 = (0..=parts as usize).map(|k| weight(k) * power(k)).sum();
-            self.work += sum * h / (3.0 * f64::from(parts));
+            let work = |strip: usize| {
+                let sum: f64 = (0..=parts as usize).map(|k| weight(k) * power(strip, k)).sum();
+                sum * h / (3.0 * f64::from(parts))
+            };
+            let more: Vec<f64> = (0..self.work.len()).map(work).collect();
+            for (work, more) in self.work.iter_mut().zip(more) {
+                *work += more;
+            }
         }
         self.t = t + h;
         Ok(())
@@ -230,20 +238,24 @@ impl Slave for Disturbed {
         self.inner.outputs(values)?;
         if let Some(lift) = &self.lift {
             let (height, rate) = lift.at(self.t);
-            values[strip::Z] += height;
-            values[strip::VZ] += rate;
-            values[strip::WORK] += self.work;
+            for (values, work) in values.chunks_exact_mut(strip::OUTPUTS).zip(&self.work) {
+                values[strip::Z] += height;
+                values[strip::VZ] += rate;
+                values[strip::WORK] += work;
+            }
         }
         Ok(())
     }
 
     fn save(&mut self) -> Result<(), SlaveError> {
-        self.kept = (self.t, self.work);
+        self.kept.0 = self.t;
+        self.kept.1.copy_from_slice(&self.work);
         self.inner.save()
     }
 
     fn restore(&mut self) -> Result<(), SlaveError> {
-        (self.t, self.work) = self.kept;
+        self.t = self.kept.0;
+        self.work.copy_from_slice(&self.kept.1);
         self.inner.restore()
     }
 

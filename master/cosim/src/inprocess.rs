@@ -30,7 +30,7 @@ impl InProcess<catenary::Subsystem> {
     pub fn line(scene: &Scene, supports: &[usize]) -> Result<Self, catenary::CatenaryError> {
         let component = catenary::Subsystem::build(scene)?;
         let groups = component.groups();
-        let strips = 0..scene.pantographs.len();
+        let strips = 0..scene.strip_count();
         let inputs = positions(&groups, strip::GROUP, strips.clone(), &strip::SIGNALS[..strip::MOTION]);
         let mut outputs = positions(&groups, contact::GROUP, strips, &contact::SIGNALS[..contact::COUNT]);
         let recorded = supports.iter().map(|number| number - 1);
@@ -47,9 +47,10 @@ impl InProcess<vehicle::Subsystem> {
     pub fn pantograph(scene: &Scene, index: usize) -> Result<Self, vehicle::VehicleError> {
         let own = component::of_pantograph(scene, index);
         let component = vehicle::Subsystem::build(&own)?;
+        let strips = component.strips();
         let groups = component.groups();
-        let inputs = positions(&groups, load::GROUP, [0], &load::SIGNALS);
-        let outputs = positions(&groups, strip::GROUP, [0], &strip::SIGNALS);
+        let inputs = positions(&groups, load::GROUP, 0..strips, &load::SIGNALS);
+        let outputs = positions(&groups, strip::GROUP, 0..strips, &strip::SIGNALS);
         let name = format!("pantograph {}", index + 1);
         Ok(Self::new(&name, component, &own, [inputs, outputs], draw_pantograph))
     }

@@ -7,6 +7,7 @@
 //! | `run` | time loop, with a controlled macro step where asked for |
 //! | `inprocess` | slaves made of the core components |
 //! | `fmu_slave`, `parameter` | slaves made of FMUs, values of their parameters |
+//! | `head` | pantograph with several strips as one slave per strip |
 //! | `package` | FMUs made from a scene |
 //! | `timed` | slave whose time is taken |
 //! | `parallel` | slaves on threads of their own |
@@ -18,6 +19,7 @@ pub mod algorithm;
 mod chain;
 pub mod disturbance;
 pub mod fmu_slave;
+pub mod head;
 pub mod inprocess;
 pub mod package;
 pub mod parallel;

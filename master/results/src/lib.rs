@@ -13,6 +13,7 @@
 mod animation;
 mod directory;
 mod error;
+mod head;
 mod record;
 pub mod recorder;
 pub mod report;

@@ -3,7 +3,7 @@
 use component::exchange::{contact, strip, support};
 use serde::{Deserialize, Serialize};
 
-use super::{Animation, ResultsError};
+use super::{Animation, ResultsError, head};
 
 /// Everything a run recorded; all series have the length of `time`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,7 +20,8 @@ pub struct Record {
     pub animation: Animation,
 }
 
-/// Contact of one collector strip.
+/// Contact of one collector strip, or of a head with several: the force is their sum, places and heights are means, the
+/// gap is the smallest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StripRecord {
     /// Contact force, N, not negative.
@@ -41,6 +42,8 @@ pub struct StripRecord {
     pub wind: Option<WindRecord>,
     /// Contact point along the strip from its middle, m; not in the file, notes say it where it matters.
     pub aside: Vec<f64>,
+    /// Strips of a head with several; empty for one.
+    pub strips: Vec<StripRecord>,
 }
 
 /// The wind on the body that carries a strip.
@@ -85,6 +88,29 @@ impl StripRecord {
         ]
     }
 
+    /// Series in the order of the time series file, to be changed.
+    pub(super) fn columns_mut(&mut self) -> [&mut Vec<f64>; COLUMNS] {
+        [
+            &mut self.force,
+            &mut self.contact_x,
+            &mut self.contact_y,
+            &mut self.wire_z,
+            &mut self.strip_z,
+            &mut self.strip_vz,
+            &mut self.gap,
+        ]
+    }
+
+    /// The strips of the head: the record itself where it is of one strip.
+    #[must_use]
+    pub fn each_strip(&self) -> &[StripRecord] {
+        if self.strips.is_empty() {
+            std::slice::from_ref(self)
+        } else {
+            &self.strips
+        }
+    }
+
     /// Builds a record from its seven series in the order of the time series file.
     pub(super) fn from_columns(columns: [Vec<f64>; COLUMNS]) -> Self {
         let [force, contact_x, contact_y, wire_z, strip_z, strip_vz, gap] = columns;
@@ -98,6 +124,7 @@ impl StripRecord {
             gap,
             wind: None,
             aside: Vec::new(),
+            strips: Vec::new(),
         }
     }
 }
@@ -105,7 +132,7 @@ impl StripRecord {
 /// Number of series of a pantograph besides the wind.
 pub(super) const COLUMNS: usize = 7;
 
-/// Names of the series of pantograph `i` (from 1) in the order of the time series file.
+/// Names of the series of strip `i` (from 1, over all heads) in the order of the time series file.
 pub(super) fn strip_names(i: usize) -> [String; COLUMNS] {
     let of_contact = |index: usize| contact::SIGNALS[index].of(contact::GROUP, i);
     let of_strip = |index: usize| strip::SIGNALS[index].of(strip::GROUP, i);
@@ -120,7 +147,7 @@ pub(super) fn strip_names(i: usize) -> [String; COLUMNS] {
     ]
 }
 
-/// Names of the series of the wind on strip `i` (from 1).
+/// Names of the series of the wind on the head of pantograph `i` (from 1), which is that of its one strip.
 pub(super) fn wind_names(i: usize) -> [String; 2] {
     [strip::WIND_DRAG, strip::WIND_LIFT].map(|index| strip::SIGNALS[index].of(strip::GROUP, i))
 }
@@ -134,8 +161,16 @@ impl Record {
     /// All series but the time with their names, in the order of the time series file.
     pub(super) fn columns(&self) -> Vec<(String, &Vec<f64>)> {
         let mut columns = Vec::new();
+        let several = self.pantographs.iter().any(|pantograph| !pantograph.strips.is_empty());
+        let mut number = 0;
         for (i, pantograph) in self.pantographs.iter().enumerate() {
-            columns.extend(strip_names(i + 1).into_iter().zip(pantograph.columns()));
+            if several {
+                columns.extend(head::names(i + 1).into_iter().zip(pantograph.columns()));
+            }
+            for strip in pantograph.each_strip() {
+                number += 1;
+                columns.extend(strip_names(number).into_iter().zip(strip.columns()));
+            }
         }
         for support in &self.supports {
             columns.push((support_name(support.number), &support.uplift));

@@ -28,8 +28,8 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// Records `strips` pantographs and the `supports` with these numbers (from 1) every `output_step` s from 0 to
-    /// `duration` s.
+    /// Records `strips` pantographs with one strip each and the `supports` with these numbers (from 1) every
+    /// `output_step` s from 0 to `duration` s.
     #[must_use]
     pub fn new(duration: f64, output_step: f64, strips: usize, supports: &[usize], line: LineGeometry) -> Self {
         let rows = (duration / output_step * (1.0 + f64::EPSILON) + ROUNDING).floor() as usize + 1;
@@ -44,6 +44,7 @@ impl Recorder {
             gap: column(),
             wind: None,
             aside: column(),
+            strips: Vec::new(),
         };
         let record = Record {
             time: column(),
@@ -67,14 +68,31 @@ impl Recorder {
         }
     }
 
-    /// Records the wind on the strips of these pantographs (from 0) too.
+    /// Records heads with these numbers of strips, in place of one strip on each.
+    #[must_use]
+    pub fn with_heads(mut self, strips: &[usize]) -> Self {
+        for (pantograph, &strips) in self.record.pantographs.iter_mut().zip(strips) {
+            if strips > 1 {
+                pantograph.strips = (0..strips).map(|_| room(pantograph, self.rows)).collect();
+            }
+        }
+        self
+    }
+
+    /// Records the wind on the heads of these pantographs (from 0) too.
     #[must_use]
     pub fn with_wind(mut self, pantographs: impl IntoIterator<Item = usize>) -> Self {
+        let rows = self.rows;
+        let wind = || WindRecord {
+            drag: Vec::with_capacity(rows),
+            lift: Vec::with_capacity(rows),
+        };
         for index in pantographs {
-            self.record.pantographs[index].wind = Some(WindRecord {
-                drag: Vec::with_capacity(self.rows),
-                lift: Vec::with_capacity(self.rows),
-            });
+            let pantograph = &mut self.record.pantographs[index];
+            pantograph.wind = Some(wind());
+            for strip in &mut pantograph.strips {
+                strip.wind = Some(wind());
+            }
         }
         self
     }
@@ -88,7 +106,7 @@ impl Recorder {
     fn push(&mut self, time: f64, start: &Point, end: &Point, part: f64) {
         let linear = |a: f64, b: f64| if part == 1.0 { b } else { a + part * (b - a) };
         self.record.time.push(time);
-        for (i, record) in self.record.pantographs.iter_mut().enumerate() {
+        let push = |record: &mut StripRecord, i: usize| {
             let (from, to) = (start.contact(i), end.contact(i));
             let value = |index: usize| linear(from[index], to[index]);
             record.force.push(force_at(from, to, part));
@@ -105,6 +123,17 @@ impl Recorder {
                 wind.drag.push(value(strip::WIND_DRAG));
                 wind.lift.push(value(strip::WIND_LIFT));
             }
+        };
+        let mut number = 0..;
+        for pantograph in &mut self.record.pantographs {
+            if pantograph.strips.is_empty() {
+                push(pantograph, number.next().unwrap_or_default());
+                continue;
+            }
+            for (strip, i) in pantograph.strips.iter_mut().zip(&mut number) {
+                push(strip, i);
+            }
+            pantograph.push_head();
         }
         let first = start.strip_count() * contact::COUNT;
         for (support, k) in self.record.supports.iter_mut().zip(first..) {
@@ -137,15 +166,34 @@ impl Observer for Recorder {
     fn frame(&mut self, point: &Point, mut frame: Frame) {
         self.frames = (point.t / self.frame_step + ROUNDING).floor() as usize + 1;
         frame.time = point.t;
-        let contacts = |value: usize| (0..point.strip_count()).map(move |i| point.contact(i)[value]).collect();
-        frame.forces = contacts(contact::FORCE);
-        frame.contacts = contacts(contact::X);
+        let mut first = 0;
+        for pantograph in &self.record.pantographs {
+            let strips = first..first + pantograph.each_strip().len();
+            first = strips.end;
+            let force: f64 = strips.clone().map(|i| point.contact(i)[contact::FORCE]).sum();
+            let place = strips.clone().map(|i| point.contact(i)[contact::X]);
+            frame.forces.push(force);
+            frame.contacts.push(place.sum::<f64>() / strips.len() as f64);
+        }
         self.record.animation.frames.push(frame);
     }
 
     fn frames(&mut self) -> &mut [Frame] {
         &mut self.record.animation.frames
     }
+}
+
+/// An empty record like this one, with room for `rows` rows.
+fn room(like: &StripRecord, rows: usize) -> StripRecord {
+    let mut record = StripRecord {
+        strips: Vec::new(),
+        ..like.clone()
+    };
+    for series in record.columns_mut() {
+        *series = Vec::with_capacity(rows);
+    }
+    record.aside = Vec::with_capacity(rows);
+    record
 }
 
 /// Contact point of strip `i` along the strip from its middle, m.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::record::{COLUMNS, strip_names, support_name, wind_names};
-use super::{Record, ResultsError, StripRecord, SupportRecord, WindRecord};
+use super::{Record, ResultsError, StripRecord, SupportRecord, WindRecord, head};
 
 /// Writes the series of `record` as CSV to `out`; `path` is named in errors.
 ///
@@ -88,15 +88,34 @@ pub fn read_timeseries(path: &Path) -> Result<Record, ResultsError> {
     record.time = columns.next().unwrap_or_default();
     let mut at = 1;
     let behind = |name: &String| name.starts_with("support[") || name.contains("].wind.");
+    let several = names.get(at) == Some(&head::names(1)[0]);
+    let mut number = 0;
     while names.get(at).is_some_and(|name| !behind(name)) {
-        for (k, expected) in strip_names(record.pantographs.len() + 1).iter().enumerate() {
+        let head = several && names.get(at) == Some(&head::names(record.pantographs.len() + 1)[0]);
+        let expected = if head {
+            head::names(record.pantographs.len() + 1)
+        } else {
+            number += 1;
+            strip_names(number)
+        };
+        for (k, expected) in expected.iter().enumerate() {
             if names.get(at + k) != Some(expected) {
                 return Err(wrong(at + k, expected));
             }
         }
         let series = std::array::from_fn(|_| columns.next().unwrap_or_default());
-        record.pantographs.push(StripRecord::from_columns(series));
+        let series = StripRecord::from_columns(series);
+        match record.pantographs.last_mut() {
+            Some(pantograph) if several && !head => pantograph.strips.push(series),
+            _ => record.pantographs.push(series),
+        }
         at += COLUMNS;
+    }
+    // The series of a head with one strip are those of the strip.
+    for pantograph in &mut record.pantographs {
+        if pantograph.strips.len() == 1 {
+            pantograph.strips.clear();
+        }
     }
     let winds = names
         .iter()

@@ -174,10 +174,13 @@ pub struct Summary {
 /// Figures of one pantograph.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PantographSummary {
-    /// Contact force over the evaluation range.
+    /// Contact force over the evaluation range, the sum over the strips of a head.
     pub contact_force: ContactForceSummary,
-    /// Motion of the collector strip.
+    /// Motion of the collector strip; of a head with several, of the mean of their heights.
     pub strip: StripSummary,
+    /// Contact force of each strip of a head with several; empty for one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub strips: Vec<ContactForceSummary>,
 }
 
 /// Contact force over the evaluation range; `null` where the run ended before it.
@@ -242,6 +245,17 @@ impl Summary {
                 strip: StripSummary {
                     vertical_amplitude: strip.strip_z.get(range.clone()).and_then(peak_to_peak),
                 },
+                strips: (strip.strips.iter())
+                    .map(|strip| {
+                        let raw = strip.force.get(range.clone()).unwrap_or_default();
+                        let filtered = info.evaluation.filtered(&strip.force).ok();
+                        ContactForceSummary {
+                            filtered: filtered.and_then(|force| force.get(range.clone()).and_then(ForceStatistics::of)),
+                            raw: ForceStatistics::of(raw),
+                            loss_of_contact_percent: loss_of_contact_percent(raw),
+                        }
+                    })
+                    .collect(),
             };
             let (from, to) = info.evaluation.time.get(i).copied().unwrap_or_default();
             figures.push(Figures {

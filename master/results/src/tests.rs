@@ -17,6 +17,7 @@ pub fn run(complete: bool) -> (RunInfo, Record) {
         gap: vec![-0.001; time.len()],
         wind: None,
         aside: Vec::new(),
+        strips: Vec::new(),
     };
     let half = (0..n).map(|i| if i % 2 == 0 { 0.0 } else { 200.0 }).collect();
     let record = Record {

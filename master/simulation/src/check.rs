@@ -38,7 +38,7 @@ pub struct Waves {
 }
 
 /// State of a pantograph at t = 0.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct StartReport {
     /// m.
     #[serde(rename = "x_m")]
@@ -49,6 +49,26 @@ pub struct StartReport {
     /// N.
     #[serde(rename = "force_N")]
     pub force: f64,
+    /// Strips of a head with several; empty for one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub strips: Vec<StartReport>,
+}
+
+/// Starts of the strips of pantograph `index` (from 0), where its head has several.
+fn strips_at_start(scene: &Scene, index: usize) -> Vec<StartReport> {
+    if !scene.pantographs[index].has_several_strips() {
+        return Vec::new();
+    }
+    let starts = scene.strips_of(index).filter_map(|strip| {
+        let start = scene.strip_start(strip)?;
+        Some(StartReport {
+            x: scene.strip_start_x(strip),
+            height: start.height,
+            force: start.force,
+            strips: Vec::new(),
+        })
+    });
+    starts.collect()
 }
 
 impl Report {
@@ -78,9 +98,10 @@ impl Report {
         let starts = scene.pantographs.iter().enumerate().filter_map(|(index, pantograph)| {
             let start = pantograph.start?;
             Some(StartReport {
-                x: scene.strip_start_x(index),
+                x: scene.head_start_x(index),
                 height: start.height,
                 force: start.force,
+                strips: strips_at_start(scene, index),
             })
         });
         Ok(Self {
@@ -121,6 +142,13 @@ impl Report {
                 start.height,
                 start.force
             )?;
+            for (number, strip) in (1..).zip(&start.strips) {
+                let StartReport { x, height, force, .. } = strip;
+                writeln!(
+                    out,
+                    "    strip {number}: x = {x:.3} m, height {height:.6} m, force {force:.3} N"
+                )?;
+            }
         }
         let model = &self.model;
         writeln!(

@@ -24,6 +24,7 @@ use scene::{Evaluate, Initialise, Scene};
 use component::exchange;
 use cosim::algorithm::{self, Exchange, Sides};
 use cosim::disturbance::disturb;
+use cosim::head;
 use cosim::parallel;
 use cosim::run::{self, Control, Controller, Estimate};
 use cosim::slave::Slave;
@@ -269,6 +270,7 @@ impl Prepared {
             supports,
             line,
         )
+        .with_heads(&self.scene.strip_counts())
         .with_wind((0..self.scene.pantographs.len()).filter(|&index| {
             let own = !matches!(self.scene.pantographs[index].model, scene::PantographModel::Supplied(_));
             own && vehicle::Air::of_scene(&self.scene, index).is_some()
@@ -306,21 +308,20 @@ impl Prepared {
             self.settling = Some(found);
         }
         let own_threads = self.own_threads();
-        let outputs = exchange::line_output_count(self.scene.pantographs.len(), supports.len());
+        let strips = self.scene.strip_counts();
+        let outputs = exchange::line_output_count(strips.iter().sum(), supports.len());
         let (mut line, mut pantographs) = match mode {
             Mode::Cosimulation => self.fmu_slaves(supports, line, supplied, source)?,
             _ => self.core_slaves(supports, line, supplied)?,
         };
-        disturb(&self.disturbance, &mut line, &mut pantographs, outputs);
+        disturb(&self.disturbance, &mut line, &mut pantographs, outputs, &strips);
         let beside_the_line = self.scene.coupling.algorithm == scene::Algorithm::Jacobi;
         let threads = parallel::arrange(&mut pantographs, &own_threads, beside_the_line);
         let mut line = Timed::new(line);
         let untimed = std::mem::take(&mut pantographs);
-        pantographs.extend(
-            untimed
-                .into_iter()
-                .map(|slave| Box::new(Timed::new(slave)) as Box<dyn Slave>),
-        );
+        for (slave, &strips) in untimed.into_iter().zip(&strips) {
+            pantographs.extend(head::strips_of(Box::new(Timed::new(slave)), strips));
+        }
         let mut sides = Sides {
             line: &mut line,
             pantographs: &mut pantographs,
@@ -338,7 +339,7 @@ impl Prepared {
         }
         (watch.begun)();
         let outcome = if let Some(control) = control {
-            let mut controller = Controller::new(control, self.scene.pantographs.len(), sides.can_roll_back());
+            let mut controller = Controller::new(control, strips.iter().sum(), sides.can_roll_back());
             run::run_controlled(
                 &mut sides,
                 &mut *algorithm,

@@ -1,7 +1,7 @@
 //! Model of a scene: parts, parts left out with the reason, worth of the results.
 
 use catenary::{WindowSize, WindowedLine};
-use scene::{Initialise, PantographModel, Reduction, Start};
+use scene::{Initialise, Lumped, PantographModel, Reduction, Start};
 
 use crate::Prepared;
 use crate::sliding_joint;
@@ -24,7 +24,7 @@ impl Prepared {
         };
         // A joint is one equation per strip.
         let mut constraints = if sliding_joint::holds(scene) {
-            scene.pantographs.len()
+            scene.strip_count()
         } else {
             0
         };
@@ -42,7 +42,7 @@ impl Prepared {
                 }
             }
             kinds.push(match &pantograph.model {
-                PantographModel::Lumped(lumped) => format!("lumped, {} masses", lumped.masses.len()),
+                PantographModel::Lumped(lumped) => format!("lumped, {} masses{}", lumped.masses.len(), head(lumped)),
                 PantographModel::Linkage(linkage) => {
                     format!("linkage of {} bodies{}", linkage.bodies.len(), motions(scene))
                 }
@@ -380,6 +380,18 @@ fn wires(line: &scene::Catenary) -> String {
         1 => text,
         count => format!("{text}, {count} tension lengths"),
     }
+}
+
+/// Strips of a head with several, and how they move on it.
+fn head(lumped: &Lumped) -> String {
+    let motion = match (lumped.strips.as_slice(), &lumped.pitch) {
+        ([], _) => return String::new(),
+        ([first, ..], _) if first.spring.is_some() => "on springs of their own",
+        (_, Some(_)) => "on a head that pitches",
+        _ => "fixed to the head",
+    };
+    let count = lumped.strips.len();
+    format!(", {count} strip{} {motion}", if count == 1 { "" } else { "s" })
 }
 
 fn supplied_start(initialise: Initialise, settling: Option<Settling>, start: Start) -> String {

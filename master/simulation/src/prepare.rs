@@ -199,7 +199,7 @@ fn start_line(scene: &mut Scene, mut entry: Supplied, base: &Path, logging: bool
         .map(|index| {
             let start = scene.pantographs[index].start;
             StripAtStart {
-                x: scene.strip_start_x(index),
+                x: scene.head_start_x(index),
                 height: start.map_or(0.0, |start| start.height),
                 force: start.map_or(0.0, |start| start.force),
             }

@@ -40,7 +40,7 @@ fn differs(force: f64, stated: f64) -> bool {
     stated > 0.0 && (force - stated).abs() > SHARE * stated
 }
 
-/// A lumped chain at its start height, with all its springs in series:
+/// A lumped chain at its start height, with all its springs in series, those under strips as one:
 ///
 /// ```text
 /// F = F₀ − (h − h₀)/Σ 1/kᵢ,   F₀ = S / (1 + kₙ Σ 1/kᵢ, i < n)
@@ -51,7 +51,8 @@ fn lumped_warning(scene: &Scene, index: usize, lumped: &Lumped) -> Option<String
     if lumped.stiffnesses.contains(&0.0) {
         return None;
     }
-    let above: f64 = upper.iter().map(|stiffness| 1.0 / stiffness).sum();
+    let strips = lumped.strip_stiffness();
+    let above: f64 = upper.iter().chain(&strips).map(|stiffness| 1.0 / stiffness).sum();
     let compliance = above + 1.0 / grounded;
     let at_reference = lumped.static_force / (1.0 + grounded * above);
     let force = at_reference - (start.height - reference) / compliance;
@@ -109,14 +110,18 @@ mod tests {
 
     /// The warnings of the reference model with this key.
     fn of(key: &str) -> Vec<String> {
+        of_keys(&[key])
+    }
+
+    fn of_keys(more: &[&str]) -> Vec<String> {
         let text = include_str!("../../../scenes/en50318-250.toml");
         let keys = [
             "catenary.spans=3",
             "run.evaluate={ time = [0.1, 0.4] }",
             "run.duration=0.4",
-            key,
         ];
-        let scene = system::load(text, "en50318-250.toml", &keys.map(str::to_owned)).unwrap();
+        let keys: Vec<String> = keys.iter().chain(more).map(|key| (*key).to_owned()).collect();
+        let scene = system::load(text, "en50318-250.toml", &keys).unwrap();
         let prepared = crate::prepare(scene, "test", std::path::Path::new("."), false).unwrap();
         let warned = warnings(&prepared);
         assert!(warned.iter().all(|warning| prepared.notes(1e-3).contains(warning)));
@@ -142,5 +147,17 @@ mod tests {
     #[test]
     fn a_chain_that_rests_at_the_wire_is_not_warned_of() {
         assert_eq!(of("run.speed_kmh=250"), [""; 0]);
+    }
+
+    #[test]
+    fn the_height_that_fits_a_head_counts_the_springs_under_its_strips() {
+        let strip = |x: f64| format!("{{ x = {x}, mass = 1.5, stiffness = 500 }}");
+        let strips = format!("pantograph[1].strips=[{}, {}]", strip(0.3), strip(-0.3));
+        let warned = |height: &str| of_keys(&[&strips, &format!("pantograph[1].reference_height={height}")]);
+        let [warning] = &warned("5.0")[..] else {
+            panic!("one warning");
+        };
+        let fitting = warning.split("set pantograph[1].reference_height = ").nth(1).unwrap();
+        assert_eq!(warned(fitting.split(',').next().unwrap()), [""; 0]);
     }
 }

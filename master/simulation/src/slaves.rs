@@ -60,7 +60,7 @@ impl Prepared {
                 .expect("every side of the scene that is modelled here is packaged")
                 .1
         };
-        let strips = self.scene.pantographs.len();
+        let strips = self.scene.strip_count();
         let role = |name: String, inputs: Vec<String>, outputs: Vec<String>| Role {
             name,
             inputs,
@@ -90,7 +90,12 @@ impl Prepared {
                 Some(pantograph) => Box::new(pantograph),
                 None => {
                     let name = format!("pantograph {}", index + 1);
-                    let role = role(name, exchange::pantograph_inputs(), exchange::pantograph_outputs());
+                    let strips = self.scene.strips_of(index).len();
+                    let (inputs, outputs) = (
+                        exchange::pantograph_inputs(strips),
+                        exchange::pantograph_outputs(strips),
+                    );
+                    let role = role(name, inputs, outputs);
                     let slave = FmuSlave::start(fmu(&package::pantograph_file(index)), role)?;
                     Box::new(slave.drawn_by(of_pantograph(&self.scene, index), inprocess::draw_pantograph))
                 }

@@ -74,8 +74,13 @@ fn half_widths(scene: &Scene) -> Vec<(usize, f64)> {
 #[must_use]
 pub fn remarks(scene: &Scene, record: &Record) -> Vec<String> {
     let seen = half_widths(scene).into_iter().filter_map(|(index, half)| {
-        let aside = record.pantographs.get(index)?.aside.iter().copied();
-        let found = beside(record.time.iter().copied().zip(aside), half)?;
+        // Strips of a head see the same wire one after the other: the first that it passes is told of.
+        let strips = record.pantographs.get(index)?.each_strip().iter();
+        let found = strips.filter_map(|strip| {
+            let aside = strip.aside.iter().copied();
+            beside(record.time.iter().copied().zip(aside), half)
+        });
+        let found = found.min_by(|a, b| a.from.total_cmp(&b.from))?;
         Some(remark(scene, index, half, &found, "the wire passed"))
     });
     seen.collect()
@@ -98,7 +103,7 @@ pub fn foreseen(scene: &Scene) -> Vec<String> {
     let seen = mechanisms.filter_map(|(index, half)| {
         let samples = (0..=count).map(|k| {
             let time = k as f64 * step;
-            (time, aside(&motion, line, scene.strip_x(index, time), time))
+            (time, aside(&motion, line, scene.head_x(index, time), time))
         });
         let found = beside(samples, half)?;
         Some(remark(
@@ -131,7 +136,7 @@ fn remark(scene: &Scene, index: usize, half: f64, found: &Beside, what: &str) ->
          to {:.3} m from the middle of the strip, at t = {:.3} s, and half the width of the strip is {half} m",
         index + 1,
         found.from,
-        scene.strip_x(index, found.from),
+        scene.head_x(index, found.from),
         found.to,
         found.largest,
         found.at

@@ -125,7 +125,7 @@ impl SuppliedPantograph {
             driven: Driven::start(fmu, wiring, &setting, &probe)?,
             inputs,
             outputs,
-            start_x: scene.strip_start_x(index),
+            start_x: scene.head_start_x(index),
             speed: scene.run.speed,
             macro_step: scene.coupling.macro_step,
             load: [[0.0; 3]; HIGHEST + 1],

@@ -43,7 +43,7 @@ impl System for Joined {
 }
 
 impl LineAtRest {
-    /// The line of a solved static state with one strip per pantograph of the scene; [`LineAtRest::start`] must follow.
+    /// The line of a solved static state with the strips of the scene; [`LineAtRest::start`] must follow.
     ///
     /// # Errors
     /// See [`CatenaryError`].
@@ -54,7 +54,7 @@ impl LineAtRest {
         }
         let mut layout = Layout::new();
         let line = scene_line(scene, statics, &mut layout)?;
-        let joints = (0..scene.pantographs.len()).map(|strip| {
+        let joints = (0..scene.strip_count()).map(|strip| {
             let first = strip * STRIP_VALUES;
             SlidingJoint::new(
                 line.contact_curve(0),

@@ -41,7 +41,7 @@ pub struct StripStart {
 }
 
 impl StripStart {
-    /// Strip `index` (from 0) of a scene, at `height` in m.
+    /// Strip `index` (from 0, over all heads) of a scene, at `height` in m.
     #[must_use]
     pub fn of(scene: &Scene, index: usize, height: f64) -> Self {
         Self {
@@ -102,7 +102,7 @@ pub struct Subsystem {
 }
 
 impl Subsystem {
-    /// The line of a solved static state with one strip per pantograph of the scene; [`Subsystem::start`] must follow.
+    /// The line of a solved static state with the strips of the scene; [`Subsystem::start`] must follow.
     ///
     /// # Errors
     /// See [`CatenaryError`].
@@ -118,7 +118,7 @@ impl Subsystem {
     /// See [`CatenaryError`].
     pub fn with_line(scene: &Scene, layout: Layout, line: Box<dyn OverheadLine>) -> Result<Self, CatenaryError> {
         let model = Model::with_prescribed_strips(scene, layout, line)?;
-        let strips = scene.pantographs.len();
+        let strips = scene.strip_count();
         let solver = &scene.solver;
         let u = vec![0.0; strips * STRIP_VALUES];
         let state = model.layout().state_at_rest();

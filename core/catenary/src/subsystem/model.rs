@@ -54,7 +54,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// A line of any kind in its layout under prescribed strips, one per pantograph of the scene.
+    /// A line of any kind in its layout under prescribed strips, those of the scene.
     ///
     /// # Errors
     /// See [`CatenaryError::SuppliedLine`] and [`CatenaryError::SlidingJoint`].
@@ -64,7 +64,7 @@ impl Model {
         line: Box<dyn OverheadLine>,
     ) -> Result<Self, CatenaryError> {
         let wires = line.contact_wires();
-        let contacts = (0..scene.pantographs.len() * wires).map(|contact| {
+        let contacts = (0..scene.strip_count() * wires).map(|contact| {
             let (strip, wire) = (contact / wires, contact % wires);
             let first = strip * STRIP_VALUES;
             contact_pair(scene, &*line, (strip, wire), Box::new(PrescribedStrip { first }))
@@ -164,8 +164,8 @@ pub fn scene_line(
     Ok(Box::new(line))
 }
 
-/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with contact wire `wire` (from 0), under the
-/// scene's penalty law.
+/// The contact of strip `index` (from 0, over all heads) of a scene, seen through `strip`, with contact wire `wire`
+/// (from 0), under the scene's penalty law.
 ///
 /// # Errors
 /// See [`CatenaryError::SuppliedLine`] and [`CatenaryError::SlidingJoint`].
@@ -184,7 +184,8 @@ pub fn contact_pair(
         damping: contact.damping,
     };
     // The width of a supplied strip is unknown and taken as infinite.
-    let width = scene.pantographs[index].strip_width().unwrap_or(f64::INFINITY);
+    let width = scene.pantographs[scene.head_of(index).0].strip_width();
+    let width = width.unwrap_or(f64::INFINITY);
     Ok(ContactPair::new(
         law,
         line.contact_curve(wire),
@@ -194,8 +195,9 @@ pub fn contact_pair(
     ))
 }
 
-/// The contact of strip `index` (from 0) of a scene, seen through `strip`, with contact wire `wire` (from 0), under the
-/// scene's law; a joint adds its equation to `layout`, and its constraint is to be visited after those that are there.
+/// The contact of strip `index` (from 0, over all heads) of a scene, seen through `strip`, with contact wire `wire`
+/// (from 0), under the scene's law; a joint adds its equation to `layout`, and its constraint is to be visited after
+/// those that are there.
 ///
 /// # Errors
 /// See [`CatenaryError::SuppliedLine`].

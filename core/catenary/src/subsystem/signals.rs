@@ -222,7 +222,7 @@ impl Component for Subsystem {
     fn groups_of(scene: &Scene) -> Self::Groups {
         let line = scene.modelled_line().map(|(line, _)| line);
         let wires = line.map_or(0, scene::Catenary::contact_wires);
-        groups(scene.pantographs.len(), wires, line.map_or(0, |line| line.spans() + 1))
+        groups(scene.strip_count(), wires, line.map_or(0, |line| line.spans() + 1))
     }
 
     fn groups(&self) -> Self::Groups {
@@ -236,7 +236,7 @@ impl Component for Subsystem {
     fn build(scene: &Scene) -> Result<Self, CatenaryError> {
         let statics = static_line(scene)?;
         let mut subsystem = Self::new(scene, &statics)?;
-        let starts: Vec<StripStart> = (0..scene.pantographs.len())
+        let starts: Vec<StripStart> = (0..scene.strip_count())
             .map(|strip| strip_start(scene, strip))
             .collect();
         subsystem.start(&starts)?;
@@ -277,7 +277,7 @@ fn failure(error: StepError) -> StepFailure {
 fn strip_start(scene: &Scene, strip: usize) -> StripStart {
     let x = scene.strip_start_x(strip);
     let resting = scene.modelled_line().map_or(0.0, |(line, _)| line.chord_height(x));
-    let height = scene.pantographs[strip].start.map_or(resting, |start| start.height);
+    let height = scene.strip_start(strip).map_or(resting, |start| start.height);
     StripStart::of(scene, strip, height)
 }
 
@@ -494,8 +494,8 @@ fn parameters(scene: &Scene) -> Vec<Parameter> {
         ),
     ];
     parameters.extend(component::solver_parameters());
-    for strip in 0..scene.pantographs.len() {
-        parameters.extend(component::start_parameters(strip, &format!("strip[{}].", strip + 1)));
+    for strip in 0..scene.strip_count() {
+        parameters.extend(component::strip_start_parameters(strip));
     }
     parameters
 }

@@ -80,7 +80,7 @@ impl Scene {
     pub(crate) fn wind_stations(&self, turbulence: &WindTurbulence) -> usize {
         let length = match &self.catenary {
             Line::Modelled(catenary) => catenary.length(),
-            Line::Supplied(_) => self.strip_x(0, self.run.duration),
+            Line::Supplied(_) => self.head_x(0, self.run.duration),
         };
         // One more on each side of the last interval: the interpolation takes four neighbours.
         (length / turbulence.spacing).ceil().clamp(0.0, 1e9) as usize + 2

@@ -14,7 +14,9 @@ pub(super) struct Whole {
     pub layout: Layout,
     pub line: Box<dyn OverheadLine>,
     pub pantographs: Vec<PantographModel>,
-    /// Contacts of each pantograph in turn with each contact wire in turn.
+    /// Pantograph (from 0) of each strip, and the number of strips on it.
+    pub heads: Vec<(usize, usize)>,
+    /// Contacts of each strip in turn with each contact wire in turn.
     pub contacts: Vec<StripContact>,
     pub slackening: Slackening,
     /// Here except while contributions are visited for it.
@@ -124,7 +126,10 @@ impl Whole {
                 values[strip::VX + axis] = frame.velocity[axis];
             }
             values[strip::ROLL] = frame.axes[(2, 1)].atan2(frame.axes[(1, 1)]);
-            [values[strip::WIND_DRAG], values[strip::WIND_LIFT]] = self.pantographs[i].wind_on_head(motion);
+            let (head, strips) = self.heads[i];
+            [values[strip::WIND_DRAG], values[strip::WIND_LIFT]] = self.pantographs[head]
+                .wind_on_head(motion)
+                .map(|force| force / strips as f64);
             let states = contacts.iter().filter_map(|contact| contact.state(motion, lambda));
             let total = ContactTotal::of(states);
             let on_strip = total.map(|total| total.on_strip);
@@ -141,7 +146,7 @@ impl Whole {
             values[contact::WIRE_Z] = position.z;
             values[contact::GAP] = total.map_or(f64::MAX, |total| total.gap);
         }
-        let first = self.pantographs.len() * contact::COUNT;
+        let first = self.heads.len() * contact::COUNT;
         for (k, &support) in supports.iter().enumerate() {
             point.line[first + k] = self.line.uplift(support - 1, motion.q);
         }

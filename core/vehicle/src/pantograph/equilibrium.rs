@@ -14,10 +14,12 @@ pub(crate) struct Offsets {
 /// A pantograph at rest in the frame of its base.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equilibrium {
-    /// Height of the middle of the strip above the top of rail, m.
+    /// Height of the middle of the strip above the top of rail, m; of several strips, the mean of their heights.
     pub height: f64,
-    /// Contact force, N, positive in compression (presses the strip down).
+    /// Contact force, N, positive in compression (presses the strip down); of several strips, the sum.
     pub force: f64,
+    /// Contact force of each strip, N. Where the head leaves their division open, one that it can bear.
+    pub strip_forces: Vec<f64>,
     /// The pantograph's own coordinates, in the order of the layout.
     pub q: Vec<f64>,
     /// Orientations of the pantograph's bodies, body to world.

@@ -42,6 +42,26 @@ pub(crate) trait Pantograph: std::fmt::Debug + Send {
     /// [`VehicleError::NotReducible`] for a model whose base cannot be displaced.
     fn equilibrium(&self, base: Option<BaseDisplacement>, target: Target) -> Result<Equilibrium, VehicleError>;
 
+    /// Number of strips.
+    fn strips(&self) -> usize {
+        1
+    }
+
+    /// Changes of the strips' heights (m, one per strip) that the head allows beside each other, one row for each: of
+    /// one strip its rise.
+    fn rises(&self) -> Vec<Vec<f64>> {
+        vec![vec![1.0]]
+    }
+
+    /// State of rest with the strips at these heights (m, one per strip), as far as the head allows them, with the base
+    /// as in [`Pantograph::equilibrium`].
+    ///
+    /// # Errors
+    /// See [`Pantograph::equilibrium`].
+    fn equilibrium_under(&self, base: Option<BaseDisplacement>, heights: &[f64]) -> Result<Equilibrium, VehicleError> {
+        self.equilibrium(base, Target::Height(heights[0]))
+    }
+
     /// Loads of the pantograph at rest on the vehicle. By default the base, at `base` (m), presses with the contact
     /// force alone: the weight counts as part of the vehicle.
     ///
@@ -62,11 +82,11 @@ pub(crate) trait Pantograph: std::fmt::Debug + Send {
     /// First indices of the coordinates.
     fn offsets(&self) -> Offsets;
 
-    /// Middle of the strip in an equilibrium, in the frame of the base, m.
+    /// Middle of the strip, or of a head with several, in an equilibrium, in the frame of the base, m.
     fn strip_position(&self, equilibrium: &Equilibrium) -> Vector3<f64>;
 
-    /// Middle of the strip, travelling with `base`; the second axis runs along the strip.
-    fn strip(&self, base: Base) -> Box<dyn Marker>;
+    /// Middle of strip `strip` (from 0), travelling with `base`; the second axis runs along the strip.
+    fn strip(&self, base: Base, strip: usize) -> Box<dyn Marker>;
 
     /// Lines that draw the pantograph in the frame of the base, m.
     fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>>;

@@ -299,7 +299,7 @@ impl Pantograph for Linkage {
         pose.reference + Vector3::from_column_slice(&equilibrium.q[first..first + 3]) + rotation * self.strip.offset
     }
 
-    fn strip(&self, base: Base) -> Box<dyn Marker> {
+    fn strip(&self, base: Base, _: usize) -> Box<dyn Marker> {
         let marker = self.strip;
         Box::new(Travelling { marker, base })
     }

@@ -1,14 +1,18 @@
 //! The lumped pantograph: any number of masses one above the other.
 mod chain;
+mod head;
+mod marker;
 
 use super::air::{Air, AirForces, AirMarker};
 use super::base_mount::{BaseDisplacement, BaseMount};
 use super::equilibrium::{Equilibrium, Offsets, Target};
 use super::interface::Pantograph;
 use crate::{Base, Travel, Travelling, VehicleError};
-pub(super) use chain::{ChainElement, ChainInertia, HeadMarker};
+pub(super) use chain::{ChainElement, ChainInertia};
 use chain::{ChainMasses, Foot};
 use dynamics::{AerodynamicLaw, Layout, Marker, Motion, PartVisitor};
+use head::{Head, HeadAtRest};
+pub(super) use marker::HeadMarker;
 use nalgebra::{Matrix3, Vector3};
 
 /// A vertical chain of masses, collector head first, each on a spring–damper, the last one on the base.
@@ -20,12 +24,14 @@ use nalgebra::{Matrix3, Vector3};
 /// ```text
 /// F₀ = S / (1 + kₙ Σ 1/kᵢ),  i < n                                         derived here: Fₙ = F₀ − S = −kₙ Σ F₀/kᵢ
 /// ```
+///
+/// Springs under strips of their own are one more spring of the chain in this sum, of the stiffness of all together.
 #[derive(Clone, Debug)]
 pub(crate) struct Lumped {
     offsets: Offsets,
     masses: ChainMasses,
     elements: Vec<ChainElement>,
-    head: HeadMarker,
+    head: Head,
     /// Contact force at rest at the reference height, N.
     reference_force: f64,
     /// Uplift of the air on the strip.
@@ -49,6 +55,14 @@ impl Lumped {
         };
         let first = offsets.coordinate;
         let reference_force = reference_force(entry);
+        let middle = HeadMarker {
+            coordinate: first,
+            x: 0.0,
+            pitch: None,
+            lateral: 0.0,
+            reference_height,
+        };
+        let head = Head::new(entry, middle, reference_force, name, layout);
         let elements = (0..n)
             .map(|i| {
                 let grounded = i + 1 == n;
@@ -71,11 +85,7 @@ impl Lumped {
                 static_force: entry.static_force,
             },
             elements,
-            head: HeadMarker {
-                coordinate: first,
-                lateral: 0.0,
-                reference_height,
-            },
+            head,
             reference_force,
             air: AirForces::default(),
             inertia: None,
@@ -87,9 +97,9 @@ impl Lumped {
         self.inertia = travel.alignment().map(|_| ChainInertia {
             travel: travel.clone(),
             first: self.masses.first,
-            masses: self.masses.masses.clone(),
-            lateral: self.head.lateral,
-            height: self.head.reference_height,
+            masses: [&self.masses.masses[..], self.head.sprung_masses()].concat(),
+            lateral: self.head.middle.lateral,
+            height: self.head.middle.reference_height,
             gravity,
         });
     }
@@ -105,7 +115,7 @@ impl Lumped {
     /// Puts the chain on a moving mount; `base` (m) is the base in the reference position.
     pub(crate) fn mount_on(&mut self, mount: &BaseMount, base: Vector3<f64>) {
         let lift = self.masses.static_force;
-        self.head.lateral = mount.lateral();
+        self.head.set_lateral(mount.lateral());
         if let (Some(last), false) = (self.elements.last_mut(), matches!(mount, BaseMount::Fixed)) {
             last.foot = Some(Foot::new(mount.anchor(base, Matrix3::identity()), base, lift));
         }
@@ -119,6 +129,13 @@ impl Lumped {
     /// [`VehicleError::OutOfReach`] if an element that pushes only would have to pull, or an element without stiffness
     /// to bear a force.
     fn at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
+        let mut equilibrium = self.chain_at_force(force)?;
+        self.put_level_head(&mut equilibrium);
+        Ok(equilibrium)
+    }
+
+    /// State of rest of the chain without what its head carries.
+    fn chain_at_force(&self, force: f64) -> Result<Equilibrium, VehicleError> {
         let excess = force - self.uplift() - self.reference_force;
         let compressions = self.elements.iter().map(|element| {
             let carried = element.preload + excess;
@@ -134,11 +151,51 @@ impl Lumped {
         Ok(self.state(force, &compressions))
     }
 
+    /// Adds a level head to an equilibrium of the chain alone.
+    fn put_level_head(&self, equilibrium: &mut Equilibrium) {
+        let (rise, excess) = (equilibrium.q[0], equilibrium.force - self.reference_force);
+        let q = self.head.level(rise, excess);
+        let at_rest = HeadAtRest { rise, q };
+        equilibrium.strip_forces = self.head.strip_forces(&at_rest, equilibrium.force);
+        if !self.head.sprung_masses().is_empty() {
+            equilibrium.height = self.reference_height() + at_rest.q[0];
+        }
+        equilibrium.q.extend(at_rest.q);
+    }
+
+    /// State of rest with the strips at these heights, m, as far as the head allows them.
+    ///
+    /// # Errors
+    /// [`VehicleError::OutOfReach`] if an element that pushes only would have to pull.
+    fn at_heights(&self, heights: &[f64]) -> Result<Equilibrium, VehicleError> {
+        let rises: Vec<f64> = heights.iter().map(|height| height - self.reference_height()).collect();
+        let soft = self.elements.iter().any(|element| element.stiffness == 0.0);
+        let compliance = (!soft).then(|| self.elements.iter().map(|element| 1.0 / element.stiffness).sum());
+        let at_rest = self.head.at_rises(&rises, compliance, self.uplift());
+        let mut equilibrium = self.chain_at_height(self.reference_height() + at_rest.rise)?;
+        equilibrium.strip_forces = self.head.strip_forces(&at_rest, equilibrium.force);
+        equilibrium.force = equilibrium.strip_forces.iter().sum();
+        equilibrium.height = heights.iter().sum::<f64>() / heights.len() as f64;
+        equilibrium.q.extend(at_rest.q);
+        Ok(equilibrium)
+    }
+
     /// State of rest with the strip at `height` (m); a negative force means a hanging strip.
     ///
     /// # Errors
     /// [`VehicleError::OutOfReach`] if an element that pushes only would have to pull.
     fn at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
+        let strips = self.head.strips().len();
+        if strips > 1 || !self.head.sprung_masses().is_empty() {
+            return self.at_heights(&vec![height; strips]);
+        }
+        let mut equilibrium = self.chain_at_height(height)?;
+        equilibrium.strip_forces = vec![equilibrium.force];
+        Ok(equilibrium)
+    }
+
+    /// State of rest of the chain without what its head carries, with the first mass at `height` (m).
+    fn chain_at_height(&self, height: f64) -> Result<Equilibrium, VehicleError> {
         let rise = height - self.reference_height();
         let soft = self.elements.iter().rposition(|element| element.stiffness == 0.0);
         if let Some(soft) = soft {
@@ -148,7 +205,7 @@ impl Lumped {
             return Ok(self.state(self.reference_force + self.uplift(), &compressions));
         }
         let compliance: f64 = self.elements.iter().map(|element| 1.0 / element.stiffness).sum();
-        let mut equilibrium = self.at_force(self.reference_force + self.uplift() - rise / compliance)?;
+        let mut equilibrium = self.chain_at_force(self.reference_force + self.uplift() - rise / compliance)?;
         equilibrium.height = height;
         Ok(equilibrium)
     }
@@ -164,10 +221,20 @@ impl Lumped {
             height: self.reference_height() + q[0],
             force,
             q,
+            strip_forces: Vec::new(),
             rotation: Vec::new(),
             lambda: Vec::new(),
             vehicle: None,
         }
+    }
+
+    /// The same with the base risen by `rise` m.
+    fn lifted(&self, mut equilibrium: Equilibrium, rise: f64) -> Equilibrium {
+        let (chain, head) = equilibrium.q.split_at_mut(self.masses.masses.len());
+        chain.iter_mut().for_each(|q| *q += rise);
+        self.head.lift(head, rise);
+        equilibrium.height += rise;
+        equilibrium
     }
 
     fn out_of_reach(&self, force: f64) -> VehicleError {
@@ -184,6 +251,7 @@ impl Pantograph for Lumped {
         for element in &mut self.elements {
             visit("pantograph", element);
         }
+        self.head.forces(&mut |force| visit("pantograph", force));
         for air in self.air.as_mut_slice() {
             visit("wind_pantograph", air);
         }
@@ -196,7 +264,8 @@ impl Pantograph for Lumped {
         self.air = AirForces::default();
         if let Some(coefficient) = air.uplift {
             let law = AerodynamicLaw::Uplift { coefficient };
-            self.air.push(air.force(AirMarker::Head(self.head), base, law), true);
+            self.air
+                .push(air.force(AirMarker::Head(self.head.middle), base, law), true);
         }
     }
 
@@ -216,13 +285,28 @@ impl Pantograph for Lumped {
             };
         };
         let rise = frame.position.z - reference.z;
-        let mut equilibrium = match target {
+        let equilibrium = match target {
             Target::Force(force) => self.at_force(force),
             Target::Height(height) => self.at_height(height - rise),
         }?;
-        equilibrium.q.iter_mut().for_each(|q| *q += rise);
-        equilibrium.height += rise;
-        Ok(equilibrium)
+        Ok(self.lifted(equilibrium, rise))
+    }
+
+    fn strips(&self) -> usize {
+        self.head.strips().len()
+    }
+
+    fn rises(&self) -> Vec<Vec<f64>> {
+        self.head.rises()
+    }
+
+    fn equilibrium_under(&self, base: Option<BaseDisplacement>, heights: &[f64]) -> Result<Equilibrium, VehicleError> {
+        if let [height] = *heights {
+            return self.equilibrium(base, Target::Height(height));
+        }
+        let rise = base.map_or(0.0, |base| base.frame.position.z - base.reference.z);
+        let heights: Vec<f64> = heights.iter().map(|height| height - rise).collect();
+        Ok(self.lifted(self.at_heights(&heights)?, rise))
     }
 
     fn offsets(&self) -> Offsets {
@@ -230,21 +314,36 @@ impl Pantograph for Lumped {
     }
 
     fn strip_position(&self, equilibrium: &Equilibrium) -> Vector3<f64> {
-        Vector3::new(0.0, self.head.lateral, equilibrium.height)
+        Vector3::new(0.0, self.head.middle.lateral, equilibrium.height)
     }
 
-    fn strip(&self, base: Base) -> Box<dyn Marker> {
-        let marker = self.head;
+    fn strip(&self, base: Base, strip: usize) -> Box<dyn Marker> {
+        let marker = self.head.strips()[strip];
         Box::new(Travelling { marker, base })
     }
 
-    /// The strip from the side.
+    /// The head from the side, then each strip of several.
     fn outline(&self, motion: &Motion<'_>) -> Vec<Vec<Vector3<f64>>> {
         /// Half the drawn length of a collector head along the track, m.
         const HALF_HEAD: f64 = 0.25;
-        let middle = self.head.frame(motion).position;
-        let ends = [-HALF_HEAD, HALF_HEAD].map(|x| middle + Vector3::new(x, 0.0, 0.0));
-        vec![ends.to_vec()]
+        /// Half the drawn length of a strip among several, m.
+        const HALF_STRIP: f64 = 0.03;
+        let line = |middle: Vector3<f64>, half: f64| {
+            let ends = [-half, half].map(|x| middle + Vector3::new(x, 0.0, 0.0));
+            ends.to_vec()
+        };
+        let strips = self.head.strips();
+        let middle = self.head.middle.frame(motion).position;
+        let furthest = strips.iter().map(|strip| strip.x.abs()).fold(HALF_HEAD, f64::max);
+        let mut lines = vec![line(middle, furthest)];
+        if strips.len() > 1 {
+            lines.extend(
+                strips
+                    .iter()
+                    .map(|strip| line(strip.frame(motion).position, HALF_STRIP)),
+            );
+        }
+        lines
     }
 
     /// The reference height, because a chain has no extent.
@@ -262,11 +361,11 @@ impl Pantograph for Lumped {
     }
 
     fn reference_height(&self) -> f64 {
-        self.head.reference_height
+        self.head.middle.reference_height
     }
 
     fn coordinates(&self) -> usize {
-        self.masses.masses.len()
+        self.masses.masses.len() + self.head.coordinates()
     }
 }
 
@@ -276,6 +375,9 @@ fn reference_force(entry: &scene::Lumped) -> f64 {
         Some((grounded, upper)) if *grounded > 0.0 => (*grounded, upper),
         _ => return entry.static_force,
     };
-    let compliance: f64 = upper.iter().map(|stiffness| 1.0 / stiffness).sum();
+    let mut compliance: f64 = upper.iter().map(|stiffness| 1.0 / stiffness).sum();
+    if let Some(strips) = entry.strip_stiffness() {
+        compliance += 1.0 / strips;
+    }
     entry.static_force / (1.0 + grounded * compliance)
 }

@@ -320,6 +320,7 @@ impl Pantograph for ReducedLinkage {
                         Target::Force(_) => height,
                     },
                     force,
+                    strip_forces: vec![force],
                     q: q.to_vec(),
                     rotation: Vec::new(),
                     lambda: Vec::new(),
@@ -370,7 +371,7 @@ impl Pantograph for ReducedLinkage {
         self.strip_at([equilibrium.q[0], equilibrium.q[1]])
     }
 
-    fn strip(&self, base: Base) -> Box<dyn Marker> {
+    fn strip(&self, base: Base, _: usize) -> Box<dyn Marker> {
         let marker = self.strip_marker();
         Box::new(Travelling { marker, base })
     }

@@ -110,6 +110,7 @@ impl Vehicle {
             equilibrium: Equilibrium {
                 height: base.position.z,
                 force: 0.0,
+                strip_forces: Vec::new(),
                 q: state.q.clone(),
                 rotation: state.rotation.clone(),
                 lambda: state.lambda.clone(),

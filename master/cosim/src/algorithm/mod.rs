@@ -81,7 +81,7 @@ use crate::slave::{Slave, SlaveError};
 pub struct Sides<'a> {
     /// The line, with all strips.
     pub line: &'a mut dyn Slave,
-    /// One slave per strip, in the same order.
+    /// One slave per strip, in the same order; see [`crate::head`] for heads with several.
     pub pantographs: &'a mut [Box<dyn Slave>],
 }
 

@@ -200,15 +200,17 @@ impl<'a, 'b> UnderWay<'a, 'b> {
     /// Shares of a time loop of `wall` s.
     fn shares(&self, wall: f64) -> Vec<Share> {
         let now = spent(self.stepper.sides);
-        let times = now.into_iter().zip(&self.spent_before).enumerate();
+        let times = now.into_iter().zip(&self.spent_before);
+        // The strips of a head share its time, which the first of them knows.
+        let taken = times.filter_map(|(now, before)| Some((now?, (*before)?)));
         time_shares::shares(
             wall,
-            times.filter_map(|(side, (now, before))| {
+            taken.enumerate().map(|(side, (now, before))| {
                 let part = match side {
                     0 => "catenary".to_owned(),
                     index => format!("pantograph[{index}]"),
                 };
-                Some((part, (now? - (*before)?).as_secs_f64()))
+                (part, (now - before).as_secs_f64())
             }),
         )
     }

@@ -155,6 +155,15 @@ pub(super) fn key_figures(runs: &[NamedRun<'_>]) -> String {
                 cells(force.raw),
                 number(force.loss_of_contact_percent, 3),
             ));
+            for (number_on_head, strip) in (1..).zip(&pantograph.strips) {
+                html.push_str(&format!(
+                    "<tr><td class=\"s\">{name}strip {number_on_head}, filtered {} Hz</td>{}<td class=\"n\">{}</td>\
+                     <td></td><td></td><td></td></tr>\n",
+                    s.evaluation.low_pass_hz,
+                    cells(strip.filtered),
+                    number(strip.loss_of_contact_percent, 3),
+                ));
+            }
         }
     }
     html.push_str("</tbody></table></div>\n");

@@ -80,6 +80,16 @@ pub fn export(
             source: Box::new(source),
         }
     };
+    if let Some(index) = scene.pantographs.iter().position(scene::Pantograph::has_several_strips) {
+        let problem = format!(
+            "pantograph[{}].strips: must be one strip: an exported system connects one strip of each pantograph with \
+             the line; master package writes the FMUs of heads with several, whose strip[i] and contact[i] are to be \
+             connected by hand",
+            index + 1
+        );
+        let path = path.to_owned();
+        return Err(SspError::Shape { path, problem });
+    }
     let (mut entries, mut notes) = (BTreeMap::new(), Vec::new());
     let mut scene = scene.clone();
     let take = |name: &str, side: Option<&mut Supplied>, entries: &mut BTreeMap<String, Vec<u8>>| {

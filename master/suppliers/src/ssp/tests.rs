@@ -399,3 +399,16 @@ fn maps_compose_and_turn_round() {
     assert_eq!(a.then(b).apply(4.0), b.apply(a.apply(4.0)));
     assert_eq!(a.then(a.inverse()), document::Linear::IDENTITY);
 }
+
+#[test]
+fn a_head_with_several_strips_is_not_exported_and_the_refusal_says_what_to_connect() {
+    let text = include_str!("../../../../scenes/en50318-300.toml");
+    let strips = "pantograph[1].strips=[{ x = 0.29 }, { x = -0.29 }]".to_owned();
+    let scene = Scene::from_toml(text, "x.toml", &[strips]).unwrap();
+    let here = Path::new(".");
+    let refused = export(&scene, "x", &[], here, &[None], Path::new("x.ssp"));
+    let message = refused.map(|_| ()).unwrap_err().to_string();
+    for fragment in ["x.ssp: pantograph[1].strips: must be one strip", "master package"] {
+        assert!(message.contains(fragment), "{message}");
+    }
+}

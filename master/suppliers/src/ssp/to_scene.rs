@@ -45,6 +45,7 @@ impl Foreign {
                 offset_x: x.zip(first).map_or(0.0, |(x, first)| x - first),
                 model: PantographModel::Supplied(side),
                 start: None,
+                strip_starts: Vec::new(),
             })
             .collect();
         scene.run.initialise = scene::Initialise::AsGiven;

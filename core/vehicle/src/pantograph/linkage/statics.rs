@@ -176,6 +176,7 @@ pub(super) fn solve(
             return Ok(Equilibrium {
                 height,
                 force: contact_force,
+                strip_forces: vec![contact_force],
                 q: state.q,
                 rotation: state.rotation,
                 lambda: state.lambda,

@@ -359,29 +359,3 @@ impl StepHistory for ChainElement {
         !self.unilateral || self.law(motion).3 == self.open
     }
 }
-
-/// Strip on the first mass of a chain, in the frame of the base: the strip rises and falls, nothing else.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HeadMarker {
-    /// Coordinate of the mass.
-    pub coordinate: usize,
-    /// Lateral position from the middle of the track, m.
-    pub lateral: f64,
-    /// Height above the top of rail at coordinate zero, m.
-    pub reference_height: f64,
-}
-
-impl Marker for HeadMarker {
-    fn frame(&self, motion: &Motion<'_>) -> Frame {
-        Frame {
-            position: Vector3::new(0.0, self.lateral, self.reference_height + motion.q[self.coordinate]),
-            axes: Matrix3::identity(),
-            velocity: Vector3::new(0.0, 0.0, motion.v[self.coordinate]),
-            angular_velocity: Vector3::zeros(),
-        }
-    }
-
-    fn columns(&self, _motion: &Motion<'_>, columns: &mut Columns) {
-        columns.push(self.coordinate, Vector3::z(), Vector3::zeros());
-    }
-}

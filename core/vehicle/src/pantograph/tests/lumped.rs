@@ -17,6 +17,8 @@ fn en50318() -> scene::Lumped {
         reference_height: Some(5.3),
         unilateral: vec![false, false],
         friction: vec![0.0, 0.0],
+        strips: Vec::new(),
+        pitch: None,
     }
 }
 
