@@ -202,7 +202,7 @@ def statics_report(coupled, span):
     """Statics as in `master check --json` for equal names; dropper lengths between the wires, stressed."""
     assembly = coupled.line.assembly
     droppers = [{"tension_length": d.section + 1, "span": d.span, "x": float(d.x), "stressed_length_m": float(d.length),
-                 "force_N": float(d.force)} for d in assembly.droppers]
+                 "force_N": float(d.force)} for d in sorted(assembly.droppers, key=lambda d: (d.section, d.x))]
     supports = [{"tension_length": number + 1, "x": float(x), "messenger_reaction_N": float(assembly.reaction[p])}
                 for number, section in assembly.support_reports for x, p in section]
     clamps = [{"x": float(assembly.x[p]), "z_m": float(assembly.z[p])}
@@ -246,10 +246,10 @@ def main():
     if args.statics_only:
         return
     result = coupled.simulate(args.step, args.progress)
-    filtered = np.array([low_pass(force, args.step, scene["run"]["low_pass_hz"]) for force in result["forces"].T])
     low, high = evaluated(scene, coupled)
     inside = np.flatnonzero((result["x"] >= low - 1e-9) & (result["x"] <= high + 1e-9))
-    total, raw = filtered.sum(axis=0), result["forces"].sum(axis=1)
+    raw = result["forces"].sum(axis=1)
+    total = low_pass(raw, args.step, scene["run"]["low_pass_hz"])
     figures = {"scene": scene["title"], "contact_element_m": args.contact_element, "upper_element_m": args.upper_element,
                "step_s": args.step, "coordinates": coupled.size, "mean_N": float(total[inside].mean()),
                "std_N": float(total[inside].std()), "max_N": float(total[inside].max()), "min_N": float(total[inside].min()),
@@ -257,10 +257,9 @@ def main():
                "open_percent": 100.0 * float(np.mean(raw[inside] <= 0))}
     if args.reference:
         pick = inside[inside % round(0.002 / args.step) == 0]
-        wires = [f"wire_{i + 1}_filtered_N" for i in range(len(filtered))]
-        table = np.column_stack([result["x"][pick], total[pick], raw[pick], filtered[:, pick].T])
-        np.savetxt(args.reference, table, delimiter=",", fmt="%.4f", comments="",
-                   header=",".join(["x_m", "force_filtered_N", "force_raw_N", *wires]))
+        table = np.column_stack([result["x"][pick], total[pick], raw[pick]])
+        np.savetxt(args.reference, table, delimiter=",", fmt=("%.6f", "%.4f", "%.4f"), comments="",
+                   header="x_m,force_filtered_N,force_raw_N")
     if args.summary:
         with open(args.summary, "w", encoding="utf-8") as file:
             json.dump(figures, file, indent=1)
