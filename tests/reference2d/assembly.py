@@ -18,6 +18,7 @@ from hanging import HangingWire, hang
 @dataclass
 class Wire:
     """A wire through points, ascending in x."""
+
     kind: str
     section: int
     mass: float
@@ -83,7 +84,14 @@ class Assembly:
         return len(self.x) - 1
 
     def _wire(self, kind, number, table):
-        wire = Wire(kind, number, table["mass_per_length"], table["tension"], table["axial_stiffness"], table["bending_stiffness"])
+        wire = Wire(
+            kind,
+            number,
+            table["mass_per_length"],
+            table["tension"],
+            table["axial_stiffness"],
+            table["bending_stiffness"],
+        )
         self.wires.append(wire)
         return wire
 
@@ -156,8 +164,12 @@ class Assembly:
         return tension
 
     def _statics(self):
-        shape = {id(wire): HangingWire(wire.points, self.x[wire.points], self._tensions(wire), wire.mass * self.gravity, wire.ei)
-                 for wire in self.wires}
+        shape = {
+            id(wire): HangingWire(
+                wire.points, self.x[wire.points], self._tensions(wire), wire.mass * self.gravity, wire.ei
+            )
+            for wire in self.wires
+        }
         self.hanging = [shape[id(wire)] for wire in self.wires]
         weights = -self.gravity * self.mass
         of = lambda *kinds: [shape[id(wire)] for wire in self.wires if wire.kind in kinds]

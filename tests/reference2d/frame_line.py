@@ -7,13 +7,14 @@ t = c w - s u across it. Incremental energy, with N = H l/dx the static tension 
     U = 1/2 EA/l (a2 - a1)^2 + 1/2 int N t'^2 + EI t''^2,    t cubic in (t1, phi1, t2, phi2), a linear
 
 Mass is consistent with the same fields; damping of a wire is alpha M + beta (N int t'^2 + EI int t''^2, and N/l
-(a2 - a1)^2 along it). A wire with EI = 0 has a hinge at each point (rotations of both sides are free), one with EI > 0 has one
+(a2 - a1)^2 along it). A wire with EI = 0 has a hinge at each point (rotations of both sides are free), others have one
 rotation at each node. A dropper is a bar of stiffness k that hangs vertically under its static force F0 and turns with
 its ends: k (w1 - w2)^2 + F0/L (u1 - u2)^2. Both ends of each wire have w = 0 and a spring of END_SPRING along x: the
 weights give a constant force and the spring a place.
 
-Strip at x: the wire's height there is z0(x) + t/c to first order, since a point that moves by (u, w) is lower by z0' u
-at fixed x. The contact force F is vertical; it loads the same coordinate, so that F t/c is its work.
+Strip at x: the height z of the wire there is that of the material point that has come to x, and the contact force F is
+normal to the moved wire, so that its work is F dz. About a displacement the height changes by u_z - z' u_x, z' slope
+of the moved wire; about the static state this is t/c.
 """
 
 import numpy as np
@@ -75,14 +76,33 @@ class Chain:
         damped = in_frame(self.c, self.s, (self.n / l)[:, None, None] * pair, bend)
         return stiffness, mass, damped
 
-    def row(self, x):
-        """Coordinates (6) and coefficients (6) of the height at x, and the static height."""
-        e = min(max(int(np.searchsorted(self.x, x, side="right")) - 1, 0), self.l.size - 1)
-        xi = (x - self.x[e]) / (self.x[e + 1] - self.x[e])
-        f, out = cubic(xi, self.l[e]) / self.c[e], np.zeros(6)
+    def row(self, x, u=None):
+        """Coordinates (6) and coefficients (6) of the height at x, and the height, about displacements u (0: None)."""
+        at, shift = x, 0.0
+        for _ in range(1 if u is None else 6):  # the material point that u moves to x
+            e = min(max(int(np.searchsorted(self.x, at, side="right")) - 1, 0), self.l.size - 1)
+            xi, l, c, s = (at - self.x[e]) / (self.x[e + 1] - self.x[e]), self.l[e], self.c[e], self.s[e]
+            linear, f, turn, slope, rise = np.array([1 - xi, xi]), cubic(xi, l), 0.0, s / c, 0.0
+            if u is None:
+                break
+            q = u[self.coordinates[e]]
+            along, across = (
+                c * q[[0, 3]] + s * q[[1, 4]],
+                np.array([c * q[1] - s * q[0], q[2], c * q[4] - s * q[3], q[5]]),
+            )
+            a, t, rate, turn = linear @ along, f @ across, (along[1] - along[0]) / l, cubic(xi, l, 1) @ across
+            slope, rise = (s + c * turn + s * rate) / (c - s * turn + c * rate), s * a + c * t
+            before, shift = shift, c * a - s * t
+            at = x - shift
+            if abs(shift - before) < 1e-9:
+                break
+        # height = z + u_z at the material point, less slope times the u_x by which another point comes to x
+        on_a, on_t, out = (s - slope * c) * linear, (c + slope * s) * f, np.zeros(6)
         for end in range(2):
-            out[3 * end], out[3 * end + 1], out[3 * end + 2] = -self.s[e] * f[2 * end], self.c[e] * f[2 * end], f[2 * end + 1]
-        return self.coordinates[e], out, float(self.hanging.height(x))
+            out[3 * end] = c * on_a[end] - s * on_t[2 * end]
+            out[3 * end + 1] = s * on_a[end] + c * on_t[2 * end]
+            out[3 * end + 2] = on_t[2 * end + 1]
+        return self.coordinates[e], out, float(self.hanging.height(x - shift)) + rise
 
 
 class FrameLine:
@@ -114,8 +134,10 @@ class FrameLine:
         for p in range(assembly.x.size):
             lumped[point(p)] += assembly.mass[p]
         for p in assembly.messenger_supports:
-            extra[point(p)] += (catenary["supports"]["messenger_longitudinal_stiffness"],
-                                catenary["supports"]["messenger_vertical_stiffness"])
+            extra[point(p)] += (
+                catenary["supports"]["messenger_longitudinal_stiffness"],
+                catenary["supports"]["messenger_vertical_stiffness"],
+            )
         for p in assembly.arms:
             extra[point(p)[1]] += catenary["registration_arms"]["vertical_stiffness"]
         self.fixed = []
@@ -123,19 +145,26 @@ class FrameLine:
             u, w = point(p)
             self.fixed += [u, w] if catenary["wire_ends"] == "fixed" else [w]
             extra[u] += END_SPRING
-        self.dropper_stiffness, self.dropper_damping = catenary["droppers"]["stiffness"], catenary["droppers"]["damping"]
+        self.dropper_stiffness, self.dropper_damping = (
+            catenary["droppers"]["stiffness"],
+            catenary["droppers"]["damping"],
+        )
         self.dropper_force = np.array([dropper.force for dropper in assembly.droppers])
         lengths = np.array([dropper.length for dropper in assembly.droppers])
         self.elongation, across = (self._differences(point, axis) for axis in (1, 0))
-        stiffness += [self.dropper_stiffness * self.elongation.T @ self.elongation,
-                      across.T @ sparse.diags(self.dropper_force / lengths) @ across, sparse.diags(extra)]
+        stiffness += [
+            self.dropper_stiffness * self.elongation.T @ self.elongation,
+            across.T @ sparse.diags(self.dropper_force / lengths) @ across,
+            sparse.diags(extra),
+        ]
         damping.append(self.dropper_damping * self.elongation.T @ self.elongation)
         keep = np.ones(self.size)
         keep[self.fixed] = 0.0
         self.keep = keep
         hold = sparse.diags(keep)
         self.stiffness, self.mass, self.damping = (
-            (hold @ m @ hold).tocsr() for m in (sum(stiffness), sum(mass) + sparse.diags(lumped), sum(damping)))
+            (hold @ m @ hold).tocsr() for m in (sum(stiffness), sum(mass) + sparse.diags(lumped), sum(damping))
+        )
         self.elongation = (self.elongation @ hold).tocsr()
 
     def _nodes(self, contact_element, upper_element):
@@ -176,8 +205,9 @@ class FrameLine:
         """Upper less lower coordinate of the droppers as a sparse matrix (droppers, size)."""
         pairs = np.array([[point(d.upper)[axis], point(d.lower)[axis]] for d in self.assembly.droppers])
         count = len(pairs)
-        return sparse.csr_matrix((np.tile([1.0, -1.0], count), (np.repeat(np.arange(count), 2), pairs.ravel())),
-                                 shape=(count, self.size))
+        return sparse.csr_matrix(
+            (np.tile([1.0, -1.0], count), (np.repeat(np.arange(count), 2), pairs.ravel())), shape=(count, self.size)
+        )
 
     def contact_chains(self):
         return [self.chains[i] for i in self.assembly.contact_wires()]

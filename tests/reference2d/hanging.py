@@ -37,7 +37,9 @@ class RopeSegment:
         """Upward pull on the left and the right point, and its derivatives by (right - left)."""
         rate = self.q / (2 * self.h * np.sinh(self.a)) / np.cosh(self.c)
         low, high = self.c - self.a, self.c + self.a
-        return self.h * np.array([np.sinh(low), -np.sinh(high)]), self.h * rate * np.array([np.cosh(low), -np.cosh(high)])
+        return self.h * np.array([np.sinh(low), -np.sinh(high)]), self.h * rate * np.array(
+            [np.cosh(low), -np.cosh(high)]
+        )
 
     def height(self, s):
         low = self.c - self.a
@@ -53,7 +55,9 @@ class BeamSegment:
     def __init__(self, h, q, l, ei):
         self.h, self.q, self.l, self.ei, self.lam = h, q, l, ei, np.sqrt(ei / h)
         e = np.exp(-l / self.lam)
-        rows = np.array([[1, 0, 1, e], [0, 1, -1 / self.lam, e / self.lam], [1, l, e, 1], [0, 1, -e / self.lam, 1 / self.lam]])
+        rows = np.array(
+            [[1, 0, 1, e], [0, 1, -1 / self.lam, e / self.lam], [1, l, e, 1], [0, 1, -e / self.lam, 1 / self.lam]]
+        )
         self.inverse = np.linalg.inv(rows)
         self.w = q
 

@@ -9,9 +9,10 @@ elements of the motion. The pantograph's masses are coordinates of the same syst
 under each, the last one to the base, unstretched where the head is at the static height of the lowest contact wire over
 start_x; the static force acts on the last mass, no weight.
 
-One-way parts: contact i between strip and wire i has gap g_i and force F_i >= 0 with F_i/k + g_i >= 0, one of both zero;
+One-way parts: contact i between strip and wire i has gap g_i and force F_i >= 0 with F_i/k + g_i >= 0, one of both
+zero;
 dropper j pulls with f_j + r_j, f_j = F0 + k e + c e', r_j >= 0 what a slack dropper takes back, one of both zero. The
-trapezoidal rule makes each step a linear complementarity problem in (F, r) of the contacts and droppers, solved exactly by
+trapezoidal rule makes each step a linear complementarity problem in (F, r) of the contacts and droppers, solved by
 changes of the set of positive ones. All contact wires over which the strip is have a contact.
 """
 
@@ -77,17 +78,20 @@ class Coupled:
         self.mass = join(self.line.mass, np.diag(masses))
         self.load = np.zeros(self.size)
         self.load[-1] = pantograph["static_force"]
-        self.elongation = sparse.hstack([self.line.elongation, sparse.csr_matrix((self.line.elongation.shape[0], count))]).tocsr()
+        self.elongation = sparse.hstack(
+            [self.line.elongation, sparse.csr_matrix((self.line.elongation.shape[0], count))]
+        ).tocsr()
         self.identity = np.zeros(self.size)
         self.identity[self.line.fixed] = 1.0
         self.reference = min(height for _, _, _, height in self.rows(self.start_x))
 
-    def rows(self, x):
-        """Of each contact wire over x its number, coordinates (7) and coefficients (7) of its gap, and static height."""
+    def rows(self, x, u=None):
+        """Of each contact wire over x its number, coordinates (7) and coefficients (7) of its gap, height, about the
+        displacements u (0: None)."""
         out = []
         for number, chain in enumerate(self.line.contact_chains()):
-            if chain.x[0] <= x <= chain.x[-1]:
-                at, values, height = chain.row(x)
+            if chain.x[0] < x < chain.x[-1]:
+                at, values, height = chain.row(x, u)
                 out.append((number, np.append(at, self.head), np.append(values * self.line.keep[at], -1.0), height))
         return out
 
@@ -120,19 +124,19 @@ class Coupled:
         factor = self.factor(self.stiffness)
         return [{"x": x, "m_per_N": self.under_force(x, 100.0, factor) / 100.0} for x in sorted(points)]
 
-    def one_way(self, u, v, columns, effect, factor, gain, rate, x, guess):
-        """Contact forces per wire, dropper terms r, displacement that both add, set of positive ones.
+    def one_way(self, u, v, columns, effect, factor, gain, rate, x, guess, about):
+        """Contact forces per wire, answer of `factor` to them and to the droppers' terms, set of positive ones.
 
         u, v: state without them; `columns`, `effect`: answer of `factor` to the droppers; displacement gain * answer,
-        velocity rate * answer.
+        velocity rate * answer; `about`: displacements about which contact is linear, None for the static state.
         """
         line = self.line
         k, c = line.dropper_stiffness, line.dropper_damping
         elongation = self.elongation @ u
         law = (line.dropper_force + k * elongation + (c * (self.elongation @ v) if c else 0.0)) / k
         rows, numbers = [], []
-        for number, at, values, height in self.rows(x):
-            gap = height - self.reference + values @ u[at]
+        for number, at, values, height in self.rows(x, about):
+            gap = height - self.reference + values @ u[at] - (0.0 if about is None else values[:-1] @ about[at[:-1]])
             if gap < REACH:
                 rows.append((at, values, gap))
                 numbers.append(number)
@@ -151,7 +155,9 @@ class Coupled:
             matrix[i, n:] = -gain * (values @ columns[at])
         matrix[n:, :n] = lift * (self.elongation @ push)
         matrix[n:, n:] = np.eye(law.size) / k - lift * effect
-        positive = np.concatenate([[guess[0].get(number, offset[i] < 0) for i, number in enumerate(numbers)], guess[1]]).astype(bool)
+        positive = np.concatenate(
+            [[guess[0].get(number, offset[i] < 0) for i, number in enumerate(numbers)], guess[1]]
+        ).astype(bool)
         lam, active = complementary(offset, matrix, positive)
         answer = push @ lam[:n]
         slack = active[n:]
@@ -160,8 +166,11 @@ class Coupled:
         forces = dict(zip(numbers, lam[:n]))
         return forces, answer, (dict(zip(numbers, active[:n])), slack)
 
-    def simulate(self, h, progress=False):
-        """Runs the scene with the trapezoidal rule; returns time, x, force per contact wire (steps, wires)."""
+    def simulate(self, h, progress=False, moved=True):
+        """Runs the scene with the trapezoidal rule; returns time, x, force per contact wire (steps, wires).
+
+        `moved`: contact on the moved wires; else to first order about the static state.
+        """
         steps = round(self.scene["run"]["duration"] / h)
         times = np.arange(steps + 1) * h
         xs = self.start_x + self.speed * times
@@ -172,8 +181,15 @@ class Coupled:
         rest = self.factor(self.stiffness)
         columns = rest.solve(across)
         free = rest.solve(self.load)
-        found, answer, guess = self.one_way(free, np.zeros(self.size), columns, self.elongation @ columns, rest, 1.0, 0.0, xs[0], guess)
-        u, v, a = free + answer, np.zeros(self.size), np.zeros(self.size)
+        u, v, a = np.zeros(self.size), np.zeros(self.size), np.zeros(self.size)
+        for _ in range(30):
+            before = u
+            found, answer, guess = self.one_way(
+                free, v, columns, self.elongation @ columns, rest, 1.0, 0.0, xs[0], guess, u if moved else None
+            )
+            u = free + answer
+            if np.abs(u - before).max() < 1e-10:
+                break
         for number, force in found.items():
             forces[0, number] = force
 
@@ -184,8 +200,19 @@ class Coupled:
         for n in range(1, steps + 1):
             up, vp = u + h * v + h**2 / 4 * a, v + h / 2 * a
             a_free = factor.solve(self.load - self.damping @ vp - self.stiffness @ up)
+            ahead = up + h**2 / 4 * a_free
             found, answer, guess = self.one_way(
-                up + h**2 / 4 * a_free, vp + h / 2 * a_free, columns, effect, factor, h**2 / 4, h / 2, xs[n], guess)
+                ahead,
+                vp + h / 2 * a_free,
+                columns,
+                effect,
+                factor,
+                h**2 / 4,
+                h / 2,
+                xs[n],
+                guess,
+                ahead if moved else None,
+            )
             a = a_free + answer
             u, v = up + h**2 / 4 * a, vp + h / 2 * a
             for number, force in found.items():
@@ -195,18 +222,39 @@ class Coupled:
                 print(f"\r{times[n]:.2f} s, {time.perf_counter() - begun:.0f} s of computing", end="", file=sys.stderr)
         if progress:
             print(file=sys.stderr)
-        return {"time": times, "x": xs, "forces": forces, "most_slack": most_slack, "wall_s": time.perf_counter() - begun}
+        return {
+            "time": times,
+            "x": xs,
+            "forces": forces,
+            "most_slack": most_slack,
+            "wall_s": time.perf_counter() - begun,
+        }
 
 
 def statics_report(coupled, span):
     """Statics as in `master check --json` for equal names; dropper lengths between the wires, stressed."""
     assembly = coupled.line.assembly
-    droppers = [{"tension_length": d.section + 1, "span": d.span, "x": float(d.x), "stressed_length_m": float(d.length),
-                 "force_N": float(d.force)} for d in sorted(assembly.droppers, key=lambda d: (d.section, d.x))]
-    supports = [{"tension_length": number + 1, "x": float(x), "messenger_reaction_N": float(assembly.reaction[p])}
-                for number, section in assembly.support_reports for x, p in section]
-    clamps = [{"x": float(assembly.x[p]), "z_m": float(assembly.z[p])}
-              for wire in assembly.wires if wire.kind == "stitch" for p in (wire.points[0], wire.points[-1])]
+    droppers = [
+        {
+            "tension_length": d.section + 1,
+            "span": d.span,
+            "x": float(d.x),
+            "stressed_length_m": float(d.length),
+            "force_N": float(d.force),
+        }
+        for d in sorted(assembly.droppers, key=lambda d: (d.section, d.x))
+    ]
+    supports = [
+        {"tension_length": number + 1, "x": float(x), "messenger_reaction_N": float(assembly.reaction[p])}
+        for number, section in assembly.support_reports
+        for x, p in section
+    ]
+    clamps = [
+        {"x": float(assembly.x[p]), "z_m": float(assembly.z[p])}
+        for wire in assembly.wires
+        if wire.kind == "stitch"
+        for p in (wire.points[0], wire.points[-1])
+    ]
     return {"droppers": droppers, "supports": supports, "clamps": clamps, "elasticity": coupled.elasticity(span)}
 
 
@@ -228,11 +276,13 @@ def main():
     parser.add_argument("--statics-only", action="store_true")
     parser.add_argument("--reference", help="CSV of the filtered force every 2 ms over the evaluated spans")
     parser.add_argument("--summary", help="JSON of the statistics")
+    parser.add_argument("--contact-at-rest", action="store_true", help="contact to first order about the static state")
     parser.add_argument("--progress", action="store_true")
     parser.add_argument("--self-test", action="store_true")
     args = parser.parse_args()
     if args.self_test:
         import self_test_wires
+
         raise SystemExit(self_test_wires.run())
     if not args.scene:
         parser.error("a scene is needed")
@@ -245,21 +295,37 @@ def main():
             file.write("\n")
     if args.statics_only:
         return
-    result = coupled.simulate(args.step, args.progress)
+    result = coupled.simulate(args.step, args.progress, not args.contact_at_rest)
     low, high = evaluated(scene, coupled)
     inside = np.flatnonzero((result["x"] >= low - 1e-9) & (result["x"] <= high + 1e-9))
     raw = result["forces"].sum(axis=1)
     total = low_pass(raw, args.step, scene["run"]["low_pass_hz"])
-    figures = {"scene": scene["title"], "contact_element_m": args.contact_element, "upper_element_m": args.upper_element,
-               "step_s": args.step, "coordinates": coupled.size, "mean_N": float(total[inside].mean()),
-               "std_N": float(total[inside].std()), "max_N": float(total[inside].max()), "min_N": float(total[inside].min()),
-               "raw_std_N": float(raw[inside].std()), "start_force_N": float(raw[0]), "most_slack_droppers": result["most_slack"],
-               "open_percent": 100.0 * float(np.mean(raw[inside] <= 0))}
+    figures = {
+        "scene": scene["title"],
+        "contact_element_m": args.contact_element,
+        "upper_element_m": args.upper_element,
+        "step_s": args.step,
+        "coordinates": coupled.size,
+        "mean_N": float(total[inside].mean()),
+        "std_N": float(total[inside].std()),
+        "max_N": float(total[inside].max()),
+        "min_N": float(total[inside].min()),
+        "raw_std_N": float(raw[inside].std()),
+        "start_force_N": float(raw[0]),
+        "most_slack_droppers": result["most_slack"],
+        "open_percent": 100.0 * float(np.mean(raw[inside] <= 0)),
+    }
     if args.reference:
         pick = inside[inside % round(0.002 / args.step) == 0]
         table = np.column_stack([result["x"][pick], total[pick], raw[pick]])
-        np.savetxt(args.reference, table, delimiter=",", fmt=("%.6f", "%.4f", "%.4f"), comments="",
-                   header="x_m,force_filtered_N,force_raw_N")
+        np.savetxt(
+            args.reference,
+            table,
+            delimiter=",",
+            fmt=("%.6f", "%.4f", "%.4f"),
+            comments="",
+            header="x_m,force_filtered_N,force_raw_N",
+        )
     if args.summary:
         with open(args.summary, "w", encoding="utf-8") as file:
             json.dump(figures, file, indent=1)
