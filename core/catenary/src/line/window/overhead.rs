@@ -1,5 +1,6 @@
 //! A windowed line as an overhead line.
 use super::curve::WindowCurve;
+use super::plan::Arrangement;
 use super::{WindowedLine, span_at};
 use crate::{DropperSample, Line, NodeOfWire, OverheadLine, WireCurve, WireName};
 use dynamics::{Continuity, Force, Motion, PartVisitor, State, StepHistory};
@@ -160,7 +161,12 @@ impl OverheadLine for WindowedLine {
             return Continuity::Kept;
         }
         let next = self.fixed.arrangement(at);
-        let places = self.fixed.places(&next);
+        let source = |arrangement: &Arrangement| self.fixed.source_of(arrangement.at, self.fixed.plan.window);
+        let places = if source(&next) == source(&self.arrangement) {
+            Arc::clone(&self.places)
+        } else {
+            Arc::new(self.fixed.places(&next))
+        };
         self.fixed
             .transfer((&self.arrangement, &self.places), (&next, &places), state);
         state.q[self.fixed.position] = self.fixed.supports_x[at] - self.origin;

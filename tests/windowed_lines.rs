@@ -1,0 +1,93 @@
+//! Accuracy of a window over lines of wires and spans that differ.
+use integration_tests::runs::{EN_300, run, scene_with};
+use simulation::Mode;
+
+const STITCHED: &str = include_str!("../scenes/ac-stitched.toml");
+const TWIN: &str = include_str!("../scenes/dc-twin-wire.toml");
+
+/// Spans of different lengths with their own droppers, divided differently.
+const MIXED: [&str; 4] = [
+    "catenary.spans=8",
+    "catenary.span_length=[65,60,50,63,54,60,65,57]",
+    "catenary.droppers.positions=[[5,14,23,32,41,50,60],[5,15,25,35,45,55],[5,15,25,35,45],[5,16,27,38,48,58],\
+     [5,16,27,38,49],[5,15,25,35,45,55],[5,14,23,32,41,50,60],[5,16,28,40,52]]",
+    "catenary.mesh={ element_length=4.0, corrections=\"none\" }",
+];
+
+/// Three seconds from the first window on, over several of its moves.
+const JOURNEY: [&str; 3] = ["run.start_x=40", "run.duration=3.0", "run.evaluate={time=[0.2,2.9]}"];
+
+/// rms difference of the filtered force between a run with the window and one without it, in percent of its standard
+/// deviation.
+fn windowed(text: &str, words: &str, more: &[&str]) -> f64 {
+    let of = |words: &str| {
+        let reduce = format!("model.reduce=[{words}]");
+        let overrides = [&JOURNEY[..], more, &[&reduce]].concat();
+        run(scene_with(text, &overrides), Mode::Monolithic, "windowed-lines")
+    };
+    let (whole, window) = (of(words), of(&format!("{words}, \"window\"")));
+    for support in 0..whole.record.supports.len() {
+        let pairs = whole.record.supports[support]
+            .uplift
+            .iter()
+            .zip(&window.record.supports[support].uplift);
+        let most = |of: fn((f64, f64)) -> f64| pairs.clone().fold(0.0, |most: f64, (a, b)| most.max(of((*a, *b))));
+        let (a, b) = (most(|pair| pair.0), most(|pair| pair.1));
+        assert!((a - b).abs() < 1e-3, "support {support}: {a} m, {b} m");
+    }
+    let difference = 100.0 * window.filtered_difference(&whole) / whole.sigma();
+    let cost = |run: &integration_tests::runs::Run| run.summary.cost.real_time_factor;
+    println!("{words}: {difference:.4} % of σ, real-time factor {:?}, {:?}", cost(&whole), cost(&window));
+    difference
+}
+
+/// Linear lines: only the reduction of the spans beyond the window differs.
+#[test]
+fn a_window_follows_spans_that_are_divided_differently() {
+    let difference = windowed(EN_300, "\"planar\", \"linearised\"", &MIXED);
+    assert!(difference < 0.3, "{difference} %");
+}
+
+#[test]
+fn a_window_follows_mixed_spans_with_dampers_in_the_droppers() {
+    let more = [&MIXED[..], &["catenary.droppers.damping=50"]].concat();
+    let difference = windowed(EN_300, "\"planar\", \"linearised\"", &more);
+    assert!(difference < 0.3, "{difference} %");
+}
+
+/// Point masses on one of the wires give the wires nodes of their own.
+#[test]
+fn a_window_passes_point_masses() {
+    let masses = "catenary.point_mass=[{ x=152, mass=3, wire=\"contact_wire\" }, { x=270, mass=5, \
+                  wire=\"messenger_wire\" }]";
+    let more = [&MIXED[..], &[masses]].concat();
+    let difference = windowed(EN_300, "\"planar\", \"linearised\"", &more);
+    assert!(difference < 0.3, "{difference} %");
+}
+
+#[test]
+fn a_window_follows_a_stitched_line() {
+    let more = ["catenary.spans=8", "catenary.mesh={ element_length=5.0, corrections=\"none\" }"];
+    let difference = windowed(STITCHED, "\"linearised\"", &more);
+    assert!(difference < 0.3, "{difference} %");
+}
+
+#[test]
+fn a_window_follows_twin_contact_wires() {
+    let more = ["catenary.spans=8", "catenary.mesh={ element_length=5.0, corrections=\"none\" }"];
+    let difference = windowed(TWIN, "\"linearised\"", &more);
+    assert!(difference < 0.3, "{difference} %");
+}
+
+/// In developed coordinates a curve is a lateral load, which is part of the static state.
+#[test]
+fn a_window_follows_a_line_through_a_curve_and_one_that_was_changed() {
+    let coarse = ["catenary.spans=8", "catenary.mesh.elements_per_interval=1", "catenary.mesh.corrections=\"none\""];
+    let curve = ["catenary.curve_radius=[inf,inf,3000,3000,3000,inf,inf,inf,inf]"];
+    let change = ["catenary.change={ temperature=10, thermal_expansion=1.7e-5, dropper=[{ span=3, dropper=4, \
+                   missing=true }] }"];
+    for more in [curve, change] {
+        let difference = windowed(EN_300, "\"linearised\"", &[&coarse[..], &more].concat());
+        assert!(difference < 0.3, "{difference} %");
+    }
+}
