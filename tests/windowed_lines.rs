@@ -1,6 +1,8 @@
 //! Accuracy of a window over lines of wires and spans that differ.
+use catenary::{Checkpoint, StripStart, Subsystem};
 use integration_tests::runs::{EN_300, run, scene_with};
 use simulation::Mode;
+use std::ops::Range;
 
 const STITCHED: &str = include_str!("../scenes/ac-stitched.toml");
 const TWIN: &str = include_str!("../scenes/dc-twin-wire.toml");
@@ -37,7 +39,11 @@ fn windowed(text: &str, words: &str, more: &[&str]) -> f64 {
     }
     let difference = 100.0 * window.filtered_difference(&whole) / whole.sigma();
     let cost = |run: &integration_tests::runs::Run| run.summary.cost.real_time_factor;
-    println!("{words}: {difference:.4} % of σ, real-time factor {:?}, {:?}", cost(&whole), cost(&window));
+    println!(
+        "{words}: {difference:.4} % of σ, real-time factor {:?}, {:?}",
+        cost(&whole),
+        cost(&window)
+    );
     difference
 }
 
@@ -67,14 +73,20 @@ fn a_window_passes_point_masses() {
 
 #[test]
 fn a_window_follows_a_stitched_line() {
-    let more = ["catenary.spans=8", "catenary.mesh={ element_length=5.0, corrections=\"none\" }"];
+    let more = [
+        "catenary.spans=8",
+        "catenary.mesh={ element_length=5.0, corrections=\"none\" }",
+    ];
     let difference = windowed(STITCHED, "\"linearised\"", &more);
     assert!(difference < 0.3, "{difference} %");
 }
 
 #[test]
 fn a_window_follows_twin_contact_wires() {
-    let more = ["catenary.spans=8", "catenary.mesh={ element_length=5.0, corrections=\"none\" }"];
+    let more = [
+        "catenary.spans=8",
+        "catenary.mesh={ element_length=5.0, corrections=\"none\" }",
+    ];
     let difference = windowed(TWIN, "\"linearised\"", &more);
     assert!(difference < 0.3, "{difference} %");
 }
@@ -82,12 +94,85 @@ fn a_window_follows_twin_contact_wires() {
 /// In developed coordinates a curve is a lateral load, which is part of the static state.
 #[test]
 fn a_window_follows_a_line_through_a_curve_and_one_that_was_changed() {
-    let coarse = ["catenary.spans=8", "catenary.mesh.elements_per_interval=1", "catenary.mesh.corrections=\"none\""];
-    let curve = ["catenary.curve_radius=[inf,inf,3000,3000,3000,inf,inf,inf,inf]"];
-    let change = ["catenary.change={ temperature=10, thermal_expansion=1.7e-5, dropper=[{ span=3, dropper=4, \
-                   missing=true }] }"];
+    let mesh = [
+        "catenary.spans=8",
+        "catenary.mesh.elements_per_interval=2",
+        "catenary.mesh.corrections=\"none\"",
+    ];
+    let curve = "catenary.curve_radius=[inf,inf,3000,3000,3000,inf,inf,inf,inf]";
+    let change = "catenary.change={ temperature=10, thermal_expansion=1.7e-5, dropper=[{ span=3, dropper=4, \
+                  missing=true }] }";
     for more in [curve, change] {
-        let difference = windowed(EN_300, "\"linearised\"", &[&coarse[..], &more].concat());
+        let difference = windowed(EN_300, "\"linearised\"", &[&mesh[..], &[more]].concat());
         assert!(difference < 0.3, "{difference} %");
     }
+}
+
+/// Windows of unlike spans are different sections, with different droppers and energies at rest: the energy above the
+/// static state stays that of the whole line when the window moves, and a line taken back over a move repeats itself.
+#[test]
+fn the_energy_passes_a_move_over_unlike_spans_which_repeats_itself_when_taken_back() {
+    let subsystem = |words: &str| {
+        let reduce = format!("model.reduce=[\"planar\", \"linearised\"{words}]");
+        let scene = scene_with(EN_300, &[&MIXED[..], &["run.start_x=230", &reduce]].concat());
+        let statics = catenary::static_line(&scene).unwrap();
+        let mut line = Subsystem::new(&scene, &statics).unwrap();
+        let strip = StripStart {
+            x: scene.strip_start_x(0),
+            y: 0.0,
+            height: statics.wire_height_under(scene.strip_start_x(0), 150.0).unwrap().height + 3e-3,
+            speed: scene.run.speed,
+        };
+        line.start(&[strip]).unwrap();
+        (line, strip)
+    };
+    let course = |line: &mut Subsystem, strip: &StripStart, steps: Range<usize>| -> Vec<(f64, f64)> {
+        let step = |n: usize| {
+            let t = n as f64 * 1e-3;
+            line.set_strip_input(0, 2, strip.height);
+            line.set_strip_input(0, 0, strip.x + strip.speed * t);
+            line.advance_to(t, 1e-3).unwrap();
+            (line.energy(), line.contact(0).force)
+        };
+        steps.map(step).collect()
+    };
+    let (mut whole, strip) = subsystem("");
+    let (mut window, _) = subsystem(", \"window\"");
+    // The strip comes to the next span at 0.1 s.
+    let expected = course(&mut whole, &strip, 0..300);
+    let mut found = course(&mut window, &strip, 0..60);
+    let mut before = Checkpoint::default();
+    window.save_to(&mut before);
+    let first = course(&mut window, &strip, 60..300);
+    window.restore_from(&before).unwrap();
+    assert_eq!(course(&mut window, &strip, 60..300), first);
+    found.extend(first);
+    let off = |of: fn(&(f64, f64)) -> f64| {
+        let pairs = expected.iter().zip(&found);
+        pairs.fold(0.0, |most: f64, (a, b)| most.max((of(a) - of(b)).abs()))
+    };
+    let (energy, force) = (off(|step| step.0), off(|step| step.1));
+    println!("{energy} J of {} J, {force} N", expected[0].0);
+    assert!(energy < 0.01 * expected[0].0 && force < 1.0, "{energy} J, {force} N");
+}
+
+/// Equal spans, under stitch wires that let no span stand for another one.
+#[test]
+fn a_window_over_a_stitched_line_has_as_many_coordinates_whatever_the_number_of_spans() {
+    let coordinates = |spans: usize| {
+        let scene = scene_with(
+            STITCHED,
+            &[
+                &format!("catenary.spans={spans}"),
+                &format!("run.start_x={}", 65 * spans / 2),
+                "run.duration=0.4",
+                "run.evaluate={time=[0.1,0.3]}",
+                "catenary.mesh={ element_length=9.0, corrections=\"none\" }",
+                "model.reduce=[\"window\"]",
+            ],
+        );
+        let statics = catenary::static_line(&scene).unwrap();
+        catenary::WindowedLine::size(&scene, &statics).coordinates
+    };
+    assert_eq!(coordinates(72), coordinates(90));
 }

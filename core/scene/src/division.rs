@@ -147,7 +147,8 @@ impl Catenary {
         if self.tension_lengths.len() > 1 {
             return Some("it is made for one tension length");
         }
-        (self.surface.is_some()).then_some("it is made for wires of even running surface, and the line has catenary.surface")
+        (self.surface.is_some())
+            .then_some("it is made for wires of even running surface, and the line has catenary.surface")
     }
 
     /// Length of the elements of each interval along the track, m, and their number, with the kind of wire.

@@ -749,8 +749,14 @@ fn a_window_is_refused_with_its_reason_only_on_several_tension_lengths_and_uneve
     assert_eq!(message(STITCHED, &[reduce]), "accepted");
     let surface = message(EN, &["catenary.surface={ x=[100,200], height=[0,0.001] }", reduce]);
     let overlap = message(OVERLAP, &[reduce]);
-    for (refused, reason) in [(surface, "wires of even running surface"), (overlap, "one tension length")] {
-        holds(&refused, &["model.reduce = \"window\": must be left out: it is made for", reason]);
+    for (refused, reason) in [
+        (surface, "wires of even running surface"),
+        (overlap, "one tension length"),
+    ] {
+        holds(
+            &refused,
+            &["model.reduce = \"window\": must be left out: it is made for", reason],
+        );
     }
 }
 

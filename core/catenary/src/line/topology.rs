@@ -3,8 +3,8 @@ mod part;
 
 use super::options::{BendingLayers, Dimension, LineOptions};
 use nalgebra::Vector3;
-use scene::{Catenary, Element, MassOn, Section};
 pub(crate) use part::Part;
+use scene::{Catenary, Element, MassOn, Section};
 use serde::{Deserialize, Serialize};
 
 /// Kind of a wire.

@@ -3,8 +3,8 @@ use super::far::Ground;
 use super::places::SpanPlaces;
 use super::plan::Arrangement;
 use super::{Fixed, SPONGE};
-use crate::{Dimension, NodeOfWire, PlannedWire, WireName};
 use crate::support::HOLDING_STIFFNESS;
+use crate::{Dimension, NodeOfWire, PlannedWire, WireName};
 use scene::WireEnds;
 
 impl Fixed {

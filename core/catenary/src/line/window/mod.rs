@@ -48,7 +48,10 @@ mod transfer;
 
 use crate::line::Equilibrium;
 use crate::statics::Repeat;
-use crate::{Dimension, Line, LinearLine, NodeOfWire, OverheadLine, ResidualCompliance, StaticLine, StaticsError, Topology, Wire, WireName};
+use crate::{
+    Dimension, Line, LinearLine, NodeOfWire, OverheadLine, ResidualCompliance, StaticLine, StaticsError, Topology,
+    Wire, WireName,
+};
 use cell::{Cell, LONGITUDINAL, SpanMatrices};
 pub(crate) use cut::Source;
 use dynamics::{Blocks, Continuity, Layout, Motion, SparseMatrix, Weights};
@@ -272,7 +275,7 @@ impl WindowedLine {
         let arrangement = fixed.arrangement(fixed.plan.position(span_at(&fixed.supports_x, rear)));
         let mut line = Self {
             origin: fixed.supports_x[arrangement.at],
-            uplift_reference: vec![0.0; fixed.supports_x.len()],
+            uplift_reference: vec![0.0; fixed.supports_x.len() * line.contact_wires()],
             inner: Box::new(line),
             energy_at_rest: 0.0,
             far: FarField::default(),
@@ -385,14 +388,22 @@ impl WindowedLine {
         Continuity::Replaced
     }
 
-    /// Index of the vertical displacement of the contact wire at a support.
-    fn rise(&self, support: usize) -> Option<usize> {
-        let mut place = self.arrangement.support(&self.places, support)?;
-        place.nth(self.fixed.vertical())
+    /// Indices of the vertical displacements of the contact wires at a support; none where it is not modelled.
+    fn rises(&self, support: usize) -> impl Iterator<Item = usize> + '_ {
+        let places = self.arrangement.support(&self.places, support);
+        let per_node = coordinates_per_node(self.fixed.topology.options().dimension);
+        // Contact wires come first.
+        let nodes = places.into_iter().flatten().take(per_node * self.inner.contact_wires());
+        nodes.skip(self.fixed.vertical()).step_by(per_node)
     }
 
-    fn raised(&self, support: usize, values: &[f64]) -> f64 {
-        self.rise(support).map_or(0.0, |index| values[index])
+    /// Largest rise of the contact wires at a support above the height in the reference state, m, and its index.
+    fn most_lifted(&self, support: usize, q: &[f64]) -> Option<(f64, usize)> {
+        let wires = self.inner.contact_wires();
+        let reference = &self.uplift_reference[wires * support..wires * (support + 1)];
+        let rises = self.rises(support).zip(reference);
+        let rises = rises.map(|(index, reference)| (q[index] - reference, index));
+        rises.reduce(|a, b| if b.0 > a.0 { b } else { a })
     }
 
     /// x of the window's left support, m.
@@ -426,10 +437,15 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     let window = window.min(repeat.known);
     let (line, _) = source.cut(0..window, 0);
     // Different windows, one after another; those of a long line of equal spans are few.
-    let mut sources: Vec<usize> = (0..=repeat.spans - window).map(|at| repeat.source_of(at, window)).collect();
+    let mut sources: Vec<usize> = (0..=repeat.spans - window)
+        .map(|at| repeat.source_of(at, window))
+        .collect();
     sources.sort_unstable();
     sources.dedup();
-    let inner = sources.iter().map(|&from| source.places(&(from..from + window), 0).count).max();
+    let inner = sources
+        .iter()
+        .map(|&from| source.places(&(from..from + window), 0).count)
+        .max();
     let anchored = source.topology.wires().iter();
     let anchored = anchored.filter(|planned| planned.name != WireName::StitchWire);
     let wires: Vec<&scene::Wire> = anchored.map(|planned| &planned.parameters).collect();
@@ -480,7 +496,9 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
 fn at_supports(source: &Source<'_>) -> Vec<usize> {
     let per_node = coordinates_per_node(source.topology.options().dimension);
     let supports = 0..=source.catenary.spans();
-    supports.map(|support| source.topology.nodes_at(support).count() * per_node).collect()
+    supports
+        .map(|support| source.topology.nodes_at(support).count() * per_node)
+        .collect()
 }
 
 fn coordinates_per_node(dimension: Dimension) -> usize {

@@ -25,6 +25,10 @@ impl OverheadLine for WindowedLine {
         visit("wires", &mut self.far);
     }
 
+    fn contact_wires(&self) -> usize {
+        self.inner.contact_wires()
+    }
+
     fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve> {
         Arc::new(WindowCurve {
             inner: self.inner.contact_curve(wire),
@@ -87,18 +91,21 @@ impl OverheadLine for WindowedLine {
 
     fn set_uplift_reference(&mut self, q: &[f64]) {
         self.uplift_reference.fill(0.0);
+        let wires = self.inner.contact_wires();
         for support in self.arrangement.modelled.start..=self.arrangement.modelled.end {
-            self.uplift_reference[support] = self.raised(support, q);
+            let rises: Vec<f64> = self.rises(support).map(|index| q[index]).collect();
+            self.uplift_reference[wires * support..][..rises.len()].copy_from_slice(&rises);
         }
     }
 
     /// A support that is not modelled at present stands at its static height.
     fn uplift(&self, support: usize, q: &[f64]) -> f64 {
-        self.raised(support, q) - self.uplift_reference[support]
+        let at_rest = -self.uplift_reference[self.inner.contact_wires() * support];
+        self.most_lifted(support, q).map_or(at_rest, |(rise, _)| rise)
     }
 
-    fn uplift_rate(&self, support: usize, _q: &[f64], v: &[f64]) -> f64 {
-        self.raised(support, v)
+    fn uplift_rate(&self, support: usize, q: &[f64], v: &[f64]) -> f64 {
+        self.most_lifted(support, q).map_or(0.0, |(_, index)| v[index])
     }
 
     /// Reduced spans and those beyond are drawn at rest.
@@ -122,7 +129,11 @@ impl OverheadLine for WindowedLine {
             let from = fixed.source_of(span, 1);
             fixed.topology.nodes_in(number, &(from..from + 1))
         };
-        let elements = |span: usize| numbers.first().map_or(0, |&wire| nodes_in(wire, span).len().saturating_sub(1));
+        let elements = |span: usize| {
+            numbers
+                .first()
+                .map_or(0, |&wire| nodes_in(wire, span).len().saturating_sub(1))
+        };
         let stride = drawn.clone().map(elements).sum::<usize>().div_ceil(most).max(1);
         let mut lines = Vec::new();
         for number in numbers {
