@@ -19,6 +19,8 @@ const MIXED: [&str; 4] = [
 /// Three seconds from the first window on, over several of its moves.
 const JOURNEY: [&str; 3] = ["run.start_x=40", "run.duration=3.0", "run.evaluate={time=[0.2,2.9]}"];
 
+const HALF_A_SECOND: [&str; 2] = ["run.duration=0.5", "run.evaluate={time=[0.1,0.4]}"];
+
 /// rms difference of the filtered force between a run with the window and one without it, in percent of its standard
 /// deviation.
 fn windowed(text: &str, words: &str, more: &[&str]) -> f64 {
@@ -114,7 +116,14 @@ fn a_window_follows_a_line_through_a_curve_and_one_that_was_changed() {
 fn the_energy_passes_a_move_over_unlike_spans_which_repeats_itself_when_taken_back() {
     let subsystem = |words: &str| {
         let reduce = format!("model.reduce=[\"planar\", \"linearised\"{words}]");
-        let scene = scene_with(EN_300, &[&MIXED[..], &["run.start_x=230", &reduce]].concat());
+        let scene = scene_with(
+            EN_300,
+            &[
+                &MIXED[..],
+                &["run.start_x=230", HALF_A_SECOND[0], HALF_A_SECOND[1], &reduce],
+            ]
+            .concat(),
+        );
         let statics = catenary::static_line(&scene).unwrap();
         let mut line = Subsystem::new(&scene, &statics).unwrap();
         let strip = StripStart {
