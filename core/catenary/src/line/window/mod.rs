@@ -529,12 +529,12 @@ fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
     let source = statics.source();
     let elongations = elongations(&source);
     let (mut classes, mut examples, mut cells) = (Vec::new(), Vec::new(), Vec::new());
-    for span in 0..source.catenary.spans() {
+    for (span, &elongations) in elongations.iter().enumerate() {
         let known = examples
             .iter()
             .position(|&example| source.difference(example, span) <= SAME);
         if known.is_none() {
-            let matrices = matrices(&source, span, elongations[span]);
+            let matrices = matrices(&source, span, elongations);
             let cell =
                 Cell::new(matrices, modes, plan.modes.searched).ok_or(StaticsError::Unstable { span: span + 1 })?;
             examples.push(span);
