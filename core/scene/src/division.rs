@@ -142,34 +142,13 @@ impl Catenary {
         self.sections().map(of_section).max().unwrap_or(0)
     }
 
-    /// Why the line cannot be cut at its supports into spans that are divided alike.
-    pub(crate) fn uneven_spans(&self) -> Option<String> {
+    /// Reason for which a window cannot follow the strips along the line.
+    pub(crate) fn without_window(&self) -> Option<&'static str> {
         if self.tension_lengths.len() > 1 {
-            return Some("it is made for one tension length".to_owned());
+            return Some("it is made for one tension length");
         }
-        let other = [
-            ("stitch wires, which pass the supports", self.stitch_wires.is_some()),
-            ("a twin contact wire", self.contact_wire_spacing.is_some()),
-            ("a single wire", self.messenger_wire.is_none()),
-            ("changes after its erection", self.change.is_some()),
-            ("point masses", !self.point_masses.is_empty()),
-            ("a running surface that is not even", self.surface.is_some()),
-            ("curves", self.first().is_curved()),
-        ];
-        if let Some((what, _)) = other.into_iter().find(|(_, has)| *has) {
-            return Some(format!(
-                "it is made for one contact wire and one messenger wire as erected, and the line has {what}"
-            ));
-        }
-        let section = self.first();
-        let counts = |span: usize| elements_of(section, span, self.mesh.division);
-        let other = (1..self.spans()).find(|&span| !counts(span).eq(counts(0)))?;
-        let [first, second] = [0, other].map(|span| counts(span).sum::<usize>());
-        Some(format!(
-            "catenary.mesh divides each wire into {first} elements in span 1 and otherwise, into {second}, in span {}; \
-             elements_per_interval divides all spans alike",
-            other + 1
-        ))
+        (self.surface.is_some())
+            .then_some("it is made for wires of even running surface, and the line has catenary.surface")
     }
 
     /// Length of the elements of each interval along the track, m, and their number, with the kind of wire.

@@ -179,13 +179,13 @@ impl Scene {
         }
     }
 
-    /// A window has the same coordinates wherever it is.
+    /// A window is cut out of one tension length.
     pub(crate) fn check_window(&self, found: &mut Found) {
         if self.model.has(Reduction::Window)
             && let Some((catenary, _)) = self.modelled_line()
-            && let Some(reason) = catenary.uneven_spans()
+            && let Some(reason) = catenary.without_window()
         {
-            leave_out(found, Reduction::Window, &reason);
+            leave_out(found, Reduction::Window, reason);
         }
     }
 }

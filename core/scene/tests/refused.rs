@@ -3,6 +3,8 @@
 use scene::{Reduction, Scene};
 
 const EN: &str = include_str!("../../../scenes/en50318-250.toml");
+const STITCHED: &str = include_str!("../../../scenes/ac-stitched.toml");
+const OVERLAP: &str = include_str!("../../../scenes/overlap.toml");
 const THESIS: &str = include_str!("../../../scenes/thesis-pantograph.toml");
 const VEHICLE: &str = include_str!("../../../scenes/thesis-own-mesh.toml");
 
@@ -738,22 +740,24 @@ fn a_line_is_linear_in_one_way_only() {
     assert!(error.contains(expected), "{error}");
 }
 
-/// A window has the same coordinates wherever it is: spans may differ, their numbers of elements may not.
 #[test]
-fn a_window_over_spans_that_are_divided_differently_is_refused() {
-    let line = |mesh: &str| {
-        let lengths = "catenary.span_length=[60,60,60,60,60,60,66,60,60,60]";
-        let reduce = "model.reduce=[\"planar\",\"window\"]";
-        message(EN, &[lengths, reduce, &format!("catenary.mesh={{ {mesh} }}")])
-    };
-    let refused = line("element_length = 0.93");
-    let reason = "model.reduce = \"window\": must be left out: catenary.mesh divides each wire into 66 elements in \
-        span 1 and otherwise";
-    holds(
-        &refused,
-        &[reason, "in span 7; elements_per_interval divides all spans alike"],
-    );
-    assert_eq!(line("elements_per_interval = 8"), "accepted");
+fn a_window_is_refused_with_its_reason_only_on_several_tension_lengths_and_uneven_running_surfaces() {
+    let reduce = "model.reduce=[\"window\"]";
+    let mixed = "catenary.span_length=[60,60,60,60,60,60,66,60,60,60]";
+    let mesh = "catenary.mesh={ element_length=0.93 }";
+    assert_eq!(message(EN, &[mixed, mesh, reduce]), "accepted");
+    assert_eq!(message(STITCHED, &[reduce]), "accepted");
+    let surface = message(EN, &["catenary.surface={ x=[100,200], height=[0,0.001] }", reduce]);
+    let overlap = message(OVERLAP, &[reduce]);
+    for (refused, reason) in [
+        (surface, "wires of even running surface"),
+        (overlap, "one tension length"),
+    ] {
+        holds(
+            &refused,
+            &["model.reduce = \"window\": must be left out: it is made for", reason],
+        );
+    }
 }
 
 #[test]

@@ -41,8 +41,8 @@ impl Topology {
             *span = planned.span[node];
             let label = format!("{}, span {span}, node {count}", planned.label);
             let clamp = match planned.ends {
-                EndsOfWire::Clamped(clamps) if node == 0 => Some(clamps[0]),
-                EndsOfWire::Clamped(clamps) if node == planned.last() => Some(clamps[1]),
+                EndsOfWire::Clamped(clamps) if node == 0 => clamps[0],
+                EndsOfWire::Clamped(clamps) if node == planned.last() => clamps[1],
                 _ => None,
             };
             let clamp = clamp.map(|clamp| wires[clamp.wire].nodes[clamp.node]);

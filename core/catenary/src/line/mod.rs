@@ -30,6 +30,6 @@ pub use nonlinear::{DropperSample, Line};
 pub(crate) use nonlinear::{Equilibrium, layers, wire};
 pub use options::{BendingLayers, CorrectedSteps, Dimension, LineOptions, MassCorrection};
 pub use overhead::{OverheadLine, adopt_state, follow_strips};
-pub(crate) use topology::EndsOfWire;
 pub use topology::{DropperPlace, NodeOfWire, PlannedWire, Topology, WireName};
+pub(crate) use topology::{EndsOfWire, Part};
 pub use window::{WindowSize, WindowedLine};

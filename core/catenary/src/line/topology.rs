@@ -1,6 +1,9 @@
 //! Wires of a line, their nodes, and the parts that join them.
+mod part;
+
 use super::options::{BendingLayers, Dimension, LineOptions};
 use nalgebra::Vector3;
+pub(crate) use part::Part;
 use scene::{Catenary, Element, MassOn, Section};
 use serde::{Deserialize, Serialize};
 
@@ -53,8 +56,8 @@ pub(crate) enum Fastening {
 pub(crate) enum EndsOfWire {
     /// At the anchors of the line.
     Anchored,
-    /// Clamped to these nodes of another wire, whose positions are those of the ends.
-    Clamped([NodeOfWire; 2]),
+    /// Clamped to these nodes of another wire, whose positions are those of the ends; none where the wire is cut.
+    Clamped([Option<NodeOfWire>; 2]),
 }
 
 /// A wire of a line and its division.
@@ -399,7 +402,7 @@ impl Topology {
             number,
             section.line.mesh.division,
             &stations,
-            EndsOfWire::Clamped(clamps),
+            EndsOfWire::Clamped(clamps.map(Some)),
         ));
         Some(self.wires.len() - 1)
     }
@@ -416,7 +419,7 @@ impl Topology {
         NodeOfWire { wire, node }
     }
 
-    /// True where all wires have their nodes at the same x, as a line cut at its supports must.
+    /// True for two wires that have their nodes at the same x.
     pub(crate) fn has_common_nodes(&self) -> bool {
         self.wires.len() == 2 && self.wires.iter().all(|wire| wire.x == self.x())
     }

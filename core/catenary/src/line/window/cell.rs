@@ -1,8 +1,8 @@
 //! A span far from the strips, reduced to its supports, to the elongations of its droppers and to its lowest modes.
-use super::SpanPlaces;
 use super::elongations::Elongations;
 use super::end_layers::EndLayers;
 use super::modes::{Envelope, lowest_modes, product};
+use super::places::SpanPlaces;
 use dynamics::SparseMatrix;
 use nalgebra::{DMatrix, DVector};
 

@@ -1,8 +1,7 @@
 //! Sections of a line cut out of its static state.
-use crate::line::{Equilibrium, WireCoordinates, layers};
-use crate::{
-    BendingLayers, Enrichment, Line, LineOptions, ResidualCompliance, Topology, WireGeometry, WireName, WireNode,
-};
+use super::places::SpanPlaces;
+use crate::line::{Equilibrium, Part, WireCoordinates, layers};
+use crate::{BendingLayers, Enrichment, Line, ResidualCompliance, Topology, WireGeometry, WireNode};
 use dynamics::Layout;
 use nalgebra::Vector3;
 use scene::{Catenary, WireEnds};
@@ -17,15 +16,14 @@ pub(crate) struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Spans `spans` (from 0) as a line of their own that starts at x = 0, with coordinates numbered from `first`, and
-    /// the number of these coordinates. The action of the rest of the line is missing: the ends are neither held nor
-    /// pulled, and have no bending layers.
-    pub fn cut(&self, spans: Range<usize>, first: usize) -> (Line, usize) {
+    /// Spans `spans` (from 0) as a line of their own that starts at x = 0, with coordinates numbered from `first`. The
+    /// action of the rest of the line is missing: the ends are neither held nor pulled, and have no bending layers.
+    pub fn cut(&self, spans: Range<usize>, first: usize) -> (Line, SpanPlaces) {
         self.cut_with(self.topology.options().layers, spans, first)
     }
 
     /// [`Source::cut`] with coordinates from 0, each end with its half of the bending layers there.
-    pub fn cut_with_end_layers(&self, spans: Range<usize>) -> (Line, usize) {
+    pub fn cut_with_end_layers(&self, spans: Range<usize>) -> (Line, SpanPlaces) {
         let layers = match self.topology.options().layers {
             BendingLayers::Absent => BendingLayers::Absent,
             BendingLayers::AtAttachments | BendingLayers::AtAttachmentsAndEnds => BendingLayers::AtAttachmentsAndEnds,
@@ -33,59 +31,71 @@ impl Source<'_> {
         self.cut_with(layers, spans, 0)
     }
 
-    fn cut_with(&self, layers: BendingLayers, spans: Range<usize>, first: usize) -> (Line, usize) {
+    /// Positions of the coordinates of [`Source::cut`].
+    pub fn places(&self, spans: &Range<usize>, first: usize) -> SpanPlaces {
+        let Part { topology, .. } = self.topology.part(spans, self.topology.options().layers);
+        let mut layout = Layout::new();
+        let coordinates = topology.register(&mut layout);
+        SpanPlaces::new(&topology, &coordinates, first, layout.coordinates())
+    }
+
+    fn cut_with(&self, layers: BendingLayers, spans: Range<usize>, first: usize) -> (Line, SpanPlaces) {
         let catenary = Catenary {
             // No forces of tensioning devices.
             wire_ends: WireEnds::Fixed,
             ..self.catenary.part(spans.start, spans.end)
         };
-        let options = LineOptions {
-            layers,
-            ..*self.topology.options()
-        };
-        let topology = Arc::new(Topology::new(&catenary, options));
+        let Part { topology, origins } = self.topology.part(&spans, layers);
+        let topology = Arc::new(topology);
         let mut layout = Layout::new();
         let coordinates = topology.register(&mut layout);
-        let equilibrium = self.equilibrium_of(&spans, &coordinates);
+        let equilibrium = self.equilibrium_of(&spans, (&topology, &origins), &coordinates);
         let line = Line::new(&catenary, &topology, &equilibrium, first);
-        let line = match options.mass_correction {
+        let line = match topology.options().mass_correction {
             None => line,
             Some(correction) => line.with_mass_correction(correction),
         };
-        (line, layout.coordinates())
+        let places = SpanPlaces::new(&topology, &coordinates, first, layout.coordinates());
+        (line, places)
     }
 
-    /// [`Source::cut`] with the residual compliance of the contact wire, which only contact needs. Patches `known` from
+    /// [`Source::cut`] with the residual compliance of the contact wires, which only contact needs. Patches `known` from
     /// another section of the line are reused.
     pub fn cut_for_contact(
         &self,
         spans: Range<usize>,
         first: usize,
-        known: &mut Option<Arc<ResidualCompliance>>,
-    ) -> (Line, usize) {
-        let (line, count) = self.cut(spans, first);
+        known: &mut Vec<Option<Arc<ResidualCompliance>>>,
+    ) -> (Line, SpanPlaces) {
+        let (line, places) = self.cut(spans, first);
         if let Some(speed) = self.topology.options().contact_compliance {
-            let wire = line.wire(WireName::ContactWire);
-            let found = match known {
-                Some(known) => Some(known.along(wire.geometry())),
-                None => ResidualCompliance::new(wire.geometry(), wire.section(), speed),
-            };
-            *known = found.map(Arc::new);
+            known.resize(line.contact_wires(), None);
+            for (number, known) in known.iter_mut().enumerate() {
+                let wire = line.contact_wire(number);
+                let found = match known {
+                    Some(known) => Some(known.along(wire.geometry())),
+                    None => ResidualCompliance::new(wire.geometry(), wire.section(), speed),
+                };
+                *known = found.map(Arc::new);
+            }
         }
-        (line.with_contact_compliance(vec![known.clone()]), count)
+        (line.with_contact_compliance(known.clone()), places)
     }
 
-    fn equilibrium_of(&self, spans: &Range<usize>, coordinates: &[WireCoordinates]) -> Equilibrium {
-        let nodes = self.nodes(spans);
-        let start = Vector3::x() * self.topology.x()[nodes.start];
+    fn equilibrium_of(
+        &self,
+        spans: &Range<usize>,
+        (part, origins): (&Topology, &[(usize, Range<usize>)]),
+        coordinates: &[WireCoordinates],
+    ) -> Equilibrium {
+        let start = Vector3::x() * self.topology.support_places()[spans.start].x;
         let droppers = self.topology.droppers();
         let droppers = droppers
             .iter()
             .zip(&self.equilibrium.dropper_lengths)
             .filter(|(place, _)| spans.contains(&(place.span - 1)));
-        let inner = |reactions: &[Vector3<f64>]| reactions[spans.start..spans.end - 1].to_vec();
-        let wire = |number: usize| {
-            let (geometry, coordinates) = (&self.equilibrium.wires[number], &coordinates[number]);
+        let wire = |((number, nodes), coordinates): (&(usize, Range<usize>), &WireCoordinates)| {
+            let geometry = &self.equilibrium.wires[*number];
             let cut = geometry.nodes()[nodes.clone()].iter().zip(&coordinates.nodes);
             let cut = cut.map(|(node, &map)| WireNode {
                 position: node.position - start,
@@ -93,7 +103,7 @@ impl Source<'_> {
                 ..*node
             });
             let lengths = geometry.lengths()[nodes.start..nodes.end - 1].to_vec();
-            let layers = layers(&self.topology.wires()[number].parameters, coordinates)
+            let layers = layers(&self.topology.wires()[*number].parameters, coordinates)
                 .into_iter()
                 .map(|layer| {
                     let same = |other: &&Enrichment| {
@@ -108,24 +118,29 @@ impl Source<'_> {
                 });
             WireGeometry::new(cut.collect(), lengths, layers.collect())
         };
+        // Reactions stand at inner supports, in the order of the supports.
+        let inner = |reactions: &[Vector3<f64>], per_support: usize| {
+            reactions[spans.start * per_support..(spans.end - 1) * per_support].to_vec()
+        };
         Equilibrium {
-            wires: (0..coordinates.len()).map(wire).collect(),
+            wires: origins.iter().zip(coordinates).map(wire).collect(),
             // Empty: windows are cut from lines of cables only.
             directors: Vec::new(),
             dropper_lengths: droppers.map(|(_, &length)| length).collect(),
-            support_reactions: inner(&self.equilibrium.support_reactions),
-            arm_reactions: inner(&self.equilibrium.arm_reactions),
+            support_reactions: inner(
+                &self.equilibrium.support_reactions,
+                usize::from(part.support_places()[0].messenger_wire.is_some()),
+            ),
+            arm_reactions: inner(&self.equilibrium.arm_reactions, part.contact_wires().count()),
         }
     }
 
-    /// Nodes of some spans, both ends included.
-    fn nodes(&self, spans: &Range<usize>) -> Range<usize> {
-        let supports = self.topology.supports();
-        supports[spans.start]..supports[spans.end] + 1
-    }
-
-    /// Largest difference between two spans in the static state, m (–): shapes, lengths, droppers.
+    /// Largest difference between two spans in the static state, m (–): shapes, lengths, droppers. Infinite where the
+    /// wires have nodes of their own: such lines seldom repeat themselves.
     pub fn difference(&self, a: usize, b: usize) -> f64 {
+        if !self.topology.has_common_nodes() {
+            return f64::INFINITY;
+        }
         let supports = self.topology.supports();
         let count = supports[a + 1] - supports[a];
         if supports[b + 1] - supports[b] != count {

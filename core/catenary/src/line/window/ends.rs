@@ -1,9 +1,10 @@
 //! Supports, true ends and absorbing ends of the spans beyond the window.
 use super::far::Ground;
+use super::places::SpanPlaces;
 use super::plan::Arrangement;
 use super::{Fixed, SPONGE};
-use crate::Dimension;
 use crate::support::HOLDING_STIFFNESS;
+use crate::{Dimension, NodeOfWire, PlannedWire, WireName};
 use scene::WireEnds;
 
 impl Fixed {
@@ -35,25 +36,27 @@ impl Fixed {
     /// Holds a support by its springs, or an end of the modelled line.
     pub(super) fn hold(
         &self,
-        arrangement: &Arrangement,
+        (arrangement, places): (&Arrangement, &SpanPlaces),
         support: usize,
         grounds: &mut Vec<Ground>,
         held: &mut Vec<usize>,
     ) {
-        let Some(places) = self.support(arrangement, support) else {
+        let Some(places) = arrangement.support(places, support) else {
             return;
         };
         let places: Vec<usize> = places.collect();
-        let (contact, messenger) = places.split_at(places.len() / 2);
+        let nodes: Vec<NodeOfWire> = self.nodes_at(support).collect();
+        let per_node = places.len() / nodes.len();
+        let wires: Vec<(&[usize], &PlannedWire)> = nodes
+            .iter()
+            .zip(places.chunks_exact(per_node))
+            .map(|(at, node)| (node, &self.topology.wires()[at.wire]))
+            .collect();
         let vertical = self.vertical();
         let transverse = 1..=vertical;
         let catenary = &self.catenary;
         let true_end = support == 0 || support == self.plan.spans;
         let cut = support == arrangement.modelled.start || support == arrangement.modelled.end;
-        let [lower, upper] = self.topology.wires() else {
-            return;
-        };
-        let wires = [(contact, &lower.parameters), (messenger, &upper.parameters)];
         if true_end || cut {
             held.extend(
                 wires
@@ -73,7 +76,8 @@ impl Fixed {
                 }
             }
         } else if cut {
-            for (node, wire) in wires {
+            for (node, planned) in wires {
+                let wire = &planned.parameters;
                 grounds.push(Ground {
                     index: node[0],
                     stiffness: HOLDING_STIFFNESS,
@@ -91,13 +95,26 @@ impl Fixed {
                     mass,
                 });
             };
-            ground(messenger[0], springs.messenger_longitudinal_stiffness, 0.0);
-            ground(messenger[vertical], springs.messenger_vertical_stiffness, 0.0);
-            ground(contact[0], 0.0, arm.mass);
-            ground(contact[vertical], arm.vertical_stiffness, arm.mass);
-            if vertical == 2 {
-                ground(messenger[1], springs.messenger_lateral_stiffness, 0.0);
-                ground(contact[1], arm.lateral_stiffness, arm.mass);
+            let of = |name: WireName| wires.iter().filter(move |(_, planned)| planned.name == name);
+            for (messenger, _) in of(WireName::MessengerWire) {
+                ground(messenger[0], springs.messenger_longitudinal_stiffness, 0.0);
+                ground(messenger[vertical], springs.messenger_vertical_stiffness, 0.0);
+                if vertical == 2 {
+                    ground(messenger[1], springs.messenger_lateral_stiffness, 0.0);
+                }
+            }
+            for (contact, _) in of(WireName::ContactWire) {
+                ground(contact[0], 0.0, arm.mass);
+                ground(contact[vertical], arm.vertical_stiffness, arm.mass);
+                if vertical == 2 {
+                    ground(contact[1], arm.lateral_stiffness, arm.mass);
+                }
+            }
+            for (at, (node, _)) in nodes.iter().zip(&wires) {
+                let here = self.topology.masses().iter().filter(|(place, _)| place == at);
+                for (_, mass) in here {
+                    node[..=vertical].iter().for_each(|&index| ground(index, 0.0, *mass));
+                }
             }
         }
     }

@@ -20,6 +20,7 @@
 //!
 //! ```text
 //! file         subject
+//! places       coordinates of the spans of a section
 //! plan         modelled spans and their reduction, for each position
 //! cut          sections of the static state
 //! modes        lowest modes of a span
@@ -41,18 +42,23 @@ mod ends;
 mod far;
 mod modes;
 mod overhead;
+mod places;
 mod plan;
 mod transfer;
 
 use crate::line::Equilibrium;
 use crate::statics::Repeat;
-use crate::{Dimension, Line, LinearLine, OverheadLine, ResidualCompliance, StaticLine, StaticsError, Topology, Wire};
+use crate::{
+    Dimension, Line, LinearLine, NodeOfWire, OverheadLine, ResidualCompliance, StaticLine, StaticsError, Topology,
+    Wire, WireName,
+};
 use cell::{Cell, LONGITUDINAL, SpanMatrices};
 pub(crate) use cut::Source;
 use dynamics::{Blocks, Continuity, Layout, Motion, SparseMatrix, Weights};
 use elongations::Elongations;
 use end_layers::EndLayers;
 use far::{FarField, Member};
+use places::SpanPlaces;
 use plan::{Arrangement, ModeCounts, Plan};
 use scene::{Catenary, Reduction, Scene};
 use std::ops::Range;
@@ -79,17 +85,6 @@ const FAR_BAND: f64 = 1.4;
 const SPONGE: f64 = 5.0;
 /// Largest difference in the static state between spans that are taken as equal, m.
 pub(crate) const SAME: f64 = 1e-7;
-
-/// Positions of the coordinates of some spans; those of the window are the same at every position of the window.
-#[derive(Debug)]
-struct SpanPlaces {
-    /// For each support, the coordinates of the contact wire's node, then those of the messenger wire's.
-    supports: Vec<Vec<usize>>,
-    /// For each support, its bending layers.
-    layers: Vec<Vec<usize>>,
-    /// Coordinates between the supports of each span.
-    inner: Vec<Range<usize>>,
-}
 
 /// The spans of a static state, reduced.
 #[derive(Clone, Debug)]
@@ -128,7 +123,10 @@ struct Fixed {
     supports_x: Vec<f64>,
     /// Coordinate of the distance travelled, m; the coordinates of the window follow.
     position: usize,
-    places: SpanPlaces,
+    /// Coordinates of each support of the solved spans.
+    at_supports: Vec<usize>,
+    /// Elongations on the interface of each solved span.
+    elongations: Vec<usize>,
     /// All coordinates of the line.
     coordinates: Range<usize>,
 }
@@ -139,14 +137,16 @@ pub struct WindowedLine {
     /// x of the window's left support at the start, m.
     origin: f64,
     arrangement: Arrangement,
+    /// Positions of the coordinates of the window's spans.
+    places: Arc<SpanPlaces>,
     inner: Box<dyn OverheadLine>,
     /// Potential energy of `inner` in its static state, J; different for each place of the window.
     energy_at_rest: f64,
     far: FarField,
     held: Vec<usize>,
     uplift_reference: Vec<f64>,
-    /// Residual compliance of the window's contact wire, with the patches of earlier windows.
-    compliance: Option<Arc<ResidualCompliance>>,
+    /// Residual compliance of the window's contact wires, with the patches of earlier windows.
+    compliance: Vec<Option<Arc<ResidualCompliance>>>,
 }
 
 impl Fixed {
@@ -183,18 +183,56 @@ impl Fixed {
         )
     }
 
-    /// Coordinates of a modelled support.
-    fn support<'a>(&'a self, arrangement: &'a Arrangement, support: usize) -> Option<impl Iterator<Item = usize> + 'a> {
-        let (window, modelled) = (&arrangement.window, &arrangement.modelled);
-        let (own, first) = if (window.start..=window.end).contains(&support) {
-            (Some(&self.places.supports[support - window.start]), None)
+    /// Arrangement with the window at `at`.
+    fn arrangement(&self, at: usize) -> Arrangement {
+        let mut arrangement = self.plan.arrangement(at);
+        arrangement.trim(|support| self.at_support(support), |span| self.elongations_of(span));
+        arrangement
+    }
+
+    /// Positions of the coordinates of the window of an arrangement.
+    fn places(&self, arrangement: &Arrangement) -> SpanPlaces {
+        let from = self.source_of(arrangement.at, self.plan.window);
+        let first = self.plan.window_first();
+        self.source().places(&(from..from + self.plan.window), first)
+    }
+
+    /// Solved support that stands for a support of the line.
+    fn source_support(&self, support: usize) -> usize {
+        match support.checked_sub(1) {
+            Some(before) => self.source_of(before, 1) + 1,
+            None => 0,
+        }
+    }
+
+    /// Number of coordinates of a support.
+    fn at_support(&self, support: usize) -> usize {
+        self.at_supports[self.source_support(support)]
+    }
+
+    /// Number of elongations on the interface of a span.
+    fn elongations_of(&self, span: usize) -> usize {
+        self.elongations[self.source_of(span, 1)]
+    }
+
+    /// Nodes of the solved line at a support.
+    fn nodes_at(&self, support: usize) -> impl Iterator<Item = NodeOfWire> + '_ {
+        self.topology.nodes_at(self.source_support(support))
+    }
+}
+
+impl Arrangement {
+    /// Coordinates of a modelled support, with those of the window at `places`.
+    fn support<'a>(&'a self, places: &'a SpanPlaces, support: usize) -> Option<impl Iterator<Item = usize> + 'a> {
+        let (window, modelled) = (&self.window, &self.modelled);
+        let (own, reduced) = if (window.start..=window.end).contains(&support) {
+            (Some(&places.supports[support - window.start]), None)
         } else if (modelled.start..=modelled.end).contains(&support) {
-            (None, arrangement.supports[support - modelled.start])
+            (None, self.supports[support - modelled.start].clone())
         } else {
             return None;
         };
-        let reduced = first.into_iter().flat_map(|first| first..first + self.plan.at_support);
-        Some(own.into_iter().flatten().copied().chain(reduced))
+        Some(own.into_iter().flatten().copied().chain(reduced.into_iter().flatten()))
     }
 }
 
@@ -226,24 +264,24 @@ impl WindowedLine {
             repeat,
             cells,
             position,
-            places: places(&line, window_first),
+            at_supports: at_supports(&statics.source()),
+            elongations: elongations(&statics.source()),
             coordinates: first..layout.coordinates(),
             supports_x,
             plan,
         };
         let starts = (0..scene.strip_count()).map(|i| scene.strip_start_x(i));
         let rear = starts.fold(f64::INFINITY, f64::min);
-        let arrangement = fixed
-            .plan
-            .arrangement(fixed.plan.position(span_at(&fixed.supports_x, rear)));
+        let arrangement = fixed.arrangement(fixed.plan.position(span_at(&fixed.supports_x, rear)));
         let mut line = Self {
             origin: fixed.supports_x[arrangement.at],
-            uplift_reference: vec![0.0; fixed.supports_x.len()],
+            uplift_reference: vec![0.0; fixed.supports_x.len() * line.contact_wires()],
             inner: Box::new(line),
             energy_at_rest: 0.0,
             far: FarField::default(),
             held: Vec::new(),
-            compliance: None,
+            compliance: Vec::new(),
+            places: Arc::new(fixed.places(&arrangement)),
             arrangement,
             fixed,
         };
@@ -280,8 +318,9 @@ impl WindowedLine {
         let first = plan.window_first();
         let from = fixed.source_of(arrangement.at, plan.window);
         let spans = from..from + plan.window;
-        let (mut line, count) = fixed.source().cut_for_contact(spans, first, &mut self.compliance);
-        assert_eq!(count, plan.inner, "windows must be divided alike");
+        let (mut line, places) = fixed.source().cut_for_contact(spans, first, &mut self.compliance);
+        let count = places.count;
+        self.places = Arc::new(places);
         self.inner = if fixed.linearised {
             let mut own = Layout::new();
             own.add_coordinates(first + count, "window");
@@ -316,7 +355,7 @@ impl WindowedLine {
             let modes = arrangement.modes[span - arrangement.modelled.start].clone();
             let supports = [span, span + 1]
                 .into_iter()
-                .filter_map(|support| fixed.support(arrangement, support));
+                .filter_map(|support| arrangement.support(&self.places, support));
             let elongations = arrangement.elongations[span - arrangement.modelled.start].clone();
             let interface = supports.flatten().chain(elongations);
             let sponge = fixed.sponge(arrangement, span);
@@ -324,7 +363,7 @@ impl WindowedLine {
         }
         let mut used = vec![false; fixed.coordinates.len()];
         let window = first..first + count;
-        for index in arrangement.reduced(plan.at_support).chain(window) {
+        for index in arrangement.reduced().chain(window) {
             used[index - fixed.coordinates.start] = true;
         }
         let unused = fixed.coordinates.clone().zip(used).filter(|(_, used)| !used);
@@ -332,7 +371,7 @@ impl WindowedLine {
         for support in arrangement.modelled.start..=arrangement.modelled.end {
             let inside = arrangement.window.start < support && support < arrangement.window.end;
             if !inside {
-                fixed.hold(arrangement, support, &mut far.grounds, &mut self.held);
+                fixed.hold((arrangement, &self.places), support, &mut far.grounds, &mut self.held);
             }
         }
         self.far = far;
@@ -349,14 +388,22 @@ impl WindowedLine {
         Continuity::Replaced
     }
 
-    /// Index of the vertical displacement of the contact wire at a support.
-    fn rise(&self, support: usize) -> Option<usize> {
-        let mut place = self.fixed.support(&self.arrangement, support)?;
-        place.nth(self.fixed.vertical())
+    /// Indices of the vertical displacements of the contact wires at a support; none where it is not modelled.
+    fn rises(&self, support: usize) -> impl Iterator<Item = usize> + '_ {
+        let places = self.arrangement.support(&self.places, support);
+        let per_node = coordinates_per_node(self.fixed.topology.options().dimension);
+        // Contact wires come first.
+        let nodes = places.into_iter().flatten().take(per_node * self.inner.contact_wires());
+        nodes.skip(self.fixed.vertical()).step_by(per_node)
     }
 
-    fn raised(&self, support: usize, values: &[f64]) -> f64 {
-        self.rise(support).map_or(0.0, |index| values[index])
+    /// Largest rise of the contact wires at a support above the height in the reference state, m, and its index.
+    fn most_lifted(&self, support: usize, q: &[f64]) -> Option<(f64, usize)> {
+        let wires = self.inner.contact_wires();
+        let reference = &self.uplift_reference[wires * support..wires * (support + 1)];
+        let rises = self.rises(support).zip(reference);
+        let rises = rises.map(|(index, reference)| (q[index] - reference, index));
+        rises.reduce(|a, b| if b.0 > a.0 { b } else { a })
     }
 
     /// x of the window's left support, m.
@@ -388,26 +435,34 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
     let stride = repeat.period.unwrap_or(1);
     let window = WindowedLine::most_spans(scene, catenary) + stride - catenary.first().stagger.len();
     let window = window.min(repeat.known);
-    let (line, inner) = source.cut(0..window, 0);
-    let numbers = places(&line, 0);
-    let wires: Vec<&scene::Wire> = source
-        .topology
-        .wires()
-        .iter()
-        .map(|planned| &planned.parameters)
+    let (line, _) = source.cut(0..window, 0);
+    // Different windows, one after another; those of a long line of equal spans are few.
+    let mut sources: Vec<usize> = (0..=repeat.spans - window)
+        .map(|at| repeat.source_of(at, window))
         .collect();
+    sources.sort_unstable();
+    sources.dedup();
+    let inner = sources
+        .iter()
+        .map(|&from| source.places(&(from..from + window), 0).count)
+        .max();
+    let anchored = source.topology.wires().iter();
+    let anchored = anchored.filter(|planned| planned.name != WireName::StitchWire);
+    let wires: Vec<&scene::Wire> = anchored.map(|planned| &planned.parameters).collect();
     let longest = catenary.span_lengths().iter().copied().fold(0.0, f64::max);
     let directions = if source.topology.options().dimension == Dimension::Planar {
         1
     } else {
         2
     };
-    let elongations = droppers_on_the_interface(catenary);
-    let all = numbers.inner[0].len() - elongations;
+    let elongations = elongations(&source);
+    let of_span = |span: usize| source.places(&(span..span + 1), 0).inner[0].len() - elongations[span];
+    let all = (0..repeat.known).map(of_span).min().unwrap_or(0);
+    let stitch_wire = source.catenary.stitch_wires.as_ref();
+    let stitch_wire = stitch_wire.map(|stitch| (&stitch.wire, stitch.length));
     let modes_up_to = |frequency: f64| -> usize {
-        let per_wire = wires
-            .iter()
-            .map(|wire| (2.0 * longest * frequency / wire.wave_speed()).ceil() as usize);
+        let lengths = wires.iter().map(|&wire| (wire, longest)).chain(stitch_wire);
+        let per_wire = lengths.map(|(wire, length)| (2.0 * length * frequency / wire.wave_speed()).ceil() as usize);
         (directions * per_wire.sum::<usize>() + LONGITUDINAL).min(all)
     };
     let along = wires
@@ -429,47 +484,40 @@ fn plan_of(scene: &Scene, statics: &StaticLine, first: usize) -> (Plan, Line) {
             far,
             searched: modes_up_to(1.2 * second_longitudinal),
         },
-        at_support: numbers.supports[0].len(),
-        elongations,
-        inner,
+        at_support: at_supports(&source).into_iter().max().unwrap_or(0),
+        elongations: elongations.into_iter().max().unwrap_or(0),
+        inner: inner.unwrap_or(0),
         first,
     };
     (plan, line)
 }
 
-/// Positions of the coordinates of a line numbered from 0, shifted by `first`.
-fn places(line: &Line, first: usize) -> SpanPlaces {
-    let wires: Vec<_> = line.wires().iter().map(Wire::geometry).collect();
-    let nodes = line.topology().supports();
-    let at = |node: usize| {
-        let indices = wires.iter().flat_map(move |wire| wire.nodes()[node].map.indices());
-        indices.map(move |index| first + index)
-    };
-    let layers = |node: usize| {
-        let of = wires.iter().flat_map(|wire| wire.enrichments());
-        of.filter(|layer| layer.node == node)
-            .map(|layer| first + layer.index)
-            .collect::<Vec<_>>()
-    };
-    let inner = nodes.windows(2).map(|ends| {
-        let begin = at(ends[0] + 1).min().unwrap_or(0);
-        begin..at(ends[1]).min().unwrap_or(begin)
-    });
-    SpanPlaces {
-        supports: nodes.iter().map(|&node| at(node).collect()).collect(),
-        layers: nodes.iter().map(|&node| layers(node)).collect(),
-        inner: inner.collect(),
+/// Number of coordinates of each support.
+fn at_supports(source: &Source<'_>) -> Vec<usize> {
+    let per_node = coordinates_per_node(source.topology.options().dimension);
+    let supports = 0..=source.catenary.spans();
+    supports
+        .map(|support| source.topology.nodes_at(support).count() * per_node)
+        .collect()
+}
+
+fn coordinates_per_node(dimension: Dimension) -> usize {
+    match dimension {
+        Dimension::Planar => 4,
+        Dimension::Spatial => 6,
     }
 }
 
-/// Number of a span's droppers whose elongations are on the interface; droppers without dampers stretch with the modes.
-fn droppers_on_the_interface(catenary: &Catenary) -> usize {
-    let droppers = &catenary.droppers;
-    if droppers.damping > 0.0 {
-        droppers.positions[0].len()
-    } else {
-        0
+/// Number of each span's droppers whose elongations are on the interface; droppers without dampers stretch with the
+/// modes.
+fn elongations(source: &Source<'_>) -> Vec<usize> {
+    let mut counts = vec![0; source.catenary.spans()];
+    if source.catenary.droppers.damping > 0.0 {
+        for place in source.topology.droppers() {
+            counts[place.span - 1] += 1;
+        }
     }
+    counts
 }
 
 /// Reduced spans of a static state; made once for all lines from it.
@@ -479,13 +527,14 @@ fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
         return Ok(known.clone());
     }
     let source = statics.source();
+    let elongations = elongations(&source);
     let (mut classes, mut examples, mut cells) = (Vec::new(), Vec::new(), Vec::new());
-    for span in 0..source.catenary.spans() {
+    for (span, &elongations) in elongations.iter().enumerate() {
         let known = examples
             .iter()
             .position(|&example| source.difference(example, span) <= SAME);
         if known.is_none() {
-            let matrices = matrices(&source, span, plan);
+            let matrices = matrices(&source, span, elongations);
             let cell =
                 Cell::new(matrices, modes, plan.modes.searched).ok_or(StaticsError::Unstable { span: span + 1 })?;
             examples.push(span);
@@ -499,8 +548,9 @@ fn cells(statics: &StaticLine, plan: &Plan) -> Result<Cells, StaticsError> {
     Ok(made)
 }
 
-fn matrices(source: &Source<'_>, span: usize, plan: &Plan) -> SpanMatrices {
-    let (mut line, size) = source.cut_with_end_layers(span..span + 1);
+fn matrices(source: &Source<'_>, span: usize, elongations: usize) -> SpanMatrices {
+    let (mut line, places) = source.cut_with_end_layers(span..span + 1);
+    let size = places.count;
     let zeros = vec![0.0; size];
     let motion = Motion {
         t: 0.0,
@@ -516,7 +566,6 @@ fn matrices(source: &Source<'_>, span: usize, plan: &Plan) -> SpanMatrices {
     let mass = Blocks::collect(|blocks| line.forces(&mut |part| part.add_mass(blocks)));
     let matrix = |entries| SparseMatrix::from_entries(size, entries);
     let (mut stiffness, mut damping, mut mass) = (matrix(stiffness), matrix(damping), matrix(mass));
-    let places = places(&line, 0);
     let layers = EndLayers::eliminate(&places.layers.concat(), [&mut stiffness, &mut damping, &mut mass]);
     let wires = line.wires().iter().map(Wire::geometry);
     let mut longitudinal = vec![false; size];
@@ -527,7 +576,7 @@ fn matrices(source: &Source<'_>, span: usize, plan: &Plan) -> SpanMatrices {
     SpanMatrices {
         places,
         longitudinal,
-        elongations: Elongations::new(line.droppers().gradients(&motion).take(plan.elongations)),
+        elongations: Elongations::new(line.droppers().gradients(&motion).take(elongations)),
         layers,
         stiffness,
         damping,

@@ -1,5 +1,6 @@
 //! A windowed line as an overhead line.
 use super::curve::WindowCurve;
+use super::plan::Arrangement;
 use super::{WindowedLine, span_at};
 use crate::{DropperSample, Line, NodeOfWire, OverheadLine, WireCurve, WireName};
 use dynamics::{Continuity, Force, Motion, PartVisitor, State, StepHistory};
@@ -22,6 +23,10 @@ impl OverheadLine for WindowedLine {
     fn parts(&mut self, visit: &mut PartVisitor<'_>) {
         self.inner.parts(visit);
         visit("wires", &mut self.far);
+    }
+
+    fn contact_wires(&self) -> usize {
+        self.inner.contact_wires()
     }
 
     fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve> {
@@ -56,7 +61,7 @@ impl OverheadLine for WindowedLine {
         let node = |at: NodeOfWire| fixed.equilibrium.wires[at.wire].nodes()[at.node].position;
         for span in self.drawn().filter(|span| !self.arrangement.window.contains(span)) {
             let from = fixed.source_of(span, 1);
-            let shift = Vector3::x() * (fixed.supports_x[span] - fixed.topology.x()[fixed.topology.supports()[from]]);
+            let shift = Vector3::x() * (fixed.supports_x[span] - fixed.topology.support_places()[from].x);
             let droppers = fixed.topology.droppers().iter().zip(&fixed.equilibrium.dropper_lengths);
             let of_span = droppers.filter(|(place, _)| place.span == from + 1);
             samples.extend(of_span.map(|(place, unstressed_length)| {
@@ -86,54 +91,79 @@ impl OverheadLine for WindowedLine {
 
     fn set_uplift_reference(&mut self, q: &[f64]) {
         self.uplift_reference.fill(0.0);
+        let wires = self.inner.contact_wires();
         for support in self.arrangement.modelled.start..=self.arrangement.modelled.end {
-            self.uplift_reference[support] = self.raised(support, q);
+            let rises: Vec<f64> = self.rises(support).map(|index| q[index]).collect();
+            self.uplift_reference[wires * support..][..rises.len()].copy_from_slice(&rises);
         }
     }
 
     /// A support that is not modelled at present stands at its static height.
     fn uplift(&self, support: usize, q: &[f64]) -> f64 {
-        self.raised(support, q) - self.uplift_reference[support]
+        let at_rest = -self.uplift_reference[self.inner.contact_wires() * support];
+        self.most_lifted(support, q).map_or(at_rest, |(rise, _)| rise)
     }
 
-    fn uplift_rate(&self, support: usize, _q: &[f64], v: &[f64]) -> f64 {
-        self.raised(support, v)
+    fn uplift_rate(&self, support: usize, q: &[f64], v: &[f64]) -> f64 {
+        self.most_lifted(support, q).map_or(0.0, |(_, index)| v[index])
     }
 
     /// Reduced spans and those beyond are drawn at rest.
     fn polylines(&self, name: WireName, q: &[f64], most: usize) -> Vec<Vec<Vector3<f64>>> {
         let fixed = &self.fixed;
         let drawn = self.drawn();
-        let nodes = fixed.topology.supports();
-        let stride = ((nodes[1] - nodes[0]) * drawn.len()).div_ceil(most).max(1);
-        let Some(number) = fixed.topology.wires().iter().position(|planned| planned.name == name) else {
-            return Vec::new();
+        let shape = self.inner.shape();
+        let window = fixed.source_of(self.arrangement.at, fixed.plan.window);
+        let window = window..window + fixed.plan.window;
+        // The wire of the window that a wire of the whole line is cut to, and its node at the left of a span.
+        let in_window = |number: usize, span: usize| {
+            let present = |number: &usize| !fixed.topology.nodes_in(*number, &window).is_empty();
+            let own = shape?.wires().get((0..number).filter(present).count())?.geometry();
+            let from = window.start + span - self.arrangement.at;
+            let node = fixed.topology.nodes_in(number, &(from..from + 1)).start;
+            Some((own, node - fixed.topology.nodes_in(number, &window).start))
         };
-        let own = self.inner.shape().map(|line| line.wires()[number].geometry());
-        let rest = &fixed.equilibrium.wires[number];
-        let mut points = Vec::new();
-        for span in drawn.clone() {
+        let of_name = |number: &usize| fixed.topology.wires()[*number].name == name;
+        let numbers: Vec<usize> = (0..fixed.topology.wires().len()).filter(of_name).collect();
+        let nodes_in = |number: usize, span: usize| {
             let from = fixed.source_of(span, 1);
-            let last = usize::from(span + 1 == drawn.end);
-            let range = nodes[from]..nodes[from + 1] + last;
-            let within = span.wrapping_sub(self.arrangement.at);
-            for node in range
-                .clone()
-                .filter(|node| (node - range.start) % stride == 0 || *node == nodes[from + 1])
-            {
-                points.push(match own {
-                    Some(own) if self.arrangement.window.contains(&span) => {
-                        let own = &own.nodes()[(nodes[1] - nodes[0]) * within + node - range.start];
-                        own.at(q).0 + Vector3::x() * self.start()
-                    }
-                    _ => {
-                        let left = fixed.topology.x()[nodes[from]];
-                        rest.nodes()[node].position + Vector3::x() * (fixed.supports_x[span] - left)
-                    }
-                });
+            fixed.topology.nodes_in(number, &(from..from + 1))
+        };
+        let elements = |span: usize| {
+            numbers
+                .first()
+                .map_or(0, |&wire| nodes_in(wire, span).len().saturating_sub(1))
+        };
+        let stride = drawn.clone().map(elements).sum::<usize>().div_ceil(most).max(1);
+        let mut lines = Vec::new();
+        for number in numbers {
+            let mut points = Vec::new();
+            let rest = &fixed.equilibrium.wires[number];
+            for span in drawn.clone() {
+                let range = nodes_in(number, span);
+                let left = fixed.topology.support_places()[fixed.source_of(span, 1)].x;
+                let at_rest = Vector3::x() * (fixed.supports_x[span] - left);
+                if range.is_empty() {
+                    continue;
+                }
+                let moves = self.arrangement.window.contains(&span);
+                let own = if moves { in_window(number, span) } else { None };
+                let last = usize::from(span + 1 == drawn.end || name == WireName::StitchWire);
+                let shown = range.clone().take(range.len().saturating_sub(1) + last);
+                for node in shown.filter(|node| (node - range.start) % stride == 0 || node + 1 == range.end) {
+                    points.push(match own {
+                        Some((wire, first)) => {
+                            wire.nodes()[first + node - range.start].at(q).0 + Vector3::x() * self.start()
+                        }
+                        None => rest.nodes()[node].position + at_rest,
+                    });
+                }
+            }
+            if !points.is_empty() {
+                lines.push(points);
             }
         }
-        vec![points]
+        lines
     }
 
     fn follow(&mut self, (rear, _): (f64, f64), state: &mut State) -> Continuity {
@@ -141,15 +171,27 @@ impl OverheadLine for WindowedLine {
         if at <= self.arrangement.at {
             return Continuity::Kept;
         }
-        let next = self.fixed.plan.arrangement(at);
-        self.fixed.transfer(&self.arrangement, &next, state);
+        let next = self.fixed.arrangement(at);
+        let source = |arrangement: &Arrangement| self.fixed.source_of(arrangement.at, self.fixed.plan.window);
+        let places = if source(&next) == source(&self.arrangement) {
+            Arc::clone(&self.places)
+        } else {
+            Arc::new(self.fixed.places(&next))
+        };
+        self.fixed
+            .transfer((&self.arrangement, &self.places), (&next, &places), state);
         state.q[self.fixed.position] = self.fixed.supports_x[at] - self.origin;
         let mut history = Vec::new();
         self.histories(&mut |kept| kept.save(&mut history));
         let continuity = self.go_to(next);
         if continuity == Continuity::Replaced {
             // Droppers know from the step that has just ended how the next one begins.
-            let mut values = history.iter();
+            // Windows may have different droppers: those that the window has too many or too few of start anew below.
+            let mut own = Vec::new();
+            self.histories(&mut |kept| kept.save(&mut own));
+            let common = own.len().min(history.len());
+            own[..common].copy_from_slice(&history[..common]);
+            let mut values = own.iter();
             self.histories(&mut |kept| kept.restore(&mut values));
         }
         for &index in self.held.iter().filter(|&&index| index != self.fixed.position) {
@@ -169,7 +211,7 @@ impl OverheadLine for WindowedLine {
         if at == self.arrangement.at {
             return Continuity::Kept;
         }
-        let next = self.fixed.plan.arrangement(at);
+        let next = self.fixed.arrangement(at);
         self.go_to(next)
     }
 

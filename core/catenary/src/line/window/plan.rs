@@ -14,8 +14,8 @@ pub(super) struct Arrangement {
     pub modes: Vec<Range<usize>>,
     /// For each reduced span, the elongations of its droppers that are coordinates; counted as `modes`.
     pub elongations: Vec<Range<usize>>,
-    /// First coordinate of each support between reduced spans; none for other supports.
-    pub supports: Vec<Option<usize>>,
+    /// Coordinates of each support between reduced spans; none for other supports.
+    pub supports: Vec<Option<Range<usize>>>,
 }
 
 /// Numbers of modes kept of a reduced span.
@@ -46,11 +46,11 @@ pub(super) struct Plan {
     pub near: usize,
     /// Modes of reduced spans.
     pub modes: ModeCounts,
-    /// Coordinates of a support.
+    /// Coordinates of a support, at most.
     pub at_support: usize,
-    /// Elongations of droppers that are coordinates of a reduced span.
+    /// Elongations of droppers that are coordinates of a reduced span, at most.
     pub elongations: usize,
-    /// Coordinates of the window.
+    /// Coordinates of the window, at most.
     pub inner: usize,
     /// First coordinate of the line.
     pub first: usize,
@@ -127,14 +127,14 @@ impl Plan {
             let span = left - distance;
             modes[span] = take(self.mode_count(distance));
             let support = self.window_first() - distance * self.interface();
-            supports[span] = Some(support);
+            supports[span] = Some(support..support + self.at_support);
             elongations[span] = support + self.at_support..support + self.interface();
         }
         for distance in 1..=right {
             let span = left + self.window + distance - 1;
             modes[span] = take(self.mode_count(distance));
             let support = self.window_first() + self.inner + distance * self.interface() - self.at_support;
-            supports[span + 1] = Some(support);
+            supports[span + 1] = Some(support..support + self.at_support);
             elongations[span] = support - self.elongations..support;
         }
         Arrangement {
@@ -149,16 +149,26 @@ impl Plan {
 }
 
 impl Arrangement {
-    /// Coordinates of all reduced spans, of `at_support` coordinates per support.
-    pub fn reduced(&self, at_support: usize) -> impl Iterator<Item = usize> + '_ {
+    /// Coordinates of all reduced spans.
+    pub fn reduced(&self) -> impl Iterator<Item = usize> + '_ {
         let supports = self.supports.iter().flatten();
-        let supports = supports.flat_map(move |&first| first..first + at_support);
-        self.modes
-            .iter()
-            .chain(&self.elongations)
-            .cloned()
-            .flatten()
-            .chain(supports)
+        let spans = self.modes.iter().chain(&self.elongations);
+        spans.chain(supports).cloned().flatten()
+    }
+
+    /// Leaves those coordinates unused that a support or a span, both of the line, has fewer of than the largest one.
+    pub fn trim(&mut self, at_support: impl Fn(usize) -> usize, elongations: impl Fn(usize) -> usize) {
+        let first = self.modelled.start;
+        for (number, support) in self.supports.iter_mut().enumerate() {
+            if let Some(places) = support {
+                places.end = places.start + at_support(first + number);
+            }
+        }
+        for (number, places) in self.elongations.iter_mut().enumerate() {
+            if !self.window.contains(&(first + number)) {
+                places.end = places.start + elongations(first + number);
+            }
+        }
     }
 
     /// Elongations and modes of a span; none for a span that is not modelled, empty in the window.
@@ -214,7 +224,7 @@ mod tests {
             for at in 0..=spans - 3 {
                 let found = plan.arrangement(at);
                 let mut taken = vec![false; plan.coordinates()];
-                for index in found.reduced(8).chain(plan.window_first()..plan.window_first() + 100) {
+                for index in found.reduced().chain(plan.window_first()..plan.window_first() + 100) {
                     assert!(!std::mem::replace(&mut taken[index - 1000], true));
                 }
                 assert!(found.modelled.start == at.saturating_sub(8) && found.modelled.end == (at + 11).min(spans));

@@ -1,52 +1,59 @@
 //! Transfer of the state when the window moves on.
-use super::Fixed;
+use super::places::SpanPlaces;
 use super::plan::Arrangement;
+use super::{Fixed, coordinates_per_node};
 use dynamics::State;
+
+/// An arrangement and the positions of the coordinates of its window.
+pub(super) type Placed<'a> = (&'a Arrangement, &'a SpanPlaces);
 
 impl Fixed {
     /// Moves all motions from the coordinates of one arrangement to those of another one.
-    pub(super) fn transfer(&self, from: &Arrangement, to: &Arrangement, state: &mut State) {
+    pub(super) fn transfer(&self, from: Placed<'_>, to: Placed<'_>, state: &mut State) {
         for values in [&mut state.q, &mut state.v, &mut state.v_dot, &mut state.a] {
             self.transfer_one(from, to, values);
         }
     }
 
-    fn transfer_one(&self, from: &Arrangement, to: &Arrangement, values: &mut [f64]) {
+    fn transfer_one(&self, from_placed: Placed<'_>, to_placed: Placed<'_>, values: &mut [f64]) {
+        let ((from, from_places), (to, to_places)) = (from_placed, to_placed);
         let old = values[self.coordinates.clone()].to_vec();
         let old = |index: usize| old[index - self.coordinates.start];
         values[self.coordinates.clone()].fill(0.0);
 
         for support in to.modelled.start..=to.modelled.end {
-            let motion = self.support_motion(from, support, &old);
-            let places = self.support(to, support).into_iter().flatten();
+            let motion = self.support_motion(from_placed, support, &old);
+            let places = to.support(to_places, support).into_iter().flatten();
             for (index, value) in places.zip(motion) {
                 values[index] = value;
             }
         }
+        let interface_size =
+            |span: usize| self.at_support(span) + self.at_support(span + 1) + self.elongations_of(span);
         for span in to.modelled.clone() {
             let supports = || -> Vec<f64> {
                 let ends = [span, span + 1].into_iter();
-                ends.flat_map(|support| self.support_motion(from, support, &old))
+                ends.flat_map(|support| self.support_motion(from_placed, support, &old))
                     .collect()
             };
             let before = from
                 .window
                 .contains(&span)
-                .then(|| self.places.inner[span - from.at].clone().map(old));
+                .then(|| from_places.inner[span - from.at].clone().map(old));
             // Beyond the modelled spans nothing stretched and no mode moved.
             let (elongations, modes) = from.own(span).unwrap_or_default();
             if to.window.contains(&span) {
                 let within = span - to.at;
-                let inner = self.places.inner[within].clone();
+                let inner = to_places.inner[within].clone();
                 if let Some(before) = before {
                     inner.zip(before).for_each(|(index, value)| values[index] = value);
                 } else {
                     let mut interface = supports();
                     interface.extend(elongations.map(old));
-                    interface.resize(2 * self.plan.at_support + self.plan.elongations, 0.0);
+                    interface.resize(interface_size(span), 0.0);
                     let modes: Vec<f64> = modes.map(old).collect();
                     let between = self.cell(span).expand(&interface, &modes);
-                    let layers = self.places.layers[within..=within + 1].iter().zip(between.end_layers);
+                    let layers = to_places.layers[within..=within + 1].iter().zip(between.end_layers);
                     let layers = layers.flat_map(|(places, motion)| places.iter().copied().zip(motion));
                     for (index, value) in inner.zip(between.inner).chain(layers) {
                         values[index] = value;
@@ -71,7 +78,8 @@ impl Fixed {
         // there.
         let inside = |arrangement: &Arrangement| arrangement.window.start + 1..arrangement.window.end;
         for support in inside(to).filter(|support| inside(from).contains(support)) {
-            let [own, before] = [to, from].map(|arrangement| &self.places.layers[support - arrangement.at]);
+            let [own, before] =
+                [to_placed, from_placed].map(|(arrangement, places)| &places.layers[support - arrangement.at]);
             for (&index, &before) in own.iter().zip(before) {
                 values[index] = old(before);
             }
@@ -79,10 +87,10 @@ impl Fixed {
     }
 
     /// Motion of a support; beyond the modelled spans the longitudinal motion of the nearest modelled support.
-    fn support_motion(&self, from: &Arrangement, support: usize, old: &dyn Fn(usize) -> f64) -> Vec<f64> {
+    fn support_motion(&self, (from, places): Placed<'_>, support: usize, old: &dyn Fn(usize) -> f64) -> Vec<f64> {
         let nearest = support.clamp(from.modelled.start, from.modelled.end);
-        let places = self.support(from, nearest).into_iter().flatten();
-        let per_node = self.plan.at_support / 2;
+        let places = from.support(places, nearest).into_iter().flatten();
+        let per_node = coordinates_per_node(self.topology.options().dimension);
         let known = |(i, index): (usize, usize)| {
             let longitudinal = i % per_node == 0;
             if nearest == support || longitudinal {
@@ -91,6 +99,9 @@ impl Fixed {
                 0.0
             }
         };
-        places.enumerate().map(known).collect()
+        let mut motion: Vec<f64> = places.enumerate().map(known).collect();
+        // A true end has no stitch wire, which is the last of the wires.
+        motion.resize(self.at_support(support), 0.0);
+        motion
     }
 }

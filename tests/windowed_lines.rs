@@ -1,0 +1,187 @@
+//! Accuracy of a window over lines of wires and spans that differ.
+use catenary::{Checkpoint, StripStart, Subsystem};
+use integration_tests::runs::{EN_300, run, scene_with};
+use simulation::Mode;
+use std::ops::Range;
+
+const STITCHED: &str = include_str!("../scenes/ac-stitched.toml");
+const TWIN: &str = include_str!("../scenes/dc-twin-wire.toml");
+
+/// Spans of different lengths with their own droppers, divided differently.
+const MIXED: [&str; 4] = [
+    "catenary.spans=8",
+    "catenary.span_length=[65,60,50,63,54,60,65,57]",
+    "catenary.droppers.positions=[[5,14,23,32,41,50,60],[5,15,25,35,45,55],[5,15,25,35,45],[5,16,27,38,48,58],\
+     [5,16,27,38,49],[5,15,25,35,45,55],[5,14,23,32,41,50,60],[5,16,28,40,52]]",
+    "catenary.mesh={ element_length=4.0, corrections=\"none\" }",
+];
+
+/// Three seconds from the first window on, over several of its moves.
+const JOURNEY: [&str; 3] = ["run.start_x=40", "run.duration=3.0", "run.evaluate={time=[0.2,2.9]}"];
+
+const HALF_A_SECOND: [&str; 2] = ["run.duration=0.5", "run.evaluate={time=[0.1,0.4]}"];
+
+/// rms difference of the filtered force between a run with the window and one without it, in percent of its standard
+/// deviation.
+fn windowed(text: &str, words: &str, more: &[&str]) -> f64 {
+    let of = |words: &str| {
+        let reduce = format!("model.reduce=[{words}]");
+        let overrides = [&JOURNEY[..], more, &[&reduce]].concat();
+        run(scene_with(text, &overrides), Mode::Monolithic, "windowed-lines")
+    };
+    let (whole, window) = (of(words), of(&format!("{words}, \"window\"")));
+    for support in 0..whole.record.supports.len() {
+        let pairs = whole.record.supports[support]
+            .uplift
+            .iter()
+            .zip(&window.record.supports[support].uplift);
+        let most = |of: fn((f64, f64)) -> f64| pairs.clone().fold(0.0, |most: f64, (a, b)| most.max(of((*a, *b))));
+        let (a, b) = (most(|pair| pair.0), most(|pair| pair.1));
+        assert!((a - b).abs() < 1e-3, "support {support}: {a} m, {b} m");
+    }
+    let difference = 100.0 * window.filtered_difference(&whole) / whole.sigma();
+    let cost = |run: &integration_tests::runs::Run| run.summary.cost.real_time_factor;
+    println!(
+        "{words}: {difference:.4} % of σ, real-time factor {:?}, {:?}",
+        cost(&whole),
+        cost(&window)
+    );
+    difference
+}
+
+/// Linear lines: only the reduction of the spans beyond the window differs.
+#[test]
+fn a_window_follows_spans_that_are_divided_differently() {
+    let difference = windowed(EN_300, "\"planar\", \"linearised\"", &MIXED);
+    assert!(difference < 0.3, "{difference} %");
+}
+
+#[test]
+fn a_window_follows_mixed_spans_with_dampers_in_the_droppers() {
+    let more = [&MIXED[..], &["catenary.droppers.damping=50"]].concat();
+    let difference = windowed(EN_300, "\"planar\", \"linearised\"", &more);
+    assert!(difference < 0.3, "{difference} %");
+}
+
+/// Point masses on one of the wires give the wires nodes of their own.
+#[test]
+fn a_window_passes_point_masses() {
+    let masses = "catenary.point_mass=[{ x=152, mass=3, wire=\"contact_wire\" }, { x=270, mass=5, \
+                  wire=\"messenger_wire\" }]";
+    let more = [&MIXED[..], &[masses]].concat();
+    let difference = windowed(EN_300, "\"planar\", \"linearised\"", &more);
+    assert!(difference < 0.3, "{difference} %");
+}
+
+#[test]
+fn a_window_follows_a_stitched_line() {
+    let more = [
+        "catenary.spans=8",
+        "catenary.mesh={ element_length=5.0, corrections=\"none\" }",
+    ];
+    let difference = windowed(STITCHED, "\"linearised\"", &more);
+    assert!(difference < 0.3, "{difference} %");
+}
+
+#[test]
+fn a_window_follows_twin_contact_wires() {
+    let more = [
+        "catenary.spans=8",
+        "catenary.mesh={ element_length=5.0, corrections=\"none\" }",
+    ];
+    let difference = windowed(TWIN, "\"linearised\"", &more);
+    assert!(difference < 0.3, "{difference} %");
+}
+
+/// In developed coordinates a curve is a lateral load, which is part of the static state.
+#[test]
+fn a_window_follows_a_line_through_a_curve_and_one_that_was_changed() {
+    let mesh = [
+        "catenary.spans=8",
+        "catenary.mesh.elements_per_interval=2",
+        "catenary.mesh.corrections=\"none\"",
+    ];
+    let curve = "catenary.curve_radius=[inf,inf,3000,3000,3000,inf,inf,inf,inf]";
+    let change = "catenary.change={ temperature=10, thermal_expansion=1.7e-5, dropper=[{ span=3, dropper=4, \
+                  missing=true }] }";
+    for more in [curve, change] {
+        let difference = windowed(EN_300, "\"linearised\"", &[&mesh[..], &[more]].concat());
+        assert!(difference < 0.3, "{difference} %");
+    }
+}
+
+/// Windows of unlike spans are different sections, with different droppers and energies at rest: the energy above the
+/// static state stays that of the whole line when the window moves, and a line taken back over a move repeats itself.
+#[test]
+fn the_energy_passes_a_move_over_unlike_spans_which_repeats_itself_when_taken_back() {
+    let subsystem = |words: &str| {
+        let reduce = format!("model.reduce=[\"planar\", \"linearised\"{words}]");
+        let scene = scene_with(
+            EN_300,
+            &[
+                &MIXED[..],
+                &["run.start_x=230", HALF_A_SECOND[0], HALF_A_SECOND[1], &reduce],
+            ]
+            .concat(),
+        );
+        let statics = catenary::static_line(&scene).unwrap();
+        let mut line = Subsystem::new(&scene, &statics).unwrap();
+        let strip = StripStart {
+            x: scene.strip_start_x(0),
+            y: 0.0,
+            height: statics.wire_height_under(scene.strip_start_x(0), 150.0).unwrap().height + 3e-3,
+            speed: scene.run.speed,
+        };
+        line.start(&[strip]).unwrap();
+        (line, strip)
+    };
+    let course = |line: &mut Subsystem, strip: &StripStart, steps: Range<usize>| -> Vec<(f64, f64)> {
+        let step = |n: usize| {
+            let t = n as f64 * 1e-3;
+            line.set_strip_input(0, 2, strip.height);
+            line.set_strip_input(0, 0, strip.x + strip.speed * t);
+            line.advance_to(t, 1e-3).unwrap();
+            (line.energy(), line.contact(0).force)
+        };
+        steps.map(step).collect()
+    };
+    let (mut whole, strip) = subsystem("");
+    let (mut window, _) = subsystem(", \"window\"");
+    // The strip comes to the next span at 0.1 s.
+    let expected = course(&mut whole, &strip, 0..300);
+    let mut found = course(&mut window, &strip, 0..60);
+    let mut before = Checkpoint::default();
+    window.save_to(&mut before);
+    let first = course(&mut window, &strip, 60..300);
+    window.restore_from(&before).unwrap();
+    assert_eq!(course(&mut window, &strip, 60..300), first);
+    found.extend(first);
+    let off = |of: fn(&(f64, f64)) -> f64| {
+        let pairs = expected.iter().zip(&found);
+        pairs.fold(0.0, |most: f64, (a, b)| most.max((of(a) - of(b)).abs()))
+    };
+    let (energy, force) = (off(|step| step.0), off(|step| step.1));
+    println!("{energy} J of {} J, {force} N", expected[0].0);
+    assert!(energy < 0.01 * expected[0].0 && force < 1.0, "{energy} J, {force} N");
+}
+
+/// Equal spans, under stitch wires that let no span stand for another one.
+#[test]
+fn a_window_over_a_stitched_line_has_as_many_coordinates_whatever_the_number_of_spans() {
+    let coordinates = |spans: usize| {
+        let scene = scene_with(
+            STITCHED,
+            &[
+                &format!("catenary.spans={spans}"),
+                &format!("run.start_x={}", 65 * spans / 2),
+                "run.duration=0.4",
+                "run.evaluate={time=[0.1,0.3]}",
+                "catenary.mesh={ element_length=9.0, corrections=\"none\" }",
+                "model.reduce=[\"window\"]",
+            ],
+        );
+        let statics = catenary::static_line(&scene).unwrap();
+        catenary::WindowedLine::size(&scene, &statics).coordinates
+    };
+    assert_eq!(coordinates(72), coordinates(90));
+}
