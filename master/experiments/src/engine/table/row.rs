@@ -43,8 +43,8 @@ macro_rules! columns {
         /// One run. What has no meaning for it is `None` or empty.
         ///
         /// Forces are those of the first pantograph after the low-pass filter, over the evaluation range; losses of
-        /// contact are those of the raw force. Errors are the largest of all pantographs. Values that are not finite are
-        /// `null` in JSON, as they are empty cells in CSV.
+        /// contact are those of the raw force. Errors are the largest of all pantographs. Values that are not finite
+        /// are `null` in JSON, as they are empty cells in CSV.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         pub struct RunRow {
             $($(#[$meta])* #[serde(rename = $name)] pub $field: $type,)+
