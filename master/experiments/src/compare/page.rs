@@ -9,12 +9,13 @@ use super::Comparison;
 use super::plan::algorithms;
 use crate::engine::export::plot::{Trace, dotted, marked};
 use crate::engine::export::{
-    fixed, incomplete, number, number_cells, scrolled, status_counts, status_rule, status_span, step,
+    PageColumn, cells, fixed, grouped, heads, incomplete, number, scrolled, status_counts, status_rule, status_span,
+    step,
 };
 use crate::engine::run::SETTLE;
 use crate::engine::table::{AUTO, RunRow, Status, milliseconds};
 use results::report::plots::{COLOURS, axis, decades_of, finished, layout, logarithmic, rounded};
-use results::report::{Page, escape, head_cells, remarks};
+use results::report::{Page, escape, remarks};
 use simulation::Mode;
 
 /// Colour of the monolithic runs.
@@ -318,65 +319,43 @@ fn force_plot(comparison: &Comparison) -> String {
     )
 }
 
+/// Columns of the table of all runs.
+const COLUMNS: &[PageColumn<RunRow>] = &[
+    ("algorithm", "", "s", |row| row.algorithm.clone()),
+    ("macro step", "ms", "n", |row| step(row.macro_step)),
+    ("micro step", "ms", "n", |row| step(row.micro_step)),
+    ("status", "", "s", |row| status_span(row.status)),
+    ("filtered error", "% of σ", "n", |row| number(row.filtered_error)),
+    ("order", "", "n", |row| fixed(row.order, 1)),
+    ("raw error", "% of σ", "n", |row| number(row.raw_error)),
+    ("σ error", "%", "n", |row| number(row.std_error)),
+    ("mean", "N", "n", |row| fixed(row.mean, 2)),
+    ("σ", "N", "n", |row| fixed(row.std, 3)),
+    ("max", "N", "n", |row| fixed(row.max, 1)),
+    ("min", "N", "n", |row| fixed(row.min, 1)),
+    ("loss", "%", "n", |row| fixed(row.loss, 2)),
+    ("uplift", "mm", "n", |row| {
+        fixed(row.uplift.map(|uplift| 1e3 * uplift), 1)
+    }),
+    ("energy added", "J", "n", |row| number(row.energy_residual)),
+    ("wall time", "s", "n", |row| fixed(row.wall, 2)),
+];
+
 fn table(comparison: &Comparison) -> String {
-    const HEAD: [(&str, &str); 16] = [
-        ("algorithm", ""),
-        ("macro step", "ms"),
-        ("micro step", "ms"),
-        ("status", ""),
-        ("filtered error", "% of σ"),
-        ("order", ""),
-        ("raw error", "% of σ"),
-        ("σ error", "%"),
-        ("mean", "N"),
-        ("σ", "N"),
-        ("max", "N"),
-        ("min", "N"),
-        ("loss", "%"),
-        ("uplift", "mm"),
-        ("energy added", "J"),
-        ("wall time", "s"),
-    ];
-    let columns = HEAD.iter().enumerate();
-    let head = head_cells(columns.map(|(column, &(name, unit))| (name, unit, !matches!(column, 0 | 3))));
-    let (mut body, mut mode) = (String::new(), "");
-    for row in &comparison.rows {
-        if row.mode != mode {
-            mode = &row.mode;
-            body.push_str(&format!("<tr><th colspan=\"{}\">{mode}</th></tr>\n", HEAD.len()));
+    let mut body = String::new();
+    for rows in comparison.rows.chunk_by(|a, b| a.mode == b.mode) {
+        let mode = &rows[0].mode;
+        body.push_str(&format!("<tr><th colspan=\"{}\">{mode}</th></tr>\n", COLUMNS.len()));
+        for row in rows {
+            let cells = cells(COLUMNS, row);
+            body.push_str(&format!("<tr title=\"{}\">{cells}</tr>\n", escape(&row.reason)));
         }
-        let status = status_span(row.status);
-        body.push_str(&format!(
-            "<tr title=\"{}\"><td class=\"s\">{}</td>",
-            escape(&row.reason),
-            row.algorithm
-        ));
-        body.push_str(&number_cells([step(row.macro_step), step(row.micro_step)]));
-        body.push_str(&format!("<td class=\"s\">{status}</td>"));
-        body.push_str(&number_cells([
-            number(row.filtered_error),
-            fixed(row.order, 1),
-            number(row.raw_error),
-            number(row.std_error),
-            fixed(row.mean, 2),
-            fixed(row.std, 3),
-            fixed(row.max, 1),
-            fixed(row.min, 1),
-            fixed(row.loss, 2),
-            fixed(row.uplift.map(|uplift| 1e3 * uplift), 1),
-            number(row.energy_residual),
-            fixed(row.wall, 2),
-        ]));
-        body.push_str("</tr>\n");
     }
-    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
-    for row in comparison.rows.iter().filter(|row| !row.reason.is_empty()) {
+    let said = comparison.rows.iter().filter(|row| !row.reason.is_empty());
+    let reasons = grouped(said.map(|row| {
         let run = format!("{} {} {} ms", row.mode, row.algorithm, milliseconds(row.macro_step));
-        match reasons.iter_mut().find(|(reason, _)| *reason == row.reason) {
-            Some((_, runs)) => runs.push(run),
-            None => reasons.push((row.reason.clone(), vec![run])),
-        }
-    }
+        (&row.reason, run)
+    }));
     let reasons: String = reasons
         .iter()
         .map(|(reason, runs)| {
@@ -397,7 +376,7 @@ fn table(comparison: &Comparison) -> String {
     };
     format!(
         "{}{remarks}<p class=\"caption\">All columns, the work of the solvers among them, are in compare.csv.</p>\n",
-        scrolled(&head, &body)
+        scrolled(&heads(COLUMNS), &body)
     )
 }
 

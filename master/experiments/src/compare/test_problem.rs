@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::export::{number_cells, scrolled};
+use crate::engine::export::scrolled;
 use crate::engine::table::{Columns, RunRow, Status, milliseconds, short};
 use crate::engine::{Bench, Experiment, ExperimentError, Machine, Planned, Sheet, Table, Timing};
 use cosim::test_problem::{self, Case};
@@ -295,7 +295,9 @@ fn page(table: &TestProblemTable) -> Page {
     let others: String = OTHERS
         .iter()
         .map(|(name, errors)| {
-            let cells = number_cells(errors.iter().map(|error| other(*error)));
+            let cells = errors
+                .map(|error| format!("<td class=\"n\">{}</td>", other(error)))
+                .concat();
             format!("<tr><td>{}</td>{cells}</tr>\n", escape(name))
         })
         .collect();

@@ -2,26 +2,31 @@
 
 use super::Comparison;
 use crate::engine::Table as _;
-use crate::engine::export::{status_word, wrapped};
+use crate::engine::export::{TextColumn, fixed, heading, status_word, text_cells, wrapped};
 use crate::engine::table::{RunRow, Status, milliseconds, short};
 use results::report::aligned;
 
-fn cells(row: &RunRow) -> Vec<String> {
-    vec![
-        row.algorithm.clone(),
-        milliseconds(row.macro_step),
-        milliseconds(row.micro_step),
-        status_word(row.status).to_owned(),
-        short(row.filtered_error),
-        row.order.map_or_else(String::new, |order| format!("{order:.1}")),
-        short(row.raw_error),
-        short(row.std_error),
-        row.loss.map_or_else(|| "–".to_owned(), |loss| format!("{loss:.2}")),
-        short(row.energy_residual),
-        row.wall.map_or_else(|| "–".to_owned(), |wall| format!("{wall:.2}")),
-        row.rollbacks.map_or_else(|| "–".to_owned(), |count| count.to_string()),
-    ]
-}
+/// Columns of the table.
+const COLUMNS: &[TextColumn<RunRow, 2>] = &[
+    (["", ""], |row| format!("  {}", row.algorithm)),
+    (["macro", "ms"], |row| milliseconds(row.macro_step)),
+    (["micro", "ms"], |row| milliseconds(row.micro_step)),
+    (["", "status"], |row| status_word(row.status).to_owned()),
+    (["filtered", "rms % σ"], |row| short(row.filtered_error)),
+    (["", "order"], |row| fixed(row.order, 1)),
+    (["raw", "rms % σ"], |row| short(row.raw_error)),
+    (["σ", "%"], |row| short(row.std_error)),
+    (["loss", "%"], |row| {
+        row.loss.map_or_else(|| "–".to_owned(), |loss| format!("{loss:.2}"))
+    }),
+    (["energy", "J"], |row| short(row.energy_residual)),
+    (["wall", "s"], |row| {
+        row.wall.map_or_else(|| "–".to_owned(), |wall| format!("{wall:.2}"))
+    }),
+    (["roll-", "backs"], |row| {
+        row.rollbacks.map_or_else(|| "–".to_owned(), |count| count.to_string())
+    }),
+];
 
 /// The table of a comparison, no wider than 120 columns.
 #[must_use]
@@ -35,25 +40,14 @@ pub fn text(comparison: &Comparison) -> String {
         let (made, _) = comparison.made();
         text.push_str(&format!("INCOMPLETE: {made} of {} runs\n", comparison.rows.len()));
     }
-    let head = [
-        "", "macro", "micro", "", "filtered", "", "raw", "σ", "loss", "energy", "wall", "roll-",
-    ];
-    let units = [
-        "", "ms", "ms", "status", "rms % σ", "order", "rms % σ", "%", "%", "J", "s", "backs",
-    ];
-    let mut rows: Vec<Vec<String>> = [head, units]
-        .iter()
-        .map(|cells| cells.iter().map(|cell| (*cell).to_owned()).collect())
-        .collect();
+    let mut rows = heading(COLUMNS);
     let mut mode = "";
     for row in &comparison.rows {
         if row.mode != mode {
             mode = &row.mode;
             rows.push(vec![format!("{mode}:")]);
         }
-        let mut cells = cells(row);
-        cells[0] = format!("  {}", cells[0]);
-        rows.push(cells);
+        rows.push(text_cells(COLUMNS, row));
     }
     text.push('\n');
     text.push_str(&aligned(&rows));

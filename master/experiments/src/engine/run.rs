@@ -73,20 +73,24 @@ pub struct Evidence {
     pub unrepeated: u64,
 }
 
-/// One run, not judged yet.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// One run, not judged yet; its series are kept apart from the rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Attempt {
     /// Figures and cost; a status only where the run was refused.
     pub row: RunRow,
     /// Contact forces; none where the run cannot be compared.
+    #[serde(skip)]
     pub curves: Vec<ForceCurve>,
     /// The wind on each strip, whole run, where one acts.
+    #[serde(skip)]
     pub winds: Vec<Option<WindRecord>>,
     /// `true` where it reached its end.
     pub complete: bool,
     /// `true` where it was ended from outside: there is nothing to judge then.
+    #[serde(skip)]
     pub interrupted: bool,
     /// `true` where it ended early because the process of an isolated FMU did: another time it may not.
+    #[serde(skip)]
     pub lost: bool,
     /// Energy that the coupling added, as a share of the work that crossed the contact (–).
     pub energy_share: f64,

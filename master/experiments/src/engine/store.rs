@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::Machine;
-use super::run::{Attempt, Evidence, Run};
-use super::table::{ForceCurve, RunRow};
+use super::run::{Attempt, Run};
+use super::table::ForceCurve;
 use results::{OutputDirectory, ResultsError, WindRecord};
 use simulation::Mode;
 use system::disturbance::Disturbance;
@@ -98,20 +98,12 @@ pub struct Store {
     machine: Machine,
 }
 
-/// Parts of a run besides its series.
+/// A run without its series, and how many there are.
 #[derive(Serialize, Deserialize)]
-struct Head {
-    row: RunRow,
+struct Head<A> {
+    attempt: A,
     curves: usize,
     winds: Vec<bool>,
-    complete: bool,
-    energy_share: f64,
-    remarks: Vec<String>,
-    setup: f64,
-    simulated: f64,
-    largest_force: Option<f64>,
-    most_iterations: Option<u64>,
-    evidence: Option<Evidence>,
 }
 
 /// Wall times of the time loop on a machine.
@@ -140,26 +132,16 @@ impl Store {
     /// A run that was made before; one that cannot be read has not been made.
     #[must_use]
     pub fn run(&self, key: &str) -> Option<Attempt> {
-        let head: Head = self.read(&format!("{key}.json"))?;
+        let head: Head<Attempt> = self.read(&format!("{key}.json"))?;
         let bytes = std::fs::read(self.directory.path().join(format!("{key}.force"))).ok()?;
         let mut words = Words::of(&bytes)?;
         let curves = (0..head.curves).map(|_| words.curve()).collect::<Option<_>>()?;
         let winds = head.winds.iter();
         let winds = winds.map(|known| if *known { words.wind().map(Some) } else { Some(None) });
         Some(Attempt {
-            row: head.row,
             curves,
             winds: winds.collect::<Option<_>>()?,
-            complete: head.complete,
-            interrupted: false,
-            lost: false,
-            energy_share: head.energy_share,
-            remarks: head.remarks,
-            setup: head.setup,
-            simulated: head.simulated,
-            largest_force: head.largest_force,
-            most_iterations: head.most_iterations,
-            evidence: head.evidence,
+            ..head.attempt
         })
     }
 
@@ -176,17 +158,9 @@ impl Store {
             out.write_all(&bytes(run)).map_err(results::io(path, "write"))
         })?;
         let head = Head {
-            row: run.row.clone(),
+            attempt: run,
             curves: run.curves.len(),
             winds: run.winds.iter().map(Option::is_some).collect(),
-            complete: run.complete,
-            energy_share: run.energy_share,
-            remarks: run.remarks.clone(),
-            setup: run.setup,
-            simulated: run.simulated,
-            largest_force: run.largest_force,
-            most_iterations: run.most_iterations,
-            evidence: run.evidence,
         };
         self.keep_value(key, &head)
     }
@@ -321,6 +295,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::engine::table::RunRow;
     use crate::engine::{Stage, Variant};
 
     fn run(scene: &str, mode: Mode) -> Run {

@@ -9,7 +9,7 @@ use super::spread::Spread;
 use super::verdict::{VERDICT_RULE, Verdict};
 use super::wind;
 use crate::engine::Table as _;
-use crate::engine::export::wrapped;
+use crate::engine::export::{TextColumn, heading, text_cells, wrapped};
 use crate::engine::table::{Status, short};
 use results::report::aligned;
 
@@ -23,39 +23,29 @@ pub(super) fn percent(value: Option<f64>) -> String {
     value.map_or_else(|| "–".to_owned(), |value| format!("{value:+.2}"))
 }
 
+/// Columns of the published cases.
+const CASE_COLUMNS: &[TextColumn<Line, 1>] = &[
+    (["case"], |line| line.case.title.to_owned()),
+    (["mesh"], |line| line.mesh.name()),
+    (["mode"], |line| line.row.mode.clone()),
+    (["mean [N]"], |line| force(line.row.mean)),
+    (["published"], |line| line.case.mean.printed()),
+    (["diff. %"], |line| {
+        percent(difference(line.row.mean, line.case.mean.value))
+    }),
+    (["std [N]"], |line| force(line.row.std)),
+    (["published"], |line| line.case.std.printed()),
+    (["diff. %"], |line| {
+        percent(difference(line.row.std, line.case.std.value))
+    }),
+    (["std, raw"], |line| force(line.raw_std)),
+];
+
 /// Case, how and on which mesh it was run, published and computed figures; for the groups of the published cases.
 pub(super) fn cases(reproduction: &Reproduction) -> Vec<Vec<String>> {
-    let head = [
-        "case",
-        "mesh",
-        "mode",
-        "mean [N]",
-        "published",
-        "diff. %",
-        "std [N]",
-        "published",
-        "diff. %",
-        "std, raw",
-    ];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for line in &reproduction.lines {
-        if !line.group.is_case() {
-            continue;
-        }
-        let (case, row) = (line.case, &line.row);
-        rows.push(vec![
-            case.title.to_owned(),
-            line.mesh.name(),
-            row.mode.clone(),
-            force(row.mean),
-            case.mean.printed(),
-            percent(difference(row.mean, case.mean.value)),
-            force(row.std),
-            case.std.printed(),
-            percent(difference(row.std, case.std.value)),
-            force(line.raw_std),
-        ]);
-    }
+    let cases = reproduction.lines.iter().filter(|line| line.group.is_case());
+    let mut rows = heading(CASE_COLUMNS);
+    rows.extend(cases.map(|line| text_cells(CASE_COLUMNS, line)));
     rows
 }
 

@@ -76,6 +76,9 @@ pub struct Map {
     pub caption: &'static str,
     /// Curves.
     pub curves: Vec<MapCurve>,
+    /// Quantity of the axis.
+    #[serde(skip)]
+    axis: MapAxis,
 }
 
 /// The quantity of a map's axis.
@@ -87,18 +90,9 @@ enum MapAxis {
     MicroStep,
 }
 
-/// Titles of a map.
-struct Titles {
-    axis: MapAxis,
-    title: &'static str,
-    x: &'static str,
-    logarithmic: bool,
-    y: &'static str,
-    caption: &'static str,
-}
-
-const MAPS: [Titles; 4] = [
-    Titles {
+/// The maps without their curves.
+static MAPS: [Map; 4] = [
+    Map {
         axis: MapAxis::Stiffness,
         title: "Macro step against contact stiffness",
         x: "contact stiffness [N/m]",
@@ -107,24 +101,27 @@ const MAPS: [Titles; 4] = [
         caption: "Lines: the test problem (head of 7.2 kg under a wire mode of 10 kg); dotted: spectral radius of the \
                   algorithm on the contact's oscillation against that oscillation's own damping; crosses: the short \
                   line at a micro step of 0.5 ms.",
+        curves: Vec::new(),
     },
-    Titles {
+    Map {
         axis: MapAxis::HeadMass,
         title: "Macro step against head mass",
         x: "mass of the collector head [kg]",
         logarithmic: true,
         y: "longest stable macro step [ms]",
         caption: "As above, at a contact stiffness of 50 kN/m.",
+        curves: Vec::new(),
     },
-    Titles {
+    Map {
         axis: MapAxis::SpeedRatio,
         title: "Macro step against speed",
         x: "speed over wave speed of the contact wire [–]",
         logarithmic: false,
         y: "longest stable macro step [ms]",
         caption: "The short line, contact stiffness 50 kN/m, micro step 0.5 ms; steps up to 20 ms were tried.",
+        curves: Vec::new(),
     },
-    Titles {
+    Map {
         axis: MapAxis::MicroStep,
         title: "Micro step of one system against contact stiffness",
         x: "contact stiffness [N/m]",
@@ -132,6 +129,7 @@ const MAPS: [Titles; 4] = [
         y: "longest micro step that resolves the raw force [ms]",
         caption: "The short line as one system against itself at half the step: the raw force is right to its filtered \
                   standard deviation.",
+        curves: Vec::new(),
     },
 ];
 
@@ -156,10 +154,10 @@ fn ratios(from: f64, to: f64, count: usize) -> Vec<f64> {
 #[must_use]
 pub fn tasks(resolution: usize) -> Vec<Task> {
     let mut tasks = Vec::new();
-    for (map, titles) in MAPS.iter().enumerate() {
+    for (map, of) in MAPS.iter().enumerate() {
         let stiffness = || ratios(1e4, 1e8, resolution);
         let few = resolution.div_ceil(2);
-        let ranges: Vec<(CurveKind, Vec<f64>)> = match titles.axis {
+        let ranges: Vec<(CurveKind, Vec<f64>)> = match of.axis {
             MapAxis::Stiffness => vec![
                 (CurveKind::Theory, stiffness()),
                 (CurveKind::TestProblem, stiffness()),
@@ -178,7 +176,7 @@ pub fn tasks(resolution: usize) -> Vec<Task> {
             MapAxis::MicroStep => vec![(CurveKind::ShortLine, ratios(1e4, 1e7, few + 2))],
         };
         for (kind, x) in ranges {
-            let algorithms: &[&str] = if titles.axis == MapAxis::MicroStep {
+            let algorithms: &[&str] = if of.axis == MapAxis::MicroStep {
                 &["monolithic"]
             } else {
                 &ALGORITHMS
@@ -197,17 +195,7 @@ pub fn tasks(resolution: usize) -> Vec<Task> {
 /// The maps with the curves that have been found.
 #[must_use]
 pub fn assemble(tasks: &[Task], points: Vec<Option<Boundary>>) -> Vec<Map> {
-    let mut maps: Vec<Map> = MAPS
-        .iter()
-        .map(|titles| Map {
-            title: titles.title,
-            x: titles.x,
-            logarithmic: titles.logarithmic,
-            y: titles.y,
-            caption: titles.caption,
-            curves: Vec::new(),
-        })
-        .collect();
+    let mut maps = MAPS.to_vec();
     for (task, points) in tasks.iter().zip(points) {
         if let Some(points) = points {
             maps[task.map].curves.push(MapCurve {

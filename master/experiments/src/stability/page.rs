@@ -7,7 +7,9 @@ use plotly::layout::HoverMode;
 use super::judge::{ALGORITHMS, Line, StabilityTable};
 use super::maps::{CurveKind, Map};
 use super::text::{by_case, heading, ways};
-use crate::engine::export::{count, fixed, incomplete, number, number_cells, scrolled, status_rule, status_word, step};
+use crate::engine::export::{
+    PageColumn, cells, count, fixed, grouped, heads, incomplete, number, scrolled, status_rule, status_word, step,
+};
 use crate::engine::table::Status;
 use crate::engine::table::significant;
 use results::report::plots::{COLOURS, axis, decades_of, finished, layout};
@@ -84,25 +86,16 @@ fn cell(line: &Line) -> String {
 fn reasons(table: &StabilityTable) -> String {
     let mut body = String::new();
     for lines in by_case(table) {
-        let mut found: Vec<(String, String, Vec<String>)> = Vec::new();
-        for line in lines {
-            let Some(status @ (Status::Limit | Status::Diverged | Status::Refused)) = line.row.status else {
-                continue;
-            };
+        let ended = lines.iter().filter_map(|line| {
+            let status = line.row.status.filter(|status| *status != Status::Stable)?;
             let mut reason = line.row.reason.clone();
             if !line.figures.boundary.is_empty() {
                 reason.push_str(&format!(" – {}", line.figures.boundary));
             }
             let way = heading(&(line.row.mode.clone(), line.row.algorithm.clone()));
-            match found
-                .iter_mut()
-                .find(|(name, known, _)| name == status.name() && *known == reason)
-            {
-                Some((_, _, ways)) => ways.push(way),
-                None => found.push((status.name().to_owned(), reason, vec![way])),
-            }
-        }
-        for (status, reason, ways) in found {
+            Some(((status.name(), reason), way))
+        });
+        for ((status, reason), ways) in grouped(ended) {
             body.push_str(&format!(
                 "<tr><td class=\"s\">{}</td><td class=\"c {status}\">{status}</td><td>{}</td><td \
                  class=\"remark\">{}</td></tr>\n",
@@ -188,33 +181,32 @@ fn drawn(map: &Map, index: usize) -> String {
     )
 }
 
+/// Columns of numbers in the table of all runs.
+const NUMBERS: &[PageColumn<Line>] = &[
+    ("macro step", "ms", "n", |line| step(line.row.macro_step)),
+    ("micro step", "ms", "n", |line| step(line.row.micro_step)),
+    ("ω h", "", "n", |line| fixed(line.figures.omega_h, 2)),
+    ("growth", "per step", "n", |line| fixed(line.figures.amplification, 4)),
+    ("energy made", "W", "n", |line| number(line.figures.energy_growth)),
+    ("share", "%", "n", |line| number(line.figures.energy_share)),
+    ("filtered error", "% of σ", "n", |line| number(line.row.filtered_error)),
+    ("raw error", "% of σ", "n", |line| number(line.row.raw_error)),
+    ("mean", "N", "n", |line| fixed(line.row.mean, 1)),
+    ("σ", "N", "n", |line| fixed(line.row.std, 2)),
+    ("loss", "%", "n", |line| fixed(line.row.loss, 2)),
+    ("largest", "N", "n", |line| fixed(line.figures.largest_force, 0)),
+    ("Newton", "most", "n", |line| count(line.figures.most_iterations)),
+    ("drift", "m", "n", |line| number(line.figures.drift)),
+    ("slack", "most", "n", |line| count(line.figures.slack_droppers)),
+];
+
 fn table_of_figures(table: &StabilityTable) -> String {
-    const HEAD: [(&str, &str); 17] = [
-        ("run", ""),
-        ("status", ""),
-        ("macro step", "ms"),
-        ("micro step", "ms"),
-        ("ω h", ""),
-        ("growth", "per step"),
-        ("energy made", "W"),
-        ("share", "%"),
-        ("filtered error", "% of σ"),
-        ("raw error", "% of σ"),
-        ("mean", "N"),
-        ("σ", "N"),
-        ("loss", "%"),
-        ("largest", "N"),
-        ("Newton", "most"),
-        ("drift", "m"),
-        ("slack", "most"),
-    ];
-    let columns = HEAD.iter().enumerate();
-    let head = head_cells(columns.map(|(column, &(name, unit))| (name, unit, column >= 2)));
+    let head = head_cells([("run", "", false), ("status", "", false)]) + &heads(NUMBERS);
     let mut body = String::new();
     for lines in by_case(table) {
         body.push_str(&format!(
             "<tr><th colspan=\"{}\">{}: {}</th></tr>\n",
-            HEAD.len(),
+            2 + NUMBERS.len(),
             escape(&lines[0].case),
             escape(&lines[0].about)
         ));
@@ -230,26 +222,9 @@ fn table_of_figures(table: &StabilityTable) -> String {
 }
 
 fn figures(line: &Line) -> String {
-    let Line { row, figures, .. } = line;
+    let row = &line.row;
     let status = status_word(row.status);
-    let cells = [
-        step(row.macro_step),
-        step(row.micro_step),
-        fixed(figures.omega_h, 2),
-        fixed(figures.amplification, 4),
-        number(figures.energy_growth),
-        number(figures.energy_share),
-        number(row.filtered_error),
-        number(row.raw_error),
-        fixed(row.mean, 1),
-        fixed(row.std, 2),
-        fixed(row.loss, 2),
-        fixed(figures.largest_force, 0),
-        count(figures.most_iterations),
-        number(figures.drift),
-        count(figures.slack_droppers),
-    ];
-    let cells = number_cells(cells);
+    let cells = cells(NUMBERS, line);
     format!(
         "<tr title=\"{}\"><td class=\"s\">{}</td><td class=\"c {status}\">{status}</td>{cells}</tr>\n",
         escape(&row.reason),

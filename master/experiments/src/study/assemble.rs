@@ -9,6 +9,7 @@ use super::pareto::{pareto, recommendations};
 use super::plan::StudyRun;
 use super::reference::{Refinement, best};
 use super::run_spec::{Class, Exchange, Family, Mesh};
+use crate::engine::export::grouped;
 use crate::engine::table::{Errors, ForceCurve, RunRow, Status, milliseconds};
 use simulation::Mode;
 
@@ -281,18 +282,13 @@ fn label_without(row: &RunRow, sweep: &str) -> String {
     format!("{}, {mesh}, {}", row.mesh, row.reduction)
 }
 
-/// Runs that differ in one size only: the sweep, what stays the same, and for each its size, the size as shown, its
-/// place.
-type Group = (&'static str, String, Vec<(f64, f64, usize)>);
-
 /// Orders of mesh and micro step from the runs that differ in nothing else.
 fn orders(state: &State) -> Vec<Order> {
-    let mut groups: Vec<Group> = Vec::new();
+    // Runs that differ in one size only: the sweep, what stays the same; size, size as shown and place of each.
+    let mut sized = Vec::new();
     for (index, run) in state.runs.iter().enumerate() {
-        let Some(made) = state.made[index]
-            .as_ref()
-            .filter(|made| made.complete && !made.curves.is_empty())
-        else {
+        let made = state.made[index].as_ref();
+        let Some(made) = made.filter(|made| made.complete && !made.curves.is_empty()) else {
             continue;
         };
         // A mesh that is the scene's own is one like any other.
@@ -307,18 +303,11 @@ fn orders(state: &State) -> Vec<Order> {
                 ("micro_step", _, Some(step)) => (step, step),
                 _ => continue,
             };
-            let of = label_without(row, sweep);
-            match groups
-                .iter_mut()
-                .find(|(of_sweep, name, _)| *of_sweep == sweep && *name == of)
-            {
-                Some((_, _, runs)) => runs.push((size, shown, index)),
-                None => groups.push((sweep, of, vec![(size, shown, index)])),
-            }
+            sized.push(((sweep, label_without(row, sweep)), (size, shown, index)));
         }
     }
     let mut all = Vec::new();
-    for (sweep, of, mut runs) in groups {
+    for ((sweep, of), mut runs) in grouped(sized) {
         runs.sort_by(|a, b| b.0.total_cmp(&a.0));
         for three in runs.windows(3) {
             let between = |coarse: usize, fine: usize| {

@@ -8,7 +8,8 @@ use super::text::known;
 use super::{CSV, plots};
 use crate::engine::Table as _;
 use crate::engine::export::{
-    count, fixed, incomplete, number, scrolled, status_counts, status_rule, status_span, step,
+    PageColumn, cells, count, fixed, grouped, heads, incomplete, number, scrolled, status_counts, status_rule,
+    status_span, step,
 };
 use crate::engine::run::SETTLE;
 use crate::engine::table::{RunRow, Status, milliseconds};
@@ -195,35 +196,36 @@ fn orders(study: &Study) -> String {
     )
 }
 
-/// Columns of a table of runs: heading, unit, whether it is text, cell.
-type Cells = [(&'static str, &'static str, bool, fn(&Study, &Entry) -> String)];
+/// Columns of a table of runs.
+type Columns = [PageColumn<Entry>];
 
-const COLUMNS: &Cells = &[
-    ("", "", true, |_, entry| {
-        if entry.pareto { "★".to_owned() } else { String::new() }
-    }),
-    ("elements", "per span", false, |_, entry| {
-        count(entry.row.elements_per_span)
-    }),
-    ("mesh", "", true, |_, entry| breakable(&entry.row.mesh)),
-    ("micro", "ms", false, |_, entry| step(entry.row.micro_step)),
-    ("coupling", "macro step ms", true, |_, entry| exchange(&entry.row)),
-    ("ρ∞", "", false, |_, entry| format!("{}", entry.rho_inf)),
-    ("Newton", "N", false, |_, entry| format!("{}", entry.newton_tolerance)),
-    ("reductions", "", true, |_, entry| breakable(&entry.row.reduction)),
-    ("status", "", true, |_, entry| status_span(entry.row.status)),
-    ("error", "% of σ", false, |_, entry| number(entry.row.filtered_error)),
-    ("raw error", "% of σ", false, |_, entry| number(entry.row.raw_error)),
-    ("σ error", "%", false, |_, entry| number(entry.row.std_error)),
-    ("from nonlinear", "% of σ", false, |_, entry| {
+const COLUMNS: &Columns = &[
+    (
+        "",
+        "",
+        "",
+        |entry| {
+            if entry.pareto { "★".to_owned() } else { String::new() }
+        },
+    ),
+    ("elements", "per span", "n", |entry| count(entry.row.elements_per_span)),
+    ("mesh", "", "", |entry| breakable(&entry.row.mesh)),
+    ("micro", "ms", "n", |entry| step(entry.row.micro_step)),
+    ("coupling", "macro step ms", "", |entry| exchange(&entry.row)),
+    ("ρ∞", "", "n", |entry| format!("{}", entry.rho_inf)),
+    ("Newton", "N", "n", |entry| format!("{}", entry.newton_tolerance)),
+    ("reductions", "", "", |entry| breakable(&entry.row.reduction)),
+    ("status", "", "", |entry| status_span(entry.row.status)),
+    ("error", "% of σ", "n", |entry| number(entry.row.filtered_error)),
+    ("raw error", "% of σ", "n", |entry| number(entry.row.raw_error)),
+    ("σ error", "%", "n", |entry| number(entry.row.std_error)),
+    ("from nonlinear", "% of σ", "n", |entry| {
         number(entry.distance_from_nonlinear_percent)
     }),
-    ("σ", "N", false, |_, entry| fixed(entry.row.std, 3)),
-    ("real-time factor", "", false, |_, entry| {
-        number(entry.row.real_time_factor)
-    }),
-    ("wall", "s", false, |_, entry| number(entry.row.wall)),
-    ("coordinates", "", false, |_, entry| count(entry.row.coordinates)),
+    ("σ", "N", "n", |entry| fixed(entry.row.std, 3)),
+    ("real-time factor", "", "n", |entry| number(entry.row.real_time_factor)),
+    ("wall", "s", "n", |entry| number(entry.row.wall)),
+    ("coordinates", "", "n", |entry| count(entry.row.coordinates)),
 ];
 
 fn exchange(row: &RunRow) -> String {
@@ -238,42 +240,31 @@ fn exchange(row: &RunRow) -> String {
     }
 }
 
-fn table<'a>(study: &Study, rows: impl Iterator<Item = &'a Entry>, columns: &Cells) -> String {
-    let head = head_cells(columns.iter().map(|&(name, unit, text, _)| (name, unit, !text)));
-    let mut body = String::new();
-    for entry in rows {
-        body.push_str(&format!("<tr title=\"{}\">", escape(&entry.row.reason)));
-        for (_, _, text, cell) in columns {
-            let class = if *text { "" } else { " class=\"n\"" };
-            body.push_str(&format!("<td{class}>{}</td>", cell(study, entry)));
-        }
-        body.push_str("</tr>\n");
-    }
+fn table<'a>(rows: impl Iterator<Item = &'a Entry>, columns: &Columns) -> String {
+    let row = |entry: &Entry| {
+        let cells = cells(columns, entry);
+        format!("<tr title=\"{}\">{cells}</tr>\n", escape(&entry.row.reason))
+    };
+    let body: String = rows.map(row).collect();
     if body.is_empty() {
         return String::new();
     }
-    scrolled(&head, &body)
+    scrolled(&heads(columns), &body)
 }
 
 /// The rows of a sweep, and why those that did not run did not.
 fn part(study: &Study, sweep: Sweep) -> String {
-    let html = table(study, study.of(sweep), COLUMNS);
-    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
-    for entry in study.of(sweep) {
-        let row = &entry.row;
-        if !matches!(row.status, Some(Status::Limit | Status::Diverged | Status::Refused)) {
-            continue;
-        }
+    let html = table(study.of(sweep), COLUMNS);
+    let ended = study.of(sweep).map(|entry| &entry.row);
+    let ended = ended.filter(|row| row.status.is_some_and(|status| status != Status::Stable));
+    let reasons = grouped(ended.map(|row| {
         let name = if sweep == Sweep::Reductions {
             row.reduction.clone()
         } else {
             study.label(row)
         };
-        match reasons.iter_mut().find(|(reason, _)| *reason == row.reason) {
-            Some((_, names)) => names.push(name),
-            None => reasons.push((row.reason.clone(), vec![name])),
-        }
-    }
+        (&row.reason, name)
+    }));
     let said: String = reasons
         .iter()
         .map(|(reason, names)| format!("<li>{}: {}</li>", escape(&names.join("; ")), escape(reason)))
@@ -287,34 +278,32 @@ fn part(study: &Study, sweep: Sweep) -> String {
 
 /// Effect and cost of each model of the vehicle.
 fn vehicles(study: &Study) -> String {
-    const VEHICLES: &Cells = &[
-        ("track", "", true, |_, entry| {
+    const VEHICLES: &Columns = &[
+        ("track", "", "", |entry| {
             breakable(entry.vehicle_variant.map_or("", |name| name.track))
         }),
-        ("vehicle", "", true, |_, entry| {
+        ("vehicle", "", "", |entry| {
             breakable(entry.vehicle_variant.map_or("", |name| name.vehicle))
         }),
-        ("status", "", true, |_, entry| status_span(entry.row.status)),
-        ("difference", "% of σ", false, |_, entry| {
+        ("status", "", "", |entry| status_span(entry.row.status)),
+        ("difference", "% of σ", "n", |entry| {
             number(vehicle_error(entry, entry.row.filtered_error))
         }),
-        ("of σ", "%", false, |_, entry| {
+        ("of σ", "%", "n", |entry| {
             number(vehicle_error(entry, entry.row.std_error))
         }),
-        ("mean", "N", false, |_, entry| fixed(entry.row.mean, 3)),
-        ("σ", "N", false, |_, entry| fixed(entry.row.std, 3)),
-        ("real-time factor", "", false, |_, entry| {
-            number(entry.row.real_time_factor)
-        }),
-        ("wall", "s", false, |_, entry| number(entry.row.wall)),
-        ("coordinates", "", false, |_, entry| count(entry.row.coordinates)),
-        ("reductions", "", true, |_, entry| breakable(&entry.row.reduction)),
-        ("why", "", true, |_, entry| match entry.row.status {
+        ("mean", "N", "n", |entry| fixed(entry.row.mean, 3)),
+        ("σ", "N", "n", |entry| fixed(entry.row.std, 3)),
+        ("real-time factor", "", "n", |entry| number(entry.row.real_time_factor)),
+        ("wall", "s", "n", |entry| number(entry.row.wall)),
+        ("coordinates", "", "n", |entry| count(entry.row.coordinates)),
+        ("reductions", "", "", |entry| breakable(&entry.row.reduction)),
+        ("why", "", "", |entry| match entry.row.status {
             Some(Status::Stable) | None => String::new(),
             Some(_) => escape(&entry.row.reason),
         }),
     ];
-    let table = table(study, study.of(Sweep::Vehicle), VEHICLES);
+    let table = table(study.of(Sweep::Vehicle), VEHICLES);
     if table.is_empty() {
         return table;
     }
@@ -334,24 +323,24 @@ pub(super) fn vehicle_error(entry: &Entry, error: Option<f64>) -> Option<f64> {
 }
 
 fn growth(study: &Study) -> String {
-    const GROWTH: &Cells = &[
-        ("spans", "", false, |_, entry| count(entry.spans)),
-        ("line", "", true, |_, entry| Class::of(&entry.row.reduction).name()),
-        ("status", "", true, |_, entry| status_span(entry.row.status)),
-        ("coordinates", "", false, |_, entry| count(entry.row.coordinates)),
-        ("time loop", "s per simulated s", false, |_, entry| {
+    const GROWTH: &Columns = &[
+        ("spans", "", "n", |entry| count(entry.spans)),
+        ("line", "", "", |entry| Class::of(&entry.row.reduction).name()),
+        ("status", "", "", |entry| status_span(entry.row.status)),
+        ("coordinates", "", "n", |entry| count(entry.row.coordinates)),
+        ("time loop", "s per simulated s", "n", |entry| {
             number(entry.row.real_time_factor)
         }),
-        ("memory of the time loop", "MB", false, |_, entry| {
+        ("memory of the time loop", "MB", "n", |entry| {
             number(entry.working_memory_bytes.map(|bytes| bytes as f64 / 1e6))
         }),
-        ("statics and loading", "s", false, |_, entry| number(entry.setup_s)),
-        ("why", "", true, |_, entry| match entry.row.status {
+        ("statics and loading", "s", "n", |entry| number(entry.setup_s)),
+        ("why", "", "", |entry| match entry.row.status {
             Some(Status::Stable) | None => String::new(),
             Some(_) => escape(&entry.row.reason),
         }),
     ];
-    let table = table(study, study.of(Sweep::Spans), GROWTH);
+    let table = table(study.of(Sweep::Spans), GROWTH);
     if table.is_empty() {
         table
     } else {
@@ -360,20 +349,16 @@ fn growth(study: &Study) -> String {
 }
 
 fn all(study: &Study) -> String {
-    let mut html = table(study, study.rows.iter(), COLUMNS);
-    let mut reasons: Vec<(&str, usize)> = Vec::new();
-    for entry in study.rows.iter().filter(|entry| !entry.row.reason.is_empty()) {
-        match reasons.iter_mut().find(|(reason, _)| *reason == entry.row.reason) {
-            Some((_, count)) => *count += 1,
-            None => reasons.push((&entry.row.reason, 1)),
-        }
-    }
+    let mut html = table(study.rows.iter(), COLUMNS);
+    let reasons = study.rows.iter().map(|entry| &entry.row.reason);
+    let reasons = grouped(reasons.filter(|reason| !reason.is_empty()).map(|reason| (reason, ())));
     if !reasons.is_empty() {
         let said: String = reasons
             .iter()
-            .map(|(reason, count)| {
+            .map(|(reason, runs)| {
                 format!(
-                    "<tr><td class=\"n\">{count}</td><td class=\"remark\">{}</td></tr>\n",
+                    "<tr><td class=\"n\">{}</td><td class=\"remark\">{}</td></tr>\n",
+                    runs.len(),
                     escape(reason)
                 )
             })

@@ -10,8 +10,8 @@ use super::outcome::{Entry, Study};
 use super::pareto::point;
 use super::run_spec::{Class, Family};
 use super::text::shortened;
-use crate::engine::export::number;
 use crate::engine::export::plot::{BOUND, Trace, dotted, marked, open_points};
+use crate::engine::export::{grouped, number};
 use crate::engine::table::{RunRow, Status, milliseconds};
 use results::report::plots::{COLOURS, decades_of, finished, layout, logarithmic};
 
@@ -155,21 +155,13 @@ fn sweep(
     x: impl Fn(&RunRow) -> Option<f64>,
     name: impl Fn(&RunRow) -> String,
 ) -> Vec<Trace> {
-    type Points<'a> = Vec<(f64, f64, &'a Entry)>;
-    let mut curves: Vec<(String, Points<'_>)> = Vec::new();
-    for entry in rows {
+    let curves = grouped(rows.iter().filter_map(|entry| {
         let row = &entry.row;
         let ended = matches!(row.status, Some(Status::Stable | Status::Limit | Status::Diverged));
-        let at = x(row)
-            .zip(row.filtered_error)
-            .filter(|(at, error)| ended && *at > 0.0 && *error > 0.0);
-        let Some((at, error)) = at else { continue };
-        let name = name(row);
-        match curves.iter_mut().find(|(had, _)| *had == name) {
-            Some((_, points)) => points.push((at, error, entry)),
-            None => curves.push((name, vec![(at, error, entry)])),
-        }
-    }
+        let at = x(row).zip(row.filtered_error);
+        let (at, error) = at.filter(|(at, error)| ended && *at > 0.0 && *error > 0.0)?;
+        Some((name(row), (at, error, entry)))
+    }));
     let mut traces = Vec::new();
     for (index, (name, mut points)) in curves.into_iter().enumerate() {
         let colour = COLOURS[index % COLOURS.len()];

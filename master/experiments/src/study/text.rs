@@ -5,8 +5,8 @@ use super::outcome::{Reference, Study};
 use super::page::vehicle_error;
 use super::pareto::speed;
 use crate::engine::Table as _;
-use crate::engine::export::wrapped;
-use crate::engine::table::{Status, milliseconds, short};
+use crate::engine::export::{TextColumn, grouped, heading, text_cells, wrapped};
+use crate::engine::table::{RunRow, Status, milliseconds, short};
 use results::report::aligned;
 
 /// Accuracy of a reference in words: from its last two levels, and from another discretisation, both %.
@@ -30,6 +30,31 @@ pub(super) fn known(reference: &Reference) -> String {
     text
 }
 
+/// Columns of the front.
+const FRONT: &[TextColumn<RunRow, 2>] = &[
+    (["front", ""], |row| match row.algorithm.as_str() {
+        "" => "  one system".to_owned(),
+        algorithm => format!("  {algorithm}"),
+    }),
+    (["elements", "per span"], |row| {
+        row.elements_per_span
+            .map_or_else(|| "–".to_owned(), |count| count.to_string())
+    }),
+    (["micro", "ms"], |row| milliseconds(row.micro_step)),
+    (["macro", "ms"], |row| milliseconds(row.macro_step)),
+    (["filtered", "rms % σ"], |row| short(row.filtered_error)),
+    (["σ", "error %"], |row| short(row.std_error)),
+    (["real-time", "factor"], |row| short(row.real_time_factor)),
+    (["wall", "s"], |row| short(row.wall)),
+    (["", "mesh, reduced"], |row| {
+        format!(
+            "{}, {}",
+            shortened(&row.mesh),
+            row.reduction.replace("linearised", "linear")
+        )
+    }),
+];
+
 /// References, front and recommendations, no wider than 120 columns.
 #[must_use]
 pub fn text(study: &Study) -> String {
@@ -50,31 +75,7 @@ pub fn text(study: &Study) -> String {
         text.push_str(&wrapped(&format!("reference {}", reference.name)));
         text.push_str(&wrapped(&format!("σ {} N, {}", short(reference.std), known(reference))));
     }
-    let cells = |cells: &[&str]| cells.iter().map(|cell| (*cell).to_owned()).collect::<Vec<_>>();
-    let mut rows = vec![
-        cells(&[
-            "front",
-            "elements",
-            "micro",
-            "macro",
-            "filtered",
-            "σ",
-            "real-time",
-            "wall",
-            "",
-        ]),
-        cells(&[
-            "",
-            "per span",
-            "ms",
-            "ms",
-            "rms % σ",
-            "error %",
-            "factor",
-            "s",
-            "mesh, reduced",
-        ]),
-    ];
+    let mut rows = heading(FRONT);
     let mut front: Vec<_> = study.rows.iter().filter(|entry| entry.pareto).collect();
     front.sort_by(|a, b| {
         let class = |entry: &super::Entry| super::Class::of(&entry.row.reduction);
@@ -89,29 +90,7 @@ pub fn text(study: &Study) -> String {
             rows.push(vec![format!("{class}:")]);
             last = class;
         }
-        rows.push(vec![
-            format!(
-                "  {}",
-                if row.algorithm.is_empty() {
-                    "one system"
-                } else {
-                    &row.algorithm
-                }
-            ),
-            row.elements_per_span
-                .map_or_else(|| "–".to_owned(), |count| count.to_string()),
-            milliseconds(row.micro_step),
-            milliseconds(row.macro_step),
-            short(row.filtered_error),
-            short(row.std_error),
-            short(row.real_time_factor),
-            short(row.wall),
-            format!(
-                "{}, {}",
-                shortened(&row.mesh),
-                row.reduction.replace("linearised", "linear")
-            ),
-        ]);
+        rows.push(text_cells(FRONT, row));
     }
     text.push('\n');
     text.push_str(&aligned(&rows));
@@ -133,19 +112,12 @@ pub fn text(study: &Study) -> String {
     for note in &study.notes {
         text.push_str(&wrapped(note));
     }
-    let mut reasons: Vec<(String, usize)> = Vec::new();
-    for entry in &study.rows {
-        let row = &entry.row;
-        if matches!(row.status, Some(Status::Limit | Status::Diverged | Status::Refused)) {
-            let reason = format!("{}: {}", row.status.map_or("", Status::name), row.reason);
-            match reasons.iter_mut().find(|(had, _)| *had == reason) {
-                Some((_, count)) => *count += 1,
-                None => reasons.push((reason, 1)),
-            }
-        }
-    }
-    for (reason, count) in reasons {
-        text.push_str(&wrapped(&format!("{count} × {reason}")));
+    let ended = study.rows.iter().map(|entry| &entry.row).filter_map(|row| {
+        let status = row.status.filter(|status| *status != Status::Stable)?;
+        Some((format!("{}: {}", status.name(), row.reason), ()))
+    });
+    for (reason, runs) in grouped(ended) {
+        text.push_str(&wrapped(&format!("{} × {reason}", runs.len())));
     }
     text
 }

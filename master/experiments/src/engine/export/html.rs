@@ -6,7 +6,7 @@ use std::path::Path;
 use super::{Exporter, Table};
 use crate::engine::table::{RunRow, STATUS_RULE, Status, milliseconds, significant};
 use results::ResultsError;
-use results::report::escape;
+use results::report::{escape, head_cells};
 
 /// One file that needs no network.
 #[derive(Clone, Copy, Debug)]
@@ -24,10 +24,21 @@ pub(crate) fn scrolled(head: &str, body: &str) -> String {
     format!("<div class=\"scroll\"><table><thead><tr>{head}</tr></thead>\n<tbody>{body}</tbody></table></div>\n")
 }
 
-/// Cells of numbers; each is HTML.
-pub(crate) fn number_cells(cells: impl IntoIterator<Item = String>) -> String {
-    let cell = |cell: String| format!("<td class=\"n\">{cell}</td>");
-    cells.into_iter().map(cell).collect()
+/// Column of a table on a page: heading, unit, class of its cells (`n` for numbers), and the cell of an entry as HTML.
+pub(crate) type PageColumn<T> = (&'static str, &'static str, &'static str, fn(&T) -> String);
+
+/// Headings of columns.
+pub(crate) fn heads<T>(columns: &[PageColumn<T>]) -> String {
+    head_cells(columns.iter().map(|&(name, unit, class, _)| (name, unit, class == "n")))
+}
+
+/// Cells of an entry.
+pub(crate) fn cells<T>(columns: &[PageColumn<T>], entry: &T) -> String {
+    let cell = |(_, _, class, cell): &PageColumn<T>| match *class {
+        "" => format!("<td>{}</td>", cell(entry)),
+        class => format!("<td class=\"{class}\">{}</td>", cell(entry)),
+    };
+    columns.iter().map(cell).collect()
 }
 
 /// The rule of the status with its words in bold.

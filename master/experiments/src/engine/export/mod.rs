@@ -27,12 +27,24 @@ use results::{OutputDirectory, ResultsError};
 pub use self::csv::{Csv, write};
 pub use html::Html;
 pub(crate) use html::{
-    count, fixed, incomplete, number, number_cells, scrolled, status_counts, status_rule, status_span, status_word,
-    step,
+    PageColumn, cells, count, fixed, heads, incomplete, number, scrolled, status_counts, status_rule, status_span,
+    status_word, step,
 };
 pub use json::Json;
 pub use text::Text;
-pub(crate) use text::wrapped;
+pub(crate) use text::{TextColumn, heading, text_cells, wrapped};
+
+/// Values under equal keys, in the order in which the keys come first.
+pub(crate) fn grouped<K: PartialEq, V>(pairs: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
+    let mut groups: Vec<(K, Vec<V>)> = Vec::new();
+    for (key, value) in pairs {
+        match groups.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, values)) => values.push(value),
+            None => groups.push((key, vec![value])),
+        }
+    }
+    groups
+}
 
 /// Rows of a table and the columns of its own before and behind the common ones.
 #[derive(Clone, Debug, Default)]

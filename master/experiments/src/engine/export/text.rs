@@ -17,6 +17,20 @@ impl Exporter for Text {
     }
 }
 
+/// Column of a table of text: lines of its heading, cell of an entry.
+pub(crate) type TextColumn<T, const N: usize> = ([&'static str; N], fn(&T) -> String);
+
+/// Lines of the headings of columns.
+pub(crate) fn heading<T, const N: usize>(columns: &[TextColumn<T, N>]) -> Vec<Vec<String>> {
+    let line = |n: usize| columns.iter().map(|(lines, _)| lines[n].to_owned()).collect();
+    (0..N).map(line).collect()
+}
+
+/// Cells of an entry.
+pub(crate) fn text_cells<T, const N: usize>(columns: &[TextColumn<T, N>], entry: &T) -> Vec<String> {
+    columns.iter().map(|(_, cell)| cell(entry)).collect()
+}
+
 /// A remark in lines of at most 116 characters, indented.
 pub(crate) fn wrapped(remark: &str) -> String {
     let (mut text, mut line) = (String::new(), String::from(" "));

@@ -1,7 +1,7 @@
 //! The columns.
 
 use scene::{Catenary, Division, Scene};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::{Errors, Status};
 use results::{RunInfo, Summary};
@@ -38,17 +38,13 @@ impl Cell for Option<Status> {
     }
 }
 
-/// JSON has no infinity and no NaN: they become `null`, as they become an empty cell.
-fn finite<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-    value.filter(|value| value.is_finite()).serialize(serializer)
-}
-
 macro_rules! columns {
     ($($(#[$meta:meta])* $field:ident: $type:ty = $name:literal),+ $(,)?) => {
         /// One run. What has no meaning for it is `None` or empty.
         ///
         /// Forces are those of the first pantograph after the low-pass filter, over the evaluation range; losses of
-        /// contact are those of the raw force. Errors are the largest of all pantographs.
+        /// contact are those of the raw force. Errors are the largest of all pantographs. Values that are not finite
+        /// are `null` in JSON, as they are empty cells in CSV.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         pub struct RunRow {
             $($(#[$meta])* #[serde(rename = $name)] pub $field: $type,)+
@@ -77,10 +73,8 @@ columns! {
     /// Degree of the extrapolation, –.
     extrapolation: Option<u64> = "extrapolation",
     /// Communication step, s.
-    #[serde(serialize_with = "finite")]
     macro_step: Option<f64> = "macro_step_s",
     /// Step of the time integration, as it divides the macro step, s.
-    #[serde(serialize_with = "finite")]
     micro_step: Option<f64> = "micro_step_s",
     /// Elements of the contact wire in the span that has most, –.
     elements_per_span: Option<u64> = "elements_per_span",
@@ -91,44 +85,32 @@ columns! {
     /// End of the run; nothing for a run that has not been made yet.
     status: Option<Status> = "status",
     /// Mean, N.
-    #[serde(serialize_with = "finite")]
     mean: Option<f64> = "mean_N",
     /// Standard deviation, N.
-    #[serde(serialize_with = "finite")]
     std: Option<f64> = "std_N",
     /// Maximum, N.
-    #[serde(serialize_with = "finite")]
     max: Option<f64> = "max_N",
     /// Minimum, N.
-    #[serde(serialize_with = "finite")]
     min: Option<f64> = "min_N",
     /// Share of the evaluation time without contact, %.
-    #[serde(serialize_with = "finite")]
     loss: Option<f64> = "loss_percent",
     /// Largest uplift at a support that bounds the evaluated spans, m.
-    #[serde(serialize_with = "finite")]
     uplift: Option<f64> = "uplift_m",
     /// Name of the run that the errors are against.
     reference: String = "reference",
     /// rms difference of the filtered force at equal positions, % of the reference's standard deviation.
-    #[serde(serialize_with = "finite")]
     filtered_error: Option<f64> = "rms_error_filtered_percent_of_std",
     /// rms difference of the raw force at equal positions, % of the reference's standard deviation (filtered).
-    #[serde(serialize_with = "finite")]
     raw_error: Option<f64> = "rms_error_raw_percent_of_std",
     /// Difference of the standard deviations, % of the reference's; positive where it is too large.
-    #[serde(serialize_with = "finite")]
     std_error: Option<f64> = "std_error_percent",
     /// Energy that the coupling added, J.
-    #[serde(serialize_with = "finite")]
     energy_residual: Option<f64> = "energy_residual_J",
     /// Wall time of the time loop, median of the repeats, s.
-    #[serde(serialize_with = "finite")]
     wall: Option<f64> = "wall_s",
     /// Runs that were timed, one at a time.
     repeats: Option<u64> = "repeats",
     /// Wall time over simulated time, –.
-    #[serde(serialize_with = "finite")]
     real_time_factor: Option<f64> = "real_time_factor",
     /// Generalised coordinates.
     coordinates: Option<u64> = "coordinates",
@@ -143,10 +125,8 @@ columns! {
     /// Times that the sides were taken back.
     rollbacks: Option<u64> = "rollbacks",
     /// Observed order of the filtered error from the next smaller macro step to this one, –.
-    #[serde(serialize_with = "finite")]
     order: Option<f64> = "observed_order",
     /// `catenary.mesh.element_length`, m; nothing where the mesh has `elements_per_interval`.
-    #[serde(serialize_with = "finite")]
     element_length: Option<f64> = "element_length_m",
     /// Remarks: result of an automatic choice, cause of an early end.
     reason: String = "reason",
