@@ -9,7 +9,6 @@
 //! line        the whole line: in full, linearised, or as a window that follows the strips
 //! statics     the static state and its answers to forces
 //! contact     contact wire against collector strips
-//! unilateral  force law that contacts and droppers share, over a time step
 //! subsystem   the line of a scene under prescribed strips as one simulation unit
 //! ```
 //!
@@ -37,7 +36,6 @@ pub mod mesh;
 mod statics;
 mod subsystem;
 mod support;
-mod unilateral;
 mod wire;
 
 pub use ancf::{
@@ -50,10 +48,11 @@ pub use contact::{
     RunningSurface, STRIP_VALUES, Sensitivity, SlidingJoint, StripContact, WireCurve,
 };
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
+pub use dynamics::unilateral::{UnilateralStart, UnilateralStep};
 pub use line::{
     BendingLayers, CorrectedSteps, Dimension, DropperPlace, DropperSample, Line, LineOptions, LinearDropper,
-    LinearDroppers, LinearForce, LinearLine, MassCorrection, NodeOfWire, OverheadLine, PlannedWire, Topology,
-    WindowSize, WindowedLine, WireName, adopt_state, follow_strips,
+    LinearDroppers, LinearLine, MassCorrection, NodeOfWire, OverheadLine, PlannedWire, Topology, WindowSize,
+    WindowedLine, WireName, adopt_state, follow_strips,
 };
 pub use mesh::{load, load_with};
 pub use statics::{
@@ -66,7 +65,6 @@ pub use subsystem::{
 };
 pub use support::{Anchor, Attachment, PointMasses, RegistrationArms, Supports};
 pub(crate) use support::{DeadLoad, LineEnd, LineEnds};
-pub use unilateral::{UnilateralStart, UnilateralStep};
 pub(crate) use wire::{DirectorInertia, Directors, WireDirectors};
 pub use wire::{
     Enrichment, NodeMap, Rayleigh, Wire, WireDrag, WireGeometry, WireNode, WirePoint, WireSection, WiresInWind,

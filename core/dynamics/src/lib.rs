@@ -24,6 +24,8 @@
 //! | `rotation` | rotation vectors and the exponential map |
 //! | `followed_input` | inputs with derivatives inside a communication step |
 //! | `energy_balance` | energy stored, brought in, turned into heat |
+//! | `linear_force` | a force linear in coordinates, velocities and accelerations |
+//! | `unilateral` | law of springs and dampers that only push or only pull, over a time step |
 //! | `random` | reproducible random numbers |
 //! | `integrate` | equilibrium, and motion in time |
 //! | `linear` | linear systems of Newton's method |
@@ -50,6 +52,7 @@ mod force;
 mod integrate;
 mod layout;
 mod linear;
+mod linear_force;
 mod marker;
 mod motion;
 mod random;
@@ -58,6 +61,7 @@ pub mod rotation;
 pub mod simd;
 mod system;
 pub mod testing;
+pub mod unilateral;
 mod wind;
 
 pub use blocks::Blocks;
@@ -74,6 +78,7 @@ pub use layout::Layout;
 #[doc(hidden)] // for the benchmark of the solver alone
 pub use linear::{BlockTridiagonal, LocalColumn};
 pub use linear::{FactoredMatrix, SparseMatrix, Updates};
+pub use linear_force::LinearForce;
 pub use marker::{Column, Columns, Frame, Marker};
 pub use motion::{Motion, State};
 pub use random::SplitMix64;

@@ -1,5 +1,5 @@
 //! The penalty law.
-use crate::unilateral::unilateral_force;
+use dynamics::unilateral::unilateral_force;
 
 /// Unilateral penalty law between contact wire and collector strip.
 ///

@@ -1,10 +1,10 @@
 //! Droppers side by side in the lanes of vector registers.
 use super::ends::Ends;
 use super::{Dropper, DropperLaw};
-use crate::unilateral::unilateral_force;
 use crate::{Attachment, UnilateralStart, UnilateralStep};
 use dynamics::Motion;
 use dynamics::simd::{Components, GROUP, Lanes, Number, Space, Transpose};
+use dynamics::unilateral::unilateral_force;
 use nalgebra::Vector3;
 use pulp::{Simd, WithSimd};
 use std::ops::Range;

@@ -1,6 +1,6 @@
 //! Droppers: the ties between messenger wire and contact wire.
-use crate::unilateral::{restore_step, save_step, unilateral_force};
 use crate::{Attachment, UnilateralStart, UnilateralStep};
+use dynamics::unilateral::{restore_step, save_step, unilateral_force};
 use dynamics::{Blocks, ByRange, Force, LowRank, Motion, OnePass, Power, StepHistory, Updates, Weights};
 use lanes::{DropperGroup, EndMass, Evaluate, Extensions, LANES, Move, Step};
 use nalgebra::{Matrix3, Vector3};

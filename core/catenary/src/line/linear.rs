@@ -1,9 +1,9 @@
 //! A line with constant matrices and unilateral droppers.
-use super::LinearForce;
-use crate::unilateral::{restore_step, save_step};
 use crate::{
     Attachment, DropperLaw, DropperSample, Line, StaticLine, UnilateralStart, UnilateralStep, Wire, WireCurve, WireDrag,
 };
+use dynamics::LinearForce;
+use dynamics::unilateral::{restore_step, save_step};
 use dynamics::{Blocks, Force, Layout, LowRank, Motion, PartVisitor, SparseMatrix, StepHistory, Updates, Weights};
 use std::sync::Arc;
 

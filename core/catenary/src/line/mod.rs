@@ -9,13 +9,11 @@
 //! curve_pull    pull of curved track on the wires
 //! nonlinear     the line in full: wires, droppers, supports, arms, ends
 //! linear        constant matrices with unilateral droppers
-//! linear_force  a force linear in coordinates, velocities and accelerations
 //! window        the line in full around the strips, condensed elsewhere
 //! ```
 mod coordinates;
 mod curve_pull;
 mod linear;
-mod linear_force;
 mod nonlinear;
 mod options;
 mod overhead;
@@ -25,7 +23,6 @@ pub(crate) mod window;
 pub(crate) use coordinates::WireCoordinates;
 pub(crate) use curve_pull::curve_pull;
 pub use linear::{LinearDropper, LinearDroppers, LinearLine};
-pub use linear_force::LinearForce;
 pub use nonlinear::{DropperSample, Line};
 pub(crate) use nonlinear::{Equilibrium, layers, wire};
 pub use options::{BendingLayers, CorrectedSteps, Dimension, LineOptions, MassCorrection};

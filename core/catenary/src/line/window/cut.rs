@@ -59,8 +59,8 @@ impl Source<'_> {
         (line, places)
     }
 
-    /// [`Source::cut`] with the residual compliance of the contact wires, which only contact needs. Patches `known` from
-    /// another section of the line are reused.
+    /// [`Source::cut`] with the residual compliance of the contact wires, which only contact needs. Patches `known`
+    /// from another section of the line are reused.
     pub fn cut_for_contact(
         &self,
         spans: Range<usize>,

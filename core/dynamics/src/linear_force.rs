@@ -1,5 +1,5 @@
 //! A force linear in the motion.
-use dynamics::{Blocks, ByRange, Force, Motion, OnePass, SparseMatrix, Weights};
+use crate::{Blocks, ByRange, Force, Motion, OnePass, SparseMatrix, Weights};
 use std::ops::Range;
 
 /// A force linear in coordinates, velocities and accelerations.

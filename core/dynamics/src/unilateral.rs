@@ -1,11 +1,11 @@
 //! Unilateral law: a spring and a damper that only push (a contact) or only pull (a dropper), over a time step.
-use dynamics::Weights;
-use dynamics::simd::Number;
+use crate::Weights;
+use crate::simd::Number;
 
 /// `max(0, k δ + φ d δ̇)`, N: force of a unilateral spring `k` (N/m) and damper `d` (N·s/m). `part` is `φ`, the
 /// fraction of the time step in which the damper acts, see [`UnilateralStep`].
 #[inline(always)]
-pub(crate) fn unilateral_force<N: Number>((k, d): (f64, f64), part: N, delta: N, rate: N) -> N {
+pub fn unilateral_force<N: Number>((k, d): (f64, f64), part: N, delta: N, rate: N) -> N {
     (delta * k + part * d * rate).at_least(0.0)
 }
 
@@ -24,7 +24,7 @@ impl UnilateralStart {
     pub const APART: Self = Self::Known(-f64::MAX);
 
     /// Appends the closure to the values that a contribution saves.
-    pub(crate) fn save(self, out: &mut Vec<f64>) {
+    pub fn save(self, out: &mut Vec<f64>) {
         match self {
             Self::Unknown => out.extend([0.0, 0.0]),
             Self::Known(start) => out.extend([1.0, start]),
@@ -32,7 +32,7 @@ impl UnilateralStart {
     }
 
     /// Reads the two values that [`UnilateralStart::save`] appended.
-    pub(crate) fn restored(values: &mut std::slice::Iter<'_, f64>) -> Self {
+    pub fn restored(values: &mut std::slice::Iter<'_, f64>) -> Self {
         let mut next = || {
             *values
                 .next()
@@ -47,13 +47,13 @@ impl UnilateralStart {
 
 /// Appends half of the present step, s, and the closures `δ⁺₀` of all members, m, to the values that a contribution
 /// saves.
-pub(crate) fn save_step(half: f64, start_closure: &[f64], out: &mut Vec<f64>) {
+pub fn save_step(half: f64, start_closure: &[f64], out: &mut Vec<f64>) {
     out.push(half);
     out.extend_from_slice(start_closure);
 }
 
 /// Reads the values that [`save_step`] appended.
-pub(crate) fn restore_step(half: &mut f64, start_closure: &mut [f64], values: &mut std::slice::Iter<'_, f64>) {
+pub fn restore_step(half: &mut f64, start_closure: &mut [f64], values: &mut std::slice::Iter<'_, f64>) {
     for value in std::iter::once(half).chain(start_closure) {
         *value = *values
             .next()
@@ -123,18 +123,21 @@ impl UnilateralStep {
 
     /// A step that begins with `start`, of twice `half` s.
     #[must_use]
+    #[inline]
     pub fn new(start: UnilateralStart, half: f64) -> Self {
         Self { start, half }
     }
 
     /// `δ⁺`, m, of `delta` in m that changes with `rate` in m/s.
     #[must_use]
+    #[inline]
     pub fn ahead(self, delta: f64, rate: f64) -> f64 {
         delta + self.half * rate
     }
 
     /// `φ` (–) and `∂φ/∂δ⁺` (1/m) for `δ⁺` in m and `δ̇` in m/s.
     #[must_use]
+    #[inline]
     pub fn closed_part(self, ahead: f64, rate: f64) -> (f64, f64) {
         match (self.case(ahead, rate), self.start) {
             (UnilateralCase::Closed | UnilateralCase::Parting, _)
@@ -160,23 +163,27 @@ impl UnilateralStep {
 
     /// Number of the branch of the law: the case of [`UnilateralStep::closed_part`] and whether there is a `force` (N).
     /// Between two motions on the same branch the force is smooth.
-    pub(crate) fn branch(self, ahead: f64, rate: f64, force: f64) -> u8 {
+    #[inline]
+    pub fn branch(self, ahead: f64, rate: f64, force: f64) -> u8 {
         2 * self.case(ahead, rate) as u8 + u8::from(force > 0.0)
     }
 
     /// True for a step known to have begun open.
-    pub(crate) fn began_open(self) -> bool {
+    #[inline]
+    pub fn began_open(self) -> bool {
         matches!(self.start, UnilateralStart::Known(start) if start < 0.0)
     }
 
     /// True for a step that began open and ends closed, with `ahead` and `rate` at its end.
-    pub(crate) fn closes(self, ahead: f64, rate: f64) -> bool {
+    #[inline]
+    pub fn closes(self, ahead: f64, rate: f64) -> bool {
         self.began_open() && ahead > 0.0 && rate > 0.0
     }
 
     /// Slope of `force` in N by the chord to the closing, weighted as tangents are, N/m: lower bound of the tangent in
     /// a step that closes, so that no correction opens the member again.
-    pub(crate) fn chord(self, force: f64, ahead: f64, weights: Weights) -> f64 {
+    #[inline]
+    pub fn chord(self, force: f64, ahead: f64, weights: Weights) -> f64 {
         (weights.q + self.half * weights.v) * force / ahead
     }
 }
