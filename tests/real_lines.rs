@@ -2,7 +2,7 @@
 use catenary::{LineOptions, StaticLine, Subsystem, WireName};
 use component::Component;
 use dynamics::Force;
-use integration_tests::runs::{Run, rms, run, scene_with};
+use integration_tests::runs::{Run, prepared, rms, run, scene_with};
 use scene::Catenary;
 use simulation::Mode;
 
@@ -519,4 +519,38 @@ fn a_contact_with_two_wires_is_the_sum_of_its_parts() {
 fn a_contact_with_the_only_wire_has_no_parts() {
     let signals = Subsystem::signals(&scene_with(EN, &[]));
     assert!(signals.iter().all(|signal| !signal.name.contains("wire[")));
+}
+
+/// The first and the last of forty spans, and one in the middle that a solved one stands for.
+#[test]
+fn the_page_of_a_long_line_solved_as_a_short_one_has_all_its_droppers_and_wires() {
+    let page = |reduce: &str| {
+        let scene = scene_with(EN, &["catenary.spans=40", reduce]);
+        let prepared = prepared(scene, "long");
+        let report = simulation::check::Report::of(&prepared).unwrap();
+        simulation::check_page::page(&prepared, &report).unwrap()
+    };
+    let (short, whole) = (
+        page("model.reduce=[\"planar\",\"window\"]"),
+        page("model.reduce=[\"planar\"]"),
+    );
+    assert_eq!((short.droppers.len(), whole.droppers.len()), (360, 360));
+    for (a, b) in short.droppers.iter().zip(&whole.droppers) {
+        assert_eq!((a.span, a.number), (b.span, b.number));
+        let apart = |a: f64, b: f64| (a - b).abs();
+        assert!(apart(a.position, b.position) < 1e-9 && apart(a.bottom[0], b.bottom[0]) < 1e-3);
+        // End effects of the wires' own motion along the track are left out.
+        assert!(
+            apart(a.force, b.force) < 0.5 && apart(a.top[2], b.top[2]) < 0.01,
+            "{a:?} {b:?}"
+        );
+    }
+    for (a, b) in short.wires.iter().zip(&whole.wires) {
+        let ends = |points: &[[f64; 3]]| (points[0][0], points[points.len() - 1][0]);
+        let ((first, last), (whole_first, whole_last)) = (ends(&a.points), ends(&b.points));
+        assert!(
+            (first - whole_first).abs() < 1e-3 && (last - whole_last).abs() < 1e-2,
+            "{last} m, {whole_last} m"
+        );
+    }
 }

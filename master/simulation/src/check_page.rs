@@ -18,7 +18,7 @@ pub fn page(prepared: &Prepared, report: &Report) -> Option<LinePage> {
         scene: prepared.name.clone(),
         speed_kmh: scene::kmh(scene.run.speed),
         wires: wires(line),
-        droppers: droppers(line, statics),
+        droppers: droppers(scene, line, statics),
         supports: supports(scene, statics),
         elasticity: statics
             .elasticity
@@ -35,34 +35,62 @@ pub fn page(prepared: &Prepared, report: &Report) -> Option<LinePage> {
 
 fn wires(line: &StaticLine) -> Vec<PageWire> {
     let solved = line.line();
+    let supports = solved.topology().supports();
     let wires = solved.topology().wires().iter().zip(solved.wires());
-    let drawn = wires.map(|(planned, wire)| PageWire {
-        name: planned.label.replace('_', " "),
-        contact: planned.name == catenary::WireName::ContactWire,
-        points: wire
-            .geometry()
-            .nodes()
-            .iter()
-            .map(|node| node.position.into())
-            .collect(),
+    let drawn = wires.map(|(planned, wire)| {
+        let nodes = wire.geometry().nodes();
+        PageWire {
+            name: planned.label.replace('_', " "),
+            contact: planned.name == catenary::WireName::ContactWire,
+            points: match line.spans_of_short_line() {
+                None => nodes.iter().map(|node| node.position.into()).collect(),
+                Some(spans) => spans
+                    .flat_map(|(span, shift)| {
+                        let own = &nodes[supports[span]..=supports[span + 1]];
+                        own.iter().map(move |node| moved(node.position.into(), shift))
+                    })
+                    .collect(),
+            },
+        }
     });
     drawn.collect()
 }
 
-/// The solved droppers; those of a long line that a short one stands for have no place of their own.
-fn droppers(line: &StaticLine, statics: &StaticsReport) -> Vec<PageDropper> {
-    let solved = line.line();
-    let ends = solved.droppers().as_slice().iter().zip(solved.topology().droppers());
-    let all = ends.zip(&statics.droppers).map(|((dropper, place), report)| {
-        let section = line.scene_line().section(place.section);
+/// A place moved along the track, m.
+fn moved([x, y, z]: [f64; 3], way: f64) -> [f64; 3] {
+    [x + way, y, z]
+}
+
+/// Number of each dropper of the line among the solved ones, and the way from there along the track, m.
+fn solved_droppers(line: &StaticLine) -> Vec<(usize, f64)> {
+    let places = line.line().topology().droppers();
+    match line.spans_of_short_line() {
+        None => (0..places.len()).map(|number| (number, 0.0)).collect(),
+        Some(spans) => spans
+            .flat_map(|(span, shift)| {
+                let own = (0..places.len()).filter(move |&number| places[number].span == span + 1);
+                own.map(move |number| (number, shift))
+            })
+            .collect(),
+    }
+}
+
+fn droppers(scene: &Scene, line: &StaticLine, statics: &StaticsReport) -> Vec<PageDropper> {
+    let Some((whole, _)) = scene.modelled_line() else {
+        return Vec::new();
+    };
+    let solved = line.line().droppers().as_slice();
+    let all = solved_droppers(line).into_iter().zip(&statics.droppers);
+    let all = all.map(|((number, shift), report)| {
+        let section = whole.section(report.tension_length - 1);
         PageDropper {
             tension_length: report.tension_length,
             span: report.span,
             number: report.dropper,
-            position: report.x - section.support_x(place.span - 1),
+            position: report.x - section.support_x(report.span - 1),
             hangs_from: report.hangs_from.name(),
-            top: dropper.upper.reference.into(),
-            bottom: dropper.lower.reference.into(),
+            top: moved(solved[number].upper.reference.into(), shift),
+            bottom: moved(solved[number].lower.reference.into(), shift),
             length: report.length,
             force: report.force,
         }

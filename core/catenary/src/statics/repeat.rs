@@ -96,6 +96,17 @@ impl StaticLine {
         self.repeat.spans
     }
 
+    /// For each span of a long line solved as a short one, the solved span (from 0) that stands for it, and the way
+    /// from there along the track, m; none of a line with all spans solved.
+    pub fn spans_of_short_line(&self) -> Option<impl Iterator<Item = (usize, f64)> + '_> {
+        (self.repeat.spans > self.repeat.known).then(|| {
+            (0..self.repeat.spans).map(|span| {
+                let solved = self.repeat.source_of(span, 1);
+                (solved, self.whole.support_x(span) - self.catenary.support_x(solved))
+            })
+        })
+    }
+
     /// Elements of both wires together.
     #[must_use]
     pub fn elements(&self) -> usize {
@@ -159,9 +170,7 @@ impl StaticLine {
             supports: Vec::new(),
             ..found.clone()
         };
-        for span in 0..repeat.spans {
-            let source = repeat.source_of(span, 1);
-            let shift = self.whole.support_x(span) - self.catenary.support_x(source);
+        for (span, (source, shift)) in self.spans_of_short_line().into_iter().flatten().enumerate() {
             for dropper in &found.droppers[source * per_span..(source + 1) * per_span] {
                 report.droppers.push(super::DropperReport {
                     span: span + 1,
