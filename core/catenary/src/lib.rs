@@ -51,7 +51,7 @@ pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
 pub use dynamics::unilateral::{UnilateralStart, UnilateralStep};
 pub use line::{
     BendingLayers, CorrectedSteps, Dimension, DropperPlace, DropperSample, Line, LineOptions, LinearDropper,
-    LinearDroppers, LinearLine, MassCorrection, NodeOfWire, OverheadLine, PlannedWire, Topology, WindowSize,
+    LinearDroppers, LinearLine, MassCorrection, ModalLine, NodeOfWire, OverheadLine, PlannedWire, Topology, WindowSize,
     WindowedLine, WireName, adopt_state, follow_strips,
 };
 pub use mesh::{load, load_with};

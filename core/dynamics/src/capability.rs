@@ -87,6 +87,16 @@ pub trait StepHistory {
         let _ = out;
     }
 
+    /// Appends what a step that fails may have changed, before the step; all of the history unless less is enough.
+    fn save_for_step(&self, out: &mut Vec<f64>) {
+        self.save(out);
+    }
+
+    /// Takes back the values of [`StepHistory::save_for_step`] after a step that failed.
+    fn restore_after_step(&mut self, values: &mut std::slice::Iter<'_, f64>) {
+        self.restore(values);
+    }
+
     /// Takes back the values of [`StepHistory::save`], in the same order.
     fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
         let _ = values;

@@ -77,6 +77,7 @@ pub use integrate::{
 pub use layout::Layout;
 #[doc(hidden)] // for the benchmark of the solver alone
 pub use linear::{BlockTridiagonal, LocalColumn};
+pub use linear::eigen;
 pub use linear::{FactoredMatrix, SparseMatrix, Updates};
 pub use linear_force::LinearForce;
 pub use marker::{Column, Columns, Frame, Marker};

@@ -44,6 +44,8 @@ choice! {
         /// Only the spans around the pantographs in full; those beyond linear and reduced to their supports and lowest
         /// modes.
         Window = "window",
+        /// The linearised line in its own modes, found once: for many runs over one line, and for real time.
+        Modal = "modal",
         /// The mechanism reduced to its one motion.
         Linkage = "linkage",
     }
@@ -71,7 +73,10 @@ impl Entry for Model {
 impl Reduction {
     /// True for a reduction of the line.
     fn of_the_line(self) -> bool {
-        matches!(self, Self::Planar | Self::Linearised | Self::Flat | Self::Window)
+        matches!(
+            self,
+            Self::Planar | Self::Linearised | Self::Flat | Self::Window | Self::Modal
+        )
     }
 }
 
@@ -124,10 +129,14 @@ impl Scene {
     /// must a window: its error grows with the time run, with droppers that go slack beyond the window and with echoes
     /// of far ends, which no rule bounds beforehand.
     pub fn choose_reductions(&mut self) {
+        let can_be_planar = self.leaves_its_plane().is_none() && self.element_obstacle().is_none();
+        if self.model.has(Reduction::Modal) && !self.is_planar() && can_be_planar {
+            // Nothing ever excites the modes sideways.
+            self.model.reductions.push(Reduction::Planar);
+        }
         if !std::mem::take(&mut self.model.auto) {
             return;
         }
-        let can_be_planar = self.leaves_its_plane().is_none() && self.element_obstacle().is_none();
         if self.modelled_line().is_some() && can_be_planar {
             self.model.reductions.push(Reduction::Planar);
         }
@@ -174,9 +183,25 @@ impl Scene {
                     let reason = "\"flat\" is a line for comparisons, always whole; one of the two";
                     left_out(reduction, reason.to_owned());
                 }
-                Reduction::Linearised | Reduction::Window => {}
+                Reduction::Modal if self.model.has(Reduction::Window) => {
+                    let reason = "\"window\" models a part of the line, whose modes are not those of the line; one of \
+                                  the two";
+                    left_out(reduction, reason.to_owned());
+                }
+                Reduction::Modal if self.holds_strips() => {
+                    let reason = "contact.law = \"sliding_joint\" holds the strip on the wire: \"modal\" needs the \
+                                  penalty law";
+                    left_out(reduction, reason.to_owned());
+                }
+                Reduction::Linearised | Reduction::Window | Reduction::Modal => {}
             }
         }
+    }
+
+    /// True under a sliding joint.
+    fn holds_strips(&self) -> bool {
+        self.modelled_line()
+            .is_some_and(|(_, contact)| contact.law == crate::ContactLaw::SlidingJoint)
     }
 
     /// A window is cut out of one tension length.

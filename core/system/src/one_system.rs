@@ -134,6 +134,7 @@ impl OneSystem {
         let mut state = layout.state_at_rest();
         let settled = alone.q();
         state.q[..settled.len()].copy_from_slice(settled);
+        line.continue_from(&alone.settled());
         line.set_uplift_reference(&state.q);
         // A joint or a damper that moves on along a sloping or bent wire is not in balance at rest.
         let mut balanced = contacts

@@ -68,6 +68,14 @@ impl Recorder {
         }
     }
 
+    /// Recorder of values only.
+    #[must_use]
+    pub fn without_pictures(mut self) -> Self {
+        self.frame_step = f64::INFINITY;
+        self.frames = 1;
+        self
+    }
+
     /// Records heads with these numbers of strips, in place of one strip on each.
     #[must_use]
     pub fn with_heads(mut self, strips: &[usize]) -> Self {

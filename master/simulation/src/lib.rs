@@ -104,6 +104,8 @@ pub struct Prepared {
     pub(crate) begin: Instant,
     /// Disturbance made on purpose.
     pub disturbance: Disturbance,
+    /// True where pictures of the line are recorded for an animation.
+    pub pictures: bool,
 }
 
 /// Numbers (from 1) of the supports that bound the evaluated spans.
@@ -263,14 +265,15 @@ impl Prepared {
                 dropper_x: catenary.droppers_x(),
             });
         let run = &self.scene.run;
-        Recorder::new(
+        let recorder = Recorder::new(
             run.duration,
             run.output_step,
             self.scene.pantographs.len(),
             supports,
             line,
-        )
-        .with_heads(&self.scene.strip_counts())
+        );
+        let recorder = if self.pictures { recorder } else { recorder.without_pictures() };
+        recorder.with_heads(&self.scene.strip_counts())
         .with_wind((0..self.scene.pantographs.len()).filter(|&index| {
             let own = !matches!(self.scene.pantographs[index].model, scene::PantographModel::Supplied(_));
             own && vehicle::Air::of_scene(&self.scene, index).is_some()

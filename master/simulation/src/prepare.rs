@@ -74,6 +74,7 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
     let stated = |one: &Option<SuppliedPantograph>| one.as_ref().map_or(0.0, SuppliedPantograph::start_force);
     let stated_forces = supplied.iter().map(stated).collect();
     Ok(Prepared {
+        pictures: true,
         scene,
         name: name.to_owned(),
         statics,

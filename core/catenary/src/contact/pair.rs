@@ -302,7 +302,9 @@ impl StepHistory for ContactPair {
         self.in_step = true;
         self.step = UnilateralStep::new(self.reached, 0.5 * h);
         let frame = self.strip.frame(motion);
-        if let Some(contact) = self.state_under(&frame, motion) {
+        let found = self.state_under(&frame, motion);
+        self.curve.expect(found.as_ref().map(|contact| contact.geometry.s));
+        if let Some(contact) = found {
             self.s = contact.geometry.s;
             self.share = contact.share();
             let sides = Sides::new(&contact.geometry, &*self.curve, &*self.strip, motion);

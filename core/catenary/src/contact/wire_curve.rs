@@ -93,6 +93,11 @@ pub trait WireCurve: Send + Sync {
         Compliance::default()
     }
 
+    /// Takes in where a strip will be at the end of a step that begins, m; none beyond the ends of the curve.
+    fn expect(&self, s: Option<f64>) {
+        let _ = s;
+    }
+
     /// Correction of forces that move along the curve; none without corrected inertia.
     fn load_correction(&self) -> Option<LoadCorrection> {
         None

@@ -59,6 +59,18 @@ impl LinearDroppers {
         }
     }
 
+    /// The law of all droppers.
+    #[must_use]
+    pub fn law(&self) -> DropperLaw {
+        self.law
+    }
+
+    /// The droppers.
+    #[must_use]
+    pub fn as_slice(&self) -> &[LinearDropper] {
+        &self.droppers
+    }
+
     /// Tension of dropper `index`, N.
     #[must_use]
     pub fn tension(&self, index: usize, motion: &Motion<'_>) -> f64 {

@@ -9,11 +9,13 @@
 //! curve_pull    pull of curved track on the wires
 //! nonlinear     the line in full: wires, droppers, supports, arms, ends
 //! linear        constant matrices with unilateral droppers
+//! modal         the linearised line in its own modes
 //! window        the line in full around the strips, condensed elsewhere
 //! ```
 mod coordinates;
 mod curve_pull;
 mod linear;
+mod modal;
 mod nonlinear;
 mod options;
 mod overhead;
@@ -23,6 +25,7 @@ pub(crate) mod window;
 pub(crate) use coordinates::WireCoordinates;
 pub(crate) use curve_pull::curve_pull;
 pub use linear::{LinearDropper, LinearDroppers, LinearLine};
+pub use modal::ModalLine;
 pub use nonlinear::{DropperSample, Line};
 pub(crate) use nonlinear::{Equilibrium, layers, wire};
 pub use options::{BendingLayers, CorrectedSteps, Dimension, LineOptions, MassCorrection};

@@ -21,8 +21,8 @@ pub trait OverheadLine: Send {
         1
     }
 
-    /// Contact wire `wire` (from 0) as contact sees it.
-    fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve>;
+    /// A contact wire as a strip sees it; `pair` is the number of the strip and that of the wire, from 0.
+    fn contact_curve(&self, pair: (usize, usize)) -> Arc<dyn WireCurve>;
 
     /// Number of droppers that exert no force.
     fn slack_count(&self, motion: &Motion<'_>) -> usize;
@@ -95,6 +95,16 @@ pub trait OverheadLine: Send {
         Continuity::Kept
     }
 
+    /// State of the line at rest under its strips beyond its coordinates, see [`OverheadLine::continue_from`].
+    fn settled(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// Continues from the [`OverheadLine::settled`] state of another such line.
+    fn continue_from(&mut self, settled: &[f64]) {
+        let _ = settled;
+    }
+
     /// Coordinates of the line, and which of them are held; none for a line that never changes these.
     fn held(&self) -> Option<(Range<usize>, &[usize])> {
         None
@@ -141,7 +151,7 @@ fn take_over<C: OnWire>(continuity: Continuity, line: &dyn OverheadLine, contact
     }
     let wires = line.contact_wires();
     for (index, contact) in contacts.iter_mut().enumerate() {
-        contact.set_curve(line.contact_curve(index % wires));
+        contact.set_curve(line.contact_curve((index / wires, index % wires)));
     }
 }
 
@@ -154,7 +164,7 @@ impl OverheadLine for Line {
         self.contact_wires()
     }
 
-    fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve> {
+    fn contact_curve(&self, (_, wire): (usize, usize)) -> Arc<dyn WireCurve> {
         self.contact_curve(wire)
     }
 
@@ -192,7 +202,7 @@ impl OverheadLine for LinearLine {
         self.contact_wires()
     }
 
-    fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve> {
+    fn contact_curve(&self, (_, wire): (usize, usize)) -> Arc<dyn WireCurve> {
         self.contact_curve(wire)
     }
 

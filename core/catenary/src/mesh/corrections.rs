@@ -1,7 +1,7 @@
 //! Corrections of coarse elements: which of them a line can have.
 
 use crate::CorrectedSteps;
-use scene::{Catenary, ContactLaw, Correction, Element, Found, Scene, What, Wire, WireEnds, WireKind};
+use scene::{Catenary, ContactLaw, Correction, Element, Found, Reduction, Scene, What, Wire, WireEnds, WireKind};
 
 /// Least spectral radius of the integrator for the mass correction: below, numerical damping and not dispersion is the
 /// leading error of a step.
@@ -101,6 +101,9 @@ fn obstacle_of(scene: &Scene, correction: Correction, others: &[Correction]) -> 
         }
         Correction::BendingLayers => layers_obstacle(catenary),
         Correction::DropperCompliance => Some("this version does not have it".to_owned()),
+        Correction::MassCorrection if scene.model.has(Reduction::Modal) => Some(
+            "model.reduce has \"modal\", which solves the steps of the line exactly".to_owned(),
+        ),
         Correction::MassCorrection => {
             let rho_inf = scene.solver.rho_inf;
             if rho_inf < LEAST_RHO_INF {

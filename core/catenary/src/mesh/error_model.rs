@@ -26,7 +26,7 @@
 //! rule against them. Below `f₀` and `v₀` the rule is an upper bound rather than an estimate.
 
 use super::corrections::corrected_steps;
-use scene::{Catenary, ContactLaw, Correction, Scene, Wire, kmh};
+use scene::{Catenary, ContactLaw, Correction, Reduction, Scene, Wire, kmh};
 
 /// Factor `a` of the plain mesh, %.
 const PLAIN: f64 = 80.0;
@@ -38,6 +38,8 @@ const CORRECTED: f64 = 200.0;
 const STEP: f64 = 5000.0;
 /// Factor `d₁` of the time step with the mass correction, %·(1/(s Hz))².
 const CORRECTED_STEP: f64 = 500.0;
+/// Factor `d` of a line in its modes, %·(1/(s Hz))².
+const MODAL_STEP: f64 = 500.0;
 /// Factor `d₁` under a sliding joint, whose force is not corrected as the joint moves, %·(1/(s Hz))².
 const CORRECTED_STEP_OF_JOINT: f64 = 750.0;
 /// Factor `g` of elements by their length with both corrections, %/m².
@@ -104,6 +106,8 @@ pub fn expected_error_at(scene: &Scene, step: f64) -> Result<MeshError, String> 
     has_a_rule(scene, catenary)?;
     let (f, corrected) = (scene.run.low_pass_hz, corrected_steps(scene, catenary).contact_wire);
     let squares = match (catenary.mesh.has(Correction::MassCorrection), contact.law) {
+        // The line is exact in time; the straight force within a step is not.
+        _ if scene.model.has(Reduction::Modal) => MODAL_STEP * (step * f).powi(2),
         (false, _) => STEP * (step * f).powi(2),
         (true, law) => {
             let rest = match law {

@@ -7,6 +7,12 @@ pub enum StaticsError {
     /// The equations of equilibrium could not be solved.
     #[error("the line has no static equilibrium: {0}")]
     NoEquilibrium(#[from] StepError),
+    /// The modes of the line were not found.
+    #[error("model.reduce = \"modal\": the modes of the line were not found: {reason}")]
+    Modes {
+        /// Reason.
+        reason: String,
+    },
     /// Element lengths did not settle.
     #[error(
         "form finding: after {iterations} rounds nodes are still {distance:.3e} m from their nominal x, \

@@ -57,7 +57,7 @@ impl LineAtRest {
         let joints = (0..scene.strip_count()).map(|strip| {
             let first = strip * STRIP_VALUES;
             SlidingJoint::new(
-                line.contact_curve(0),
+                line.contact_curve((strip, 0)),
                 Box::new(PrescribedStrip { first }),
                 layout.add_constraints(1),
                 ContactTangent::Exact,
@@ -100,6 +100,14 @@ impl LineAtRest {
         match &mut self.0 {
             Law::Penalty(line) => line.contact(strip).force,
             Law::SlidingJoint(joined) => joined.state.lambda[strip],
+        }
+    }
+
+    /// State beyond the coordinates, see [`OverheadLine::settled`].
+    pub fn settled(&mut self) -> Vec<f64> {
+        match &mut self.0 {
+            Law::Penalty(line) => line.line().0.settled(),
+            Law::SlidingJoint(joined) => joined.line.settled(),
         }
     }
 

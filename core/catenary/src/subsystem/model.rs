@@ -1,7 +1,7 @@
 //! The line of a scene together with the strips on it.
 use crate::contact::STRIP_VALUES;
 use crate::{
-    BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, OverheadLine,
+    BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, ModalLine, OverheadLine,
     PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine, WiresInWind,
     adopt_state, follow_strips,
 };
@@ -145,7 +145,7 @@ pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
 /// Every mode uses this function, so that `model.reduce` means the same in each.
 ///
 /// # Errors
-/// See [`WindowedLine::new`].
+/// See [`WindowedLine::new`] and [`ModalLine::new`].
 pub fn scene_line(
     scene: &Scene,
     statics: &StaticLine,
@@ -153,6 +153,9 @@ pub fn scene_line(
 ) -> Result<Box<dyn OverheadLine>, CatenaryError> {
     if scene.model.has(Reduction::Window) {
         return Ok(Box::new(WindowedLine::new(scene, statics, layout)?));
+    }
+    if scene.model.has(Reduction::Modal) {
+        return Ok(Box::new(ModalLine::new(scene, statics, layout)?));
     }
     if scene.model.has(Reduction::Flat) {
         return Ok(Box::new(LinearLine::flat(statics, layout)));
@@ -188,7 +191,7 @@ pub fn contact_pair(
     let width = width.unwrap_or(f64::INFINITY);
     Ok(ContactPair::new(
         law,
-        line.contact_curve(wire),
+        line.contact_curve((index, wire)),
         strip,
         width,
         tangent(scene),
@@ -213,7 +216,7 @@ pub fn strip_contact(
         ContactLaw::Penalty => StripContact::Penalty(contact_pair(scene, line, (index, wire), strip)?),
         ContactLaw::SlidingJoint => {
             let multiplier = layout.add_constraints(1);
-            let joint = SlidingJoint::new(line.contact_curve(wire), strip, multiplier, tangent(scene));
+            let joint = SlidingJoint::new(line.contact_curve((index, wire)), strip, multiplier, tangent(scene));
             StripContact::SlidingJoint(joint)
         }
     })

@@ -2,7 +2,7 @@
 use crate::capability::visit_histories;
 use crate::integrate::convergence_estimate::ConvergenceEstimate;
 use crate::integrate::formulation::{Formulation, Stepped};
-use crate::integrate::memory::{Linearisation, Memory, restore_history};
+use crate::integrate::memory::{Linearisation, Memory};
 use crate::integrate::newton::name;
 use crate::integrate::passes::{Apply, Predict};
 use crate::integrate::residual::Since;
@@ -102,11 +102,14 @@ impl GeneralizedAlpha {
         h: f64,
     ) -> Result<(), StepError> {
         self.start_history.clear();
-        visit_histories(system, &mut |kept| kept.save(&mut self.start_history));
+        visit_histories(system, &mut |kept| kept.save_for_step(&mut self.start_history));
         let result = self.attempt(system, state, u, t_end, h);
         match &result {
             Ok(()) => self.memory.last_h = Some(h),
-            Err(_) => restore_history(system, &self.start_history),
+            Err(_) => {
+                let mut values = self.start_history.iter();
+                visit_histories(system, &mut |kept| kept.restore_after_step(&mut values));
+            }
         }
         result
     }

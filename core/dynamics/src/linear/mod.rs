@@ -9,6 +9,7 @@
 //! | `condensed` | static condensation of unknowns that are coupled with none of their like |
 //! | `sparse_factor` | general sparse Cholesky and LU factorisation |
 //! | `dense_lu` | Gaussian elimination of small dense matrices |
+//! | `eigen` | eigenvalues and eigenvectors of long, thin structures |
 //! | `low_rank` | low-rank updates of a factored matrix |
 //! | `factored_matrix` | the iteration matrix by itself, for linear answers |
 //! | `sparse` | sparse matrix for products |
@@ -18,6 +19,7 @@ pub(crate) mod block_tridiagonal;
 pub(crate) mod buffer;
 pub(crate) mod condensed;
 pub(crate) mod dense_lu;
+pub mod eigen;
 pub(crate) mod factored_matrix;
 pub(crate) mod iteration_matrix;
 pub(crate) mod low_rank;

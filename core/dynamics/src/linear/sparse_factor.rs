@@ -1,4 +1,4 @@
-//! Sparse factorisation: the only module that names faer.
+//! Sparse factorisation.
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;

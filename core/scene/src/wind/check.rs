@@ -141,6 +141,10 @@ impl Scene {
                 "wind.wires acts on every span, and those beyond the window are known without wind only".to_owned(),
             ),
             Reduction::Flat => Some("wind.wires acts on wires as they hang, which \"flat\" leaves out".to_owned()),
+            Reduction::Modal => Some(
+                "wind.wires drags every element by its own speed, which the modes of the line in still air do not have"
+                    .to_owned(),
+            ),
             _ => None,
         }
     }

@@ -84,7 +84,8 @@ pub fn run(arguments: &RunArguments, common: &Common) -> Result<(), CommandError
         .into_iter()
         .find_map(|folder| experiments::rank(folder, &file.scene, &file.base, mode));
     let prepared = prepare(file.scene, &file.name, &file.base, logging);
-    let prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
+    let mut prepared = prepared.map_err(|error| CommandError::from(error).in_scene(path))?;
+    prepared.pictures = !arguments.no_animation;
     let show = if common.quiet { Show::Never } else { Show::OnTerminal };
     let progress = Progress::simulated(&file.name, prepared.scene.run.duration, show);
     let watch = Watch::new(interrupted, &progress);

@@ -29,9 +29,9 @@ impl OverheadLine for WindowedLine {
         self.inner.contact_wires()
     }
 
-    fn contact_curve(&self, wire: usize) -> Arc<dyn WireCurve> {
+    fn contact_curve(&self, pair: (usize, usize)) -> Arc<dyn WireCurve> {
         Arc::new(WindowCurve {
-            inner: self.inner.contact_curve(wire),
+            inner: self.inner.contact_curve(pair),
             position: self.fixed.position,
             origin: self.origin,
         })

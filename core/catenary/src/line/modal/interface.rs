@@ -1,0 +1,680 @@
+//! Deflection under strips and slack droppers, as a contribution of forces on massless points under the strips.
+use super::curve::Place;
+use super::kernels::{self, Weighted};
+use super::modes::Modes;
+use super::step::StepFactors;
+use crate::{CurveColumns, WireCurve};
+use dynamics::{Blocks, Force, LowRank, Motion, State, StepHistory, Updates, Weights};
+use pulp::Arch;
+use std::sync::Arc;
+
+/// Droppers up to this far from a strip are watched in every step, m: a strip makes droppers slack within a span.
+const REACH: f64 = 40.0;
+fn reach() -> f64 { static R: std::sync::OnceLock<f64> = std::sync::OnceLock::new(); *R.get_or_init(|| std::env::var("REACH").ok().and_then(|x| x.parse().ok()).unwrap_or(REACH)) }
+/// Of the droppers further away one in so many is watched in a step.
+const IN_TURN: usize = 16;
+/// Tension above which a watched dropper stays taut within a step, N: a step changes tensions by a few newtons.
+const TAUT: f64 = 30.0;
+/// Mass of a point under a strip, kg: next to none, so that accelerations at the start exist.
+const MASS: f64 = 1e-6;
+/// Stiffness that holds a point under a strip beyond the wire, N/m.
+const HELD: f64 = 1e5;
+/// Difference of forces between sweeps over slack droppers at which these end, N.
+const SETTLED: f64 = 1e-9;
+/// Most sweeps over slack droppers.
+const SWEEPS: usize = 500;
+/// Change of a deflection for slopes of forces, m.
+const SLIGHT: f64 = 1e-5;
+/// Step factors kept: those of a step and of what is left of a communication step.
+const KEPT: usize = 3;
+
+/// A point under a strip.
+pub(super) struct ContactPoint {
+    coordinate: usize,
+    wire: Arc<dyn WireCurve>,
+    /// Zeros, one for each coordinate of the wire.
+    rest: Arc<[f64]>,
+    place: Place,
+    /// Columns of the wire at the point.
+    columns: CurveColumns,
+    /// True for a strip under the wire.
+    on: bool,
+    /// Parameter on the wire at the end of the last step and in the present one, m.
+    s: [f64; 2],
+    /// Place along the track, m.
+    x: f64,
+    /// `φₖ(x)` of all modes.
+    shape: Vec<f64>,
+    /// `∂φₖ/∂x`.
+    slope: Vec<f64>,
+}
+
+impl ContactPoint {
+    /// A point of `wire` with its coordinate.
+    pub fn new(coordinate: usize, wire: Arc<dyn WireCurve>, rest: Arc<[f64]>, place: Place) -> Self {
+        Self {
+            coordinate,
+            wire,
+            rest,
+            place,
+            x: f64::NAN,
+            columns: CurveColumns::default(),
+            on: false,
+            s: [f64::NAN; 2],
+            shape: Vec::new(),
+            slope: Vec::new(),
+        }
+    }
+}
+
+/// A dropper that may be slack at the end of the present step.
+#[derive(Clone, Debug, Default)]
+struct Candidate {
+    dropper: usize,
+    /// Tension at the end of the step without forces there, N.
+    free: f64,
+}
+
+/// The line in its modes as strips see it.
+pub(super) struct Interface {
+    modes: Arc<Modes>,
+    arch: Arch,
+    points: Vec<ContactPoint>,
+    /// Amplitudes, their rates and the forces on them at the end of the last step.
+    q: Vec<f64>,
+    v: Vec<f64>,
+    r: Vec<f64>,
+    /// Amplitudes and rates in single precision, for droppers.
+    narrow: [Vec<f32>; 2],
+    /// Modal forces at the end of the next step that take back the dampers of [`Modes::borrowed`] near the strips.
+    repaid: Vec<f64>,
+    /// Rates of droppers and supports when last looked at, m/s; not a number where a step was left out.
+    joint_rates: Vec<f64>,
+    /// Force of each strip at the end of the last step, N.
+    forces: Vec<f64>,
+    /// Force that a slack dropper lacks beyond what it lacks at rest, at the end of the last step, N.
+    lacking: Vec<f64>,
+    /// Deflection of the points at the end of the last step, m, and their rates, m/s.
+    reached: Vec<f64>,
+    rates: Vec<f64>,
+    /// Deflections of modes left out at the end of the last step, m.
+    residual: Vec<f64>,
+    /// Tension of each dropper when last looked at, N; negative for what a slack one lacks.
+    tensions: Vec<f64>,
+    steps: usize,
+    /// Change of the forces with the deflections of the points, N/m, row by row; and what the factored matrix has.
+    slope: Vec<f64>,
+    assembled: Vec<f64>,
+    factors: Vec<StepFactors>,
+    step: Step,
+}
+
+/// The present step.
+#[derive(Default)]
+struct Step {
+    h: f64,
+    /// A step has begun and not ended.
+    open: bool,
+    /// The values below are those of the step.
+    begun: bool,
+    q_free: Vec<f64>,
+    v_free: Vec<f64>,
+    /// Deflection of the points without forces at the end, m.
+    free: Vec<f64>,
+    /// Compliance of the points, m/N, row by row; its inverse, N/m.
+    compliance: Vec<f64>,
+    stiffness: Vec<f64>,
+    candidates: Vec<Candidate>,
+    /// Deflection of each point by each candidate, m/N; tension of each candidate by each point, –.
+    by_candidate: Vec<f64>,
+    on_candidate: Vec<f64>,
+    /// Lacking forces of the candidates at the last solution, N.
+    lacking: Vec<f64>,
+    forces: Vec<f64>,
+    work: Vec<f64>,
+    /// Row of a dropper in double precision.
+    wide: Vec<f64>,
+}
+
+impl Interface {
+    pub fn new(modes: Arc<Modes>, points: Vec<ContactPoint>) -> Self {
+        let (count, droppers, contacts) = (modes.count(), modes.droppers(), points.len());
+        let mut slope = vec![0.0; contacts * contacts];
+        (0..contacts).for_each(|point| slope[point * (contacts + 1)] = HELD);
+        let mut points = points;
+        for point in &mut points {
+            (point.shape, point.slope) = (vec![0.0; count], vec![0.0; count]);
+        }
+        Self {
+            arch: Arch::new(),
+            q: vec![0.0; count],
+            v: vec![0.0; count],
+            r: vec![0.0; count],
+            narrow: [vec![0.0; count], vec![0.0; count]],
+            repaid: vec![0.0; count],
+            joint_rates: vec![f64::NAN; modes.borrowed.len()],
+            forces: vec![0.0; contacts],
+            lacking: vec![0.0; droppers],
+            reached: vec![0.0; contacts],
+            rates: vec![0.0; contacts],
+            residual: vec![0.0; contacts],
+            tensions: modes.at_rest.clone(),
+            steps: 0,
+            assembled: slope.clone(),
+            slope,
+            factors: Vec::new(),
+            step: Step {
+                q_free: vec![0.0; count],
+                v_free: vec![0.0; count],
+                free: vec![0.0; contacts],
+                compliance: vec![0.0; contacts * contacts],
+                stiffness: vec![0.0; contacts * contacts],
+                forces: vec![0.0; contacts],
+                work: vec![0.0; count],
+                ..Step::default()
+            },
+            modes,
+            points,
+        }
+    }
+
+    pub fn modes(&self) -> &Modes {
+        &self.modes
+    }
+
+    /// A coordinate of the linearised line that has a row, m.
+    pub fn deflection_of(&self, coordinate: usize) -> f64 {
+        let row = self.modes.at(coordinate);
+        row.map_or(0.0, |row| kernels::dot(self.arch, row, &self.q))
+    }
+
+    /// Rate of [`Interface::deflection_of`], m/s.
+    pub fn rate_of(&self, coordinate: usize) -> f64 {
+        let row = self.modes.at(coordinate);
+        row.map_or(0.0, |row| kernels::dot(self.arch, row, &self.v))
+    }
+
+    /// Kinetic and potential energy of the modes, J.
+    pub fn energy_of_modes(&self) -> f64 {
+        let modes = self.q.iter().zip(&self.v).zip(&self.modes.stiffness);
+        0.5 * modes.map(|((q, v), stiffness)| v * v + stiffness * q * q).sum::<f64>()
+    }
+
+    /// Force that a dropper lacks, N: that of a spring that pushes.
+    fn lacks(&self, dropper: usize) -> f64 {
+        self.lacking[dropper] + (-self.modes.at_rest[dropper]).max(0.0)
+    }
+
+    /// Number of slack droppers.
+    pub fn slack_count(&self) -> usize {
+        (0..self.modes.droppers()).filter(|&dropper| self.lacks(dropper) > 0.0).count()
+    }
+
+    /// Tension of a dropper at the end of the last step, N.
+    pub fn tension(&self, dropper: usize) -> f64 {
+        (self.spring(dropper) + self.lacks(dropper)).max(0.0)
+    }
+
+    /// Looks at the droppers near the strips, at slack ones, and in turn at the others; and prepares what the dampers of
+    /// [`Modes::borrowed`] near the strips are paid back at the end of the next step, with their rates continued in a
+    /// straight line.
+    fn look_at_droppers(&mut self) {
+        self.narrow_motion();
+        self.repaid.fill(0.0);
+        let droppers = self.modes.droppers();
+        for joint in 0..self.modes.borrowed.len() {
+            let own = (joint < droppers).then_some(joint);
+            let x = match own {
+                Some(dropper) => self.modes.dropper_x[dropper],
+                None => self.modes.support_x[joint - droppers],
+            };
+            let near = self.points.iter().any(|point| point.on && (point.x - x).abs() < reach());
+            let in_turn = |dropper: usize| {
+                self.lacks(dropper) > 0.0
+                    || self.tensions[dropper] < TAUT
+                    || (dropper + self.steps).is_multiple_of(IN_TURN)
+                    || self.step.h == 0.0
+            };
+            if !near && !own.is_some_and(in_turn) {
+                self.joint_rates[joint] = f64::NAN;
+                continue;
+            }
+            let [deflection, rate] = kernels::dot2(self.arch, self.modes.joint(joint), &self.narrow[0], &self.narrow[1]);
+            if let Some(dropper) = own {
+                let law = &self.modes.law;
+                let elongation = deflection + self.residual_elongation(dropper);
+                self.tensions[dropper] =
+                    self.modes.at_rest[dropper] + law.stiffness * elongation + law.damping * rate;
+            }
+            let before = std::mem::replace(&mut self.joint_rates[joint], rate);
+            let taut = own.is_none_or(|dropper| self.lacks(dropper) == 0.0);
+            if near && taut && self.step.h > 0.0 {
+                let ahead = if before.is_nan() { rate } else { 2.0 * rate - before };
+                let force = self.modes.borrowed[joint] * ahead;
+                kernels::add_narrow(self.arch, force, self.modes.joint(joint), &mut self.repaid);
+            }
+        }
+    }
+
+    fn narrow_motion(&mut self) {
+        let [q, v] = &mut self.narrow;
+        kernels::narrow(self.arch, &self.q, q);
+        kernels::narrow(self.arch, &self.v, v);
+    }
+
+    /// Force of a dropper that may push, at the end of the last step, N.
+    fn spring(&self, dropper: usize) -> f64 {
+        let row = self.modes.joint(dropper);
+        let [elongation, rate] = kernels::dot2(self.arch, row, &self.narrow[0], &self.narrow[1]);
+        let law = &self.modes.law;
+        let elongation = elongation + self.residual_elongation(dropper);
+        let damper = law.damping - self.modes.borrowed[dropper];
+        self.modes.at_rest[dropper] + law.stiffness * elongation + damper * rate
+    }
+
+    /// Elongation of a dropper by modes left out at the end of the last step, m.
+    fn residual_elongation(&self, dropper: usize) -> f64 {
+        let strips = self.points.iter().zip(&self.forces).filter(|(point, _)| point.on);
+        let by_strips: f64 = strips
+            .map(|(point, force)| force * self.modes.residual_by_dropper(&point.columns, dropper))
+            .sum();
+        let slack = self.lacking.iter().enumerate().filter(|(_, lacking)| **lacking != 0.0);
+        let by_droppers: f64 = slack
+            .map(|(other, lacking)| lacking * self.modes.residual_between(dropper, other))
+            .sum();
+        by_strips - by_droppers
+    }
+
+    /// Rates and accelerations of the points at the end of a step are those of the modes.
+    pub fn follow(&self, state: &mut State) {
+        for (point, rate) in self.points.iter().zip(&self.rates) {
+            state.v[point.coordinate] = *rate;
+            state.v_dot[point.coordinate] = 0.0;
+            state.a[point.coordinate] = 0.0;
+        }
+    }
+
+    /// Brings the factors of a step of `h` s to the front.
+    fn choose_factors(&mut self) {
+        let h = self.step.h;
+        let serves = |factors: &StepFactors| (factors.h - h).abs() <= 1e-9 * h;
+        match self.factors.iter().position(serves) {
+            Some(at) => self.factors[..=at].rotate_right(1),
+            None => {
+                self.factors.insert(0, StepFactors::new(&self.modes, h));
+                self.factors.truncate(KEPT);
+            }
+        }
+    }
+
+    /// Answers of the line at the end of the step without forces there, and to forces there.
+    fn begin(&mut self) {
+        self.step.begun = true;
+        self.choose_factors();
+        let arch = self.arch;
+        for point in &mut self.points {
+            let s = point.place.get();
+            point.on = s.is_finite();
+            point.s[1] = s;
+            point.columns.clear();
+            if point.on {
+                point.wire.columns(s, &mut point.columns);
+                point.x = point.wire.point(s, &point.rest, &point.rest).r.x;
+            }
+            let mut rows: [Weighted<'_>; CurveColumns::CAPACITY] = [(0.0, 0.0, &[]); CurveColumns::CAPACITY];
+            let mut count = 0;
+            for column in point.columns.as_slice() {
+                if let Some(row) = self.modes.at(column.index) {
+                    rows[count] = (column.n.z, column.n_s.z, row);
+                    count += 1;
+                }
+            }
+            kernels::shape(arch, &rows[..count], &mut point.shape, &mut point.slope);
+        }
+        let factors = &self.factors[0];
+        let step = &mut self.step;
+        let motion = [&self.q[..], &self.v, &self.r];
+        kernels::free(arch, factors, motion, [&mut step.q_free, &mut step.v_free]);
+        kernels::load(arch, factors, &self.repaid, [&mut step.q_free, &mut step.v_free]);
+        let contacts = self.points.len();
+        for (i, point) in self.points.iter().enumerate() {
+            step.free[i] = kernels::dot(arch, &point.shape, &step.q_free);
+            for (j, other) in self.points.iter().enumerate().take(i + 1) {
+                let both = point.on && other.on;
+                let value = if both {
+                    kernels::dot3(arch, &point.shape, &other.shape, &factors.q1)
+                        + self.modes.residual_between_points(&point.columns, &other.columns)
+                } else if i == j {
+                    1.0 / HELD
+                } else {
+                    0.0
+                };
+                step.compliance[i * contacts + j] = value;
+                step.compliance[j * contacts + i] = value;
+            }
+        }
+        invert(&step.compliance, &mut step.stiffness, contacts);
+        self.find_candidates();
+        let step = &mut self.step;
+        step.forces.copy_from_slice(&self.forces);
+        // The slope of the forces, with the droppers slack that are slack in the middle of the guess.
+        let mut at: Vec<f64> = std::mem::take(&mut step.work);
+        at.resize(3 * contacts, 0.0);
+        self.deflections_of(&self.forces.clone(), &mut at[..contacts]);
+        let (base, rest) = at.split_at_mut(contacts);
+        let (there, middle) = rest.split_at_mut(contacts);
+        self.solve(base);
+        middle.copy_from_slice(&self.step.forces);
+        for j in 0..contacts {
+            there.copy_from_slice(base);
+            there[j] += SLIGHT;
+            self.solve(there);
+            for i in 0..contacts {
+                self.slope[i * contacts + j] = (self.step.forces[i] - middle[i]) / SLIGHT;
+            }
+        }
+        self.step.work = at;
+    }
+
+    /// Deflections of the points at the end of the step under `forces` and the lacking forces of the last step.
+    fn deflections_of(&self, forces: &[f64], out: &mut [f64]) {
+        let (step, contacts) = (&self.step, self.points.len());
+        for (i, out) in out.iter_mut().enumerate() {
+            let by_forces: f64 = (0..contacts).map(|j| step.compliance[i * contacts + j] * forces[j]).sum();
+            let by_droppers: f64 = (step.candidates.iter().zip(&step.lacking).enumerate())
+                .map(|(c, (_, lacking))| step.by_candidate[i * step.candidates.len() + c] * lacking)
+                .sum();
+            *out = step.free[i] + by_forces - by_droppers;
+        }
+    }
+
+    /// Droppers that may be slack at the end of the step, and their part in it.
+    fn find_candidates(&mut self) {
+        let (arch, law) = (self.arch, self.modes.law);
+        let factors = &self.factors[0];
+        let step = &mut self.step;
+        step.candidates.clear();
+        for dropper in 0..self.modes.droppers() {
+            if step.h > 0.0 && self.tensions[dropper] >= TAUT {
+                continue;
+            }
+            step.wide.resize(self.q.len(), 0.0);
+            step.wide.fill(0.0);
+            kernels::add_narrow(arch, 1.0, self.modes.joint(dropper), &mut step.wide);
+            let row = &step.wide;
+            let mut free = self.modes.at_rest[dropper] + law.stiffness * kernels::dot(arch, row, &step.q_free);
+            if law.damping > 0.0 {
+                free += law.damping * kernels::dot(arch, row, &step.v_free);
+            }
+            step.candidates.push(Candidate { dropper, free });
+        }
+        let count = step.candidates.len();
+        step.by_candidate.clear();
+        step.on_candidate.clear();
+        for point in &self.points {
+            for candidate in &step.candidates {
+                step.wide.fill(0.0);
+                kernels::add_narrow(arch, 1.0, self.modes.joint(candidate.dropper), &mut step.wide);
+                let row = &step.wide;
+                let (mut deflection, mut rate) = (0.0, 0.0);
+                if point.on {
+                    deflection = kernels::dot3(arch, &point.shape, row, &factors.q1)
+                        + self.modes.residual_by_dropper(&point.columns, candidate.dropper);
+                    if law.damping > 0.0 {
+                        rate = kernels::dot3(arch, &point.shape, row, &factors.v1);
+                    }
+                }
+                step.by_candidate.push(deflection);
+                step.on_candidate.push(law.stiffness * deflection + law.damping * rate);
+            }
+        }
+        step.lacking.clear();
+        step.lacking.extend(step.candidates.iter().map(|candidate| self.lacking[candidate.dropper]));
+        let factors = &mut self.factors[0];
+        for i in 0..count {
+            for j in 0..count {
+                let (a, b) = (step.candidates[i].dropper, step.candidates[j].dropper);
+                let place = a * self.modes.droppers() + b;
+                if factors.between_droppers[place].is_nan() {
+                    let rows = self.modes.joint(a).iter().zip(self.modes.joint(b));
+                    let steps = rows.zip(factors.q1.iter().zip(&factors.v1));
+                    let (mut elongation, mut rate) = (self.modes.residual_between(a, b), 0.0);
+                    for ((a, b), (q1, v1)) in steps {
+                        let both = f64::from(*a) * f64::from(*b);
+                        elongation += both * q1;
+                        rate += both * v1;
+                    }
+                    factors.between_droppers[place] = law.stiffness * elongation + law.damping * rate;
+                }
+            }
+        }
+    }
+
+    /// Forces of the strips on the line for deflections `w` of the points at the end of the step, with the forces that
+    /// slack droppers lack: `p ≥ 0`, `s + p ≥ 0`, `p (s + p) = 0` with `s` the tension of a spring that may push.
+    fn solve(&mut self, w: &[f64]) {
+        let (step, contacts) = (&mut self.step, self.points.len());
+        let count = step.candidates.len();
+        let between = &self.factors[0].between_droppers;
+        for i in 0..contacts {
+            step.forces[i] = 0.0;
+            for j in 0..contacts {
+                let by_droppers: f64 = (0..count).map(|c| step.by_candidate[j * count + c] * step.lacking[c]).sum();
+                step.forces[i] += step.stiffness[i * contacts + j] * (w[j] - step.free[j] + by_droppers);
+            }
+        }
+        for _ in 0..SWEEPS {
+            let mut largest = 0.0_f64;
+            for c in 0..count {
+                let Candidate { dropper, free } = step.candidates[c];
+                let of_rest = (-self.modes.at_rest[dropper]).max(0.0);
+                let entry = |other: usize| between[dropper * self.modes.droppers() + step.candidates[other].dropper];
+                let by_strips: f64 = (0..contacts).map(|i| step.on_candidate[i * count + c] * step.forces[i]).sum();
+                let by_droppers: f64 = (0..count).map(|other| entry(other) * step.lacking[other]).sum();
+                let spring = free + by_strips - by_droppers;
+                // Change of the forces of the strips with this lacking force.
+                let mut slope = 1.0 - entry(c);
+                for i in 0..contacts {
+                    let change: f64 = (0..contacts)
+                        .map(|j| step.stiffness[i * contacts + j] * step.by_candidate[j * count + c])
+                        .sum();
+                    slope += step.on_candidate[i * count + c] * change;
+                }
+                let lacks = step.lacking[c] + of_rest;
+                let next = (lacks - (spring + lacks) / slope).max(0.0);
+                let change = next - lacks;
+                step.lacking[c] = next - of_rest;
+                for i in 0..contacts {
+                    for j in 0..contacts {
+                        step.forces[i] +=
+                            step.stiffness[i * contacts + j] * step.by_candidate[j * count + c] * change;
+                    }
+                }
+                largest = largest.max(change.abs());
+            }
+            if largest <= SETTLED {
+                break;
+            }
+        }
+    }
+
+    /// Forces of the strips at a motion: `true` within a step, where they are solved for; else those of the last step
+    /// with their slope.
+    fn find(&mut self, motion: &Motion<'_>) -> bool {
+        if self.step.open && !self.step.begun {
+            self.begin();
+        }
+        let contacts = self.points.len();
+        let mut w = std::mem::take(&mut self.step.work);
+        w.clear();
+        w.extend(self.points.iter().map(|point| motion.q[point.coordinate]));
+        let open = self.step.open;
+        if open {
+            self.solve(&w);
+        } else {
+            for i in 0..contacts {
+                let change: f64 = (0..contacts)
+                    .map(|j| self.slope[i * contacts + j] * (w[j] - self.reached[j]))
+                    .sum();
+                self.step.forces[i] = self.forces[i] + change;
+            }
+        }
+        self.step.work = w;
+        open
+    }
+
+    fn add_slope(&self, weight: f64, matrix: &[f64], mut add: impl FnMut(&[usize], &[f64])) {
+        let indices: Vec<usize> = self.points.iter().map(|point| point.coordinate).collect();
+        let values: Vec<f64> = matrix.iter().map(|value| weight * value).collect();
+        add(&indices, &values);
+    }
+}
+
+/// Inverse of a symmetric, positive definite matrix, row by row.
+fn invert(matrix: &[f64], inverse: &mut [f64], size: usize) {
+    if size == 1 {
+        inverse[0] = 1.0 / matrix[0];
+        return;
+    }
+    let found = nalgebra::DMatrix::from_row_slice(size, size, matrix).try_inverse();
+    let found = found.expect("strips apart have independent deflections");
+    inverse.copy_from_slice(found.as_slice());
+}
+
+impl Force for Interface {
+    fn add_force(&mut self, motion: &Motion<'_>, force: &mut [f64]) {
+        self.find(motion);
+        for (point, value) in self.points.iter().zip(&self.step.forces) {
+            force[point.coordinate] -= value;
+        }
+    }
+
+    fn add_tangent(&mut self, _: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
+        self.assembled.clone_from(&self.slope);
+        self.add_slope(weights.q, &self.assembled, |indices, values| blocks.add(indices, indices, values));
+    }
+
+    fn add_mass(&self, blocks: &mut Blocks<'_>) {
+        for point in &self.points {
+            blocks.add(&[point.coordinate], &[point.coordinate], &[MASS]);
+        }
+    }
+
+    fn low_rank(&mut self) -> Option<&mut dyn LowRank> {
+        Some(self)
+    }
+
+    fn step_history(&mut self) -> Option<&mut dyn StepHistory> {
+        Some(self)
+    }
+}
+
+impl LowRank for Interface {
+    fn push_updates(&mut self, _: &Motion<'_>, weights: Weights, updates: &mut Updates) {
+        if self.slope != self.assembled {
+            let change: Vec<f64> = self.slope.iter().zip(&self.assembled).map(|(a, b)| a - b).collect();
+            self.add_slope(weights.q, &change, |indices, values| updates.dense(0, indices, values));
+        }
+    }
+}
+
+impl StepHistory for Interface {
+    fn begin_step(&mut self, _: &Motion<'_>, h: f64) {
+        self.step.h = h;
+        self.step.open = true;
+        self.step.begun = false;
+    }
+
+    fn end_step(&mut self, motion: &Motion<'_>) {
+        if !self.find(motion) {
+            return;
+        }
+        let (arch, h) = (self.arch, self.step.h);
+        self.forces.copy_from_slice(&self.step.forces);
+        for (candidate, lacking) in self.step.candidates.iter().zip(&self.step.lacking) {
+            self.lacking[candidate.dropper] = *lacking;
+        }
+        self.r.fill(0.0);
+        for (point, force) in self.points.iter().zip(&self.forces) {
+            kernels::add(arch, *force, &point.shape, &mut self.r);
+        }
+        for (dropper, lacking) in self.lacking.iter().enumerate().filter(|(_, lacking)| **lacking != 0.0) {
+            kernels::add_narrow(arch, -lacking, self.modes.joint(dropper), &mut self.r);
+        }
+        let free = [&self.step.q_free[..], &self.step.v_free];
+        kernels::finish(arch, &self.factors[0], &self.r, free, [&mut self.q, &mut self.v]);
+        for (r, repaid) in self.r.iter_mut().zip(&self.repaid) {
+            *r += repaid;
+        }
+        for (i, point) in self.points.iter_mut().enumerate() {
+            self.reached[i] = motion.q[point.coordinate];
+            let of_modes = kernels::dot(arch, &point.shape, &self.q);
+            let residual = if point.on { self.reached[i] - of_modes } else { 0.0 };
+            let [before, now] = point.s;
+            let moved = now - before;
+            self.rates[i] = if h > 0.0 && moved.is_finite() {
+                let along = kernels::dot(arch, &point.slope, &self.q) * moved;
+                kernels::dot(arch, &point.shape, &self.v) + (along + residual - self.residual[i]) / h
+            } else {
+                0.0
+            };
+            self.residual[i] = residual;
+            point.s[0] = now;
+        }
+        self.steps += usize::from(h > 0.0);
+        self.step.open = false;
+        self.look_at_droppers();
+    }
+
+    /// Only the end of a step changes what is kept from step to step.
+    fn save_for_step(&self, _: &mut Vec<f64>) {}
+
+    fn restore_after_step(&mut self, _: &mut std::slice::Iter<'_, f64>) {
+        self.step.open = false;
+    }
+
+    fn save(&self, out: &mut Vec<f64>) {
+        out.push(self.steps as f64);
+        out.extend(self.points.iter().map(|point| point.s[0]));
+        let all = [
+            &self.forces,
+            &self.lacking,
+            &self.tensions,
+            &self.reached,
+            &self.rates,
+            &self.residual,
+            &self.slope,
+            &self.q,
+            &self.v,
+            &self.r,
+            &self.repaid,
+            &self.joint_rates,
+        ];
+        all.iter().for_each(|values| out.extend_from_slice(values));
+    }
+
+    fn restore(&mut self, values: &mut std::slice::Iter<'_, f64>) {
+        let mut next = || *values.next().expect("a saved line in its modes is whole");
+        self.steps = next() as usize;
+        self.points.iter_mut().for_each(|point| point.s[0] = next());
+        let all = [
+            &mut self.forces,
+            &mut self.lacking,
+            &mut self.tensions,
+            &mut self.reached,
+            &mut self.rates,
+            &mut self.residual,
+            &mut self.slope,
+            &mut self.q,
+            &mut self.v,
+            &mut self.r,
+            &mut self.repaid,
+            &mut self.joint_rates,
+        ];
+        for values in all {
+            values.iter_mut().for_each(|value| *value = next());
+        }
+        self.narrow_motion();
+        self.step.open = false;
+    }
+}

@@ -1,0 +1,249 @@
+//! Sums over all modes in the vector registers of the processor.
+//!
+//! Every vector is a multiple of `LANES` long, and sums run in that many parts whatever the registers: all machines
+//! find the same bits.
+use super::step::StepFactors;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Numbers that are summed side by side.
+pub(super) const LANES: usize = 32;
+
+/// A row of the modes with its weights in a deflection and in its slope.
+pub(super) type Weighted<'a> = (f64, f64, &'a [f64]);
+
+/// Sums of `LANES` parts in registers of any width, the first ones in use.
+struct Sums<S: Simd>([S::f64s; LANES]);
+
+impl<S: Simd> Sums<S> {
+    /// Registers that hold all parts.
+    const REGISTERS: usize = LANES / S::F64_LANES;
+
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        Self([simd.splat_f64s(0.0); LANES])
+    }
+
+    #[inline(always)]
+    fn total(&self, _: S) -> f64 {
+        let lanes: &[f64] = pulp::bytemuck::cast_slice(&self.0[..Self::REGISTERS]);
+        let mut width = LANES;
+        let mut sums = [0.0; LANES];
+        sums.copy_from_slice(lanes);
+        while width > 1 {
+            width /= 2;
+            for lane in 0..width {
+                sums[lane] += sums[lane + width];
+            }
+        }
+        sums[0]
+    }
+}
+
+/// `Σ a b`.
+pub(super) fn dot(arch: Arch, a: &[f64], b: &[f64]) -> f64 {
+    struct Dot<'a>(&'a [f64], &'a [f64]);
+    impl WithSimd for Dot<'_> {
+        type Output = f64;
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> f64 {
+            let mut sums = Sums::new(simd);
+            let ((a, _), (b, _)) = (S::as_simd_f64s(self.0), S::as_simd_f64s(self.1));
+            let registers = Sums::<S>::REGISTERS;
+            for (a, b) in a.chunks_exact(registers).zip(b.chunks_exact(registers)) {
+                for k in 0..registers {
+                    sums.0[k] = simd.add_f64s(sums.0[k], simd.mul_f64s(a[k], b[k]));
+                }
+            }
+            sums.total(simd)
+        }
+    }
+    arch.dispatch(Dot(a, b))
+}
+
+/// `Σ a b` and `Σ a c` in single precision.
+pub(super) fn dot2(arch: Arch, a: &[f32], b: &[f32], c: &[f32]) -> [f64; 2] {
+    struct Dot2<'a>(&'a [f32], &'a [f32], &'a [f32]);
+    impl WithSimd for Dot2<'_> {
+        type Output = [f64; 2];
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
+            let mut sums = [[simd.splat_f32s(0.0); LANES]; 2];
+            let registers = LANES / S::F32_LANES;
+            let [(a, _), (b, _), (c, _)] = [self.0, self.1, self.2].map(S::as_simd_f32s);
+            let others = b.chunks_exact(registers).zip(c.chunks_exact(registers));
+            for (a, (b, c)) in a.chunks_exact(registers).zip(others) {
+                for k in 0..registers {
+                    sums[0][k] = simd.add_f32s(sums[0][k], simd.mul_f32s(a[k], b[k]));
+                    sums[1][k] = simd.add_f32s(sums[1][k], simd.mul_f32s(a[k], c[k]));
+                }
+            }
+            sums.map(|sums| {
+                let lanes: &[f32] = pulp::bytemuck::cast_slice(&sums[..registers]);
+                lanes.iter().map(|lane| f64::from(*lane)).sum()
+            })
+        }
+    }
+    arch.dispatch(Dot2(a, b, c))
+}
+
+/// `y = x` in the other precision.
+pub(super) fn narrow(arch: Arch, x: &[f64], y: &mut [f32]) {
+    struct Narrow<'a>(&'a [f64], &'a mut [f32]);
+    impl WithSimd for Narrow<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            for (y, x) in self.1.iter_mut().zip(self.0) {
+                *y = *x as f32;
+            }
+        }
+    }
+    arch.dispatch(Narrow(x, y));
+}
+
+/// `Σ a b c`.
+pub(super) fn dot3(arch: Arch, a: &[f64], b: &[f64], c: &[f64]) -> f64 {
+    struct Dot3<'a>(&'a [f64], &'a [f64], &'a [f64]);
+    impl WithSimd for Dot3<'_> {
+        type Output = f64;
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> f64 {
+            let mut sums = Sums::new(simd);
+            let [(a, _), (b, _), (c, _)] = [self.0, self.1, self.2].map(S::as_simd_f64s);
+            let registers = Sums::<S>::REGISTERS;
+            let others = b.chunks_exact(registers).zip(c.chunks_exact(registers));
+            for (a, (b, c)) in a.chunks_exact(registers).zip(others) {
+                for k in 0..registers {
+                    let product = simd.mul_f64s(simd.mul_f64s(a[k], b[k]), c[k]);
+                    sums.0[k] = simd.add_f64s(sums.0[k], product);
+                }
+            }
+            sums.total(simd)
+        }
+    }
+    arch.dispatch(Dot3(a, b, c))
+}
+
+/// `y += α x` with `x` in single precision.
+pub(super) fn add_narrow(arch: Arch, alpha: f64, x: &[f32], y: &mut [f64]) {
+    struct Add<'a>(f64, &'a [f32], &'a mut [f64]);
+    impl WithSimd for Add<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            for (y, x) in self.2.iter_mut().zip(self.1) {
+                *y += self.0 * f64::from(*x);
+            }
+        }
+    }
+    arch.dispatch(Add(alpha, x, y));
+}
+
+/// `y += α x`.
+pub(super) fn add(arch: Arch, alpha: f64, x: &[f64], y: &mut [f64]) {
+    struct Add<'a>(f64, &'a [f64], &'a mut [f64]);
+    impl WithSimd for Add<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            for (y, x) in self.2.iter_mut().zip(self.1) {
+                *y += self.0 * x;
+            }
+        }
+    }
+    arch.dispatch(Add(alpha, x, y));
+}
+
+/// Deflections of all modes at a point and their slopes, from rows in pairs.
+pub(super) fn shape(arch: Arch, rows: &[Weighted<'_>], at: &mut [f64], slope: &mut [f64]) {
+    struct Shape<'a>([Weighted<'a>; 2], bool, &'a mut [f64], &'a mut [f64]);
+    impl WithSimd for Shape<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            let Self([(n, m, a), (o, p, b)], first, at, slope) = self;
+            let len = at.len();
+            let (a, b, slope) = (&a[..len], &b[..len], &mut slope[..len]);
+            if first {
+                for k in 0..len {
+                    at[k] = n * a[k] + o * b[k];
+                    slope[k] = m * a[k] + p * b[k];
+                }
+            } else {
+                for k in 0..len {
+                    at[k] += n * a[k] + o * b[k];
+                    slope[k] += m * a[k] + p * b[k];
+                }
+            }
+        }
+    }
+    if rows.is_empty() {
+        at.fill(0.0);
+        slope.fill(0.0);
+    }
+    for (number, pair) in rows.chunks(2).enumerate() {
+        let one = pair[0];
+        let two = pair.get(1).copied().unwrap_or((0.0, 0.0, one.2));
+        arch.dispatch(Shape([one, two], number == 0, at, slope));
+    }
+}
+
+/// Modal motion `q`, `v` under the force `r` moved on by one step without a force at its end.
+pub(super) fn free(arch: Arch, factors: &StepFactors, motion: [&[f64]; 3], ends: [&mut [f64]; 2]) {
+    struct Free<'a>(&'a StepFactors, [&'a [f64]; 3], [&'a mut [f64]; 2]);
+    impl WithSimd for Free<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            let StepFactors { qq, qv, q0, vq, vv, v0, .. } = self.0;
+            let n = qq.len();
+            let [q, v, r] = self.1.map(|values| &values[..n]);
+            let [qq, qv, q0, vq, vv, v0] = [qq, qv, q0, vq, vv, v0].map(|values| &values[..n]);
+            let [q_end, v_end] = self.2.map(|values| &mut values[..n]);
+            for k in 0..n {
+                q_end[k] = qq[k] * q[k] + qv[k] * v[k] + q0[k] * r[k];
+                v_end[k] = vq[k] * q[k] + vv[k] * v[k] + v0[k] * r[k];
+            }
+        }
+    }
+    arch.dispatch(Free(factors, motion, ends));
+}
+
+/// Adds the effect of a force `r` at the end of a step to `q` and `v`.
+pub(super) fn load(arch: Arch, factors: &StepFactors, r: &[f64], motion: [&mut [f64]; 2]) {
+    struct Load<'a>(&'a StepFactors, &'a [f64], [&'a mut [f64]; 2]);
+    impl WithSimd for Load<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            let n = self.0.q1.len();
+            let (q1, v1, r) = (&self.0.q1[..n], &self.0.v1[..n], &self.1[..n]);
+            let [q, v] = self.2.map(|values| &mut values[..n]);
+            for k in 0..n {
+                q[k] += q1[k] * r[k];
+                v[k] += v1[k] * r[k];
+            }
+        }
+    }
+    arch.dispatch(Load(factors, r, motion));
+}
+
+/// Motion at the end of a step, from that without a force there and the force.
+pub(super) fn finish(arch: Arch, factors: &StepFactors, r: &[f64], free: [&[f64]; 2], motion: [&mut [f64]; 2]) {
+    struct Finish<'a>(&'a StepFactors, &'a [f64], [&'a [f64]; 2], [&'a mut [f64]; 2]);
+    impl WithSimd for Finish<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            let n = self.0.q1.len();
+            let (q1, v1, r) = (&self.0.q1[..n], &self.0.v1[..n], &self.1[..n]);
+            let [q_free, v_free] = self.2.map(|values| &values[..n]);
+            let [q, v] = self.3.map(|values| &mut values[..n]);
+            for k in 0..n {
+                q[k] = q_free[k] + q1[k] * r[k];
+                v[k] = v_free[k] + v1[k] * r[k];
+            }
+        }
+    }
+    arch.dispatch(Finish(factors, r, free, motion));
+}

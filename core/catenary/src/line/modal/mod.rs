@@ -1,0 +1,272 @@
+//! A line in its own modes: `modal` of `model.reduce`.
+//!
+//! A linearised line does not change from run to run, so that its modes serve them all. With every dropper taut,
+//! forces `F` of the strips and `p ≥ 0` that keep the tension of slack droppers at zero,
+//!
+//! ```text
+//! q̈ₖ + cₖ q̇ₖ + ωₖ² qₖ = Σᵢ φₖ(xᵢ) Fᵢ − Σⱼ dₖⱼ pⱼ,    cₖ = φₖᵀ D φₖ,    dₖⱼ = gⱼᵀ φₖ
+//! ```
+//!
+//! is solved exactly for modal forces linear within a step: neither dispersion nor numerical damping is left. At the end
+//! of a step the deflection of the wire under the strips is linear in the forces there, `w = w₀ + A F − C p`, so that
+//! contact and pantographs see a massless, yielding point under each strip, and the integrator no coordinate of the
+//! line. Modes that are left out answer as if they were at rest, by the residual compliances
+//! `K⁻¹ − Σₖ φₖ φₖᵀ/ωₖ²` of strips and droppers.
+//!
+//! Modes are damped one by one, `cₖ = α + β ωₖ²`, which gives springs of droppers and supports dampers of `β k` that
+//! the line does not have. Near the strips forces take these dampers back; further away waves are damped too much.
+//!
+//! ```text
+//! file       subject
+//! modes      the modes of a linearised line, and what the ones left out add
+//! step       exact solution of a mode over a step
+//! kernels    sums over all modes in the vector registers of the processor
+//! interface  deflection under strips and slack droppers as a contribution of forces
+//! curve      the contact wire under one strip
+//! store      modes found before
+//! ```
+mod curve;
+mod interface;
+mod kernels;
+mod modes;
+mod step;
+mod store;
+
+use crate::{
+    DropperSample, Line, LinearLine, NodeOfWire, OverheadLine, StaticLine, StaticsError, WireCurve, WireName, mesh,
+};
+use curve::{ModalCurve, Place};
+use dynamics::{Continuity, Layout, Motion, PartVisitor, State, StepHistory};
+use interface::{ContactPoint, Interface};
+use modes::Modes;
+use nalgebra::Vector3;
+use scene::{Reduction, Scene};
+use std::sync::Arc;
+
+/// Highest mode in units of the highest frequency that a strip sends out: a force of the filter's frequency `f` that
+/// moves with `v` sends waves of `f/(1 − v/c)` ahead. Measured on the line of EN 50318: with this ratio the modes left
+/// out change the filtered force by `LEFT_OUT` % of its standard deviation, and by the inverse fourth power elsewhere.
+const BAND: f64 = 2.45;
+/// See [`BAND`].
+const LEFT_OUT: f64 = 0.6;
+/// Share of the error of the mesh that the modes left out may add.
+const SHARE: f64 = 0.5;
+
+/// A line in its own modes.
+pub struct ModalLine {
+    interface: Interface,
+    curves: Vec<Arc<dyn WireCurve>>,
+    contact_wires: usize,
+    /// Coordinates of the linearised line.
+    coordinates: usize,
+    /// Positions of wires, supports and droppers, in the coordinates of the linearised line.
+    shape: Line,
+    /// Deflections that uplift is counted from, m, as the masts of [`crate::Topology`].
+    uplift_reference: Vec<Vec<f64>>,
+}
+
+impl ModalLine {
+    /// The line of a scene in its modes; adds one coordinate per strip and contact wire to `layout`.
+    ///
+    /// # Errors
+    /// See [`StaticsError::Modes`].
+    pub fn new(scene: &Scene, statics: &StaticLine, layout: &mut Layout) -> Result<Self, StaticsError> {
+        let mut own = Layout::new();
+        let linear = if scene.model.has(Reduction::Flat) {
+            LinearLine::flat(statics, &mut own)
+        } else {
+            let mut line = statics.line_in(&mut own);
+            LinearLine::about(&mut line, &own)
+        };
+        let beta = scene.modelled_line().map_or(0.0, |(line, _)| line.damping.beta);
+        Self::of((linear, &own), scene.strip_count(), [highest(scene), beta], layout)
+    }
+
+    /// A linear line in its modes below `highest` Hz under `strips` strips, with wires damped by `beta` s in proportion
+    /// to their stiffness; the coordinates of `linear` are those of `own`, and one per strip and contact wire joins
+    /// `layout`.
+    ///
+    /// # Errors
+    /// See [`StaticsError::Modes`].
+    pub fn of(
+        (mut linear, own): (LinearLine, &Layout),
+        strips: usize,
+        [highest, beta]: [f64; 2],
+        layout: &mut Layout,
+    ) -> Result<Self, StaticsError> {
+        let modes = Modes::of(&mut linear, own, [highest, beta])?;
+        let shape = linear.shape().cloned().ok_or(StaticsError::Modes {
+            reason: "the line has no shape".to_owned(),
+        })?;
+        let rest: Arc<[f64]> = vec![0.0; own.coordinates()].into();
+        let contact_wires = linear.contact_wires();
+        let first = layout.add_coordinates(strips * contact_wires, "deflection under strips");
+        let (mut curves, mut points): (Vec<Arc<dyn WireCurve>>, Vec<_>) = (Vec::new(), Vec::new());
+        for contact in 0..strips * contact_wires {
+            let (place, coordinate) = (Place::default(), first + contact);
+            let wire = linear.contact_curve(contact % contact_wires);
+            points.push(ContactPoint::new(coordinate, Arc::clone(&wire), Arc::clone(&rest), place.clone()));
+            curves.push(Arc::new(ModalCurve {
+                wire,
+                rest: Arc::clone(&rest),
+                coordinate,
+                place,
+            }));
+        }
+        let masts = shape.topology().masts();
+        Ok(Self {
+            interface: Interface::new(modes, points),
+            curves,
+            contact_wires,
+            coordinates: own.coordinates(),
+            uplift_reference: masts.iter().map(|nodes| vec![0.0; nodes.len()]).collect(),
+            shape,
+        })
+    }
+
+    /// Number of modes.
+    #[must_use]
+    pub fn modes(&self) -> usize {
+        self.interface.modes().count()
+    }
+
+    /// Coordinate of the height of a node in the linearised line.
+    fn height(&self, at: NodeOfWire) -> Option<usize> {
+        self.shape.wires()[at.wire].geometry().nodes()[at.node].map.position(2)
+    }
+
+    /// Rise of a node, m.
+    fn rise(&self, at: NodeOfWire) -> f64 {
+        self.height(at).map_or(0.0, |index| self.interface.deflection_of(index))
+    }
+
+    /// Largest rise of the contact wires at a mast, m, and its node.
+    fn most_lifted(&self, mast: usize) -> Option<(f64, NodeOfWire)> {
+        let nodes = self.shape.topology().masts()[mast].iter().zip(&self.uplift_reference[mast]);
+        let rises = nodes.map(|(&at, reference)| (self.rise(at) - reference, at));
+        rises.reduce(|a, b| if b.0 > a.0 { b } else { a })
+    }
+}
+
+/// Highest frequency of the modes of a scene, Hz.
+fn highest(scene: &Scene) -> f64 {
+    let error = mesh::expected_error(scene).map_or(LEFT_OUT / SHARE, |error| error.total());
+    let b: f64 = std::env::var("BAND").ok().and_then(|x| x.parse().ok()).unwrap_or(BAND);
+    let band = b * (LEFT_OUT / (SHARE * error)).powf(0.25);
+    let slowest = scene.modelled_line().map_or(f64::INFINITY, |(line, _)| line.slowest_wave());
+    band * scene.run.low_pass_hz / (1.0 - scene.run.speed / slowest).max(0.05)
+}
+
+impl OverheadLine for ModalLine {
+    fn parts(&mut self, visit: &mut PartVisitor<'_>) {
+        visit("wires", &mut self.interface);
+    }
+
+    fn contact_wires(&self) -> usize {
+        self.contact_wires
+    }
+
+    fn contact_curve(&self, (strip, wire): (usize, usize)) -> Arc<dyn WireCurve> {
+        Arc::clone(&self.curves[strip * self.contact_wires + wire])
+    }
+
+    fn slack_count(&self, _: &Motion<'_>) -> usize {
+        self.interface.slack_count()
+    }
+
+    fn elongations(&self) -> &[f64] {
+        &[]
+    }
+
+    fn energy(&self, _: &Motion<'_>) -> f64 {
+        self.interface.energy_of_modes()
+    }
+
+    fn dropper_samples(&self, _: &Motion<'_>) -> Vec<DropperSample> {
+        let mut q = vec![0.0; self.coordinates];
+        let droppers = self.shape.topology().droppers().iter();
+        for at in droppers.flat_map(|place| [place.upper, place.lower]) {
+            if let Some(index) = self.height(at) {
+                q[index] = self.interface.deflection_of(index);
+            }
+        }
+        let motion = Motion {
+            t: 0.0,
+            q: &q,
+            v: &q,
+            rotation: &[],
+            u: &[],
+        };
+        let ends = self.shape.dropper_samples(&motion);
+        ends.enumerate()
+            .map(|(dropper, ends)| DropperSample {
+                force: self.interface.tension(dropper),
+                ..ends
+            })
+            .collect()
+    }
+
+    fn shape(&self) -> Option<&Line> {
+        None
+    }
+
+    fn shape_mut(&mut self) -> Option<&mut Line> {
+        None
+    }
+
+    fn support_count(&self) -> usize {
+        self.shape.support_count()
+    }
+
+    fn set_uplift_reference(&mut self, _: &[f64]) {
+        for mast in 0..self.uplift_reference.len() {
+            for wire in 0..self.uplift_reference[mast].len() {
+                let at = self.shape.topology().masts()[mast][wire];
+                self.uplift_reference[mast][wire] = self.rise(at);
+            }
+        }
+    }
+
+    fn uplift(&self, support: usize, _: &[f64]) -> f64 {
+        self.most_lifted(support).map_or(0.0, |(rise, _)| rise)
+    }
+
+    fn uplift_rate(&self, support: usize, _: &[f64], _: &[f64]) -> f64 {
+        let index = self.most_lifted(support).and_then(|(_, at)| self.height(at));
+        index.map_or(0.0, |index| self.interface.rate_of(index))
+    }
+
+    fn polylines(&self, name: WireName, _: &[f64], most: usize) -> Vec<Vec<Vector3<f64>>> {
+        let mut q = vec![0.0; self.coordinates];
+        let wires = self.shape.topology().wires().iter().enumerate();
+        let wires: Vec<usize> = wires.filter(|(_, planned)| planned.name == name).map(|(wire, _)| wire).collect();
+        let nodes = |wire: usize| self.shape.wires()[wire].geometry().nodes();
+        let all: usize = wires.iter().map(|&wire| nodes(wire).len()).sum();
+        let stride = all.div_ceil(most).max(1);
+        for &wire in &wires {
+            let last = nodes(wire).len() - 1;
+            for (_, node) in nodes(wire).iter().enumerate().filter(|(i, _)| i % stride == 0 || *i == last) {
+                if let Some(index) = node.map.position(2) {
+                    q[index] = self.interface.deflection_of(index);
+                }
+            }
+        }
+        self.shape.polylines(name, &q, most)
+    }
+
+    fn follow(&mut self, _: (f64, f64), state: &mut State) -> Continuity {
+        self.interface.follow(state);
+        Continuity::Kept
+    }
+
+    fn settled(&self) -> Vec<f64> {
+        let mut history = Vec::new();
+        StepHistory::save(&self.interface, &mut history);
+        history
+    }
+
+    fn continue_from(&mut self, settled: &[f64]) {
+        StepHistory::restore(&mut self.interface, &mut settled.iter());
+    }
+}
+

@@ -1,0 +1,475 @@
+//! The modes of a linearised line, and what the modes left out add.
+use super::kernels::{self, LANES};
+use super::store::{Key, known_or};
+use crate::{CurveColumns, DropperLaw, Line, LinearLine, StaticsError, WireCurve};
+use dynamics::eigen::{BandedFactor, BandedMatrix, Eigenpairs, eigenpairs_below};
+use dynamics::{Blocks, Force, Layout, Weights};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// Rows of the contact wire on either side between which modes left out are taken as connected: two elements.
+const NEAR: usize = 12;
+/// Marks a coordinate without a row.
+const NONE: u32 = u32::MAX;
+
+/// Modes `φₖ` with `φₖᵀ M φₖ = 1`, as far as contact, droppers and pictures see them.
+#[derive(Clone, Debug)]
+pub(super) struct Modes {
+    /// `ωₖ²`, 1/s².
+    pub stiffness: Vec<f64>,
+    /// `cₖ`, 1/s.
+    pub damping: Vec<f64>,
+    /// Row of each coordinate of the linearised line.
+    row_of: Vec<u32>,
+    /// Entries of all modes at the coordinates with rows: those of the contact wires along them, then the vertical ones
+    /// of the other nodes.
+    rows: Vec<f64>,
+    /// Residual compliance between rows of contact wires, from `NEAR` before to `NEAR` behind each, m/N.
+    residual: Vec<f64>,
+    /// Law of the droppers, with the dampers of `borrowed` besides their own.
+    pub law: DropperLaw,
+    /// Dampers that the modes have and the line has not, first those of the droppers and then those of supports, N·s/m.
+    pub borrowed: Vec<f64>,
+    /// x of the supports with such dampers, m.
+    pub support_x: Vec<f64>,
+    /// Tension of each dropper at rest, N; negative for what a slack one lacks.
+    pub at_rest: Vec<f64>,
+    /// x of the lower end of each dropper, m.
+    pub dropper_x: Vec<f64>,
+    /// `gⱼᵀ φₖ`, dropper after dropper, then the deflections of the supports with dampers. Single precision, which is
+    /// a hundredth of a newton, halves the time that droppers take.
+    joint_rows: Vec<f32>,
+    /// Residual deflection of the rows of contact wires by a unit force along each dropper, dropper after dropper, m/N.
+    dropper_residual: Vec<f64>,
+    /// Residual elongation of droppers by unit forces along each other one, m/N.
+    between_droppers: Vec<f64>,
+}
+
+/// The free coordinates of a line, and its matrices on them.
+struct Pencil {
+    /// Number of each coordinate among those that are not held.
+    free: Vec<Option<usize>>,
+    stiffness: BandedMatrix,
+    damping: BandedMatrix,
+    mass: BandedMatrix,
+    /// Row of each coordinate, and how many rows are those of contact wires.
+    row_of: Vec<u32>,
+    on_contact: usize,
+}
+
+impl Modes {
+    /// All modes of a line below `highest` Hz, found now or before; its wires are damped by `beta` s in proportion to
+    /// their stiffness.
+    pub fn of(
+        linear: &mut LinearLine,
+        layout: &Layout,
+        [highest, beta]: [f64; 2],
+    ) -> Result<Arc<Self>, StaticsError> {
+        let pencil = Pencil::of(linear, layout);
+        let linear: &LinearLine = linear;
+        let mut key = Key::new();
+        key.add([highest, beta]);
+        key.add(pencil.free.iter().map(|number| number.map_or(-1.0, |number| number as f64)));
+        for matrix in [&pencil.stiffness, &pencil.damping, &pencil.mass] {
+            key.add(matrix.entries().iter().copied());
+        }
+        let law = linear.droppers().law();
+        key.add([law.stiffness, law.damping]);
+        for dropper in linear.droppers().as_slice() {
+            key.add([dropper.elongation]);
+            key.add(dropper.gradient.iter().flat_map(|&(at, g)| [at as f64, g]));
+        }
+        key.add(pencil.row_of.iter().map(|row| f64::from(*row)));
+        known_or(key, || Self::found(linear, &pencil, [highest, beta]))
+    }
+
+    fn found(linear: &LinearLine, pencil: &Pencil, [highest, beta]: [f64; 2]) -> Result<Self, StaticsError> {
+        let free = &pencil.free;
+        let pairs = eigenpairs_below(&pencil.stiffness, &pencil.mass, (TAU * highest).powi(2));
+        let pairs = pairs.map_err(|error| {
+            let reason = error.to_string();
+            StaticsError::Modes { reason }
+        })?;
+        let pairs = worth_keeping(linear, free, pairs, highest);
+        let modes = pairs.values.len().next_multiple_of(LANES);
+        let rows_in_all = pencil.row_of.iter().filter(|row| **row != NONE).count();
+        let mut at_row = vec![0; rows_in_all];
+        for (&row, free) in pencil.row_of.iter().zip(free) {
+            if let (true, Some(free)) = (row != NONE, free) {
+                at_row[row as usize] = *free;
+            }
+        }
+        let mut rows = vec![0.0; at_row.len() * modes];
+        for (row, &free) in at_row.iter().enumerate() {
+            for (entry, vector) in rows[row * modes..][..modes].iter_mut().zip(&pairs.vectors) {
+                *entry = vector[free];
+            }
+        }
+        let droppers = linear.droppers().as_slice();
+        let gradient = |dropper: &crate::LinearDropper| -> Vec<(usize, f64)> {
+            let entries = dropper.gradient.iter();
+            entries.filter_map(|&(at, g)| Some((free[at]?, g))).collect()
+        };
+        let gradients: Vec<Vec<(usize, f64)>> = droppers.iter().map(gradient).collect();
+        let supports = supports(linear, free);
+        let held = supports.iter().map(|support| vec![(support.free, 1.0)]);
+        let joints: Vec<Vec<(usize, f64)>> = gradients.iter().cloned().chain(held).collect();
+        let mut joint_rows = vec![0.0; joints.len() * modes];
+        for (row, gradient) in joint_rows.chunks_exact_mut(modes.max(1)).zip(&joints) {
+            for (entry, vector) in row.iter_mut().zip(&pairs.vectors) {
+                *entry = along(gradient, vector) as f32;
+            }
+        }
+        let law = linear.droppers().law();
+        let of_droppers = vec![beta * law.stiffness; gradients.len()];
+        let of_supports = supports.iter().map(|support| beta * support.stiffness);
+        let borrowed: Vec<f64> = of_droppers.into_iter().chain(of_supports).collect();
+        let damping = pairs.vectors.iter().map(|vector| {
+            let joints = joints.iter().zip(&borrowed);
+            let by_joints = joints.map(|(gradient, damper)| damper * along(gradient, vector).powi(2));
+            pencil.damping.quadratic_form(vector) + by_joints.sum::<f64>()
+        });
+        // Vectors end with modes that nothing excites.
+        let padded = |mut values: Vec<f64>, rest: f64| {
+            values.resize(modes, rest);
+            values
+        };
+        let topology = linear.shape().map(Line::topology);
+        let dropper_x = topology.map_or_else(Vec::new, |topology| {
+            let lower = topology.droppers().iter().map(|place| topology.x_of(place.lower));
+            lower.collect()
+        });
+        let mut found = Self {
+            damping: padded(damping.collect(), 0.0),
+            stiffness: padded(pairs.values, 1.0),
+            row_of: pencil.row_of.clone(),
+            rows,
+            residual: Vec::new(),
+            at_rest: droppers.iter().map(|dropper| law.stiffness * dropper.elongation).collect(),
+            law: DropperLaw {
+                damping: law.damping + beta * law.stiffness,
+                ..law
+            },
+            borrowed,
+            support_x: supports.iter().map(|support| support.x).collect(),
+            dropper_x,
+            joint_rows,
+            dropper_residual: Vec::new(),
+            between_droppers: Vec::new(),
+        };
+        let factor = BandedFactor::new(&pencil.stiffness);
+        found.add_residuals(&factor, &at_row[..pencil.on_contact], &gradients);
+        Ok(found)
+    }
+
+    /// `K⁻¹ − Σ φ φᵀ/ω²` between contact wires and droppers.
+    fn add_residuals(&mut self, factor: &BandedFactor, contact: &[usize], gradients: &[Vec<(usize, f64)>]) {
+        const BATCH: usize = 4;
+        let soft: Vec<f64> = self.stiffness.iter().map(|stiffness| 1.0 / stiffness).collect();
+        let arch = pulp::Arch::new();
+        let width = 2 * NEAR + 1;
+        self.residual = vec![0.0; contact.len() * width];
+        for (number, batch) in contact.chunks(BATCH).enumerate() {
+            let mut answers = vec![[0.0; BATCH]; factor.size()];
+            for (k, &at) in batch.iter().enumerate() {
+                answers[at][k] = 1.0;
+            }
+            factor.solve_many(&mut answers);
+            for k in 0..batch.len() {
+                let row = number * BATCH + k;
+                for other in row.saturating_sub(NEAR)..(row + NEAR + 1).min(contact.len()) {
+                    let of_modes = kernels::dot3(arch, self.row(row), self.row(other), &soft);
+                    self.residual[row * width + other + NEAR - row] = answers[contact[other]][k] - of_modes;
+                }
+            }
+        }
+        let (mut on_contact, mut between) = (Vec::new(), Vec::new());
+        for (dropper, gradient) in gradients.iter().enumerate() {
+            let answer = factor.solve(gradient.iter().copied());
+            let entries = self.joint(dropper).iter().zip(&soft);
+            let own: Vec<f64> = entries.map(|(d, soft)| f64::from(*d) * soft).collect();
+            for (row, &at) in contact.iter().enumerate() {
+                on_contact.push(answer[at] - kernels::dot(arch, self.row(row), &own));
+            }
+            for (other, gradient) in gradients.iter().enumerate() {
+                let entries = self.joint(other).iter().zip(&own);
+                let of_modes: f64 = entries.map(|(d, own)| f64::from(*d) * own).sum();
+                between.push(along(gradient, &answer) - of_modes);
+            }
+        }
+        (self.dropper_residual, self.between_droppers) = (on_contact, between);
+    }
+
+    /// All that a file keeps of the modes, see [`Modes::from_vectors`].
+    pub fn vectors(&self) -> [Vec<f64>; 13] {
+        [
+            self.stiffness.clone(),
+            self.damping.clone(),
+            self.row_of.iter().map(|row| f64::from(*row)).collect(),
+            self.rows.clone(),
+            self.residual.clone(),
+            vec![self.law.stiffness, self.law.damping],
+            self.borrowed.clone(),
+            self.support_x.clone(),
+            self.at_rest.clone(),
+            self.dropper_x.clone(),
+            self.joint_rows.iter().map(|entry| f64::from(*entry)).collect(),
+            self.dropper_residual.clone(),
+            self.between_droppers.clone(),
+        ]
+    }
+
+    /// The modes of [`Modes::vectors`].
+    pub fn from_vectors(vectors: Vec<Vec<f64>>) -> Option<Self> {
+        let [
+            stiffness,
+            damping,
+            row_of,
+            rows,
+            residual,
+            law,
+            borrowed,
+            support_x,
+            at_rest,
+            dropper_x,
+            joint_rows,
+            dropper_residual,
+            between_droppers,
+        ] = <[Vec<f64>; 13]>::try_from(vectors).ok()?;
+        Some(Self {
+            stiffness,
+            damping,
+            row_of: row_of.into_iter().map(|row| row as u32).collect(),
+            rows,
+            residual,
+            law: DropperLaw {
+                stiffness: *law.first()?,
+                damping: *law.get(1)?,
+            },
+            borrowed,
+            support_x,
+            at_rest,
+            dropper_x,
+            joint_rows: joint_rows.into_iter().map(|entry| entry as f32).collect(),
+            dropper_residual,
+            between_droppers,
+        })
+    }
+
+    /// Number of modes, those that fill the last register included.
+    pub fn count(&self) -> usize {
+        self.stiffness.len()
+    }
+
+    /// Number of droppers.
+    pub fn droppers(&self) -> usize {
+        self.at_rest.len()
+    }
+
+    /// Entries of all modes at a row.
+    fn row(&self, row: usize) -> &[f64] {
+        &self.rows[row * self.count()..][..self.count()]
+    }
+
+    /// Entries of all modes at a coordinate of the linearised line; none at one that is held or has no row.
+    pub fn at(&self, coordinate: usize) -> Option<&[f64]> {
+        let row = self.row_of[coordinate];
+        (row != NONE).then(|| self.row(row as usize))
+    }
+
+    /// `gⱼᵀ φₖ` of a dropper, or of a support with a damper: these follow the droppers.
+    pub fn joint(&self, joint: usize) -> &[f32] {
+        &self.joint_rows[joint * self.count()..][..self.count()]
+    }
+
+    /// Residual elongation of a dropper by a unit force along another one, m/N.
+    pub fn residual_between(&self, dropper: usize, other: usize) -> f64 {
+        self.between_droppers[other * self.droppers() + dropper]
+    }
+
+    /// Residual vertical deflection at a point of a contact wire by a unit force along a dropper, m/N.
+    pub fn residual_by_dropper(&self, point: &CurveColumns, dropper: usize) -> f64 {
+        let rows = self.residual.len() / (2 * NEAR + 1);
+        let of_dropper = &self.dropper_residual[dropper * rows..][..rows];
+        self.vertical(point).map(|(row, n)| n * of_dropper[row]).sum()
+    }
+
+    /// Residual vertical deflection at a point of a contact wire by a unit force at another one, m/N.
+    pub fn residual_between_points(&self, point: &CurveColumns, other: &CurveColumns) -> f64 {
+        let of_pair = |(row, n): (usize, f64)| {
+            let near = move |&(other, _): &(usize, f64)| other + NEAR >= row && other <= row + NEAR;
+            let others = self.vertical(other).filter(near);
+            let sum: f64 = others
+                .map(|(other, m)| m * self.residual[row * (2 * NEAR + 1) + other + NEAR - row])
+                .sum();
+            n * sum
+        };
+        self.vertical(point).map(of_pair).sum()
+    }
+
+    /// Rows of a point with their weights in its vertical deflection.
+    fn vertical<'a>(&'a self, point: &'a CurveColumns) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let columns = point.as_slice().iter();
+        columns.filter_map(|column| {
+            let row = self.row_of[column.index];
+            (row != NONE && column.n.z != 0.0).then_some((row as usize, column.n.z))
+        })
+    }
+}
+
+/// `gᵀ x`.
+fn along(gradient: &[(usize, f64)], vector: &[f64]) -> f64 {
+    gradient.iter().map(|&(at, g)| g * vector[at]).sum()
+}
+
+/// Modes that contact wires feel: the answer of the others is that of modes beyond `highest` Hz, or less.
+///
+/// A mode adds `φ²/ω²` to a compliance, of which the residual compliance has all but a part that goes with `1/ω²`. A
+/// mode of the whole contact wire of mass `m` has `φ² = 2/m` and is kept up to `highest`; fainter ones up to where that
+/// part is the same.
+fn worth_keeping(linear: &LinearLine, free: &[Option<usize>], pairs: Eigenpairs, highest: f64) -> Eigenpairs {
+    let Some(line) = linear.shape() else {
+        return pairs;
+    };
+    let (mut felt, mut mass) = (Vec::new(), 0.0_f64);
+    for wire in 0..line.contact_wires() {
+        let wire = line.contact_wire(wire);
+        let nodes = wire.geometry().nodes().iter();
+        felt.extend(nodes.filter_map(|node| free[node.map.position(2)?]));
+        mass = mass.max(wire.section().mass_per_length * wire.geometry().length());
+    }
+    let faint: f64 = std::env::var("FAINT").ok().and_then(|x| x.parse().ok()).unwrap_or(1.0);
+    let least = faint * 2.0 / mass / (TAU * highest).powi(4);
+    let kept = pairs.values.into_iter().zip(pairs.vectors).filter(|(value, vector)| {
+        let most = felt.iter().fold(0.0_f64, |most, &at| most.max(vector[at].powi(2)));
+        most / value.powi(2) >= least
+    });
+    let (values, vectors) = kept.unzip();
+    Eigenpairs { values, vectors }
+}
+
+/// Number of each coordinate among those that are not held, and how many there are.
+fn numbered(layout: &Layout) -> (Vec<Option<usize>>, usize) {
+    let mut held = vec![false; layout.coordinates()];
+    layout.fixed().iter().for_each(|&index| held[index] = true);
+    let mut count = 0;
+    let number = |held: bool| {
+        let number = (!held).then_some(count);
+        count += usize::from(!held);
+        number
+    };
+    let free = held.into_iter().map(number).collect();
+    (free, count)
+}
+
+impl Pencil {
+    /// `K`, `D` and `M` of a line whose droppers are all taut.
+    fn of(linear: &mut LinearLine, layout: &Layout) -> Self {
+        let (free, count) = numbered(layout);
+        let rest = layout.state_at_rest();
+        let motion = rest.motion(&[]);
+        let mut collect = |add: &dyn Fn(&mut dyn Force, &mut Blocks<'_>)| {
+            Blocks::collect(|blocks| {
+                linear.parts(&mut |name, part| {
+                    if name != "droppers" {
+                        add(part, blocks);
+                    }
+                });
+            })
+        };
+        let mut stiffness = collect(&|part, blocks| part.add_tangent(&motion, Weights { q: 1.0, v: 0.0 }, blocks));
+        let mut damping = collect(&|part, blocks| part.add_tangent(&motion, Weights { q: 0.0, v: 1.0 }, blocks));
+        let mass = collect(&|part, blocks| part.add_mass(blocks));
+        let law = linear.droppers().law();
+        for dropper in linear.droppers().as_slice() {
+            for &(row, g_row) in &dropper.gradient {
+                for &(column, g_column) in &dropper.gradient {
+                    let both = g_row * g_column;
+                    stiffness.push((row as u32, column as u32, law.stiffness * both));
+                    damping.push((row as u32, column as u32, law.damping * both));
+                }
+            }
+        }
+        let all = [stiffness, damping, mass].map(|entries| {
+            let entries = entries.into_iter().filter_map(|(row, column, value)| {
+                let (row, column) = (free[row as usize]?, free[column as usize]?);
+                Some((row as u32, column as u32, value))
+            });
+            entries.collect::<Vec<_>>()
+        });
+        let bands = all
+            .iter()
+            .map(|entries| BandedMatrix::from_entries(count, 0, entries).band());
+        let band = bands.max().unwrap_or(0);
+        let [stiffness, damping, mass] = all.map(|entries| BandedMatrix::from_entries(count, band, &entries));
+        let (row_of, on_contact) = rows(linear, &free);
+        Self {
+            free,
+            stiffness,
+            damping,
+            mass,
+            row_of,
+            on_contact,
+        }
+    }
+}
+
+/// A spring to the ground.
+struct Support {
+    /// Its coordinate among those that are not held.
+    free: usize,
+    stiffness: f64,
+    x: f64,
+}
+
+/// Springs that hold the heights of wires at supports.
+fn supports(linear: &LinearLine, free: &[Option<usize>]) -> Vec<Support> {
+    let Some(line) = linear.shape() else {
+        return Vec::new();
+    };
+    let anchors = line.supports().as_slice().iter().chain(line.registration_arms().as_slice());
+    let springs = anchors.filter_map(|anchor| {
+        let support = Support {
+            free: free[anchor.node.coordinate(2)?]?,
+            stiffness: anchor.stiffness.z,
+            x: anchor.node.reference.x,
+        };
+        (support.stiffness > 0.0).then_some(support)
+    });
+    springs.collect()
+}
+
+/// The row of each coordinate, and how many rows are those of contact wires.
+fn rows(linear: &LinearLine, free: &[Option<usize>]) -> (Vec<u32>, usize) {
+    let (mut row_of, mut next) = (vec![NONE; free.len()], 0);
+    let Some(line) = linear.shape() else {
+        return (row_of, 0);
+    };
+    let mut add = |coordinate: Option<usize>| {
+        if let Some(coordinate) = coordinate.filter(|&at| free[at].is_some() && row_of[at] == NONE) {
+            row_of[coordinate] = next;
+            next += 1;
+        }
+        next
+    };
+    for wire in 0..line.contact_wires() {
+        let geometry = line.contact_wire(wire).geometry();
+        let mut layers = geometry.enrichments().iter().peekable();
+        for (number, node) in geometry.nodes().iter().enumerate() {
+            add(node.map.position(2));
+            add(node.map.slope(2));
+            while let Some(layer) = layers.next_if(|layer| layer.node == number) {
+                if layer.direction.z != 0.0 {
+                    add(Some(layer.index));
+                }
+            }
+        }
+    }
+    let on_contact = add(None);
+    for wire in line.wires() {
+        for node in wire.geometry().nodes() {
+            add(node.map.position(2));
+        }
+    }
+    (row_of, on_contact as usize)
+}

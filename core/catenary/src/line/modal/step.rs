@@ -1,0 +1,144 @@
+//! Exact solution of a mode over a step.
+use super::modes::Modes;
+use nalgebra::Matrix4;
+
+/// Factors of a step of `h` s for all modes, each a vector over the modes:
+///
+/// ```text
+/// q₁ = qq q₀ + qv v₀ + q0 r₀ + q1 r₁
+/// v₁ = vq q₀ + vv v₀ + v0 r₀ + v1 r₁
+/// ```
+///
+/// with the modal force linear from `r₀` to `r₁`. A step of 0 s is the state at rest under `r₁`.
+#[derive(Clone, Debug, Default)]
+pub(super) struct StepFactors {
+    pub h: f64,
+    pub qq: Vec<f64>,
+    pub qv: Vec<f64>,
+    pub q0: Vec<f64>,
+    pub q1: Vec<f64>,
+    pub vq: Vec<f64>,
+    pub vv: Vec<f64>,
+    pub v0: Vec<f64>,
+    pub v1: Vec<f64>,
+    /// Answer of the tension of each dropper to the force of each other one, –; not a number where not yet needed.
+    pub between_droppers: Vec<f64>,
+}
+
+impl StepFactors {
+    pub fn new(modes: &Modes, h: f64) -> Self {
+        let count = modes.count();
+        let mut factors = Self {
+            h,
+            between_droppers: vec![f64::NAN; modes.droppers().pow(2)],
+            ..Self::default()
+        };
+        let Self {
+            qq,
+            qv,
+            q0,
+            q1,
+            vq,
+            vv,
+            v0,
+            v1,
+            ..
+        } = &mut factors;
+        let vectors = [qq, qv, q0, q1, vq, vv, v0, v1];
+        if h == 0.0 {
+            for vector in vectors {
+                vector.resize(count, 0.0);
+            }
+            for (q1, stiffness) in factors.q1.iter_mut().zip(&modes.stiffness) {
+                *q1 = 1.0 / stiffness;
+            }
+            return factors;
+        }
+        for vector in vectors {
+            vector.reserve(count);
+        }
+        for (&stiffness, &damping) in modes.stiffness.iter().zip(&modes.damping) {
+            let [q, v] = over(stiffness, damping, h);
+            factors.qq.push(q[0]);
+            factors.qv.push(q[1]);
+            factors.q0.push(q[2]);
+            factors.q1.push(q[3]);
+            factors.vq.push(v[0]);
+            factors.vv.push(v[1]);
+            factors.v0.push(v[2]);
+            factors.v1.push(v[3]);
+        }
+        factors
+    }
+}
+
+/// Both rows of one mode: the exponential of `h` times the matrix of `(q, v, r, ṙ)`.
+fn over(stiffness: f64, damping: f64, h: f64) -> [[f64; 4]; 2] {
+    // Rates per step: ṙ and v in units of a step.
+    let rate = Matrix4::new(
+        0.0, 1.0, 0.0, 0.0,
+        -stiffness * h * h, -damping * h, h * h, 0.0,
+        0.0, 0.0, 0.0, 1.0,
+        0.0, 0.0, 0.0, 0.0,
+    );
+    let e = exponential(&rate);
+    let row = |i: usize, unit: f64| [e[(i, 0)] * unit, e[(i, 1)] * h * unit, (e[(i, 2)] - e[(i, 3)]) * unit, e[(i, 3)] * unit];
+    [row(0, 1.0), row(1, 1.0 / h)]
+}
+
+/// `exp(A)` by scaling and squaring of the series.
+fn exponential(a: &Matrix4<f64>) -> Matrix4<f64> {
+    /// Terms that leave the rounding error of a matrix with a norm of a half.
+    const TERMS: usize = 14;
+    let norm = a.abs().column_sum().max();
+    let halvings = if norm > 0.5 { (2.0 * norm).log2().ceil() as i32 } else { 0 };
+    let a = a / 2.0_f64.powi(halvings);
+    let mut sum = Matrix4::identity();
+    for term in (1..=TERMS).rev() {
+        sum = Matrix4::identity() + a * sum / term as f64;
+    }
+    for _ in 0..halvings {
+        sum *= sum;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_follows_the_closed_form_of_a_damped_oscillator() {
+        let (omega, damping, h) = (40.0_f64, 6.0, 0.03);
+        let [q, v] = over(omega * omega, damping, h);
+        let half = 0.5 * damping;
+        let turn = (omega * omega - half * half).sqrt();
+        let decay = (-half * h).exp();
+        let (cos, sin) = ((turn * h).cos(), (turn * h).sin());
+        assert!((q[0] - decay * (cos + half / turn * sin)).abs() < 1e-14);
+        assert!((q[1] - decay * sin / turn).abs() < 1e-14);
+        assert!((v[0] + decay * omega * omega / turn * sin).abs() < 1e-12);
+        assert!((v[1] - decay * (cos - half / turn * sin)).abs() < 1e-14);
+        // Under a constant force, from rest.
+        let constant = (1.0 - decay * (cos + half / turn * sin)) / (omega * omega);
+        assert!((q[2] + q[3] - constant).abs() < 1e-16);
+        assert!((v[2] + v[3] - decay * sin / turn).abs() < 1e-14);
+        // A rate whose exponential is beyond all series.
+        let [stiff, _] = over(1e10, 1e6, h);
+        assert!((stiff[2] + stiff[3] - 1e-10).abs() < 1e-15 && stiff[0].abs() < 1e-9);
+    }
+
+    #[test]
+    fn two_steps_are_one_of_twice_the_length() {
+        let (stiffness, damping) = (900.0, 1.5);
+        let [q, v] = over(stiffness, damping, 0.01);
+        let [whole, _] = over(stiffness, damping, 0.02);
+        let step = |[x, y]: [f64; 2], r: [f64; 2]| {
+            let row = |row: [f64; 4]| row[0] * x + row[1] * y + row[2] * r[0] + row[3] * r[1];
+            [row(q), row(v)]
+        };
+        let twice = step(step([0.3, -2.0], [5.0, 7.0]), [7.0, 9.0]);
+        let once = whole[0] * 0.3 + whole[1] * -2.0 + whole[2] * 5.0 + whole[3] * 9.0;
+        assert!((twice[0] - once).abs() < 1e-14);
+    }
+}
