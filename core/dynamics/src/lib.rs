@@ -75,9 +75,9 @@ pub use integrate::{
     StaticReport, StepError, solve_static,
 };
 pub use layout::Layout;
+pub use linear::eigen;
 #[doc(hidden)] // for the benchmark of the solver alone
 pub use linear::{BlockTridiagonal, LocalColumn};
-pub use linear::eigen;
 pub use linear::{FactoredMatrix, SparseMatrix, Updates};
 pub use linear_force::LinearForce;
 pub use marker::{Column, Columns, Frame, Marker};

@@ -731,6 +731,33 @@ fn no_line_left_out_and_no_value_replaced_makes_the_reader_panic() {
 }
 
 #[test]
+fn modes_are_those_of_a_whole_line_under_the_penalty_law_in_still_air() {
+    let told = |overrides: &[&str]| {
+        let overrides: Vec<String> = overrides.iter().map(|each| (*each).to_owned()).collect();
+        Scene::from_toml(EN, "en50318-250.toml", &overrides)
+            .unwrap_err()
+            .to_string()
+    };
+    let reduce = "model.reduce=[\"modal\", \"window\"]";
+    holds(
+        &told(&[reduce]),
+        &["model.reduce = \"modal\": must be left out: \"window\" models a part of the line"],
+    );
+    let joint = ["model.reduce=[\"modal\"]", "contact={ law=\"sliding_joint\" }"];
+    holds(
+        &told(&joint),
+        &["model.reduce = \"modal\": must be left out: contact.law = \"sliding_joint\" holds the strip on the wire"],
+    );
+}
+
+#[test]
+fn modes_are_planar_where_that_changes_nothing() {
+    let overrides = ["model.reduce=[\"modal\"]".to_owned()];
+    let scene = Scene::from_toml(EN, "en50318-250.toml", &overrides).unwrap();
+    assert_eq!(scene.model.reductions, [Reduction::Modal, Reduction::Planar]);
+}
+
+#[test]
 fn a_line_is_linear_in_one_way_only() {
     let overrides = ["model.reduce=[\"linearised\", \"flat\"]".to_owned()];
     let error = Scene::from_toml(EN, "en50318-250.toml", &overrides)

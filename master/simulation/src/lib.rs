@@ -272,12 +272,17 @@ impl Prepared {
             supports,
             line,
         );
-        let recorder = if self.pictures { recorder } else { recorder.without_pictures() };
-        recorder.with_heads(&self.scene.strip_counts())
-        .with_wind((0..self.scene.pantographs.len()).filter(|&index| {
-            let own = !matches!(self.scene.pantographs[index].model, scene::PantographModel::Supplied(_));
-            own && vehicle::Air::of_scene(&self.scene, index).is_some()
-        }))
+        let recorder = if self.pictures {
+            recorder
+        } else {
+            recorder.without_pictures()
+        };
+        recorder
+            .with_heads(&self.scene.strip_counts())
+            .with_wind((0..self.scene.pantographs.len()).filter(|&index| {
+                let own = !matches!(self.scene.pantographs[index].model, scene::PantographModel::Supplied(_));
+                own && vehicle::Air::of_scene(&self.scene, index).is_some()
+            }))
     }
 
     fn run_coupled<E: From<SetupError>>(

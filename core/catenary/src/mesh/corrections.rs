@@ -101,9 +101,9 @@ fn obstacle_of(scene: &Scene, correction: Correction, others: &[Correction]) -> 
         }
         Correction::BendingLayers => layers_obstacle(catenary),
         Correction::DropperCompliance => Some("this version does not have it".to_owned()),
-        Correction::MassCorrection if scene.model.has(Reduction::Modal) => Some(
-            "model.reduce has \"modal\", which solves the steps of the line exactly".to_owned(),
-        ),
+        Correction::MassCorrection if scene.model.has(Reduction::Modal) => {
+            Some("model.reduce has \"modal\", which solves the steps of the line exactly".to_owned())
+        }
         Correction::MassCorrection => {
             let rho_inf = scene.solver.rho_inf;
             if rho_inf < LEAST_RHO_INF {

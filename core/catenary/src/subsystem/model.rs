@@ -1,9 +1,9 @@
 //! The line of a scene together with the strips on it.
 use crate::contact::STRIP_VALUES;
 use crate::{
-    BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, ModalLine, OverheadLine,
-    PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine, WiresInWind,
-    adopt_state, follow_strips,
+    BendingLayers, ContactPair, ContactTangent, Dimension, LineOptions, LinearLine, MassCorrection, ModalLine,
+    OverheadLine, PenaltyContact, PrescribedStrip, SlidingJoint, StaticLine, StaticsError, StripContact, WindowedLine,
+    WiresInWind, adopt_state, follow_strips,
 };
 use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
 use scene::{ContactLaw, Correction, Reduction, Scene};

@@ -24,7 +24,7 @@ const CORRECTION_SETS: [&[&str]; 7] = [
 ];
 
 /// Reductions that change the model: they are judged, and no reference has them.
-const APPROXIMATE: [&str; 3] = ["linearised", "flat", "window"];
+const APPROXIMATE: [&str; 4] = ["linearised", "flat", "window", "modal"];
 
 /// The model that a run is an approximation of, which says what its error is taken against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -55,12 +55,14 @@ impl Family {
     /// Value for a set of reductions, joined by `+`.
     #[must_use]
     pub fn of(reductions: &str) -> Self {
-        let has = |name: Self| reductions.split('+').any(|reduction| reduction == name.name());
-        Self::ALL[1..]
-            .iter()
-            .copied()
-            .find(|name| has(*name))
-            .unwrap_or(Self::Nonlinear)
+        let has = |name: &str| reductions.split('+').any(|reduction| reduction == name);
+        if has(Self::Flat.name()) {
+            Self::Flat
+        } else if has(Self::Linearised.name()) || has("modal") {
+            Self::Linearised
+        } else {
+            Self::Nonlinear
+        }
     }
 }
 

@@ -9,8 +9,7 @@ use pulp::Arch;
 use std::sync::Arc;
 
 /// Droppers up to this far from a strip are watched in every step, m: a strip makes droppers slack within a span.
-const REACH: f64 = 40.0;
-fn reach() -> f64 { static R: std::sync::OnceLock<f64> = std::sync::OnceLock::new(); *R.get_or_init(|| std::env::var("REACH").ok().and_then(|x| x.parse().ok()).unwrap_or(REACH)) }
+const REACH: f64 = 30.0;
 /// Of the droppers further away one in so many is watched in a step.
 const IN_TURN: usize = 16;
 /// Tension above which a watched dropper stays taut within a step, N: a step changes tensions by a few newtons.
@@ -207,7 +206,9 @@ impl Interface {
 
     /// Number of slack droppers.
     pub fn slack_count(&self) -> usize {
-        (0..self.modes.droppers()).filter(|&dropper| self.lacks(dropper) > 0.0).count()
+        (0..self.modes.droppers())
+            .filter(|&dropper| self.lacks(dropper) > 0.0)
+            .count()
     }
 
     /// Tension of a dropper at the end of the last step, N.
@@ -228,7 +229,7 @@ impl Interface {
                 Some(dropper) => self.modes.dropper_x[dropper],
                 None => self.modes.support_x[joint - droppers],
             };
-            let near = self.points.iter().any(|point| point.on && (point.x - x).abs() < reach());
+            let near = self.points.iter().any(|point| point.on && (point.x - x).abs() < REACH);
             let in_turn = |dropper: usize| {
                 self.lacks(dropper) > 0.0
                     || self.tensions[dropper] < TAUT
@@ -239,12 +240,12 @@ impl Interface {
                 self.joint_rates[joint] = f64::NAN;
                 continue;
             }
-            let [deflection, rate] = kernels::dot2(self.arch, self.modes.joint(joint), &self.narrow[0], &self.narrow[1]);
+            let [deflection, rate] =
+                kernels::dot2(self.arch, self.modes.joint(joint), &self.narrow[0], &self.narrow[1]);
             if let Some(dropper) = own {
                 let law = &self.modes.law;
                 let elongation = deflection + self.residual_elongation(dropper);
-                self.tensions[dropper] =
-                    self.modes.at_rest[dropper] + law.stiffness * elongation + law.damping * rate;
+                self.tensions[dropper] = self.modes.at_rest[dropper] + law.stiffness * elongation + law.damping * rate;
             }
             let before = std::mem::replace(&mut self.joint_rates[joint], rate);
             let taut = own.is_none_or(|dropper| self.lacks(dropper) == 0.0);
@@ -380,7 +381,9 @@ impl Interface {
     fn deflections_of(&self, forces: &[f64], out: &mut [f64]) {
         let (step, contacts) = (&self.step, self.points.len());
         for (i, out) in out.iter_mut().enumerate() {
-            let by_forces: f64 = (0..contacts).map(|j| step.compliance[i * contacts + j] * forces[j]).sum();
+            let by_forces: f64 = (0..contacts)
+                .map(|j| step.compliance[i * contacts + j] * forces[j])
+                .sum();
             let by_droppers: f64 = (step.candidates.iter().zip(&step.lacking).enumerate())
                 .map(|(c, (_, lacking))| step.by_candidate[i * step.candidates.len() + c] * lacking)
                 .sum();
@@ -429,7 +432,8 @@ impl Interface {
             }
         }
         step.lacking.clear();
-        step.lacking.extend(step.candidates.iter().map(|candidate| self.lacking[candidate.dropper]));
+        step.lacking
+            .extend(step.candidates.iter().map(|candidate| self.lacking[candidate.dropper]));
         let factors = &mut self.factors[0];
         for i in 0..count {
             for j in 0..count {
@@ -459,7 +463,9 @@ impl Interface {
         for i in 0..contacts {
             step.forces[i] = 0.0;
             for j in 0..contacts {
-                let by_droppers: f64 = (0..count).map(|c| step.by_candidate[j * count + c] * step.lacking[c]).sum();
+                let by_droppers: f64 = (0..count)
+                    .map(|c| step.by_candidate[j * count + c] * step.lacking[c])
+                    .sum();
                 step.forces[i] += step.stiffness[i * contacts + j] * (w[j] - step.free[j] + by_droppers);
             }
         }
@@ -469,7 +475,9 @@ impl Interface {
                 let Candidate { dropper, free } = step.candidates[c];
                 let of_rest = (-self.modes.at_rest[dropper]).max(0.0);
                 let entry = |other: usize| between[dropper * self.modes.droppers() + step.candidates[other].dropper];
-                let by_strips: f64 = (0..contacts).map(|i| step.on_candidate[i * count + c] * step.forces[i]).sum();
+                let by_strips: f64 = (0..contacts)
+                    .map(|i| step.on_candidate[i * count + c] * step.forces[i])
+                    .sum();
                 let by_droppers: f64 = (0..count).map(|other| entry(other) * step.lacking[other]).sum();
                 let spring = free + by_strips - by_droppers;
                 // Change of the forces of the strips with this lacking force.
@@ -486,8 +494,7 @@ impl Interface {
                 step.lacking[c] = next - of_rest;
                 for i in 0..contacts {
                     for j in 0..contacts {
-                        step.forces[i] +=
-                            step.stiffness[i * contacts + j] * step.by_candidate[j * count + c] * change;
+                        step.forces[i] += step.stiffness[i * contacts + j] * step.by_candidate[j * count + c] * change;
                     }
                 }
                 largest = largest.max(change.abs());
@@ -551,7 +558,9 @@ impl Force for Interface {
 
     fn add_tangent(&mut self, _: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         self.assembled.clone_from(&self.slope);
-        self.add_slope(weights.q, &self.assembled, |indices, values| blocks.add(indices, indices, values));
+        self.add_slope(weights.q, &self.assembled, |indices, values| {
+            blocks.add(indices, indices, values)
+        });
     }
 
     fn add_mass(&self, blocks: &mut Blocks<'_>) {

@@ -195,7 +195,9 @@ pub(super) fn free(arch: Arch, factors: &StepFactors, motion: [&[f64]; 3], ends:
         type Output = ();
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let StepFactors { qq, qv, q0, vq, vv, v0, .. } = self.0;
+            let StepFactors {
+                qq, qv, q0, vq, vv, v0, ..
+            } = self.0;
             let n = qq.len();
             let [q, v, r] = self.1.map(|values| &values[..n]);
             let [qq, qv, q0, vq, vv, v0] = [qq, qv, q0, vq, vv, v0].map(|values| &values[..n]);

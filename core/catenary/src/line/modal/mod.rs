@@ -105,7 +105,12 @@ impl ModalLine {
         for contact in 0..strips * contact_wires {
             let (place, coordinate) = (Place::default(), first + contact);
             let wire = linear.contact_curve(contact % contact_wires);
-            points.push(ContactPoint::new(coordinate, Arc::clone(&wire), Arc::clone(&rest), place.clone()));
+            points.push(ContactPoint::new(
+                coordinate,
+                Arc::clone(&wire),
+                Arc::clone(&rest),
+                place.clone(),
+            ));
             curves.push(Arc::new(ModalCurve {
                 wire,
                 rest: Arc::clone(&rest),
@@ -142,7 +147,9 @@ impl ModalLine {
 
     /// Largest rise of the contact wires at a mast, m, and its node.
     fn most_lifted(&self, mast: usize) -> Option<(f64, NodeOfWire)> {
-        let nodes = self.shape.topology().masts()[mast].iter().zip(&self.uplift_reference[mast]);
+        let nodes = self.shape.topology().masts()[mast]
+            .iter()
+            .zip(&self.uplift_reference[mast]);
         let rises = nodes.map(|(&at, reference)| (self.rise(at) - reference, at));
         rises.reduce(|a, b| if b.0 > a.0 { b } else { a })
     }
@@ -151,9 +158,10 @@ impl ModalLine {
 /// Highest frequency of the modes of a scene, Hz.
 fn highest(scene: &Scene) -> f64 {
     let error = mesh::expected_error(scene).map_or(LEFT_OUT / SHARE, |error| error.total());
-    let b: f64 = std::env::var("BAND").ok().and_then(|x| x.parse().ok()).unwrap_or(BAND);
-    let band = b * (LEFT_OUT / (SHARE * error)).powf(0.25);
-    let slowest = scene.modelled_line().map_or(f64::INFINITY, |(line, _)| line.slowest_wave());
+    let band = BAND * (LEFT_OUT / (SHARE * error)).powf(0.25);
+    let slowest = scene
+        .modelled_line()
+        .map_or(f64::INFINITY, |(line, _)| line.slowest_wave());
     band * scene.run.low_pass_hz / (1.0 - scene.run.speed / slowest).max(0.05)
 }
 
@@ -239,13 +247,20 @@ impl OverheadLine for ModalLine {
     fn polylines(&self, name: WireName, _: &[f64], most: usize) -> Vec<Vec<Vector3<f64>>> {
         let mut q = vec![0.0; self.coordinates];
         let wires = self.shape.topology().wires().iter().enumerate();
-        let wires: Vec<usize> = wires.filter(|(_, planned)| planned.name == name).map(|(wire, _)| wire).collect();
+        let wires: Vec<usize> = wires
+            .filter(|(_, planned)| planned.name == name)
+            .map(|(wire, _)| wire)
+            .collect();
         let nodes = |wire: usize| self.shape.wires()[wire].geometry().nodes();
         let all: usize = wires.iter().map(|&wire| nodes(wire).len()).sum();
         let stride = all.div_ceil(most).max(1);
         for &wire in &wires {
             let last = nodes(wire).len() - 1;
-            for (_, node) in nodes(wire).iter().enumerate().filter(|(i, _)| i % stride == 0 || *i == last) {
+            for (_, node) in nodes(wire)
+                .iter()
+                .enumerate()
+                .filter(|(i, _)| i % stride == 0 || *i == last)
+            {
                 if let Some(index) = node.map.position(2) {
                     q[index] = self.interface.deflection_of(index);
                 }
@@ -269,4 +284,3 @@ impl OverheadLine for ModalLine {
         StepHistory::restore(&mut self.interface, &mut settled.iter());
     }
 }
-

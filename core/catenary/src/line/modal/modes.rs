@@ -60,16 +60,17 @@ struct Pencil {
 impl Modes {
     /// All modes of a line below `highest` Hz, found now or before; its wires are damped by `beta` s in proportion to
     /// their stiffness.
-    pub fn of(
-        linear: &mut LinearLine,
-        layout: &Layout,
-        [highest, beta]: [f64; 2],
-    ) -> Result<Arc<Self>, StaticsError> {
+    pub fn of(linear: &mut LinearLine, layout: &Layout, [highest, beta]: [f64; 2]) -> Result<Arc<Self>, StaticsError> {
         let pencil = Pencil::of(linear, layout);
         let linear: &LinearLine = linear;
         let mut key = Key::new();
         key.add([highest, beta]);
-        key.add(pencil.free.iter().map(|number| number.map_or(-1.0, |number| number as f64)));
+        key.add(
+            pencil
+                .free
+                .iter()
+                .map(|number| number.map_or(-1.0, |number| number as f64)),
+        );
         for matrix in [&pencil.stiffness, &pencil.damping, &pencil.mass] {
             key.add(matrix.entries().iter().copied());
         }
@@ -145,7 +146,10 @@ impl Modes {
             row_of: pencil.row_of.clone(),
             rows,
             residual: Vec::new(),
-            at_rest: droppers.iter().map(|dropper| law.stiffness * dropper.elongation).collect(),
+            at_rest: droppers
+                .iter()
+                .map(|dropper| law.stiffness * dropper.elongation)
+                .collect(),
             law: DropperLaw {
                 damping: law.damping + beta * law.stiffness,
                 ..law
@@ -338,8 +342,7 @@ fn worth_keeping(linear: &LinearLine, free: &[Option<usize>], pairs: Eigenpairs,
         felt.extend(nodes.filter_map(|node| free[node.map.position(2)?]));
         mass = mass.max(wire.section().mass_per_length * wire.geometry().length());
     }
-    let faint: f64 = std::env::var("FAINT").ok().and_then(|x| x.parse().ok()).unwrap_or(1.0);
-    let least = faint * 2.0 / mass / (TAU * highest).powi(4);
+    let least = 2.0 / mass / (TAU * highest).powi(4);
     let kept = pairs.values.into_iter().zip(pairs.vectors).filter(|(value, vector)| {
         let most = felt.iter().fold(0.0_f64, |most, &at| most.max(vector[at].powi(2)));
         most / value.powi(2) >= least
@@ -427,7 +430,11 @@ fn supports(linear: &LinearLine, free: &[Option<usize>]) -> Vec<Support> {
     let Some(line) = linear.shape() else {
         return Vec::new();
     };
-    let anchors = line.supports().as_slice().iter().chain(line.registration_arms().as_slice());
+    let anchors = line
+        .supports()
+        .as_slice()
+        .iter()
+        .chain(line.registration_arms().as_slice());
     let springs = anchors.filter_map(|anchor| {
         let support = Support {
             free: free[anchor.node.coordinate(2)?]?,

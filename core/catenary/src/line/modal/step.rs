@@ -76,13 +76,32 @@ impl StepFactors {
 fn over(stiffness: f64, damping: f64, h: f64) -> [[f64; 4]; 2] {
     // Rates per step: ṙ and v in units of a step.
     let rate = Matrix4::new(
-        0.0, 1.0, 0.0, 0.0,
-        -stiffness * h * h, -damping * h, h * h, 0.0,
-        0.0, 0.0, 0.0, 1.0,
-        0.0, 0.0, 0.0, 0.0,
+        0.0,
+        1.0,
+        0.0,
+        0.0,
+        -stiffness * h * h,
+        -damping * h,
+        h * h,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
     );
     let e = exponential(&rate);
-    let row = |i: usize, unit: f64| [e[(i, 0)] * unit, e[(i, 1)] * h * unit, (e[(i, 2)] - e[(i, 3)]) * unit, e[(i, 3)] * unit];
+    let row = |i: usize, unit: f64| {
+        [
+            e[(i, 0)] * unit,
+            e[(i, 1)] * h * unit,
+            (e[(i, 2)] - e[(i, 3)]) * unit,
+            e[(i, 3)] * unit,
+        ]
+    };
     [row(0, 1.0), row(1, 1.0 / h)]
 }
 
@@ -91,7 +110,11 @@ fn exponential(a: &Matrix4<f64>) -> Matrix4<f64> {
     /// Terms that leave the rounding error of a matrix with a norm of a half.
     const TERMS: usize = 14;
     let norm = a.abs().column_sum().max();
-    let halvings = if norm > 0.5 { (2.0 * norm).log2().ceil() as i32 } else { 0 };
+    let halvings = if norm > 0.5 {
+        (2.0 * norm).log2().ceil() as i32
+    } else {
+        0
+    };
     let a = a / 2.0_f64.powi(halvings);
     let mut sum = Matrix4::identity();
     for term in (1..=TERMS).rev() {

@@ -84,7 +84,9 @@ fn read(file: &Path) -> Option<Modes> {
     if u64::from_le_bytes(*sum) != checksum(rest) {
         return None;
     }
-    let mut words = rest.chunks_exact(8).map(|word| f64::from_le_bytes(word.try_into().unwrap_or_default()));
+    let mut words = rest
+        .chunks_exact(8)
+        .map(|word| f64::from_le_bytes(word.try_into().unwrap_or_default()));
     let mut vectors = Vec::new();
     while let Some(length) = words.next() {
         let vector: Vec<f64> = words.by_ref().take(length as usize).collect();
@@ -105,7 +107,10 @@ fn write(folder: &Path, file: &Path, modes: &Modes) -> io::Result<()> {
     }
     fs::create_dir_all(folder)?;
     let part = file.with_extension(format!("{}.partial", process::id()));
-    fs::write(&part, [FORMAT.as_slice(), &checksum(&body).to_le_bytes(), &body].concat())?;
+    fs::write(
+        &part,
+        [FORMAT.as_slice(), &checksum(&body).to_le_bytes(), &body].concat(),
+    )?;
     fs::rename(&part, file)?;
     let mut files: Vec<(std::time::SystemTime, PathBuf)> = fs::read_dir(folder)?
         .flatten()

@@ -54,11 +54,7 @@ pub enum EigenError {
 ///
 /// # Errors
 /// See [`EigenError`].
-pub fn eigenpairs_below(
-    stiffness: &BandedMatrix,
-    mass: &BandedMatrix,
-    most: f64,
-) -> Result<Eigenpairs, EigenError> {
+pub fn eigenpairs_below(stiffness: &BandedMatrix, mass: &BandedMatrix, most: f64) -> Result<Eigenpairs, EigenError> {
     let negative = BandedFactor::new(mass).negative();
     if negative > 0 {
         return Err(EigenError::Mass { negative });
@@ -73,7 +69,9 @@ pub fn eigenpairs_below(
     cut(whole, &below, &mut slices);
     let found = Mutex::new(vec![None; slices.len()]);
     let next = AtomicUsize::new(0);
-    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(slices.len());
+    let workers = std::thread::available_parallelism()
+        .map_or(1, usize::from)
+        .min(slices.len());
     std::thread::scope(|scope| {
         for _ in 0..workers {
             scope.spawn(|| {

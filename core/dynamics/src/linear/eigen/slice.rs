@@ -77,7 +77,14 @@ impl Krylov<'_> {
         for _ in 0..2 {
             let mut along = Mat::<f64>::zeros(all.nrows(), all.ncols());
             let mass = self.with_mass.view();
-            matmul(along.as_mut(), Accum::Replace, mass.transpose(), w.view(), 1.0, Par::Seq);
+            matmul(
+                along.as_mut(),
+                Accum::Replace,
+                mass.transpose(),
+                w.view(),
+                1.0,
+                Par::Seq,
+            );
             let basis = self.basis.view();
             matmul(w.view_mut(), Accum::Add, basis, along.as_ref(), -1.0, Par::Seq);
             all += along;
@@ -147,7 +154,10 @@ impl Krylov<'_> {
         };
         let size = self.projected.len();
         let found = Mat::from_fn(size, size, entry).self_adjoint_eigen(Side::Lower).ok()?;
-        Some((found.S().column_vector().iter().copied().collect(), found.U().to_owned()))
+        Some((
+            found.S().column_vector().iter().copied().collect(),
+            found.U().to_owned(),
+        ))
     }
 }
 
@@ -175,10 +185,14 @@ pub(super) fn eigenpairs(
     while krylov.projected.len() < n {
         let first = krylov.projected.len();
         let mut images = krylov.images(first);
-        let scale: Vec<f64> = (0..images.count()).map(|k| dot(images.column(k), images.column(k)).sqrt()).collect();
+        let scale: Vec<f64> = (0..images.count())
+            .map(|k| dot(images.column(k), images.column(k)).sqrt())
+            .collect();
         let along = krylov.remove(&mut images);
         for k in 0..along.ncols() {
-            krylov.projected.push((0..along.nrows()).map(|row| along[(row, k)]).collect());
+            krylov
+                .projected
+                .push((0..along.nrows()).map(|row| along[(row, k)]).collect());
         }
         let size = krylov.projected.len();
         let norms = krylov.append(images, &scale);

@@ -37,11 +37,22 @@ fn eigenvalues_of_a_chain_are_those_of_the_closed_form() {
     for (k, (value, vector)) in found.values.iter().zip(&found.vectors).enumerate() {
         assert!((value / expected(n, k + 1) - 1.0).abs() < 1e-10, "{k}: {value}");
         stiffness.multiply(vector, &mut product);
-        let left = product.iter().zip(vector).map(|(a, v)| (a - value * v).powi(2)).sum::<f64>();
+        let left = product
+            .iter()
+            .zip(vector)
+            .map(|(a, v)| (a - value * v).powi(2))
+            .sum::<f64>();
         assert!(left.sqrt() < 1e-8, "{k}: {left}");
     }
-    let across: f64 = found.vectors[3].iter().zip(&found.vectors[90]).map(|(a, b)| a * b).sum();
-    assert!(across.abs() < 1e-9, "vectors of different slices are orthogonal: {across}");
+    let across: f64 = found.vectors[3]
+        .iter()
+        .zip(&found.vectors[90])
+        .map(|(a, b)| a * b)
+        .sum();
+    assert!(
+        across.abs() < 1e-9,
+        "vectors of different slices are orthogonal: {across}"
+    );
 }
 
 #[test]

@@ -1,0 +1,140 @@
+//! Lines in their own modes against the same lines linearised, and their saved states.
+use catenary::{Checkpoint, StripStart, Subsystem, static_line};
+use integration_tests::runs::{EN_300, run, scene_with};
+use scene::Scene;
+use simulation::Mode;
+use system::equilibrium::wire_height;
+
+const STITCHED: &str = include_str!("../scenes/ac-stitched.toml");
+const TWIN: &str = include_str!("../scenes/dc-twin-wire.toml");
+
+/// Five spans, and two seconds over three of them.
+const SHORT: [&str; 5] = [
+    "catenary.spans=5",
+    "run.start_x=40",
+    "run.duration=2.0",
+    "run.evaluate={time=[0.3,1.8]}",
+    "run.output_step=0.001",
+];
+const MESH: &str =
+    "catenary.mesh={ elements_per_interval=4, corrections=[\"contact_compliance\", \"bending_layers\"] }";
+
+fn scene(text: &str, words: &str, step: f64, more: &[&str]) -> Scene {
+    let step = format!("{step}");
+    let overrides = [
+        format!("model.reduce=[{words}]"),
+        format!("coupling.macro_step={step}"),
+        format!("solver.micro_step={step}"),
+    ];
+    let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+    scene_with(text, &[&SHORT[..], &overrides, more].concat())
+}
+
+/// rms difference of the filtered force between the line in its modes at 1 ms and the linearised one at a quarter of
+/// that, in percent of its standard deviation.
+fn difference(text: &str, words: [&str; 2], more: &[&str]) -> f64 {
+    let linear = run(scene(text, words[0], 2.5e-4, more), Mode::Monolithic, "modal-lines");
+    let modal = run(scene(text, words[1], 1e-3, more), Mode::Monolithic, "modal-lines");
+    let difference = 100.0 * modal.filtered_difference(&linear) / linear.sigma();
+    let cost = [&linear, &modal].map(|run| run.summary.cost.real_time_factor);
+    println!("{}: {difference:.3} % of σ, real-time factors {cost:?}", words[1]);
+    difference
+}
+
+#[test]
+fn a_planar_line_in_its_modes_is_the_linearised_one() {
+    let words = ["\"planar\", \"linearised\"", "\"modal\""];
+    let difference = difference(EN_300, words, &[MESH]);
+    assert!(difference < 1.0, "{difference} %");
+}
+
+#[test]
+fn dampers_in_the_droppers_are_those_of_the_line() {
+    let words = ["\"planar\", \"linearised\"", "\"modal\""];
+    let difference = difference(EN_300, words, &[MESH, "catenary.droppers.damping=20"]);
+    assert!(difference < 1.0, "{difference} %");
+}
+
+#[test]
+fn a_stitched_line_in_space_and_one_of_twin_wires_in_their_modes_are_the_linearised_ones() {
+    let mesh = "catenary.mesh={ element_length=2.0, corrections=[\"contact_compliance\", \"bending_layers\"] }";
+    for text in [STITCHED, TWIN] {
+        let difference = difference(text, ["\"linearised\"", "\"modal\""], &[mesh]);
+        assert!(difference < 1.5, "{difference} %");
+    }
+}
+
+/// Contact force and height of the wire at rest on a strip that stands at `x` m, with the height that lifts the
+/// linearised line by 150 N.
+fn at_rest(words: &str, x: f64) -> (f64, f64) {
+    let of = |words: &str| scene(EN_300, words, 1e-3, &[MESH, &format!("run.start_x={x}")]);
+    let linear = of("\"planar\", \"linearised\"");
+    let height = wire_height(&linear, &static_line(&linear).unwrap(), 0, 150.0).unwrap();
+    let scene = of(words);
+    let statics = static_line(&scene).unwrap();
+    let mut line = Subsystem::new(&scene, &statics).unwrap();
+    let strip = StripStart {
+        x,
+        y: 0.0,
+        height,
+        speed: 0.0,
+    };
+    line.start(&[strip]).unwrap();
+    let contact = line.contact(0);
+    (contact.force, contact.position.z)
+}
+
+/// Statics know no modes: with what the modes left out add, both deflections are the same, wherever the strip is.
+#[test]
+fn at_rest_the_modes_and_their_rest_are_the_whole_line() {
+    for x in [150.0, 151.3, 155.0, 177.7] {
+        let (force, z) = at_rest("\"planar\", \"linearised\"", x);
+        let (modal_force, modal_z) = at_rest("\"modal\"", x);
+        assert!(
+            (modal_force / force - 1.0).abs() < 2e-4,
+            "{x}: {modal_force} N and {force} N"
+        );
+        assert!((modal_z - z).abs() < 2e-6, "{x}: {modal_z} m and {z} m");
+    }
+}
+
+#[test]
+fn a_saved_line_continues_bit_for_bit() {
+    let scene = scene(EN_300, "\"modal\"", 1e-3, &[MESH, "run.start_x=70"]);
+    let statics = static_line(&scene).unwrap();
+    let mut line = Subsystem::new(&scene, &statics).unwrap();
+    let strip = StripStart {
+        x: 70.0,
+        y: 0.0,
+        height: wire_height(&scene, &statics, 0, 150.0).unwrap(),
+        speed: scene.run.speed,
+    };
+    line.start(&[strip]).unwrap();
+    let advance = |line: &mut Subsystem, from: usize, steps: usize| {
+        for step in from..from + steps {
+            line.advance_to(step as f64 * 1e-3, 1e-3).unwrap();
+        }
+        let contact = line.contact(0);
+        [contact.force, contact.position.x, contact.position.z, contact.wire_vz].map(f64::to_bits)
+    };
+    advance(&mut line, 0, 40);
+    let mut saved = Checkpoint::default();
+    line.save_to(&mut saved);
+    let first = advance(&mut line, 40, 60);
+    line.restore_from(&saved).unwrap();
+    assert_eq!(first, advance(&mut line, 40, 60));
+    let mut other = Subsystem::new(&scene, &statics).unwrap();
+    other.start(&[strip]).unwrap();
+    other.restore_from(&saved).unwrap();
+    assert_eq!(first, advance(&mut other, 40, 60), "in another instance");
+}
+
+/// Forces beyond the filter do not enter: co-simulation at 1 ms against one system.
+#[test]
+fn coupled_slaves_agree_with_one_system() {
+    let scene = || scene(EN_300, "\"modal\"", 1e-3, &[MESH]);
+    let whole = run(scene(), Mode::Monolithic, "modal-lines");
+    let coupled = run(scene(), Mode::Inprocess, "modal-lines");
+    let difference = 100.0 * coupled.filtered_difference(&whole) / whole.sigma();
+    assert!(difference < 0.2, "{difference} %");
+}
