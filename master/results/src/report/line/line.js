@@ -4,7 +4,7 @@
   const track = document.querySelector(".track"), inner = track.querySelector(".inner");
   const cursor = track.querySelector(".cursor"), place = document.querySelector(".place");
   const controls = document.querySelector(".controls");
-  const MARGIN = 52, RIGHT = 8, PER_METRE = 100, CLOSEST = 40;
+  const MARGIN = 68, RIGHT = 20, PER_METRE = 100, CLOSEST = 40, SPAN = 30;
   const from = Number(track.dataset.from), firstSpan = Number(track.dataset.span);
   const evaluated = track.dataset.evaluated.split(" ").map(Number);
   const numbers = (text) => (text.match(/-?\d+/g) || []).map(Number);
@@ -87,7 +87,7 @@
       const own = layer.getBoundingClientRect(), apart = 6;
       spans.forEach((span, i) => {
         const box = boxes[i];
-        let free = box.left >= own.left - 26 && box.right <= own.right + RIGHT + 1;
+        let free = box.left >= own.left - 16 && box.right <= own.right + RIGHT - 1;
         for (let k = 0; free && k < kept.length; k++) {
           const other = kept[k];
           free = box.left > other.right + apart || other.left > box.right + apart || box.top > other.bottom || other.top > box.bottom;
@@ -106,6 +106,7 @@
     zoom = Math.min(most, Math.max(1, next));
     inner.style.width = 100 * zoom + "%";
     inner.style.setProperty("--view", view() + "px");
+    inner.style.setProperty("--bar", Math.min(5, Math.max(1, 0.45 * width / stops.length * perUnit())) + "px");
     track.scrollLeft = unit * perUnit() + MARGIN - middle;
     thin();
     show(at);
@@ -145,5 +146,8 @@
   window.addEventListener("resize", () => set(zoom));
   controls.hidden = false;
   track.classList.add("thin");
-  set(1);
+  // The whole line where its spans are wide enough to be seen, else as much from the evaluated spans on.
+  set(SPAN * (masts.length - 1) / view());
+  if (zoom > 1) track.scrollLeft = (evaluated[0] - from) * PER_METRE * perUnit();
+  thin();
 })();

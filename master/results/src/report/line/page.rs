@@ -229,7 +229,7 @@ impl LinePage {
             return String::new();
         }
         format!(
-            "<p class=\"warning\">Spans {} to {} of {spans} are shown, those around the evaluated spans. \
+            "<p class=\"notes\">Spans {} to {} of {spans} are shown, those around the evaluated spans. \
              droppers.csv and supports.csv have all.</p>\n",
             self.shown.first, self.shown.last
         )

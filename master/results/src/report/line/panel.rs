@@ -46,6 +46,15 @@ impl Scale {
         }
     }
 
+    /// The same scale with `share` of its range more at the top.
+    pub fn with_room_above(self, share: f64) -> Self {
+        let [low, high] = self.range;
+        Self {
+            range: [low, high + share * (high - low)],
+            ..self
+        }
+    }
+
     fn height(&self) -> i64 {
         ((self.range[1] - self.range[0]) * self.per).round().max(1.0) as i64
     }

@@ -74,12 +74,12 @@ fn legend(page: &LinePage) -> String {
         }
     }
     let has = |kind: PageWireKind| page.wires.iter().any(|wire| wire.kind == kind);
-    key("contact t1", "contact wire");
+    key("contact", "contact wire");
     if has(PageWireKind::Messenger) {
-        key("messenger t1", "messenger wire");
+        key("messenger", "messenger wire");
     }
     if has(PageWireKind::Stitch) {
-        key("stitch t1", "stitch wire");
+        key("stitch", "stitch wire");
     }
     if !page.droppers.is_empty() {
         key("dropper", "dropper");
@@ -191,7 +191,12 @@ fn plan(page: &LinePage) -> String {
         "support",
         page.supports.iter().map(|support| (support.x, 1e3 * support.stagger)),
     );
+    let mut last = None;
     for support in &page.supports {
+        let here = (support.tension_length, support.stagger);
+        if last.replace(here) == Some(here) {
+            continue;
+        }
         let stagger = 1e3 * support.stagger;
         let class = if stagger < 0.0 { "below" } else { "above" };
         panel.label(class, (support.x, stagger), &said(stagger, 0));
@@ -263,8 +268,10 @@ fn elasticity(page: &LinePage) -> String {
         return String::new();
     }
     let points: Vec<(f64, f64)> = page.elasticity.iter().map(|(x, rise)| (*x, 1e3 * rise)).collect();
-    let most = points.iter().map(|(_, rise)| *rise).fold(0.0, f64::max);
-    let scale = Scale::of(points.iter().map(|(_, rise)| *rise), 0.1 * most, ELASTICITY_PER, 4);
+    let rises = points.iter().map(|(_, rise)| *rise);
+    let most = rises.clone().fold(0.0, f64::max);
+    // A strip above the curve is left to the figures of the spans.
+    let scale = Scale::of(rises, 0.1 * most, ELASTICITY_PER, 4).with_room_above(0.15);
     let titles = [
         "elasticity",
         "Elasticity and its non-uniformity u",
@@ -279,7 +286,7 @@ fn elasticity(page: &LinePage) -> String {
         panel.label(
             "under",
             (middle, high),
-            &format!("u {} %", said(100.0 * span.non_uniformity, 1)),
+            &format!("{} %", said(100.0 * span.non_uniformity, 1)),
         );
     }
     panel.finish()

@@ -6,12 +6,12 @@ use crate::report::{escape, head_cells, verdict};
 use crate::standards::gradient_limit;
 
 /// Most rows of the table of droppers; more of them would make the page slow to open.
-const MOST_DROPPERS: usize = 600;
+const MOST_DROPPERS: usize = 300;
 
 /// Table with these columns: name, unit, true for numbers.
 fn table(columns: &[(&str, &str, bool)], rows: &str) -> String {
     format!(
-        "<div class=\"scroll\"><table><thead><tr>{}</tr></thead><tbody>\n{rows}</tbody></table></div>\n",
+        "<div class=\"scroll\"><table class=\"figures\"><thead><tr>{}</tr></thead><tbody>\n{rows}</tbody></table></div>\n",
         head_cells(columns.iter().copied())
     )
 }
@@ -19,8 +19,8 @@ fn table(columns: &[(&str, &str, bool)], rows: &str) -> String {
 /// Row of cells, aligned as the columns.
 fn row(columns: &[(&str, &str, bool)], cells: impl IntoIterator<Item = String>) -> String {
     let cell = |((_, _, number), cell): (&(&str, &str, bool), String)| match number {
-        true => format!("<td class=\"n\">{cell}</td>"),
-        false => format!("<td>{cell}</td>"),
+        true => format!("<td>{cell}</td>"),
+        false => format!("<td class=\"w\">{cell}</td>"),
     };
     let cells: String = columns.iter().zip(cells).map(cell).collect();
     format!("<tr>{cells}</tr>\n")
