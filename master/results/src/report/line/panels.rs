@@ -136,7 +136,9 @@ fn elevation(page: &LinePage) -> String {
     let (slack, tight): (Vec<_>, Vec<_>) = page.droppers.iter().partition(|dropper| dropper.is_slack());
     panel.lines("dropper", tight.into_iter().map(line));
     panel.lines("slack", slack.into_iter().map(line));
-    wires(&mut panel, &page.wires, 0.7, |wire, number| wire.points[number][2]);
+    wires(&mut panel, &page.wires, 0.8 * coarseness(page), |wire, number| {
+        wire.points[number][2]
+    });
     panel.dots(
         "support",
         page.supports.iter().map(|support| (support.x, support.height)),
@@ -146,6 +148,12 @@ fn elevation(page: &LinePage) -> String {
         panel.label("above", (mass.at[0], mass.at[2]), &format!("{} kg", mass.mass));
     }
     panel.finish()
+}
+
+/// Factor on the tolerances of curves: a long line is drawn in less detail, so that the page stays small.
+fn coarseness(page: &LinePage) -> f64 {
+    let spans = page.shown.last + 1 - page.shown.first;
+    (spans as f64 / 40.0).max(1.0)
 }
 
 /// Contact wires of the page.
@@ -167,7 +175,9 @@ fn contact_wire(page: &LinePage) -> String {
         "height above the chord of the nominal heights at supports, mm",
     ];
     let mut panel = Panel::new(page, titles, 150, scale);
-    wires(&mut panel, &contact, 0.7, |wire, number| 1e3 * wire.above_chord[number]);
+    wires(&mut panel, &contact, 1.2 * coarseness(page), |wire, number| {
+        1e3 * wire.above_chord[number]
+    });
     panel.finish()
 }
 

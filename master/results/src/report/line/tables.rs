@@ -6,7 +6,7 @@ use crate::report::{escape, head_cells, verdict};
 use crate::standards::gradient_limit;
 
 /// Most rows of the table of droppers; more of them would make the page slow to open.
-const MOST_DROPPERS: usize = 300;
+const MOST_DROPPERS: usize = 200;
 
 /// Table with these columns: name, unit, true for numbers.
 fn table(columns: &[(&str, &str, bool)], rows: &str) -> String {
