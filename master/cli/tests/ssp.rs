@@ -110,7 +110,10 @@ fn an_archive_runs_as_the_scene_it_was_made_of_bit_for_bit() {
         assert!(first == second, "{file} differs");
     }
     let drawn = folder.path().join("drawn");
-    done(&["check", path.to_str().unwrap(), "--out", drawn.to_str().unwrap()], &[]);
+    done(
+        &["check", path.to_str().unwrap(), "--out", drawn.to_str().unwrap()],
+        &[],
+    );
 }
 
 #[test]

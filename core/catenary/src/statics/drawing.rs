@@ -1,7 +1,7 @@
 //! Places of wires, droppers and point masses at rest, for drawings and tables.
 use super::StaticLine;
 use crate::{WireCurve, WireName};
-use scene::MassOn;
+use scene::{MassOn, Section};
 
 /// Longest piece between two points of a drawn wire, m.
 const PIECE: f64 = 2.0;
@@ -39,6 +39,19 @@ fn moved([x, y, z]: [f64; 3], way: f64) -> [f64; 3] {
     [x + way, y, z]
 }
 
+/// As [`Section::chord_height`], with the supports listed once: a long line has many points.
+fn chords(section: Section<'_>) -> impl Fn(f64) -> f64 {
+    let supports = (0..=section.spans()).map(|support| (section.support_x(support), section.height_at(support)));
+    let supports: Vec<(f64, f64)> = supports.collect();
+    move |x| {
+        let next = supports
+            .partition_point(|support| support.0 < x)
+            .clamp(1, supports.len() - 1);
+        let ((left, a), (right, b)) = (supports[next - 1], supports[next]);
+        a + (b - a) * ((x - left) / (right - left)).clamp(0.0, 1.0)
+    }
+}
+
 impl StaticLine {
     /// The wires of the whole line, in the order of [`crate::Topology::wires`].
     #[must_use]
@@ -67,13 +80,13 @@ impl StaticLine {
                     })
                     .collect(),
             };
-            let section = self.whole.section(planned.section);
+            let chord = chords(self.whole.section(planned.section));
             let tensions = (0..planned.last()).map(|element| wire.tension(element, &rest.q));
             WireAtRest {
                 name: planned.name,
                 label: planned.label.clone(),
                 tension_length: planned.section + 1,
-                above_chord: points.iter().map(|[x, _, z]| z - section.chord_height(*x)).collect(),
+                above_chord: points.iter().map(|[x, _, z]| z - chord(*x)).collect(),
                 points,
                 nominal_tension: planned.parameters.tension,
                 tension: tensions.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], tension| {
