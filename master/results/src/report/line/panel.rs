@@ -38,8 +38,8 @@ impl Scale {
         }
     }
 
-    /// The same scale from zero on.
-    pub fn from_zero(self) -> Self {
+    /// The same scale with zero on it.
+    pub fn with_zero(self) -> Self {
         Self {
             range: [self.range[0].min(0.0), self.range[1]],
             ..self

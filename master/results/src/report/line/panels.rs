@@ -252,7 +252,7 @@ fn dropper_forces(page: &LinePage) -> String {
         .droppers
         .iter()
         .filter(|dropper| page.shown.contains(dropper.bottom[0]));
-    let scale = Scale::of(shown.clone().map(|dropper| dropper.force).chain([0.0]), 10.0, 10.0, 1).from_zero();
+    let scale = Scale::of(shown.clone().map(|dropper| dropper.force).chain([0.0]), 10.0, 10.0, 1).with_zero();
     let mut panel = Panel::new(page, ["dropper-forces", "Forces of the droppers", "N"], 150, scale);
     let mut lengths: Vec<usize> = page.droppers.iter().map(|dropper| dropper.tension_length).collect();
     lengths.dedup();

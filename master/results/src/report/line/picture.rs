@@ -8,9 +8,10 @@ use super::polyline::{corners, path};
 use super::{LinePage, PageWireKind};
 use crate::report::escape;
 
-/// Width and height of the picture, and of the margin for numbers on the left; units.
+/// Width and height of the picture, and margins for numbers at its sides; units.
 const SIZE: [i64; 2] = [2000, 760];
 const LEFT: i64 = 110;
+const RIGHT: i64 = 48;
 /// Top and height of elevation and plan, units.
 const ELEVATION: [i64; 2] = [50, 330];
 const PLAN: [i64; 2] = [450, 250];
@@ -38,7 +39,7 @@ struct Drawing<'a> {
 impl Drawing<'_> {
     fn x(&self, x: f64) -> f64 {
         let shown = self.page.shown;
-        LEFT as f64 + (x - shown.from) / (shown.to - shown.from) * (SIZE[0] - LEFT - 20) as f64
+        LEFT as f64 + (x - shown.from) / (shown.to - shown.from) * (SIZE[0] - LEFT - RIGHT) as f64
     }
 
     fn y(&self, value: f64) -> f64 {
@@ -60,7 +61,7 @@ impl Drawing<'_> {
         let mut grid = String::new();
         for tick in ticks {
             let y = self.y(tick).round();
-            let _ = write!(grid, "M{LEFT} {y}H{}", SIZE[0] - 20);
+            let _ = write!(grid, "M{LEFT} {y}H{}", SIZE[0] - RIGHT);
             let _ = writeln!(
                 svg,
                 "<text class=\"n\" x=\"{}\" y=\"{}\">{}</text>",
@@ -138,7 +139,7 @@ impl LinePage {
             axis: 1,
         };
         let edges: String = strips
-            .map(|y| format!("M{LEFT} {}H{}", plan.y(y).round(), SIZE[0] - 20))
+            .map(|y| format!("M{LEFT} {}H{}", plan.y(y).round(), SIZE[0] - RIGHT))
             .collect();
         let masses = self.masses.iter().filter(|mass| self.shown.contains(mass.at[0]));
         let masses: String = masses
