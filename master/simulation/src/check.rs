@@ -78,10 +78,9 @@ fn strips_at_start(scene: &Scene, index: usize) -> Vec<StartReport> {
 /// Limits of the line at rest.
 fn limits_of(scene: &Scene, line: &Catenary, statics: &StaticsReport) -> Vec<Limit> {
     let slopes = check_page::used_gradients(line, statics);
-    let largest = |values: &dyn Fn(&(Option<f64>, Option<f64>)) -> Option<f64>| {
-        slopes.iter().filter_map(values).map(f64::abs).reduce(f64::max)
-    };
-    let (gradient, change) = (largest(&|slope| slope.0), largest(&|slope| slope.1));
+    let gradient = slopes.iter().filter_map(|(gradient, _)| *gradient).map(f64::abs);
+    let change = slopes.iter().filter_map(|(_, change)| *change).map(f64::abs);
+    let (gradient, change) = (gradient.reduce(f64::max), change.reduce(f64::max));
     limits_at_rest(&line_of(scene), scene.run.speed, gradient, change)
 }
 
