@@ -65,8 +65,8 @@ pub(super) fn of_pantograph(conditions: &Conditions, figures: &Figures) -> [Limi
     [max, min]
 }
 
-/// Limits for the line at rest: speed against the speed of waves, largest gradient of the contact wire and largest change
-/// of it, – and –; none where no strip runs over two supports.
+/// Limits for the line at rest: speed against the speed of waves, largest gradient of the contact wire and largest
+/// change of it, – and –; none where no strip runs over two supports.
 pub(super) fn at_rest(line: &Line, speed: f64, gradient: Option<f64>, change: Option<f64>) -> [Limit; 3] {
     let speed_kmh = kmh(speed);
     let (most, most_change) = gradient_limit(speed_kmh);

@@ -220,7 +220,8 @@ pub fn limits(conditions: &Conditions, pantographs: &[Figures]) -> Vec<Limit> {
     all
 }
 
-/// Limits of a line at rest: running speed in m/s, largest gradient of the contact wire and largest change of it, – and –.
+/// Limits of a line at rest: running speed in m/s, largest gradient of the contact wire and largest change of
+/// it, – and –.
 #[must_use]
 pub fn limits_at_rest(line: &Line, speed: f64, gradient: Option<f64>, change: Option<f64>) -> Vec<Limit> {
     let mut all = en50119::at_rest(line, speed, gradient, change).to_vec();

@@ -37,7 +37,10 @@
   // Last entry of a sorted list whose key is at most x; -1 before the first.
   function before(list, x, key) {
     let low = -1, high = list.length;
-    while (high - low > 1) { const middle = (low + high) >> 1; if (key(list[middle]) <= x) low = middle; else high = middle; }
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (key(list[middle]) <= x) low = middle; else high = middle;
+    }
     return low;
   }
   function valueAt(curve, x, reach) {
@@ -69,7 +72,8 @@
     cursor.style.left = MARGIN + at * perUnit() + "px";
     const mast = before(masts, at, (mast) => mast), onMast = masts[mast] === at;
     const span = firstSpan + Math.min(mast, masts.length - 2);
-    place.textContent = `${print(from + at / PER_METRE, 2)} m · ${onMast ? "mast " + (firstSpan + mast) : "span " + span}`;
+    const part = onMast ? `mast ${firstSpan + mast}` : `span ${span}`;
+    place.textContent = `${print(from + at / PER_METRE, 2)} m · ${part}`;
     const reach = Math.max(8 / perUnit(), 50);
     for (const panel of panels) {
       const values = panel.curves.map((curve) => {
@@ -90,7 +94,8 @@
         let free = box.left >= own.left - 16 && box.right <= own.right + RIGHT - 1;
         for (let k = 0; free && k < kept.length; k++) {
           const other = kept[k];
-          free = box.left > other.right + apart || other.left > box.right + apart || box.top > other.bottom || other.top > box.bottom;
+          free = box.left > other.right + apart || other.left > box.right + apart ||
+            box.top > other.bottom || other.top > box.bottom;
         }
         span.classList.toggle("on", free);
         if (free) kept.push(box);
@@ -116,8 +121,12 @@
     set(width / (units[1] - units[0] + 2 * more));
     track.scrollLeft = (units[0] - more) * perUnit();
   }
-  const zooms = { in: () => set(zoom * 1.5), out: () => set(zoom / 1.5), all: () => set(1), evaluated: () => toRange(...evaluated) };
-  controls.addEventListener("click", (event) => { const zoomed = zooms[event.target.dataset.zoom]; if (zoomed) zoomed(); });
+  const zooms = { in: () => set(zoom * 1.5), out: () => set(zoom / 1.5), all: () => set(1),
+    evaluated: () => toRange(...evaluated) };
+  controls.addEventListener("click", (event) => {
+    const zoomed = zooms[event.target.dataset.zoom];
+    if (zoomed) zoomed();
+  });
   track.addEventListener("wheel", (event) => {
     if (!event.ctrlKey) return;
     event.preventDefault();

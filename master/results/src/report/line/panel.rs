@@ -242,7 +242,8 @@ impl Panel {
             "<figure class=\"panel\" id=\"panel-{}\" data-top=\"{}\" data-per=\"{}\" data-digits=\"{}\">\n\
              <figcaption><b>{}</b> <span>{}</span> <output></output></figcaption>\n\
              <div class=\"box\" style=\"height:{}px\">\n<div class=\"ticks\">{ticks}</div>\n\
-             <svg viewBox=\"0 0 {width} {}\" preserveAspectRatio=\"none\" role=\"img\" aria-label=\"{}, {}\">\n{}</svg>\n\
+             <svg viewBox=\"0 0 {width} {}\" preserveAspectRatio=\"none\" role=\"img\" \
+             aria-label=\"{}, {}\">\n{}</svg>\n\
              <div class=\"labels\">\n{}</div>\n</div>\n</figure>\n",
             self.id,
             scale.range[1],

@@ -11,7 +11,8 @@ const MOST_DROPPERS: usize = 200;
 /// Table with these columns: name, unit, true for numbers.
 fn table(columns: &[(&str, &str, bool)], rows: &str) -> String {
     format!(
-        "<div class=\"scroll\"><table class=\"figures\"><thead><tr>{}</tr></thead><tbody>\n{rows}</tbody></table></div>\n",
+        "<div class=\"scroll\"><table class=\"figures\"><thead><tr>{}</tr></thead>\
+         <tbody>\n{rows}</tbody></table></div>\n",
         head_cells(columns.iter().copied())
     )
 }
