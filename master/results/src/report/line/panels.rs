@@ -225,7 +225,7 @@ fn curvature(page: &LinePage) -> String {
         .map(|line| line.iter().map(per_km).collect())
         .collect();
     let values = all.iter().flatten().map(|(_, value)| *value).chain([0.0]);
-    let scale = Scale::of(values, 0.05, 1e4, 3);
+    let scale = Scale::of(values, 0.05, 1e4, 3).with_room_above(0.3);
     let titles = [
         "curvature",
         "Curvature of the track",
