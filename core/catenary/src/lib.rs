@@ -56,8 +56,8 @@ pub use line::{
 };
 pub use mesh::{load, load_with};
 pub use statics::{
-    DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport, SupportReport,
-    TensionReport, gradients, non_uniformity,
+    DropperAtRest, DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport,
+    SupportReport, TensionReport, WireAtRest, gradients, non_uniformity,
 };
 pub use subsystem::{
     CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StripStart, Subsystem, contact_pair,
