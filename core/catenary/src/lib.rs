@@ -60,7 +60,7 @@ pub use statics::{
     TensionReport, gradients, non_uniformity,
 };
 pub use subsystem::{
-    CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StripStart, Subsystem, contact_pair,
+    CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StaticsInputs, StripStart, Subsystem, contact_pair,
     scene_line, static_line, strip_contact,
 };
 pub use support::{Anchor, Attachment, PointMasses, RegistrationArms, Supports};

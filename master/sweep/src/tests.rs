@@ -1,0 +1,1 @@
+//! Plans and whole sweeps on a short line.
