@@ -56,16 +56,16 @@ impl Base {
         system::load_with(&self.text, &self.origin, &self.all_overrides(more), &files)
     }
 
-    /// Reads every key with further keys set; no checks across keys, and no mesh is chosen.
+    /// The scene with further keys set as it is read: values may contradict each other still, and no mesh is chosen.
     ///
     /// # Errors
     /// Keys that are unknown, missing, of the wrong type or out of range.
-    pub fn read(&self, more: &[String]) -> Result<(), SceneError> {
+    pub fn read(&self, more: &[String]) -> Result<Scene, SceneError> {
         let files = Files::new(|path| self.file(path));
-        SceneFile::read(&self.text, &self.origin, &self.all_overrides(more), &files).map(|_| ())
+        SceneFile::read(&self.text, &self.origin, &self.all_overrides(more), &files).map(|file| file.scene)
     }
 
-    /// Hash of the scene and of every file that it names; `scene` is the scene without further keys.
+    /// Hash of the scene and of every file that it names; `scene` is the scene as read, without further keys.
     #[must_use]
     pub fn hash(&self, scene: &Scene) -> String {
         let files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
@@ -78,7 +78,7 @@ impl Base {
     }
 }
 
-/// Numbers of a resolved scene by the paths of their keys, for expressions.
+/// Numbers of a scene by the paths of their keys, for expressions.
 pub struct Numbers(toml::Table);
 
 impl Numbers {
@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn numbers_of_a_scene_are_found_by_their_keys() {
         let base = Base::new("a", "a.toml", Path::new(""), EN_300.to_owned(), vec!["catenary.spans=7".to_owned()]);
-        let numbers = Numbers::of(&base.scene(&[]).unwrap());
+        let numbers = Numbers::of(&base.read(&[]).unwrap());
         assert_eq!(numbers.get("catenary.spans"), Some(7.0));
         assert_eq!(numbers.get("pantograph[1].masses[2]"), Some(15.0));
         assert_eq!(numbers.get("pantograph.0.static_force"), Some(120.0));
@@ -171,7 +171,7 @@ mod tests {
         let hash = |text: &str, set: &[&str]| {
             let set = set.iter().map(|set| (*set).to_owned()).collect();
             let base = Base::new("a", "a.toml", Path::new(""), text.to_owned(), set);
-            base.hash(&base.scene(&[]).unwrap())
+            base.hash(&base.read(&[]).unwrap())
         };
         assert_eq!(hash(EN_300, &[]), hash(EN_300, &[]));
         assert_ne!(hash(EN_300, &[]), hash(EN_300, &["run.speed_kmh=280"]));

@@ -277,7 +277,8 @@ impl Plan {
         if self.undefined(&case).is_some() {
             return Ok(());
         }
-        base.read(&self.overrides(&case)).map_err(SweepError::Scene)
+        base.read(&self.overrides(&case))?;
+        Ok(())
     }
 }
 

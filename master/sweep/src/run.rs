@@ -91,6 +91,8 @@ pub struct Summary {
     pub wall_s: f64,
     /// See above.
     pub setup_s: f64,
+    /// Number and reason of the first case without figures.
+    pub first_failure: Option<(u64, String)>,
 }
 
 impl Sweep {
@@ -99,7 +101,8 @@ impl Sweep {
     /// # Errors
     /// A scene or a wish that is refused.
     pub fn new(base: Base, wishes: PlanWishes, options: Options) -> Result<Self, SweepError> {
-        let scene: Scene = base.scene(&[])?;
+        // Contradictions of the scene itself may be solved by what is varied.
+        let scene: Scene = base.read(&[])?;
         let plan = Plan::new(wishes, &Numbers::of(&scene))?;
         plan.check(&base)?;
         let identity = Identity {
@@ -271,6 +274,9 @@ impl Summary {
             Status::Diverged => self.diverged += 1,
             Status::Refused => self.refused += 1,
         }
+        if record.status != Status::Stable && self.first_failure.is_none() {
+            self.first_failure = Some((record.case, record.reason.clone()));
+        }
         self.wall_s += record.wall.unwrap_or_default();
         self.setup_s += record.setup.unwrap_or_default();
     }
@@ -287,6 +293,7 @@ impl Summary {
             (self.refused, "refused"),
         ];
         parts.extend(counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")));
-        format!("{}: {}", self.scene, parts.join(", "))
+        let failure = self.first_failure.iter().map(|(case, reason)| format!("; case {case}: {reason}"));
+        format!("{}: {}{}", self.scene, parts.join(", "), failure.collect::<String>())
     }
 }

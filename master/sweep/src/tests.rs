@@ -43,7 +43,7 @@ fn wishes(vary: &[&str], derive: &[&str], constraints: &[&str]) -> Wishes {
 
 fn plan(vary: &[&str], derive: &[&str], constraints: &[&str]) -> Result<Plan, String> {
     let base = base();
-    let numbers = Numbers::of(&base.scene(&[]).unwrap());
+    let numbers = Numbers::of(&base.read(&[]).unwrap());
     let wished = wishes(vary, derive, constraints).plan().map_err(|error| error.to_string())?;
     let plan = Plan::new(wished, &numbers).map_err(|error| error.to_string())?;
     plan.check(&base).map_err(|error| error.to_string())?;
@@ -115,7 +115,7 @@ fn samples_follow_their_distributions() {
 #[test]
 fn wrong_wishes_are_refused_with_the_key_and_what_would_be_right() {
     for (vary, derive, constraints, parts) in [
-        (&["run.sped_kmh=200"][..], &[][..], &[][..], &["run.sped_kmh", "did you mean speed_kmh?"][..]),
+        (&["run.sped_kmh=200"][..], &[][..], &[][..], &["run.sped_kmh", "did you mean \"speed_kmh\"?"][..]),
         (&["run.speed_kmh=-200"], &[], &[], &["run.speed_kmh = -200 km/h: must be positive"]),
         // A value behind the first one.
         (&["run.speed_kmh=200,abc"], &[], &[], &["--set run.speed_kmh=abc", "must be a"]),
