@@ -92,7 +92,9 @@ fn sweeps_run_as_printed_and_the_page_shows_the_file_of_the_example() {
     let page = text(SWEEPS);
     let part = section(&page, "Sweep keys of a scene");
     assert_eq!(blocks_of(part, "toml"), [text("examples/speed-and-force/sweep.toml")]);
-    let [commands] = &*blocks_of(part, "sh") else { panic!("one block of commands") };
+    let [commands] = &*blocks_of(part, "sh") else {
+        panic!("one block of commands")
+    };
     let of_example = blocks_of(&text("examples/speed-and-force/README.md"), "sh");
     assert!(commands.ends_with(&of_example[0]), "{commands}");
 
@@ -107,9 +109,15 @@ fn sweeps_run_as_printed_and_the_page_shows_the_file_of_the_example() {
     shell.args(["-e", "-c", commands]).current_dir(place.path());
     let said = run_apart(&mut shell, commands).0;
     assert!(said.contains("6 of 6 cases finished, 6 stable"), "{said}");
-    assert!(said.contains("8 of 8 cases finished, 1 left out by constraints, 8 stable"), "{said}");
+    assert!(
+        said.contains("8 of 8 cases finished, 1 left out by constraints, 8 stable"),
+        "{said}"
+    );
     for file in ["sweep.csv", "sweep.parquet", "sweep.html"] {
-        assert!(place.path().join("results/speed-and-force").join(file).is_file(), "{file}");
+        assert!(
+            place.path().join("results/speed-and-force").join(file).is_file(),
+            "{file}"
+        );
     }
 }
 

@@ -29,14 +29,32 @@ fn text(bytes: &[u8]) -> String {
 #[test]
 fn a_sweep_writes_its_tables_and_goes_on_where_it_was() {
     let folder = tempfile::tempdir().unwrap();
-    let vary = ["--vary", "run.speed_kmh=200,900", "--vary", "pantograph[1].static_force=100:120:20"];
+    let vary = [
+        "--vary",
+        "run.speed_kmh=200,900",
+        "--vary",
+        "pantograph[1].static_force=100:120:20",
+    ];
     let output = sweep(folder.path(), &vary);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    assert!(text(&output.stdout).contains("4 of 4 cases finished, 2 stable, 2 refused"), "{}", text(&output.stdout));
+    assert!(
+        text(&output.stdout).contains("4 of 4 cases finished, 2 stable, 2 refused"),
+        "{}",
+        text(&output.stdout)
+    );
     let table = std::fs::read(folder.path().join("sweep.csv")).unwrap();
     let mut csv = csv::Reader::from_reader(&*table);
     let names: Vec<String> = csv.headers().unwrap().iter().map(str::to_owned).collect();
-    assert_eq!(names[..5], ["case", "pantograph", "run.speed_kmh", "pantograph[1].static_force", "status"]);
+    assert_eq!(
+        names[..5],
+        [
+            "case",
+            "pantograph",
+            "run.speed_kmh",
+            "pantograph[1].static_force",
+            "status"
+        ]
+    );
     let rows: Vec<csv::StringRecord> = csv.records().map(Result::unwrap).collect();
     let status: Vec<&str> = rows.iter().map(|row| &row[4]).collect();
     assert_eq!(status, ["stable", "stable", "refused", "refused"]);
@@ -66,12 +84,24 @@ fn wrong_usage_is_refused_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("none");
     for (more, parts) in [
-        (&["--vary", "run.sped_kmh=200"][..], &["run.sped_kmh", "did you mean"][..]),
-        (&["--vary", "run.speed_kmh=200:300"], &["a distribution is sampled", "--sample"]),
-        (&["--vary", "run.speed_kmh=200:300", "--sample", "halton"], &["latin, sobol, random"]),
+        (
+            &["--vary", "run.sped_kmh=200"][..],
+            &["run.sped_kmh", "did you mean"][..],
+        ),
+        (
+            &["--vary", "run.speed_kmh=200:300"],
+            &["a distribution is sampled", "--sample"],
+        ),
+        (
+            &["--vary", "run.speed_kmh=200:300", "--sample", "halton"],
+            &["latin, sobol, random"],
+        ),
         (&["--vary", "run.speed_kmh=200:300", "--sample", "latin"], &["--count"]),
         (&["--vary", "run.speed_kmh"], &["key=values"]),
-        (&["--vary", "run.speed_kmh=200", "--where", "run.speed_kmh >"], &["--where", "must be an expression"]),
+        (
+            &["--vary", "run.speed_kmh=200", "--where", "run.speed_kmh >"],
+            &["--where", "must be an expression"],
+        ),
         (&[], &["no key is varied"]),
     ] {
         let output = sweep(&out, more);

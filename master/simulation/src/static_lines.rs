@@ -72,7 +72,12 @@ mod tests {
         const EN_300: &str = include_str!("../../../scenes/en50318-300.toml");
         let lines = StaticLines::keeping(2);
         let line = |set: &str| {
-            let overrides = ["catenary.spans=4", "run.evaluate={ spans = [2, 2] }", "run.duration=0.5", set];
+            let overrides = [
+                "catenary.spans=4",
+                "run.evaluate={ spans = [2, 2] }",
+                "run.duration=0.5",
+                set,
+            ];
             let scene = system::load(EN_300, "scene.toml", &overrides.map(str::to_owned)).unwrap();
             lines.of(&scene).unwrap()
         };

@@ -39,7 +39,8 @@ impl Base {
 
     fn file(&self, path: &str) -> Result<String, String> {
         let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
-        let read = || std::fs::read_to_string(self.folder.join(path)).map_err(|error| format!("cannot be read: {error}"));
+        let read =
+            || std::fs::read_to_string(self.folder.join(path)).map_err(|error| format!("cannot be read: {error}"));
         files.entry(path.to_owned()).or_insert_with(read).clone()
     }
 
@@ -156,7 +157,13 @@ mod tests {
 
     #[test]
     fn numbers_of_a_scene_are_found_by_their_keys() {
-        let base = Base::new("a", "a.toml", Path::new(""), EN_300.to_owned(), vec!["catenary.spans=7".to_owned()]);
+        let base = Base::new(
+            "a",
+            "a.toml",
+            Path::new(""),
+            EN_300.to_owned(),
+            vec!["catenary.spans=7".to_owned()],
+        );
         let numbers = Numbers::of(&base.read(&[]).unwrap());
         assert_eq!(numbers.get("catenary.spans"), Some(7.0));
         assert_eq!(numbers.get("pantograph[1].masses[2]"), Some(15.0));

@@ -48,14 +48,19 @@ impl Cases<'_> {
         let caught = catch_unwind(AssertUnwindSafe(|| self.made(case, stop, progress)));
         caught.unwrap_or_else(|panic| {
             let text = panic.downcast_ref::<String>().map(String::as_str);
-            let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or_default();
+            let text = text
+                .or_else(|| panic.downcast_ref::<&str>().copied())
+                .unwrap_or_default();
             Some(self.failed(case, Status::Diverged, &format!("panicked: {text}")))
         })
     }
 
     fn failed(&self, case: &Case, status: Status, reason: &str) -> Made {
         let record = Record::without_figures(case.number, status, reason, self.pantographs);
-        Made { record, series: Vec::new() }
+        Made {
+            record,
+            series: Vec::new(),
+        }
     }
 
     fn made(&self, case: &Case, stop: &AtomicBool, progress: &dyn Progress) -> Option<Made> {
@@ -88,7 +93,11 @@ impl Cases<'_> {
                 // A stable case has a filtered force.
                 let force = info.evaluation.filtered(&strip.force).unwrap_or_default();
                 let from = series.time.get(range.start).copied().unwrap_or_default();
-                record.series.push(SeriesPlace { from, step: info.evaluation.output_step, ..SeriesPlace::default() });
+                record.series.push(SeriesPlace {
+                    from,
+                    step: info.evaluation.output_step,
+                    ..SeriesPlace::default()
+                });
                 kept.push(force.get(range).unwrap_or_default().to_vec());
             }
         }

@@ -55,7 +55,10 @@ impl From<SetupError> for SweepError {
 impl SweepError {
     /// A wish that cannot be met.
     pub(crate) fn wish(place: impl Into<String>, what: impl Into<String>) -> Self {
-        Self::Wish { place: place.into(), what: what.into() }
+        Self::Wish {
+            place: place.into(),
+            what: what.into(),
+        }
     }
 
     /// `true` where usage, scene or files given are wrong.

@@ -10,7 +10,14 @@ literal_matcher_from_pattern!(Numbers, r"^([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0
 /// A binary operator; higher ranks bind tighter.
 fn binary(name: &'static str, prio: i64, apply: fn(f64, f64) -> f64) -> Operator<'static, f64> {
     let is_commutative = false;
-    Operator::make_bin(name, BinOp { apply, prio, is_commutative })
+    Operator::make_bin(
+        name,
+        BinOp {
+            apply,
+            prio,
+            is_commutative,
+        },
+    )
 }
 
 fn truth(holds: bool) -> f64 {
@@ -28,9 +35,32 @@ ops_factory!(
     binary("<=", 2, |a, b| truth(a <= b)),
     binary(">", 2, |a, b| truth(a > b)),
     binary(">=", 2, |a, b| truth(a >= b)),
-    Operator::make_bin_unary("+", BinOp { apply: |a, b| a + b, prio: 3, is_commutative: true }, |a| a),
-    Operator::make_bin_unary("-", BinOp { apply: |a, b| a - b, prio: 4, is_commutative: false }, |a: f64| -a),
-    Operator::make_bin("*", BinOp { apply: |a, b| a * b, prio: 5, is_commutative: true }),
+    Operator::make_bin_unary(
+        "+",
+        BinOp {
+            apply: |a, b| a + b,
+            prio: 3,
+            is_commutative: true
+        },
+        |a| a
+    ),
+    Operator::make_bin_unary(
+        "-",
+        BinOp {
+            apply: |a, b| a - b,
+            prio: 4,
+            is_commutative: false
+        },
+        |a: f64| -a
+    ),
+    Operator::make_bin(
+        "*",
+        BinOp {
+            apply: |a, b| a * b,
+            prio: 5,
+            is_commutative: true
+        }
+    ),
     binary("/", 6, |a, b| a / b),
     binary("%", 6, |a, b| a % b),
     binary("^", 7, f64::powf),
@@ -83,9 +113,15 @@ impl Expression {
             return Err(wrong("is empty"));
         }
         let tree = FlatEx::parse(&renamed).map_err(|error| wrong(&error.to_string()))?;
-        let expression = Self { text: text.to_owned(), names, tree };
+        let expression = Self {
+            text: text.to_owned(),
+            names,
+            tree,
+        };
         // Operators without operands are found by the first evaluation only.
-        expression.value(&vec![1.0; expression.names.len()]).map_err(|error| wrong(&error))?;
+        expression
+            .value(&vec![1.0; expression.names.len()])
+            .map_err(|error| wrong(&error))?;
         Ok(expression)
     }
 
@@ -162,7 +198,12 @@ mod tests {
     fn keys_are_names_as_they_are_for_set() {
         let text = "0.5 * (run.speed_kmh / 3.6) + pantograph[2].offset_x - pantograph[1].masses[2] + x";
         let expression = Expression::parse(text).unwrap();
-        let names = ["run.speed_kmh", "pantograph[2].offset_x", "pantograph[1].masses[2]", "x"];
+        let names = [
+            "run.speed_kmh",
+            "pantograph[2].offset_x",
+            "pantograph[1].masses[2]",
+            "x",
+        ];
         assert_eq!(expression.names, names);
         assert_eq!(expression.value(&[36.0, 7.0, 2.0, 1.0]).unwrap(), 11.0);
         assert_eq!(value("b - a", &[("a", 1.0), ("b", 5.0)]), 4.0);

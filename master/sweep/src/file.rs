@@ -53,7 +53,11 @@ const DISTRIBUTIONS: [&str; 5] = ["uniform", "log_uniform", "normal", "lognormal
 /// `true` for the text of a sweep, as opposed to that of a scene.
 #[must_use]
 pub fn is_sweep(text: &str) -> bool {
-    let keys = |table: &DeTable| table.keys().any(|key| ["vary", "derive", "sample"].contains(&&**key.get_ref()));
+    let keys = |table: &DeTable| {
+        table
+            .keys()
+            .any(|key| ["vary", "derive", "sample"].contains(&&**key.get_ref()))
+    };
     DeTable::parse(text).is_ok_and(|table| keys(table.get_ref()))
 }
 
@@ -86,9 +90,15 @@ impl Reader<'_> {
     /// Keys of the scene under a table; dotted keys without quotes are tables in tables.
     fn keys<'t, 'i>(&self, table: &'t DeTable<'i>, before: &str, keys: &mut Vec<Entry<'t, 'i>>) {
         for (name, at, value) in self.entries(table) {
-            let path = if before.is_empty() { name.clone() } else { format!("{before}.{name}") };
+            let path = if before.is_empty() {
+                name.clone()
+            } else {
+                format!("{before}.{name}")
+            };
             match value.get_ref() {
-                DeValue::Table(inner) if !name.contains(['.', '[']) && !is_values(inner) => self.keys(inner, &path, keys),
+                DeValue::Table(inner) if !name.contains(['.', '[']) && !is_values(inner) => {
+                    self.keys(inner, &path, keys)
+                }
                 _ => keys.push((path, at, value)),
             }
         }
@@ -147,29 +157,41 @@ impl Reader<'_> {
     fn text_of(&self, place: &str, value: &Spanned<DeValue<'_>>) -> Result<String, SweepError> {
         match value.get_ref() {
             DeValue::String(text) => Ok(text.to_string()),
-            _ => Err(SweepError::wish(place, format!("{}: must be a text in quotes", self.typed(value)))),
+            _ => Err(SweepError::wish(
+                place,
+                format!("{}: must be a text in quotes", self.typed(value)),
+            )),
         }
     }
 
     fn table_of<'t, 'i>(&self, place: &str, value: &'t Spanned<DeValue<'i>>) -> Result<&'t DeTable<'i>, SweepError> {
         match value.get_ref() {
             DeValue::Table(table) => Ok(table),
-            _ => Err(SweepError::wish(place, format!("{}: must be a table", self.typed(value)))),
+            _ => Err(SweepError::wish(
+                place,
+                format!("{}: must be a table", self.typed(value)),
+            )),
         }
     }
 
     fn count(&self, place: &str, value: &Spanned<DeValue<'_>>) -> Result<u64, SweepError> {
-        let number = self.value(value).number().filter(|number| *number >= 0.0 && number.fract() == 0.0);
-        number.map(|number| number as u64).ok_or_else(|| {
-            SweepError::wish(place, format!("{}: must be a whole number from 0", self.typed(value)))
-        })
+        let number = self
+            .value(value)
+            .number()
+            .filter(|number| *number >= 0.0 && number.fract() == 0.0);
+        number
+            .map(|number| number as u64)
+            .ok_or_else(|| SweepError::wish(place, format!("{}: must be a whole number from 0", self.typed(value))))
     }
 
     fn unknown(&self, place: &str, name: &str, known: &[&str]) -> SweepError {
         let near = |known: &&&str| strsim::damerau_levenshtein(known, name);
         let nearest = known.iter().min_by_key(near).filter(|known| near(known) <= 2);
         let nearest = nearest.map_or_else(String::new, |near| format!(", did you mean {near}?"));
-        SweepError::wish(place, format!("unknown key{nearest}; known keys are {}", known.join(", ")))
+        SweepError::wish(
+            place,
+            format!("unknown key{nearest}; known keys are {}", known.join(", ")),
+        )
     }
 }
 
@@ -233,7 +255,10 @@ impl Wishes {
             _ => one.to_vec(),
         };
         for value in several {
-            self.constraints.push(Typed { text: reader.text_of(place, value)?, place: place.to_owned() });
+            self.constraints.push(Typed {
+                text: reader.text_of(place, value)?,
+                place: place.to_owned(),
+            });
         }
         Ok(())
     }
@@ -282,12 +307,16 @@ impl Wishes {
     /// Values that are none.
     pub fn vary(&mut self, text: &str) -> Result<(), SweepError> {
         let place = format!("--vary {text}");
-        let form = "must have the form key=values, such as run.speed_kmh=200:320:10 or pantograph[1].static_force=100,120";
+        let form =
+            "must have the form key=values, such as run.speed_kmh=200:320:10 or pantograph[1].static_force=100,120";
         let (name, values) = text.split_once('=').ok_or_else(|| SweepError::wish(&place, form))?;
         let values = Values::typed(values).map_err(|what| SweepError::wish(&place, what))?;
         let name = name.trim().to_owned();
         // The same key twice on the command line is refused by the plan; one of the file is replaced.
-        let of_file = self.varied.iter().position(|varied| varied.name == name && !varied.place.starts_with("--vary"));
+        let of_file = self
+            .varied
+            .iter()
+            .position(|varied| varied.name == name && !varied.place.starts_with("--vary"));
         let varied = Varied { name, values, place };
         match of_file {
             Some(index) => self.varied[index] = varied,
@@ -305,9 +334,16 @@ impl Wishes {
         let form = "must have the form key=expression, such as run.duration=600/(run.speed_kmh/3.6)";
         let (name, expression) = text.split_once('=').ok_or_else(|| SweepError::wish(&place, form))?;
         let name = name.trim().to_owned();
-        let typed = Typed { text: expression.trim().to_owned(), place };
+        let typed = Typed {
+            text: expression.trim().to_owned(),
+            place,
+        };
         let own = |typed: &Typed| typed.place.starts_with("--derive");
-        match self.derived.iter_mut().find(|(known, typed)| *known == name && !own(typed)) {
+        match self
+            .derived
+            .iter_mut()
+            .find(|(known, typed)| *known == name && !own(typed))
+        {
             Some((_, of_file)) => *of_file = typed,
             None => self.derived.push((name, typed)),
         }
@@ -316,7 +352,10 @@ impl Wishes {
 
     /// Adds a constraint of the command line.
     pub fn constrain(&mut self, text: &str) {
-        self.constraints.push(Typed { text: text.to_owned(), place: "--where".to_owned() });
+        self.constraints.push(Typed {
+            text: text.to_owned(),
+            place: "--where".to_owned(),
+        });
     }
 
     /// Wishes for the plan.
@@ -325,9 +364,16 @@ impl Wishes {
     /// A number of samples without a method, or a method without a number.
     pub fn plan(&self) -> Result<PlanWishes, SweepError> {
         let design = match (self.method, self.count) {
-            (Some(method), Some(count)) => Design::Sample(Sample { method, count, seed: self.seed.unwrap_or(SEED) }),
+            (Some(method), Some(count)) => Design::Sample(Sample {
+                method,
+                count,
+                seed: self.seed.unwrap_or(SEED),
+            }),
             (Some(method), None) => {
-                let what = format!("{}: must have a number of samples too, such as --count 100", method.name());
+                let what = format!(
+                    "{}: must have a number of samples too, such as --count 100",
+                    method.name()
+                );
                 return Err(SweepError::wish("sample", what));
             }
             (None, Some(_)) => {
@@ -335,7 +381,10 @@ impl Wishes {
                 return Err(SweepError::wish("count", what));
             }
             (None, None) if self.seed.is_some() => {
-                return Err(SweepError::wish("seed", "must be left out without --sample: combinations need no seed"));
+                return Err(SweepError::wish(
+                    "seed",
+                    "must be left out without --sample: combinations need no seed",
+                ));
             }
             (None, None) => Design::Factorial,
         };
@@ -380,9 +429,15 @@ count = 1_000
         assert!(is_sweep(FILE));
         let wishes = Wishes::read(FILE, "s.toml").unwrap();
         assert_eq!(wishes.scene, Some("en50318-300.toml".into()));
-        assert_eq!(wishes.set, ["catenary.spans=8", "coupling.macro_step={ tolerance = 1.0 }"]);
+        assert_eq!(
+            wishes.set,
+            ["catenary.spans=8", "coupling.macro_step={ tolerance = 1.0 }"]
+        );
         let names: Vec<&str> = wishes.varied.iter().map(|varied| &*varied.name).collect();
-        assert_eq!(names, ["run.speed_kmh", "pantograph[1].static_force", "coupling.algorithm", "a"]);
+        assert_eq!(
+            names,
+            ["run.speed_kmh", "pantograph[1].static_force", "coupling.algorithm", "a"]
+        );
         assert_eq!(
             wishes.varied[1].values,
             Values::Distributed(Distribution::Normal { mean: 110.0, std: 5.0 })
@@ -391,7 +446,11 @@ count = 1_000
         assert_eq!(wishes.varied[2].values, Values::Listed(words.to_vec()));
         assert_eq!(wishes.derived[0].0, "run.duration");
         assert_eq!(wishes.constraints[0].text, "run.speed_kmh < 300");
-        let sample = Sample { method: Method::Latin, count: 1000, seed: SEED };
+        let sample = Sample {
+            method: Method::Latin,
+            count: 1000,
+            seed: SEED,
+        };
         assert_eq!(wishes.plan().unwrap().design, Design::Sample(sample));
     }
 
@@ -409,13 +468,33 @@ count = 1_000
     #[test]
     fn mistakes_name_line_and_key_and_what_would_be_right() {
         for (from, to, parts) in [
-            ("[vary]", "[varry]", ["s.toml:10: varry: unknown key", "did you mean vary?"]),
-            ("method", "methud", ["s.toml:20: sample.methud: unknown key", "did you mean method?"]),
-            ("\"latin\"", "\"latim\"", ["\"latim\": must be one of", "latin, sobol, random"]),
-            ("200:320:10", "200:320:-10", ["s.toml:11: vary.\"run.speed_kmh\"", "one above 0"]),
+            (
+                "[vary]",
+                "[varry]",
+                ["s.toml:10: varry: unknown key", "did you mean vary?"],
+            ),
+            (
+                "method",
+                "methud",
+                ["s.toml:20: sample.methud: unknown key", "did you mean method?"],
+            ),
+            (
+                "\"latin\"",
+                "\"latim\"",
+                ["\"latim\": must be one of", "latin, sobol, random"],
+            ),
+            (
+                "200:320:10",
+                "200:320:-10",
+                ["s.toml:11: vary.\"run.speed_kmh\"", "one above 0"],
+            ),
             ("normal =", "gauss =", ["s.toml:12", "must be one of uniform(from, to)"]),
             ("[set]", "[set", ["s.toml:6", "not valid TOML"]),
-            ("scene = \"en50318-300.toml\"", "scene = 3", ["s.toml:2: scene: 3", "text in quotes"]),
+            (
+                "scene = \"en50318-300.toml\"",
+                "scene = 3",
+                ["s.toml:2: scene: 3", "text in quotes"],
+            ),
         ] {
             let said = Wishes::read(&FILE.replace(from, to), "s.toml").unwrap_err().to_string();
             assert!(parts.iter().all(|part| said.contains(part)), "{said}");

@@ -51,7 +51,11 @@ impl Identity {
             (self.series != other.series, "--series"),
             (self.program != other.program, "version of the program"),
         ];
-        let differing: Vec<&str> = parts.iter().filter(|(differs, _)| *differs).map(|(_, name)| *name).collect();
+        let differing: Vec<&str> = parts
+            .iter()
+            .filter(|(differs, _)| *differs)
+            .map(|(_, name)| *name)
+            .collect();
         format!("other {}", differing.join(", other "))
     }
 }
@@ -89,7 +93,9 @@ impl Journal {
         let path = folder.join(JOURNAL);
         let file = open(&path)?;
         if matches!(file.try_lock(), Err(std::fs::TryLockError::WouldBlock)) {
-            return Err(SweepError::Busy { folder: folder.to_owned() });
+            return Err(SweepError::Busy {
+                folder: folder.to_owned(),
+            });
         }
         let mut series = None;
         if identity.series {
@@ -124,13 +130,20 @@ impl Journal {
                 break;
             }
             if self.end == 0 {
-                let Ok(found) = serde_json::from_slice::<Identity>(&line) else { break };
+                let Ok(found) = serde_json::from_slice::<Identity>(&line) else {
+                    break;
+                };
                 if found != *identity {
                     let differs = identity.differs(&found);
-                    return Err(SweepError::OtherSweep { folder: folder.to_owned(), differs });
+                    return Err(SweepError::OtherSweep {
+                        folder: folder.to_owned(),
+                        differs,
+                    });
                 }
             } else {
-                let Ok(record) = serde_json::from_slice::<Record>(&line) else { break };
+                let Ok(record) = serde_json::from_slice::<Record>(&line) else {
+                    break;
+                };
                 let ends = record.series.iter().map(|place| place.offset + SAMPLE * place.samples);
                 let needed = ends.max().unwrap_or(0);
                 if needed > available || !self.note(record.case, self.end) {
@@ -153,7 +166,9 @@ impl Journal {
 
     /// Notes the line of a case; `false` where there is no such case, or a line already.
     fn note(&mut self, case: u64, at: u64) -> bool {
-        let slot = usize::try_from(case.wrapping_sub(1)).ok().and_then(|index| self.lines.get_mut(index));
+        let slot = usize::try_from(case.wrapping_sub(1))
+            .ok()
+            .and_then(|index| self.lines.get_mut(index));
         match slot {
             Some(line @ None) => {
                 *line = Some(at);
@@ -166,7 +181,10 @@ impl Journal {
 
     fn line(&mut self, value: &impl Serialize) -> Result<(), SweepError> {
         let path = &self.path;
-        let json = |source| ResultsError::Json { path: path.clone(), source };
+        let json = |source| ResultsError::Json {
+            path: path.clone(),
+            source,
+        };
         let mut line = serde_json::to_vec(value).map_err(json)?;
         line.push(b'\n');
         self.file.seek(SeekFrom::Start(self.end)).map_err(io(path, "write"))?;
@@ -179,7 +197,9 @@ impl Journal {
     #[must_use]
     pub fn has(&self, case: u64) -> bool {
         let index = usize::try_from(case.wrapping_sub(1)).ok();
-        index.and_then(|index| self.lines.get(index)).is_some_and(Option::is_some)
+        index
+            .and_then(|index| self.lines.get(index))
+            .is_some_and(Option::is_some)
     }
 
     /// Number of finished cases.
@@ -233,13 +253,22 @@ impl Journal {
     /// # Errors
     /// Reports of the operating system, a line that has changed since it was read.
     pub fn record(&mut self, case: u64) -> Result<Option<Record>, SweepError> {
-        let line = usize::try_from(case.wrapping_sub(1)).ok().and_then(|index| self.lines.get(index).copied());
+        let line = usize::try_from(case.wrapping_sub(1))
+            .ok()
+            .and_then(|index| self.lines.get(index).copied());
         let Some(at) = line.flatten() else { return Ok(None) };
         let path = &self.path;
         self.file.seek(SeekFrom::Start(at)).map_err(io(path, "read"))?;
         let mut line = Vec::new();
-        BufReader::new(&self.file).read_until(b'\n', &mut line).map_err(io(path, "read"))?;
-        let json = |source| SweepError::Results(ResultsError::Json { path: path.clone(), source });
+        BufReader::new(&self.file)
+            .read_until(b'\n', &mut line)
+            .map_err(io(path, "read"))?;
+        let json = |source| {
+            SweepError::Results(ResultsError::Json {
+                path: path.clone(),
+                source,
+            })
+        };
         serde_json::from_slice(&line).map(Some).map_err(json)
     }
 
@@ -248,7 +277,9 @@ impl Journal {
     /// # Errors
     /// Reports of the operating system.
     pub fn series(&mut self, place: &SeriesPlace) -> Result<Vec<f64>, SweepError> {
-        let Some((path, file, _)) = &mut self.series else { return Ok(Vec::new()) };
+        let Some((path, file, _)) = &mut self.series else {
+            return Ok(Vec::new());
+        };
         let mut bytes = vec![0; usize::try_from(SAMPLE * place.samples).unwrap_or(0)];
         file.seek(SeekFrom::Start(place.offset)).map_err(io(path, "read"))?;
         file.read_exact(&mut bytes).map_err(io(path, "read"))?;
@@ -277,7 +308,11 @@ mod tests {
     fn record(case: u64) -> Record {
         let mut record = Record::without_figures(case, Status::Stable, "", 1);
         record.pantographs[0].mean = Some(100.0 + 1.0 / case as f64);
-        record.series = vec![SeriesPlace { from: 0.1, step: 0.5, ..SeriesPlace::default() }];
+        record.series = vec![SeriesPlace {
+            from: 0.1,
+            step: 0.5,
+            ..SeriesPlace::default()
+        }];
         record
     }
 
@@ -299,7 +334,11 @@ mod tests {
             std::fs::write(at(JOURNAL), &whole[..cut]).unwrap();
             std::fs::write(at(SERIES), &forces).unwrap();
             let mut journal = Journal::open(folder.path(), &identity(true), 4).unwrap();
-            let lines = whole[..cut].iter().filter(|byte| **byte == b'\n').count().saturating_sub(1);
+            let lines = whole[..cut]
+                .iter()
+                .filter(|byte| **byte == b'\n')
+                .count()
+                .saturating_sub(1);
             assert_eq!(journal.finished(), lines as u64, "cut at byte {cut}");
             for case in 1..=4 {
                 if !journal.has(case) {
@@ -309,7 +348,11 @@ mod tests {
             for case in 1..=4 {
                 let found = journal.record(case).unwrap().unwrap();
                 assert_eq!(found.pantographs, record(case).pantographs);
-                assert_eq!(journal.series(&found.series[0]).unwrap(), series(case)[0], "cut at byte {cut}");
+                assert_eq!(
+                    journal.series(&found.series[0]).unwrap(),
+                    series(case)[0],
+                    "cut at byte {cut}"
+                );
             }
         }
     }
@@ -332,10 +375,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut journal = Journal::open(folder.path(), &identity(false), 3).unwrap();
         journal.add(record(3), &[]).unwrap();
-        let said = Journal::open(folder.path(), &identity(false), 3).unwrap_err().to_string();
+        let said = Journal::open(folder.path(), &identity(false), 3)
+            .unwrap_err()
+            .to_string();
         assert!(said.contains("another process"), "{said}");
         drop(journal);
-        let other = Identity { plan: "another".to_owned(), ..identity(false) };
+        let other = Identity {
+            plan: "another".to_owned(),
+            ..identity(false)
+        };
         let said = Journal::open(folder.path(), &other, 3).unwrap_err().to_string();
         assert!(said.contains("another sweep (other plan)"), "{said}");
         assert!(Journal::open(folder.path(), &identity(false), 3).unwrap().has(3));

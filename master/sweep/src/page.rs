@@ -26,8 +26,14 @@ const LISTED: usize = 5;
 const REASONS: usize = 20;
 
 /// Figures drawn: name, unit.
-const FIGURES: [(&str, &str); 6] =
-    [("σ", "N"), ("mean", "N"), ("minimum", "N"), ("maximum", "N"), ("loss of contact", "%"), ("uplift", "m")];
+const FIGURES: [(&str, &str); 6] = [
+    ("σ", "N"),
+    ("mean", "N"),
+    ("minimum", "N"),
+    ("maximum", "N"),
+    ("loss of contact", "%"),
+    ("uplift", "m"),
+];
 
 /// One row as plots need it.
 #[derive(Clone, Debug)]
@@ -59,7 +65,10 @@ impl Page {
     #[must_use]
     pub fn new(plan: &Plan, rows: u64) -> Self {
         Self {
-            keys: plan.columns().map(|(name, is_number)| (name.to_owned(), is_number)).collect(),
+            keys: plan
+                .columns()
+                .map(|(name, is_number)| (name.to_owned(), is_number))
+                .collect(),
             varied: plan.varied_count(),
             every: rows.div_ceil(DRAWN).max(1),
             drawn: Vec::new(),
@@ -84,7 +93,10 @@ impl Page {
         }
         if let Some(std) = figures.std {
             let entry = |list: &mut Vec<(f64, usize, Case)>, before: fn(f64, f64) -> bool| {
-                let at = list.iter().position(|(other, ..)| before(std, *other)).unwrap_or(list.len());
+                let at = list
+                    .iter()
+                    .position(|(other, ..)| before(std, *other))
+                    .unwrap_or(list.len());
                 if at < LISTED {
                     list.insert(at, (std, index + 1, case.clone()));
                     list.truncate(LISTED);
@@ -99,7 +111,14 @@ impl Page {
                 case: case.number,
                 pantograph: index + 1,
                 keys: case.values.iter().cloned().chain(derived).collect(),
-                figures: [figures.std, figures.mean, figures.min, figures.max, figures.loss, record.uplift],
+                figures: [
+                    figures.std,
+                    figures.mean,
+                    figures.min,
+                    figures.max,
+                    figures.loss,
+                    record.uplift,
+                ],
             });
         }
     }
@@ -119,7 +138,11 @@ impl Page {
     }
 
     fn lead(&self, summary: &Summary) -> String {
-        let mut lead = format!("<p><b>{}</b> · {}</p>\n", escape(&summary.text()), escape(&summary.mode));
+        let mut lead = format!(
+            "<p><b>{}</b> · {}</p>\n",
+            escape(&summary.text()),
+            escape(&summary.mode)
+        );
         if !summary.complete {
             let said = "Incomplete: the same command makes the cases that are missing.";
             lead.push_str(&format!("<p class=\"warning\">{said}</p>\n"));
@@ -127,7 +150,10 @@ impl Page {
         let keys: Vec<String> = self.keys[..self.varied].iter().map(|(name, _)| escape(name)).collect();
         lead.push_str(&format!("<p>Varied: {}.</p>\n", keys.join(", ")));
         if self.every > 1 {
-            lead.push_str(&format!("<p>Plots draw one case of {}; tables hold all.</p>\n", self.every));
+            lead.push_str(&format!(
+                "<p>Plots draw one case of {}; tables hold all.</p>\n",
+                self.every
+            ));
         }
         lead
     }
@@ -137,11 +163,17 @@ impl Page {
         if self.best.is_empty() {
             return String::new();
         }
-        let heads: String = self.keys.iter().map(|(name, _)| format!("<th class=\"n\">{}</th>", escape(name))).collect();
+        let heads: String = self
+            .keys
+            .iter()
+            .map(|(name, _)| format!("<th class=\"n\">{}</th>", escape(name)))
+            .collect();
         let row = |(std, pantograph, case): &(f64, usize, Case)| {
             let derived = case.derived.iter().map(|value| shown(*value));
             let keys = case.values.iter().map(Value::shown).chain(derived);
-            let keys: String = keys.map(|key| format!("<td class=\"n\">{}</td>", escape(&key))).collect();
+            let keys: String = keys
+                .map(|key| format!("<td class=\"n\">{}</td>", escape(&key)))
+                .collect();
             format!(
                 "<tr><td class=\"n\"><a href=\"#case-{0}\">{0}</a></td><td class=\"n\">{pantograph}</td>{keys}\
                  <td class=\"n\">{std:.2}</td></tr>\n",

@@ -52,7 +52,9 @@ fn list(name: &str) -> Result<TypePtr, ParquetError> {
     let entries = Type::group_type_builder("list").with_repetition(Repetition::REPEATED);
     let entries = entries.with_fields(vec![Arc::new(element.build()?)]).build()?;
     let list = Type::group_type_builder(name).with_repetition(Repetition::OPTIONAL);
-    let list = list.with_logical_type(Some(LogicalType::List)).with_converted_type(ConvertedType::LIST);
+    let list = list
+        .with_logical_type(Some(LogicalType::List))
+        .with_converted_type(ConvertedType::LIST);
     list.with_fields(vec![Arc::new(entries)]).build().map(Arc::new)
 }
 
@@ -82,7 +84,13 @@ impl ParquetTable {
         let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
         let writer = SerializedFileWriter::new(File::create(path)?, schema, Arc::new(properties))?;
         let kinds = columns.into_iter().map(|(_, kind)| kind).collect();
-        Ok(Self { writer, kinds, series, rows: Vec::new(), samples: 0 })
+        Ok(Self {
+            writer,
+            kinds,
+            series,
+            rows: Vec::new(),
+            samples: 0,
+        })
     }
 
     /// Adds a row.
@@ -115,7 +123,9 @@ impl ParquetTable {
         let rows = std::mem::take(&mut self.rows);
         self.samples = 0;
         let mut group = self.writer.next_row_group()?;
-        let mut columns: Vec<Entries> = (0..self.kinds.len()).map(|index| entries(&rows, self.kinds[index], index)).collect();
+        let mut columns: Vec<Entries> = (0..self.kinds.len())
+            .map(|index| entries(&rows, self.kinds[index], index))
+            .collect();
         if self.series {
             columns.push(lists(&rows));
             let times: [fn(&(Vec<f64>, f64, f64)) -> f64; 2] = [|series| series.1, |series| series.2];
@@ -123,7 +133,12 @@ impl ParquetTable {
                 columns.push(numbers(rows.iter().map(|(_, series)| series.as_ref().map(time))));
             }
         }
-        for Entries { values, definitions, repetitions } in columns {
+        for Entries {
+            values,
+            definitions,
+            repetitions,
+        } in columns
+        {
             let Some(mut column) = group.next_column()? else { break };
             let (definitions, repetitions) = (Some(&*definitions), repetitions.as_deref());
             match (column.untyped(), &values) {
@@ -136,7 +151,11 @@ impl ParquetTable {
                 (ColumnWriter::ByteArrayColumnWriter(writer), Typed::Texts(values)) => {
                     writer.write_batch(values, definitions, repetitions)?;
                 }
-                _ => return Err(ParquetError::General("a column does not have the type of its schema".to_owned())),
+                _ => {
+                    return Err(ParquetError::General(
+                        "a column does not have the type of its schema".to_owned(),
+                    ));
+                }
             }
             column.close()?;
         }
@@ -165,7 +184,9 @@ fn entries(rows: &[(Vec<Cell>, RowSeries)], kind: CellKind, column: usize) -> En
         CellKind::Number => numbers(cells().map(|cell| if let Cell::Number(value) = cell { *value } else { None })),
         CellKind::Count => {
             let counts = cells().map(|cell| if let Cell::Count(value) = cell { *value } else { None });
-            let counts: Vec<Option<i64>> = counts.map(|count| count.and_then(|count| i64::try_from(count).ok())).collect();
+            let counts: Vec<Option<i64>> = counts
+                .map(|count| count.and_then(|count| i64::try_from(count).ok()))
+                .collect();
             Entries {
                 definitions: definitions(&mut counts.iter().map(Option::is_some)),
                 values: Typed::Counts(counts.into_iter().flatten().collect()),
@@ -173,8 +194,15 @@ fn entries(rows: &[(Vec<Cell>, RowSeries)], kind: CellKind, column: usize) -> En
             }
         }
         CellKind::Text => {
-            let texts: Vec<Option<&str>> =
-                cells().map(|cell| if let Cell::Text(text) = cell { text.as_deref() } else { None }).collect();
+            let texts: Vec<Option<&str>> = cells()
+                .map(|cell| {
+                    if let Cell::Text(text) = cell {
+                        text.as_deref()
+                    } else {
+                        None
+                    }
+                })
+                .collect();
             Entries {
                 definitions: definitions(&mut texts.iter().map(Option::is_some)),
                 values: Typed::Texts(texts.into_iter().flatten().map(ByteArray::from).collect()),
@@ -187,7 +215,10 @@ fn entries(rows: &[(Vec<Cell>, RowSeries)], kind: CellKind, column: usize) -> En
 fn numbers(values: impl Iterator<Item = Option<f64>>) -> Entries {
     let values: Vec<Option<f64>> = values.collect();
     Entries {
-        definitions: values.iter().map(|value| i16::from(value.is_some()) * PRESENT).collect(),
+        definitions: values
+            .iter()
+            .map(|value| i16::from(value.is_some()) * PRESENT)
+            .collect(),
         values: Typed::Numbers(values.into_iter().flatten().collect()),
         repetitions: None,
     }
@@ -209,5 +240,9 @@ fn lists(rows: &[(Vec<Cell>, RowSeries)]) -> Entries {
             }
         }
     }
-    Entries { values: Typed::Numbers(values), definitions, repetitions: Some(repetitions) }
+    Entries {
+        values: Typed::Numbers(values),
+        definitions,
+        repetitions: Some(repetitions),
+    }
 }

@@ -101,10 +101,21 @@ impl Plan {
     /// # Errors
     /// [`SweepError::Wish`].
     pub fn new(wishes: PlanWishes, numbers: &Numbers) -> Result<Self, SweepError> {
-        let PlanWishes { varied, derived, constraints, design } = wishes;
+        let PlanWishes {
+            varied,
+            derived,
+            constraints,
+            design,
+        } = wishes;
         check_names(&varied, &derived)?;
         let points = points(&varied, design)?;
-        let mut plan = Self { varied, derived: Vec::new(), constraints: Vec::new(), design, points };
+        let mut plan = Self {
+            varied,
+            derived: Vec::new(),
+            constraints: Vec::new(),
+            design,
+            points,
+        };
         let mut open = derived;
         while !open.is_empty() {
             let names: Vec<String> = open.iter().map(|(name, _)| name.clone()).collect();
@@ -112,7 +123,11 @@ impl Plan {
             let mut later = Vec::new();
             for (name, typed) in open {
                 let expression = parsed(&typed)?;
-                if expression.names.iter().any(|needed| names.contains(needed) && !plan.has_derived(needed)) {
+                if expression
+                    .names
+                    .iter()
+                    .any(|needed| names.contains(needed) && !plan.has_derived(needed))
+                {
                     later.push((name, typed));
                     continue;
                 }
@@ -121,7 +136,10 @@ impl Plan {
             }
             if later.len() == before {
                 let (_, typed) = &later[0];
-                let what = format!("\"{}\": must not depend on itself by way of other derived values", typed.text);
+                let what = format!(
+                    "\"{}\": must not depend on itself by way of other derived values",
+                    typed.text
+                );
                 return Err(SweepError::wish(&typed.place, what));
             }
             open = later;
@@ -142,7 +160,10 @@ impl Plan {
         let input = |name: &String| {
             if let Some(index) = self.varied.iter().position(|varied| varied.name == *name) {
                 if !self.varied[index].values.are_numbers() {
-                    let what = format!("\"{}\": {name} has values that are no numbers, which no expression takes", typed.text);
+                    let what = format!(
+                        "\"{}\": {name} has values that are no numbers, which no expression takes",
+                        typed.text
+                    );
                     return Err(SweepError::wish(&typed.place, what));
                 }
                 return Ok(Input::Varied(index));
@@ -171,7 +192,10 @@ impl Plan {
     fn check_plain_names(&self, numbers: &Numbers) -> Result<(), SweepError> {
         let bounds = self.derived.iter().map(|(_, bound)| bound).chain(&self.constraints);
         let used: Vec<&String> = bounds.flat_map(|bound| &bound.expression.names).collect();
-        let unused = self.varied.iter().find(|varied| !is_key(&varied.name) && !used.contains(&&varied.name));
+        let unused = self
+            .varied
+            .iter()
+            .find(|varied| !is_key(&varied.name) && !used.contains(&&varied.name));
         let Some(varied) = unused else { return Ok(()) };
         let what = format!(
             "{}: is no key of the scene, and no expression uses it{}",
@@ -183,7 +207,10 @@ impl Plan {
 
     /// Names of varied and derived values, and whether all values of each are numbers.
     pub fn columns(&self) -> impl Iterator<Item = (&str, bool)> {
-        let varied = self.varied.iter().map(|varied| (&*varied.name, varied.values.are_numbers()));
+        let varied = self
+            .varied
+            .iter()
+            .map(|varied| (&*varied.name, varied.values.are_numbers()));
         varied.chain(self.derived.iter().map(|(name, _)| (&**name, true)))
     }
 
@@ -202,9 +229,18 @@ impl Plan {
     /// Text that is the same for the same cases.
     #[must_use]
     pub fn canonical(&self) -> String {
-        let varied = self.varied.iter().map(|varied| format!("{} = {:?}\n", varied.name, varied.values));
-        let derived = self.derived.iter().map(|(name, bound)| format!("{name} = {}\n", bound.expression.text));
-        let constraints = self.constraints.iter().map(|bound| format!("{}\n", bound.expression.text));
+        let varied = self
+            .varied
+            .iter()
+            .map(|varied| format!("{} = {:?}\n", varied.name, varied.values));
+        let derived = self
+            .derived
+            .iter()
+            .map(|(name, bound)| format!("{name} = {}\n", bound.expression.text));
+        let constraints = self
+            .constraints
+            .iter()
+            .map(|bound| format!("{}\n", bound.expression.text));
         let all: String = varied.chain(derived).chain(constraints).collect();
         format!("{all}{:?}\n", self.design)
     }
@@ -212,8 +248,16 @@ impl Plan {
     /// Keys and values of a case as they stand behind `--set`.
     #[must_use]
     pub fn overrides(&self, case: &Case) -> Vec<String> {
-        let varied = self.varied.iter().zip(&case.values).map(|(varied, value)| (&varied.name, value.typed()));
-        let derived = self.derived.iter().zip(&case.derived).map(|((name, _), value)| (name, shown(*value)));
+        let varied = self
+            .varied
+            .iter()
+            .zip(&case.values)
+            .map(|(varied, value)| (&varied.name, value.typed()));
+        let derived = self
+            .derived
+            .iter()
+            .zip(&case.derived)
+            .map(|((name, _), value)| (name, shown(*value)));
         let keys = varied.chain(derived).filter(|(name, _)| is_key(name));
         keys.map(|(name, value)| format!("{name}={value}")).collect()
     }
@@ -223,7 +267,10 @@ impl Plan {
     pub fn undefined(&self, case: &Case) -> Option<String> {
         let mut derived = self.derived.iter().zip(&case.derived);
         let ((name, bound), value) = derived.find(|(_, value)| !value.is_finite())?;
-        Some(format!("{name} = {} is {value}: must be a finite number", bound.expression.text))
+        Some(format!(
+            "{name} = {} is {value}: must be a finite number",
+            bound.expression.text
+        ))
     }
 
     /// The case with these varied values; nothing where a constraint leaves it out.
@@ -236,7 +283,11 @@ impl Plan {
             let value = bound.value(&values, &derived);
             value != 0.0 && !value.is_nan()
         };
-        self.constraints.iter().all(holds).then_some(Case { number, values, derived })
+        self.constraints.iter().all(holds).then_some(Case {
+            number,
+            values,
+            derived,
+        })
     }
 
     /// All cases in order.
@@ -246,7 +297,12 @@ impl Plan {
             Design::Factorial => None,
             Design::Sample(sample) => Some(UnitPoints::new(sample, self.varied.len())),
         };
-        Cases { plan: self, units, next: 0, number: 0 }
+        Cases {
+            plan: self,
+            units,
+            next: 0,
+            number: 0,
+        }
     }
 
     /// Tries every listed value and the bounds of every distribution, one key at a time beside the first case: each is
@@ -256,7 +312,10 @@ impl Plan {
     /// The first refusal.
     pub fn check(&self, base: &Base) -> Result<(), SweepError> {
         let Some(first) = self.cases().next() else {
-            let what = format!("none of {} combinations satisfies the constraints: must leave at least one", self.points);
+            let what = format!(
+                "none of {} combinations satisfies the constraints: must leave at least one",
+                self.points
+            );
             return Err(SweepError::wish("constraints", what));
         };
         let values = first.values.clone();
@@ -289,16 +348,24 @@ fn check_names(varied: &[Varied], derived: &[(String, Typed)]) -> Result<(), Swe
         return Err(SweepError::wish("sweep", what));
     }
     let names = varied.iter().map(|varied| (&varied.name, &varied.place));
-    let names: Vec<_> = names.chain(derived.iter().map(|(name, typed)| (name, &typed.place))).collect();
+    let names: Vec<_> = names
+        .chain(derived.iter().map(|(name, typed)| (name, &typed.place)))
+        .collect();
     for (index, (name, place)) in names.iter().enumerate() {
         if name.is_empty() {
             return Err(SweepError::wish(*place, "must name a key before ="));
         }
         if names[..index].iter().any(|(before, _)| before == name) {
-            return Err(SweepError::wish(*place, format!("{name}: must be varied or derived once, not twice")));
+            return Err(SweepError::wish(
+                *place,
+                format!("{name}: must be varied or derived once, not twice"),
+            ));
         }
         if FIXED_COLUMNS.contains(&name.as_str()) {
-            return Err(SweepError::wish(*place, format!("{name}: is a column of the table; must be another name")));
+            return Err(SweepError::wish(
+                *place,
+                format!("{name}: is a column of the table; must be another name"),
+            ));
         }
     }
     Ok(())
@@ -321,7 +388,8 @@ fn points(varied: &[Varied], design: Design) -> Result<u64, SweepError> {
                 points = points.saturating_mul(values.len() as u64);
             }
             if points > MOST_SAMPLES {
-                let what = format!("{points} combinations: must be at most {MOST_SAMPLES}; --sample draws some of them");
+                let what =
+                    format!("{points} combinations: must be at most {MOST_SAMPLES}; --sample draws some of them");
                 return Err(SweepError::wish("sweep", what));
             }
             Ok(points)
@@ -366,11 +434,19 @@ impl Cases<'_> {
         let varied = &self.plan.varied;
         if let Some(units) = &mut self.units {
             let unit = units.next()?;
-            return Some(varied.iter().zip(unit).map(|(varied, u)| varied.values.quantile(u)).collect());
+            return Some(
+                varied
+                    .iter()
+                    .zip(unit)
+                    .map(|(varied, u)| varied.values.quantile(u))
+                    .collect(),
+            );
         }
         let mut values = Vec::with_capacity(varied.len());
         for varied in varied.iter().rev() {
-            let Values::Listed(listed) = &varied.values else { return None };
+            let Values::Listed(listed) = &varied.values else {
+                return None;
+            };
             values.push(listed[(index % listed.len() as u64) as usize].clone());
             index /= listed.len() as u64;
         }

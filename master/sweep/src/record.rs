@@ -103,8 +103,13 @@ impl Record {
     #[must_use]
     pub fn of(case: u64, info: &RunInfo, record: &Series) -> Self {
         let summary = Summary::new(info, record);
-        let forces = summary.pantographs.iter().map(|pantograph| pantograph.contact_force.filtered);
-        let known = forces.clone().all(|force| force.is_some_and(|force| force.mean.is_finite() && force.std.is_finite()));
+        let forces = summary
+            .pantographs
+            .iter()
+            .map(|pantograph| pantograph.contact_force.filtered);
+        let known = forces
+            .clone()
+            .all(|force| force.is_some_and(|force| force.mean.is_finite() && force.std.is_finite()));
         let (status, reason) = match (summary.complete, known) {
             (false, _) => (Status::Diverged, info.incomplete_reason.clone()),
             (true, false) => {
@@ -148,5 +153,7 @@ impl Record {
 fn failed(limits: &[Limit], pantograph: usize) -> Vec<String> {
     let own = |limit: &&Limit| limit.pantograph.is_none_or(|number| number == pantograph);
     let failed = limits.iter().filter(|limit| limit.pass == Some(false)).filter(own);
-    failed.map(|limit| format!("{} {}", limit.standard, limit.quantity)).collect()
+    failed
+        .map(|limit| format!("{} {}", limit.standard, limit.quantity))
+        .collect()
 }

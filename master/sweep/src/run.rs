@@ -151,7 +151,10 @@ impl Sweep {
     }
 
     fn make(&self, journal: &mut Journal, interrupted: &AtomicBool, progress: &Progress) -> Result<(), SweepError> {
-        let source = FmuSource { folder: self.options.fmus.clone(), logging: self.options.logging };
+        let source = FmuSource {
+            folder: self.options.fmus.clone(),
+            logging: self.options.logging,
+        };
         let lines = StaticLines::keeping(LINES.max(self.options.jobs));
         let cases = Cases {
             base: &self.base,
@@ -177,7 +180,11 @@ impl Sweep {
             bar.fill();
             Ok::<_, SweepError>(made)
         };
-        let crew = Crew { workers: self.options.jobs, interrupted, limit: None };
+        let crew = Crew {
+            workers: self.options.jobs,
+            interrupted,
+            limit: None,
+        };
         // A flag that is set between two cases ends the sweep too.
         let open = open.take_while(|_| !interrupted.load(std::sync::atomic::Ordering::Relaxed));
         side_by_side(crew, open, &one, &mut |made: Made| {
@@ -193,7 +200,9 @@ impl Sweep {
         let partial = |name: &str| folder.join(format!(".{name}.partial"));
         let create = |name: &str| {
             let path = partial(name);
-            File::create(&path).map(BufWriter::new).map_err(results::io(&path, "write"))
+            File::create(&path)
+                .map(BufWriter::new)
+                .map_err(results::io(&path, "write"))
         };
         let csv_failed = |source: csv::Error| ResultsError::Io {
             path: folder.join(CSV),
@@ -219,7 +228,9 @@ impl Sweep {
         };
         let mut page = Page::new(&self.plan, self.cases * self.pantographs as u64);
         for case in self.plan.cases() {
-            let Some(record) = journal.record(case.number)? else { continue };
+            let Some(record) = journal.record(case.number)? else {
+                continue;
+            };
             summary.take(&record);
             let seconds = |value: Option<f64>| value.map_or_else(String::new, shown);
             let row = [record.case.to_string(), seconds(record.wall), seconds(record.setup)];
@@ -248,7 +259,11 @@ impl Sweep {
     /// The command that computes the full report of a case, beside the page.
     #[must_use]
     pub fn command(&self, case: &Case) -> String {
-        let mut command = format!("master run {} --mode {}", quoted(&self.base.origin), self.options.mode.name());
+        let mut command = format!(
+            "master run {} --mode {}",
+            quoted(&self.base.origin),
+            self.options.mode.name()
+        );
         for set in self.base.overrides.iter().cloned().chain(self.plan.overrides(case)) {
             command.push_str(&format!(" --set {}", quoted(&set)));
         }
@@ -292,8 +307,16 @@ impl Summary {
             (self.diverged, "diverged"),
             (self.refused, "refused"),
         ];
-        parts.extend(counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")));
-        let failure = self.first_failure.iter().map(|(case, reason)| format!("; case {case}: {reason}"));
+        parts.extend(
+            counts
+                .iter()
+                .filter(|(count, _)| *count > 0)
+                .map(|(count, what)| format!("{count} {what}")),
+        );
+        let failure = self
+            .first_failure
+            .iter()
+            .map(|(case, reason)| format!("; case {case}: {reason}"));
         format!("{}: {}{}", self.scene, parts.join(", "), failure.collect::<String>())
     }
 }

@@ -84,7 +84,12 @@ pub fn columns(plan: &Plan) -> Vec<(String, CellKind)> {
         (name.to_owned(), kind)
     });
     let (leading, others) = FIXED_COLUMNS.split_at(LEADING);
-    leading.iter().map(fixed).chain(keys).chain(others.iter().map(fixed)).collect()
+    leading
+        .iter()
+        .map(fixed)
+        .chain(keys)
+        .chain(others.iter().map(fixed))
+        .collect()
 }
 
 /// Rows of a finished case.
@@ -96,7 +101,10 @@ pub fn rows(plan: &Plan, case: &Case, record: &Record) -> Vec<Vec<Cell>> {
         value => Cell::Text(Some(value.shown())),
     };
     let keys: Vec<Cell> = case.values.iter().zip(&numbers).map(key).collect();
-    let derived = case.derived.iter().map(|value| Cell::Number(Some(*value).filter(|value| value.is_finite())));
+    let derived = case
+        .derived
+        .iter()
+        .map(|value| Cell::Number(Some(*value).filter(|value| value.is_finite())));
     let keys: Vec<Cell> = keys.into_iter().chain(derived).collect();
     let counts = record.counts;
     let rows = record.pantographs.iter().enumerate().map(|(index, figures)| {
@@ -104,11 +112,20 @@ pub fn rows(plan: &Plan, case: &Case, record: &Record) -> Vec<Vec<Cell>> {
         let mut row = vec![Cell::Count(Some(record.case)), Cell::Count(Some(index as u64 + 1))];
         row.extend(keys.iter().cloned());
         row.push(Cell::Text(Some(record.status.name().to_owned())));
-        row.push(Cell::Text(Some(record.reason.clone()).filter(|reason| !reason.is_empty())));
+        row.push(Cell::Text(
+            Some(record.reason.clone()).filter(|reason| !reason.is_empty()),
+        ));
         let forces = [figures.mean, figures.std, figures.min, figures.max];
-        row.extend(forces.into_iter().chain([figures.loss, record.uplift]).map(Cell::Number));
+        row.extend(
+            forces
+                .into_iter()
+                .chain([figures.loss, record.uplift])
+                .map(Cell::Number),
+        );
         row.push(Cell::Count(known.then_some(figures.failed.len() as u64)));
-        row.push(Cell::Text(Some(figures.failed.join("; ")).filter(|failed| !failed.is_empty())));
+        row.push(Cell::Text(
+            Some(figures.failed.join("; ")).filter(|failed| !failed.is_empty()),
+        ));
         row.extend(
             [
                 counts.map(|counts| counts.coordinates),

@@ -58,7 +58,9 @@ pub fn shown(number: f64) -> String {
 /// A finite number as it is typed.
 fn number(text: &str) -> Option<f64> {
     // What Rust reads beside numbers, such as `inf` and `nan`, is no value of a key.
-    let begins = text.trim_start_matches(['+', '-']).starts_with(|c: char| c.is_ascii_digit() || c == '.');
+    let begins = text
+        .trim_start_matches(['+', '-'])
+        .starts_with(|c: char| c.is_ascii_digit() || c == '.');
     text.parse().ok().filter(|number: &f64| begins && number.is_finite())
 }
 
@@ -119,7 +121,9 @@ impl Distribution {
     #[must_use]
     pub fn tried(&self) -> Vec<Value> {
         match self {
-            Self::Uniform { from, to } | Self::LogUniform { from, to } => vec![Value::Number(*from), Value::Number(*to)],
+            Self::Uniform { from, to } | Self::LogUniform { from, to } => {
+                vec![Value::Number(*from), Value::Number(*to)]
+            }
             Self::Normal { .. } | Self::LogNormal { .. } => vec![self.quantile(0.5)],
             Self::Choice(values) => values.clone(),
         }
@@ -160,7 +164,10 @@ impl Distribution {
                 Ok(Self::Normal { mean: a, std: b })
             }
             _ => {
-                must(a > 0.0 && b > 0.0, "must have a median and a standard deviation above 0")?;
+                must(
+                    a > 0.0 && b > 0.0,
+                    "must have a median and a standard deviation above 0",
+                )?;
                 Ok(Self::LogNormal { median: a, sigma: b })
             }
         }
@@ -216,7 +223,10 @@ impl Values {
         if values.is_empty() || values.iter().any(|value| value.typed().is_empty()) {
             return Err("must have at least one value, and none that is empty".to_owned());
         }
-        let twice = values.iter().enumerate().find(|(index, value)| values[..*index].contains(value));
+        let twice = values
+            .iter()
+            .enumerate()
+            .find(|(index, value)| values[..*index].contains(value));
         match twice {
             Some((_, value)) => Err(format!("must have each value once, and has {} twice", value.typed())),
             None => Ok(Self::Listed(values)),
@@ -260,7 +270,11 @@ pub fn range(from: f64, to: f64, step: f64) -> Result<Vec<Value>, String> {
     let steps = (to - from) / step + ROUNDING;
     if step == 0.0 || !steps.is_finite() || steps < 0.0 {
         let way = if to < from { "below 0" } else { "above 0" };
-        return Err(format!("must have a step that leads from {} to {}: one {way}", shown(from), shown(to)));
+        return Err(format!(
+            "must have a step that leads from {} to {}: one {way}",
+            shown(from),
+            shown(to)
+        ));
     }
     if steps >= MOST {
         return Err(format!("must have fewer than {MOST:.0} values"));

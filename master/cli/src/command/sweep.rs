@@ -7,13 +7,13 @@ use clap::{Args, ValueEnum};
 use super::run::ModeArgument;
 use super::{CommandError, found, has_extension, interrupted, print, print_json, scene_name, scene_text};
 use crate::cli::Common;
+use ::sweep::design::Method;
+use ::sweep::{Base, Options, Sweep, SweepError, Wishes, file};
 use cosim::package;
 use experiments::engine::Machine;
 use results::OutputDirectory;
 use results::report::{Progress, Show};
 use simulation::Mode;
-use ::sweep::design::Method;
-use ::sweep::{Base, Options, Sweep, SweepError, Wishes, file};
 
 /// Arguments of `master sweep`.
 #[derive(Debug, Args)]
@@ -128,7 +128,11 @@ fn text_of(found: &Path, path: &Path) -> Result<String, CommandError> {
     if has_extension(found, "ssp") {
         let instead = ", made of a system by `master run`: the scene.toml beside its results";
         let path = path.to_owned();
-        return Err(CommandError::NoSweepFile { path, is: "is a system", instead });
+        return Err(CommandError::NoSweepFile {
+            path,
+            is: "is a system",
+            instead,
+        });
     }
     scene_text(found, path)
 }
@@ -138,10 +142,15 @@ fn mode(arguments: &SweepArguments, wishes: &Wishes) -> Result<Mode, CommandErro
     if let Some(mode) = arguments.mode {
         return Ok(mode.into());
     }
-    let Some(word) = &wishes.mode else { return Ok(Mode::Monolithic) };
+    let Some(word) = &wishes.mode else {
+        return Ok(Mode::Monolithic);
+    };
     let mode = ModeArgument::from_str(word, false).map_err(|_| {
         let what = format!("\"{word}\": must be one of monolithic, inprocess, cosimulation");
-        SweepError::Wish { place: format!("{}: mode", arguments.file.display()), what }
+        SweepError::Wish {
+            place: format!("{}: mode", arguments.file.display()),
+            what,
+        }
     })?;
     Ok(mode.into())
 }
@@ -154,7 +163,11 @@ fn scene_of(is_sweep: bool, wishes: &Wishes, found: &Path, file: &Path) -> Resul
     let Some(scene) = &wishes.scene else {
         let what = "is missing: must be the scene that is varied, relative to this file, such as \"scene.toml\"";
         let place = format!("{}: scene", file.display());
-        return Err(SweepError::Wish { place, what: what.to_owned() }.into());
+        return Err(SweepError::Wish {
+            place,
+            what: what.to_owned(),
+        }
+        .into());
     };
     let beside = |path: &Path| path.parent().unwrap_or(Path::new("")).join(scene);
     Ok((beside(found), beside(file)))

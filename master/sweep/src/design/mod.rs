@@ -79,7 +79,11 @@ impl UnitPoints {
         let is = |method| sample.method == method;
         let part = |dimension| shuffled(sample.count, SplitMix64::stream(sample.seed, dimension as u64));
         Self {
-            parts: if is(Method::Latin) { (0..dimensions).map(part).collect() } else { Vec::new() },
+            parts: if is(Method::Latin) {
+                (0..dimensions).map(part).collect()
+            } else {
+                Vec::new()
+            },
             sobol: is(Method::Sobol).then(|| Sobol::shifted(dimensions, sample.seed)),
             sample,
             dimensions,
@@ -115,7 +119,11 @@ impl Iterator for UnitPoints {
         let mut unit = || (random.unit() + f64::EPSILON / 4.0).min(1.0 - f64::EPSILON / 2.0);
         let count = self.sample.count as f64;
         Some(match self.sample.method {
-            Method::Latin => self.parts.iter().map(|parts| (f64::from(parts[n as usize]) + unit()) / count).collect(),
+            Method::Latin => self
+                .parts
+                .iter()
+                .map(|parts| (f64::from(parts[n as usize]) + unit()) / count)
+                .collect(),
             _ => (0..self.dimensions).map(|_| unit()).collect(),
         })
     }

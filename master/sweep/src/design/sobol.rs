@@ -72,7 +72,13 @@ impl Sobol {
             }
         }
         self.next += 1;
-        Some(self.point.iter().zip(&self.shifts).map(|(digits, shift)| digits ^ shift).collect())
+        Some(
+            self.point
+                .iter()
+                .zip(&self.shifts)
+                .map(|(digits, shift)| digits ^ shift)
+                .collect(),
+        )
     }
 }
 
@@ -88,7 +94,10 @@ impl Iterator for Sobol {
 
 /// Direction numbers of a row of the table [JoeKuo, Eq. (1)], scaled by 2³².
 fn directions(row: &str) -> [u32; BITS] {
-    let mut numbers = row.split_whitespace().skip(1).map(|word| word.parse::<u32>().expect("a number of the table"));
+    let mut numbers = row
+        .split_whitespace()
+        .skip(1)
+        .map(|word| word.parse::<u32>().expect("a number of the table"));
     let (s, a) = (numbers.next().unwrap_or(0) as usize, numbers.next().unwrap_or(0));
     let mut v = [0; BITS];
     for (bit, m) in numbers.enumerate() {

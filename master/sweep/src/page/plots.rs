@@ -44,14 +44,22 @@ pub(super) fn sections(page: &Page) -> Vec<(String, String)> {
     }
     match page.varied {
         1 => vec![(page.keys[0].0.clone(), curves(page, pantographs))],
-        2 => (1..=pantographs).map(|pantograph| maps(page, pantograph, pantographs)).collect(),
-        _ => (1..=pantographs).map(|pantograph| parallel(page, pantograph, pantographs)).collect(),
+        2 => (1..=pantographs)
+            .map(|pantograph| maps(page, pantograph, pantographs))
+            .collect(),
+        _ => (1..=pantographs)
+            .map(|pantograph| parallel(page, pantograph, pantographs))
+            .collect(),
     }
 }
 
 /// Name of a section, with the pantograph where there are several.
 fn heading(what: &str, pantograph: usize, pantographs: usize) -> String {
-    if pantographs > 1 { format!("{what}, pantograph {pantograph}") } else { what.to_owned() }
+    if pantographs > 1 {
+        format!("{what}, pantograph {pantograph}")
+    } else {
+        what.to_owned()
+    }
 }
 
 fn rows(page: &Page, pantograph: usize) -> impl Iterator<Item = &Drawn> {
