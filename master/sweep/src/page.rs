@@ -190,8 +190,8 @@ impl Page {
         };
         let mut html = table(&self.best, "Smallest") + &table(&self.worst, "Largest");
         html.push_str(
-            "<h3>Full reports</h3>\n<p class=\"caption\">Each command, given in the folder of this page's sweep, \
-             computes the report that its link opens.</p>\n",
+            "<h3>Full reports</h3>\n<p class=\"caption\">Each command, given in the folder where the sweep was \
+             begun, computes the report that its link opens.</p>\n",
         );
         let mut cases: Vec<&Case> = self.best.iter().chain(&self.worst).map(|(.., case)| case).collect();
         cases.sort_by_key(|case| case.number);

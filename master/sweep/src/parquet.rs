@@ -128,10 +128,9 @@ impl ParquetTable {
             .collect();
         if self.series {
             columns.push(lists(&rows));
-            let times: [fn(&(Vec<f64>, f64, f64)) -> f64; 2] = [|series| series.1, |series| series.2];
-            for time in times {
-                columns.push(numbers(rows.iter().map(|(_, series)| series.as_ref().map(time))));
-            }
+            let series = || rows.iter().map(|(_, series)| series.as_ref());
+            columns.push(numbers(series().map(|series| series.map(|(_, from, _)| *from))));
+            columns.push(numbers(series().map(|series| series.map(|(.., step)| *step))));
         }
         for Entries {
             values,

@@ -247,7 +247,7 @@ impl Sweep {
         csv.finish().map_err(results::io(&folder.join(CSV), "write"))?;
         times.flush().map_err(results::io(&folder.join(TIMES), "write"))?;
         parquet.finish().map_err(parquet_failed)?;
-        let html = page.finish(&summary, &|case| self.command(case));
+        let html = page.finish(&summary, &|case| self.command(case, folder));
         std::fs::write(partial(PAGE), html).map_err(results::io(&partial(PAGE), "write"))?;
         for name in [CSV, PARQUET, TIMES, PAGE] {
             let path = folder.join(name);
@@ -256,9 +256,9 @@ impl Sweep {
         Ok(summary)
     }
 
-    /// The command that computes the full report of a case, beside the page.
+    /// The command that computes the full report of a case, beside the page in `folder`, from where the sweep was begun.
     #[must_use]
-    pub fn command(&self, case: &Case) -> String {
+    pub fn command(&self, case: &Case, folder: &Path) -> String {
         let mut command = format!(
             "master run {} --mode {}",
             quoted(&self.base.origin),
@@ -267,7 +267,8 @@ impl Sweep {
         for set in self.base.overrides.iter().cloned().chain(self.plan.overrides(case)) {
             command.push_str(&format!(" --set {}", quoted(&set)));
         }
-        format!("{command} --out case-{}", case.number)
+        let out = folder.join(format!("case-{}", case.number));
+        format!("{command} --out {}", quoted(&out.display().to_string()))
     }
 }
 

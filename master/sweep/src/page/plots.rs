@@ -31,6 +31,11 @@ fn plot(id: &str, height: u32, traces: &[Json], mut layout: Json) -> String {
     )
 }
 
+/// Plots in two columns.
+fn in_pairs(plots: &str) -> String {
+    format!("<div class=\"pair\">{plots}</div>\n")
+}
+
 /// A key's value on an axis.
 fn on_axis(value: &Value) -> Json {
     value.number().map_or_else(|| Json::from(value.shown()), Json::from)
@@ -94,7 +99,7 @@ fn curves(page: &Page, pantographs: usize) -> String {
         });
         html.push_str(&plot(&format!("curve-{figure}"), HEIGHT, &traces, layout));
     }
-    html
+    in_pairs(&html)
 }
 
 /// Figures over two keys: a map where they are a grid, else points in colours.
@@ -155,7 +160,7 @@ fn maps(page: &Page, pantograph: usize, pantographs: usize) -> (String, String) 
         });
         html.push_str(&plot(&format!("map-{pantograph}-{figure}"), HEIGHT, &[trace], layout));
     }
-    (heading("Maps", pantograph, pantographs), html)
+    (heading("Maps", pantograph, pantographs), in_pairs(&html))
 }
 
 /// One line per case through all keys and figures, coloured by the standard deviation.
