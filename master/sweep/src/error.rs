@@ -36,7 +36,10 @@ pub enum SweepError {
         differs: String,
     },
     /// A folder in which another process works.
-    #[error("{}: another process carries out a sweep there; must be another folder, or wait for its end", folder.display())]
+    #[error(
+        "{}: another process carries out a sweep there; must be another folder, or wait for its end",
+        folder.display()
+    )]
     Busy {
         /// Folder.
         folder: PathBuf,

@@ -105,7 +105,8 @@ impl Expression {
         let wrong = |what: &str| {
             let words = WORDS.join(", ");
             format!(
-                "{what}; must be an expression of keys and numbers with + - * / % ^ < <= > >= == != && || ( ) and {words}"
+                "{what}; must be an expression of keys and numbers with + - * / % ^ < <= > >= == != && || ( ) and \
+                 {words}"
             )
         };
         let (renamed, names) = renamed(text);

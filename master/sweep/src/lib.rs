@@ -15,9 +15,9 @@
 //! | `table`, `parquet` | the table as CSV and as Parquet |
 //! | `page` | `sweep.html` |
 //!
-//! Workers, status and identity are those of [`experiments::engine`]. Its [`Experiment`](experiments::engine::Experiment)
-//! and store are not used: these hold the whole plan and all runs in memory, judge the table after each run and keep two
-//! files for each, where a sweep has up to millions of cases.
+//! Workers, status and identity are those of [`experiments::engine`]. Its
+//! [`Experiment`](experiments::engine::Experiment) and store are not used: these hold the whole plan and all runs in
+//! memory, judge the table after each run and keep two files for each, where a sweep has up to millions of cases.
 #![forbid(unsafe_code)]
 
 pub mod base;

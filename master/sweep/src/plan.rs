@@ -176,7 +176,8 @@ impl Plan {
                 let known = self.varied.iter().map(|varied| &*varied.name);
                 let known = known.chain(self.derived.iter().map(|(name, _)| &**name));
                 let what = format!(
-                    "\"{}\": {name} is no varied or derived value and no number of the scene{}; varied and derived are {}",
+                    "\"{}\": {name} is no varied or derived value and no number of the scene{}; varied and derived \
+                     are {}",
                     typed.text,
                     numbers.meant(name),
                     known.collect::<Vec<_>>().join(", ")

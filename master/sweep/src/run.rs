@@ -256,7 +256,8 @@ impl Sweep {
         Ok(summary)
     }
 
-    /// The command that computes the full report of a case, beside the page in `folder`, from where the sweep was begun.
+    /// The command that computes the full report of a case beside the page in `folder`, given where the sweep was
+    /// begun.
     #[must_use]
     pub fn command(&self, case: &Case, folder: &Path) -> String {
         let mut command = format!(

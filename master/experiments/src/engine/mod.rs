@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | [`plan`] | [`Experiment`]: the plan, the making of a job, the judge |
 //! | [`run`] | a scene with some keys changed, run once: [`Run`], [`Attempt`] |
-//! | [`pool`] | jobs side by side, timings one at a time, progress, end on request: [`execute()`], [`Bench`], [`side_by_side()`] |
+//! | [`pool`] | jobs side by side, timings one at a time, progress, end: [`execute()`], [`side_by_side()`] |
 //! | [`store`] | runs that are kept, so that an experiment that was ended goes on: [`Store`] |
 //! | [`machine`] | machine that times belong to, memory of a time loop |
 //! | [`table`] | one row per run with the same columns everywhere, contact forces, status |
