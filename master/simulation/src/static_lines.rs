@@ -75,7 +75,7 @@ mod tests {
             let overrides = [
                 "catenary.spans=4",
                 "run.evaluate={ spans = [2, 2] }",
-                "run.duration=0.5",
+                "run.duration=2.0",
                 set,
             ];
             let scene = system::load(EN_300, "scene.toml", &overrides.map(str::to_owned)).unwrap();
