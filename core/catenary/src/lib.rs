@@ -60,8 +60,8 @@ pub use statics::{
     SupportReport, TensionReport, WireAtRest, gradients, non_uniformity,
 };
 pub use subsystem::{
-    CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StripStart, Subsystem, contact_pair,
-    scene_line, static_line, strip_contact,
+    CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StaticsInputs, StripStart, Subsystem,
+    contact_pair, scene_line, static_line, strip_contact,
 };
 pub use support::{Anchor, Attachment, PointMasses, RegistrationArms, Supports};
 pub(crate) use support::{DeadLoad, LineEnd, LineEnds};
