@@ -1,6 +1,6 @@
 //! Every example does what its README says: the commands are run as printed.
 #![cfg(unix)]
-use integration_tests::documents::{blocks_of, text};
+use integration_tests::documents::{blocks_of, section, text};
 use integration_tests::fmus::tree;
 use integration_tests::installed::Program;
 use integration_tests::python::{environment, run_apart};
@@ -82,6 +82,43 @@ fn a_line_a_pantograph_and_a_master_of_ones_own_run_as_printed() {
         (mean - 120.0).abs() < 12.0 && (10.0..80.0).contains(&std),
         "{mean} {std}"
     );
+}
+
+/// Page on sweeps.
+const SWEEPS: &str = "docs/guide/sweeps.md";
+
+#[test]
+fn sweeps_run_as_printed_and_the_page_shows_the_file_of_the_example() {
+    let page = text(SWEEPS);
+    let part = section(&page, "Sweep keys of a scene");
+    assert_eq!(blocks_of(part, "toml"), [text("examples/speed-and-force/sweep.toml")]);
+    let [commands] = &*blocks_of(part, "sh") else {
+        panic!("one block of commands")
+    };
+    let of_example = blocks_of(&text("examples/speed-and-force/README.md"), "sh");
+    assert!(commands.ends_with(&of_example[0]), "{commands}");
+
+    let program = Program::new();
+    let place = tempfile::tempdir().unwrap();
+    fs::create_dir(place.path().join("target")).unwrap();
+    symlink(program.folder(), place.path().join("target/release")).unwrap();
+    for name in ["scenes", "examples"] {
+        symlink(tree().join(name), place.path().join(name)).unwrap();
+    }
+    let mut shell = Command::new("sh");
+    shell.args(["-e", "-c", commands]).current_dir(place.path());
+    let said = run_apart(&mut shell, commands).0;
+    assert!(said.contains("6 of 6 cases finished, 6 stable"), "{said}");
+    assert!(
+        said.contains("8 of 8 cases finished, 1 left out by constraints, 8 stable"),
+        "{said}"
+    );
+    for file in ["sweep.csv", "sweep.parquet", "sweep.html"] {
+        assert!(
+            place.path().join("results/speed-and-force").join(file).is_file(),
+            "{file}"
+        );
+    }
 }
 
 #[test]

@@ -67,7 +67,7 @@ fn no_crate_outgrows_its_room() {
     );
     let experiments = product_lines("master/experiments/src/");
     assert!(
-        experiments <= 10_950,
+        experiments <= 11_000,
         "{experiments} lines of experiments: a new one is a plan and a judge"
     );
 }

@@ -56,12 +56,12 @@ pub use line::{
 };
 pub use mesh::{load, load_with};
 pub use statics::{
-    DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport, SupportReport,
-    TensionReport, gradients, non_uniformity,
+    DropperAtRest, DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport,
+    SupportReport, TensionReport, WireAtRest, gradients, non_uniformity,
 };
 pub use subsystem::{
-    CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StripStart, Subsystem, contact_pair,
-    scene_line, static_line, strip_contact,
+    CatenaryError, Checkpoint, ContactOutputs, LineAtRest, Model, SAMPLES, StaticsInputs, StripStart, Subsystem,
+    contact_pair, scene_line, static_line, strip_contact,
 };
 pub use support::{Anchor, Attachment, PointMasses, RegistrationArms, Supports};
 pub(crate) use support::{DeadLoad, LineEnd, LineEnds};

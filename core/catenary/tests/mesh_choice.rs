@@ -171,8 +171,8 @@ fn elements_are_no_longer_than_their_limit_and_an_override_takes_the_place_of_th
     assert_eq!(elements(&asked), 76);
     // One element for each interval is enough for a long limit.
     assert_eq!(elements(&read(EN_300, &["catenary.mesh.element_length=1000"])), 10);
-    // The mass correction is made for steps up to a quarter of a wave's time through 5/6 m, 1.712 ms. Steps longer by √2
-    // go without it.
+    // The mass correction is made for steps up to a quarter of a wave's time through 5/6 m, 1.712 ms. Steps longer by
+    // √2 go without it.
     let steps = |ms: &str| {
         let keys = [
             format!("solver.micro_step={ms}e-3"),

@@ -130,10 +130,17 @@ impl TensionLength {
     /// Curvature of the track at support `index` (from 0), 1/m, positive with the middle to the left.
     #[must_use]
     pub fn curvature_at(&self, index: usize) -> f64 {
+        1.0 / self.radius_at(index)
+    }
+
+    /// Radius of the track at support `index` (from 0), m, positive with the middle to the left; infinite where it is
+    /// straight.
+    #[must_use]
+    pub fn radius_at(&self, index: usize) -> f64 {
         if self.curve_radius.is_empty() {
-            0.0
+            f64::INFINITY
         } else {
-            1.0 / repeated(&self.curve_radius, index)
+            repeated(&self.curve_radius, index)
         }
     }
 

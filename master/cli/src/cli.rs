@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Arg, ArgAction, Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-use crate::command::{self, CommandError, run, study};
+use crate::command::{self, CommandError, run, study, sweep};
 use experiments::compare;
 use experiments::engine::table::macro_step;
 use fmi2::isolation;
@@ -14,7 +14,7 @@ use fmi2::isolation;
 mod help;
 pub(crate) mod values;
 
-use help::{EXIT_STATUS, RUN_STATUS, compare_help, reproduce_help, stability_help, study_help};
+use help::{EXIT_STATUS, RUN_STATUS, compare_help, reproduce_help, stability_help, study_help, sweep_help};
 use values::or;
 
 /// Scene that runs without arguments.
@@ -94,6 +94,9 @@ enum Command {
         #[arg(long)]
         quick: bool,
     },
+    /// Runs many cases of one scene on all cores, into one table
+    #[command(after_long_help = sweep_help())]
+    Sweep(sweep::SweepArguments),
     /// Solves the statics of a scene, says what will be modelled and draws the line
     #[command(after_help = EXIT_STATUS)]
     Check {
@@ -205,6 +208,7 @@ pub fn main() -> ExitCode {
             }
         }
         Command::Study(arguments) => study::study(&arguments, &common),
+        Command::Sweep(arguments) => sweep::sweep(&arguments, &common),
         Command::Reproduce {
             what: Publication::Thesis,
             quick,
@@ -280,7 +284,7 @@ mod tests {
     #[test]
     fn help_lists_set_where_there_is_a_scene() {
         let help = |name: &str| refusal(&["master", name, "--help"]);
-        for name in ["run", "compare", "study", "check", "reproduce"] {
+        for name in ["run", "compare", "study", "sweep", "check", "reproduce"] {
             assert!(help(name).contains("--set"), "{name}");
         }
         for name in ["stability", "inspect", "report"] {

@@ -34,6 +34,16 @@ fn run_short(mode: &str, out: &Path, more: &[&str]) -> Output {
     master(&arguments)
 }
 
+/// Names in a folder, sorted.
+fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
@@ -190,18 +200,31 @@ fn compare_runs_all_modes_and_algorithms_with_the_fmus_and_writes_its_table_and_
 
 #[test]
 fn check_prints_statics_for_people_and_as_json() {
-    let scene = scene();
+    let (scene, folder) = (scene(), tempfile::tempdir().unwrap());
+    let [for_people, for_tools] = ["people", "tools"].map(|name| folder.path().join(name).display().to_string());
     let mut arguments = vec!["check", scene.to_str().unwrap()];
     for key in SHORT {
         arguments.extend(["--set", key]);
     }
-    let output = master(&arguments);
+    let output = master(&[&arguments[..], &["--out", &for_people]].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
     for word in ["droppers", "supports", "elasticity", "scene has no [wind]"] {
         assert!(text(&output.stdout).contains(word), "{word}");
     }
+    let files = ["check.html", "droppers.csv", "line.svg", "supports.csv"];
+    assert_eq!(names(Path::new(&for_people)), files);
     arguments.push("--json");
-    let report: serde_json::Value = serde_json::from_slice(&master(&arguments).stdout).unwrap();
+    // Without a folder to write to, a tool gets its report only.
+    let output = Command::new(env!("CARGO_BIN_EXE_master"))
+        .args(&arguments)
+        .current_dir(folder.path())
+        .output();
+    let report: serde_json::Value = serde_json::from_slice(&output.unwrap().stdout).unwrap();
+    assert_eq!(names(folder.path()), ["people"]);
+    let again = master(&[&arguments[..], &["--out", &for_tools]].concat()).stdout;
+    assert_eq!(serde_json::from_slice::<serde_json::Value>(&again).unwrap(), report);
+    assert_eq!(names(Path::new(&for_tools)), files);
+    assert_eq!(report["limits"].as_array().unwrap().len(), 3);
     assert_eq!(report["statics"]["supports"].as_array().unwrap().len(), 4);
     assert!(report["statics"]["elasticity"][2]["m_per_N"].as_f64().unwrap() > 0.0);
     assert!((report["statics"]["tension"]["contact_wire_N"].as_f64().unwrap() / 20_000.0 - 1.0).abs() < 1e-6);
@@ -323,7 +346,7 @@ fn a_strip_beside_the_wire_is_told_by_run_and_check() {
         run.contains("pantograph 1: the wire passed beside its strip") && run.contains("half the width"),
         "{run}"
     );
-    let check = told(&["check"]);
+    let check = told(&["check", "--out", &out]);
     let note = "pantograph 1: vehicle.motion is such that the wire passes beside its strip";
     assert!(check.contains(note) && check.contains("up to 3.306 m"), "{check}");
 }
@@ -470,8 +493,8 @@ fn a_rest_position_that_costs_static_force_is_told_by_check_and_run() {
     let warning = "instead of its static force of 120.0 N; set pantograph[1].reference_height = ";
     let run = text(&run_short("monolithic", folder.path(), &["--set", low]).stdout);
     assert!(run.contains(warning), "{run}");
-    let scene = scene();
-    let mut arguments = vec!["check", scene.to_str().unwrap(), "--set", low];
+    let (scene, out) = (scene(), folder.path().join("check").display().to_string());
+    let mut arguments = vec!["check", scene.to_str().unwrap(), "--set", low, "--out", &out];
     for key in SHORT {
         arguments.extend(["--set", key]);
     }

@@ -109,7 +109,11 @@ fn an_archive_runs_as_the_scene_it_was_made_of_bit_for_bit() {
         let [first, second] = [&first, &second].map(|run| std::fs::read(run.join(file)).unwrap());
         assert!(first == second, "{file} differs");
     }
-    done(&["check", path.to_str().unwrap()], &[]);
+    let drawn = folder.path().join("drawn");
+    done(
+        &["check", path.to_str().unwrap(), "--out", drawn.to_str().unwrap()],
+        &[],
+    );
 }
 
 #[test]

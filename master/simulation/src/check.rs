@@ -5,10 +5,11 @@ use std::fmt::Write as _;
 use catenary::StaticsReport;
 use serde::Serialize;
 
-use crate::strip_overrun;
-use crate::{Other, Prepared, SetupError, evaluated_spans};
+use crate::{Other, Prepared, SetupError, evaluated_spans, line_of};
+use crate::{check_page, strip_overrun};
 use results::Model;
-use scene::Scene;
+use results::standards::{Limit, limits_at_rest};
+use scene::{Catenary, Scene};
 
 /// Statics, model and waves of a scene.
 #[derive(Clone, Debug, Serialize)]
@@ -19,6 +20,9 @@ pub struct Report {
     pub model: Model,
     /// Waves on the contact wire; nothing of a supplied line.
     pub waves: Option<Waves>,
+    /// Limits that the line at rest is held against; none for a supplied line.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub limits: Vec<Limit>,
     /// Start of each pantograph.
     pub start: Vec<StartReport>,
     /// supplied FMUs.
@@ -71,6 +75,15 @@ fn strips_at_start(scene: &Scene, index: usize) -> Vec<StartReport> {
     starts.collect()
 }
 
+/// Limits of the line at rest.
+fn limits_of(scene: &Scene, line: &Catenary, statics: &StaticsReport) -> Vec<Limit> {
+    let slopes = check_page::used_gradients(line, statics);
+    let gradient = slopes.iter().filter_map(|(gradient, _)| *gradient).map(f64::abs);
+    let change = slopes.iter().filter_map(|(_, change)| *change).map(f64::abs);
+    let (gradient, change) = (gradient.reduce(f64::max), change.reduce(f64::max));
+    limits_at_rest(&line_of(scene), scene.run.speed, gradient, change)
+}
+
 impl Report {
     /// Collects it.
     ///
@@ -104,7 +117,12 @@ impl Report {
                 strips: strips_at_start(scene, index),
             })
         });
+        let limits = match (&statics, scene.modelled_line()) {
+            (Some(statics), Some((line, _))) => limits_of(scene, line, statics),
+            _ => Vec::new(),
+        };
         Ok(Self {
+            limits,
             statics,
             model: prepared.model(),
             waves,

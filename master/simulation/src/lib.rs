@@ -11,11 +11,13 @@ mod prepare;
 mod rest_position;
 mod slaves;
 pub mod sliding_joint;
+mod static_lines;
 mod statics_hints;
 mod strip_overrun;
 mod table_files;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use catenary::{CatenaryError, StaticLine};
@@ -39,7 +41,8 @@ use system::one_system::{Evidence, OneSystem};
 use system::run::{Failure, Outcome, Schedule, Steps, Watch};
 
 pub use self::error::SetupError;
-pub use crate::prepare::{Other, prepare};
+pub use crate::prepare::{Other, prepare, prepare_on};
+pub use crate::static_lines::StaticLines;
 use cosim::chain;
 
 /// Contact stiffness of EN 50318, N/m: what errors of a height are weighted with where the line's own is not known.
@@ -90,8 +93,8 @@ pub struct Prepared {
     pub scene: Scene,
     /// Name of the scene in results.
     pub name: String,
-    /// Static state of its line; nothing where the line is supplied.
-    pub statics: Option<StaticLine>,
+    /// Static state of its line, which other scenes may share; nothing where the line is supplied.
+    pub statics: Option<Arc<StaticLine>>,
     /// How supplied pantographs came to rest; nothing before a run.
     pub settling: Option<Settling>,
     /// Facts of supplied FMUs: wiring, abilities, remarks.
@@ -304,7 +307,7 @@ impl Prepared {
             && others
             && line.as_ref().is_none_or(SuppliedLine::can_stand)
         {
-            let statics = self.statics.as_ref();
+            let statics = self.statics.as_deref();
             let found = settling::settle(
                 &mut self.scene,
                 statics,
@@ -389,7 +392,7 @@ impl Prepared {
         watch: &Watch<'_>,
         good: impl FnOnce(&Scene) -> Result<(), E>,
     ) -> Result<Finished, E> {
-        let statics = self.statics.as_ref().filter(|_| OneSystem::can(&self.scene));
+        let statics = self.statics.as_deref().filter(|_| OneSystem::can(&self.scene));
         let Some(statics) = statics else {
             let what = "line or pantograph is a supplied FMU, which has no equations to put into one system".to_owned();
             return Err(SetupError::NotInThisMode {

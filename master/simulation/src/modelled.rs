@@ -49,7 +49,7 @@ impl Prepared {
                 PantographModel::Supplied(entry) => format!("FMU {}", entry.fmu),
             });
         }
-        let statics = self.statics.as_ref();
+        let statics = self.statics.as_deref();
         let elements = statics.map_or(0, catenary::StaticLine::elements);
         let elements = window.map_or(elements, |window| window.elements);
         let line = match &scene.catenary {

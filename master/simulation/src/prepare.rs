@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
 
-use catenary::{StaticLine, static_line};
+use catenary::StaticLine;
 use fmi2::import::{Fmu, Options};
 use scene::{Connection, Line, PantographModel, Scene, Start, Supplied};
 
 use crate::statics_hints::with_suspects;
 use crate::table_files;
-use crate::{Prepared, SetupError};
+use crate::{Prepared, SetupError, StaticLines};
 use cosim::fmu_slave::CosimulationError;
 use suppliers::{Side, StripAtStart, SuppliedLine, SuppliedPantograph, SupplierError, Wiring, aligned, own_heights};
 use system::disturbance::Disturbance;
@@ -39,11 +39,26 @@ pub struct Other {
 ///
 /// # Errors
 /// See [`SetupError`].
-pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Result<Prepared, SetupError> {
+pub fn prepare(scene: Scene, name: &str, base: &Path, logging: bool) -> Result<Prepared, SetupError> {
+    prepare_on(&StaticLines::none(), scene, name, base, logging)
+}
+
+/// As [`prepare`], with the static state taken from `lines` where another scene has left it there: the result is the
+/// same bit for bit.
+///
+/// # Errors
+/// See [`SetupError`].
+pub fn prepare_on(
+    lines: &StaticLines,
+    mut scene: Scene,
+    name: &str,
+    base: &Path,
+    logging: bool,
+) -> Result<Prepared, SetupError> {
     let begin = Instant::now();
     table_files::read(&mut scene, name, base)?;
     let statics = match &scene.catenary {
-        Line::Modelled(_) => Some(static_line(&scene).map_err(|error| with_suspects(error.into(), &scene))?),
+        Line::Modelled(_) => Some(lines.of(&scene).map_err(|error| with_suspects(error.into(), &scene))?),
         Line::Supplied(_) => None,
     };
     let mut supplied = Vec::new();
@@ -51,7 +66,7 @@ pub fn prepare(mut scene: Scene, name: &str, base: &Path, logging: bool) -> Resu
         supplied.push(match scene.pantographs[index].model.clone() {
             PantographModel::Supplied(entry) => Some(start_pantograph(
                 &mut scene,
-                statics.as_ref(),
+                statics.as_deref(),
                 entry,
                 index,
                 base,

@@ -7,11 +7,13 @@
 //! change              temperature, ice and wrong droppers after the erection
 //! directors           a contact wire of beams, from one of cables
 //! repeat              long lines, from short ones
+//! drawing             places of the parts at rest, for drawings
 //! report              figures of the static state, with the names of the result files
 //! error               errors of statics
 //! ```
 mod change;
 mod directors;
+mod drawing;
 mod error;
 mod form_finding;
 mod load;
@@ -19,6 +21,7 @@ mod nodal_displacement;
 mod repeat;
 mod report;
 
+pub use drawing::{DropperAtRest, WireAtRest};
 pub use error::StaticsError;
 pub(crate) use repeat::Repeat;
 pub use report::{
@@ -387,9 +390,10 @@ impl StaticLine {
         let residual = free.map(|index| force[index].abs()).fold(0.0, f64::max);
         let line = &self.system.line;
         let node = |at: NodeOfWire| &line.wires()[at.wire].geometry().nodes()[at.node];
-        let at = |place: NodeOfWire, axis: usize| {
-            let index = node(place).map.position(axis);
-            index.expect("x and z exist in every node")
+        // Coordinates that a planar line lacks carry no force.
+        let at_end = |place: &NodeOfWire| {
+            let map = &node(*place).map;
+            Vector3::from_fn(|axis, _| map.position(axis).map_or(0.0, |index| -force[index]))
         };
         let droppers = self
             .topology
@@ -411,23 +415,25 @@ impl StaticLine {
         );
         let mut supports = Vec::new();
         for support in self.topology.support_places() {
-            let at_end = |node: &NodeOfWire| -force[at(*node, 2)];
-            let (messenger_reaction, arm_force) = if support.is_end {
-                let arm_force = support.contact_wires.iter().map(at_end).sum();
-                (support.messenger_wire.as_ref().map_or(0.0, at_end), arm_force)
+            let (messenger, arm): (Vector3<f64>, Vector3<f64>) = if support.is_end {
+                let arm = support.contact_wires.iter().map(at_end).sum();
+                (support.messenger_wire.as_ref().map_or_else(Vector3::zeros, at_end), arm)
             } else {
                 let arms = arms.by_ref().take(support.contact_wires.len());
                 let held = held.by_ref().take(usize::from(support.messenger_wire.is_some()));
                 (
-                    held.map(|anchor| anchor.reaction.z).sum(),
-                    arms.map(|anchor| anchor.reaction.z).sum(),
+                    held.map(|anchor| anchor.reaction).sum(),
+                    arms.map(|anchor| anchor.reaction).sum(),
                 )
             };
+            let spatial = node(support.contact_wires[0]).map.position(1).is_some();
             supports.push(SupportReport {
                 tension_length: support.section + 1,
                 x: support.x,
-                messenger_reaction,
-                arm_force,
+                messenger_reaction: messenger.z,
+                arm_force: arm.z,
+                messenger_lateral: spatial.then_some(messenger.y),
+                arm_lateral: spatial.then_some(arm.y),
                 contact_wire_z: node(support.contact_wires[0]).position.z,
             });
         }

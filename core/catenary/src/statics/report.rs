@@ -81,6 +81,12 @@ pub struct SupportReport {
     /// Vertical force on the contact wire and the arm's own mass, N, upwards.
     #[serde(rename = "arm_force_N")]
     pub arm_force: f64,
+    /// Lateral force on the messenger wire, N, to the left; none of a planar line.
+    #[serde(rename = "messenger_lateral_N", default)]
+    pub messenger_lateral: Option<f64>,
+    /// Lateral force of the arm on the contact wire, N, to the left; none of a planar line.
+    #[serde(rename = "arm_lateral_N", default)]
+    pub arm_lateral: Option<f64>,
     /// Height of the contact wire, m.
     #[serde(rename = "contact_wire_z_m")]
     pub contact_wire_z: f64,
@@ -117,6 +123,8 @@ mod tests {
             x,
             messenger_reaction: 0.0,
             arm_force: 0.0,
+            messenger_lateral: None,
+            arm_lateral: None,
             contact_wire_z,
         }
     }

@@ -17,7 +17,7 @@ mod signals;
 pub use at_rest::LineAtRest;
 pub use exchange::SAMPLES;
 use exchange::{ContactIntegrals, Exchange};
-pub use model::{CatenaryError, Model, contact_pair, scene_line, static_line, strip_contact};
+pub use model::{CatenaryError, Model, StaticsInputs, contact_pair, scene_line, static_line, strip_contact};
 use signals::input_direction;
 
 use crate::contact::{ContactPair, ContactState, ContactTotal, STRIP_INPUTS, STRIP_VALUES};

@@ -6,7 +6,7 @@ use crate::{
     WiresInWind, adopt_state, follow_strips,
 };
 use dynamics::{Continuity, Force, Layout, Marker, State, StepError, System};
-use scene::{ContactLaw, Correction, Reduction, Scene};
+use scene::{Catenary, ContactLaw, Correction, Reduction, Scene};
 
 /// Errors of modelling or starting a line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -102,41 +102,74 @@ impl System for Model {
     }
 }
 
+/// Inputs of a static state: scenes with equal ones have the same static state, bit for bit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StaticsInputs {
+    catenary: Catenary,
+    options: LineOptions,
+    /// Spans that a window has together; nothing without a window.
+    together: Option<usize>,
+    /// `true` where wind acts on the wires, which belongs to the scene as a whole.
+    in_wind: bool,
+}
+
+impl StaticsInputs {
+    /// Inputs of a scene's line.
+    ///
+    /// # Errors
+    /// See [`CatenaryError`].
+    pub fn of(scene: &Scene) -> Result<Self, CatenaryError> {
+        let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::SuppliedLine)?;
+        if let Some((correction, obstacle)) = crate::mesh::impossible_corrections(scene).into_iter().next() {
+            return Err(CatenaryError::Correction { correction, obstacle });
+        }
+        let mesh = &catenary.mesh;
+        if !mesh.is_given() {
+            return Err(CatenaryError::OpenMesh);
+        }
+        let options = LineOptions {
+            dimension: if scene.is_planar() {
+                Dimension::Planar
+            } else {
+                Dimension::Spatial
+            },
+            layers: if mesh.has(Correction::BendingLayers) {
+                BendingLayers::AtAttachments
+            } else {
+                BendingLayers::Absent
+            },
+            contact_compliance: mesh.has(Correction::ContactCompliance).then_some(mesh.contact_speed),
+            mass_correction: mesh.has(Correction::MassCorrection).then(|| MassCorrection {
+                steps: crate::mesh::corrected_steps(scene, catenary),
+                rho_inf: scene.solver.rho_inf,
+            }),
+        };
+        let windowed = scene.model.has(Reduction::Window);
+        Ok(Self {
+            catenary: catenary.clone(),
+            options,
+            together: windowed.then(|| WindowedLine::most_spans(scene, catenary)),
+            in_wind: !windowed && WiresInWind::of_scene(scene).is_some(),
+        })
+    }
+
+    /// `true` where a static state serves every scene with these inputs.
+    #[must_use]
+    pub fn can_be_shared(&self) -> bool {
+        !self.in_wind
+    }
+}
+
 /// The static state of a scene's line.
 ///
 /// # Errors
 /// See [`CatenaryError`].
 pub fn static_line(scene: &Scene) -> Result<StaticLine, CatenaryError> {
-    let (catenary, _) = scene.modelled_line().ok_or(CatenaryError::SuppliedLine)?;
-    if let Some((correction, obstacle)) = crate::mesh::impossible_corrections(scene).into_iter().next() {
-        return Err(CatenaryError::Correction { correction, obstacle });
+    let inputs = StaticsInputs::of(scene)?;
+    if let Some(together) = inputs.together {
+        return Ok(StaticLine::solve_long(&inputs.catenary, inputs.options, together)?);
     }
-    let mesh = &catenary.mesh;
-    if !mesh.is_given() {
-        return Err(CatenaryError::OpenMesh);
-    }
-    let options = LineOptions {
-        dimension: if scene.is_planar() {
-            Dimension::Planar
-        } else {
-            Dimension::Spatial
-        },
-        layers: if mesh.has(Correction::BendingLayers) {
-            BendingLayers::AtAttachments
-        } else {
-            BendingLayers::Absent
-        },
-        contact_compliance: mesh.has(Correction::ContactCompliance).then_some(mesh.contact_speed),
-        mass_correction: mesh.has(Correction::MassCorrection).then(|| MassCorrection {
-            steps: crate::mesh::corrected_steps(scene, catenary),
-            rho_inf: scene.solver.rho_inf,
-        }),
-    };
-    if scene.model.has(Reduction::Window) {
-        let together = WindowedLine::most_spans(scene, catenary);
-        return Ok(StaticLine::solve_long(catenary, options, together)?);
-    }
-    Ok(StaticLine::solve(catenary, options)?.in_wind(WiresInWind::of_scene(scene)))
+    Ok(StaticLine::solve(&inputs.catenary, inputs.options)?.in_wind(WiresInWind::of_scene(scene)))
 }
 
 /// Line that a scene runs with, from a solved static state, its coordinates added to `layout`: all zero is the static

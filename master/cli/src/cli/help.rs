@@ -61,6 +61,26 @@ pub(crate) fn study_help() -> String {
     )
 }
 
+/// End of the help of `sweep`.
+pub(crate) fn sweep_help() -> String {
+    format!(
+        "Values: `--vary run.speed_kmh=200:320:10` takes every tenth number, both ends included; \
+         `--vary contact.stiffness=3e4,5e4` these. All combinations are cases, the last key changing first. With \
+         `--sample latin`, `sobol` or `random`, `--count N` and `--seed S` every key is sampled: from a:b (uniform), \
+         uniform(a,b), log_uniform(a,b), normal(mean,std), lognormal(median,sigma), choice(v1,v2), or a list.\n\n\
+         Keys are those of `--set`, checked as there. A plain name, without a dot, is a number for expressions: \
+         `--vary force=100:140:20 --derive pantograph[1].static_force=force`. Expressions take varied and derived \
+         values, numbers of the scene by their keys, + - * / % ^, comparisons, && || not(), min max abs sqrt exp ln \
+         log10 sin cos tan floor ceil round, pi.\n\n\
+         SWEEP.toml: scene, mode, series, where, and the tables set, vary, derive and sample; options of the command \
+         line take the place of its values.\n\n\
+         Rows: one per case and pantograph, in the order of the plan, the same for any number of jobs; wall times are \
+         in sweep-times.csv. A case that fails is a row with its reason. A sweep that was ended goes on with the same \
+         command and program; another sweep in the same directory is refused.\n\n\
+         {EXIT_STATUS} Done: every case has a status."
+    )
+}
+
 /// End of the help of `stability`.
 pub(crate) fn stability_help() -> String {
     format!(

@@ -24,7 +24,9 @@ pub fn check(path: &Path, no_report: bool, common: &Common) -> Result<(), Comman
     } else if !common.quiet {
         print(&report.text(&prepared))?;
     }
-    let Some(page) = check_page::page(&prepared, &report).filter(|_| !no_report && !common.json) else {
+    // A tool that reads the report gets files where it names a folder for them.
+    let wanted = !no_report && (!common.json || common.out.is_some());
+    let Some(page) = wanted.then(|| check_page::page(&prepared, &report)).flatten() else {
         return Ok(());
     };
     let folder = match OutputDirectory::open(file_output) {
@@ -38,6 +40,7 @@ pub fn check(path: &Path, no_report: bool, common: &Common) -> Result<(), Comman
     };
     let files = [
         ("check.html", page.render()),
+        ("line.svg", page.picture()),
         ("droppers.csv", page.droppers_csv()),
         ("supports.csv", page.supports_csv()),
     ];

@@ -5,6 +5,7 @@
 //! | `run`, `report` | one scene in one mode; its page again, or several on one page |
 //! | `compare`, `study`, `stability`, `reproduce` | experiments: many runs, one table |
 //! | `experiment` | outputs of these four: results kept after every run, page and tables at the end |
+//! | `sweep` | many cases of one scene, one table |
 //! | `check`, `inspect` | a scene before its run; an FMU before its use |
 //! | `package`, `export` | FMUs of a scene; the system as an `.ssp` |
 //! | `completions` | scripts for shells |
@@ -21,6 +22,7 @@ pub mod reproduce;
 pub mod run;
 pub mod stability;
 pub mod study;
+pub mod sweep;
 
 use std::fs::File;
 use std::io::Write as _;
@@ -61,6 +63,19 @@ pub enum CommandError {
         /// Hint at the right command.
         instead: &'static str,
     },
+    /// A file that is neither a sweep nor a scene.
+    #[error("{}: {is}; expected a sweep or a scene (.toml){instead}", path.display())]
+    NoSweepFile {
+        /// File.
+        path: PathBuf,
+        /// Kind of the file.
+        is: &'static str,
+        /// Hint at what would do.
+        instead: &'static str,
+    },
+    /// A sweep that cannot begin or go on.
+    #[error(transparent)]
+    Sweep(Box<::sweep::SweepError>),
     /// A directory without results.
     #[error("{}: holds no {}; expected the output directory of a finished `master \
         run`", path.display(), results::SUMMARY)]
@@ -178,6 +193,7 @@ impl CommandError {
         match self {
             Self::Setup(error) | Self::InScene { source: error, .. } if !error.is_input() => 1,
             Self::Incomplete { .. } | Self::Results(_) | Self::Output(_) | Self::Package(_) | Self::Json(_) => 1,
+            Self::Sweep(error) if !error.is_input() => 1,
             Self::LimitsFailed { .. } => 3,
             _ => 2,
         }

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | [`plan`] | [`Experiment`]: the plan, the making of a job, the judge |
 //! | [`run`] | a scene with some keys changed, run once: [`Run`], [`Attempt`] |
-//! | [`pool`] | jobs side by side, timings one at a time, progress, end on request: [`execute()`], [`Bench`] |
+//! | [`pool`] | jobs side by side, timings one at a time, progress, end: [`execute()`], [`side_by_side()`] |
 //! | [`store`] | runs that are kept, so that an experiment that was ended goes on: [`Store`] |
 //! | [`machine`] | machine that times belong to, memory of a time loop |
 //! | [`table`] | one row per run with the same columns everywhere, contact forces, status |
@@ -26,6 +26,6 @@ pub(crate) mod tests;
 pub use export::{Exporter, Sheet, Table};
 pub use machine::Machine;
 pub use plan::{Experiment, ExperimentError, Planned, Timing};
-pub use pool::{Bench, Site, Timed, execute};
+pub use pool::{Bench, Crew, Guard, Site, Timed, execute, side_by_side};
 pub use run::{Attempt, Evidence, Run, Stage, Variant, median, settled};
 pub use store::{Store, Times};

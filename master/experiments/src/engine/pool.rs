@@ -2,7 +2,7 @@
 //! twice.
 
 use std::cell::Cell;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak, mpsc};
 use std::thread;
@@ -43,8 +43,8 @@ struct Shared<'a> {
 }
 
 /// A worker's run under way: when it began, and the flag that ends it.
-#[derive(Default)]
-struct Guard {
+#[derive(Debug, Default)]
+pub struct Guard {
     since: Mutex<Option<Instant>>,
     stop: AtomicBool,
 }
@@ -72,6 +72,12 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Guard {
+    /// The flag that ends the run under way.
+    #[must_use]
+    pub fn stop(&self) -> &AtomicBool {
+        &self.stop
+    }
+
     fn is_late(&self, limit: Option<Duration>) -> bool {
         let since = *lock(&self.since);
         limit.zip(since).is_some_and(|(limit, since)| since.elapsed() >= limit)
@@ -289,9 +295,14 @@ pub fn execute<E: Experiment>(
                         .beside((bench.share - bench.moved.get()).max(0.0), 1.0)
                         .fill();
                 }
-                Ok::<_, ExperimentError>(done)
+                Ok::<_, ExperimentError>(done.map(|done| (index, done)))
             };
-            work(&shared, order, workers, &one, &mut |index, done| {
+            let crew = Crew {
+                workers,
+                interrupted: site.interrupted,
+                limit: shared.limit,
+            };
+            side_by_side(crew, order.into_iter(), &one, &mut |(index, done)| {
                 found[first + index] = Some(done);
                 keep(&experiment.judge(found))
             })?;
@@ -312,29 +323,44 @@ pub fn execute<E: Experiment>(
 /// Interval in which workers are looked after.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Works on jobs in this order; `take` is given what was done, on this thread.
-fn work<F: Send>(
-    shared: &Shared<'_>,
-    order: Vec<usize>,
-    workers: usize,
-    one: &(impl Fn(usize, &Guard) -> Result<Option<F>, ExperimentError> + Sync),
-    take: &mut dyn FnMut(usize, F) -> Result<(), ExperimentError>,
-) -> Result<(), ExperimentError> {
-    let jobs = Mutex::new(VecDeque::from(order));
+/// Threads that work side by side.
+#[derive(Clone, Copy, Debug)]
+pub struct Crew<'a> {
+    /// Number of threads, at least one.
+    pub workers: usize,
+    /// Set where an end is asked for.
+    pub interrupted: &'a AtomicBool,
+    /// Wall time after which a run is ended.
+    pub limit: Option<Duration>,
+}
+
+/// Works on jobs in this order; `take` is given each outcome as it comes, on this thread. Jobs are drawn when a worker
+/// is free and outcomes wait for `take`, so that memory does not grow with the number of jobs.
+///
+/// # Errors
+/// The first error of a job or of `take`.
+pub fn side_by_side<J, F: Send, E: Send>(
+    crew: Crew<'_>,
+    jobs: impl Iterator<Item = J> + Send,
+    one: &(impl Fn(J, &Guard) -> Result<Option<F>, E> + Sync),
+    take: &mut dyn FnMut(F) -> Result<(), E>,
+) -> Result<(), E> {
+    let workers = crew.workers.max(1);
+    let jobs = Mutex::new(jobs);
     let stop = AtomicBool::new(false);
     let guards: Vec<Guard> = (0..workers).map(|_| Guard::default()).collect();
-    let (sender, receiver) = mpsc::channel::<Result<(usize, F), ExperimentError>>();
+    let (sender, receiver) = mpsc::sync_channel::<Result<F, E>>(workers);
     thread::scope(|scope| {
         for guard in &guards {
             let (sender, jobs, stop) = (sender.clone(), &jobs, &stop);
             scope.spawn(move || {
                 while !stop.load(Ordering::Relaxed) {
-                    let Some(index) = lock(jobs).pop_front() else { break };
-                    let Some(done) = one(index, guard).transpose() else {
+                    let Some(job) = lock(jobs).next() else { break };
+                    let Some(done) = one(job, guard).transpose() else {
                         break;
                     };
                     // Nobody listens any more after an error.
-                    if sender.send(done.map(|done| (index, done))).is_err() {
+                    if sender.send(done).is_err() {
                         break;
                     }
                 }
@@ -344,15 +370,15 @@ fn work<F: Send>(
         let mut result = Ok(());
         loop {
             match receiver.recv_timeout(LOOK) {
-                Ok(done) if result.is_ok() => result = done.and_then(|(index, done)| take(index, done)),
+                Ok(done) if result.is_ok() => result = done.and_then(&mut *take),
                 Ok(_) | Err(mpsc::RecvTimeoutError::Timeout) => {}
                 Err(mpsc::RecvTimeoutError::Disconnected) => return result,
             }
             if result.is_err() {
                 stop.store(true, Ordering::Relaxed);
             }
-            let all = result.is_err() || shared.site.interrupted.load(Ordering::Relaxed);
-            for guard in guards.iter().filter(|guard| all || guard.is_late(shared.limit)) {
+            let all = result.is_err() || crew.interrupted.load(Ordering::Relaxed);
+            for guard in guards.iter().filter(|guard| all || guard.is_late(crew.limit)) {
                 guard.stop.store(true, Ordering::Relaxed);
             }
         }

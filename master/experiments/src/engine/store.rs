@@ -19,7 +19,8 @@ use simulation::Mode;
 use system::disturbance::Disturbance;
 
 /// Hash of some bytes, in hexadecimal.
-pub(crate) fn digest(parts: &[&[u8]]) -> String {
+#[must_use]
+pub fn digest(parts: &[&[u8]]) -> String {
     let mut hasher = Sha256::new();
     for part in parts {
         // The length keeps parts apart.
@@ -50,9 +51,16 @@ static LIBRARIES: LazyLock<String> = LazyLock::new(|| {
     libraries.map_or_else(String::new, |found| files(found.paths()))
 });
 
+/// Hash of the program: the same hash gives the same results bit for bit.
+#[must_use]
+pub fn program() -> &'static str {
+    &PROGRAM
+}
+
 /// The scene with a hash of their bytes in place of the files that it names: supplied FMUs and tables, relative to
 /// `base`.
-pub(crate) fn by_content(scene: &Scene, base: &Path) -> Scene {
+#[must_use]
+pub fn by_content(scene: &Scene, base: &Path) -> Scene {
     let mut scene = scene.clone();
     // A file that cannot be read stops the run that it is for, with a message.
     let hashed = |path: &mut String| {

@@ -58,11 +58,12 @@ pub(super) fn section(runs: &[NamedRun<'_>]) -> String {
          <option value=\"240\">240 m</option><option value=\"0\">whole line</option></select></label>\n\
          <label{hidden}>Run <select data-role=\"run\">{options}</select></label>\n\
          </div>\n\
-         <p class=\"caption\"><span class=\"key\" style=\"color:#1f5fa8\"></span>contact wire\
-         <span class=\"key\" style=\"color:#5b6675\"></span>messenger wire\
-         <span class=\"key\" style=\"color:#8b95a3\"></span>dropper\
-         <span class=\"key\" style=\"color:#d1661b\"></span>slack dropper\
-         <span class=\"key\" style=\"color:#1d7a46\"></span>pantograph</p>\n\
+         <p class=\"caption\">\
+         <span class=\"entry\"><span class=\"key\" style=\"color:#1f5fa8\"></span>contact wire</span> \
+         <span class=\"entry\"><span class=\"key\" style=\"color:#5b6675\"></span>messenger wire</span> \
+         <span class=\"entry\"><span class=\"key\" style=\"color:#8b95a3\"></span>dropper</span> \
+         <span class=\"entry\"><span class=\"key\" style=\"color:#d1661b\"></span>slack dropper</span> \
+         <span class=\"entry\"><span class=\"key\" style=\"color:#1d7a46\"></span>pantograph</span></p>\n\
          </div>\n<script type=\"application/json\" id=\"films\">{data}</script>\n\
          <script>\n{PLAYER}</script>\n"
     )

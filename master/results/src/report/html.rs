@@ -77,6 +77,7 @@ pub fn plot_html(plot: &plotly::Plot, id: &str, height: u32) -> String {
 pub struct Page {
     title: String,
     body: String,
+    style: &'static str,
 }
 
 impl Page {
@@ -87,7 +88,15 @@ impl Page {
         Self {
             body: format!("<header><p class=\"brand\">{PROJECT}</p>\n<h1>{title}</h1>\n"),
             title,
+            style: "",
         }
+    }
+
+    /// The page with rules of its own after those of all pages.
+    #[must_use]
+    pub fn with_style(mut self, style: &'static str) -> Self {
+        self.style = style;
+        self
     }
 
     /// Closes the head of the page with `html` below the title.
@@ -110,6 +119,13 @@ impl Page {
         self.body.push_str("</section>\n");
     }
 
+    /// The whole page with a script at its end.
+    #[must_use]
+    pub fn finish_with_script(mut self, script: &str) -> String {
+        self.body.push_str(&format!("<script>\n{script}</script>\n"));
+        self.finish()
+    }
+
     /// The whole page.
     #[must_use]
     pub fn finish(self) -> String {
@@ -121,9 +137,9 @@ impl Page {
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{} – {PROJECT}</title>\n<style>\n{STYLE}</style>\n{plotly}\n</head>\n<body>\n<main>\n{}\
+             <title>{} – {PROJECT}</title>\n<style>\n{STYLE}{}</style>\n{plotly}\n</head>\n<body>\n<main>\n{}\
              </main>\n</body>\n</html>\n",
-            self.title, self.body
+            self.title, self.style, self.body
         )
     }
 }

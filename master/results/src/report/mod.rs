@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | `html` | a self-contained page |
 //! | `label` | names of runs on one page |
-//! | `line` | page of a line at rest |
+//! | `line` | page, tables and picture of a line at rest |
 //! | `verdict` | which limits fail, which hold, by how much |
 //! | `sections` | text and tables of the page |
 //! | `plots` | plots of the page |
@@ -26,7 +26,9 @@ mod verdict;
 
 pub use html::{Page, escape, head_cells, plot_html, remarks};
 pub use label::labels;
-pub use line::{LinePage, PageDropper, PageSpan, PageSupport, PageWire};
+pub use line::{
+    LinePage, PageDropper, PageMass, PageRange, PageSpan, PageSupport, PageTension, PageWire, PageWireKind,
+};
 pub use progress::{Progress, Show};
 pub use table::aligned;
 pub use table::table;

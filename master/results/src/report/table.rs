@@ -46,6 +46,8 @@ pub(super) fn quantity_name(limit: &Limit) -> String {
         "uplift" => "uplift at support",
         "vertical_amplitude" => "vertical amplitude of the strip",
         "arcing" => "arcing NQ",
+        "gradient" => "gradient of the contact wire",
+        "gradient_change" => "change of gradient",
         other => other,
     };
     limit
@@ -109,7 +111,7 @@ fn row(cells: &[&str]) -> Vec<String> {
 fn limits(summary: &Summary) -> String {
     let mut rows = vec![row(&["limit", "value", "limit", "unit", "margin", "", ""])];
     let mut reasons: Vec<String> = Vec::new();
-    for limit in by_urgency(summary) {
+    for limit in by_urgency(&summary.limits) {
         let (value, _, unit) = readable(&limit);
         rows.push(vec![
             format!("{}, {}", limit.standard, quantity_name(&limit)),
@@ -232,7 +234,7 @@ pub fn table(summary: &Summary) -> String {
     if !summary.complete {
         text.push_str(&format!("INCOMPLETE: {}\n", summary.incomplete_reason));
     }
-    text.push_str(&format!("{}\n\n", sentence(summary)));
+    text.push_str(&format!("{}\n\n", sentence(&summary.limits)));
     text.push_str(&limits(summary));
     for part in [figures(summary), modelled(summary), cost(&summary.cost)] {
         text.push('\n');

@@ -6,10 +6,10 @@ use super::{escape, table};
 use crate::Summary;
 use crate::standards::{Bound, Limit};
 
-/// The limits of a run in the order in which they are read: failed, held with the least room first, not decided, not
+/// Limits in the order in which they are read: failed, held with the least room first, not decided, not
 /// applicable.
-pub(super) fn by_urgency(summary: &Summary) -> Vec<Limit> {
-    let mut limits = summary.limits.clone();
+pub(super) fn by_urgency(limits: &[Limit]) -> Vec<Limit> {
+    let mut limits = limits.to_vec();
     let rank = |limit: &Limit| match (limit.pass, limit.applicable) {
         (Some(false), _) => 0,
         (Some(true), _) => 1,
@@ -59,8 +59,8 @@ fn counted(count: usize, one: &str, many: &str) -> String {
 }
 
 /// The verdict in one sentence.
-pub(super) fn sentence(summary: &Summary) -> String {
-    let count = |wanted: &dyn Fn(&Limit) -> bool| summary.limits.iter().filter(|limit| wanted(limit)).count();
+pub(super) fn sentence(limits: &[Limit]) -> String {
+    let count = |wanted: &dyn Fn(&Limit) -> bool| limits.iter().filter(|limit| wanted(limit)).count();
     let failed = count(&|limit| limit.pass == Some(false));
     let held = count(&|limit| limit.pass == Some(true));
     let open = count(&|limit| limit.pass.is_none() && limit.applicable);
@@ -85,7 +85,7 @@ pub(super) fn sentence(summary: &Summary) -> String {
 /// The failed limits in words, for messages: `EN 50367 standard deviation 37.30 N (< 31.89)`.
 #[must_use]
 pub fn failed_limits(summary: &Summary) -> Vec<String> {
-    let failed = by_urgency(summary)
+    let failed = by_urgency(&summary.limits)
         .into_iter()
         .filter(|limit| limit.pass == Some(false));
     let said = failed.map(|limit| {
@@ -122,6 +122,27 @@ fn rows(limits: &[Limit], pass: bool) -> String {
     html
 }
 
+/// Verdict on `limits` in one sentence, and a table of those that are decided.
+pub(super) fn of_limits(limits: &[Limit]) -> String {
+    let any = |pass: bool| limits.iter().any(|limit| limit.pass == Some(pass));
+    let class = match (any(false), any(true)) {
+        (true, _) => "bad",
+        (false, true) => "good",
+        (false, false) => "soft",
+    };
+    let sentence = sentence(limits);
+    let mut html = format!("<p class=\"verdict {class}\">{}</p>\n", escape(&sentence));
+    if any(true) || any(false) {
+        html.push_str(&format!(
+            "<div class=\"scroll\"><table><thead><tr><th></th><th>limit</th><th class=\"n\">value</th>\
+             <th class=\"n\">limit</th><th class=\"n\">margin</th></tr></thead><tbody>\n{}{}</tbody></table></div>\n",
+            rows(limits, false),
+            rows(limits, true)
+        ));
+    }
+    html
+}
+
 /// The section that opens the page.
 pub(super) fn section(runs: &[NamedRun<'_>]) -> String {
     let mut html = String::new();
@@ -129,27 +150,11 @@ pub(super) fn section(runs: &[NamedRun<'_>]) -> String {
         if runs.len() > 1 {
             html.push_str(&format!("<h3>{}</h3>\n", escape(&run.label)));
         }
-        let mut limits = by_urgency(&run.summary);
+        let mut limits = by_urgency(&run.summary.limits);
         if run.summary.pantographs.len() == 1 {
             limits.iter_mut().for_each(|limit| limit.pantograph = None);
         }
-        let any = |pass: bool| limits.iter().any(|limit| limit.pass == Some(pass));
-        let class = match (any(false), any(true)) {
-            (true, _) => "bad",
-            (false, true) => "good",
-            (false, false) => "soft",
-        };
-        let sentence = sentence(&run.summary);
-        html.push_str(&format!("<p class=\"verdict {class}\">{}</p>\n", escape(&sentence)));
-        if any(true) || any(false) {
-            html.push_str(&format!(
-                "<div class=\"scroll\"><table><thead><tr><th></th><th>limit</th><th class=\"n\">value</th>\
-                 <th class=\"n\">limit</th><th \
-                 class=\"n\">margin</th></tr></thead><tbody>\n{}{}</tbody></table></div>\n",
-                rows(&limits, false),
-                rows(&limits, true)
-            ));
-        }
+        html.push_str(&of_limits(&limits));
     }
     if !html.is_empty() {
         html.push_str(

@@ -2,7 +2,7 @@
 
 use scene::Electrification;
 
-use super::{Bound, Conditions, Figures, Limit, alternating, system_unknown};
+use super::{Bound, Conditions, Figures, Limit, Line, alternating, kmh, system_unknown};
 
 const NAME: &str = "EN 50119";
 
@@ -65,6 +65,24 @@ pub(super) fn of_pantograph(conditions: &Conditions, figures: &Figures) -> [Limi
     [max, min]
 }
 
+/// Limits for the line at rest: speed against the speed of waves, largest gradient of the contact wire and largest
+/// change of it, – and –; none where no strip runs over two supports.
+pub(super) fn at_rest(line: &Line, speed: f64, gradient: Option<f64>, change: Option<f64>) -> [Limit; 3] {
+    let speed_kmh = kmh(speed);
+    let (most, most_change) = gradient_limit(speed_kmh);
+    // Heights are found to fractions of a micrometre.
+    let per_mille = |value: f64| (1e6 * value.abs()).round() / 1e3;
+    let limit = |quantity: &str, value: Option<f64>, most: f64| {
+        Limit::new((NAME, "2009, 5.10.3"), quantity, value.map(per_mille), "‰")
+            .bounded(Bound::AtMost, 1e3 * most)
+            .remembered()
+            .because(format!("{speed_kmh:.0} km/h"))
+    };
+    let gradient = limit("gradient", gradient, most).remark("chord between supports");
+    let change = limit("gradient_change", change, most_change).remark("of the chords at a support");
+    [waves(line, speed), gradient, change]
+}
+
 /// Limits for the line.
 ///
 /// The space that a steady arm leaves for the rise of the contact wire has to be twice the simulated uplift `S₀`, one
@@ -99,14 +117,18 @@ pub(super) fn of_line(conditions: &Conditions) -> [Limit; 2] {
             })
             .remark(format!("{factor} times the largest uplift of the run")),
     };
-    let ratio = line.wave_speed.map(|waves| conditions.speed / waves);
+    [space, waves(line, conditions.speed)]
+}
+
+/// Limit of the running speed (m/s) by the speed of waves.
+fn waves(line: &Line, speed: f64) -> Limit {
+    let ratio = line.wave_speed.map(|waves| speed / waves);
     let waves = Limit::new((NAME, "2009, 5.2.4"), "speed_ratio", ratio, "–");
-    let waves = match line.wave_speed {
+    match line.wave_speed {
         None => waves.not_applicable("the line is a supplied FMU: its wave speed is not known"),
         Some(waves_at) => waves
             .bounded(Bound::AtMost, MAX_SPEED_RATIO)
             .because("every system and speed")
             .remark(format!("waves of the contact wire run at {:.0} km/h", 3.6 * waves_at)),
-    };
-    [space, waves]
+    }
 }

@@ -170,8 +170,13 @@ pub struct Conditions {
 impl Conditions {
     /// Running speed, km/h, without the rounding of its conversion: limits change at whole numbers.
     fn speed_kmh(&self) -> f64 {
-        (3.6e6 * self.speed).round() / 1e6
+        kmh(self.speed)
     }
+}
+
+/// Speed of m/s in km/h, without the rounding of its conversion.
+fn kmh(speed: f64) -> f64 {
+    (3.6e6 * speed).round() / 1e6
 }
 
 /// Figures of one pantograph over its evaluation range.
@@ -212,6 +217,15 @@ pub fn limits(conditions: &Conditions, pantographs: &[Figures]) -> Vec<Limit> {
     for limit in &mut all {
         limit.decide();
     }
+    all
+}
+
+/// Limits of a line at rest: running speed in m/s, largest gradient of the contact wire and largest change of
+/// it, – and –.
+#[must_use]
+pub fn limits_at_rest(line: &Line, speed: f64, gradient: Option<f64>, change: Option<f64>) -> Vec<Limit> {
+    let mut all = en50119::at_rest(line, speed, gradient, change).to_vec();
+    all.iter_mut().for_each(Limit::decide);
     all
 }
 

@@ -1,0 +1,205 @@
+//! Plots of the page, as plotly.js takes them.
+
+use serde_json::{Value as Json, json};
+
+use super::{Drawn, FIGURES, Page};
+use crate::values::Value;
+
+/// Colours of the curves, told apart with colour-blind eyes too.
+const COLOURS: [&str; 7] = results::report::plots::COLOURS;
+
+/// Scale from small to large values.
+const SCALE: &str = "Viridis";
+
+/// Height of a plot, CSS pixels.
+const HEIGHT: u32 = 360;
+
+/// A plot in a box with this `id`; plotly.js itself is elsewhere on the page.
+fn plot(id: &str, height: u32, traces: &[Json], mut layout: Json) -> String {
+    layout["margin"] = json!({ "l": 60, "r": 16, "t": 34, "b": 50 });
+    layout["font"] = json!({ "family": "system-ui, sans-serif", "size": 13 });
+    let config = json!({ "responsive": true, "displaylogo": false, "displayModeBar": false });
+    // A key with `</script>` in it would end the script.
+    let safe = |value: &Json| value.to_string().replace("</", "<\\/");
+    let traces: Vec<String> = traces.iter().map(safe).collect();
+    format!(
+        "<div class=\"plot\" style=\"height:{height}px\"><div id=\"{id}\" class=\"plotly-graph-div\" \
+         style=\"height:100%\"></div><script>Plotly.newPlot(\"{id}\", [{}], {}, {});</script></div>\n",
+        traces.join(","),
+        safe(&layout),
+        safe(&config)
+    )
+}
+
+/// Plots in two columns.
+fn in_pairs(plots: &str) -> String {
+    format!("<div class=\"pair\">{plots}</div>\n")
+}
+
+/// A key's value on an axis.
+fn on_axis(value: &Value) -> Json {
+    value.number().map_or_else(|| Json::from(value.shown()), Json::from)
+}
+
+/// Sections of the varied keys.
+pub(super) fn sections(page: &Page) -> Vec<(String, String)> {
+    let pantographs = page.drawn.iter().map(|row| row.pantograph).max().unwrap_or(0);
+    if page.drawn.iter().all(|row| row.figures[0].is_none()) {
+        return Vec::new();
+    }
+    match page.varied {
+        1 => vec![(page.keys[0].0.clone(), curves(page, pantographs))],
+        2 => (1..=pantographs)
+            .map(|pantograph| maps(page, pantograph, pantographs))
+            .collect(),
+        _ => (1..=pantographs)
+            .map(|pantograph| parallel(page, pantograph, pantographs))
+            .collect(),
+    }
+}
+
+/// Name of a section, with the pantograph where there are several.
+fn heading(what: &str, pantograph: usize, pantographs: usize) -> String {
+    if pantographs > 1 {
+        format!("{what}, pantograph {pantograph}")
+    } else {
+        what.to_owned()
+    }
+}
+
+fn rows(page: &Page, pantograph: usize) -> impl Iterator<Item = &Drawn> {
+    page.drawn.iter().filter(move |row| row.pantograph == pantograph)
+}
+
+/// Figures over one key.
+fn curves(page: &Page, pantographs: usize) -> String {
+    let mut html = String::new();
+    for (figure, (name, unit)) in FIGURES.iter().enumerate() {
+        let traces: Vec<Json> = (1..=pantographs)
+            .map(|pantograph| {
+                let mut rows: Vec<&Drawn> = rows(page, pantograph).collect();
+                let number = |row: &Drawn| row.keys[0].number().unwrap_or(row.case as f64);
+                rows.sort_by(|a, b| number(a).total_cmp(&number(b)));
+                json!({
+                    "type": "scatter",
+                    "mode": "lines+markers",
+                    "name": format!("pantograph {pantograph}"),
+                    "x": rows.iter().map(|row| on_axis(&row.keys[0])).collect::<Vec<_>>(),
+                    "y": rows.iter().map(|row| row.figures[figure]).collect::<Vec<_>>(),
+                    "text": rows.iter().map(|row| format!("case {}", row.case)).collect::<Vec<_>>(),
+                    "line": { "color": COLOURS[(pantograph - 1) % COLOURS.len()] },
+                })
+            })
+            .collect();
+        let layout = json!({
+            "xaxis": { "title": { "text": page.keys[0].0 } },
+            "yaxis": { "title": { "text": format!("{name} [{unit}]") } },
+            "showlegend": pantographs > 1,
+            "hovermode": "closest",
+        });
+        html.push_str(&plot(&format!("curve-{figure}"), HEIGHT, &traces, layout));
+    }
+    in_pairs(&html)
+}
+
+/// Figures over two keys: a map where they are a grid, else points in colours.
+fn maps(page: &Page, pantograph: usize, pantographs: usize) -> (String, String) {
+    let rows: Vec<&Drawn> = rows(page, pantograph).collect();
+    let distinct = |key: usize| {
+        let mut values: Vec<Value> = Vec::new();
+        for row in &rows {
+            if values.len() <= rows.len() / 2 + 1 && !values.contains(&row.keys[key]) {
+                values.push(row.keys[key].clone());
+            }
+        }
+        values.sort_by(|a, b| match (a, b) {
+            (Value::Number(a), Value::Number(b)) => a.total_cmp(b),
+            _ => std::cmp::Ordering::Equal,
+        });
+        values
+    };
+    let (x, y) = (distinct(0), distinct(1));
+    let is_grid = x.len() * y.len() <= 2 * rows.len();
+    let mut html = String::new();
+    for (figure, (name, unit)) in FIGURES.iter().enumerate() {
+        let title = format!("{name} [{unit}]");
+        let bar = json!({ "title": { "text": title } });
+        let trace = if is_grid {
+            let mut z = vec![vec![None; x.len()]; y.len()];
+            for row in &rows {
+                let place = |values: &[Value], key: usize| values.iter().position(|value| *value == row.keys[key]);
+                if let (Some(column), Some(line)) = (place(&x, 0), place(&y, 1)) {
+                    z[line][column] = row.figures[figure];
+                }
+            }
+            json!({
+                "type": "heatmap",
+                "x": x.iter().map(on_axis).collect::<Vec<_>>(),
+                "y": y.iter().map(on_axis).collect::<Vec<_>>(),
+                "z": z,
+                "colorscale": SCALE,
+                "colorbar": bar,
+            })
+        } else {
+            json!({
+                "type": "scatter",
+                "mode": "markers",
+                "x": rows.iter().map(|row| on_axis(&row.keys[0])).collect::<Vec<_>>(),
+                "y": rows.iter().map(|row| on_axis(&row.keys[1])).collect::<Vec<_>>(),
+                "text": rows.iter().map(|row| format!("case {}", row.case)).collect::<Vec<_>>(),
+                "marker": {
+                    "color": rows.iter().map(|row| row.figures[figure]).collect::<Vec<_>>(),
+                    "colorscale": SCALE, "showscale": true, "colorbar": bar, "size": 7,
+                },
+            })
+        };
+        let layout = json!({
+            "xaxis": { "title": { "text": page.keys[0].0 } },
+            "yaxis": { "title": { "text": page.keys[1].0 } },
+            "hovermode": "closest",
+        });
+        html.push_str(&plot(&format!("map-{pantograph}-{figure}"), HEIGHT, &[trace], layout));
+    }
+    (heading("Maps", pantograph, pantographs), in_pairs(&html))
+}
+
+/// One line per case through all keys and figures, coloured by the standard deviation.
+fn parallel(page: &Page, pantograph: usize, pantographs: usize) -> (String, String) {
+    let rows: Vec<&Drawn> = rows(page, pantograph).filter(|row| row.figures[0].is_some()).collect();
+    let mut dimensions = Vec::new();
+    for (key, (name, is_number)) in page.keys.iter().enumerate() {
+        if *is_number {
+            let values: Vec<Option<f64>> = rows.iter().map(|row| row.keys[key].number()).collect();
+            dimensions.push(json!({ "label": name, "values": values }));
+            continue;
+        }
+        let mut words: Vec<String> = Vec::new();
+        let mut values = Vec::new();
+        for row in &rows {
+            let word = row.keys[key].shown();
+            let place = words.iter().position(|known| *known == word).unwrap_or_else(|| {
+                words.push(word);
+                words.len() - 1
+            });
+            values.push(place);
+        }
+        let ticks: Vec<usize> = (0..words.len()).collect();
+        dimensions.push(json!({ "label": name, "values": values, "tickvals": ticks, "ticktext": words }));
+    }
+    for (figure, (name, unit)) in FIGURES.iter().enumerate() {
+        let values: Vec<Option<f64>> = rows.iter().map(|row| row.figures[figure]).collect();
+        dimensions.push(json!({ "label": format!("{name} [{unit}]"), "values": values }));
+    }
+    let colours: Vec<Option<f64>> = rows.iter().map(|row| row.figures[0]).collect();
+    let trace = json!({
+        "type": "parcoords",
+        "dimensions": dimensions,
+        "line": {
+            "color": colours, "colorscale": SCALE, "showscale": true, "colorbar": { "title": { "text": "σ [N]" } },
+        },
+    });
+    let html = plot(&format!("parallel-{pantograph}"), 520, &[trace], json!({}));
+    let caption = "<p class=\"caption\">One line per case, coloured by the standard deviation of the filtered force. \
+                   Drag along an axis to keep a range.</p>\n";
+    (heading("Parallel coordinates", pantograph, pantographs), html + caption)
+}

@@ -1,0 +1,471 @@
+//! Plan: keys with their values, derived values, constraints, and the cases that follow.
+
+use crate::base::{Base, Numbers};
+use crate::design::{Design, MOST_DIMENSIONS, MOST_SAMPLES, Method, UnitPoints};
+use crate::error::SweepError;
+use crate::expression::Expression;
+use crate::table::FIXED_COLUMNS;
+use crate::values::{Value, Values, shown};
+
+/// A key that is varied, and where the wish was typed.
+#[derive(Clone, Debug)]
+pub struct Varied {
+    /// Key of the scene, or a plain name that expressions use.
+    pub name: String,
+    /// Its values.
+    pub values: Values,
+    /// Place for messages.
+    pub place: String,
+}
+
+/// An expression as typed, and where.
+#[derive(Clone, Debug)]
+pub struct Typed {
+    /// Text.
+    pub text: String,
+    /// Place for messages.
+    pub place: String,
+}
+
+/// Wishes for a plan, not checked yet.
+#[derive(Clone, Debug)]
+pub struct PlanWishes {
+    /// Keys that are varied, in the order of wishes.
+    pub varied: Vec<Varied>,
+    /// Keys or plain names with their expressions.
+    pub derived: Vec<(String, Typed)>,
+    /// Constraints.
+    pub constraints: Vec<Typed>,
+    /// Combinations or samples.
+    pub design: Design,
+}
+
+/// Source of a number in an expression.
+#[derive(Clone, Copy, Debug)]
+enum Input {
+    Varied(usize),
+    Derived(usize),
+    Constant(f64),
+}
+
+/// An expression with the sources of its names.
+#[derive(Clone, Debug)]
+struct Bound {
+    expression: Expression,
+    inputs: Vec<Input>,
+}
+
+impl Bound {
+    /// The value for varied values and those derived before.
+    fn value(&self, varied: &[Value], derived: &[f64]) -> f64 {
+        let inputs = self.inputs.iter().map(|input| match *input {
+            Input::Varied(index) => varied[index].number().unwrap_or(f64::NAN),
+            Input::Derived(index) => derived[index],
+            Input::Constant(value) => value,
+        });
+        // An expression that was evaluated once can be evaluated again.
+        self.expression.value(&inputs.collect::<Vec<_>>()).unwrap_or(f64::NAN)
+    }
+}
+
+/// A checked plan.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    varied: Vec<Varied>,
+    /// Names and expressions, in an order in which each needs only those before it.
+    derived: Vec<(String, Bound)>,
+    constraints: Vec<Bound>,
+    design: Design,
+    points: u64,
+}
+
+/// One case of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// Number from 1, in the order of the plan; combinations that constraints leave out have none.
+    pub number: u64,
+    /// Values of the varied keys.
+    pub values: Vec<Value>,
+    /// Derived values.
+    pub derived: Vec<f64>,
+}
+
+/// `true` for a key of the scene, `false` for a plain name.
+fn is_key(name: &str) -> bool {
+    name.contains(['.', '['])
+}
+
+impl Plan {
+    /// Checks wishes; numbers of the scene stand in for names that are not varied.
+    ///
+    /// # Errors
+    /// [`SweepError::Wish`].
+    pub fn new(wishes: PlanWishes, numbers: &Numbers) -> Result<Self, SweepError> {
+        let PlanWishes {
+            varied,
+            derived,
+            constraints,
+            design,
+        } = wishes;
+        check_names(&varied, &derived)?;
+        let points = points(&varied, design)?;
+        let mut plan = Self {
+            varied,
+            derived: Vec::new(),
+            constraints: Vec::new(),
+            design,
+            points,
+        };
+        let mut open = derived;
+        while !open.is_empty() {
+            let names: Vec<String> = open.iter().map(|(name, _)| name.clone()).collect();
+            let before = open.len();
+            let mut later = Vec::new();
+            for (name, typed) in open {
+                let expression = parsed(&typed)?;
+                if expression
+                    .names
+                    .iter()
+                    .any(|needed| names.contains(needed) && !plan.has_derived(needed))
+                {
+                    later.push((name, typed));
+                    continue;
+                }
+                let bound = plan.bound(expression, &typed, numbers)?;
+                plan.derived.push((name, bound));
+            }
+            if later.len() == before {
+                let (_, typed) = &later[0];
+                let what = format!(
+                    "\"{}\": must not depend on itself by way of other derived values",
+                    typed.text
+                );
+                return Err(SweepError::wish(&typed.place, what));
+            }
+            open = later;
+        }
+        for typed in &constraints {
+            let bound = plan.bound(parsed(typed)?, typed, numbers)?;
+            plan.constraints.push(bound);
+        }
+        plan.check_plain_names(numbers)?;
+        Ok(plan)
+    }
+
+    fn has_derived(&self, name: &str) -> bool {
+        self.derived.iter().any(|(known, _)| known == name)
+    }
+
+    fn bound(&self, expression: Expression, typed: &Typed, numbers: &Numbers) -> Result<Bound, SweepError> {
+        let input = |name: &String| {
+            if let Some(index) = self.varied.iter().position(|varied| varied.name == *name) {
+                if !self.varied[index].values.are_numbers() {
+                    let what = format!(
+                        "\"{}\": {name} has values that are no numbers, which no expression takes",
+                        typed.text
+                    );
+                    return Err(SweepError::wish(&typed.place, what));
+                }
+                return Ok(Input::Varied(index));
+            }
+            if let Some(index) = self.derived.iter().position(|(known, _)| known == name) {
+                return Ok(Input::Derived(index));
+            }
+            let of_scene = numbers.get(name).map(Input::Constant);
+            of_scene.ok_or_else(|| {
+                let known = self.varied.iter().map(|varied| &*varied.name);
+                let known = known.chain(self.derived.iter().map(|(name, _)| &**name));
+                let what = format!(
+                    "\"{}\": {name} is no varied or derived value and no number of the scene{}; varied and derived \
+                     are {}",
+                    typed.text,
+                    numbers.meant(name),
+                    known.collect::<Vec<_>>().join(", ")
+                );
+                SweepError::wish(&typed.place, what)
+            })
+        };
+        let inputs = expression.names.iter().map(input).collect::<Result<_, _>>()?;
+        Ok(Bound { expression, inputs })
+    }
+
+    /// Refuses plain names that nothing uses: a key that was not written out.
+    fn check_plain_names(&self, numbers: &Numbers) -> Result<(), SweepError> {
+        let bounds = self.derived.iter().map(|(_, bound)| bound).chain(&self.constraints);
+        let used: Vec<&String> = bounds.flat_map(|bound| &bound.expression.names).collect();
+        let unused = self
+            .varied
+            .iter()
+            .find(|varied| !is_key(&varied.name) && !used.contains(&&varied.name));
+        let Some(varied) = unused else { return Ok(()) };
+        let what = format!(
+            "{}: is no key of the scene, and no expression uses it{}",
+            varied.name,
+            numbers.meant(&varied.name)
+        );
+        Err(SweepError::wish(&varied.place, what))
+    }
+
+    /// Names of varied and derived values, and whether all values of each are numbers.
+    pub fn columns(&self) -> impl Iterator<Item = (&str, bool)> {
+        let varied = self
+            .varied
+            .iter()
+            .map(|varied| (&*varied.name, varied.values.are_numbers()));
+        varied.chain(self.derived.iter().map(|(name, _)| (&**name, true)))
+    }
+
+    /// Number of varied keys.
+    #[must_use]
+    pub fn varied_count(&self) -> usize {
+        self.varied.len()
+    }
+
+    /// Number of combinations or samples before constraints.
+    #[must_use]
+    pub fn points(&self) -> u64 {
+        self.points
+    }
+
+    /// Text that is the same for the same cases.
+    #[must_use]
+    pub fn canonical(&self) -> String {
+        let varied = self
+            .varied
+            .iter()
+            .map(|varied| format!("{} = {:?}\n", varied.name, varied.values));
+        let derived = self
+            .derived
+            .iter()
+            .map(|(name, bound)| format!("{name} = {}\n", bound.expression.text));
+        let constraints = self
+            .constraints
+            .iter()
+            .map(|bound| format!("{}\n", bound.expression.text));
+        let all: String = varied.chain(derived).chain(constraints).collect();
+        format!("{all}{:?}\n", self.design)
+    }
+
+    /// Keys and values of a case as they stand behind `--set`.
+    #[must_use]
+    pub fn overrides(&self, case: &Case) -> Vec<String> {
+        let varied = self
+            .varied
+            .iter()
+            .zip(&case.values)
+            .map(|(varied, value)| (&varied.name, value.typed()));
+        let derived = self
+            .derived
+            .iter()
+            .zip(&case.derived)
+            .map(|((name, _), value)| (name, shown(*value)));
+        let keys = varied.chain(derived).filter(|(name, _)| is_key(name));
+        keys.map(|(name, value)| format!("{name}={value}")).collect()
+    }
+
+    /// The first derived value of a case that is no finite number, in words.
+    #[must_use]
+    pub fn undefined(&self, case: &Case) -> Option<String> {
+        let mut derived = self.derived.iter().zip(&case.derived);
+        let ((name, bound), value) = derived.find(|(_, value)| !value.is_finite())?;
+        Some(format!(
+            "{name} = {} is {value}: must be a finite number",
+            bound.expression.text
+        ))
+    }
+
+    /// The case with these varied values; nothing where a constraint leaves it out.
+    fn case(&self, number: u64, values: Vec<Value>) -> Option<Case> {
+        let mut derived = Vec::with_capacity(self.derived.len());
+        for (_, bound) in &self.derived {
+            derived.push(bound.value(&values, &derived));
+        }
+        let holds = |bound: &Bound| {
+            let value = bound.value(&values, &derived);
+            value != 0.0 && !value.is_nan()
+        };
+        self.constraints.iter().all(holds).then_some(Case {
+            number,
+            values,
+            derived,
+        })
+    }
+
+    /// All cases in order.
+    #[must_use]
+    pub fn cases(&self) -> Cases<'_> {
+        let units = match self.design {
+            Design::Factorial => None,
+            Design::Sample(sample) => Some(UnitPoints::new(sample, self.varied.len())),
+        };
+        Cases {
+            plan: self,
+            units,
+            next: 0,
+            number: 0,
+        }
+    }
+
+    /// Tries every listed value and the bounds of every distribution, one key at a time beside the first case: each is
+    /// refused as `--set` refuses it. Contradictions across keys belong to the rows of their cases.
+    ///
+    /// # Errors
+    /// The first refusal.
+    pub fn check(&self, base: &Base) -> Result<(), SweepError> {
+        let Some(first) = self.cases().next() else {
+            let what = format!(
+                "none of {} combinations satisfies the constraints: must leave at least one",
+                self.points
+            );
+            return Err(SweepError::wish("constraints", what));
+        };
+        let values = first.values.clone();
+        self.try_case(base, first)?;
+        for (index, varied) in self.varied.iter().enumerate() {
+            for value in varied.values.tried() {
+                let mut values = values.clone();
+                values[index] = value;
+                if let Some(case) = self.case(1, values) {
+                    self.try_case(base, case)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn try_case(&self, base: &Base, case: Case) -> Result<(), SweepError> {
+        if self.undefined(&case).is_some() {
+            return Ok(());
+        }
+        base.read(&self.overrides(&case))?;
+        Ok(())
+    }
+}
+
+/// Refuses names that stand twice or mean something else in the table.
+fn check_names(varied: &[Varied], derived: &[(String, Typed)]) -> Result<(), SweepError> {
+    if varied.is_empty() {
+        let what = "no key is varied: must be at least one, such as --vary run.speed_kmh=200:320:10";
+        return Err(SweepError::wish("sweep", what));
+    }
+    let names = varied.iter().map(|varied| (&varied.name, &varied.place));
+    let names: Vec<_> = names
+        .chain(derived.iter().map(|(name, typed)| (name, &typed.place)))
+        .collect();
+    for (index, (name, place)) in names.iter().enumerate() {
+        if name.is_empty() {
+            return Err(SweepError::wish(*place, "must name a key before ="));
+        }
+        if names[..index].iter().any(|(before, _)| before == name) {
+            return Err(SweepError::wish(
+                *place,
+                format!("{name}: must be varied or derived once, not twice"),
+            ));
+        }
+        if FIXED_COLUMNS.contains(&name.as_str()) {
+            return Err(SweepError::wish(
+                *place,
+                format!("{name}: is a column of the table; must be another name"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Number of combinations or samples.
+fn points(varied: &[Varied], design: Design) -> Result<u64, SweepError> {
+    match design {
+        Design::Factorial => {
+            let mut points = 1_u64;
+            for varied in varied {
+                let Values::Listed(values) = &varied.values else {
+                    let what = format!(
+                        "{}: a distribution is sampled; must have --sample latin, sobol or random with --count, or be \
+                         a:b:step or a list",
+                        varied.name
+                    );
+                    return Err(SweepError::wish(&varied.place, what));
+                };
+                points = points.saturating_mul(values.len() as u64);
+            }
+            if points > MOST_SAMPLES {
+                let what =
+                    format!("{points} combinations: must be at most {MOST_SAMPLES}; --sample draws some of them");
+                return Err(SweepError::wish("sweep", what));
+            }
+            Ok(points)
+        }
+        Design::Sample(sample) => {
+            if sample.count == 0 || sample.count > MOST_SAMPLES {
+                let what = format!("{}: must be from 1 to {MOST_SAMPLES}", sample.count);
+                return Err(SweepError::wish("count", what));
+            }
+            if sample.method == Method::Sobol && varied.len() > MOST_DIMENSIONS {
+                let what = format!("sobol: must have at most {MOST_DIMENSIONS} varied keys; latin has no such limit");
+                return Err(SweepError::wish("sample", what));
+            }
+            Ok(sample.count)
+        }
+    }
+}
+
+fn parsed(typed: &Typed) -> Result<Expression, SweepError> {
+    let wrong = |what| SweepError::wish(&typed.place, format!("\"{}\": {what}", typed.text));
+    Expression::parse(&typed.text).map_err(wrong)
+}
+
+/// Cases of a plan in order.
+pub struct Cases<'a> {
+    plan: &'a Plan,
+    units: Option<UnitPoints>,
+    /// Number of the next combination, from 0.
+    next: u64,
+    /// Number of the last case.
+    number: u64,
+}
+
+impl Cases<'_> {
+    /// Values of the next combination.
+    fn values(&mut self) -> Option<Vec<Value>> {
+        if self.next >= self.plan.points {
+            return None;
+        }
+        let mut index = self.next;
+        self.next += 1;
+        let varied = &self.plan.varied;
+        if let Some(units) = &mut self.units {
+            let unit = units.next()?;
+            return Some(
+                varied
+                    .iter()
+                    .zip(unit)
+                    .map(|(varied, u)| varied.values.quantile(u))
+                    .collect(),
+            );
+        }
+        let mut values = Vec::with_capacity(varied.len());
+        for varied in varied.iter().rev() {
+            let Values::Listed(listed) = &varied.values else {
+                return None;
+            };
+            values.push(listed[(index % listed.len() as u64) as usize].clone());
+            index /= listed.len() as u64;
+        }
+        values.reverse();
+        Some(values)
+    }
+}
+
+impl Iterator for Cases<'_> {
+    type Item = Case;
+
+    fn next(&mut self) -> Option<Case> {
+        loop {
+            let values = self.values()?;
+            if let Some(case) = self.plan.case(self.number + 1, values) {
+                self.number += 1;
+                return Some(case);
+            }
+        }
+    }
+}
