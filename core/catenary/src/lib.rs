@@ -2,7 +2,6 @@
 //!
 //! ```text
 //! folder      subject
-//! ancf        laws and elements of the absolute nodal coordinate formulation
 //! wire        a chain of elements with damping, inertia, bending layers and wind
 //! support     fastenings of the wires: supports, registration arms, tensioned ends
 //! dropper     unilateral ties between the two wires
@@ -28,20 +27,21 @@
 //!   Dynamics 34, doi 10.1007/s11044-014-9430-y.
 #![forbid(unsafe_code)]
 
-mod ancf;
 mod contact;
 mod dropper;
 mod line;
-pub mod mesh;
 mod statics;
 mod subsystem;
 mod support;
 mod wire;
 
-pub use ancf::{
+pub(crate) use ::ancf;
+pub use ::ancf::{
     AxialLaw, Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, BendingLaw, Cable,
     CableSection, Coordinates, Tangent, beam_mass_matrix, beam_shape, mass_matrix,
 };
+pub use ::mesh;
+pub use ::mesh::{CorrectedSteps, load, load_with};
 pub use contact::{
     Compliance, ContactGeometry, ContactPair, ContactState, ContactTangent, ContactTotal, CorrectedWire, CurveColumn,
     CurveColumns, CurvePoint, LoadCorrection, OnWire, PenaltyContact, PrescribedStrip, ResidualCompliance,
@@ -50,11 +50,10 @@ pub use contact::{
 pub use dropper::{Dropper, DropperLaw, Droppers, Slackening};
 pub use dynamics::unilateral::{UnilateralStart, UnilateralStep};
 pub use line::{
-    BendingLayers, CorrectedSteps, Dimension, DropperPlace, DropperSample, Line, LineOptions, LinearDropper,
-    LinearDroppers, LinearLine, MassCorrection, ModalLine, NodeOfWire, OverheadLine, PlannedWire, Topology, WindowSize,
-    WindowedLine, WireName, adopt_state, follow_strips,
+    BendingLayers, Dimension, DropperPlace, DropperSample, Line, LineOptions, LinearDropper, LinearDroppers,
+    LinearLine, MassCorrection, ModalLine, NodeOfWire, OverheadLine, PlannedWire, Topology, WindowSize, WindowedLine,
+    WireName, adopt_state, follow_strips,
 };
-pub use mesh::{load, load_with};
 pub use statics::{
     DropperAtRest, DropperReport, ElasticityReport, StaticAnswer, StaticLine, StaticsError, StaticsReport,
     SupportReport, TensionReport, WireAtRest, gradients, non_uniformity,

@@ -29,6 +29,7 @@
 //! | `random` | reproducible random numbers |
 //! | `integrate` | equilibrium, and motion in time |
 //! | `linear` | linear systems of Newton's method |
+//! | `modal` | motion in modes |
 //! | `simd` | numbers of several owners side by side in vector registers |
 //! | `resting_spline` | smooth curves through samples |
 //! | `wind` | wind along the track, and its forces |
@@ -54,6 +55,7 @@ mod layout;
 mod linear;
 mod linear_force;
 mod marker;
+pub mod modal;
 mod motion;
 mod random;
 mod resting_spline;

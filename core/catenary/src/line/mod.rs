@@ -28,7 +28,7 @@ pub use linear::{LinearDropper, LinearDroppers, LinearLine};
 pub use modal::ModalLine;
 pub use nonlinear::{DropperSample, Line};
 pub(crate) use nonlinear::{Equilibrium, layers, wire};
-pub use options::{BendingLayers, CorrectedSteps, Dimension, LineOptions, MassCorrection};
+pub use options::{BendingLayers, Dimension, LineOptions, MassCorrection};
 pub use overhead::{OverheadLine, adopt_state, follow_strips};
 pub use topology::{DropperPlace, NodeOfWire, PlannedWire, Topology, WireName};
 pub(crate) use topology::{EndsOfWire, Part};

@@ -195,15 +195,15 @@ impl Line {
     /// trapezoidal rule with the step `h √(1 + 9/2 r²)`. The forces of strips that move along the contact wire are
     /// corrected accordingly, see [`LoadCorrection`].
     #[must_use]
-    pub fn with_mass_correction(mut self, MassCorrection { steps, rho_inf }: MassCorrection) -> Self {
-        let r = (1.0 - rho_inf) / (1.0 + rho_inf);
+    pub fn with_mass_correction(mut self, correction: MassCorrection) -> Self {
+        let r = (1.0 - correction.rho_inf) / (1.0 + correction.rho_inf);
         let of_trapezoid = 1.0 + 4.5 * r * r;
         self.load = Some(LoadCorrection {
-            step: steps.contact_wire,
+            step: correction.steps.contact_wire,
             kappa: of_trapezoid / 6.0,
         });
         let corrected = |(wire, planned): (Wire, &PlannedWire)| {
-            wire.with_mass_correction(steps.of(planned.name) * of_trapezoid.sqrt())
+            wire.with_mass_correction(correction.step_of(planned.name) * of_trapezoid.sqrt())
         };
         self.wires = self
             .wires

@@ -1,5 +1,6 @@
 //! Discretisation of a line beyond the mesh of the scene.
 use super::topology::WireName;
+use mesh::CorrectedSteps;
 
 /// Coordinates of the nodes of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,39 +26,6 @@ pub enum BendingLayers {
     AtAttachmentsAndEnds,
 }
 
-/// Time steps that the mass of each kind of wire is corrected for, s.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CorrectedSteps {
-    /// Contact wires.
-    pub contact_wire: f64,
-    /// Messenger wires.
-    pub messenger_wire: f64,
-    /// Stitch wires.
-    pub stitch_wire: f64,
-}
-
-impl CorrectedSteps {
-    /// One step for all wires, s.
-    #[must_use]
-    pub fn alike(step: f64) -> Self {
-        Self {
-            contact_wire: step,
-            messenger_wire: step,
-            stitch_wire: step,
-        }
-    }
-
-    /// Step of a kind of wire, s.
-    #[must_use]
-    pub fn of(&self, name: WireName) -> f64 {
-        match name {
-            WireName::ContactWire => self.contact_wire,
-            WireName::MessengerWire => self.messenger_wire,
-            WireName::StitchWire => self.stitch_wire,
-        }
-    }
-}
-
 /// A mass matrix for a time step, see [`crate::Line::with_mass_correction`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MassCorrection {
@@ -79,4 +47,16 @@ pub struct LineOptions {
     pub contact_compliance: Option<f64>,
     /// Corrected inertia of the wires; without effect on statics.
     pub mass_correction: Option<MassCorrection>,
+}
+
+impl MassCorrection {
+    /// Step of a kind of wire, s.
+    #[must_use]
+    pub fn step_of(&self, name: WireName) -> f64 {
+        match name {
+            WireName::ContactWire => self.steps.contact_wire,
+            WireName::MessengerWire => self.steps.messenger_wire,
+            WireName::StitchWire => self.steps.stitch_wire,
+        }
+    }
 }

@@ -1,9 +1,9 @@
 //! Deflection under strips and slack droppers, as a contribution of forces on massless points under the strips.
 use super::curve::Place;
-use super::kernels::{self, Weighted};
 use super::modes::Modes;
-use super::step::StepFactors;
 use crate::{CurveColumns, WireCurve};
+use dynamics::modal::StepFactors;
+use dynamics::modal::kernels::{self, Weighted};
 use dynamics::{Blocks, Force, LowRank, Motion, State, StepHistory, Updates, Weights};
 use pulp::Arch;
 use std::sync::Arc;
@@ -74,6 +74,13 @@ struct Candidate {
     free: f64,
 }
 
+/// Answers of the line to forces at the end of a step of one length.
+struct Answers {
+    step: StepFactors,
+    /// Answer of the tension of each dropper to the force of each other one, –; not a number where not yet needed.
+    between_droppers: Vec<f64>,
+}
+
 /// The line in its modes as strips see it.
 pub(super) struct Interface {
     modes: Arc<Modes>,
@@ -104,7 +111,10 @@ pub(super) struct Interface {
     /// Change of the forces with the deflections of the points, N/m, row by row; and what the factored matrix has.
     slope: Vec<f64>,
     assembled: Vec<f64>,
-    factors: Vec<StepFactors>,
+    /// Coordinates of the points, and room for a matrix between them.
+    coordinates: Vec<usize>,
+    scaled: Vec<f64>,
+    factors: Vec<Answers>,
     step: Step,
 }
 
@@ -160,6 +170,8 @@ impl Interface {
             tensions: modes.at_rest.clone(),
             steps: 0,
             assembled: slope.clone(),
+            coordinates: points.iter().map(|point| point.coordinate).collect(),
+            scaled: slope.clone(),
             slope,
             factors: Vec::new(),
             step: Step {
@@ -298,11 +310,15 @@ impl Interface {
     /// Brings the factors of a step of `h` s to the front.
     fn choose_factors(&mut self) {
         let h = self.step.h;
-        let serves = |factors: &StepFactors| (factors.h - h).abs() <= 1e-9 * h;
+        let serves = |answers: &Answers| (answers.step.h - h).abs() <= 1e-9 * h;
         match self.factors.iter().position(serves) {
             Some(at) => self.factors[..=at].rotate_right(1),
             None => {
-                self.factors.insert(0, StepFactors::new(&self.modes, h));
+                let answers = Answers {
+                    step: StepFactors::new(&self.modes.stiffness, &self.modes.damping, h),
+                    between_droppers: vec![f64::NAN; self.modes.droppers().pow(2)],
+                };
+                self.factors.insert(0, answers);
                 self.factors.truncate(KEPT);
             }
         }
@@ -332,7 +348,7 @@ impl Interface {
             }
             kernels::shape(arch, &rows[..count], &mut point.shape, &mut point.slope);
         }
-        let factors = &self.factors[0];
+        let factors = &self.factors[0].step;
         let step = &mut self.step;
         let motion = [&self.q[..], &self.v, &self.r];
         kernels::free(arch, factors, motion, [&mut step.q_free, &mut step.v_free]);
@@ -354,14 +370,14 @@ impl Interface {
                 step.compliance[j * contacts + i] = value;
             }
         }
-        invert(&step.compliance, &mut step.stiffness, contacts);
+        invert(&step.compliance, &mut step.work, &mut step.stiffness, contacts);
         self.find_candidates();
         let step = &mut self.step;
         step.forces.copy_from_slice(&self.forces);
-        // The slope of the forces, with the droppers slack that are slack in the middle of the guess.
+        // The slope of the forces where these are as at the beginning of the step.
         let mut at: Vec<f64> = std::mem::take(&mut step.work);
         at.resize(3 * contacts, 0.0);
-        self.deflections_of(&self.forces.clone(), &mut at[..contacts]);
+        self.deflections_of(&self.forces, &mut at[..contacts]);
         let (base, rest) = at.split_at_mut(contacts);
         let (there, middle) = rest.split_at_mut(contacts);
         self.solve(base);
@@ -370,8 +386,8 @@ impl Interface {
             there.copy_from_slice(base);
             there[j] += SLIGHT;
             self.solve(there);
-            for i in 0..contacts {
-                self.slope[i * contacts + j] = (self.step.forces[i] - middle[i]) / SLIGHT;
+            for (i, (force, middle)) in self.step.forces.iter().zip(&*middle).enumerate() {
+                self.slope[i * contacts + j] = (force - middle) / SLIGHT;
             }
         }
         self.step.work = at;
@@ -394,7 +410,7 @@ impl Interface {
     /// Droppers that may be slack at the end of the step, and their part in it.
     fn find_candidates(&mut self) {
         let (arch, law) = (self.arch, self.modes.law);
-        let factors = &self.factors[0];
+        let factors = &self.factors[0].step;
         let step = &mut self.step;
         step.candidates.clear();
         for dropper in 0..self.modes.droppers() {
@@ -434,12 +450,15 @@ impl Interface {
         step.lacking.clear();
         step.lacking
             .extend(step.candidates.iter().map(|candidate| self.lacking[candidate.dropper]));
-        let factors = &mut self.factors[0];
+        let Answers {
+            step: factors,
+            between_droppers,
+        } = &mut self.factors[0];
         for i in 0..count {
             for j in 0..count {
                 let (a, b) = (step.candidates[i].dropper, step.candidates[j].dropper);
                 let place = a * self.modes.droppers() + b;
-                if factors.between_droppers[place].is_nan() {
+                if between_droppers[place].is_nan() {
                     let rows = self.modes.joint(a).iter().zip(self.modes.joint(b));
                     let steps = rows.zip(factors.q1.iter().zip(&factors.v1));
                     let (mut elongation, mut rate) = (self.modes.residual_between(a, b), 0.0);
@@ -448,7 +467,7 @@ impl Interface {
                         elongation += both * q1;
                         rate += both * v1;
                     }
-                    factors.between_droppers[place] = law.stiffness * elongation + law.damping * rate;
+                    between_droppers[place] = law.stiffness * elongation + law.damping * rate;
                 }
             }
         }
@@ -462,11 +481,11 @@ impl Interface {
         let between = &self.factors[0].between_droppers;
         for i in 0..contacts {
             step.forces[i] = 0.0;
-            for j in 0..contacts {
+            for (j, w) in w.iter().enumerate() {
                 let by_droppers: f64 = (0..count)
                     .map(|c| step.by_candidate[j * count + c] * step.lacking[c])
                     .sum();
-                step.forces[i] += step.stiffness[i * contacts + j] * (w[j] - step.free[j] + by_droppers);
+                step.forces[i] += step.stiffness[i * contacts + j] * (w - step.free[j] + by_droppers);
             }
         }
         for _ in 0..SWEEPS {
@@ -530,22 +549,35 @@ impl Interface {
         open
     }
 
-    fn add_slope(&self, weight: f64, matrix: &[f64], mut add: impl FnMut(&[usize], &[f64])) {
-        let indices: Vec<usize> = self.points.iter().map(|point| point.coordinate).collect();
-        let values: Vec<f64> = matrix.iter().map(|value| weight * value).collect();
-        add(&indices, &values);
+    /// `weight` times a matrix between the points, and their coordinates.
+    fn weighted(&mut self, weight: f64, matrix: impl Fn(&Self, usize) -> f64) -> (&[usize], &[f64]) {
+        for entry in 0..self.slope.len() {
+            self.scaled[entry] = weight * matrix(self, entry);
+        }
+        (&self.coordinates, &self.scaled)
     }
 }
 
-/// Inverse of a symmetric, positive definite matrix, row by row.
-fn invert(matrix: &[f64], inverse: &mut [f64], size: usize) {
-    if size == 1 {
-        inverse[0] = 1.0 / matrix[0];
-        return;
+/// Inverse of a symmetric, positive definite matrix, row by row, by elimination in `work`.
+fn invert(matrix: &[f64], work: &mut Vec<f64>, inverse: &mut [f64], size: usize) {
+    work.clear();
+    work.extend_from_slice(matrix);
+    inverse.fill(0.0);
+    (0..size).for_each(|row| inverse[row * (size + 1)] = 1.0);
+    for pivot in 0..size {
+        let scale = 1.0 / work[pivot * (size + 1)];
+        for column in 0..size {
+            work[pivot * size + column] *= scale;
+            inverse[pivot * size + column] *= scale;
+        }
+        for row in (0..size).filter(|row| *row != pivot) {
+            let factor = work[row * size + pivot];
+            for column in 0..size {
+                work[row * size + column] -= factor * work[pivot * size + column];
+                inverse[row * size + column] -= factor * inverse[pivot * size + column];
+            }
+        }
     }
-    let found = nalgebra::DMatrix::from_row_slice(size, size, matrix).try_inverse();
-    let found = found.expect("strips apart have independent deflections");
-    inverse.copy_from_slice(found.as_slice());
 }
 
 impl Force for Interface {
@@ -558,9 +590,8 @@ impl Force for Interface {
 
     fn add_tangent(&mut self, _: &Motion<'_>, weights: Weights, blocks: &mut Blocks<'_>) {
         self.assembled.clone_from(&self.slope);
-        self.add_slope(weights.q, &self.assembled, |indices, values| {
-            blocks.add(indices, indices, values)
-        });
+        let (indices, values) = self.weighted(weights.q, |own, entry| own.slope[entry]);
+        blocks.add(indices, indices, values);
     }
 
     fn add_mass(&self, blocks: &mut Blocks<'_>) {
@@ -581,8 +612,8 @@ impl Force for Interface {
 impl LowRank for Interface {
     fn push_updates(&mut self, _: &Motion<'_>, weights: Weights, updates: &mut Updates) {
         if self.slope != self.assembled {
-            let change: Vec<f64> = self.slope.iter().zip(&self.assembled).map(|(a, b)| a - b).collect();
-            self.add_slope(weights.q, &change, |indices, values| updates.dense(0, indices, values));
+            let (indices, values) = self.weighted(weights.q, |own, entry| own.slope[entry] - own.assembled[entry]);
+            updates.dense(0, indices, values);
         }
     }
 }
@@ -611,7 +642,7 @@ impl StepHistory for Interface {
             kernels::add_narrow(arch, -lacking, self.modes.joint(dropper), &mut self.r);
         }
         let free = [&self.step.q_free[..], &self.step.v_free];
-        kernels::finish(arch, &self.factors[0], &self.r, free, [&mut self.q, &mut self.v]);
+        kernels::finish(arch, &self.factors[0].step, &self.r, free, [&mut self.q, &mut self.v]);
         for (r, repaid) in self.r.iter_mut().zip(&self.repaid) {
             *r += repaid;
         }

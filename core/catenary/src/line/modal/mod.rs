@@ -19,17 +19,13 @@
 //! ```text
 //! file       subject
 //! modes      the modes of a linearised line, and what the ones left out add
-//! step       exact solution of a mode over a step
-//! kernels    sums over all modes in the vector registers of the processor
 //! interface  deflection under strips and slack droppers as a contribution of forces
 //! curve      the contact wire under one strip
 //! store      modes found before
 //! ```
 mod curve;
 mod interface;
-mod kernels;
 mod modes;
-mod step;
 mod store;
 
 use crate::{

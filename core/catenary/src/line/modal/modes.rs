@@ -1,8 +1,8 @@
 //! The modes of a linearised line, and what the modes left out add.
-use super::kernels::{self, LANES};
 use super::store::{Key, known_or};
 use crate::{CurveColumns, DropperLaw, Line, LinearLine, StaticsError, WireCurve};
 use dynamics::eigen::{BandedFactor, BandedMatrix, Eigenpairs, eigenpairs_below};
+use dynamics::modal::kernels::{self, LANES};
 use dynamics::{Blocks, Force, Layout, Weights};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -179,8 +179,7 @@ impl Modes {
                 answers[at][k] = 1.0;
             }
             factor.solve_many(&mut answers);
-            for k in 0..batch.len() {
-                let row = number * BATCH + k;
+            for (row, k) in (number * BATCH..contact.len()).zip(0..batch.len()) {
                 for other in row.saturating_sub(NEAR)..(row + NEAR + 1).min(contact.len()) {
                     let of_modes = kernels::dot3(arch, self.row(row), self.row(other), &soft);
                     self.residual[row * width + other + NEAR - row] = answers[contact[other]][k] - of_modes;

@@ -99,7 +99,7 @@ impl Krylov<'_> {
         let rows = w.rows;
         let mut product = vec![0.0; rows];
         let mut norms = Vec::with_capacity(w.count());
-        for k in 0..w.count() {
+        for (k, scale) in scale.iter().enumerate() {
             self.mass.multiply(w.column(k), &mut product);
             norms.push(dot(w.column(k), &product).max(0.0).sqrt());
             let own = w.column_mut(k);
@@ -111,7 +111,7 @@ impl Krylov<'_> {
             }
             self.mass.multiply(own, &mut product);
             let norm = dot(own, &product).max(0.0).sqrt();
-            if norm > SPENT * scale[k] && self.basis.count() < rows {
+            if norm > SPENT * scale && self.basis.count() < rows {
                 self.basis.values.extend(own.iter().map(|w| w / norm));
                 self.with_mass.values.extend(product.iter().map(|w| w / norm));
             }

@@ -1,6 +1,5 @@
 //! Corrections of coarse elements: which of them a line can have.
 
-use crate::CorrectedSteps;
 use scene::{Catenary, ContactLaw, Correction, Element, Found, Reduction, Scene, What, Wire, WireEnds, WireKind};
 
 /// Least spectral radius of the integrator for the mass correction: below, numerical damping and not dispersion is the
@@ -10,6 +9,29 @@ const LEAST_RHO_INF: f64 = 0.9;
 /// Least part of the dispersion of a step, which goes with its square, that the mass correction of the contact wire
 /// takes away, –.
 const LEAST_CORRECTED: f64 = 0.5;
+
+/// Time steps that the mass of each kind of wire is corrected for, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CorrectedSteps {
+    /// Contact wires.
+    pub contact_wire: f64,
+    /// Messenger wires.
+    pub messenger_wire: f64,
+    /// Stitch wires.
+    pub stitch_wire: f64,
+}
+
+impl CorrectedSteps {
+    /// One step for all wires, s.
+    #[must_use]
+    pub fn alike(step: f64) -> Self {
+        Self {
+            contact_wire: step,
+            messenger_wire: step,
+            stitch_wire: step,
+        }
+    }
+}
 
 /// Longest step for the mass correction of a kind of wire: a share of the time that a wave takes through an element.
 struct LongestStep {

@@ -15,8 +15,10 @@ pub type Tangent = SMatrix<f64, 12, 12>;
 /// Stiffness of a wire and the tension its element lengths belong to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CableSection {
-    pub(crate) axial: Axial,
-    pub(crate) bending: Bending,
+    /// Law of the stretch of the axis.
+    pub axial: Axial,
+    /// Law of bending.
+    pub bending: Bending,
 }
 
 /// The tangent of a tensioned beam: constant matrices on each axis, and the change of its one tension along the
@@ -26,7 +28,7 @@ pub struct CableSection {
 /// K = (τ ∫ s,ₓ s,ₓᵀ dx + EI ∫ s,ₓₓ s,ₓₓᵀ dx) ⊗ I + κ g gᵀ
 /// ```
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BeamTangent<V: Space> {
+pub struct BeamTangent<V: Space> {
     /// `τ`, N.
     pub tension: V::Number,
     /// `g` on `r₁, r₁,ₓ, r₂, r₂,ₓ`: 1/m, –, 1/m, –.
@@ -60,7 +62,7 @@ impl CableSection {
 
     /// Gradient of the strain energy of an element.
     #[inline(always)]
-    pub(crate) fn slope_force<V: Space>(&self, length: Length<V::Number>, slopes: &Slopes<V>) -> Slopes<V> {
+    pub fn slope_force<V: Space>(&self, length: Length<V::Number>, slopes: &Slopes<V>) -> Slopes<V> {
         let tension = self.axial.common_tau(slopes) * length.value;
         let mut force = slopes.beam_gradient(tension, length.inverse * self.bending.common_stiffness());
         self.axial.add_point_forces(length, slopes, &mut force);
@@ -70,7 +72,7 @@ impl CableSection {
 
     /// True for mean strain and the constant bending law.
     #[inline(always)]
-    pub(crate) fn is_beam(&self) -> bool {
+    pub fn is_beam(&self) -> bool {
         (self.axial.law, self.bending.law) == (AxialLaw::Mean, BendingLaw::Constant)
     }
 
@@ -78,7 +80,7 @@ impl CableSection {
     /// under the tension of the reference, and the change of tension along the gradient there. Valid only if
     /// [`CableSection::is_beam`].
     #[inline(always)]
-    pub(crate) fn slope_force_about<V: Space>(
+    pub fn slope_force_about<V: Space>(
         &self,
         length: Length<V::Number>,
         reference: &Slopes<V>,
@@ -94,11 +96,7 @@ impl CableSection {
 
     /// Variable part of the tangent of an element if [`CableSection::is_beam`], else none.
     #[inline(always)]
-    pub(crate) fn beam_tangent<V: Space>(
-        &self,
-        length: Length<V::Number>,
-        slopes: &Slopes<V>,
-    ) -> Option<BeamTangent<V>> {
+    pub fn beam_tangent<V: Space>(&self, length: Length<V::Number>, slopes: &Slopes<V>) -> Option<BeamTangent<V>> {
         if !self.is_beam() {
             return None;
         }
@@ -111,7 +109,7 @@ impl CableSection {
     }
 
     /// Second derivatives of the strain energy with respect to the node coordinates.
-    pub(crate) fn node_tangent(&self, length: f64, slopes: &Slopes) -> Tangent {
+    pub fn node_tangent(&self, length: f64, slopes: &Slopes) -> Tangent {
         let Some(beam) = self.beam_tangent(Length::new(length), slopes) else {
             return to_nodes(&self.slope_tangent(length, slopes), length);
         };
@@ -137,7 +135,7 @@ impl CableSection {
     }
 
     /// Strain energy, J.
-    pub(crate) fn slope_energy(&self, length: f64, slopes: &Slopes) -> f64 {
+    pub fn slope_energy(&self, length: f64, slopes: &Slopes) -> f64 {
         self.axial.energy(length, slopes) + self.bending.energy(length, slopes)
     }
 }

@@ -6,11 +6,13 @@
 //! | `corrections` | which corrections a line can have |
 //! | `error_model` | the expected error of mesh and time step |
 
+#![forbid(unsafe_code)]
+
 mod corrections;
 mod division;
 mod error_model;
 
-pub use corrections::{contradictions, corrected_steps, corrections_left_out, impossible_corrections};
+pub use corrections::{CorrectedSteps, contradictions, corrected_steps, corrections_left_out, impossible_corrections};
 pub use division::{evenly_divided, resolve};
 pub use error_model::{MeshError, error_goes_by_waves, expected_error, expected_error_at};
 

@@ -26,7 +26,7 @@ pub enum BendingLaw {
 
 /// A bending law with its parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bending {
+pub struct Bending {
     pub law: BendingLaw,
     /// `EI`, N·m².
     pub stiffness: f64,

@@ -14,11 +14,11 @@ use nalgebra::Matrix4;
 ///
 /// derived here; `f` are the forces and `m` the moments on the ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct EvenMatrix<N = f64>(pub [N; 6]);
+pub struct EvenMatrix<N = f64>(pub [N; 6]);
 
 /// `A e` before the sums and differences of the two ends are taken apart, so that products can be added up.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct EvenProduct<V> {
+pub struct EvenProduct<V> {
     sum: [V; 2],
     difference: [V; 2],
 }
@@ -93,8 +93,8 @@ impl<V: Space> EvenProduct<V> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{bending_matrix, mass_matrix, tension_matrix};
     use super::*;
+    use crate::{bending_matrix, mass_matrix, tension_matrix};
     use nalgebra::{Vector3, Vector4};
 
     #[test]

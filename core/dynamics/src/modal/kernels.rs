@@ -6,10 +6,10 @@ use super::step::StepFactors;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Numbers that are summed side by side.
-pub(super) const LANES: usize = 32;
+pub const LANES: usize = 32;
 
 /// A row of the modes with its weights in a deflection and in its slope.
-pub(super) type Weighted<'a> = (f64, f64, &'a [f64]);
+pub type Weighted<'a> = (f64, f64, &'a [f64]);
 
 /// Sums of `LANES` parts in registers of any width, the first ones in use.
 struct Sums<S: Simd>([S::f64s; LANES]);
@@ -40,7 +40,7 @@ impl<S: Simd> Sums<S> {
 }
 
 /// `Σ a b`.
-pub(super) fn dot(arch: Arch, a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(arch: Arch, a: &[f64], b: &[f64]) -> f64 {
     struct Dot<'a>(&'a [f64], &'a [f64]);
     impl WithSimd for Dot<'_> {
         type Output = f64;
@@ -61,7 +61,7 @@ pub(super) fn dot(arch: Arch, a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// `Σ a b` and `Σ a c` in single precision.
-pub(super) fn dot2(arch: Arch, a: &[f32], b: &[f32], c: &[f32]) -> [f64; 2] {
+pub fn dot2(arch: Arch, a: &[f32], b: &[f32], c: &[f32]) -> [f64; 2] {
     struct Dot2<'a>(&'a [f32], &'a [f32], &'a [f32]);
     impl WithSimd for Dot2<'_> {
         type Output = [f64; 2];
@@ -87,7 +87,7 @@ pub(super) fn dot2(arch: Arch, a: &[f32], b: &[f32], c: &[f32]) -> [f64; 2] {
 }
 
 /// `y = x` in the other precision.
-pub(super) fn narrow(arch: Arch, x: &[f64], y: &mut [f32]) {
+pub fn narrow(arch: Arch, x: &[f64], y: &mut [f32]) {
     struct Narrow<'a>(&'a [f64], &'a mut [f32]);
     impl WithSimd for Narrow<'_> {
         type Output = ();
@@ -102,7 +102,7 @@ pub(super) fn narrow(arch: Arch, x: &[f64], y: &mut [f32]) {
 }
 
 /// `Σ a b c`.
-pub(super) fn dot3(arch: Arch, a: &[f64], b: &[f64], c: &[f64]) -> f64 {
+pub fn dot3(arch: Arch, a: &[f64], b: &[f64], c: &[f64]) -> f64 {
     struct Dot3<'a>(&'a [f64], &'a [f64], &'a [f64]);
     impl WithSimd for Dot3<'_> {
         type Output = f64;
@@ -125,7 +125,7 @@ pub(super) fn dot3(arch: Arch, a: &[f64], b: &[f64], c: &[f64]) -> f64 {
 }
 
 /// `y += α x` with `x` in single precision.
-pub(super) fn add_narrow(arch: Arch, alpha: f64, x: &[f32], y: &mut [f64]) {
+pub fn add_narrow(arch: Arch, alpha: f64, x: &[f32], y: &mut [f64]) {
     struct Add<'a>(f64, &'a [f32], &'a mut [f64]);
     impl WithSimd for Add<'_> {
         type Output = ();
@@ -140,7 +140,7 @@ pub(super) fn add_narrow(arch: Arch, alpha: f64, x: &[f32], y: &mut [f64]) {
 }
 
 /// `y += α x`.
-pub(super) fn add(arch: Arch, alpha: f64, x: &[f64], y: &mut [f64]) {
+pub fn add(arch: Arch, alpha: f64, x: &[f64], y: &mut [f64]) {
     struct Add<'a>(f64, &'a [f64], &'a mut [f64]);
     impl WithSimd for Add<'_> {
         type Output = ();
@@ -155,7 +155,7 @@ pub(super) fn add(arch: Arch, alpha: f64, x: &[f64], y: &mut [f64]) {
 }
 
 /// Deflections of all modes at a point and their slopes, from rows in pairs.
-pub(super) fn shape(arch: Arch, rows: &[Weighted<'_>], at: &mut [f64], slope: &mut [f64]) {
+pub fn shape(arch: Arch, rows: &[Weighted<'_>], at: &mut [f64], slope: &mut [f64]) {
     struct Shape<'a>([Weighted<'a>; 2], bool, &'a mut [f64], &'a mut [f64]);
     impl WithSimd for Shape<'_> {
         type Output = ();
@@ -189,7 +189,7 @@ pub(super) fn shape(arch: Arch, rows: &[Weighted<'_>], at: &mut [f64], slope: &m
 }
 
 /// Modal motion `q`, `v` under the force `r` moved on by one step without a force at its end.
-pub(super) fn free(arch: Arch, factors: &StepFactors, motion: [&[f64]; 3], ends: [&mut [f64]; 2]) {
+pub fn free(arch: Arch, factors: &StepFactors, motion: [&[f64]; 3], ends: [&mut [f64]; 2]) {
     struct Free<'a>(&'a StepFactors, [&'a [f64]; 3], [&'a mut [f64]; 2]);
     impl WithSimd for Free<'_> {
         type Output = ();
@@ -212,7 +212,7 @@ pub(super) fn free(arch: Arch, factors: &StepFactors, motion: [&[f64]; 3], ends:
 }
 
 /// Adds the effect of a force `r` at the end of a step to `q` and `v`.
-pub(super) fn load(arch: Arch, factors: &StepFactors, r: &[f64], motion: [&mut [f64]; 2]) {
+pub fn load(arch: Arch, factors: &StepFactors, r: &[f64], motion: [&mut [f64]; 2]) {
     struct Load<'a>(&'a StepFactors, &'a [f64], [&'a mut [f64]; 2]);
     impl WithSimd for Load<'_> {
         type Output = ();
@@ -231,7 +231,7 @@ pub(super) fn load(arch: Arch, factors: &StepFactors, r: &[f64], motion: [&mut [
 }
 
 /// Motion at the end of a step, from that without a force there and the force.
-pub(super) fn finish(arch: Arch, factors: &StepFactors, r: &[f64], free: [&[f64]; 2], motion: [&mut [f64]; 2]) {
+pub fn finish(arch: Arch, factors: &StepFactors, r: &[f64], free: [&[f64]; 2], motion: [&mut [f64]; 2]) {
     struct Finish<'a>(&'a StepFactors, &'a [f64], [&'a [f64]; 2], [&'a mut [f64]; 2]);
     impl WithSimd for Finish<'_> {
         type Output = ();

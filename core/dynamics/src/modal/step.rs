@@ -1,5 +1,4 @@
 //! Exact solution of a mode over a step.
-use super::modes::Modes;
 use nalgebra::Matrix4;
 
 /// Factors of a step of `h` s for all modes, each a vector over the modes:
@@ -11,28 +10,33 @@ use nalgebra::Matrix4;
 ///
 /// with the modal force linear from `r₀` to `r₁`. A step of 0 s is the state at rest under `r₁`.
 #[derive(Clone, Debug, Default)]
-pub(super) struct StepFactors {
+pub struct StepFactors {
+    /// Length of the step, s.
     pub h: f64,
+    /// `q₁` by `q₀`, –.
     pub qq: Vec<f64>,
+    /// `q₁` by `v₀`, s.
     pub qv: Vec<f64>,
+    /// `q₁` by `r₀`, s².
     pub q0: Vec<f64>,
+    /// `q₁` by `r₁`, s².
     pub q1: Vec<f64>,
+    /// `v₁` by `q₀`, 1/s.
     pub vq: Vec<f64>,
+    /// `v₁` by `v₀`, –.
     pub vv: Vec<f64>,
+    /// `v₁` by `r₀`, s.
     pub v0: Vec<f64>,
+    /// `v₁` by `r₁`, s.
     pub v1: Vec<f64>,
-    /// Answer of the tension of each dropper to the force of each other one, –; not a number where not yet needed.
-    pub between_droppers: Vec<f64>,
 }
 
 impl StepFactors {
-    pub fn new(modes: &Modes, h: f64) -> Self {
-        let count = modes.count();
-        let mut factors = Self {
-            h,
-            between_droppers: vec![f64::NAN; modes.droppers().pow(2)],
-            ..Self::default()
-        };
+    /// Factors of modes with these `ωₖ²` (1/s²) and `cₖ` (1/s).
+    #[must_use]
+    pub fn new(stiffness: &[f64], damping: &[f64], h: f64) -> Self {
+        let count = stiffness.len();
+        let mut factors = Self { h, ..Self::default() };
         let Self {
             qq,
             qv,
@@ -49,7 +53,7 @@ impl StepFactors {
             for vector in vectors {
                 vector.resize(count, 0.0);
             }
-            for (q1, stiffness) in factors.q1.iter_mut().zip(&modes.stiffness) {
+            for (q1, stiffness) in factors.q1.iter_mut().zip(stiffness) {
                 *q1 = 1.0 / stiffness;
             }
             return factors;
@@ -57,7 +61,7 @@ impl StepFactors {
         for vector in vectors {
             vector.reserve(count);
         }
-        for (&stiffness, &damping) in modes.stiffness.iter().zip(&modes.damping) {
+        for (&stiffness, &damping) in stiffness.iter().zip(damping) {
             let [q, v] = over(stiffness, damping, h);
             factors.qq.push(q[0]);
             factors.qv.push(q[1]);

@@ -106,7 +106,7 @@ impl<V: Space> Slopes<V> {
     /// The product with a number.
     #[inline(always)]
     #[must_use]
-    pub(crate) fn times(&self, factor: V::Number) -> Self {
+    pub fn times(&self, factor: V::Number) -> Self {
         Self {
             chord: self.chord * factor,
             start: self.start * factor,
@@ -117,7 +117,7 @@ impl<V: Space> Slopes<V> {
     /// The scalar product of all three vectors.
     #[inline(always)]
     #[must_use]
-    pub(crate) fn dot(&self, other: &Self) -> V::Number {
+    pub fn dot(&self, other: &Self) -> V::Number {
         self.chord.dot(other.chord) + self.start.dot(other.start) + self.end.dot(other.end)
     }
 

@@ -6,7 +6,7 @@ use dynamics::simd::{Number, Space};
 use nalgebra::{Matrix3, SVector};
 
 /// Five Gauss points on `0 ≤ ξ ≤ 1` with their weights: exact to degree nine.
-pub(crate) const FIVE_POINTS: [(f64, f64); 5] = [
+pub const FIVE_POINTS: [(f64, f64); 5] = [
     (0.046_910_077_030_668_0, 0.118_463_442_528_094_54),
     (0.230_765_344_947_158_45, 0.239_314_335_249_683_24),
     (0.5, 0.284_444_444_444_444_44),
@@ -64,7 +64,7 @@ pub fn nominal_stretch(law: AxialLaw, tension: f64, axial_stiffness: f64) -> f64
 
 /// An axial law with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Axial {
+pub struct Axial {
     pub law: AxialLaw,
     /// `EA`, N.
     pub stiffness: f64,

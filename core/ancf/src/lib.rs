@@ -16,6 +16,8 @@
 //! strain     strains of a beam beyond the stretch of its axis: shear, torsion, bending, cross-section
 //! even       constant matrices of an element that are the same from either end, as batches of elements multiply them
 //! ```
+#![forbid(unsafe_code)]
+
 mod axial;
 mod beam;
 mod bending;
@@ -27,13 +29,12 @@ mod strain;
 #[cfg(test)]
 mod tests;
 
-pub use axial::AxialLaw;
-pub(crate) use axial::FIVE_POINTS;
+pub use axial::{AxialLaw, FIVE_POINTS};
 pub use beam::{
     Beam, BeamCoordinates, BeamInertia, BeamSection, BeamStiffness, BeamTangent, beam_mass_matrix, beam_shape,
 };
 pub use bending::BendingLaw;
 pub use cable::{Cable, CableSection, Coordinates, Tangent};
-pub(crate) use even::EvenMatrix;
+pub use even::EvenMatrix;
 pub use shape::{ShapeFunctions, bending_matrix, mass_matrix, tension_matrix};
-pub(crate) use slopes::{Length, Slopes};
+pub use slopes::{Length, Slopes};
