@@ -154,98 +154,102 @@ pub fn add(arch: Arch, alpha: f64, x: &[f64], y: &mut [f64]) {
     arch.dispatch(Add(alpha, x, y));
 }
 
-/// Deflections of all modes at a point and their slopes, from rows in pairs.
+/// `y = α x`.
+pub fn set(arch: Arch, alpha: f64, x: &[f64], y: &mut [f64]) {
+    struct Set<'a>(f64, &'a [f64], &'a mut [f64]);
+    impl WithSimd for Set<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            for (y, x) in self.2.iter_mut().zip(self.1) {
+                *y = self.0 * x;
+            }
+        }
+    }
+    arch.dispatch(Set(alpha, x, y));
+}
+
+/// Deflections of all modes at a point and their slopes, four rows at a time.
 pub fn shape(arch: Arch, rows: &[Weighted<'_>], at: &mut [f64], slope: &mut [f64]) {
-    struct Shape<'a>([Weighted<'a>; 2], bool, &'a mut [f64], &'a mut [f64]);
+    const TOGETHER: usize = 4;
+    struct Shape<'a>([Weighted<'a>; TOGETHER], &'a mut [f64], &'a mut [f64]);
     impl WithSimd for Shape<'_> {
         type Output = ();
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self([(n, m, a), (o, p, b)], first, at, slope) = self;
+            let Self(rows, at, slope) = self;
             let len = at.len();
-            let (a, b, slope) = (&a[..len], &b[..len], &mut slope[..len]);
-            if first {
-                for k in 0..len {
-                    at[k] = n * a[k] + o * b[k];
-                    slope[k] = m * a[k] + p * b[k];
-                }
-            } else {
-                for k in 0..len {
-                    at[k] += n * a[k] + o * b[k];
-                    slope[k] += m * a[k] + p * b[k];
-                }
+            let ([a, b, c, d], slope) = (rows.map(|(_, _, row)| &row[..len]), &mut slope[..len]);
+            let [n, m] = [rows.map(|(n, _, _)| n), rows.map(|(_, m, _)| m)];
+            for k in 0..len {
+                at[k] += (n[0] * a[k] + n[1] * b[k]) + (n[2] * c[k] + n[3] * d[k]);
+                slope[k] += (m[0] * a[k] + m[1] * b[k]) + (m[2] * c[k] + m[3] * d[k]);
             }
         }
     }
-    if rows.is_empty() {
-        at.fill(0.0);
-        slope.fill(0.0);
-    }
-    for (number, pair) in rows.chunks(2).enumerate() {
-        let one = pair[0];
-        let two = pair.get(1).copied().unwrap_or((0.0, 0.0, one.2));
-        arch.dispatch(Shape([one, two], number == 0, at, slope));
+    at.fill(0.0);
+    slope.fill(0.0);
+    for group in rows.chunks(TOGETHER) {
+        let rows = std::array::from_fn(|k| group.get(k).copied().unwrap_or((0.0, 0.0, group[0].2)));
+        arch.dispatch(Shape(rows, at, slope));
     }
 }
 
-/// Modal motion `q`, `v` under the force `r` moved on by one step without a force at its end.
-pub fn free(arch: Arch, factors: &StepFactors, motion: [&[f64]; 3], ends: [&mut [f64]; 2]) {
-    struct Free<'a>(&'a StepFactors, [&'a [f64]; 3], [&'a mut [f64]; 2]);
+/// Modal motion `q`, `v` under the force `r`, moved on by one step with the force `known` at its end.
+pub fn free(arch: Arch, factors: &StepFactors, motion: [&[f64]; 3], known: &[f64], ends: [&mut [f64]; 2]) {
+    struct Free<'a>(&'a StepFactors, [&'a [f64]; 4], [&'a mut [f64]; 2]);
     impl WithSimd for Free<'_> {
         type Output = ();
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let StepFactors {
-                qq, qv, q0, vq, vv, v0, ..
-            } = self.0;
-            let n = qq.len();
-            let [q, v, r] = self.1.map(|values| &values[..n]);
-            let [qq, qv, q0, vq, vv, v0] = [qq, qv, q0, vq, vv, v0].map(|values| &values[..n]);
+            let f = self.0;
+            let n = f.qq.len();
+            let [q, v, r, known] = self.1.map(|values| &values[..n]);
+            let [qq, qv, q0, q1] = [&f.qq, &f.qv, &f.q0, &f.q1].map(|values| &values[..n]);
+            let [vq, vv, v0, v1] = [&f.vq, &f.vv, &f.v0, &f.v1].map(|values| &values[..n]);
             let [q_end, v_end] = self.2.map(|values| &mut values[..n]);
             for k in 0..n {
-                q_end[k] = qq[k] * q[k] + qv[k] * v[k] + q0[k] * r[k];
-                v_end[k] = vq[k] * q[k] + vv[k] * v[k] + v0[k] * r[k];
+                q_end[k] = (qq[k] * q[k] + qv[k] * v[k]) + (q0[k] * r[k] + q1[k] * known[k]);
+                v_end[k] = (vq[k] * q[k] + vv[k] * v[k]) + (v0[k] * r[k] + v1[k] * known[k]);
             }
         }
     }
-    arch.dispatch(Free(factors, motion, ends));
+    let [q, v, r] = motion;
+    arch.dispatch(Free(factors, [q, v, r, known], ends));
 }
 
-/// Adds the effect of a force `r` at the end of a step to `q` and `v`.
-pub fn load(arch: Arch, factors: &StepFactors, r: &[f64], motion: [&mut [f64]; 2]) {
-    struct Load<'a>(&'a StepFactors, &'a [f64], [&'a mut [f64]; 2]);
-    impl WithSimd for Load<'_> {
-        type Output = ();
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, _: S) {
-            let n = self.0.q1.len();
-            let (q1, v1, r) = (&self.0.q1[..n], &self.0.v1[..n], &self.1[..n]);
-            let [q, v] = self.2.map(|values| &mut values[..n]);
-            for k in 0..n {
-                q[k] += q1[k] * r[k];
-                v[k] += v1[k] * r[k];
-            }
-        }
-    }
-    arch.dispatch(Load(factors, r, motion));
-}
-
-/// Motion at the end of a step, from that without a force there and the force.
-pub fn finish(arch: Arch, factors: &StepFactors, r: &[f64], free: [&[f64]; 2], motion: [&mut [f64]; 2]) {
-    struct Finish<'a>(&'a StepFactors, &'a [f64], [&'a [f64]; 2], [&'a mut [f64]; 2]);
+/// Motion at the end of a step, from that under the force `known` there and the force `r` besides, which becomes the
+/// sum of both; `narrow` is the motion in single precision.
+pub fn finish(
+    arch: Arch,
+    factors: &StepFactors,
+    [known, q_free, v_free]: [&[f64]; 3],
+    [r, q, v]: [&mut [f64]; 3],
+    narrow: &mut [Vec<f32>; 2],
+) {
+    struct Finish<'a>(&'a StepFactors, [&'a [f64]; 3], [&'a mut [f64]; 3], [&'a mut [f32]; 2]);
     impl WithSimd for Finish<'_> {
         type Output = ();
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
             let n = self.0.q1.len();
-            let (q1, v1, r) = (&self.0.q1[..n], &self.0.v1[..n], &self.1[..n]);
-            let [q_free, v_free] = self.2.map(|values| &values[..n]);
-            let [q, v] = self.3.map(|values| &mut values[..n]);
+            let (q1, v1) = (&self.0.q1[..n], &self.0.v1[..n]);
+            let [known, q_free, v_free] = self.1.map(|values| &values[..n]);
+            let [r, q, v] = self.2.map(|values| &mut values[..n]);
+            let [q_narrow, v_narrow] = self.3.map(|values| &mut values[..n]);
             for k in 0..n {
-                q[k] = q_free[k] + q1[k] * r[k];
-                v[k] = v_free[k] + v1[k] * r[k];
+                let (q_end, v_end) = (q_free[k] + q1[k] * r[k], v_free[k] + v1[k] * r[k]);
+                r[k] += known[k];
+                (q[k], v[k]) = (q_end, v_end);
+                (q_narrow[k], v_narrow[k]) = (q_end as f32, v_end as f32);
             }
         }
     }
-    arch.dispatch(Finish(factors, r, free, motion));
+    let [q_narrow, v_narrow] = narrow;
+    arch.dispatch(Finish(
+        factors,
+        [known, q_free, v_free],
+        [r, q, v],
+        [q_narrow, v_narrow],
+    ));
 }

@@ -232,7 +232,6 @@ impl Interface {
     /// [`Modes::borrowed`] near the strips are paid back at the end of the next step, with their rates continued in a
     /// straight line.
     fn look_at_droppers(&mut self) {
-        self.narrow_motion();
         self.repaid.fill(0.0);
         let droppers = self.modes.droppers();
         for joint in 0..self.modes.borrowed.len() {
@@ -351,8 +350,8 @@ impl Interface {
         let factors = &self.factors[0].step;
         let step = &mut self.step;
         let motion = [&self.q[..], &self.v, &self.r];
-        kernels::free(arch, factors, motion, [&mut step.q_free, &mut step.v_free]);
-        kernels::load(arch, factors, &self.repaid, [&mut step.q_free, &mut step.v_free]);
+        let ends = [&mut step.q_free[..], &mut step.v_free];
+        kernels::free(arch, factors, motion, &self.repaid, ends);
         let contacts = self.points.len();
         for (i, point) in self.points.iter().enumerate() {
             step.free[i] = kernels::dot(arch, &point.shape, &step.q_free);
@@ -634,18 +633,19 @@ impl StepHistory for Interface {
         for (candidate, lacking) in self.step.candidates.iter().zip(&self.step.lacking) {
             self.lacking[candidate.dropper] = *lacking;
         }
-        self.r.fill(0.0);
-        for (point, force) in self.points.iter().zip(&self.forces) {
-            kernels::add(arch, *force, &point.shape, &mut self.r);
+        for (number, (point, force)) in self.points.iter().zip(&self.forces).enumerate() {
+            if number == 0 {
+                kernels::set(arch, *force, &point.shape, &mut self.r);
+            } else {
+                kernels::add(arch, *force, &point.shape, &mut self.r);
+            }
         }
         for (dropper, lacking) in self.lacking.iter().enumerate().filter(|(_, lacking)| **lacking != 0.0) {
             kernels::add_narrow(arch, -lacking, self.modes.joint(dropper), &mut self.r);
         }
-        let free = [&self.step.q_free[..], &self.step.v_free];
-        kernels::finish(arch, &self.factors[0].step, &self.r, free, [&mut self.q, &mut self.v]);
-        for (r, repaid) in self.r.iter_mut().zip(&self.repaid) {
-            *r += repaid;
-        }
+        let known = [&self.repaid[..], &self.step.q_free, &self.step.v_free];
+        let ends = [&mut self.r[..], &mut self.q, &mut self.v];
+        kernels::finish(arch, &self.factors[0].step, known, ends, &mut self.narrow);
         for (i, point) in self.points.iter_mut().enumerate() {
             self.reached[i] = motion.q[point.coordinate];
             let of_modes = kernels::dot(arch, &point.shape, &self.q);
