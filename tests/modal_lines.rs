@@ -67,7 +67,9 @@ fn a_stitched_line_in_space_and_one_of_twin_wires_in_their_modes_are_the_lineari
 /// Contact force and height of the wire at rest on a strip that stands at `x` m, with the height that lifts the
 /// linearised line by 150 N.
 fn at_rest(words: &str, x: f64) -> (f64, f64) {
-    let of = |words: &str| scene(EN_300, words, 1e-3, &[MESH, &format!("run.start_x={x}")]);
+    let start = format!("run.start_x={x}");
+    let brief = [MESH, "run.duration=0.5", "run.evaluate={time=[0.1,0.4]}", &start];
+    let of = |words: &str| scene(EN_300, words, 1e-3, &brief);
     let linear = of("\"planar\", \"linearised\"");
     let height = wire_height(&linear, &static_line(&linear).unwrap(), 0, 150.0).unwrap();
     let scene = of(words);

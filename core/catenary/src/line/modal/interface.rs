@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// Droppers up to this far from a strip are watched in every step, m: a strip makes droppers slack within a span.
 const REACH: f64 = 30.0;
-/// Of the droppers further away one in so many is watched in a step.
+/// Number of steps in which each dropper further away is watched once.
 const IN_TURN: usize = 16;
 /// Tension above which a watched dropper stays taut within a step, N: a step changes tensions by a few newtons.
 const TAUT: f64 = 30.0;
@@ -228,8 +228,8 @@ impl Interface {
         (self.spring(dropper) + self.lacks(dropper)).max(0.0)
     }
 
-    /// Looks at the droppers near the strips, at slack ones, and in turn at the others; and prepares what the dampers of
-    /// [`Modes::borrowed`] near the strips are paid back at the end of the next step, with their rates continued in a
+    /// Looks at the droppers near the strips, at slack ones, and in turn at the others. Prepares the forces that take
+    /// back the dampers of [`Modes::borrowed`] near the strips at the end of the next step, with rates continued in a
     /// straight line.
     fn look_at_droppers(&mut self) {
         self.repaid.fill(0.0);

@@ -7,8 +7,8 @@
 //! q̈ₖ + cₖ q̇ₖ + ωₖ² qₖ = Σᵢ φₖ(xᵢ) Fᵢ − Σⱼ dₖⱼ pⱼ,    cₖ = φₖᵀ D φₖ,    dₖⱼ = gⱼᵀ φₖ
 //! ```
 //!
-//! is solved exactly for modal forces linear within a step: neither dispersion nor numerical damping is left. At the end
-//! of a step the deflection of the wire under the strips is linear in the forces there, `w = w₀ + A F − C p`, so that
+//! is solved exactly for modal forces linear within a step: neither dispersion nor numerical damping is left. At the
+//! end of a step the deflection of the wire under the strips is linear in the forces there, `w = w₀ + A F − C p`, so that
 //! contact and pantographs see a massless, yielding point under each strip, and the integrator no coordinate of the
 //! line. Modes that are left out answer as if they were at rest, by the residual compliances
 //! `K⁻¹ − Σₖ φₖ φₖᵀ/ωₖ²` of strips and droppers.
@@ -47,6 +47,10 @@ const BAND: f64 = 2.45;
 const LEFT_OUT: f64 = 0.6;
 /// Share of the error of the mesh that the modes left out may add.
 const SHARE: f64 = 0.5;
+
+/// Error of the mesh up to which modes are counted by it, % of the standard deviation: on coarser meshes the line is
+/// still the linearised one.
+const MOST: f64 = 1.0;
 
 /// A line in its own modes.
 pub struct ModalLine {
@@ -153,7 +157,7 @@ impl ModalLine {
 
 /// Highest frequency of the modes of a scene, Hz.
 fn highest(scene: &Scene) -> f64 {
-    let error = mesh::expected_error(scene).map_or(LEFT_OUT / SHARE, |error| error.total());
+    let error = mesh::expected_error(scene).map_or(MOST, |error| error.total().min(MOST));
     let band = BAND * (LEFT_OUT / (SHARE * error)).powf(0.25);
     let slowest = scene
         .modelled_line()

@@ -26,9 +26,9 @@ pub(super) struct Modes {
     rows: Vec<f64>,
     /// Residual compliance between rows of contact wires, from `NEAR` before to `NEAR` behind each, m/N.
     residual: Vec<f64>,
-    /// Law of the droppers, with the dampers of `borrowed` besides their own.
+    /// Law of the droppers, with the dampers that the modes give them.
     pub law: DropperLaw,
-    /// Dampers that the modes have and the line has not, first those of the droppers and then those of supports, N·s/m.
+    /// Dampers that the modes have beyond those of the line, first of the droppers and then of supports, N·s/m.
     pub borrowed: Vec<f64>,
     /// x of the supports with such dampers, m.
     pub support_x: Vec<f64>,
@@ -122,7 +122,7 @@ impl Modes {
             }
         }
         let law = linear.droppers().law();
-        let of_droppers = vec![beta * law.stiffness; gradients.len()];
+        let of_droppers = vec![beta * law.stiffness - law.damping; gradients.len()];
         let of_supports = supports.iter().map(|support| beta * support.stiffness);
         let borrowed: Vec<f64> = of_droppers.into_iter().chain(of_supports).collect();
         let damping = pairs.vectors.iter().map(|vector| {
@@ -151,7 +151,7 @@ impl Modes {
                 .map(|dropper| law.stiffness * dropper.elongation)
                 .collect(),
             law: DropperLaw {
-                damping: law.damping + beta * law.stiffness,
+                damping: beta * law.stiffness,
                 ..law
             },
             borrowed,
