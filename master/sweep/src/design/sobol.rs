@@ -1,6 +1,6 @@
 //! Sobol sequence with the direction numbers of Joe and Kuo.
 //!
-//! [JoeKuo] S. Joe, F. Y. Kuo, *Constructing Sobol sequences with better two-dimensional projections*, SIAM J. Sci.
+//! `[JoeKuo]` S. Joe, F. Y. Kuo, *Constructing Sobol sequences with better two-dimensional projections*, SIAM J. Sci.
 //! Comput. 30 (2008) 2635–2654. The table is the head of their file `new-joe-kuo-6.21201` (BSD licence): dimension d,
 //! degree s and coefficients a of its primitive polynomial, initial numbers m. Crates for it are given up, or limited
 //! to single precision and 2¹⁶ points.
