@@ -258,7 +258,7 @@ mod tests {
         for wrong in ["foo", "planar+foo", "planar+planar", "none+planar", "planar,"] {
             let said = study("--reductions", wrong);
             assert!(
-                said.contains("none, auto, or one or more of planar, linearised, flat, window, linkage"),
+                said.contains("none, auto, or one or more of planar, linearised, flat, window, modal, linkage"),
                 "{said}"
             );
         }
