@@ -72,6 +72,7 @@ impl Recorder {
     #[must_use]
     pub fn without_pictures(mut self) -> Self {
         self.frame_step = f64::INFINITY;
+        // The picture at the start counts as taken.
         self.frames = 1;
         self
     }

@@ -81,7 +81,8 @@ impl Cases<'_> {
     fn run(&self, case: &Case, stop: &AtomicBool, progress: &dyn Progress) -> Result<Finished, SetupError> {
         let Base { name, folder, .. } = self.base;
         let scene = self.base.scene(&self.plan.overrides(case))?;
-        let prepared = prepare_on(self.lines, scene, name, folder, self.source.logging)?;
+        let mut prepared = prepare_on(self.lines, scene, name, folder, self.source.logging)?;
+        prepared.pictures = false;
         prepared.run(self.mode, self.source, &Watch::new(stop, progress), |_| Ok(()))
     }
 

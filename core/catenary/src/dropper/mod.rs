@@ -5,6 +5,7 @@ use dynamics::{Blocks, ByRange, Force, LowRank, Motion, OnePass, Power, StepHist
 use lanes::{DropperGroup, EndMass, Evaluate, Extensions, LANES, Move, Step};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 mod ends;
@@ -21,7 +22,7 @@ pub use slackening::Slackening;
 ///
 /// `φ` is the part of a time step in which the dropper is taut, see [`UnilateralStep`]: 1 in a step that begins taut, 0
 /// in one that begins and ends slack: a slack dropper exerts no force at all [Thesis, section 3.2].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DropperLaw {
     /// `k`, N/m.
     pub stiffness: f64,

@@ -10,6 +10,7 @@
 //! nonlinear     the line in full: wires, droppers, supports, arms, ends
 //! linear        constant matrices with unilateral droppers
 //! modal         the linearised line in its own modes
+//! uplift        uplift of the contact wires at the masts
 //! window        the line in full around the strips, condensed elsewhere
 //! ```
 mod coordinates;
@@ -20,6 +21,7 @@ mod nonlinear;
 mod options;
 mod overhead;
 mod topology;
+mod uplift;
 pub(crate) mod window;
 
 pub(crate) use coordinates::WireCoordinates;
@@ -32,4 +34,5 @@ pub use options::{BendingLayers, Dimension, LineOptions, MassCorrection};
 pub use overhead::{OverheadLine, adopt_state, follow_strips};
 pub use topology::{DropperPlace, NodeOfWire, PlannedWire, Topology, WireName};
 pub(crate) use topology::{EndsOfWire, Part};
+pub(crate) use uplift::Uplift;
 pub use window::{WindowSize, WindowedLine};

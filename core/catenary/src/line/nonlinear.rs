@@ -1,6 +1,6 @@
 //! The nonlinear overhead line as a list of contributions.
 
-use super::{EndsOfWire, PlannedWire, WireCoordinates, curve_pull};
+use super::{EndsOfWire, PlannedWire, Uplift, WireCoordinates, curve_pull};
 use crate::wire::contact_wire_directors;
 use crate::{
     Anchor, Attachment, AxialLaw, BendingLaw, CorrectedWire, DeadLoad, Directors, Dropper, DropperLaw, Droppers,
@@ -90,8 +90,7 @@ pub struct Line {
     /// Pull of curved track.
     pull: DeadLoad,
     ends: LineEnds,
-    /// Height of each contact wire at each mast that uplift is counted from, m above the static height.
-    uplift_reference: Vec<Vec<f64>>,
+    uplift: Uplift,
     /// Residual compliance of each contact wire; empty without.
     compliance: Vec<Option<Arc<ResidualCompliance>>>,
     /// Numbers of the contact wires among the wires.
@@ -175,7 +174,7 @@ impl Line {
             masses,
             pull,
             ends: LineEnds::new(ends.collect()),
-            uplift_reference: topology.masts().iter().map(|nodes| vec![0.0; nodes.len()]).collect(),
+            uplift: Uplift::counted_from(topology, |_| 0.0),
             compliance: Vec::new(),
             contact_wires: topology.contact_wires().collect(),
             surfaces,
@@ -364,12 +363,7 @@ impl Line {
 
     /// Counts uplift from the state `q` on.
     pub fn set_uplift_reference(&mut self, q: &[f64]) {
-        for mast in 0..self.uplift_reference.len() {
-            for wire in 0..self.uplift_reference[mast].len() {
-                let at = self.topology.masts()[mast][wire];
-                self.uplift_reference[mast][wire] = self.vertical(at, q);
-            }
-        }
+        self.uplift = Uplift::counted_from(&self.topology, |at| self.vertical(at, q));
     }
 
     /// Rise of the contact wire at mast `mast` (from 0) above its height in the reference state, m; of several wires
@@ -385,11 +379,27 @@ impl Line {
         self.most_lifted(mast, q).map_or(0.0, |(_, at)| self.vertical(at, v))
     }
 
-    /// Largest rise of the contact wires at a mast, m, and its node.
     fn most_lifted(&self, mast: usize, q: &[f64]) -> Option<(f64, NodeOfWire)> {
-        let nodes = self.topology.masts()[mast].iter().zip(&self.uplift_reference[mast]);
-        let rises = nodes.map(|(&at, reference)| (self.vertical(at, q) - reference, at));
-        rises.reduce(|a, b| if b.0 > a.0 { b } else { a })
+        self.uplift.most_lifted(&self.topology, mast, |at| self.vertical(at, q))
+    }
+
+    /// Points along the wires of a name for pictures, m, a polyline for each, not many more than `most` points in all.
+    pub(crate) fn polylines_of(
+        &self,
+        name: WireName,
+        most: usize,
+        position: impl Fn(&WireNode) -> Vector3<f64>,
+    ) -> Vec<Vec<Vector3<f64>>> {
+        let wires = self.topology.wires().iter().zip(&self.wires);
+        let wires = wires.filter(|(planned, _)| planned.name == name);
+        let all: usize = wires.clone().map(|(planned, _)| planned.x.len()).sum();
+        let stride = all.div_ceil(most).max(1);
+        let points = wires.map(|(planned, wire)| {
+            let nodes = wire.geometry().nodes().iter().enumerate();
+            let drawn = nodes.filter(|(i, _)| i % stride == 0 || *i == planned.last());
+            drawn.map(|(_, node)| position(node)).collect()
+        });
+        points.collect()
     }
 
     /// Number of droppers without tension.

@@ -67,19 +67,8 @@ pub trait OverheadLine: Send {
 
     /// Points along the wires of a name for pictures, m, a polyline for each, not many more than `most` points in all.
     fn polylines(&self, name: WireName, q: &[f64], most: usize) -> Vec<Vec<Vector3<f64>>> {
-        let Some(shape) = self.shape() else {
-            return Vec::new();
-        };
-        let wires = shape.topology().wires().iter().zip(shape.wires());
-        let wires = wires.filter(|(planned, _)| planned.name == name);
-        let all: usize = wires.clone().map(|(planned, _)| planned.x.len()).sum();
-        let stride = all.div_ceil(most).max(1);
-        let points = wires.map(|(planned, wire)| {
-            let nodes = wire.geometry().nodes().iter().enumerate();
-            let drawn = nodes.filter(|(i, _)| i % stride == 0 || *i == planned.last());
-            drawn.map(|(_, node)| node.at(q).0).collect()
-        });
-        points.collect()
+        self.shape()
+            .map_or_else(Vec::new, |shape| shape.polylines_of(name, most, |node| node.at(q).0))
     }
 
     /// Moves the detailed part of the model along with strips between the positions `strips` (m along the track), at

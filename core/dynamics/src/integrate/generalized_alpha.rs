@@ -2,7 +2,7 @@
 use crate::capability::visit_histories;
 use crate::integrate::convergence_estimate::ConvergenceEstimate;
 use crate::integrate::formulation::{Formulation, Stepped};
-use crate::integrate::memory::{Linearisation, Memory};
+use crate::integrate::memory::{Linearisation, Memory, restore_after_step};
 use crate::integrate::newton::name;
 use crate::integrate::passes::{Apply, Predict};
 use crate::integrate::residual::Since;
@@ -106,10 +106,7 @@ impl GeneralizedAlpha {
         let result = self.attempt(system, state, u, t_end, h);
         match &result {
             Ok(()) => self.memory.last_h = Some(h),
-            Err(_) => {
-                let mut values = self.start_history.iter();
-                visit_histories(system, &mut |kept| kept.restore_after_step(&mut values));
-            }
+            Err(_) => restore_after_step(system, &self.start_history),
         }
         result
     }

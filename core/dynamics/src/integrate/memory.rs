@@ -2,7 +2,7 @@
 use crate::capability::visit_histories;
 use crate::integrate::convergence_estimate::ConvergenceEstimate;
 use crate::integrate::moving_multipliers::MovingMultipliers;
-use crate::{Continuity, GeneralizedAlpha, State, StepError, System};
+use crate::{Continuity, GeneralizedAlpha, State, StepError, StepHistory, System};
 use nalgebra::UnitQuaternion;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -97,7 +97,20 @@ impl GeneralizedAlpha {
 }
 
 pub(super) fn restore_history(system: &mut dyn System, history: &[f64]) {
+    take_back(system, history, &mut |kept, values| kept.restore(values));
+}
+
+/// Takes back a step that failed.
+pub(super) fn restore_after_step(system: &mut dyn System, history: &[f64]) {
+    take_back(system, history, &mut |kept, values| kept.restore_after_step(values));
+}
+
+fn take_back(
+    system: &mut dyn System,
+    history: &[f64],
+    restore: &mut dyn FnMut(&mut dyn StepHistory, &mut std::slice::Iter<'_, f64>),
+) {
     let mut values = history.iter();
-    visit_histories(system, &mut |kept| kept.restore(&mut values));
+    visit_histories(system, &mut |kept| restore(kept, &mut values));
     debug_assert!(values.next().is_none(), "a contribution saved more than it restored");
 }

@@ -1,8 +1,8 @@
 //! Gaussian elimination of a small dense matrix.
 
 /// `P A = L U` with partial pivoting, row by row in one array.
-#[derive(Debug, Default)]
-pub(crate) struct Lu {
+#[derive(Clone, Debug, Default)]
+pub struct Lu {
     size: usize,
     values: Vec<f64>,
     /// Row that was exchanged with each row.
@@ -18,7 +18,10 @@ impl Lu {
         &mut self.values
     }
 
-    /// Factors the matrix that was filled in. The error is the first column that depends on those before it.
+    /// Factors the matrix that was filled in.
+    ///
+    /// # Errors
+    /// The first column that depends on those before it.
     pub fn factor(&mut self) -> Result<(), usize> {
         let (n, a) = (self.size, &mut self.values);
         self.pivots.clear();

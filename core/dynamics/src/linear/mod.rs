@@ -30,6 +30,7 @@ pub(crate) mod sparse;
 pub(crate) mod sparse_factor;
 
 pub use block_tridiagonal::{BlockTridiagonal, LocalColumn};
+pub use dense_lu::Lu;
 pub use factored_matrix::FactoredMatrix;
 pub use low_rank::Updates;
 pub use sparse::SparseMatrix;

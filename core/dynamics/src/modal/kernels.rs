@@ -24,7 +24,7 @@ impl<S: Simd> Sums<S> {
     }
 
     #[inline(always)]
-    fn total(&self, _: S) -> f64 {
+    fn total(&self) -> f64 {
         let lanes: &[f64] = pulp::bytemuck::cast_slice(&self.0[..Self::REGISTERS]);
         let mut width = LANES;
         let mut sums = [0.0; LANES];
@@ -54,7 +54,7 @@ pub fn dot(arch: Arch, a: &[f64], b: &[f64]) -> f64 {
                     sums.0[k] = simd.add_f64s(sums.0[k], simd.mul_f64s(a[k], b[k]));
                 }
             }
-            sums.total(simd)
+            sums.total()
         }
     }
     arch.dispatch(Dot(a, b))
@@ -86,21 +86,6 @@ pub fn dot2(arch: Arch, a: &[f32], b: &[f32], c: &[f32]) -> [f64; 2] {
     arch.dispatch(Dot2(a, b, c))
 }
 
-/// `y = x` in the other precision.
-pub fn narrow(arch: Arch, x: &[f64], y: &mut [f32]) {
-    struct Narrow<'a>(&'a [f64], &'a mut [f32]);
-    impl WithSimd for Narrow<'_> {
-        type Output = ();
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, _: S) {
-            for (y, x) in self.1.iter_mut().zip(self.0) {
-                *y = *x as f32;
-            }
-        }
-    }
-    arch.dispatch(Narrow(x, y));
-}
-
 /// `Σ a b c`.
 pub fn dot3(arch: Arch, a: &[f64], b: &[f64], c: &[f64]) -> f64 {
     struct Dot3<'a>(&'a [f64], &'a [f64], &'a [f64]);
@@ -118,55 +103,25 @@ pub fn dot3(arch: Arch, a: &[f64], b: &[f64], c: &[f64]) -> f64 {
                     sums.0[k] = simd.add_f64s(sums.0[k], product);
                 }
             }
-            sums.total(simd)
+            sums.total()
         }
     }
     arch.dispatch(Dot3(a, b, c))
 }
 
-/// `y += α x` with `x` in single precision.
-pub fn add_narrow(arch: Arch, alpha: f64, x: &[f32], y: &mut [f64]) {
-    struct Add<'a>(f64, &'a [f32], &'a mut [f64]);
-    impl WithSimd for Add<'_> {
+/// `y += α x`, with `x` in either precision.
+pub fn add<X: Copy + Into<f64>>(arch: Arch, alpha: f64, x: &[X], y: &mut [f64]) {
+    struct Add<'a, X>(f64, &'a [X], &'a mut [f64]);
+    impl<X: Copy + Into<f64>> WithSimd for Add<'_, X> {
         type Output = ();
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
             for (y, x) in self.2.iter_mut().zip(self.1) {
-                *y += self.0 * f64::from(*x);
+                *y += self.0 * (*x).into();
             }
         }
     }
     arch.dispatch(Add(alpha, x, y));
-}
-
-/// `y += α x`.
-pub fn add(arch: Arch, alpha: f64, x: &[f64], y: &mut [f64]) {
-    struct Add<'a>(f64, &'a [f64], &'a mut [f64]);
-    impl WithSimd for Add<'_> {
-        type Output = ();
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, _: S) {
-            for (y, x) in self.2.iter_mut().zip(self.1) {
-                *y += self.0 * x;
-            }
-        }
-    }
-    arch.dispatch(Add(alpha, x, y));
-}
-
-/// `y = α x`.
-pub fn set(arch: Arch, alpha: f64, x: &[f64], y: &mut [f64]) {
-    struct Set<'a>(f64, &'a [f64], &'a mut [f64]);
-    impl WithSimd for Set<'_> {
-        type Output = ();
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, _: S) {
-            for (y, x) in self.2.iter_mut().zip(self.1) {
-                *y = self.0 * x;
-            }
-        }
-    }
-    arch.dispatch(Set(alpha, x, y));
 }
 
 /// Deflections of all modes at a point and their slopes, four rows at a time.

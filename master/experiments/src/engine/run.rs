@@ -183,6 +183,7 @@ impl Run {
         let run = self.scene().and_then(|scene| {
             let mut prepared = prepare(scene, &stage.name, &stage.base, stage.logging)?;
             prepared.disturbance = self.disturbance.clone();
+            prepared.pictures = false;
             prepared.run(variant.mode, &source, watch, |_| Ok::<(), SetupError>(()))
         });
         match run {

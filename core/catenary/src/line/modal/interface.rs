@@ -1,10 +1,10 @@
-//! Deflection under strips and slack droppers, as a contribution of forces on massless points under the strips.
+//! The line as strips see it: a contribution of forces on massless points under the strips.
 use super::curve::Place;
 use super::modes::Modes;
+use super::slack::{Answers, Candidates};
 use crate::{CurveColumns, WireCurve};
-use dynamics::modal::StepFactors;
 use dynamics::modal::kernels::{self, Weighted};
-use dynamics::{Blocks, Force, LowRank, Motion, State, StepHistory, Updates, Weights};
+use dynamics::{Blocks, Force, LowRank, Lu, Motion, State, StepHistory, Updates, Weights};
 use pulp::Arch;
 use std::sync::Arc;
 
@@ -18,10 +18,6 @@ const TAUT: f64 = 30.0;
 const MASS: f64 = 1e-6;
 /// Stiffness that holds a point under a strip beyond the wire, N/m.
 const HELD: f64 = 1e5;
-/// Difference of forces between sweeps over slack droppers at which these end, N.
-const SETTLED: f64 = 1e-9;
-/// Most sweeps over slack droppers.
-const SWEEPS: usize = 500;
 /// Change of a deflection for slopes of forces, m.
 const SLIGHT: f64 = 1e-5;
 /// Step factors kept: those of a step and of what is left of a communication step.
@@ -35,15 +31,15 @@ pub(super) struct ContactPoint {
     rest: Arc<[f64]>,
     place: Place,
     /// Columns of the wire at the point.
-    columns: CurveColumns,
+    pub columns: CurveColumns,
     /// True for a strip under the wire.
-    on: bool,
+    pub on: bool,
     /// Parameter on the wire at the end of the last step and in the present one, m.
     s: [f64; 2],
     /// Place along the track, m.
     x: f64,
     /// `φₖ(x)` of all modes.
-    shape: Vec<f64>,
+    pub shape: Vec<f64>,
     /// `∂φₖ/∂x`.
     slope: Vec<f64>,
 }
@@ -64,21 +60,6 @@ impl ContactPoint {
             slope: Vec::new(),
         }
     }
-}
-
-/// A dropper that may be slack at the end of the present step.
-#[derive(Clone, Debug, Default)]
-struct Candidate {
-    dropper: usize,
-    /// Tension at the end of the step without forces there, N.
-    free: f64,
-}
-
-/// Answers of the line to forces at the end of a step of one length.
-struct Answers {
-    step: StepFactors,
-    /// Answer of the tension of each dropper to the force of each other one, –; not a number where not yet needed.
-    between_droppers: Vec<f64>,
 }
 
 /// The line in its modes as strips see it.
@@ -130,19 +111,12 @@ struct Step {
     v_free: Vec<f64>,
     /// Deflection of the points without forces at the end, m.
     free: Vec<f64>,
-    /// Compliance of the points, m/N, row by row; its inverse, N/m.
+    /// Compliance of the points, m/N, row by row, and its factors.
     compliance: Vec<f64>,
-    stiffness: Vec<f64>,
-    candidates: Vec<Candidate>,
-    /// Deflection of each point by each candidate, m/N; tension of each candidate by each point, –.
-    by_candidate: Vec<f64>,
-    on_candidate: Vec<f64>,
-    /// Lacking forces of the candidates at the last solution, N.
-    lacking: Vec<f64>,
+    factored: Lu,
+    candidates: Candidates,
     forces: Vec<f64>,
     work: Vec<f64>,
-    /// Row of a dropper in double precision.
-    wide: Vec<f64>,
 }
 
 impl Interface {
@@ -179,18 +153,12 @@ impl Interface {
                 v_free: vec![0.0; count],
                 free: vec![0.0; contacts],
                 compliance: vec![0.0; contacts * contacts],
-                stiffness: vec![0.0; contacts * contacts],
                 forces: vec![0.0; contacts],
-                work: vec![0.0; count],
                 ..Step::default()
             },
             modes,
             points,
         }
-    }
-
-    pub fn modes(&self) -> &Modes {
-        &self.modes
     }
 
     /// A coordinate of the linearised line that has a row, m.
@@ -213,7 +181,7 @@ impl Interface {
 
     /// Force that a dropper lacks, N: that of a spring that pushes.
     fn lacks(&self, dropper: usize) -> f64 {
-        self.lacking[dropper] + (-self.modes.at_rest[dropper]).max(0.0)
+        self.lacking[dropper] + self.modes.lacks_at_rest(dropper)
     }
 
     /// Number of slack droppers.
@@ -225,7 +193,20 @@ impl Interface {
 
     /// Tension of a dropper at the end of the last step, N.
     pub fn tension(&self, dropper: usize) -> f64 {
-        (self.spring(dropper) + self.lacks(dropper)).max(0.0)
+        let damper = self.modes.law.damping - self.modes.borrowed[dropper];
+        (self.spring(dropper, self.motion_of(dropper), damper) + self.lacks(dropper)).max(0.0)
+    }
+
+    /// Deflection of a dropper or support by the modes, m, and its rate, m/s.
+    fn motion_of(&self, joint: usize) -> [f64; 2] {
+        let [q, v] = &self.narrow;
+        kernels::dot2(self.arch, self.modes.joint(joint), q, v)
+    }
+
+    /// Force of a dropper that may push and has a damper of `damper` N·s/m, N.
+    fn spring(&self, dropper: usize, [deflection, rate]: [f64; 2], damper: f64) -> f64 {
+        let elongation = deflection + self.residual_elongation(dropper);
+        self.modes.at_rest[dropper] + self.modes.law.stiffness * elongation + damper * rate
     }
 
     /// Looks at the droppers near the strips, at slack ones, and in turn at the others. Prepares the forces that take
@@ -251,37 +232,19 @@ impl Interface {
                 self.joint_rates[joint] = f64::NAN;
                 continue;
             }
-            let [deflection, rate] =
-                kernels::dot2(self.arch, self.modes.joint(joint), &self.narrow[0], &self.narrow[1]);
+            let motion = self.motion_of(joint);
             if let Some(dropper) = own {
-                let law = &self.modes.law;
-                let elongation = deflection + self.residual_elongation(dropper);
-                self.tensions[dropper] = self.modes.at_rest[dropper] + law.stiffness * elongation + law.damping * rate;
+                self.tensions[dropper] = self.spring(dropper, motion, self.modes.law.damping);
             }
+            let [_, rate] = motion;
             let before = std::mem::replace(&mut self.joint_rates[joint], rate);
             let taut = own.is_none_or(|dropper| self.lacks(dropper) == 0.0);
             if near && taut && self.step.h > 0.0 {
                 let ahead = if before.is_nan() { rate } else { 2.0 * rate - before };
                 let force = self.modes.borrowed[joint] * ahead;
-                kernels::add_narrow(self.arch, force, self.modes.joint(joint), &mut self.repaid);
+                kernels::add(self.arch, force, self.modes.joint(joint), &mut self.repaid);
             }
         }
-    }
-
-    fn narrow_motion(&mut self) {
-        let [q, v] = &mut self.narrow;
-        kernels::narrow(self.arch, &self.q, q);
-        kernels::narrow(self.arch, &self.v, v);
-    }
-
-    /// Force of a dropper that may push, at the end of the last step, N.
-    fn spring(&self, dropper: usize) -> f64 {
-        let row = self.modes.joint(dropper);
-        let [elongation, rate] = kernels::dot2(self.arch, row, &self.narrow[0], &self.narrow[1]);
-        let law = &self.modes.law;
-        let elongation = elongation + self.residual_elongation(dropper);
-        let damper = law.damping - self.modes.borrowed[dropper];
-        self.modes.at_rest[dropper] + law.stiffness * elongation + damper * rate
     }
 
     /// Elongation of a dropper by modes left out at the end of the last step, m.
@@ -313,11 +276,7 @@ impl Interface {
         match self.factors.iter().position(serves) {
             Some(at) => self.factors[..=at].rotate_right(1),
             None => {
-                let answers = Answers {
-                    step: StepFactors::new(&self.modes.stiffness, &self.modes.damping, h),
-                    between_droppers: vec![f64::NAN; self.modes.droppers().pow(2)],
-                };
-                self.factors.insert(0, answers);
+                self.factors.insert(0, Answers::new(&self.modes, h));
                 self.factors.truncate(KEPT);
             }
         }
@@ -369,16 +328,33 @@ impl Interface {
                 step.compliance[j * contacts + i] = value;
             }
         }
-        invert(&step.compliance, &mut step.work, &mut step.stiffness, contacts);
-        self.find_candidates();
-        let step = &mut self.step;
-        step.forces.copy_from_slice(&self.forces);
-        // The slope of the forces where these are as at the beginning of the step.
-        let mut at: Vec<f64> = std::mem::take(&mut step.work);
-        at.resize(3 * contacts, 0.0);
-        self.deflections_of(&self.forces, &mut at[..contacts]);
-        let (base, rest) = at.split_at_mut(contacts);
+        step.factored.matrix(contacts).copy_from_slice(&step.compliance);
+        step.factored
+            .factor()
+            .expect("strips apart have independent deflections");
+        let may_be_slack = |dropper: &usize| step.h == 0.0 || self.tensions[*dropper] < TAUT;
+        let droppers = (0..self.modes.droppers()).filter(may_be_slack);
+        step.candidates.take(
+            (arch, &self.modes, &mut self.factors[0]),
+            (&self.points, &step.factored),
+            [&step.q_free, &step.v_free],
+            droppers.map(|dropper| (dropper, self.lacking[dropper])),
+        );
+        self.find_slope();
+    }
+
+    /// Slope of the forces where these are as at the beginning of the step.
+    fn find_slope(&mut self) {
+        let contacts = self.points.len();
+        let mut work = std::mem::take(&mut self.step.work);
+        work.resize(3 * contacts, 0.0);
+        let (base, rest) = work.split_at_mut(contacts);
         let (there, middle) = rest.split_at_mut(contacts);
+        for (i, base) in base.iter_mut().enumerate() {
+            let row = &self.step.compliance[i * contacts..][..contacts];
+            let by_forces: f64 = row.iter().zip(&self.forces).map(|(row, force)| row * force).sum();
+            *base = self.step.free[i] + by_forces - self.step.candidates.deflection(i, contacts);
+        }
         self.solve(base);
         middle.copy_from_slice(&self.step.forces);
         for j in 0..contacts {
@@ -389,138 +365,17 @@ impl Interface {
                 self.slope[i * contacts + j] = (force - middle) / SLIGHT;
             }
         }
-        self.step.work = at;
+        self.step.work = work;
     }
 
-    /// Deflections of the points at the end of the step under `forces` and the lacking forces of the last step.
-    fn deflections_of(&self, forces: &[f64], out: &mut [f64]) {
-        let (step, contacts) = (&self.step, self.points.len());
-        for (i, out) in out.iter_mut().enumerate() {
-            let by_forces: f64 = (0..contacts)
-                .map(|j| step.compliance[i * contacts + j] * forces[j])
-                .sum();
-            let by_droppers: f64 = (step.candidates.iter().zip(&step.lacking).enumerate())
-                .map(|(c, (_, lacking))| step.by_candidate[i * step.candidates.len() + c] * lacking)
-                .sum();
-            *out = step.free[i] + by_forces - by_droppers;
-        }
-    }
-
-    /// Droppers that may be slack at the end of the step, and their part in it.
-    fn find_candidates(&mut self) {
-        let (arch, law) = (self.arch, self.modes.law);
-        let factors = &self.factors[0].step;
-        let step = &mut self.step;
-        step.candidates.clear();
-        for dropper in 0..self.modes.droppers() {
-            if step.h > 0.0 && self.tensions[dropper] >= TAUT {
-                continue;
-            }
-            step.wide.resize(self.q.len(), 0.0);
-            step.wide.fill(0.0);
-            kernels::add_narrow(arch, 1.0, self.modes.joint(dropper), &mut step.wide);
-            let row = &step.wide;
-            let mut free = self.modes.at_rest[dropper] + law.stiffness * kernels::dot(arch, row, &step.q_free);
-            if law.damping > 0.0 {
-                free += law.damping * kernels::dot(arch, row, &step.v_free);
-            }
-            step.candidates.push(Candidate { dropper, free });
-        }
-        let count = step.candidates.len();
-        step.by_candidate.clear();
-        step.on_candidate.clear();
-        for point in &self.points {
-            for candidate in &step.candidates {
-                step.wide.fill(0.0);
-                kernels::add_narrow(arch, 1.0, self.modes.joint(candidate.dropper), &mut step.wide);
-                let row = &step.wide;
-                let (mut deflection, mut rate) = (0.0, 0.0);
-                if point.on {
-                    deflection = kernels::dot3(arch, &point.shape, row, &factors.q1)
-                        + self.modes.residual_by_dropper(&point.columns, candidate.dropper);
-                    if law.damping > 0.0 {
-                        rate = kernels::dot3(arch, &point.shape, row, &factors.v1);
-                    }
-                }
-                step.by_candidate.push(deflection);
-                step.on_candidate.push(law.stiffness * deflection + law.damping * rate);
-            }
-        }
-        step.lacking.clear();
-        step.lacking
-            .extend(step.candidates.iter().map(|candidate| self.lacking[candidate.dropper]));
-        let Answers {
-            step: factors,
-            between_droppers,
-        } = &mut self.factors[0];
-        for i in 0..count {
-            for j in 0..count {
-                let (a, b) = (step.candidates[i].dropper, step.candidates[j].dropper);
-                let place = a * self.modes.droppers() + b;
-                if between_droppers[place].is_nan() {
-                    let rows = self.modes.joint(a).iter().zip(self.modes.joint(b));
-                    let steps = rows.zip(factors.q1.iter().zip(&factors.v1));
-                    let (mut elongation, mut rate) = (self.modes.residual_between(a, b), 0.0);
-                    for ((a, b), (q1, v1)) in steps {
-                        let both = f64::from(*a) * f64::from(*b);
-                        elongation += both * q1;
-                        rate += both * v1;
-                    }
-                    between_droppers[place] = law.stiffness * elongation + law.damping * rate;
-                }
-            }
-        }
-    }
-
-    /// Forces of the strips on the line for deflections `w` of the points at the end of the step, with the forces that
-    /// slack droppers lack: `p ≥ 0`, `s + p ≥ 0`, `p (s + p) = 0` with `s` the tension of a spring that may push.
+    /// Forces of the strips on the line for deflections `w` of the points at the end of the step.
     fn solve(&mut self, w: &[f64]) {
         let (step, contacts) = (&mut self.step, self.points.len());
-        let count = step.candidates.len();
-        let between = &self.factors[0].between_droppers;
-        for i in 0..contacts {
-            step.forces[i] = 0.0;
-            for (j, w) in w.iter().enumerate() {
-                let by_droppers: f64 = (0..count)
-                    .map(|c| step.by_candidate[j * count + c] * step.lacking[c])
-                    .sum();
-                step.forces[i] += step.stiffness[i * contacts + j] * (w - step.free[j] + by_droppers);
-            }
+        for (i, (force, w)) in step.forces.iter_mut().zip(w).enumerate() {
+            *force = w - step.free[i] + step.candidates.deflection(i, contacts);
         }
-        for _ in 0..SWEEPS {
-            let mut largest = 0.0_f64;
-            for c in 0..count {
-                let Candidate { dropper, free } = step.candidates[c];
-                let of_rest = (-self.modes.at_rest[dropper]).max(0.0);
-                let entry = |other: usize| between[dropper * self.modes.droppers() + step.candidates[other].dropper];
-                let by_strips: f64 = (0..contacts)
-                    .map(|i| step.on_candidate[i * count + c] * step.forces[i])
-                    .sum();
-                let by_droppers: f64 = (0..count).map(|other| entry(other) * step.lacking[other]).sum();
-                let spring = free + by_strips - by_droppers;
-                // Change of the forces of the strips with this lacking force.
-                let mut slope = 1.0 - entry(c);
-                for i in 0..contacts {
-                    let change: f64 = (0..contacts)
-                        .map(|j| step.stiffness[i * contacts + j] * step.by_candidate[j * count + c])
-                        .sum();
-                    slope += step.on_candidate[i * count + c] * change;
-                }
-                let lacks = step.lacking[c] + of_rest;
-                let next = (lacks - (spring + lacks) / slope).max(0.0);
-                let change = next - lacks;
-                step.lacking[c] = next - of_rest;
-                for i in 0..contacts {
-                    for j in 0..contacts {
-                        step.forces[i] += step.stiffness[i * contacts + j] * step.by_candidate[j * count + c] * change;
-                    }
-                }
-                largest = largest.max(change.abs());
-            }
-            if largest <= SETTLED {
-                break;
-            }
-        }
+        step.factored.solve(&mut step.forces);
+        step.candidates.settle(&self.modes, &self.factors[0], &mut step.forces);
     }
 
     /// Forces of the strips at a motion: `true` within a step, where they are solved for; else those of the last step
@@ -554,28 +409,6 @@ impl Interface {
             self.scaled[entry] = weight * matrix(self, entry);
         }
         (&self.coordinates, &self.scaled)
-    }
-}
-
-/// Inverse of a symmetric, positive definite matrix, row by row, by elimination in `work`.
-fn invert(matrix: &[f64], work: &mut Vec<f64>, inverse: &mut [f64], size: usize) {
-    work.clear();
-    work.extend_from_slice(matrix);
-    inverse.fill(0.0);
-    (0..size).for_each(|row| inverse[row * (size + 1)] = 1.0);
-    for pivot in 0..size {
-        let scale = 1.0 / work[pivot * (size + 1)];
-        for column in 0..size {
-            work[pivot * size + column] *= scale;
-            inverse[pivot * size + column] *= scale;
-        }
-        for row in (0..size).filter(|row| *row != pivot) {
-            let factor = work[row * size + pivot];
-            for column in 0..size {
-                work[row * size + column] -= factor * work[pivot * size + column];
-                inverse[row * size + column] -= factor * inverse[pivot * size + column];
-            }
-        }
     }
 }
 
@@ -630,18 +463,15 @@ impl StepHistory for Interface {
         }
         let (arch, h) = (self.arch, self.step.h);
         self.forces.copy_from_slice(&self.step.forces);
-        for (candidate, lacking) in self.step.candidates.iter().zip(&self.step.lacking) {
-            self.lacking[candidate.dropper] = *lacking;
+        for (dropper, lacking) in self.step.candidates.lacking() {
+            self.lacking[dropper] = lacking;
         }
-        for (number, (point, force)) in self.points.iter().zip(&self.forces).enumerate() {
-            if number == 0 {
-                kernels::set(arch, *force, &point.shape, &mut self.r);
-            } else {
-                kernels::add(arch, *force, &point.shape, &mut self.r);
-            }
+        self.r.fill(0.0);
+        for (point, force) in self.points.iter().zip(&self.forces) {
+            kernels::add(arch, *force, &point.shape, &mut self.r);
         }
         for (dropper, lacking) in self.lacking.iter().enumerate().filter(|(_, lacking)| **lacking != 0.0) {
-            kernels::add_narrow(arch, -lacking, self.modes.joint(dropper), &mut self.r);
+            kernels::add(arch, -lacking, self.modes.joint(dropper), &mut self.r);
         }
         let known = [&self.repaid[..], &self.step.q_free, &self.step.v_free];
         let ends = [&mut self.r[..], &mut self.q, &mut self.v];
@@ -666,10 +496,17 @@ impl StepHistory for Interface {
         self.look_at_droppers();
     }
 
-    /// Only the end of a step changes what is kept from step to step.
-    fn save_for_step(&self, _: &mut Vec<f64>) {}
+    /// The slope is all that a step changes before its end.
+    fn save_for_step(&self, out: &mut Vec<f64>) {
+        out.extend_from_slice(&self.slope);
+    }
 
-    fn restore_after_step(&mut self, _: &mut std::slice::Iter<'_, f64>) {
+    fn restore_after_step(&mut self, values: &mut std::slice::Iter<'_, f64>) {
+        for slope in &mut self.slope {
+            *slope = *values
+                .next()
+                .expect("a step begins with a slope for each pair of strips");
+        }
         self.step.open = false;
     }
 
@@ -714,7 +551,12 @@ impl StepHistory for Interface {
         for values in all {
             values.iter_mut().for_each(|value| *value = next());
         }
-        self.narrow_motion();
+        let motion = [&self.q, &self.v];
+        for (narrow, values) in self.narrow.iter_mut().zip(motion) {
+            for (narrow, value) in narrow.iter_mut().zip(values) {
+                *narrow = *value as f32;
+            }
+        }
         self.step.open = false;
     }
 }

@@ -19,17 +19,21 @@
 //! ```text
 //! file       subject
 //! modes      the modes of a linearised line, and what the ones left out add
-//! interface  deflection under strips and slack droppers as a contribution of forces
+//! interface  the line as strips see it, as a contribution of forces
+//! slack      droppers that may be slack at the end of a step
 //! curve      the contact wire under one strip
 //! store      modes found before
 //! ```
 mod curve;
 mod interface;
 mod modes;
+mod slack;
 mod store;
 
+use crate::line::Uplift;
 use crate::{
-    DropperSample, Line, LinearLine, NodeOfWire, OverheadLine, StaticLine, StaticsError, WireCurve, WireName, mesh,
+    DropperSample, Line, LinearLine, NodeOfWire, OverheadLine, StaticLine, StaticsError, WireCurve, WireName, WireNode,
+    mesh,
 };
 use curve::{ModalCurve, Place};
 use dynamics::{Continuity, Layout, Motion, PartVisitor, State, StepHistory};
@@ -61,8 +65,7 @@ pub struct ModalLine {
     coordinates: usize,
     /// Positions of wires, supports and droppers, in the coordinates of the linearised line.
     shape: Line,
-    /// Deflections that uplift is counted from, m, as the masts of [`crate::Topology`].
-    uplift_reference: Vec<Vec<f64>>,
+    uplift: Uplift,
 }
 
 impl ModalLine {
@@ -88,7 +91,7 @@ impl ModalLine {
     ///
     /// # Errors
     /// See [`StaticsError::Modes`].
-    pub fn of(
+    fn of(
         (mut linear, own): (LinearLine, &Layout),
         strips: usize,
         [highest, beta]: [f64; 2],
@@ -118,21 +121,14 @@ impl ModalLine {
                 place,
             }));
         }
-        let masts = shape.topology().masts();
         Ok(Self {
             interface: Interface::new(modes, points),
             curves,
             contact_wires,
             coordinates: own.coordinates(),
-            uplift_reference: masts.iter().map(|nodes| vec![0.0; nodes.len()]).collect(),
+            uplift: Uplift::counted_from(shape.topology(), |_| 0.0),
             shape,
         })
-    }
-
-    /// Number of modes.
-    #[must_use]
-    pub fn modes(&self) -> usize {
-        self.interface.modes().count()
     }
 
     /// Coordinate of the height of a node in the linearised line.
@@ -145,13 +141,9 @@ impl ModalLine {
         self.height(at).map_or(0.0, |index| self.interface.deflection_of(index))
     }
 
-    /// Largest rise of the contact wires at a mast, m, and its node.
     fn most_lifted(&self, mast: usize) -> Option<(f64, NodeOfWire)> {
-        let nodes = self.shape.topology().masts()[mast]
-            .iter()
-            .zip(&self.uplift_reference[mast]);
-        let rises = nodes.map(|(&at, reference)| (self.rise(at) - reference, at));
-        rises.reduce(|a, b| if b.0 > a.0 { b } else { a })
+        let topology = self.shape.topology();
+        self.uplift.most_lifted(topology, mast, |at| self.rise(at))
     }
 }
 
@@ -227,12 +219,7 @@ impl OverheadLine for ModalLine {
     }
 
     fn set_uplift_reference(&mut self, _: &[f64]) {
-        for mast in 0..self.uplift_reference.len() {
-            for wire in 0..self.uplift_reference[mast].len() {
-                let at = self.shape.topology().masts()[mast][wire];
-                self.uplift_reference[mast][wire] = self.rise(at);
-            }
-        }
+        self.uplift = Uplift::counted_from(self.shape.topology(), |at| self.rise(at));
     }
 
     fn uplift(&self, support: usize, _: &[f64]) -> f64 {
@@ -245,28 +232,13 @@ impl OverheadLine for ModalLine {
     }
 
     fn polylines(&self, name: WireName, _: &[f64], most: usize) -> Vec<Vec<Vector3<f64>>> {
-        let mut q = vec![0.0; self.coordinates];
-        let wires = self.shape.topology().wires().iter().enumerate();
-        let wires: Vec<usize> = wires
-            .filter(|(_, planned)| planned.name == name)
-            .map(|(wire, _)| wire)
-            .collect();
-        let nodes = |wire: usize| self.shape.wires()[wire].geometry().nodes();
-        let all: usize = wires.iter().map(|&wire| nodes(wire).len()).sum();
-        let stride = all.div_ceil(most).max(1);
-        for &wire in &wires {
-            let last = nodes(wire).len() - 1;
-            for (_, node) in nodes(wire)
-                .iter()
-                .enumerate()
-                .filter(|(i, _)| i % stride == 0 || *i == last)
-            {
-                if let Some(index) = node.map.position(2) {
-                    q[index] = self.interface.deflection_of(index);
-                }
-            }
-        }
-        self.shape.polylines(name, &q, most)
+        let deflection = |node: &WireNode| {
+            node.map
+                .position(2)
+                .map_or(0.0, |index| self.interface.deflection_of(index))
+        };
+        let position = |node: &WireNode| node.position + deflection(node) * Vector3::z();
+        self.shape.polylines_of(name, most, position)
     }
 
     fn follow(&mut self, _: (f64, f64), state: &mut State) -> Continuity {

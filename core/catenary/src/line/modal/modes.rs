@@ -4,6 +4,7 @@ use crate::{CurveColumns, DropperLaw, Line, LinearLine, StaticsError, WireCurve}
 use dynamics::eigen::{BandedFactor, BandedMatrix, Eigenpairs, eigenpairs_below};
 use dynamics::modal::kernels::{self, LANES};
 use dynamics::{Blocks, Force, Layout, Weights};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -13,7 +14,7 @@ const NEAR: usize = 12;
 const NONE: u32 = u32::MAX;
 
 /// Modes `φₖ` with `φₖᵀ M φₖ = 1`, as far as contact, droppers and pictures see them.
-#[derive(Clone, Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Modes {
     /// `ωₖ²`, 1/s².
     pub stiffness: Vec<f64>,
@@ -203,62 +204,6 @@ impl Modes {
         (self.dropper_residual, self.between_droppers) = (on_contact, between);
     }
 
-    /// All that a file keeps of the modes, see [`Modes::from_vectors`].
-    pub fn vectors(&self) -> [Vec<f64>; 13] {
-        [
-            self.stiffness.clone(),
-            self.damping.clone(),
-            self.row_of.iter().map(|row| f64::from(*row)).collect(),
-            self.rows.clone(),
-            self.residual.clone(),
-            vec![self.law.stiffness, self.law.damping],
-            self.borrowed.clone(),
-            self.support_x.clone(),
-            self.at_rest.clone(),
-            self.dropper_x.clone(),
-            self.joint_rows.iter().map(|entry| f64::from(*entry)).collect(),
-            self.dropper_residual.clone(),
-            self.between_droppers.clone(),
-        ]
-    }
-
-    /// The modes of [`Modes::vectors`].
-    pub fn from_vectors(vectors: Vec<Vec<f64>>) -> Option<Self> {
-        let [
-            stiffness,
-            damping,
-            row_of,
-            rows,
-            residual,
-            law,
-            borrowed,
-            support_x,
-            at_rest,
-            dropper_x,
-            joint_rows,
-            dropper_residual,
-            between_droppers,
-        ] = <[Vec<f64>; 13]>::try_from(vectors).ok()?;
-        Some(Self {
-            stiffness,
-            damping,
-            row_of: row_of.into_iter().map(|row| row as u32).collect(),
-            rows,
-            residual,
-            law: DropperLaw {
-                stiffness: *law.first()?,
-                damping: *law.get(1)?,
-            },
-            borrowed,
-            support_x,
-            at_rest,
-            dropper_x,
-            joint_rows: joint_rows.into_iter().map(|entry| entry as f32).collect(),
-            dropper_residual,
-            between_droppers,
-        })
-    }
-
     /// Number of modes, those that fill the last register included.
     pub fn count(&self) -> usize {
         self.stiffness.len()
@@ -267,6 +212,11 @@ impl Modes {
     /// Number of droppers.
     pub fn droppers(&self) -> usize {
         self.at_rest.len()
+    }
+
+    /// Force that a dropper lacks at rest, N: that of a spring that pushes.
+    pub fn lacks_at_rest(&self, dropper: usize) -> f64 {
+        (-self.at_rest[dropper]).max(0.0)
     }
 
     /// Entries of all modes at a row.
@@ -399,10 +349,9 @@ impl Pencil {
             });
             entries.collect::<Vec<_>>()
         });
-        let bands = all
-            .iter()
-            .map(|entries| BandedMatrix::from_entries(count, 0, entries).band());
-        let band = bands.max().unwrap_or(0);
+        let places = all.iter().flatten();
+        let band = places.map(|(row, column, _)| row.abs_diff(*column)).max();
+        let band = band.unwrap_or(0) as usize;
         let [stiffness, damping, mass] = all.map(|entries| BandedMatrix::from_entries(count, band, &entries));
         let (row_of, on_contact) = rows(linear, &free);
         Self {

@@ -1,13 +1,14 @@
 //! Modes of lines that were found before: those of this process, and files in the user's cache folder.
 use super::modes::Modes;
 use crate::StaticsError;
+use serde::{Serialize, de::DeserializeOwned};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::{env, fs, io, process};
 
 /// First line of a file; the number changes with the meaning of what follows.
-const FORMAT: &[u8; 24] = b"Pantoline, modes, no. 1\n";
+const FORMAT: &[u8; 24] = b"Pantoline, modes, no. 2\n";
 /// Modes kept by a process, and files kept in the folder; the oldest go first.
 const IN_PROCESS: usize = 4;
 const FILES: usize = 16;
@@ -77,34 +78,19 @@ fn folder() -> Option<PathBuf> {
 }
 
 /// The modes in a file; none where it is missing, of another format or damaged.
-fn read(file: &Path) -> Option<Modes> {
+fn read<T: DeserializeOwned>(file: &Path) -> Option<T> {
     let bytes = fs::read(file).ok()?;
     let rest = bytes.strip_prefix(FORMAT.as_slice())?;
-    let (sum, rest) = rest.split_first_chunk::<8>()?;
-    if u64::from_le_bytes(*sum) != checksum(rest) {
+    let (sum, body) = rest.split_first_chunk::<8>()?;
+    if u64::from_le_bytes(*sum) != checksum(body) {
         return None;
     }
-    let mut words = rest
-        .chunks_exact(8)
-        .map(|word| f64::from_le_bytes(word.try_into().unwrap_or_default()));
-    let mut vectors = Vec::new();
-    while let Some(length) = words.next() {
-        let vector: Vec<f64> = words.by_ref().take(length as usize).collect();
-        if vector.len() != length as usize {
-            return None;
-        }
-        vectors.push(vector);
-    }
-    Modes::from_vectors(vectors)
+    postcard::from_bytes(body).ok()
 }
 
 /// Writes a file beside its place and moves it there, so that no other process ever reads a part of it.
-fn write(folder: &Path, file: &Path, modes: &Modes) -> io::Result<()> {
-    let mut body = Vec::new();
-    for vector in modes.vectors() {
-        body.extend((vector.len() as f64).to_le_bytes());
-        vector.iter().for_each(|value| body.extend(value.to_le_bytes()));
-    }
+fn write<T: Serialize>(folder: &Path, file: &Path, modes: &T) -> io::Result<()> {
+    let body = postcard::to_stdvec(modes).map_err(io::Error::other)?;
     fs::create_dir_all(folder)?;
     let part = file.with_extension(format!("{}.partial", process::id()));
     fs::write(
@@ -144,19 +130,19 @@ mod tests {
     fn a_file_gives_its_modes_back_and_a_damaged_one_none() {
         let folder = env::temp_dir().join(format!("pantoline-modes-{}", process::id()));
         let file = folder.join("modes-test.bin");
-        let modes = Modes::from_vectors((0..13_u32).map(|k| vec![f64::from(k); 2]).collect()).unwrap();
+        let modes: Vec<Vec<f64>> = (0..13_u32).map(|k| vec![f64::from(k); 2]).collect();
         write(&folder, &file, &modes).unwrap();
-        let again = read(&file).unwrap();
-        assert_eq!(again.vectors(), modes.vectors());
+        let again: Vec<Vec<f64>> = read(&file).unwrap();
+        assert_eq!(again, modes);
         let mut bytes = fs::read(&file).unwrap();
         for at in [3, 30, bytes.len() - 1] {
             bytes[at] ^= 1;
             fs::write(&file, &bytes).unwrap();
-            assert!(read(&file).is_none(), "byte {at}");
+            assert!(read::<Vec<Vec<f64>>>(&file).is_none(), "byte {at}");
             bytes[at] ^= 1;
         }
         fs::write(&file, &bytes[..bytes.len() - 4]).unwrap();
-        assert!(read(&file).is_none(), "a file that was cut off");
+        assert!(read::<Vec<Vec<f64>>>(&file).is_none(), "a file that was cut off");
         fs::remove_dir_all(&folder).unwrap();
     }
 }

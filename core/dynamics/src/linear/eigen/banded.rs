@@ -1,6 +1,4 @@
 //! Symmetric banded matrices.
-use crate::SparseMatrix;
-
 /// Lower half of a symmetric banded matrix: each row from the first entry of its band to the diagonal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandedMatrix {
@@ -67,17 +65,6 @@ impl BandedMatrix {
         let mut product = vec![0.0; self.size];
         self.multiply(x, &mut product);
         product.iter().zip(x).map(|(a, b)| a * b).sum()
-    }
-}
-
-impl From<&SparseMatrix> for BandedMatrix {
-    fn from(matrix: &SparseMatrix) -> Self {
-        let rows = 0..matrix.size();
-        let entries = rows.flat_map(|row| {
-            let of_row = matrix.row(row);
-            of_row.map(move |(column, value)| (row as u32, column as u32, value))
-        });
-        Self::from_entries(matrix.size(), 0, &entries.collect::<Vec<_>>())
     }
 }
 

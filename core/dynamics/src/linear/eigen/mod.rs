@@ -10,8 +10,8 @@ mod slice;
 pub use banded::{BandedFactor, BandedMatrix};
 
 use slice::{Slice, eigenpairs};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Eigenpairs of a slice at which the slice is cut no further.
 const PER_SLICE: usize = 40;
@@ -75,18 +75,19 @@ pub fn eigenpairs_below(stiffness: &BandedMatrix, mass: &BandedMatrix, most: f64
     std::thread::scope(|scope| {
         for _ in 0..workers {
             scope.spawn(|| {
-                while let Some(slice) = slices.get(next.fetch_add(1, Ordering::Relaxed)) {
+                loop {
+                    let place = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(slice) = slices.get(place) else {
+                        break;
+                    };
                     let pairs = eigenpairs(stiffness, mass, slice);
-                    let place = slices.iter().position(|other| other.before == slice.before);
-                    if let (Some(place), Ok(mut found)) = (place, found.lock()) {
-                        found[place] = Some(pairs);
-                    }
+                    found.lock().unwrap_or_else(PoisonError::into_inner)[place] = Some(pairs);
                 }
             });
         }
     });
     let mut all = Eigenpairs::default();
-    let found = found.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
     for pairs in found.into_iter().flatten() {
         let pairs = pairs?;
         all.values.extend(pairs.values);

@@ -1,0 +1,154 @@
+//! Droppers that may be slack at the end of a step.
+use super::interface::ContactPoint;
+use super::modes::Modes;
+use dynamics::Lu;
+use dynamics::modal::{StepFactors, kernels};
+use pulp::Arch;
+
+/// Difference of forces between sweeps over slack droppers at which these end, N.
+const SETTLED: f64 = 1e-9;
+/// Most sweeps over slack droppers.
+const SWEEPS: usize = 500;
+
+/// Answers of the line to forces at the end of a step of one length.
+pub(super) struct Answers {
+    pub step: StepFactors,
+    /// Answer of the tension of each dropper to the force of each other one, –; not a number where not yet needed.
+    between_droppers: Vec<f64>,
+}
+
+impl Answers {
+    pub fn new(modes: &Modes, h: f64) -> Self {
+        Self {
+            step: StepFactors::new(&modes.stiffness, &modes.damping, h),
+            between_droppers: vec![f64::NAN; modes.droppers().pow(2)],
+        }
+    }
+
+    /// Finds the answer of dropper `a` to the force of dropper `b` where it is not yet known.
+    fn need(&mut self, modes: &Modes, a: usize, b: usize) {
+        let answer = &mut self.between_droppers[a * modes.droppers() + b];
+        if !answer.is_nan() {
+            return;
+        }
+        let rows = modes.joint(a).iter().zip(modes.joint(b));
+        let (mut elongation, mut rate) = (modes.residual_between(a, b), 0.0);
+        for ((a, b), (q1, v1)) in rows.zip(self.step.q1.iter().zip(&self.step.v1)) {
+            let both = f64::from(*a) * f64::from(*b);
+            elongation += both * q1;
+            rate += both * v1;
+        }
+        *answer = modes.law.stiffness * elongation + modes.law.damping * rate;
+    }
+}
+
+/// Droppers that may be slack at the end of the present step, with their part in it.
+#[derive(Default)]
+pub(super) struct Candidates {
+    droppers: Vec<usize>,
+    /// Tension of each at the end of the step without forces there, N.
+    free: Vec<f64>,
+    /// Deflection of each point by a unit lacking force, m/N; candidate after candidate.
+    deflections: Vec<f64>,
+    /// Tension by a unit force of each strip, –; candidate after candidate.
+    tensions: Vec<f64>,
+    /// Force on each strip that a unit lacking force leaves with the points held, –; candidate after candidate.
+    held: Vec<f64>,
+    /// Lacking force of each beyond that at rest at the last solution, N.
+    lacking: Vec<f64>,
+    /// Row of a dropper in double precision.
+    wide: Vec<f64>,
+}
+
+impl Candidates {
+    /// The candidates and their last lacking forces, N.
+    pub fn lacking(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.droppers.iter().copied().zip(self.lacking.iter().copied())
+    }
+
+    /// Takes the droppers that are candidates, with what they lacked at the end of the last step, N; `compliance` has
+    /// the factors of the compliance of the points.
+    pub fn take(
+        &mut self,
+        (arch, modes, answers): (Arch, &Modes, &mut Answers),
+        (points, compliance): (&[ContactPoint], &Lu),
+        [q_free, v_free]: [&[f64]; 2],
+        droppers: impl Iterator<Item = (usize, f64)>,
+    ) {
+        let (law, step) = (&modes.law, &answers.step);
+        for values in [
+            &mut self.free,
+            &mut self.deflections,
+            &mut self.tensions,
+            &mut self.held,
+            &mut self.lacking,
+        ] {
+            values.clear();
+        }
+        self.droppers.clear();
+        for (dropper, lacking) in droppers {
+            self.wide.resize(modes.count(), 0.0);
+            self.wide.fill(0.0);
+            kernels::add(arch, 1.0, modes.joint(dropper), &mut self.wide);
+            let along = |values: &[f64]| kernels::dot(arch, &self.wide, values);
+            let spring = modes.at_rest[dropper] + law.stiffness * along(q_free);
+            self.free.push(spring + law.damping * along(v_free));
+            for point in points {
+                let (mut deflection, mut rate) = (0.0, 0.0);
+                if point.on {
+                    let by_modes = |factor: &[f64]| kernels::dot3(arch, &point.shape, &self.wide, factor);
+                    deflection = by_modes(&step.q1) + modes.residual_by_dropper(&point.columns, dropper);
+                    rate = by_modes(&step.v1);
+                }
+                self.deflections.push(deflection);
+                self.tensions.push(law.stiffness * deflection + law.damping * rate);
+            }
+            let first = self.held.len();
+            self.held.extend_from_slice(&self.deflections[first..]);
+            compliance.solve(&mut self.held[first..]);
+            self.lacking.push(lacking);
+            self.droppers.push(dropper);
+        }
+        for &a in &self.droppers {
+            for &b in &self.droppers {
+                answers.need(modes, a, b);
+            }
+        }
+    }
+
+    /// Deflection of a point of `points` by all lacking forces, m, taken away from that without them.
+    pub fn deflection(&self, point: usize, points: usize) -> f64 {
+        let by_each = self.deflections.chunks_exact(points).zip(&self.lacking);
+        by_each.map(|(deflections, lacking)| deflections[point] * lacking).sum()
+    }
+
+    /// Lacking forces `p ≥ 0` with `s + p ≥ 0`, `p (s + p) = 0`, `s` the tension of a spring that may push; `forces` are
+    /// those of the strips with the points held, and change with `p`.
+    pub fn settle(&mut self, modes: &Modes, answers: &Answers, forces: &mut [f64]) {
+        let contacts = forces.len();
+        for _ in 0..SWEEPS {
+            let mut largest = 0.0_f64;
+            for (c, &dropper) in self.droppers.iter().enumerate() {
+                let own = c * contacts..(c + 1) * contacts;
+                let (tensions, held) = (&self.tensions[own.clone()], &self.held[own]);
+                let along = |values: &[f64]| -> f64 { tensions.iter().zip(values).map(|(a, b)| a * b).sum() };
+                let between = &answers.between_droppers[dropper * modes.droppers()..][..modes.droppers()];
+                let by_droppers: f64 = self.lacking().map(|(other, lacking)| between[other] * lacking).sum();
+                let spring = self.free[c] + along(forces) - by_droppers;
+                let slope = 1.0 - between[dropper] + along(held);
+                let of_rest = modes.lacks_at_rest(dropper);
+                let lacks = self.lacking[c] + of_rest;
+                let next = (lacks - (spring + lacks) / slope).max(0.0);
+                let change = next - lacks;
+                for (force, held) in forces.iter_mut().zip(held) {
+                    *force += held * change;
+                }
+                self.lacking[c] = next - of_rest;
+                largest = largest.max(change.abs());
+            }
+            if largest <= SETTLED {
+                break;
+            }
+        }
+    }
+}
