@@ -122,8 +122,8 @@ impl Candidates {
         by_each.map(|(deflections, lacking)| deflections[point] * lacking).sum()
     }
 
-    /// Lacking forces `p ≥ 0` with `s + p ≥ 0`, `p (s + p) = 0`, `s` the tension of a spring that may push; `forces` are
-    /// those of the strips with the points held, and change with `p`.
+    /// Lacking forces `p ≥ 0` with `s + p ≥ 0`, `p (s + p) = 0`, `s` the tension of a spring that may push; `forces`
+    /// are those of the strips with the points held, and change with `p`.
     pub fn settle(&mut self, modes: &Modes, answers: &Answers, forces: &mut [f64]) {
         let contacts = forces.len();
         for _ in 0..SWEEPS {
