@@ -31,7 +31,10 @@ fn stage(folder: &Path) {
     // Libraries of the whole workspace, for which they are built anyway.
     let built = artifacts(&["--workspace", "--lib"], "cdylib");
     let extension = built.iter().find(|file| file.to_string_lossy().contains("_pantoline"));
-    put(extension.expect("the extension is built"), &package.join("_pantoline.abi3.so"));
+    put(
+        extension.expect("the extension is built"),
+        &package.join("_pantoline.abi3.so"),
+    );
     let program = Program::new();
     for entry in fs::read_dir(program.folder()).unwrap() {
         let path = entry.unwrap().path();

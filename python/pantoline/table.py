@@ -60,9 +60,9 @@ class Table(Sequence[dict[str, Any]]):
         return f"<Table of {len(self)} rows: {', '.join(self.columns)}>"
 
     def _repr_html_(self) -> str:
-        cells = lambda tag, values: "".join(f"<{tag}>{_shown(value)}</{tag}>" for value in values)
-        rows = "".join(f"<tr>{cells('td', (row.get(name) for name in self.columns))}</tr>" for row in self._rows)
-        return f"<table><thead><tr>{cells('th', self.columns)}</tr></thead><tbody>{rows}</tbody></table>"
+        head = "".join(f"<th>{_shown(name)}</th>" for name in self.columns)
+        rows = "".join("<tr>" + "".join(f"<td>{_shown(row.get(name))}</td>" for name in self.columns) + "</tr>" for row in self)
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
 
 
 def _shown(value: Any) -> str:

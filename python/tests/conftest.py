@@ -17,6 +17,7 @@ SMALL = [
     "catenary.mesh.elements_per_interval=1",
     "run.duration=0.5",
     "run.evaluate={ time = [0.1, 0.5] }",
+    "coupling.macro_step=0.001",
 ]
 
 #: The smallest line that there is, for states and memory.

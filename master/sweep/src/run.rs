@@ -175,7 +175,7 @@ impl Sweep {
     /// Makes the cases for which `open` holds and gives each to `keep`; `share` is the part of the bar for one case.
     fn make_open(
         &self,
-        open: &dyn Fn(u64) -> bool,
+        open: &(dyn Fn(u64) -> bool + Sync),
         interrupted: &AtomicBool,
         (progress, share): (&Progress, f64),
         keep: &mut dyn FnMut(Made) -> Result<(), SweepError>,
