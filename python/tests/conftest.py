@@ -24,7 +24,7 @@ SMALL = [
 TINY = [
     "catenary.spans=2",
     "catenary.mesh.elements_per_interval=1",
-    "catenary.droppers.positions=[15.0, 45.0]",
+    "catenary.droppers.positions=[30.0]",
     "run.start_x=30",
     "run.duration=0.1",
     "run.evaluate={ time = [0.0, 0.1] }",
