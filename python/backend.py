@@ -30,6 +30,8 @@ __all__ = [
 
 TREE = Path(__file__).resolve().parent.parent
 PACKAGE = TREE / "python" / "pantoline"
+#: Targets of which the wheel carries the files.
+CARRIED = {"master", "catenary_fmu", "pantograph_fmu"}
 #: Scene of the two FMUs that a wheel carries.
 SCENE = TREE / "scenes" / "en50318-300.toml"
 
@@ -44,14 +46,15 @@ def _cargo(*arguments: str) -> str:
 
 def _artifacts() -> list[Path]:
     """Files of the program and of the libraries of the FMUs, built where they are not up to date."""
+    # One selection with the package itself: the features of the libraries are those of the whole workspace.
+    packages = ["-p", "master", "-p", "fmu-catenary", "-p", "fmu-pantograph", "-p", "pantoline-python"]
+    told = _cargo("build", "--release", "--locked", "--message-format=json-render-diagnostics", *packages)
     files = []
-    for selection in (["--workspace", "--bin", "master"], ["-p", "fmu-catenary", "-p", "fmu-pantograph"]):
-        told = _cargo("build", "--release", "--locked", "--message-format=json-render-diagnostics", *selection)
-        for line in told.splitlines():
-            message = json.loads(line)
-            kinds = message.get("target", {}).get("kind", [])
-            if message.get("reason") == "compiler-artifact" and {"bin", "cdylib"} & set(kinds):
-                files += [Path(file) for file in message["filenames"] if not file.endswith((".rlib", ".pdb", ".lib"))]
+    for line in told.splitlines():
+        message = json.loads(line)
+        target = message.get("target", {})
+        if message.get("reason") == "compiler-artifact" and target["name"] in CARRIED:
+            files += [Path(file) for file in message["filenames"]]
     return files
 
 
