@@ -76,13 +76,8 @@ def on_cluster(
     parts = folder / "parts"
     parts.mkdir(exist_ok=True)
     call = uuid.uuid4().hex
-    futures = client.map(
-        partial(_make, place),
-        batches,
-        key=[f"pantoline-{call}-{numbers[0]}" for numbers in batches],
-        pure=False,
-        retries=retries,
-    )
+    keys = [f"pantoline-{call}-{numbers[0]}" for numbers in batches]
+    futures = client.map(partial(_make, place), batches, key=keys, pure=False, retries=retries) if batches else []
     first = {future.key: numbers[0] for future, numbers in zip(futures, batches)}
     failure: BaseException | None = None
     try:
@@ -95,6 +90,7 @@ def on_cluster(
     finally:
         client.cancel(futures)
         summary: dict[str, Any] = json.loads(sweep.close() or "{}")
+        summary["made_earlier"] = sweep.cases() - len(cases)
     if failure is not None:
         finished, count = summary["finished"], summary["cases"]
         text = f"{finished} of {count} cases are finished; the same call goes on from there: {failure}"

@@ -151,6 +151,8 @@ class Scene:
             SceneError: A scene that cannot be run.
             RunError: A run that has not reached its end; the attribute ``result`` has what there is.
         """
+        if out is not None:  # a folder that cannot be made is refused before the run
+            Path(out).mkdir(parents=True, exist_ok=True)
         result = Result(self._source.run(mode, animation and out is not None))
         if out is not None:
             result.save(out, report=report, animation=animation)

@@ -79,6 +79,34 @@ def kill_after_the_first_batch(victim: int, parts: Path) -> None:
     os.kill(victim, signal.SIGKILL)
 
 
+def test_what_a_cluster_has_made_is_kept_and_gone_on_with(expected: Path, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    import pantoline._cluster as cluster
+
+    local = distributed.LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None)
+    with local, distributed.Client(local) as client:
+        make = cluster._make
+        try:
+            cluster._make = refused_from_the_seventh
+            with pytest.raises(pantoline.RunError, match="6 of 12 cases are finished; .* out of order"):
+                pantoline.sweep(scene(), VARY, out=tmp_path, client=client, batch=2, retries=1)
+        finally:
+            cluster._make = make
+        assert len((tmp_path / "sweep.csv").read_text().splitlines()) == 1 + 6
+        table = pantoline.sweep(scene(), VARY, out=tmp_path, client=client, batch=3)
+    assert table.summary["made_earlier"] == 6
+    assert (tmp_path / "sweep.csv").read_bytes() == (expected / "sweep.csv").read_bytes()
+
+
+def refused_from_the_seventh(place: Any, cases: list[int]) -> str:
+    """A worker that makes the first six cases only."""
+    import pantoline._cluster as cluster
+
+    if cases[0] > 6:
+        raise OSError("out of order")
+    return cluster._sweep(place).make(list(cases))
+
+
 def test_a_cluster_that_loses_a_worker_makes_the_same_table(expected: Path, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
     settings = {"distributed.worker.daemon": False, "distributed.comm.timeouts.connect": "10s"}
@@ -95,7 +123,8 @@ def test_a_cluster_that_loses_a_worker_makes_the_same_table(expected: Path, tmp_
             watch.start()
             table = pantoline.sweep(scene(), VARY, out=tmp_path, client=client, batch=2)
             watch.join()
-    assert table.complete
+            again = pantoline.sweep(scene(), VARY, out=tmp_path, client=client)
+    assert table.complete and again.summary["made_earlier"] == 12
     assert (tmp_path / "sweep.csv").read_bytes() == (expected / "sweep.csv").read_bytes()
     parts = sorted((tmp_path / "parts").glob("*.parquet"))
     assert len(parts) == 6
