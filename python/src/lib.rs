@@ -13,6 +13,8 @@
 //! The classes here are the small ones under those of the package `pantoline`, which has names, units, tables and plots.
 //! No physics and no formula is in this crate.
 
+#![forbid(unsafe_code)]
+
 mod error;
 mod interruption;
 mod result;
