@@ -10,8 +10,8 @@
 //! | `error` | exceptions |
 //! | `value` | values of a scene as Python has them |
 //!
-//! The classes here are the small ones under those of the package `pantoline`, which has names, units, tables and plots.
-//! No physics and no formula is in this crate.
+//! The classes here are the small ones under those of the package `pantoline`, which has names, units, tables and
+//! plots. No physics and no formula is in this crate.
 
 #![forbid(unsafe_code)]
 
