@@ -109,7 +109,7 @@ def refused_from_the_seventh(place: Any, cases: list[int]) -> str:
 
 def test_a_cluster_that_loses_a_worker_makes_the_same_table(expected: Path, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
-    settings = {"distributed.worker.daemon": False, "distributed.comm.timeouts.connect": "10s"}
+    settings = {"distributed.worker.daemon": False, "distributed.comm.timeouts.connect": "60s"}
     import dask
 
     with dask.config.set(settings):
@@ -119,7 +119,8 @@ def test_a_cluster_that_loses_a_worker_makes_the_same_table(expected: Path, tmp_
         with cluster, distributed.Client(cluster) as client:
             pids = client.run(os.getpid)
             victim = sorted(pids.values())[0]
-            watch = threading.Thread(target=kill_after_the_first_batch, args=(victim, tmp_path / "parts"))
+            arguments = (victim, tmp_path / "parts")
+            watch = threading.Thread(target=kill_after_the_first_batch, args=arguments, daemon=True)
             watch.start()
             table = pantoline.sweep(scene(), VARY, out=tmp_path, client=client, batch=2)
             watch.join()
